@@ -1,4 +1,4 @@
-"""The Material Point Method and its error estimates, headless: Scene -> Solver -> Result.
+"""The Material Point Method and its error estimates, without a user interface: Scene -> Solver -> Result.
 
 What a user needs stands here, and is imported when it is first asked for::
 
@@ -44,13 +44,13 @@ def __dir__() -> list[str]:
     return sorted({*globals(), *__all__})
 
 
-# For Taichi, whoever imports it first: no announcement, no asking a server for news at every start, and no gathering of
-# what kernels print after each launch, which it does (and says so) in notebooks; ours print nothing.
+# For Taichi, at its first import: no banner, no request for its latest version at every start, and no collection of
+# kernels' prints after each launch, which it does in notebooks, with a message; our kernels print nothing.
 os.environ.setdefault("ENABLE_TAICHI_HEADER_PRINT", "0")
 os.environ["TI_SKIP_VERSION_CHECK"] = "ON"
 os.environ.setdefault("TI_ENABLE_PYBUF", "0")
-# For numpy, where nobody has imported it before: matrices here are small, and its second thread would wait more than it
-# works, on busy processors for seconds.
+# For numpy, unless it is imported already: matrices here are small, and a second thread would wait more than it
+# computes, on busy CPUs for seconds.
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 kernel_cache.raise_cache_size()
 kernel_cache.ensure_cache_folder()

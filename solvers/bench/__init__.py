@@ -1,7 +1,7 @@
-"""The bench: how fast the solvers are, what each effect costs, and how long it takes to start.
+"""Benchmarks: speed of the solvers, cost of each effect, and start-up time.
 
-``measure`` has the rates and the prices, against each problem's step without any optional code where it has one
-(``solvers.problems.Problem.baseline``); ``gpu`` what a GPU gains where there is one; ``start`` the start-up and compile
-times, both in fresh processes (``solvers.workers.worker_process``);
-``limit`` has our rates over those of hand-written C++ (``cpp/``). ``bench`` puts it all together.
+``benchmarks`` has the rates and the prices, and compares each problem's step with one without optional code, where
+there is one (``solvers.problems.descriptor.Problem.baseline``); ``gpu`` measures a GPU if there is one; ``start_up``
+the start-up and compile times, both in fresh processes (``solvers.workers.worker_process``); ``cpp_reference`` our
+rates over those of hand-written C++ (``cpp/``). ``bench`` combines all of them.
 """

@@ -20,7 +20,7 @@ CPP_PROBLEMS = ("bar", "ring")  # problems whose step there is in C++; that of t
 
 
 def run_benchmarks(quick: bool, command: Sequence[str], on_progress: Callable[[float], None]) -> dict:
-    """Measure everything. ``command`` is what a person starts, and ends at once; ``on_progress`` gets 0 to 1."""
+    """Measures everything. ``command`` is a command of the user that exits at once; ``on_progress`` gets 0 to 1."""
     begun, effort = time.perf_counter(), benchmarks.QUICK if quick else benchmarks.FULL
     tasks: list[tuple[str, Callable[[], Any]]] = [
         ("start", partial(start_times, command, tuple(PROBLEMS))), ("gpu", partial(measure_gpu, quick)),
@@ -43,7 +43,7 @@ def run_benchmarks(quick: bool, command: Sequence[str], on_progress: Callable[[f
 
 
 def machine_info() -> dict[str, Any]:
-    """Where it is measured, and how busy that is now."""
+    """Returns the machine's properties and present load."""
     load = os.getloadavg()[0] if hasattr(os, "getloadavg") else None
     return {"system": platform.system(), "processor": platform.machine(), "cores": os.cpu_count(), "load": load,
             "python": ".".join(map(str, sys.version_info[:3])), "taichi": ".".join(map(str, runtime.ti.__version__))}

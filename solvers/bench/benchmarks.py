@@ -1,7 +1,7 @@
-"""What the bench measures with solvers in this process: rates, prices, and what is paid for effects that are off.
+"""Benchmarks of solvers in this process: rates, prices, and the overhead of inactive effects.
 
-Everything runs on one thread in the processor's own time. The motion is gentle, so that every method's run stays sound;
-how long a step takes does not depend on how far the particles go.
+Everything runs on one thread in CPU time. The motion is gentle, so that every method's run stays sound; the time per
+step does not depend on how far the particles move.
 """
 
 import math
@@ -24,8 +24,8 @@ from solvers.study.row import PRICED
 
 
 def optional_inputs(scene: type[Scene]) -> dict[str, tuple[dict[str, Any], dict[str, Any]]]:
-    """What is optional in a problem's step: the inputs that switch it on and those that it is compared with; the rest
-    is bare."""
+    """Returns the optional parts of a problem's step: the inputs that switch each on, and those that it is compared
+    with, on an otherwise bare step."""
     found: dict[str, tuple[dict[str, Any], dict[str, Any]]] = {
         name: ({"effects": (*needed, name)}, {"effects": needed}) for name, needed in PRICED.items()}
     found["body force"] = ({}, {"body_force": "none"})
@@ -37,7 +37,7 @@ def optional_inputs(scene: type[Scene]) -> dict[str, tuple[dict[str, Any], dict[
 
 @dataclass(frozen=True)
 class Effort:
-    """How much is measured: sizes, turns, and seconds of a stretch."""
+    """Effort of a benchmark: sizes, turns, and seconds of a stretch."""
 
     cells: Mapping[int, tuple[int, ...]]  # by dimension
     priced_cells: Mapping[int, int]  # for prices and for what is off
@@ -57,14 +57,15 @@ def bare_scene(problem: str, cells: int, **inputs: Any) -> Scene:
 
 
 def measure_rates(problem: str, method: str, effort: Effort) -> list[dict]:
-    """Million particle-steps per second at each size."""
+    """Returns the rate at each size, in million particle-steps per second."""
     scenes = [bare_scene(problem, cells, method=method) for cells in effort.cells[PROBLEMS[problem].scene.DIMENSIONS]]
     return [{**_scene_columns(scene), "particles": scene.particles,
              "rate": finite(particle_step_rate(build(scene), effort.rate_turns))} for scene in scenes]
 
 
 def estimator_prices(problem: str, effort: Effort) -> list[dict]:
-    """A step with each estimator, all four quantities, over a bare one; null with a reason where it is not valid."""
+    """Returns the time of a step with each estimator, all four quantities, over a bare one, null with a reason if it is
+    not valid."""
     kind, with_it = PROBLEMS[problem].scene, dict[str, Scene]()
     for name in PROBLEMS[problem].estimators:  # of the default method, or the first for which the estimator is valid
         scenes = [_scene_with_options(problem, effort, method=method, effects=("estimate", "acceleration"),
@@ -78,7 +79,7 @@ def estimator_prices(problem: str, effort: Effort) -> list[dict]:
 
 
 def effect_prices(problem: str, effort: Effort) -> list[dict]:
-    """A step with each effect over one without it."""
+    """Returns the time of a step with each effect over one without it."""
     scene = _scene_with_options(problem, effort)
     pairs = {name: (replace(scene, **on), replace(scene, **off)) for name,
              (on, off) in optional_inputs(type(scene)).items()}
@@ -87,7 +88,7 @@ def effect_prices(problem: str, effort: Effort) -> list[dict]:
 
 
 def measure_options_overhead(problem: str, effort: Effort) -> dict:
-    """A bare step over one baseline by hand of all that is optional, and how far to believe that.
+    """Measures a bare step over a baseline without optional code, and the uncertainty.
 
     Two solvers of each kind take turns. ``ratio`` is the median over the turns, ``low`` and ``high`` are the quartiles;
     ``same`` compares the two bare solvers, which run the same machine code and differ by noise alone. How

@@ -1,7 +1,7 @@
-"""Our rates over those of hand-written C++, which is compiled here by the compiler that is there.
+"""Our rates over those of hand-written C++, compiled here by an available compiler.
 
-That has the same step, fused, vectorised and with nothing but the method, as a person writes it who writes one method
-for one processor. Solver and C++ take turns, so that a processor that changes its speed changes both.
+It has the same step, fused, vectorised and with nothing but the method, as written by hand for one method and one CPU.
+Solver and C++ take turns, so that a CPU that changes its clock rate affects both.
 """
 
 import os
@@ -32,11 +32,11 @@ RING_CELLS, RING_STEPS = 96, 512  # beyond 0.01 s the C++ ring, without remedies
 
 
 class CppMissing(Exception):
-    """There is nothing to compare a rate with here; the sentence says why, and what would help."""
+    """Error where no rate can be compared here; the sentence says why, and what would help."""
 
 
 class CppProgram:
-    """The step of a problem in C++, compiled into a folder. Raises :class:`CppMissing` where that cannot be."""
+    """The step of a problem in C++, compiled into a folder. Raises :class:`CppMissing` where that is impossible."""
 
     def __init__(self, problem: str, folder: Path):
         self.path = folder / problem
@@ -48,8 +48,8 @@ class CppProgram:
                              f"{reasons[0].rpartition('error')[2].strip(': ')}")
 
     def run(self, *arguments: object) -> tuple[float, float]:
-        """Million particle-steps a second of the processor's time, the start not counted; and the largest error of x
-        over the amplitude, by which one sees that it has done the work."""
+        """Returns million particle-steps per second of CPU time, without the start; and the largest error of x over the
+        amplitude, which proves that the work was done."""
         said = _run_command(str(self.path), *map(str, arguments))
         if said.returncode:
             raise CppMissing(f"the C++ of the {self.path.name} ended with status {said.returncode}")
@@ -58,7 +58,7 @@ class CppProgram:
 
 
 def find_compiler() -> str:
-    """The compiler that the variable CXX names, or the first that is found."""
+    """Returns the compiler in the variable CXX, or the first that exists. Raises :class:`CppMissing` without one."""
     names = (os.environ["CXX"],) if os.environ.get("CXX") else COMPILERS
     for name in names:
         if found := shutil.which(name):
@@ -76,7 +76,7 @@ def _run_command(*command: str) -> subprocess.CompletedProcess:
 
 @dataclass(frozen=True)
 class Case:
-    """A method, the grid that it is measured on, and what the C++ is told to do."""
+    """A method, its grid, and the arguments of the C++ program."""
 
     method: str
     cells: int
@@ -84,15 +84,15 @@ class Case:
 
 
 def comparison_cases(problem: str) -> list[Case]:
-    """The bar's methods, all against the C++ step of uGIMP; the ring's boxes and CPDI, each against its own."""
+    """Returns the bar's methods, all against the C++ step of uGIMP; the ring's boxes and CPDI, each against its own."""
     if problem == "bar":
         return [Case(method, BAR_CELLS, (BAR_CELLS, BAR_STEPS)) for method in PROBLEMS[problem].scene.choices("method")]
     return [Case(method, RING_CELLS, (method, RING_CELLS, RING_STEPS)) for method in RING_METHODS]
 
 
 def measure_ratios(problem: str, quick: bool) -> dict:
-    """A row for each case of a problem, or why there is none. In a turn each case is measured twice, the solver and at
-    once the C++, after a turn that does not count.
+    """Returns a row for each case of a problem, or why there is none. In a turn each case is measured twice, the solver
+    and at once the C++, after a turn that does not count.
 
     ``ratio`` is the median over the turns, ``low`` and ``high`` are the quartiles; ``rate`` and ``limit`` are the
     fastest of each, in million particle-steps a second of one thread's time; ``seconds`` are those of our step.
@@ -112,7 +112,7 @@ def measure_ratios(problem: str, quick: bool) -> dict:
 
 
 def _ratio_row(case: Case, particles: int, turns: np.ndarray) -> dict:
-    """``turns``: seconds a step of the solver and the rate of the C++, a row a turn."""
+    """Returns the row of a case; ``turns`` has seconds per step of the solver and the rate of the C++(turns, 2)."""
     seconds, limits = turns.T
     rates = 1e-6 * particles / seconds
     low, ratio, high = np.quantile(rates / limits, [0.25, 0.5, 0.75])

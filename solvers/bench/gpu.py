@@ -1,8 +1,8 @@
-"""What a GPU gains, where there is one: rates of its plan, beside those of a processor's plans and of its memory.
+"""Gain by a GPU, if there is one: rates of its plan, those of a CPU's plans, and the limit by its memory.
 
-Everything is measured in one fresh process, which starts Taichi anew for each plan. A step moves at least what its
-phases read and write of each particle, so that the memory's bandwidth, measured here by a copy, sets a limit to the
-rate; nodes, of which there is one for several particles, are left out of it.
+Everything is measured in one fresh process, which restarts Taichi for each plan. A step moves at least what its phases
+read and write of each particle, so that the memory's bandwidth, measured here by a copy, limits the rate; nodes, of
+which there is one for several particles, are neglected.
 """
 
 import os
@@ -41,8 +41,8 @@ EXTRA_BYTES = {"ugimp": 4 * 3, "cpdi": 64 * 3 + 32 + 32}
 
 
 def measure_gpu(quick: bool) -> dict:
-    """The GPU that ``gpu`` takes, its bandwidth in GB/s and a row for each problem, method and size; None and no rows,
-    with a reason, where there is none or the process fails."""
+    """Returns the GPU that ``gpu`` stands for, its bandwidth in GB/s and a row for each problem, method and size; None
+    and no rows, with a reason, where there is none or the process fails."""
     where = devices.resolve_arch(devices.GPU)
     nothing = {"arch": None, "name": "", "bandwidth": None, "rows": []}
     if where == devices.CPU:
@@ -59,7 +59,7 @@ def measure_in_worker(question: dict, answer: Callable[[dict], None]) -> None:
 
 
 def measure_device(where: str, sizes: Mapping[str, Sequence[int]], copied: int = COPIED_VECTORS) -> dict:
-    """The measurements on one kind of GPU, of scenes with so many cells of each problem."""
+    """Returns the measurements on one kind of GPU, for these numbers of cells of each problem."""
     runtime.start(where)
     limit = measure_bandwidth(copied)
     rows = [measure_scene(bare_scene(problem, n, method=method), where, limit)
@@ -69,8 +69,8 @@ def measure_device(where: str, sizes: Mapping[str, Sequence[int]], copied: int =
 
 
 def measure_scene(scene: Scene, where: str, limit: float) -> dict:
-    """Rates of a scene, in million particle-steps a second, by the GPU and by the processor's plans, as far as these
-    take so many particles; and the share that the first is of what the bandwidth allows."""
+    """Returns the rates of a scene, in million particle-steps per second, on the GPU and by the CPU's plans, where
+    these allow so many particles; and the share of the first in the limit by bandwidth."""
     rates = {"gpu": measure_rate(build(replace(scene, arch=where)))}
     everywhere: dict[str, Any] = {"plan": "parallel", "threads": os.cpu_count() or 1}
     for plan, inputs in {"serial": {}, "parallel": everywhere}.items():
@@ -81,7 +81,7 @@ def measure_scene(scene: Scene, where: str, limit: float) -> dict:
 
 
 def measure_rate(solver: Solver) -> float | None:
-    """Million particle-steps a second of wall time, while the run goes on; None if it goes bad."""
+    """Returns million particle-steps per second of wall time; None if the run becomes unstable."""
     solver.compile()
     steps, most = 1, solver.longest_advance
     while (took := _time_call(partial(solver.advance, steps))) < SECONDS and 2 * steps <= most:
@@ -91,7 +91,7 @@ def measure_rate(solver: Solver) -> float | None:
 
 
 def measure_bandwidth(vectors: int) -> float:
-    """Bytes a second that the GPU reads and writes when it copies so many vectors of four numbers."""
+    """Returns bytes per second that the GPU reads and writes in a copy of so many vectors of four numbers."""
     one, other = (ti.ndarray(quads.dtype, vectors) for _ in range(2))
     copy_vectors(one, other)
     took = [_time_call(lambda: (copy_vectors(one, other), ti.sync())) for _ in range(TURNS)]

@@ -1,7 +1,6 @@
-"""How long it takes from nothing to a solver that can step: imports, Taichi's start, compiling. Wall time.
+"""Time from nothing to a solver that can step: imports, Taichi's start, compilation. Wall time.
 
-Cold means that Taichi's cache of compiled kernels is empty, as after an installation; warm that a process has filled it
-before.
+Cold means that Taichi's cache of compiled kernels is empty, as after an installation; warm that it is filled.
 """
 
 import subprocess
@@ -12,15 +11,15 @@ from pathlib import Path
 
 from solvers.workers.worker_process import ProcessDied, ask_fresh
 
-CACHE_VARIABLE = "TI_OFFLINE_CACHE_FILE_PATH"  # the variable by which Taichi is told where its cache is
+CACHE_VARIABLE = "TI_OFFLINE_CACHE_FILE_PATH"  # the variable for Taichi's cache folder
 ROOT = Path(__file__).resolve().parents[2]  # where the packages lie, so that -m finds them
 TURNS = 3
 PATIENCE = 120.0  # seconds
 
 
 def start_times(command: Sequence[str], problems: Sequence[str]) -> dict:
-    """Seconds of a command, to import, to start Taichi and to compile the default scenes of the ``problems``, cold and
-    warm; all None, with a reason, where a process fails."""
+    """Returns the seconds of a command, and to import, to start Taichi and to compile the default scenes of the
+    ``problems``, cold and warm; all None, with a reason, where a process fails."""
     try:
         ready = min(time_command(command) for _ in range(TURNS))
         with tempfile.TemporaryDirectory(prefix="mpm-lab-bench-", ignore_cleanup_errors=True) as cache:
@@ -55,5 +54,5 @@ def measure_in_worker(question: dict, answer: Callable[[dict], None]) -> None:
         built = time.process_time()  # of the processor: work only, whatever else the machine does
         solver.compile()
         compiled[name] = time.process_time() - built
-    runtime.ti.reset()  # writes the cache, which a process that is ended in the middle of things would not
+    runtime.ti.reset()  # writes the cache, which a killed process would not do
     answer({"import": imported - begun, "taichi": started - imported, "compile": compiled})

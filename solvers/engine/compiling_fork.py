@@ -1,10 +1,10 @@
-"""Successor: a fork of the engine that compiles what is missing while the engine goes on, and then takes its place.
+"""Fork of an engine that compiles missing kernels while the engine continues, and then replaces it.
 
 Taichi compiles in the one thread that also runs, and no process sees what another has compiled since it started; but a
-forked child has all that its parent had. So nobody's stage waits for a compiler: the engine forks, goes on stepping
-everybody, hands all sessions over to the child when that is ready, and leaves. The child is told beforehand what it
-will get, and puts solvers in place for that while the engine still goes on: those of thirty visitors take up to half a
-second, in which no stage would move. Linux only: elsewhere an engine compiles where it stands.
+forked child has everything that its parent had. So no run has to wait for the compiler: the engine forks, continues all
+sessions, transfers them to the child when that is ready, and exits. The child is informed of its sessions beforehand,
+and builds solvers for them while the engine still runs: those of thirty visitors take up to half a second, in which no
+run would move. Linux only: elsewhere an engine compiles in its own process.
 """
 
 import logging
@@ -27,17 +27,17 @@ COMPILE_SECONDS = 3.0  # seconds of compiling after which what is there is hande
 
 
 class CompilingFork:
-    """The child as its parent sees it, at work on ``scenes``, of which it may leave the last ones out. ``asked_for``
-    says whether a visitor waits for it, or nobody yet."""
+    """The parent's handle of a child that compiles ``scenes``, possibly not all of them. ``asked_for`` is whether a
+    visitor waits for it."""
 
     def __init__(self, process_id: int, pipe: Connection, scenes: Sequence[Scene], asked_for: bool):
         self.scenes, self.asked_for, self.pipe = scenes, asked_for, pipe
-        self.compiled: Sequence[Scene] = ()  # those that it has done with
+        self.compiled: Sequence[Scene] = ()  # those that are compiled
         self.process_id, self._rests = process_id, False
 
     def can_take_over(self, announced: Callable[[], Any]) -> bool:
-        """Whether it can take over. Once it has compiled it is told what is ``announced``, and prepares for that.
-        Raises EOFError when it has died of its work, and MemoryError when that is why it could not do it."""
+        """Returns whether the child is ready to replace the engine. Once it has compiled it receives what is
+        ``announced``, and prepares for that. Raises EOFError when it has died, MemoryError when out of memory."""
         if not self.pipe.poll(0):
             return False
         answer = self.pipe.recv()
@@ -50,21 +50,21 @@ class CompilingFork:
         return False
 
     def pause(self, wanted: bool) -> None:
-        """Have it do nothing for now, or go on."""
+        """Suspends the child or lets it continue."""
         if wanted != self._rests:
             self._rests = wanted
             with suppress(ProcessLookupError):  # its end will be noticed
                 os.kill(self.process_id, signal.SIGSTOP if wanted else signal.SIGCONT)
 
     def take_over(self, estate: Any) -> None:
-        """Hand everything over. When this returns the parent must touch nothing more and leave; raises EOFError or
-        OSError if the child died: then all is still the parent's."""
+        """Transfers everything to the child. When this returns the parent must touch nothing more and exit. Raises
+        EOFError or OSError if the child died: then everything still belongs to the parent."""
         self.pause(False)
         self.pipe.send(estate)
         self.pipe.recv()
 
     def terminate(self) -> None:
-        """End it if it has not ended, and bury it."""
+        """Kills the child if it still runs, and reaps it."""
         with suppress(ProcessLookupError):
             os.kill(self.process_id, signal.SIGKILL)
         os.waitpid(self.process_id, 0)
@@ -72,12 +72,12 @@ class CompilingFork:
 
 
 def fork(scenes: Sequence[Scene], asked_for: bool, prepare: Callable[[Any], None]) -> CompilingFork | Any:
-    """Fork a successor that compiles what the scenes need, or the first of them that fit into a short time, and then
-    calls ``prepare`` with what is announced to it.
+    """Forks a child that compiles the scenes' kernels, or the first that fit into a short time, and then calls
+    ``prepare`` with what is announced to it.
 
-    Returns twice: at once, in the parent, with the :class:`CompilingFork`; and, when the parent leaves, in the child,
-    with the estate that it was given. A child that cannot compile logs why and ends. One that nobody waits for yields
-    to other work.
+    Returns twice: at once, in the parent, with the :class:`CompilingFork`; and, when the parent exits, in the child,
+    with the state that it received. A child that cannot compile logs why and exits. One that no visitor waits for
+    yields to other work.
     """
     ours, theirs = multiprocessing.Pipe()
     parent = os.getpid()
@@ -101,7 +101,7 @@ def fork(scenes: Sequence[Scene], asked_for: bool, prepare: Callable[[Any], None
         theirs.send(TAKEN_OVER)
         theirs.close()
         return estate
-    except (ConnectionError, EOFError):  # the parent has ended: nobody waits for what has been compiled
+    except (ConnectionError, EOFError):  # the parent has ended: the result is useless
         os._exit(1)
     except BaseException as error:
         if isinstance(error, MemoryError):
@@ -111,7 +111,7 @@ def fork(scenes: Sequence[Scene], asked_for: bool, prepare: Callable[[Any], None
 
 
 def _compile(scenes: Sequence[Scene]) -> int:
-    """Compile what the scenes need, one after another until time is up; returns how many."""
+    """Compiles the scenes' kernels, one after another until time is up; returns the number of scenes."""
     begun = monotonic()
     for done, scene in enumerate(scenes, 1):
         build(scene).compile()

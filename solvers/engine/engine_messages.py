@@ -1,4 +1,4 @@
-"""What the page and an engine say to each other. Everything here is small and pickles quickly."""
+"""Messages between the page and an engine. All are small and pickle quickly."""
 
 from dataclasses import dataclass, field
 
@@ -14,8 +14,8 @@ FRAME_SECONDS = 1 / 30
 
 @dataclass(frozen=True)
 class Pace:
-    """How a run moves. ``speed`` is in periods a second. ``restarts`` and ``single_steps`` are counts: an engine acts
-    when they have grown. A run that ``ends`` stops where its scene says; others go on."""
+    """Pace of a run. ``speed`` is in periods per second. ``restarts`` and ``single_steps`` are counters: an engine acts
+    when they have increased. A run that ``ends`` stops at its scene's end; others continue."""
 
     playing: bool = True
     speed: float = 1.0
@@ -26,12 +26,12 @@ class Pace:
 
 @dataclass(frozen=True)
 class SessionRequest:
-    """Everything a visitor wants, in one piece: an engine acts on the latest and forgets the rest.
+    """Complete request of a visitor: an engine acts on the latest and discards the others.
 
-    ``number`` grows with every wish and comes back in frames, so that an answer can be told from an echo. ``memory``
-    names the shared memory block that frames go to, ``frame`` is what they should hold. ``partner`` is another session
-    of the same engine: the two keep together in periods, and start again together. ``frame_seconds`` is the time
-    between two frames of a run that plays.
+    ``number`` increases with every request and returns in frames, to match answers with requests. ``memory`` is the
+    name of the shared memory block for frames, ``frame`` their contents. ``partner`` is another session of the same
+    engine: the two are synchronised in periods, and restart together. ``frame_seconds`` is the time between two frames
+    of a running session.
     """
 
     session: int
@@ -46,32 +46,32 @@ class SessionRequest:
 
 @dataclass(frozen=True)
 class SessionClosed:
-    """The visitor has left: free what the session holds."""
+    """Message that the visitor has left, so that the session's resources can be freed."""
 
     session: int
 
 
 @dataclass(frozen=True)
 class Prewarm:
-    """What visitors usually ask for, the likeliest first: to be compiled when there is time."""
+    """Scenes that visitors usually request, the likeliest first, to be compiled when there is time."""
 
     scenes: tuple[Scene, ...]
 
 
 @dataclass(eq=False)
 class FrameReport:
-    """A frame lies in the session's block called ``memory``. ``rows`` are the samples since the last frame. Whoever
-    gets many puts one ``scene`` into those that have equal ones, and changes nothing else.
+    """Report of a frame in the session's block ``memory``. ``rows`` are the samples since the last frame. The receiver
+    may unify equal ``scene`` objects of several reports, and changes nothing else.
 
-    ``fresh`` marks the first frame after a build, when what was collected before belongs to another run. ``rate`` is
-    million particle-steps per second of kernel time; ``real_speed`` is in simulated seconds a second, None until it has
-    been measured. ``not_valid`` has a sentence for each estimator that does not hold here, known beforehand or found
-    out by now; ``holds`` is what the frame holds of what was asked for. ``status`` is "ok", "unstable" or "lost"
-    (``solvers.solver.soundness``), ``reason`` says why in a sentence, ``since`` from which time in s on. An unstable
-    run has stopped; a lost one goes on; one that is ok for positions has a reason where other quantities are as wrong
-    as they are large. ``not_checked`` says what nobody looks at. ``breakdown`` is of the last step, if the wish asks
-    for it and that was a single one. ``goals`` are numbers of the body as of half a second ago at most, while the run
-    moves (:func:`solvers.running.quantities_of_interest.evaluate`).
+    ``fresh`` marks the first frame after a build, when data collected before belong to another run. ``rate`` is million
+    particle-steps per second of kernel time; ``real_speed`` is in simulated seconds per second, None until measured.
+    ``not_valid`` has a sentence for each estimator that does not hold here, known beforehand or found in the run;
+    ``holds`` are the contents of the frame that exist. ``status`` is "ok", "unstable" or "lost"
+    (``solvers.solver.soundness``), ``reason`` a sentence why, ``since`` the time in s since when. An unstable run has
+    stopped, a lost one continues; one that is ok for positions has a reason where other quantities have errors as large
+    as themselves. ``not_checked`` says what is not checked. ``breakdown`` is that of the last step, if requested and a
+    single step. ``goals`` are numbers of the body, at most half a second old while the run moves
+    (:func:`solvers.running.quantities_of_interest.evaluate`).
     """
 
     session: int
@@ -98,20 +98,20 @@ class FrameReport:
 
     @property
     def valid_estimators(self) -> tuple[str, ...]:
-        """The estimators of the run that hold in it, as far as is known by now."""
+        """Names of the run's estimators that hold in it, as far as known by now."""
         return tuple(name for name in self.scene.active_estimators if name not in self.not_valid)
 
 
 @dataclass(frozen=True)
 class FrameBatch:
-    """Frames of several sessions that have come due about together: each message by itself wakes the page's threads."""
+    """Frames of several sessions that are due together: each message by itself wakes the page's threads."""
 
     reports: tuple[FrameReport, ...]
 
 
 @dataclass(frozen=True)
 class EngineError:
-    """The engine could not do what the wish says; ``sentence`` is for the visitor."""
+    """Error of an engine that could not fulfil a request; ``sentence`` is for the visitor."""
 
     session: int
     number: int
@@ -120,7 +120,7 @@ class EngineError:
 
 @dataclass(frozen=True)
 class CompilePending:
-    """What wish ``number`` asks for has to be compiled first; the scene before it goes on meanwhile."""
+    """Message that request ``number`` must be compiled first; meanwhile the previous scene continues."""
 
     session: int
     number: int
@@ -128,18 +128,18 @@ class CompilePending:
 
 @dataclass(frozen=True)
 class ForkStarted:
-    """The engine has a successor at work: should the engine die, that is left to the page."""
+    """Message that the engine has a child that compiles: if the engine dies, the page must reap it."""
 
     process_id: int
 
 
 @dataclass(frozen=True)
 class EngineReplaced:
-    """The engine has been replaced by a successor of its own, which has all that it had
-    (``solvers.engine.compiling_fork``); this is the process that speaks from now on."""
+    """Message that a child has replaced the engine and has all of its sessions (``solvers.engine.compiling_fork``);
+    sent by this new process."""
 
     process_id: int
 
 
 class EngineReady:
-    """The engine has started and compiled what the first page needs."""
+    """Message that the engine has started and compiled the kernels of the first page."""

@@ -1,4 +1,4 @@
-"""EnginePool: the page's side of the engines. Starts them and gives each visitor a line to one."""
+"""EnginePool: the page's side of the engines, which starts them and connects each visitor to one."""
 
 from __future__ import annotations
 
@@ -23,16 +23,16 @@ DEATHS_ALLOWED = 3  # engines a session may lose without a frame in between befo
 
 
 class EnginePool:
-    """A fixed number of engine processes and the sessions they serve.
+    """A fixed number of engine processes and their sessions.
 
     Parameters
     ----------
     warm_up
-        The scene that they compile before they are ready.
+        Scene that they compile before they are ready.
     engines
-        How many there are.
+        Number of engines.
     frame_seconds : float, s
-        Between two frames of a session, if they can be had.
+        Shortest time between two frames of a session.
     """
 
     def __init__(self, warm_up: Scene, engines: int = 1, frame_seconds: float = FRAME_SECONDS):
@@ -41,24 +41,24 @@ class EnginePool:
         self._engines = [EngineProcess(warm_up) for _ in range(engines)]
 
     def prewarm(self, usual: Sequence[Scene]) -> None:
-        """Have every engine compile what is ``usual`` beside its work, the first first."""
+        """Lets every engine compile the ``usual`` scenes beside its work, in this order."""
         for engine in self._engines:
             engine.prewarm(usual)
 
     def deliver_within(self, together: Callable[[], AbstractContextManager]) -> None:
-        """From now on sessions hear of frames that come at once in one context that this gives."""
+        """Sets the context manager in which sessions receive frames that arrive at once."""
         for engine in self._engines:
             engine.together = together
 
     def open(self, listener: SessionListener, beside: SessionLink | None = None) -> SessionLink:
-        """A new session, on the engine that has fewest; on one that has been given up only if all have.
+        """Returns a new session, on the engine with the fewest; on an engine that has been given up only if all have.
 
         Parameters
         ----------
         listener
-            What hears of frames and trouble, from a thread of the engine's.
+            Object that receives frames and errors, from a thread of the engine's.
         beside
-            A session on whose engine this one shall be, as its partner
+            Session whose engine the new one shares, as its partner
             (:class:`~solvers.engine.engine_messages.SessionRequest`).
         """
         engine = beside.engine if beside else min(self._engines, key=lambda e: (e.given_up, len(e.links)))
@@ -66,12 +66,12 @@ class EnginePool:
                            self._frame_seconds)
 
     def wait_ready(self, timeout: float) -> bool:
-        """Wait until every engine has compiled the first page's kernels; False when ``timeout`` in s is up."""
+        """Waits until every engine has compiled the first page's kernels; returns False after ``timeout`` s."""
         return all(engine.ready.wait(timeout) for engine in self._engines)
 
     @property
     def playing(self) -> int:
-        """The number of sessions that are to move."""
+        """Number of sessions that should move."""
         links = [link for engine in self._engines for link in list(engine.links.values())]
         return sum(link.wish is not None and link.wish.pace.playing for link in links)
 
@@ -80,12 +80,12 @@ class EnginePool:
         return [engine.process_id for engine in self._engines]
 
     def request_stop(self) -> None:
-        """Have all engines end, and do not wait for that."""
+        """Requests that all engines stop, without waiting."""
         for engine in self._engines:
             engine.request_stop()
 
     def close(self, patience: float = PATIENCE) -> None:
-        """End all lines and all engines, after so many seconds by force. The pool cannot be used afterwards."""
+        """Closes all sessions and stops all engines, after ``patience`` s by force. The pool ends with it."""
         self.request_stop()
         for link in [link for engine in self._engines for link in list(engine.links.values())]:
             link.close()
@@ -95,8 +95,8 @@ class EnginePool:
 
 
 class SessionLink:
-    """One session's line to its engine. Thread-safe; a wish replaces the one before. The engine's reader thread calls
-    :meth:`receive` and :meth:`engine_lost`."""
+    """A session's connection to its engine. Thread-safe; a request replaces the one before. The engine's reader thread
+    calls :meth:`receive` and :meth:`engine_lost`."""
 
     def __init__(self, session: int, engine: EngineProcess, listener: SessionListener, partner: int | None,
                  frame_seconds: float):
@@ -109,21 +109,21 @@ class SessionLink:
         self._deaths = 0
         self._closed = False
         engine.links[session] = self
-        if engine.stop_requested:  # whoever opens it now opens it for nobody
+        if engine.stop_requested:  # a new session would get no frames
             self.close()
 
     def ask(self, scene: Scene, pace: Pace = Pace(), frame: FrameOptions = FrameOptions()) -> int:
-        """Say what is wanted from now on; never waits.
+        """Sets the request from now on; never waits.
 
         Parameters
         ----------
         scene, pace, frame
-            What runs, how it moves, and what its frames hold beside the particles.
+            The scene, its pace, and the contents of its frames beside the particles.
 
         Returns
         -------
         int
-            The wish's number, which comes back in frames; after :meth:`close`, when nothing is wanted, the last one.
+            Number of the request, which returns in frames; after :meth:`close` the last one.
         """
         with self._lock:
             last = 0 if self.wish is None else self.wish.number
@@ -141,7 +141,7 @@ class SessionLink:
         return number
 
     def close(self) -> None:
-        """Leave. Frames still on their way are dropped. A second call does nothing."""
+        """Closes the session. Frames still on their way are dropped. A second call does nothing."""
         with self._lock:
             if self._closed:
                 return
@@ -151,7 +151,7 @@ class SessionLink:
         self.engine.send(SessionClosed(self.session))
 
     def receive(self, report: FrameReport) -> None:
-        """Copy a frame out of the block, free the block for the next and hand the copy on."""
+        """Copies a frame out of the block, frees the block for the next and passes the copy to the listener."""
         with self._lock:
             self._deaths = 0
             if report.scene == self._scene:  # the same object, so that what has been worked out for it is there
@@ -166,8 +166,8 @@ class SessionLink:
         self.listener.on_frame(report, arrays)
 
     def engine_lost(self, had_worked: bool) -> None:
-        """The engine died: ask the new one for the same scene from the start, unless it keeps dying of it. One that
-        never came to work (``had_worked``) has not read the scene: that cannot be the cause."""
+        """Requests the same scene from the start after the engine died, unless the scene keeps killing it. An engine
+        that never started to work (``had_worked``) has not read the scene, which then cannot be the cause."""
         self._deaths += had_worked
         if self._deaths > DEATHS_ALLOWED:
             self.listener.on_error(Message("the simulation process keeps ending with this scene; change a setting"))

@@ -1,7 +1,7 @@
-"""EngineProcess: one engine as the page sees it: a process, a thread that reads and a thread that writes.
+"""EngineProcess: the page's handle of one engine: a process, a reader thread and a writer thread.
 
-Writing has a thread of its own, so that a callback of the page never waits for an engine that is compiling,
-and only a session's newest wish is sent.
+The writer is a thread of its own, so that a callback of the page never waits for an engine that is compiling, and only
+a session's newest request is sent.
 """
 
 import logging
@@ -25,12 +25,12 @@ from solvers.workers import worker_process
 FIRST_PAUSE = 0.5  # seconds before the next start when an engine dies before it is ready; doubles every time
 LONGEST_PAUSE = 10.0
 FAILURES_ALLOWED = 6  # engines in a row that die before they are ready, until none is started any more
-REAP_SECONDS = 2.0  # seconds in which a process that is killed is gone
+REAP_SECONDS = 2.0  # seconds until a killed process is gone
 CANNOT_START = Message("the simulation process cannot be started; see the terminal")
 
 
 class SessionListener(Protocol):
-    """What a session hears. Called from the engine's reader thread: be quick."""
+    """Callbacks of a session, called from the engine's reader thread: they must be quick."""
 
     def on_frame(self, report: FrameReport, arrays: FrameArrays) -> None: ...
     def on_compiling(self, number: int) -> None: ...
@@ -39,7 +39,7 @@ class SessionListener(Protocol):
 
 
 class Link(Protocol):
-    """A session's line, as its engine knows it; see :class:`~solvers.engine.engine_pool.SessionLink`."""
+    """Interface of a session's connection for its engine; see :class:`~solvers.engine.engine_pool.SessionLink`."""
 
     listener: SessionListener
     wish: SessionRequest | None
@@ -50,21 +50,21 @@ class Link(Protocol):
 
 
 def run_engine_process(pipe: Connection, warm_up: Scene, usual: Sequence[Scene]) -> None:
-    """Where an engine process begins. Taichi is imported there and only there: the page's process stays light."""
+    """Entry point of an engine process. Only there is Taichi imported: the page's process stays light."""
     from solvers.engine import engine_worker
 
     engine_worker.main(pipe, warm_up, usual)
 
 
 class EngineProcess:
-    """Starts the process, restarts it when it dies, and passes messages to and from ``links``, by session. The process
-    may put a successor in its place (:class:`~solvers.engine.engine_messages.EngineReplaced`): the pipe is the same.
-    Of frames that come at once sessions hear ``together``, in a context that this gives."""
+    """Starts the process, restarts it when it dies, and passes messages to and from ``links``, by session. A child may
+    replace the process (:class:`~solvers.engine.engine_messages.EngineReplaced`) on the same pipe. Frames that arrive
+    at once are passed on within a context of ``together``."""
 
     def __init__(self, warm_up: Scene):
         self.together: Callable[[], AbstractContextManager] = nullcontext
         self.ready = threading.Event()
-        self.given_up = False  # whether it kept dying before it was ready: then it serves nobody any more
+        self.given_up = False  # whether it kept dying before it was ready, and is no longer restarted
         self.links: dict[int, Link] = {}
         self._failures = 0
         self._leaving: list[int] = []  # processes that were engines, or will end soon
@@ -80,14 +80,14 @@ class EngineProcess:
             threading.Thread(target=work, name=f"engine{work.__name__}", daemon=True).start()
 
     def prewarm(self, usual: Sequence[Scene]) -> None:
-        """Have the process, and any that takes its place, compile what is ``usual`` beside its work."""
+        """Lets the process, and any replacement, compile the ``usual`` scenes beside its work."""
         with self._news:
             self._usual = tuple(usual)
             self._outbox.append(engine_messages.Prewarm(self._usual))
             self._news.notify_all()
 
     def send(self, message: SessionRequest | SessionClosed) -> None:
-        """Queue a message; never waits. A newer wish of a session takes the place of an older one."""
+        """Queues a message; never waits. A newer request of a session replaces an older one."""
         with self._news:
             if self.given_up:
                 return
@@ -101,11 +101,11 @@ class EngineProcess:
 
     @property
     def stop_requested(self) -> bool:
-        """Whether the process is to end, or has ended, for good."""
+        """Whether the process should stop, or has stopped, for good."""
         return self._closing
 
     def request_stop(self) -> None:
-        """Have the process end; a second time does nothing."""
+        """Requests that the process stops; a second call does nothing."""
         with self._news:
             if not self._closing:
                 self._leaving.append(self.process_id)
@@ -113,7 +113,7 @@ class EngineProcess:
             self._news.notify_all()  # the writer sends None, at which the process ends
 
     def close(self, patience: float) -> None:
-        """Have the process end, and end it if it has not after so many seconds."""
+        """Stops the process, after ``patience`` s by force."""
         self.request_stop()
         end = monotonic() + patience
         while self._unreaped() and monotonic() < end:
@@ -158,7 +158,7 @@ class EngineProcess:
         self._pipe, self._process, self.process_id = ours, process, process.pid or 0  # it is started at once
 
     def _restart(self) -> None:
-        """Replace a dead process: at once if it had been ready, else after a pause, and not for ever."""
+        """Replaces a dead process: at once if it had been ready, otherwise after a pause, and not for ever."""
         self._process.join(1)
         self._leaving.append(self.process_id)
         with suppress(ChildProcessError):  # it had ended before
@@ -194,8 +194,8 @@ class EngineProcess:
             _notify(link.listener.on_error, CANNOT_START)
 
     def _unreaped(self) -> list[int]:
-        """Those that are leaving and have not left yet. Successors are children of the page's process once the engine
-        before them has ended, where the system knows such a thing."""
+        """Returns processes that were stopped and still exist. Children become those of the page's process once the
+        engine that forked them has ended, where the system supports that."""
         def here(process_id: int) -> bool:
             if process_id == self._process.pid:
                 return self._process.is_alive()
@@ -233,7 +233,7 @@ class EngineProcess:
 
 
 def _notify(hear: Callable, what: object) -> None:
-    """Log what a session raises: a page that fails to draw must not stop the others' frames."""
+    """Logs exceptions of a session's callback: a page that fails to draw must not stop the others' frames."""
     try:
         hear(what)
     except Exception:

@@ -1,10 +1,10 @@
 """The engine process: one thread that does everything with Taichi, and one pipe to the page.
 
-Sessions are served in fair turns: each that is behind its clock gets one short slice, then the next. Wishes are
-read before every round, and of a session's only the last counts, so a dragged slider never leaves stale work in a
-queue; when many sessions wish at once, some wait for the next round, so that no stage stands still for the others'
-new scenes. What has to be compiled first is left to a successor, who then takes over; what visitors usually ask for is
-compiled before they do.
+Sessions are scheduled round-robin: each that is behind its clock gets one short time slice, then the next. Requests are
+read before every round, and only a session's last one counts, so a dragged slider never leaves stale work in a queue;
+when many sessions send requests at once, some wait for the next round, so that no run stands still for the others' new
+scenes. Missing kernels are compiled by a fork, which then replaces the engine; usual ones are compiled before visitors
+request them.
 """
 
 import gc
@@ -32,15 +32,15 @@ from solvers.solver.base import Solver
 
 IDLE_SECONDS = 0.5
 WISHES_SECONDS = 0.03  # of a round for new wishes, after which the next has to wait; a new scene takes some 10 ms
-TOGETHER_SECONDS = 0.006  # that a frame waits for others to go with, in a round of many sessions
-BACKGROUND_SHARE = 0.2  # seconds of each second in which what nobody waits for is compiled though frames come late
+TOGETHER_SECONDS = 0.006  # that a frame waits to be sent with others, in a round of many sessions
+BACKGROUND_SHARE = 0.2  # share of the time for compiling what no visitor waits for while frames are late
 NO_MEMORY = Message("this scene needs more memory than there is: choose fewer particles")
 FAILED = Message("the simulation of this scene failed; change a setting")
 
 
 def main(pipe: Connection, warm_up: Scene, usual: Sequence[Scene]) -> None:
-    """Serve sessions until the page goes away, or a successor takes over. ``warm_up`` is compiled before the first
-    visitor comes, what is ``usual`` when there is time."""
+    """Serves sessions until the page exits, or a fork takes over. ``warm_up`` is compiled before the first visitor,
+    ``usual`` scenes when there is time."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is the page's to handle; the pipe then closes
     if compiling_fork.CAN_FORK:
         runtime.allow_forks()
@@ -56,22 +56,22 @@ def main(pipe: Connection, warm_up: Scene, usual: Sequence[Scene]) -> None:
 
 
 class Worker:
-    """The sessions of one engine. One that fails is dropped and told; its next wish begins it anew."""
+    """Sessions of one engine. A session that fails is dropped and informed; its next request restarts it."""
 
     def __init__(self, pipe: Connection, compiled: Iterable[tuple] = (), usual: Sequence[Scene] = ()):
         self._pipe, self._compiled = pipe, set(compiled)
         self._usual = list(usual)
         self._steppers: dict[int, Stepper] = {}
-        self._wishes: dict[int, SessionRequest] = {}  # that have been read, and not been acted on, by session
+        self._wishes: dict[int, SessionRequest] = {}  # that were read and are pending, by session
         self._waiting: dict[int, SessionRequest] = {}  # for the compiler, by session
-        self._prepared: dict[int, Solver] = {}  # in a successor, for sessions that it will get
+        self._prepared: dict[int, Solver] = {}  # in a fork, for sessions that it will get
         self._successor: CompilingFork | None = None
         self._frames: list[FrameReport] = []  # that go together, soon
         self._first = 0.0  # when the first of them was made, by perf_counter
         self._late = False  # whether most sessions that move get their frames late
 
     def serve(self) -> None:
-        """Until a successor has taken over; raises EOFError when the page has gone."""
+        """Serves sessions until a fork has taken over. Raises EOFError when the page has exited."""
         while True:
             self._read_messages()
             self._act_on_requests()
@@ -87,7 +87,7 @@ class Worker:
                 connection.wait(pipes, min(IDLE_SECONDS, max(0.001, due - perf_counter())))
 
     def _serve_one(self, stepper: Stepper) -> bool:
-        """One turn of one session; says whether there was anything to do."""
+        """Runs one turn of one session; returns whether there was anything to do."""
         busy = False
 
         def work() -> FrameReport | None:
@@ -112,7 +112,7 @@ class Worker:
             self._frames.clear()
 
     def _read_messages(self) -> None:
-        """Take all messages; of a session's wishes only the last counts, in the place of the first."""
+        """Reads all messages; only a session's last request counts, in the position of the first."""
         while self._pipe.poll(0):
             message = self._pipe.recv()
             match message:
@@ -127,14 +127,14 @@ class Worker:
                     self._drop(message.session)
 
     def _act_on_requests(self) -> None:
-        """Act on wishes, the oldest first, for a short time: the others wait for the next round."""
+        """Acts on requests, the oldest first, for a short time: the others wait for the next round."""
         begun = perf_counter()
         while self._wishes and perf_counter() - begun < WISHES_SECONDS:
             wish = self._wishes.pop(next(iter(self._wishes)))
             self._run_guarded(wish, partial(self._accept, wish))
 
     def _accept(self, wish: SessionRequest) -> None:
-        """Act on a wish. One for the compiler waits, but for what of it concerns the scene before."""
+        """Acts on a request. One that needs the compiler waits, except for its effect on the previous scene."""
         self._waiting.pop(wish.session, None)
         stepper = self._steppers.get(wish.session)
         anew = False
@@ -156,8 +156,8 @@ class Worker:
             self._run_guarded(partner.wish, partner.rebuild)
 
     def _update_partners(self) -> None:
-        """Let sessions know how many of them move, and partners each other: anyone may have come, left or failed. And
-        find out whether most of them get their frames late."""
+        """Updates the number of moving sessions and partners, after sessions came, left or failed, and whether most
+        sessions get their frames late."""
         running = [stepper.frames_are_late for stepper in self._steppers.values() if stepper.running]
         moving, self._late = len(running), 2 * sum(running) > len(running)
         for stepper in self._steppers.values():
@@ -167,14 +167,14 @@ class Worker:
                 stepper.partner, partner.partner = partner, stepper
 
     def _compile_in_fork(self) -> bool:
-        """Have a successor compile what a visitor waits for, or else what is usual: that is given up for a visitor, and
-        does little while frames come late.
+        """Lets a fork compile what a visitor waits for, or else usual scenes: these are abandoned for a visitor, and
+        slowed down while frames are late.
 
-        Says whether this process is the successor and has taken over just now.
+        Returns whether this process is the fork and has just taken over.
         """
         wanted = [wish.scene for wish in self._waiting.values()]
         if self._successor:
-            soon = bool(self._successor.compiled)  # it prepares to take over: what is wanted now comes next
+            soon = bool(self._successor.compiled)  # it prepares to take over: new requests come next
             if soon or not wanted or kernel_key(self._successor.scenes[0]) in map(kernel_key, wanted):
                 urgent = soon or bool(wanted) or not self._late
                 self._successor.pause(not urgent and perf_counter() % 1.0 > BACKGROUND_SHARE)
@@ -193,7 +193,7 @@ class Worker:
         return False
 
     def _try_hand_over(self, replacement: CompilingFork) -> bool:
-        """Whether the successor had compiled and has taken over everything: then this process has nothing left."""
+        """Returns whether the fork was ready and has taken over everything, so that this process can exit."""
         try:
             if not replacement.can_take_over(lambda: {session: stepper.solver.scene
                                                       for session, stepper in self._steppers.items()}):
@@ -209,7 +209,7 @@ class Worker:
         return False
 
     def _give_up(self, replacement: CompilingFork, sentence: str) -> None:
-        """The successor could not compile: say so to those who wait for it, and do not try again unasked."""
+        """Informs the visitors who wait for the fork that it could not compile, and never retries unasked."""
         replacement.terminate()
         self._successor, failed = None, kernel_key(replacement.scenes[0])
         self._usual = [scene for scene in self._usual if kernel_key(scene) != failed]
@@ -218,12 +218,11 @@ class Worker:
             self._pipe.send(engine_messages.EngineError(wish.session, wish.number, sentence))
 
     def _prepare(self, announced: dict[int, Scene]) -> None:
-        """Have solvers in place for the sessions that this successor will get, while they go on elsewhere; those that
-        it had when it forked are as good as new ones. And tidy up, which takes long where much is there: what stays
-        is not looked through again."""
+        """Builds solvers for the sessions that this fork will get, while they continue elsewhere; those that it had
+        when it forked are reused. Also runs a garbage collection, and exempts survivors from the next ones."""
         for session, scene in announced.items():
             stepper = self._steppers.get(session)
-            with suppress(Exception):  # it will be tried again, and whoever it fails for is told
+            with suppress(Exception):  # it is tried again later, with an error message to the visitor
                 self._prepared[session] = stepper.solver if stepper and stepper.solver.scene == scene else build(scene)
         for stepper in self._steppers.values():  # as they were when it forked
             stepper.close()
@@ -234,8 +233,8 @@ class Worker:
 
     def _take_state(self, states: dict[int, tuple[SessionRequest, dict]], wishes: dict[int, SessionRequest],
                     compiled: set[tuple], usual: list[Scene]) -> None:
-        """Take over what the engine had that this process is a fork of. ``wishes`` have still to be acted on, also
-        those that waited for the compiler."""
+        """Takes over the sessions of the engine that this process was forked from. ``wishes`` are pending requests,
+        including those that waited for the compiler."""
         self._wishes, self._waiting, self._successor = wishes, {}, None
         self._compiled, self._usual = compiled, usual
         self._pipe.send(engine_messages.EngineReplaced(os.getpid()))
@@ -248,7 +247,7 @@ class Worker:
         self._steppers[session] = Stepper.from_state(state, self._prepared.get(session))
 
     def _run_guarded(self, wish: SessionRequest, work: Callable[[], FrameReport | None]) -> FrameReport | None:
-        """Do a piece of one session's work; what goes wrong in it costs that session alone."""
+        """Runs a part of one session's work; an error affects only that session."""
         sentence = None
         try:
             return work()

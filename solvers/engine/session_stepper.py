@@ -1,4 +1,4 @@
-"""One session inside an engine: a solver, a clock that says how far it should be, and its frames."""
+"""One session in an engine: a solver, a clock that sets its target time, and its frames."""
 
 import contextlib
 from dataclasses import replace
@@ -32,19 +32,19 @@ LAST_STEP = MOST_STEPS - 1_000_000_000  # a page left open for days stops here
 
 
 class BlockFreed(Exception):
-    """The page has freed the block that a wish names: its visitor has left, and nobody waits for an answer."""
+    """Signal that the page has freed the block of a request: its visitor has left, and no answer is needed."""
 
 
 class Stepper:
-    """Steps a session's solver towards its wish, a slice at a time. Lives in the engine's one thread."""
+    """Steps a session's solver towards its target, one time slice after another, in the engine's one thread."""
 
     def __init__(self, wish: SessionRequest):
         self.wish = wish
         self.sessions = 1  # that share the engine and move
         self._seconds_a_frame = self._lateness = 0.0
-        self.partner: Stepper | None = None  # keeps together with this one (``Wish.partner``), if it is there
+        self.partner: Stepper | None = None  # synchronised with this one (``SessionRequest.partner``), or None
         self._block = _attach(wish.memory)
-        shared_frames.mark_as_read(self._block)  # of what an engine has left there that has died
+        shared_frames.mark_as_read(self._block)  # left by an engine that died
         try:
             self.rebuild()
         except BaseException:
@@ -52,12 +52,12 @@ class Stepper:
             raise
 
     def rebuild(self) -> None:
-        """Begin the scene at t = 0."""
+        """Restarts the scene at t = 0."""
         self.solver = build(self.wish.scene)
         self.solver.compile()
         self._watch = SoundnessWatch(self.solver.scene)
         self._rows = [self.solver.measure()]  # samples since the last frame
-        self._measured = 0  # the last step that was measured without a sample being due
+        self._measured = 0  # the last step measured although no sample was due
         self._fresh, self._due = True, 0.0  # no frame since the build; when the next one goes out, by perf_counter
         self._goals: dict[str, dict] = {}
         self._goals_due = 0.0  # when these numbers are worked out anew, by perf_counter
@@ -73,9 +73,9 @@ class Stepper:
         self._frame_wanted = True
 
     def accept(self, wish: SessionRequest) -> bool:
-        """Take over a newer wish; rebuild if it is another scene or a restart. After an exception: use no more.
+        """Accepts a newer request; rebuilds for another scene or a restart. Unusable after an exception.
 
-        Says whether it was rebuilt.
+        Returns whether it was rebuilt.
         """
         old, self.wish = self.wish, wish
         if self._block.name != wish.memory:
@@ -97,14 +97,14 @@ class Stepper:
         return anew
 
     def state(self) -> dict[str, Any]:
-        """All that a stepper in another process needs to go on from here (:meth:`from_state`); clocks are shared."""
+        """Returns the state with which a stepper in another process continues (:meth:`from_state`); clocks are
+        shared."""
         return {**{name: value for name, value in vars(self).items() if name not in ("solver", "partner", "_block")},
                 "solver": self.solver.state()}
 
     @classmethod
     def from_state(cls, state: dict[str, Any], prepared: Solver | None) -> "Stepper":
-        """The stepper that had this state, to the bit. A solver that has been ``prepared`` is taken if it is of the
-        scene."""
+        """Returns the stepper with this state, to the bit. A ``prepared`` solver is used if it has the same scene."""
         stepper, scene = cls.__new__(cls), state["wish"].scene
         solver = prepared if prepared and prepared.scene == scene else build(scene)
         vars(stepper).update(state, solver=solver, partner=None, _block=_attach(state["wish"].memory))
@@ -117,7 +117,7 @@ class Stepper:
 
     @property
     def is_behind(self) -> bool:
-        """Whether it is time to step: a frame is due, or there is a whole slice of work to catch up with."""
+        """Whether it is time to step: a frame is due, or a whole slice of work is missing."""
         if not self.running or (self._frame_due() and self._frame_is_unread):
             return False
         if self._frame_due():
@@ -129,19 +129,18 @@ class Stepper:
 
     @property
     def frame_is_ready(self) -> bool:
-        """Whether a frame can go: the last was seen and this one is due. A turn before it catches up what it can."""
+        """Whether a frame can be sent: the last was read and this one is due."""
         return (self._frame_wanted or (self.running and self._frame_due())) and not self._frame_is_unread
 
     @property
     def next_due(self) -> float:
-        """When the session next has something to do, by ``perf_counter``; soon, to see whether the page has taken the
-        last frame, where another has to wait for that."""
+        """Time of the session's next action, by ``perf_counter``; soon if the last frame is unread."""
         if not (self.running or self._frame_wanted):
             return float("inf")
         return max(self._due, perf_counter() + LOOK_SECONDS) if self._frame_is_unread else self._due
 
     def advance_slice(self) -> None:
-        """Step for at most one slice towards the clock's time."""
+        """Steps for at most one slice towards the clock's time."""
         wanted = self._steps_wanted()
         self._advance(max(1, min(wanted, self._slice_steps, self.solver.longest_advance)))
         if wanted * self._seconds_a_step > LAG_SECONDS:
@@ -151,13 +150,13 @@ class Stepper:
             self._frame_wanted = True
 
     def _sample(self) -> None:
-        """Measure this step, unless that has been done or was due; there may have been a sample shortly before."""
+        """Samples this step, unless that was done or due."""
         if self.solver.step != self._measured and self.solver.step % self.solver.scene.sample_interval:
             self._rows.append(self.solver.measure())
             self._measured = self.solver.step
 
     def write_frame(self) -> FrameReport:
-        """Write the particles into the block and report. Call when ``next_due`` has come."""
+        """Writes the particles into the block and returns the report. Call when ``next_due`` has come."""
         now, solver, wished = perf_counter(), self.solver, self.wish.frame
         shot = solver.snapshot(wished.differences, wished.plotted)
         shared_frames.write_frame(self._block, solver.scene, shot)
@@ -190,7 +189,7 @@ class Stepper:
         return report
 
     def _goals_at(self, now: float) -> dict[str, dict]:
-        """Numbers of the whole body: of this moment, or while it moves of one shortly before."""
+        """Returns numbers of the whole body: of this moment, or of a recent one while it moves."""
         if now >= self._goals_due or not self.running:
             solver, self._goals_due = self.solver, now + GOAL_SECONDS
             fields = solver.fields()
@@ -199,7 +198,7 @@ class Stepper:
 
     @property
     def frames_are_late(self) -> bool:
-        """Whether frames have lately gone out later than was asked for."""
+        """Whether frames have recently been later than requested."""
         return self._lateness > LATE_SHARE * self.wish.frame_seconds
 
     @property
@@ -212,7 +211,7 @@ class Stepper:
 
     @property
     def _speed(self) -> float:
-        """In simulated seconds a second."""
+        """Speed in simulated seconds per second."""
         return self.wish.pace.speed * self.wish.scene.period
 
     @property
@@ -221,22 +220,21 @@ class Stepper:
 
     @property
     def _slice_steps(self) -> int:
-        """Steps that fit into one turn: in a full engine frames come first, and runs are slower than they were asked
-        to be."""
+        """Number of steps in one turn: in a full engine frames have priority, and runs are slower than requested."""
         seconds = max(SHORTEST_SLICE, min(SLICE_SECONDS, ROUND_SECONDS / self.sessions - self._seconds_a_frame))
         return max(1, int(seconds / self._seconds_a_step))
 
     @property
     def turn_seconds(self) -> float:
-        """How long a turn takes at most, as far as is known."""
+        """Expected maximum duration of a turn, in s."""
         return self._slice_steps * self._seconds_a_step
 
     def _frame_due(self) -> bool:
         return perf_counter() >= self._due
 
     def _steps_wanted(self) -> int:
-        """Whole steps from here to the time that the clock shows. The clock waits for a partner that cannot keep up:
-        what it has lost is not made good later, when the partner stops or leaves."""
+        """Returns whole steps to the time of the clock. The clock waits for a partner that cannot keep up: lost time is
+        not made up later, when the partner stops or leaves."""
         now, (wall, simulated) = perf_counter(), self._anchor
         target, partner = simulated + (now - wall) * self._speed, self.partner
         if partner is not None and partner.running:  # no farther than ``_lead`` beyond its number of periods
@@ -248,13 +246,13 @@ class Stepper:
 
     @property
     def _max_lead(self) -> float:
-        """How far ahead of its partner a session may be, in s: a frame's worth, but not so far that one would see it at
-        high speeds; and two steps in any case, so that the one behind can always take one."""
+        """Largest lead over its partner in s: one frame, but invisible at high speeds; and at least two steps, so that
+        the one behind can always take one."""
         scene = self.solver.scene
         return max(min(self.wish.frame_seconds * self._speed, MOST_APART * scene.period), 2 * scene.time_step)
 
     def _advance(self, steps: int, broken_down: int | None = None) -> None:
-        """Take steps, the last of them apart around the particle ``broken_down``, if any."""
+        """Takes steps, the last with a breakdown around the particle ``broken_down``, if any."""
         begun, self._breakdown, self._before_step = perf_counter(), None, None
         if broken_down is None:
             self._rows.append(self.solver.advance(steps))
@@ -268,7 +266,7 @@ class Stepper:
         self._seconds_a_step = took / steps
         self._kernel_seconds += took
         self._kernel_steps += steps
-        self._frame_wanted |= not self.solver.sound  # the last frame says why
+        self._frame_wanted |= not self.solver.sound  # the last frame has the reason
 
 
 def _attach(name: str) -> SharedMemory:

@@ -1,7 +1,7 @@
-"""The shared memory block through which a session's particles reach the page.
+"""Shared memory block that passes a session's particles to the page.
 
-Its first byte says whether the page has yet to copy the frame in it: the engine writes no other before. Said in a
-message, it would wake the page's writing thread with every frame.
+Its first byte is nonzero until the page has copied the frame: the engine writes no other before. As a message, this
+would wake the page's writer thread with every frame.
 """
 
 import sys
@@ -23,7 +23,7 @@ DIFFERENCE = "{} minus truth"  # what an estimator's is called in the block
 
 @dataclass(frozen=True)
 class FrameOptions:
-    """What a frame holds beside the particles with their errors and estimates.
+    """Optional contents of a frame, beside the particles with their errors and estimates.
 
     ``differences`` are the sizes of estimate minus truth, ``plotted`` is the key of the quantity whose field it holds,
     if any; ``broken_down`` is the number of a particle, if any, around which single steps are taken apart.
@@ -36,7 +36,7 @@ class FrameOptions:
 
 @dataclass(frozen=True)
 class FrameArrays:
-    """A frame's particles in single precision, for drawing. D dimensions; columns of errors are x, v, sigma, a.
+    """Particles of a frame in single precision, for drawing. D dimensions; columns of errors are x, v, sigma, a.
 
     ``position`` and ``displacement`` (P, D), ``deformation_gradient`` (P, D * D), ``steps_since_crossing`` (P,) with -1
     for never, ``error`` and each ``estimate`` (P, 4), NaN where nothing is known; ``difference`` (P, 4) of each, the
@@ -55,16 +55,16 @@ class FrameArrays:
 
 
 def block_bytes(scene: Scene) -> int:
-    """Bytes that a scene's frame needs at most: a layout may hold a few particles more than the scene's count."""
+    """Returns the largest size of a scene's frame in bytes: a layout may exceed the scene's count a little."""
     return HEADER + 4 * (scene.particles + scene.particles // 8 + 64) * sum(_widths(scene, True, True).values())
 
 
 def attach_block(name: str) -> SharedMemory:
-    """A block that another process has made and will remove. Raises FileNotFoundError when that has happened.
+    """Returns a block that another process has created and will remove. Raises FileNotFoundError when it is removed.
 
-    Python before 3.13 has the tracker of a process remove, in the end, what the process only opened. All processes
-    share the server's, as a rule; but an engine whose tracker was killed starts its own, which would take the blocks of
-    all visitors along when the engine dies.
+    Python before 3.13 lets a process's resource tracker remove what the process only opened. Usually all processes
+    share the server's tracker; but an engine whose tracker was killed starts its own, which would remove the blocks of
+    all visitors when the engine dies.
     """
     if sys.version_info >= (3, 13):
         return SharedMemory(name, track=False)
@@ -77,14 +77,14 @@ def attach_block(name: str) -> SharedMemory:
 
 
 def write_frame(block: SharedMemory, scene: Scene, shot: Snapshot) -> None:
-    """Put a snapshot into the block, which is then :func:`is_unread`."""
+    """Writes a snapshot into the block, which is then :func:`is_unread`."""
     P, crossing = len(shot.position), shot.last_crossing
     columns = {"position": shot.position, "displacement": shot.position - shot.material_position,
                "deformation_gradient": shot.deformation_gradient,
                "steps_since_crossing": -1 if crossing is None else np.where(crossing < 0, -1, shot.step - crossing),
                "error": np.nan if shot.error is None else shot.error, **shot.estimate,
                **{DIFFERENCE.format(name): sizes for name, sizes in shot.difference.items()}, "plotted": shot.plotted}
-    with np.errstate(over="ignore"):  # a run that has gone bad may exceed single precision
+    with np.errstate(over="ignore"):  # an unstable run may exceed single precision
         widths = _widths(scene, bool(shot.difference), shot.plotted is not None)
         for name, part in _views(_open_block(block), P, widths, HEADER).items():
             values = columns[name]
@@ -93,18 +93,18 @@ def write_frame(block: SharedMemory, scene: Scene, shot: Snapshot) -> None:
 
 
 def is_unread(block: SharedMemory) -> bool:
-    """Whether a frame lies in the block that the page has not copied yet."""
+    """Returns whether the block contains a frame that the page has not copied yet."""
     return _open_block(block)[0] != 0
 
 
 def mark_as_read(block: SharedMemory) -> None:
-    """The block may be written."""
+    """Marks the block as free for the next frame."""
     _open_block(block)[0] = 0
 
 
 def read_frame(block: SharedMemory, scene: Scene, particles: int, holds: FrameOptions = FrameOptions()) -> FrameArrays:
-    """Copy the frame of ``scene`` with so many particles and what else it ``holds`` out of the block, which may then be
-    written again."""
+    """Returns a copy of the frame of ``scene`` with so many particles and the optional contents ``holds``; the block
+    may then be written again."""
     widths = _widths(scene, holds.differences, holds.plotted is not None)
     held = bytes(_open_block(block)[HEADER:HEADER + 4 * particles * sum(widths.values())])
     mark_as_read(block)
@@ -118,7 +118,7 @@ def read_frame(block: SharedMemory, scene: Scene, particles: int, holds: FrameOp
 
 @lru_cache(64)
 def _widths(scene: Scene, differences: bool, plotted: bool) -> dict[str, int]:
-    """What a frame holds, in order, and how many numbers of each a particle has."""
+    """Returns the fields of a frame, in order, with their numbers per particle."""
     D, active = scene.DIMENSIONS, scene.active_estimators
     compared = map(DIFFERENCE.format, active) if differences else ()
     return {"position": D, "displacement": D, "deformation_gradient": D * D, "steps_since_crossing": 1, "error": WIDTH,
@@ -126,7 +126,7 @@ def _widths(scene: Scene, differences: bool, plotted: bool) -> dict[str, int]:
 
 
 def _views(held: bytes | memoryview, particles: int, widths: dict[str, int], start: int = 0) -> dict[str, np.ndarray]:
-    """Bytes from ``start`` on as one array (P, width) for each thing they hold."""
+    """Returns bytes from ``start`` on as one array (P, width) for each field."""
     parts = {}
     for name, width in widths.items():
         parts[name] = np.ndarray((particles, width), np.float32, held, start)

@@ -1,4 +1,4 @@
-"""Whether a run that is still going can be believed: its samples judged as they come, each once."""
+"""Soundness of a run in progress: its samples are judged as they come, each once."""
 
 import numpy as np
 
@@ -13,7 +13,7 @@ DOUBT_PERIODS = 0.5  # periods
 
 
 class SoundnessWatch:
-    """What has been found so far in the samples of one run (``solvers.solver.soundness``)."""
+    """Findings so far in the samples of one run (``solvers.solver.soundness``)."""
 
     def __init__(self, scene: Scene):
         self._scene = scene
@@ -21,13 +21,13 @@ class SoundnessWatch:
         self._findings: dict[str, Finding] = {}
         self._large: dict[str, LargeRelativeError] = {}
         self._followed = True
-        self._looked: np.ndarray | None = None  # the last sample (1, C) that looked for contradictions
-        self._doubts: dict[str, tuple[float, str]] = {}  # when, in s, an estimator was last found not to hold, and why
+        self._looked: np.ndarray | None = None  # the last sample (1, C) with a check for contradictions
+        self._doubts: dict[str, tuple[float, str]] = {}  # the time in s at which an estimator last failed, and why
 
     def check_samples(self, rows: np.ndarray, particles: int, goes_on: bool = False) -> None:
-        """Judge new samples of so many particles. Once something is found that stays, nothing later can be first.
+        """Judges new samples of so many particles, until a finding is final because no earlier one can follow.
 
-        To judge a few costs as much as to judge many: in a run that ``goes_on`` they wait for one that looked for
+        Judging a few costs as much as many: in a run that ``goes_on`` they wait for one with a check for
         contradictions, or until they are many.
         """
         scene = self._scene
@@ -47,19 +47,19 @@ class SoundnessWatch:
         self._followed = motion_known(scene, series)
 
     def doubted_estimators(self, time: float, found: dict[str, str]) -> dict[str, str]:
-        """The estimators that do not hold at a time in s, each with a sentence: those ``found`` not to now, and those
-        of the half period before. One that has broken down meets its bounds at moments, by chance, and would come and
-        go with every frame."""
+        """Returns the estimators that do not hold at a time in s, each with a sentence: those ``found`` now, and those
+        of the half period before, because a failed estimator meets its bounds at times by chance, and would come and go
+        with every frame."""
         self._doubts |= {name: (time, sentence) for name, sentence in found.items()}
         return {name: sentence for name, (last, sentence) in self._doubts.items()
                 if time - last < DOUBT_PERIODS * self._scene.period}
 
     def current_status(self, solver: Solver, not_valid: dict[str, str]) -> tuple[str, str | None, float | None]:
-        """Status, its sentence, and the time in s since when. An estimator may be found not to hold (``not_valid``)
-        after it has found something: then that counts no longer."""
+        """Returns status, its sentence, and the time in s since when. Findings of estimators that do not hold
+        (``not_valid``) by now do not count."""
         large = {quantity: one for quantity, one in self._large.items() if one.by not in not_valid}
         return solver.status(earliest_finding(self._findings, not_valid), large)
 
     def not_checked(self, not_valid: dict[str, str]) -> str | None:
-        """What nobody has looked at so far, in a sentence (``solvers.solver.verdict_basis``)."""
+        """Returns what has not been checked so far, in a sentence (``solvers.solver.verdict_basis``)."""
         return unchecked(self._scene, checked_by(self._scene, not_valid, self._followed))

@@ -1,4 +1,4 @@
-"""The companion: a hidden, higher-order solve of the same problem, which the particles are measured against.
+"""The companion: a hidden, higher-order solution of the same problem, with which the particles are compared.
 
 An embedded pair, as in the step control of ordinary differential equations: the difference of two methods of very
 different order is the error of the poorer one. The companion is a total-Lagrangian spectral-element solve of order
@@ -36,21 +36,21 @@ MOST_INTERVAL = 20  # particle steps: beyond, there is nothing left to save
 MOST_SUBSTEPS = 64  # a body strained beyond what these allow is no elastic body any more
 MAX_ERROR_SHARE = 0.2  # of the estimate that the companion's own error may be
 
-#: Places in ``companion_counts``: order p, elements (across the body and around it), nodes (in a row and in all), radii
-#: of nodes, and particle steps to an interval.
+#: Indices in ``companion_counts``: order p, elements (across the body and around it), nodes (per row and in total),
+#: radii of nodes, and particle steps per interval.
 ORDER, ACROSS, AROUND, ROW, NODES, RADII, INTERVAL = range(7)
-#: Places in ``companion_numbers``: the highest frequency of the body at rest, the stiffest tangent over that at rest,
-#: and the mean square of the error of x that was reported last.
+#: Indices in ``companion_numbers``: the highest frequency of the body at rest, the stiffest tangent over that at rest,
+#: and the mean square of the error of x in the last report.
 FREQUENCY, STIFFEST, SQUARE = range(3)
 #: Layers of ``companion_nodes``, each with a row of eight for every node. At the start of the interval, at its end and
-#: at the instant of a report: u, v, a; at work: trial u, acceleration, k2, 1/mass (0 where a symmetry plane holds).
+#: at the time of a report: u, v, a; in WORK: trial u, acceleration, k2, 1/mass (0 where a symmetry plane fixes it).
 START, END, WORK, NOW = range(4)
 LAYERS = 4
 
 
 @ti.func
 def step_ahead(body: ti.template(), step, accelerate: ti.template(), on: ti.template()):
-    """Carry the companion over its next interval when ``step``, the particles' last, was the first beyond its end.
+    """Advances the companion over its next interval when ``step``, the particles' last, was the first beyond its end.
 
     The stages of one sub-step of length H from (u, v, a = k1) at t are k2 = f(t + H/2, u + H/2 v + H^2/8 k1) and
     k3 = f(t + H, u + H v + H^2/2 k2); then u += H v + H^2/6 (k1 + 2 k2), v += H/6 (k1 + 4 k2 + k3), and a third
@@ -76,7 +76,7 @@ def step_ahead(body: ti.template(), step, accelerate: ti.template(), on: ti.temp
 
 @ti.func
 def store_start(body: ti.template()):
-    """The end of one interval is the start of the next."""
+    """Copies the end state of one interval to the start of the next."""
     N = body.companion_counts[NODES]
     for i in range(N):
         body.companion_nodes[START * N + i] = body.companion_nodes[END * N + i]
@@ -84,7 +84,7 @@ def store_start(body: ti.template()):
 
 @ti.func
 def find_trial(body: ti.template(), stage, H):
-    """The displacement at which the stage's acceleration is wanted, and room for that."""
+    """Sets the displacement at which the stage's acceleration is evaluated, and clears the acceleration."""
     N = body.companion_counts[NODES]
     ahead, curve = 0.0, 0.0  # nothing for the acceleration at the end of the step
     if stage == 0:
@@ -100,7 +100,7 @@ def find_trial(body: ti.template(), stage, H):
 
 @ti.func
 def finish_stage(body: ti.template(), stage, H):
-    """Take the sub-step after its second stage; keep the new acceleration for the next stage, the last for good."""
+    """Completes the sub-step after its second stage; stores the new acceleration, after the last stage for good."""
     N = body.companion_counts[NODES]
     for i in range(N):
         end, work = body.companion_nodes[END * N + i], body.companion_nodes[WORK * N + i]
@@ -118,7 +118,7 @@ def finish_stage(body: ti.template(), stage, H):
 
 @ti.func
 def read_nodes(body: ti.template(), step):
-    """u and v of the nodes at ``step`` and a one step before, within the interval that was taken last."""
+    """Interpolates u and v of the nodes at ``step``, and a one step before, within the last interval."""
     k, N = body.companion_counts[INTERVAL], body.companion_counts[NODES]
     H = k * body.dt
     s = (step - (ti.max(step - 1, 0) // k) * k) / ti.cast(k, ti.f64)
@@ -137,22 +137,22 @@ def read_nodes(body: ti.template(), step):
 
 
 def hooks(accelerate: Callable, memory: Mapping[str, object], **others: Any) -> EstimatorHooks:
-    """The companion of a problem with ``accelerate`` as :func:`step_ahead` has it, what it keeps beside the shared
-    numbers, and the ``others`` of its hooks."""
+    """Returns the hooks of a problem's companion with ``accelerate`` as in :func:`step_ahead`, its ``memory`` beside
+    the shared numbers, and the ``others`` of its hooks."""
     @ti.func
     def after_step(body: ti.template(), base, step, on: ti.template()):
         step_ahead(body, step, accelerate, on)
 
     shared = {"companion_counts": integers, "companion_numbers": reals, "companion_nodes": rows}  # by the names above
     return EstimatorHooks(memory={**shared, **memory}, after_step=after_step,
-                          interval=lambda scene: 1,  # it looks at every step whether its own, longer one is over
+                          interval=lambda scene: 1,  # it checks in every step whether its own, longer one is over
                           **others)
 
 
 def start(sizes: Sequence[int], frequency: float, dt: float, velocity: np.ndarray, inverse_mass: np.ndarray,
           extra: int = 0) -> dict[str, np.ndarray]:
-    """The shared numbers of a body of these ``companion_counts`` but the last that starts undeformed, with ``extra``
-    rows of nodes; ``velocity`` and ``inverse_mass`` are (N, 2), steps of the particles take ``dt`` seconds."""
+    """Returns the shared arrays of a body that starts undeformed, with these ``companion_counts`` except the last and
+    ``extra`` rows of nodes; ``velocity`` and ``inverse_mass`` are (N, 2), ``dt`` is the particles' step in s."""
     layers = np.zeros((LAYERS, len(velocity), 8))
     layers[START, :, 2:4] = layers[END, :, 2:4] = velocity * (inverse_mass > 0)
     layers[WORK, :, 6:] = inverse_mass
@@ -162,12 +162,12 @@ def start(sizes: Sequence[int], frequency: float, dt: float, velocity: np.ndarra
 
 
 def interval(frequency: float, dt: float) -> int:
-    """Particle steps dt to a step of a companion whose highest frequency at rest is ``frequency``."""
+    """Returns the particle steps per companion step; ``frequency`` is the highest at rest, in 1/s, ``dt`` in s."""
     return max(1, min(MOST_INTERVAL, int(CHOSEN / (frequency * dt))))
 
 
 def why_not_trusted(elements: np.ndarray, axes: tuple[int, ...], square: float) -> str | None:
-    """Why the estimate is not to be trusted, as a sentence, or None.
+    """Returns why the estimate is not to be trusted, as a sentence, or None.
 
     ``elements`` are the displacements (..., 2) at the elements' points, which ``axes`` count; ``square`` is the mean
     square of the estimated error of x, in m^2.
@@ -176,7 +176,7 @@ def why_not_trusted(elements: np.ndarray, axes: tuple[int, ...], square: float) 
         return Message("not valid here: the companion solve itself has failed; choose a smaller amplitude or fewer "
                        "periods")
     missed = max(float(np.sqrt(np.mean(np.sum(unresolved_size(elements, axis) ** 2, axis=-1)))) for axis in axes)
-    if missed > MAX_ERROR_SHARE * np.sqrt(square):  # a run gone bad is as wrong as can be: then nothing is missed
+    if missed > MAX_ERROR_SHARE * np.sqrt(square):  # never for an unstable run, whose error is huge
         return Message("not valid here: the companion solve itself may be {missed:.1g} m off, against an estimated "
                        "error of {square:.1g} m", missed, np.sqrt(square))
     return None

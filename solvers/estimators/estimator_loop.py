@@ -1,4 +1,4 @@
-"""How kernels call the estimators of a scene: a loop over them that is unrolled when the kernel is compiled."""
+"""The loop over a scene's estimators in kernels, unrolled when the kernel is compiled."""
 
 import taichi as ti
 
@@ -10,13 +10,13 @@ from solvers.scene.estimator_hooks import NEVER
 
 @untranslated
 def with_memory(state, estimators, name):
-    """The state with an estimator's memory, which it keeps packed, as attributes, while kernels are compiled."""
+    """Returns the state with an estimator's packed memory as attributes, while kernels are compiled."""
     return MemoryView(state, packing(estimators), estimators[name].memory)
 
 
 @ti.func
 def in_step(state: ti.template(), step, estimators: ti.template(), on: ti.template()):
-    """The turn of the estimators between nodes and particles; ``step`` counts this step too."""
+    """Runs the estimators' hooks between nodes and particles; ``step`` includes this step."""
     for e in ti.static(range(len(on.estimators))):
         if ti.static(estimators[on.estimators[e]].in_step):
             if step % state.estimate_intervals[e] == 0:
@@ -26,7 +26,7 @@ def in_step(state: ti.template(), step, estimators: ti.template(), on: ti.templa
 
 @ti.func
 def after_step(state: ti.template(), step, estimators: ti.template(), on: ti.template()):
-    """The turn of the estimators at the end of a step; ``step`` counts it."""
+    """Runs the estimators' hooks at the end of a step; ``step`` includes it."""
     for e in ti.static(range(len(on.estimators))):
         if ti.static(estimators[on.estimators[e]].after_step):
             if step % state.estimate_intervals[e] == 0:
@@ -36,7 +36,7 @@ def after_step(state: ti.template(), step, estimators: ti.template(), on: ti.tem
 
 @ti.func
 def report(state: ti.template(), step, estimators: ti.template(), on: ti.template()):
-    """Bring every estimate up to date after ``step`` steps, unless its estimator is left out."""
+    """Updates every estimate after ``step`` steps, unless its estimator is left out."""
     for e in ti.static(range(len(on.estimators))):
         if ti.static(estimators[on.estimators[e]].report):
             if state.estimate_intervals[e] != NEVER:
@@ -46,7 +46,7 @@ def report(state: ti.template(), step, estimators: ti.template(), on: ti.templat
 
 @ti.func
 def report_at_once(state: ti.template(), step, estimators: ti.template(), on: ti.template()):
-    """The same on a GPU, from a kernel itself: every estimate of what the processor has brought to ``step`` steps."""
+    """Updates every estimate on a GPU, inside a kernel, from what the CPU has advanced to ``step`` steps."""
     for e in ti.static(range(len(on.estimators))):
         estimators[on.estimators[e]].report_at_once(
             with_memory(state, estimators, on.estimators[e]), e * state.particles, step, on)

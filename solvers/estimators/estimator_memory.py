@@ -1,4 +1,4 @@
-"""What the estimators of a run keep: the types of their numbers and arrays, and their values at the start."""
+"""Memory of a run's estimators: the types of their numbers and arrays, and their values at the start."""
 
 from collections.abc import Mapping
 from typing import Any
@@ -11,12 +11,12 @@ from solvers.scene.scene import Scene
 
 
 def packing(estimators: Mapping[str, EstimatorHooks]) -> Packing:
-    """How the state holds the memory of all estimators."""
+    """Returns the layout of all estimators' memory in the state."""
     return Packing({name: kind for estimator in estimators.values() for name, kind in estimator.memory.items()})
 
 
 def allocate_memory(estimators: Mapping[str, EstimatorHooks], scene: Scene) -> dict:
-    """What these hold: the active estimators' own values, and for the others the least that a kernel accepts."""
+    """Returns the packed initial memory: the active estimators' own values, for others the smallest valid ones."""
     values: dict[str, object] = {}
     for name, estimator in estimators.items():
         blank = {member: _blank(kind) for member, kind in estimator.memory.items()}
@@ -28,12 +28,12 @@ def allocate_memory(estimators: Mapping[str, EstimatorHooks], scene: Scene) -> d
 
 
 def unpack_arrays(estimators: Mapping[str, EstimatorHooks], memory: Mapping) -> dict[str, np.ndarray]:
-    """All estimators' arrays by name, out of what holds them."""
+    """Returns all estimators' arrays by name from their packed memory."""
     return packing(estimators).parts(memory)
 
 
 def _blank(kind: Any) -> float | int | np.ndarray:
-    """Zero, or an array of length one, of a Taichi type."""
+    """Returns zero, or an array of length one, for a Taichi type."""
     if not hasattr(kind, "ndim"):
         return 0
     element = kind.dtype

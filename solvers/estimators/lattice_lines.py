@@ -30,9 +30,8 @@ class Rows:
         return self.weights.shape[1]
 
     def repeated(self, cells: int, rows: int, columns: int) -> "Rows":
-        """The map of a periodic line of ``cells`` cells alike, ``rows`` rows and ``columns`` columns each, from one of
-        fewer. Its weights are those of one cell's rows: row r has weights ``r % rows``.
-        """
+        """Returns the map of a periodic line of ``cells`` equal cells with ``rows`` rows and ``columns`` columns each,
+        from that of a shorter line. Its weights are those of one cell's rows: row r has weights ``r % rows``."""
         few = len(self.first) // rows * columns  # columns of the shorter line
         first = self.first[:rows].astype(np.int64)
         first = np.where(first > few // 2, first - few, first)
@@ -40,7 +39,7 @@ class Rows:
         return Rows(first.astype(np.int32), self.weights[:rows])
 
     def __call__(self, values: np.ndarray) -> np.ndarray:
-        """The map, or maps, of ``values``: (rows, ...) for use outside of kernels."""
+        """Applies the map, or maps, to ``values``: returns (rows, ...), for use outside kernels."""
         at = (self.first[:, None] + np.arange(self.width)) % len(values)
         weights = self.weights[np.arange(len(at)) % len(self.weights)]
         return np.einsum("rk...,rk->r...", weights, values[at])
@@ -48,7 +47,7 @@ class Rows:
 
 @dataclass(frozen=True)
 class Line:
-    """``points`` particles on a line of the given ``length``, under ``elements`` elements of the error grid."""
+    """Line of ``points`` particles with the given ``length`` in m, under ``elements`` elements of the error grid."""
 
     points: int
     elements: int
@@ -57,7 +56,7 @@ class Line:
 
     @property
     def nodes(self) -> int:
-        """Functions of the error grid: one an element, and one more beyond each free end."""
+        """Number of functions of the error grid: one per element, and one more beyond each free end."""
         return self.elements + (2 if self.ends == "free" else 0)
 
     @property
@@ -69,7 +68,7 @@ class Line:
         return self.elements / self.length
 
     def quadrature(self) -> tuple[np.ndarray, np.ndarray]:
-        """Gauss points, in particle spacings, and weights in metres: two a particle or more, the same in each element.
+        """Returns Gauss points, in particle spacings, and weights in m: at least two a particle, equal in each element.
 
         They belong to elements and not to particles, whose domains may end anywhere: an integral of N' that is not
         exact leaves a force in a constant stress, at every mesh.
@@ -82,21 +81,21 @@ class Line:
         return np.arange(self.points) + 0.5
 
     def fit(self, width: int, degree: int) -> Rows:
-        """Recovered value and slope (1/length) at every particle: weights (points, width, components, 2)."""
+        """Returns recovered value and slope (1/length) at every particle: weights (points, width, components, 2)."""
         index, value, slope = self._recovery(self.particles(), width, degree)
         index, sign = self._fold(index, self.points)
         weights = sign[..., None] * np.stack([value, slope * self.per_point], axis=-1)[:, :, None]
         return self._banded(np.arange(self.points)[:, None], index, weights, self.points, self.points)
 
     def spread(self) -> Rows:
-        """Value and slope (1/length) of the B-splines at every particle: weights (points, 3, components, 2)."""
+        """Returns value and slope (1/length) of the B-splines at every particle: weights (points, 3, components, 2)."""
         index, value, slope = self._splines(self.particles())
         index, sign = self._fold_nodes(index)
         weights = sign[..., None] * np.stack([value, slope * self.per_element], axis=-1)[:, :, None]
         return self._banded(np.arange(self.points)[:, None], index, weights, self.points, self.nodes)
 
     def gather(self, width: int, degree: int, measure: np.ndarray | float = 1.0) -> Rows:
-        """Integrals of N f, N' f and N f without measure over the line, over the integral of N (with measure).
+        """Returns integrals of N f, N' f and N f without measure over the line, over the integral of N (with measure).
 
         f is recovered from particles; ``measure`` weighs the integration points, as R does on a radius.
         Weights (nodes, k, components, 3), one for each integral. In the second f is a derivative along the line, so
@@ -116,7 +115,7 @@ class Line:
         return Rows(banded.first, banded.weights / self.mass(measure)[:, None, None, None])
 
     def mass(self, measure: np.ndarray | float = 1.0) -> np.ndarray:
-        """The integral of N (nodes,), images beyond a mirror included."""
+        """Returns the integral of N (nodes,), images beyond a mirror included."""
         q, weight = self.quadrature()
         node, N, _ = self._splines(q)
         total = np.zeros(self.nodes)
@@ -124,7 +123,7 @@ class Line:
         return total
 
     def smoothing(self, measure: np.ndarray | float = 1.0) -> Rows:
-        """Integral of N_i N_j over that of N_i: what spreading and gathering makes of nodal values.
+        """Returns the integral of N_i N_j over that of N_i: what spreading and gathering does to nodal values.
 
         Weights (nodes, k, components, 2), the second of each pair zero, as for maps that have a slope.
         """
@@ -137,7 +136,7 @@ class Line:
         return Rows(banded.first, np.stack([weights, np.zeros_like(weights)], axis=-1))
 
     def _recovery(self, at: np.ndarray, width: int, degree: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Weights (Q, width) of the nearest particles in the value and the slope (per spacing) at the places ``at``.
+        """Returns weights (Q, width) of the nearest particles for value and slope (per spacing) at the places ``at``.
 
         Weight (1 - (d/r)^2)^2 with r just beyond the furthest. Equal places in a lattice without free ends have equal
         weights, which are then found once.
@@ -157,7 +156,7 @@ class Line:
         return index, found[back.ravel(), 0], slope[back.ravel()]
 
     def _splines(self, at: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """The three quadratic B-splines that reach each place ``at`` (in particle spacings): index, value, slope."""
+        """Returns the three quadratic B-splines at each place ``at`` (in particle spacings): index, value, slope."""
         x = at * (self.elements / self.points)
         element = np.clip(np.floor(x), 0, self.elements - 1).astype(np.int64)
         s = x - element
@@ -168,7 +167,7 @@ class Line:
         return (index + 1, np.ones((*index.shape, 1))) if self.ends == "free" else self._fold(index, self.elements)
 
     def _fold(self, index: np.ndarray, count: int) -> tuple[np.ndarray, np.ndarray]:
-        """Bring images back into the line; the sign (..., components) that each component then takes.
+        """Maps images back into the line; returns their indices and the sign (..., components) of each component.
 
         Mirrors: component 0 is odd across the far end and component 1 across the near one (x across the plane x = 0,
         which is at the angle pi/2, and y across y = 0). Between walls component 0, along the line, is odd at both.
@@ -182,7 +181,7 @@ class Line:
 
     def _banded(self, rows: np.ndarray, columns: np.ndarray, values: np.ndarray, row_count: int,
                 column_count: int) -> Rows:
-        """Add up entries with equal row and column into rows of consecutive columns."""
+        """Adds up entries with equal row and column into rows of consecutive columns."""
         rows, columns = np.broadcast_arrays(rows, columns)
         tail = values.shape[rows.ndim:]
         rows, columns, values = rows.ravel(), columns.ravel(), values.reshape(rows.size, *tail)

@@ -1,5 +1,4 @@
-"""What the recovered estimators of all problems share: how the reference advances, how wide they fit, and what makes
-them doubt themselves."""
+"""Shared parts of the recovered estimators: steps of the reference, width of the fits, and checks of validity."""
 
 import numpy as np
 import taichi as ti
@@ -9,61 +8,61 @@ from solvers.kernels.packing import prefix_view
 from solvers.message import Message
 
 DAMPING = 0.4  # tau c/h of waves as short as the error grid; 0.8 is unstable on the ring
-#: Places in the estimators' numbers: the reference's time step, the damping's time, how far the reference has come, and
-#: over all turns looked at, in m^2, the sums of squares of the reference's fourth differences and of the error; on the
-#: bar of the products of both; in the plane of squares of what smoothing takes from the error, and smoothing that.
+#: Indices in the estimators' numbers: the reference's time step, the damping time, the reference's stage, and sums over
+#: all checked turns, in m^2: squares of the reference's fourth differences and of the error; on the bar products of
+#: both; in the plane squares of what smoothing removes from the error, and of what smoothing removes from that.
 H, TAU, TURNS, ROUGH, SIZE, ALONG, SHORT, SHORTEST = range(8)
 NEW, BEGUN, MOVED = 0, 1, 2  # the reference as allocated, with its acceleration at the start, past its first step
-FIT_CELLS = {"particle": 6}  # that a fit goes over; particles moved with their own velocity stand less evenly
+FIT_CELLS = {"particle": 6}  # cells per fit; particles moved with their own velocity are less evenly spaced
 OTHER_FIT_CELLS = 4
 NARROWEST_FIT = 7  # particles: with five a cubic follows each of them
 TABLE = {"first": integers, "width": ti.i32, "weights": quads}  # members of a table of rows, with their types
 MOST_GROWTH = 2.0  # amplitudes of the motion
-#: Of a reference that swings from node to node the fourth differences are 16 times the swing. Measured on 80 rings and
-#: bars of uneven particles, where it does: x and v within .9 to 1.1 up to .8 of the error found.
+#: Fourth differences of a reference that oscillates from node to node are 16 times its amplitude. Measured on 80 rings
+#: and bars with uneven particles, where it does: index of x and v from .9 to 1.1 up to .8 of the error found.
 SWING_FACTOR = 16.0
 MOST_SWING = 1.0  # of the error found
 MOST_STEPS = 50  # of the run between two of the estimator's
-TURNS_PER_CHECK = 4  # of the estimator, to one at which the sums for the verdict grow: they are of a whole run
-#: Sums over rows that are taken side by side, with the same weights: one alone waits for each addition before the next.
-#: As many as any error grid has nodes across; there are more cells than that, more particles and more radii.
+TURNS_PER_CHECK = 4  # of the estimator, per turn at which the sums for the verdict grow
+#: Sums over rows that are computed side by side, with the same weights, so that additions overlap in the processor.
+#: No error grid has fewer nodes across, and numbers of cells, particles and radii are larger.
 ROWS_PER_GROUP = 3
 
 
 @ti.func
 def group_count(count):
-    """How many groups of ``ROWS_PER_GROUP`` there are to ``count`` things; the last two overlap."""
+    """Number of groups of ``ROWS_PER_GROUP`` for ``count`` items; the last two overlap."""
     return (count + (ROWS_PER_GROUP - 1)) // ROWS_PER_GROUP
 
 
 @ti.func
 def first_in_group(group, count):
-    """The first thing of a group."""
+    """Index of the first item of a group."""
     return ti.min(group * ROWS_PER_GROUP, count - ROWS_PER_GROUP)
 
 
 @ti.func
 def store_sums(field: ti.template(), place, apart, values: ti.template()):
-    """Keep what was summed side by side, the second ``apart`` behind the first."""
+    """Stores the sums of a group, with ``apart`` entries between neighbours."""
     for k in ti.static(range(ROWS_PER_GROUP)):
         field[place + k * apart] = values[k]
 
 
 @ti.func
 def fourth_factor(k):
-    """Of value ``k`` of five in their fourth difference: 1, -4, 6, -4, 1."""
+    """Weight of value ``k`` of five in their fourth difference: 1, -4, 6, -4, 1."""
     return ti.select(k == 2, 6.0, ti.select(k % 2 == 1, -4.0, 1.0))
 
 
 @ti.func
 def initial_reference(reference, a, interval):
-    """A reference as allocated, with the mean rate w = v, that begins with the acceleration ``a``: w = v + H/2 a."""
+    """Returns an allocated reference, with mean rate w = v, that starts with the acceleration ``a``: w = v + H/2 a."""
     return ti.Vector([reference[0], reference[1] + 0.5 * interval * a, a, a])
 
 
 @ti.func
 def next_reference(reference, a, interval, first):
-    """U, w, a, a before (components side by side in each quarter) after the acceleration ``a`` has been found.
+    """Returns U, w, a and the previous a (components side by side in each quarter), given the acceleration ``a``.
 
     w is the mean rate over the time H (``interval``) to come: w += H (a + (a - 2 a_1 + a_2)/12) with the two before
     (Stoermer, with Numerov's correction one step late, which also damps what H hardly resolves). The first step
@@ -80,8 +79,8 @@ def next_reference(reference, a, interval, first):
 
 @ti.func
 def second_before(reference, a, first):
-    """The acceleration two steps before ``a``, of a reference that has not advanced yet; carried back from the start
-    where there is none."""
+    """Returns the acceleration two steps before ``a`` of a reference that has not advanced yet, or its
+    extrapolation."""
     before = reference[3]
     if first:
         before = 2 * reference[2] - a
@@ -90,7 +89,7 @@ def second_before(reference, a, first):
 
 @ti.func
 def reference_at(reference, before, interval, since, dt):
-    """U and its rate the time ``since`` after its last step, and its acceleration a dt earlier, by Taylor series.
+    """Returns U and its rate ``since`` s after its last step, and its acceleration dt earlier, by Taylor series.
 
     ``before`` is the acceleration two steps before. Without it, on a free bar in its first half period, what was left
     out of the acceleration was up to three times its error.
@@ -105,37 +104,37 @@ def reference_at(reference, before, interval, since, dt):
 
 
 def steps_between(scene, length):
-    """Steps in the time that a wave takes along ``length``."""
+    """Returns the number of steps in which a wave travels ``length``, in m."""
     return max(1, min(MOST_STEPS, int(length / (scene.wave_speed * scene.time_step))))
 
 
 def initial_numbers(scene, steps):
-    """The estimators' numbers at the start."""
+    """Returns the estimators' numbers at the start."""
     return np.array([steps * scene.time_step, DAMPING * scene.spacing / scene.wave_speed, NEW, *[0.0] * 5])
 
 
 def fit_width(scene):
-    """Particles along a line that a fit goes over: four cells, which the method's own kinks are shorter than."""
+    """Returns the number of particles of a fit along a line: four cells, longer than the method's own kinks."""
     return max(NARROWEST_FIT, FIT_CELLS.get(scene.velocity, OTHER_FIT_CELLS) * scene.ppc + 1)
 
 
 @ti.func
 def time_since(step, dt, interval):
-    """The time since the reference's last step, after ``step`` steps of the run."""
+    """Returns the time in s since the reference's last step, after ``step`` steps of the run."""
     steps = ti.cast(interval / dt + 0.5, ti.i32)
     return step % steps * dt
 
 
 @ti.func
 def is_check_due(step, dt, interval):
-    """Whether the turn after ``step`` steps is one that the verdict looks at; the first is."""
+    """Returns whether the sums for the verdict grow after ``step`` steps; the first turn is one of these."""
     steps = ti.cast(interval / dt + 0.5, ti.i32)
     return step // steps % TURNS_PER_CHECK == 1
 
 
 @ti.func
 def table_row(state: ti.template(), table: ti.template(), row, pattern):
-    """Row ``row`` of a table: its first entry, and the first and the end of its weights.
+    """Returns the first entry of row ``row`` of a table, and the first and the end index of its weights.
 
     ``table`` is what the names of its members begin with; ``pattern`` is the row itself, or the one that it repeats.
     """
@@ -144,12 +143,12 @@ def table_row(state: ti.template(), table: ti.template(), row, pattern):
 
 
 def table_types(names):
-    """The members that hold these tables, with their types."""
+    """Returns the members that hold these tables, with their types."""
     return {name + member: kind for name in names for member, kind in TABLE.items()}
 
 
 def table_values(tables):
-    """The members' values from :class:`~solvers.estimators.lattice_lines.Rows` by the names of the tables.
+    """Returns the members' values from :class:`~solvers.estimators.lattice_lines.Rows` by the names of the tables.
 
     Weights (rows, width, n) become vectors of n.
     """
@@ -159,11 +158,11 @@ def table_values(tables):
 
 
 def why_not_trusted(memory, growth):
-    """Why not to trust what was reported: the reference has turned inside out, run away, or swings from node to node.
+    """Returns why not to trust what was reported: the reference is inverted, diverged, or oscillates from node to node.
 
-    It swings where it follows uneven particles and where it goes unstable: then what is estimated is the reference's
-    own error. The measure is the size of the fourth differences of U, nodes as steps, over that of the error, in sums
-    over the whole run. ``growth`` is the largest U now, over the amplitude of the motion, which it should never exceed.
+    It oscillates where it follows uneven particles and where it is unstable: then the estimate is the reference's own
+    error. The measure is the size of the fourth differences of U, with a node spacing of one, over that of the error,
+    in sums over the whole run. ``growth`` is the largest U now over the motion's amplitude, at most one.
     """
     numbers = memory["recovered_numbers"]
     if not (np.isfinite(memory["recovered_nodes"]).all() and np.isfinite(numbers).all()):

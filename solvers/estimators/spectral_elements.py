@@ -41,7 +41,7 @@ class Elements:
 
     @property
     def derivative(self) -> np.ndarray:
-        """D (p+1, p+1): values at an element's points to the derivative there, per unit of the coordinate."""
+        """Matrix D (p+1, p+1) of the derivative at an element's points, per unit of the coordinate."""
         return differentiation_matrix(self.points) * (2 / self.length)
 
     @property
@@ -52,18 +52,18 @@ class Elements:
 
     @property
     def node_of_point(self) -> np.ndarray:
-        """The node of each element's point (count, p+1)."""
+        """Index of the node at each element's point (count, p+1)."""
         return np.arange(self.count)[:, None] * self.order + np.arange(self.order + 1)
 
     @property
     def assembled_weights(self) -> np.ndarray:
-        """Quadrature weights of all nodes: the sums over the elements that share them."""
+        """Quadrature weights of all nodes: sums over the elements that share them."""
         return np.bincount(self.node_of_point.ravel(), np.tile(self.weights, self.count))
 
     def locate(self, x: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Element of each place x (K,), and there the values and the derivatives of its p + 1 polynomials (K, p+1).
+        """Returns the element of each place x (K,), and values and derivatives of its p + 1 polynomials there (K, p+1).
 
-        A place outside the elements is extrapolated to from the nearest.
+        Places outside the elements are extrapolated from the nearest one.
         """
         s = (x - self.start) / self.length
         element = np.clip(np.floor(s), 0, self.count - 1).astype(np.int32)
@@ -72,9 +72,9 @@ class Elements:
         return element, values, values @ self.derivative
 
 
-@functools.cache  # asked for wherever something is read off
+@functools.cache  # used by every property and interpolation
 def lobatto(order: int) -> tuple[np.ndarray, np.ndarray]:
-    """Gauss-Lobatto-Legendre points in [-1, 1] and weights: +-1 and the roots of P_p', w = 2/(p (p+1) P_p^2)."""
+    """Returns Gauss-Lobatto-Legendre points in [-1, 1] and weights: +-1, the roots of P_p', w = 2/(p (p+1) P_p^2)."""
     highest = np.append(np.zeros(order), 1.0)
     inner = np.sort(legendre.legroots(legendre.legder(highest)).real)
     points = np.concatenate([[-1.0], inner, [1.0]])
@@ -84,7 +84,7 @@ def lobatto(order: int) -> tuple[np.ndarray, np.ndarray]:
 
 
 def differentiation_matrix(points: np.ndarray) -> np.ndarray:
-    """D with (D f)_i the derivative at point i of the polynomial through f, by barycentric weights."""
+    """Returns D with (D f)_i the derivative at point i of the polynomial through f, by barycentric weights."""
     gap = points[:, None] - points
     np.fill_diagonal(gap, 1.0)
     scale = gap.prod(axis=1)
@@ -95,7 +95,7 @@ def differentiation_matrix(points: np.ndarray) -> np.ndarray:
 
 
 def unresolved_size(values: np.ndarray, axis: int) -> np.ndarray:
-    """Size of what the elements' polynomials leave out along ``axis``, from the decay of the Legendre modes.
+    """Returns the size of what the elements' polynomials omit along ``axis``, from the decay of the Legendre modes.
 
     The highest mode is the last that was kept; carried on at the rate of decay it tells the first that was not:
     c_p min(1, c_p/c_(p-1)), where c_(p-1) is at least sqrt(c_p c_(p-2)), for a field may be even or odd in an element.
@@ -110,7 +110,7 @@ def unresolved_size(values: np.ndarray, axis: int) -> np.ndarray:
 
 
 def highest_frequency(accelerations: Callable[[np.ndarray], np.ndarray], inverse_mass: np.ndarray) -> float:
-    """omega of the fastest mode of u_tt = -A u by the power method; ``accelerations(u)`` is A u, u as ``inverse_mass``.
+    """Returns omega of the fastest mode of u_tt = -A u by the power method; ``accelerations(u)`` is A u.
 
     From below, and within a per cent after so many turns; the stability limit leaves more.
     """

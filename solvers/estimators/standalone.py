@@ -1,7 +1,7 @@
-"""A companion that is solved by itself, beside no particles: for those of another code, at whatever times it has.
+"""Companion without a run beside it, for particles of other codes at arbitrary times.
 
-The same spectral elements as those that run beside our own particles (``companion``), in numpy: nobody waits for a
-compiler, and steps end at the times that are asked for. Time is Nystrom's method of fourth order, as there.
+The same spectral elements as beside our own particles (``companion``), in numpy: nothing is compiled, and steps end at
+the requested times. Time integration is Nystrom's method of fourth order, as there.
 """
 
 import math
@@ -14,7 +14,7 @@ SAFE_STEP = 1.5  # omega H of a step: 2.58 is where the method ends; at 1.5 its 
 
 
 class ElasticBody(ABC):
-    """What moves: N nodes with D components.
+    """Body that moves: N nodes with D components.
 
     ``velocity`` (N, D) is the initial one, ``frequency`` the highest of the body at rest, in 1/s.
     """
@@ -24,15 +24,15 @@ class ElasticBody(ABC):
 
     @abstractmethod
     def accelerations(self, u: np.ndarray, t: float) -> np.ndarray:
-        """(N, D) in m/s^2 at the displacements u (N, D) and the time t."""
+        """Returns (N, D) in m/s^2 at the displacements u (N, D) in m and the time t in s."""
 
     @abstractmethod
     def read(self, u: np.ndarray, X: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Of a field of the nodes (N, D): its values (P, D) and gradients (P, D, D) at the material points X (P, D)."""
+        """Returns the values (P, D) and gradients (P, D, D) of a nodal field u (N, D) at material points X (P, D)."""
 
 
 class MotionLost(ArithmeticError):
-    """A motion that the companion cannot follow to the ``time``: it is no number any more."""
+    """Error for a motion that has become infinite or NaN before ``time`` (s), so that no companion can follow it."""
 
     def __init__(self, time: float):
         self.time = time
@@ -40,13 +40,13 @@ class MotionLost(ArithmeticError):
 
 
 def longest_step(body: ElasticBody) -> float:
-    """Of a step in seconds, so that what it adds to the error is no part of the whole."""
+    """Returns a step in s that is short enough for its own error to be negligible."""
     return SAFE_STEP / body.frequency
 
 
 class NystromIntegrator:
-    """A body on its way from t = 0, at rest in shape, by steps of at most ``longest`` seconds: ``u``, ``v`` and ``a``
-    (N, D) are those of the ``time`` to which it was brought last."""
+    """Time integrator of a body, undeformed at t = 0, with steps of at most ``longest`` seconds: ``u``, ``v`` and ``a``
+    (N, D) are those at ``time``, to which it was advanced last."""
 
     def __init__(self, body: ElasticBody, longest: float = math.inf):
         self.body, self.time, self.longest = body, 0.0, min(longest, longest_step(body))
@@ -54,7 +54,7 @@ class NystromIntegrator:
         self.a = body.accelerations(self.u, 0.0)
 
     def advance_to(self, time: float) -> None:
-        """Go on to a time that is not earlier. Raises :class:`MotionLost` where the motion breaks down."""
+        """Advances to a time in s that is not earlier. Raises :class:`MotionLost` where the motion breaks down."""
         u, v, k1, body = self.u, self.v, self.a, self.body
         steps = math.ceil((time - self.time) / self.longest)
         for step in range(steps):
@@ -70,7 +70,7 @@ class NystromIntegrator:
 
 
 def solve(body: ElasticBody, times: Sequence[float]) -> list[tuple[np.ndarray, np.ndarray]]:
-    """Displacement and velocity of the nodes, (N, D) each, at the times, which do not fall and begin at 0 or later.
+    """Returns displacement and velocity of the nodes, (N, D) each, at times in s from 0 on that never decrease.
 
     Raises :class:`MotionLost` where the motion breaks down.
     """

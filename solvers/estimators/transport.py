@@ -1,4 +1,4 @@
-"""What the paper's estimators of all problems share: when not to believe them."""
+"""Shared part of the paper's estimators of all problems: when not to trust them."""
 
 from solvers.message import Message
 
@@ -7,8 +7,8 @@ MOST = 100.0  # of the motion's acceleration, at the worst node; up to 60 were s
 
 
 def why_not_trusted(error: float, begun: bool, size: float) -> str | None:
-    """Why not to trust it, or None. ``error`` is the largest estimated error of a at the nodes, in m/s^2, ``size`` that
-    of the motion's own acceleration; a run that has not ``begun`` has none."""
+    """Returns why not to trust the estimate, or None. ``error`` is the largest estimated error of a at the nodes,
+    ``size`` the motion's own acceleration, both in m/s^2; before a run has ``begun`` there is no reason."""
     if begun and error < NOTHING * size:
         return Message("not valid here: the terms of transport vanish for this mapping, so that its estimate is zero")
     if begun and not error < MOST * size:  # true for NaN too

@@ -1,5 +1,5 @@
-"""What the two-grid estimators of all problems share: the second run's choices, smoothing and interpolation between the
-lattices of the two runs, and what can be said afterwards.
+"""Shared parts of the two-grid estimators: options of the second run, smoothing and interpolation between the lattices
+of both runs, and checks of validity.
 
 The same scene runs a second time on a grid with half as many cells, and every quantity q is extrapolated from the two
 (Richardson 1911): where the error is C h^2, q* = (r^2 q_h - q_rh)/(r^2 - 1) is free of it, and the error of the run is
@@ -42,40 +42,40 @@ FIT_CELLS = (4, 6)  # cells that a fit spans: of x, v and sigma; and of a, whose
 MOST_COURANT = 0.25  # steps of the coarse run, in multiples of the time a wave takes through a cell of the fine grid
 MOST_STEPS = 10  # of the run to one of the coarse run
 CRUSHED_JACOBIAN = 1e-3  # det F from which on a particle of the coarse run counts as crushed
-LOST_DISPLACEMENT = 0.5  # of the amplitude: a run with such an error of x no longer knows where its particles are
-CUBIC_COEFFICIENTS = 4  # coefficients
+LOST_DISPLACEMENT = 0.5  # of the amplitude: with such an error of x a run is lost
+CUBIC_COEFFICIENTS = 4
 
 TABLES = ("down", "over", "up")  # from the run's lattice to the common one, from the second run's, and to the run's
-LATTICES = ("fine", "coarse", "common")  # of the run, of the second run, and the one on which they meet
+LATTICES = ("fine", "coarse", "common")  # of the run, of the second run, and the one on which they are compared
 STENCILS = {"first": integers, "row": integers, "taps": ti.i32, "weights": pairs}
 
 
 class ComparedFields(NamedTuple):
-    """What is compared, one vector a particle: which of a stencil's two weights each component is taken times, along
-    the lines of the lattice, and across them where there are more lines than one."""
+    """Compared fields, one vector per particle: for each component, the index of the stencil weight (0 or 1) along the
+    lines of the lattice, and across them where there is more than one line."""
 
     along: tuple[int, ...]
     across: tuple[int, ...] = ()
 
 
 def memory_types(vectors: object) -> dict:
-    """Types of what the estimator of any problem keeps; ``vectors`` is that of arrays of the fields."""
+    """Returns the types of the estimator's memory for any problem; ``vectors`` is the type of arrays of the fields."""
     return {
         **{f"two_grid_{table}_{way}_{member}": kind for table in TABLES for way in ("along", "across")
            for member, kind in STENCILS.items()},
         **{f"two_grid_{lattice}_{size}": ti.i32 for lattice in LATTICES for size in ("points", "lines")},
         "two_grid_gain": real, "two_grid_interval": ti.i32,  # 1/(r^2 - 1); steps to one of the second run
-        "two_grid_fields": vectors,  # of either run; at last the errors of the run's
-        "two_grid_band": vectors,  # those on the way from one lattice to another, brought along the lines only
-        "two_grid_common": vectors,  # the extrapolated ones on the common lattice
+        "two_grid_fields": vectors,  # of either run; finally the errors of the run
+        "two_grid_band": vectors,  # intermediate fields between two lattices, transferred along the lines only
+        "two_grid_common": vectors,  # extrapolated fields on the common lattice
         "two_grid_largest": reals,  # the largest mean square of e_x that was reported
     }
 
 
 def allocate(scene: Scene, fields: ComparedFields, fine: tuple[int, int], coarse: tuple[int, int],
              common: tuple[int, int], ends: tuple[str, str]) -> dict:
-    """The values of :func:`memory_types`. Lattices are given as points on a line and lines; ``ends`` says what lies
-    beyond the ends of a line, and beyond the first and last lines."""
+    """Returns the values of :func:`memory_types`. Lattices are (points on a line, lines); ``ends`` is what continues a
+    line beyond its ends, and the lattice beyond its first and last lines."""
     smooth, cubic = (FIT_CELLS[0] * scene.ppc, FIT_CELLS[1] * scene.ppc), (CUBIC_COEFFICIENTS, CUBIC_COEFFICIENTS)
     values: dict = {}
     for table, source, target, fit in zip(TABLES, (fine, coarse, common), (common, common, fine),
@@ -94,14 +94,14 @@ def allocate(scene: Scene, fields: ComparedFields, fine: tuple[int, int], coarse
 
 @ti.func
 def clear_common_lattice(own: ti.template()):
-    """Nothing on the common lattice yet."""
+    """Sets the fields on the common lattice to zero."""
     for t in range(own.common_points * own.common_lines):
         own.common[t] = own.common[t] * 0.0
 
 
 @ti.func
 def store_largest(own: ti.template(), square):
-    """Keep a mean square of e_x if it is the largest so far; what is no number replaces any."""
+    """Keeps a mean square of e_x if it is the largest so far; NaN replaces any."""
     if not square <= own.largest[0]:
         own.largest[0] = square
 
@@ -109,7 +109,7 @@ def store_largest(own: ti.template(), square):
 @ti.func
 def transfer(own: ti.template(), fields: ti.template(), table: ti.template(), source: ti.template(),
              at: ti.template(), into: ti.template(), to: ti.template(), share):
-    """Add a share of the fields on the lattice ``at``, smoothed or interpolated, to those on the lattice ``to``."""
+    """Adds a share of the fields on the lattice ``at``, smoothed or interpolated, to those on the lattice ``to``."""
     from_lattice, to_lattice = ti.static([prefix_view(own, at + "_"), prefix_view(own, to + "_")])
     along, across = ti.static([prefix_view(own, table + "_along_"), prefix_view(own, table + "_across_")])
     points, lines, wanted = from_lattice.points, from_lattice.lines, to_lattice.points
@@ -129,7 +129,7 @@ def transfer(own: ti.template(), fields: ti.template(), table: ti.template(), so
 
 @ti.func
 def stencil_sum(table: ti.template(), picks: ti.template(), t, source: ti.template(), start, stride, count):
-    """Stencil ``t`` of entries ``stride`` apart, of which there are ``count``; behind the last comes the first."""
+    """Returns stencil ``t`` applied to ``count`` entries that lie ``stride`` apart, periodically."""
     row, entry = table.row[t], table.first[t]
     total = source[start] * 0.0
     for k in range(table.taps):
@@ -140,7 +140,7 @@ def stencil_sum(table: ti.template(), picks: ti.template(), t, source: ti.templa
 
 
 def interval(scene: Scene) -> int:
-    """Steps of the run to one of the coarse run: two at least, for equal Courant numbers.
+    """Returns the steps of the run per step of the coarse run: at least two, for equal Courant numbers.
 
     More where steps are so short that they could be longer without harm; preferably so many that the coarse run has
     just arrived whenever a sample is taken.
@@ -150,21 +150,21 @@ def interval(scene: Scene) -> int:
 
 
 def extrapolation_factor(scene: Scene) -> float:
-    """1/(r^2 - 1) with r the ratio of the cells."""
+    """Returns 1/(r^2 - 1), r the ratio of the cell sizes."""
     return 1 / ((scene.cells / (scene.cells // 2)) ** 2 - 1)
 
 
 def method_options(on: KernelOptions) -> KernelOptions:
-    """The switches of the second run: the method as it is, nothing measured but the acceleration."""
+    """Returns the compile-time options of the second run: the bare method, and only the acceleration beside it."""
     return on._replace(effects=("acceleration",), estimators=())
 
 
 def coarse_run_verdict(scene: Scene, determinant: np.ndarray, displacement: np.ndarray, farthest: float,
                        largest: np.ndarray) -> str | None:
-    """Whether the coarse run went bad: particles turned inside out, crushed or farther off than can be; or lost.
+    """Returns why the coarse run cannot be used, or None: particles inverted, crushed or too far away; or lost.
 
-    ``largest`` is the largest mean square of e_x; the coarse run's error is r^2 times e_x if all is well, and there is
-    nothing to extrapolate from a run that is lost.
+    ``largest`` is the largest mean square of e_x. The coarse run's error is r^2 times e_x as long as extrapolation is
+    possible; a lost run cannot be extrapolated.
     """
     with np.errstate(invalid="ignore", over="ignore"):
         sound = np.all(determinant > CRUSHED_JACOBIAN) and np.all(np.abs(displacement) < farthest)  # False for NaN
@@ -178,7 +178,7 @@ def coarse_run_verdict(scene: Scene, determinant: np.ndarray, displacement: np.n
 
 
 def stencils(places: np.ndarray, count: int, windows: tuple[int, int], ends: str) -> dict:
-    """Stencils at ``places``, in spacings from the first of ``count`` lattice points, as the members in ``STENCILS``.
+    """Returns stencils at ``places``, in spacings from the first of ``count`` lattice points, as in ``STENCILS``.
 
     ``windows`` are the numbers of points in fits of two kinds, whose weights stand side by side, the shorter's padded
     with zeros; between mirrors all fits are of the first, and the weights those of components that are even and odd.
@@ -211,11 +211,11 @@ def stencils(places: np.ndarray, count: int, windows: tuple[int, int], ends: str
 
 
 def _first_points(places: np.ndarray, points: int, count: int, ends: str) -> np.ndarray:
-    """First of the ``points`` lattice points that lie nearest around each place."""
+    """Returns the index of the first of the ``points`` lattice points nearest to each place."""
     first = np.round(places - 0.5 * (points - 1) + 1e-9).astype(int)
     return np.clip(first, 0, count - points) if ends == "free" else first
 
 
 def point_positions(targets: int, count: int) -> np.ndarray:
-    """The points of a lattice of ``targets`` points, in spacings of one of ``count`` that fills the same length."""
+    """Returns the points of a lattice of ``targets`` points, in spacings of one of ``count`` over the same length."""
     return (np.arange(targets) + 0.5) * (count / targets) - 0.5

@@ -1,4 +1,4 @@
-"""How far waves of two-grid's second run are behind the exact ones at the end, by linear theory.
+"""Phase lag of waves in two-grid's second run at the end, by linear theory.
 
 A wave of wavenumber k passes four transfers in a step. Velocity to nodes and acceleration back, together the mass
 matrix over the lumped one, let through 1 - (k h)^2 (1/6 + 1/(12 n^2)) of it with hats, of which n particles in a cell
@@ -22,7 +22,7 @@ MOST_LAG = 0.9
 
 
 def phase_lag(scene: Any, wavenumber: float | Callable[[Any], float]) -> float:
-    """Radians by which a wave, in 1/m, of the second run is behind the exact one at the end."""
+    """Returns the lag in radians of a wave in the second run behind the exact one at the end; wavenumber in 1/m."""
     slowing = 1 / 4 if scene.method == "bspline" else 1 / 8 + 1 / (24 * scene.ppc**2)
     k = wavenumber(scene) if callable(wavenumber) else wavenumber
     coarse = scene.spacing * scene.cells / (scene.cells // 2)
@@ -30,7 +30,7 @@ def phase_lag(scene: Any, wavenumber: float | Callable[[Any], float]) -> float:
 
 
 def phase_lag_limit(wavenumber: float | Callable[[Any], float], **where: Any) -> Limit:
-    """The limit that waves of the second run end not too far behind; the lag falls with the square of the cells."""
+    """Returns the limit on the phase lag of the second run at the end; the lag falls with the square of the cells."""
     return Limit("two-grid", lambda scene: phase_lag(scene, wavenumber), most=MOST_LAG, where=where, give={
         "cells": lambda scene, lag: 2 * math.ceil(scene.cells / 2 * math.sqrt(lag / MOST_LAG) + 1),
         "end_time": lambda scene, lag: scene.end_time * MOST_LAG / lag},

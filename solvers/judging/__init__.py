@@ -1,1 +1,1 @@
-"""A referee for any code: particles in a file, read, held against the truth or a companion, and beside our own runs."""
+"""Judge for particles of any code: reads files and compares particles with the truth, a companion and our own runs."""

@@ -1,4 +1,4 @@
-"""What contradicts itself within the motion of particles, as an object and as JSON."""
+"""Contradictions within the motion of particles, as an object and as JSON."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -15,7 +15,7 @@ from solvers.untrusted.quoting import FileError
 SCHEMA = "mpm-lab/check/1"
 CONSISTENT = "consistent"
 Progress = Callable[[float, str], None]
-#: What no motion says of itself, whatever the files hold.
+#: What cannot be seen in a motion alone, whatever the files contain.
 NOT_CHECKABLE = (
     "whether the motion is that of your problem: forces, material and boundary are not known here",
     "the balance of energy and of momentum with the forces: body forces and walls may do any work",
@@ -25,7 +25,7 @@ NOT_CHECKABLE = (
 
 @dataclass(frozen=True)
 class MotionCheck:
-    """A ``motion`` with its findings, in the order in which they are told."""
+    """A ``motion`` with its findings, in the order of the report."""
 
     files: tuple[str, ...]
     motion: Motion
@@ -38,7 +38,7 @@ class MotionCheck:
 
     @property
     def contradictions(self) -> list[Finding]:
-        """What contradicts the motion, what breaks it first."""
+        """Findings that contradict the motion, those that break it first."""
         return sorted((one for one in self.findings if one.is_contradiction), key=lambda one: one.verdict != BROKEN)
 
     def to_dict(self) -> dict[str, Any]:
@@ -55,28 +55,28 @@ class MotionCheck:
 
 def check(files: Particles | Sequence[Particles], *, times: Sequence[float] = (),
           on_progress: Progress = lambda part, what: None) -> MotionCheck:
-    """Look for contradictions within the motion of particles, of any code and problem, without a solution.
+    """Looks for contradictions within the motion of particles, of any code and problem, without a solution.
 
     Parameters
     ----------
     files
         A path (.csv, .npz, .vtk, .vtu, .vtp), a mapping from names to arrays, or several of these, of one run. Arrays
-        are those of :func:`solvers.judge`; ``x`` at two or more moments is needed, ``X`` or ``id``, ``v``, ``F``,
-        ``sigma``, ``mass`` and ``volume`` are used where they are there.
+        are those of :func:`solvers.judge`; ``x`` at two or more times is needed, ``X`` or ``id``, ``v``, ``F``,
+        ``sigma``, ``mass`` and ``volume`` are used where they exist.
     times
-        The time of each file in s, where files do not say it.
+        The time of each file in s, where files do not contain it.
     on_progress
-        Called now and then with the part done (0 to 1) and a word on what is being done.
+        Called now and then with the part done (0 to 1) and the name of the present stage.
 
     Returns
     -------
-    Checked
-        Its ``to_dict()`` is the object of ``mpm-lab check --json``. That nothing was found is no proof of anything.
+    MotionCheck
+        Its ``to_dict()`` is the object of ``mpm-lab check --json``. An empty result proves nothing.
 
     Raises
     ------
     FileError
-        For files, or arrays, that cannot be followed.
+        For files, or arrays, whose particles cannot be followed.
     """
     raws = read_all(files)
     if times and len(times) != len(raws):

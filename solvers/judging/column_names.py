@@ -1,4 +1,4 @@
-"""What columns and arrays of particles may be called, what they mean, and how they are put together.
+"""Names of columns and arrays of particles, their meaning, and the assembly of components.
 
 A quantity has one key here: ``t``, ``id``, ``X`` (material position), ``x`` (position), ``v``, ``F``, ``sigma``,
 ``mass`` and ``volume``. A file has it as an array or as one column for each component.
@@ -30,7 +30,7 @@ SEPARATORS = ("", "_", ":", ".", "-")
 
 
 def _components() -> dict[str, tuple[str, tuple[int, ...]]]:
-    """Every column's name with its quantity and component."""
+    """Returns every column name with its quantity and component."""
     found: dict[str, tuple[str, tuple[int, ...]]] = {}
     for key, names in NAMES.items():
         for name, separator in itertools.product(names, SEPARATORS):
@@ -50,20 +50,20 @@ WHOLE = {name: (key, None) for key, names in NAMES.items() for name in names}
 
 
 def parse_name(name: str) -> tuple[str, tuple[int, ...] | None] | None:
-    """The quantity of a column or an array, and its component where it is only that; None for any other. A unit in
-    brackets at the end says nothing."""
+    """Returns the quantity of a column or an array, and its component if it is only one; None for unknown names. A unit
+    in brackets at the end is ignored."""
     bare = re.sub(r"\s*[\[(][^\])]*[\])]\s*$", "", name.strip().strip('"'))
     tables: tuple[Mapping[str, Any], ...] = (COMPONENTS, WHOLE)
     return next((table[text] for table in tables for text in (bare, bare.lower()) if text in table), None)
 
 
 def describe_columns(key: str, dimensions: int) -> str:
-    """What the columns of a quantity are called in a file of so many dimensions, for a sentence."""
+    """Returns the column names of a quantity in so many ``dimensions``, for a sentence."""
     return ", ".join(name for name in column_names(key, dimensions) if name != "syx")  # one of sxy and syx is enough
 
 
 def column_names(key: str, dimensions: int) -> list[str]:
-    """The columns that we write for a quantity, in the order of its components."""
+    """Returns the names of the columns that we write for a quantity, in the order of its components."""
     letters = LETTERS[:dimensions]
     if key in VECTORS:
         return [{"X": letter.upper(), "x": letter, "v": f"v{letter}"}[key] for letter in letters]
@@ -72,7 +72,7 @@ def column_names(key: str, dimensions: int) -> list[str]:
 
 def build_table(path: str, named: dict[str, np.ndarray], time: float | None, cells: int | None,
                 limits: Limits = LIMITS) -> RawTable:
-    """The table of named arrays (n, ...): components put together, the rest left out."""
+    """Returns the table of named arrays (n, ...): components are assembled, unknown names left out."""
     known_ones = [array for name, array in named.items() if parse_name(name)]
     limits.check_rows(path, max((len(array) for array in known_ones if array.ndim), default=0))
     limits.check_numbers(path, sum(array.size for array in known_ones))
@@ -116,7 +116,7 @@ def build_table(path: str, named: dict[str, np.ndarray], time: float | None, cel
 
 
 def _reshape_array(path: str, key: str, name: str, values: np.ndarray) -> np.ndarray:
-    """An array (n, ...) as (n,), (n, d) or (n, d, d)."""
+    """Returns an array (n, ...) as (n,), (n, d) or (n, d, d)."""
     if key in SCALARS:
         if values.ndim != 1:
             raise FileError(path, "has {name} of the shape {shape}; give one number for each particle", quote(name),
@@ -137,7 +137,7 @@ def _reshape_array(path: str, key: str, name: str, values: np.ndarray) -> np.nda
 
 
 def _join_components(path: str, key: str, pieces: dict[tuple[int, ...], np.ndarray]) -> np.ndarray:
-    """Components (n,) as a vector (n, d) or a tensor (n, d, d); of a stress one of xy and yx is enough."""
+    """Returns components (n,) as a vector (n, d) or a tensor (n, d, d); one of xy and yx is enough for a stress."""
     size = 1 + max(max(where) for where in pieces)
     n = len(next(iter(pieces.values())))
     out, rows = np.full((n, size) if key in VECTORS else (n, size, size), np.nan), cast(Any, (slice(None),))
@@ -160,12 +160,12 @@ def _join_components(path: str, key: str, pieces: dict[tuple[int, ...], np.ndarr
 
 
 def is_known_name(name: str) -> bool:
-    """Whether an array of this name is looked at."""
+    """Returns whether an array of this name is read."""
     return bool(parse_name(name)) or name in ("cells", "scene")
 
 
 def table_from_arrays(path: str, arrays: Mapping[str, np.ndarray], limits: Limits = LIMITS) -> RawTable:
-    """The table of named arrays, as they stand in a .npz; ``path`` is what messages call it."""
+    """Returns the table of named arrays, as in a .npz; ``path`` is its name in messages."""
     limits.check_columns(path, len(arrays))
     for name, array in arrays.items():
         check_name(path, name)
@@ -187,14 +187,13 @@ def table_from_arrays(path: str, arrays: Mapping[str, np.ndarray], limits: Limit
 
 
 def add_scene(raw: RawTable, line: object) -> RawTable:
-    """The file with what it says of its scene."""
+    """Returns the file with the scene in its metadata."""
     said = parse_scene_line(raw.file, line, raw.cells)
     return raw if said is None else replace(raw, said=said, cells=said.inputs.get("cells", raw.cells), step=said.step)
 
 
 def _flatten_times(path: str, many: dict[str, np.ndarray], times: np.ndarray, limits: Limits) -> dict[str, np.ndarray]:
-    """Arrays (T, P, ...) as rows, one for every time and particle; what is known once for all, ids and material
-    positions, is repeated."""
+    """Returns arrays (T, P, ...) as rows, one for every time and particle; constant arrays are repeated."""
     T = len(times)
     place = next(array for name, array in many.items() if _quantity_key(name) == "x")
     P = place.shape[1] if place.ndim > 1 else 0

@@ -1,4 +1,4 @@
-"""How wrong particles are: errors against the truth or the companion, their norms over time, and where they are worst.
+"""Errors of particles against the truth or the companion, their norms over time, and their maxima.
 
 Errors are computed minus exact at a material point, their sizes Euclidean and Frobenius norms, a norm the root of the
 mean square over the particles that are there: as in our own runs (``solvers.solver.samples``).
@@ -29,7 +29,7 @@ def true_errors(scene: Scene, frame: Frame) -> Errors:
 
 
 def stress(scene: Scene, frame: Frame) -> np.ndarray | None:
-    """The Cauchy stress: the file's own, or what F gives."""
+    """Returns the Cauchy stress: the file's own, or that from F by the material law, or None."""
     if frame.stress is not None or frame.deformation_gradient is None:
         return frame.stress
     with np.errstate(all="ignore"):
@@ -37,7 +37,7 @@ def stress(scene: Scene, frame: Frame) -> np.ndarray | None:
 
 
 def sizes(error: np.ndarray) -> np.ndarray:
-    """Lengths and Frobenius norms (P,) of errors (P, ...)."""
+    """Returns lengths and Frobenius norms (P,) of errors (P, ...)."""
     return np.sqrt(np.sum(error.reshape(len(error), -1) ** 2, axis=1))
 
 
@@ -47,7 +47,7 @@ def rms(error: np.ndarray) -> float:
 
 @dataclass(frozen=True)
 class Companions:
-    """A companion at some times, on two meshes: the difference is what it does not know itself."""
+    """A companion at some times, on two meshes, whose difference estimates its own error."""
 
     scene: Scene
     times: tuple[float, ...]
@@ -57,11 +57,11 @@ class Companions:
         return [solve_companion(self.scene, fine, self.times) for fine in (True, False)]
 
     def errors(self, frame: Frame, fine: bool = True) -> Errors:
-        """The errors of a frame as the companion sees them."""
+        """Returns the errors of a frame against the companion."""
         return _errors_against(self.scene, frame, *self._fields(frame, fine))
 
     def doubt(self, frame: Frame) -> dict[str, float]:
-        """How far the companion's two meshes are apart at the frame's particles."""
+        """Returns the RMS difference of the companion's two meshes at the frame's particles."""
         return {q: rms(one - other) for q, one, other in zip(QUANTITIES, self._fields(frame, True),
                                                              self._fields(frame, False), strict=True)}
 
@@ -83,23 +83,23 @@ def _errors_against(scene: Scene, frame: Frame, u: np.ndarray, v: np.ndarray, si
 
 
 def norm_series(errors: Sequence[Errors]) -> dict[str, np.ndarray]:
-    """The norms over time of each quantity, NaN where a file does not have it."""
+    """Returns the norms over time of each quantity, NaN where a file does not have it."""
     return {q: np.array([rms(e[q]) if q in e else np.nan for e in errors]) for q in QUANTITIES}
 
 
 def as_json(norms: dict[str, np.ndarray]) -> dict[str, list[float | None]]:
-    """Norms over time as JSON has them, None where one is not known."""
+    """Returns norms over time for JSON, None where one is unknown."""
     return {q: [finite(value) for value in values] for q, values in norms.items()}
 
 
 def summarise_norms(times: np.ndarray, norms: dict[str, np.ndarray]) -> dict[str, dict[str, float | None]]:
-    """Final, largest and mean norms over the times after the start, as those of our runs; None without any."""
+    """Returns final, largest and mean norms over the times after the start, as for our runs; None without any."""
     return {q: summary(np.concatenate([[np.nan], values[times > 0]])) for q, values in norms.items()}
 
 
 @dataclass(frozen=True)
 class WorstParticle:
-    """The largest error of a quantity: its size, whose it is, where and when."""
+    """Largest error of a quantity: its size, particle, place, time and file."""
 
     size: float
     particle: int
@@ -113,7 +113,7 @@ class WorstParticle:
 
 
 def largest_error(frames: Sequence[Frame], errors: Sequence[Errors], quantity: str) -> WorstParticle | None:
-    """The largest error of all times; None where no file has the quantity."""
+    """Returns the largest error of all times; None where no file has the quantity."""
     found = [(float(sizes(e[quantity]).max()), k) for k, e in enumerate(errors) if quantity in e]
     if not found:
         return None
@@ -124,7 +124,7 @@ def largest_error(frames: Sequence[Frame], errors: Sequence[Errors], quantity: s
 
 
 def crossed(scene: Scene, frames: Sequence[Frame]) -> Iterator[np.ndarray]:
-    """Which particles (P,) of each frame are in another cell than at the time before, or than where they began."""
+    """Yields for each frame which particles (P,) have changed their cell since the frame before, or since rest."""
     before, corner = None, PROBLEMS[scene.problem].reference.grid_corner(scene)
     for frame in frames:
         order = np.lexsort(frame.material_position.T)
@@ -139,23 +139,23 @@ def crossed(scene: Scene, frames: Sequence[Frame]) -> Iterator[np.ndarray]:
 
 
 def count_crossings(scene: Scene, frames: Sequence[Frame]) -> int:
-    """Times that a particle was in another cell than at the time before: at least so many crossings, for between two
-    times it may have gone to and fro."""
+    """Returns how often a particle was in another cell than at the time before: a lower bound of the crossings, because
+    it may have gone back and forth in between."""
     return sum(int(moved.sum()) for moved in crossed(scene, frames))
 
 
 def effectivity(estimated: dict[str, np.ndarray], true: dict[str, np.ndarray],
                 scene: Scene | None = None) -> dict[str, float | None]:
-    """Estimated over true error; with a scene, None where the true one is nothing but rounding."""
+    """Returns estimated over true error; with a scene, None where the true one is only rounding."""
     return {q: error_index(estimated[q], true[q], rounding(scene, q, scene.steps) if scene else 0.0)
             for q in QUANTITIES}
 
 
 def differences(estimates: Sequence[Errors], errors: Sequence[Errors]) -> list[Errors]:
-    """Estimates minus true errors, particle by particle."""
+    """Returns estimates minus true errors, particle by particle."""
     return [{q: mine[q] - theirs[q] for q in mine} for mine, theirs in zip(estimates, errors, strict=True)]
 
 
 def distances(estimates: Sequence[Errors], errors: Sequence[Errors]) -> dict[str, float | None]:
-    """How far estimates are from the truth particle by particle, over the size of the truth."""
+    """Returns the distance of estimates from the truth particle by particle, over the size of the truth."""
     return effectivity(norm_series(differences(estimates, errors)), norm_series(errors))

@@ -1,14 +1,14 @@
-"""A file of particles made ready to be looked at, in a process of its own: whoever shows it never opens the file.
+"""Preparation of a file of particles for display, in a process of its own: the page never opens the file itself.
 
-The process says, one after the other::
+The process sends, in this order::
 
-    {"frames": {...}}     the file can be judged: what :class:`FileSummary` needs; the truth is in the table
+    {"frames": {...}}     the file can be judged: a :class:`FileSummary`; true errors are in the table
     {"estimate": {...}}   the companion's estimate is in the table too: its norms over time
     {"verdict": {...}}    the grid's part of the judge's report
-    {"refused": sentence} it cannot be judged, and nothing more comes
+    {"refused": sentence} it cannot be judged, and nothing more follows
     {"asks": {...}}       its particles are of another problem: the ``reason``, and the ``problems`` that they fit
 
-The table lies in a file, so that it takes nobody's memory but while a frame is looked at.
+The table is a memory-mapped file, so that it uses memory only while a frame is displayed.
 """
 
 import contextlib
@@ -44,9 +44,9 @@ TOO_LARGE = Message("needs more memory than a page gives it; give fewer times, o
 
 @dataclass(frozen=True)
 class ShowRequest:
-    """A ``file`` that its owner calls ``name``, the task of the scene that it is judged with, where its ``table`` goes,
-    and the particles of one time that can be looked at. A scene that its owner has ``chosen`` holds whatever the file
-    says; else what the file says holds."""
+    """Request to display a ``file`` that its owner calls ``name``: the task of the scene that it is judged with, the
+    path of its ``table``, and the largest number of particles at a time. If its owner has ``chosen`` the scene, that
+    overrides the one in the file."""
 
     file: str
     name: str
@@ -58,9 +58,9 @@ class ShowRequest:
 
 @dataclass(frozen=True)
 class FileSummary:
-    """What is on the table: the scene, T times in s, at each the number of particles and of those that have ``crossed``
-    a cell boundary since the time before, and the norms of the true error over the times by quantity, None where it is
-    not known. ``missing`` are quantities that the file does not have."""
+    """Summary of the table: the scene, T times in s, at each the number of particles and of those that have ``crossed``
+    a cell boundary since the time before, and the norms of the true error over time by quantity, None where unknown.
+    ``missing`` are quantities that the file does not have."""
 
     task: dict
     times: list[float]
@@ -71,9 +71,9 @@ class FileSummary:
 
 
 def table_columns(dimensions: int) -> dict[str, slice]:
-    """Which columns of the table (rows, width) hold what; the last one ends at its width. ``field`` has two for each
-    quantity: a component for a plot and its deviation from the exact one; ``crossed`` is 1 where the particle was in
-    another cell at the time before. Sizes of errors go by quantity."""
+    """Returns the columns of each field in the table (rows, width); the last one ends at its width. ``field`` has two
+    per quantity: a component for a plot and its deviation from the exact one; ``crossed`` is 1 where the particle was
+    in another cell at the time before. Sizes of errors have one per quantity."""
     widths = {"position": dimensions, "displacement": dimensions, "crossed": 1, "error": len(QUANTITIES),
               "estimate": len(QUANTITIES), "difference": len(QUANTITIES), "field": 2 * len(QUANTITIES)}
     ends = np.cumsum([0, *widths.values()]).tolist()
@@ -82,7 +82,7 @@ def table_columns(dimensions: int) -> dict[str, slice]:
 
 def judge_in_worker(question: dict, tell: Callable[[dict], None]) -> None:
     asked = ShowRequest(**question)
-    if sys.platform == "linux":  # a file may unpack to more than it seems: it is not the machine that is to run out
+    if sys.platform == "linux":  # a file may unpack to a huge size: protect the machine's memory
         import resource
         resource.setrlimit(resource.RLIMIT_AS, (MEMORY, MEMORY))
     try:
@@ -111,7 +111,7 @@ def _judge_file(asked: ShowRequest, tell: Callable[[dict], None]) -> None:
         raise FileError(asked.name, "belongs to {most:,} particles, too many to watch; give at most {most2:,} at a "
                         "time, or judge it with `mpm-lab judge`", most, asked.most)
     judged = GridJudgement(own, grid, Companions(own, tuple(grid.times.tolist())))
-    judged.check()  # where no truth is known only the companion can tell whether the origin is right
+    judged.check()  # without a known truth only the companion can check the origin
     true = judged.true
     table = _ParticleTable(own, grid, asked.table)
     table.put_frames()
@@ -133,7 +133,7 @@ def _judge_file(asked: ShowRequest, tell: Callable[[dict], None]) -> None:
 
 
 class _ParticleTable:
-    """The rows of all frames, one frame after the other, in single precision, on disk."""
+    """Rows of all frames, one frame after the other, in single precision, on disk."""
 
     def __init__(self, scene: Scene, grid: GridRun, path: str):
         self._scene, self._grid, self._columns = scene, grid, table_columns(scene.DIMENSIONS)
@@ -146,7 +146,7 @@ class _ParticleTable:
             self._values[:, self._columns[name]] = np.nan
 
     def put_frames(self) -> None:
-        """Where particles are, and the component of each quantity that is plotted."""
+        """Stores positions, and the plotted component of each quantity."""
         frames = self._grid.frames
         for rows, frame, moved in zip(self._rows, frames, crossed(self._scene, frames), strict=True):
             self.crossed.append(int(moved.sum()))
@@ -159,14 +159,14 @@ class _ParticleTable:
                 self._values[rows, column], self._values[rows, column + 1] = own, deviation
 
     def put_errors(self, name: str, errors: Sequence[Errors]) -> None:
-        """The sizes of errors."""
+        """Stores the sizes of errors."""
         for rows, error in zip(self._rows, errors, strict=False):  # there may be none
             for q, values in error.items():
                 self._values[rows, self._columns[name].start + QUANTITIES.index(q)] = sizes(values)
         self._values.flush()
 
     def _fields(self, frame: Frame) -> dict[str, tuple[np.ndarray, Any]]:
-        """Of each quantity that the frame has: the component, and its deviation where the exact one is known."""
+        """Returns for each quantity of the frame the component, and its deviation where the exact one is known."""
         scene, X, x, t = self._scene, frame.material_position, frame.position, frame.time
         reference = PROBLEMS[scene.problem].reference
         own = {"x": x - X, "v": frame.velocity, "sigma": stress(scene, frame)}
@@ -184,6 +184,6 @@ class _ParticleTable:
 
 
 def open_table(path: Path, counts: Sequence[int], dimensions: int) -> np.ndarray:
-    """The table (rows, width) of a file that has so many particles at its times, as far as it has been filled."""
+    """Opens the table (rows, width) of a file with these ``counts`` of particles at its timesso far."""
     width = max(part.stop for part in table_columns(dimensions).values())
     return np.memmap(path, np.float32, "r", shape=(sum(counts), width))

@@ -1,4 +1,4 @@
-"""Particles as rows of a file and as they were at an instant, whoever computed them, and the grids they belong to."""
+"""Particles as rows of a file and as frames at one time, of any code, and the grids that they belong to."""
 
 import itertools
 from collections.abc import Iterator, Mapping
@@ -13,8 +13,8 @@ from solvers.untrusted.quoting import FileError
 
 
 class ParticleMismatch(FileError):
-    """Particles that are not those of the problem: for a ``reason``, with what is ``allowed``; ``problems`` are those
-    that they could be of."""
+    """Error for particles of another problem: the ``reason``, what is ``allowed``, and the ``problems`` that they
+    fit."""
 
     def __init__(self, file: str, reason: str, allowed: str, problems: tuple[str, ...] = ()):
         self.reason, self.allowed, self.problems = quoting.one_line(reason), allowed, problems
@@ -25,7 +25,7 @@ class ParticleMismatch(FileError):
 
 @dataclass(frozen=True)
 class SceneMetadata:
-    """What a file says of its scene: the problem, and the inputs of it that matter to a judge, by their fields."""
+    """Scene in a file's metadata: the problem, and those of its inputs that matter to a judge, by their fields."""
 
     problem: str
     inputs: Mapping[str, Any]
@@ -34,9 +34,8 @@ class SceneMetadata:
 
 @dataclass(frozen=True)
 class RawTable:
-    """A file as it was read: one table of n rows. ``columns`` maps the keys of ``columns`` to (n, ...), vectors (n, d)
-    and tensors (n, d, d) of as many dimensions as the file has; ``cells`` is what it says of its grid, ``said`` of its
-    whole scene."""
+    """A file as it was read: one table of n rows. ``columns`` maps quantities to (n, ...), vectors (n, d) and tensors
+    (n, d, d) with the file's number of dimensions; ``cells`` is its number of grid cells and ``said`` its scene."""
 
     file: str
     columns: dict[str, np.ndarray]
@@ -44,14 +43,13 @@ class RawTable:
     time: float | None = None
     cells: int | None = None
     said: SceneMetadata | None = None
-    step: float | None = None  # of its run in s, where it says that
+    step: float | None = None  # of its run in s, if known
 
 
 @dataclass(frozen=True)
 class Frame:
-    """P particles at a ``time``: material position and position (P, D), what there is of velocity (P, D), F and Cauchy
-    stress (P, D, D), mass in kg and volume in m^D (P,), and the ``number`` (P,) of each in the file, its id where it
-    has one."""
+    """P particles at a ``time`` in s: material position and position (P, D) in m, and if known velocity (P, D), F and
+    Cauchy stress (P, D, D), mass in kg and volume in m^D (P,); and the ``number`` (P,) of each: its id, or its row."""
 
     file: str
     time: float
@@ -67,8 +65,7 @@ class Frame:
 
 @dataclass(frozen=True)
 class GridRun:
-    """The frames of one run, by their times; ``notes`` are sentences about what was found in the files, ``step`` is
-    that of the run in s where they say it."""
+    """Frames of one run, sorted by time; ``notes`` are sentences about the files, ``step`` is its time step in s."""
 
     cells: int
     frames: tuple[Frame, ...]
@@ -81,7 +78,7 @@ class GridRun:
 
 
 def row_times(raw: RawTable, given: float | None) -> np.ndarray:
-    """The time of each row, from the column, the file or the flag, which must not contradict each other."""
+    """Returns the time of each row, from the column, the file or the flag, which must not contradict each other."""
     n = len(next(iter(raw.columns.values())))
     column = raw.columns.get("t")
     said: list[tuple[str, Any]] = [(Message("its column t"), column)] if column is not None else []
@@ -102,7 +99,7 @@ def row_times(raw: RawTable, given: float | None) -> np.ndarray:
 
 
 def group_rows_by_time(times: np.ndarray) -> Iterator[Any]:
-    """Which rows are of each time, in their order: views of the rows where these are in order of time, as usual."""
+    """Yields the rows of each time, in order: as slices if rows are sorted by time, as usual."""
     order = None if (np.diff(times) >= 0).all() else np.argsort(times, kind="stable")
     _, first = np.unique(times if order is None else times[order], return_index=True)
     for start, end in itertools.pairwise([*first.tolist(), len(times)]):

@@ -1,4 +1,4 @@
-"""The judgement of particles: all that is known of how wrong they are, as an object and as JSON."""
+"""Judgement of particles: everything known about their errors, as an object and as JSON."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ Progress = Callable[[float, str], None]
 
 @dataclass(frozen=True)
 class GridJudgement:
-    """One grid's particles, judged when it is asked for. Errors are in the order of the frames."""
+    """Judgement of one grid's particles, computed on first use. Errors are in the order of the frames."""
 
     scene: Scene
     grid: GridRun
@@ -43,13 +43,13 @@ class GridJudgement:
 
     @functools.cached_property
     def true(self) -> list[Errors]:
-        """The true errors; empty where none is known."""
+        """True errors; empty where they are unknown."""
         return [error_norms.true_errors(self.scene,
                                         frame) for frame in self.grid.frames] if self.scene.solution_known else []
 
     @functools.cached_property
     def estimated(self) -> list[Errors]:
-        """The errors as the companion sees them."""
+        """Errors against the companion."""
         return [self.companions.errors(frame) for frame in self.grid.frames]
 
     @functools.cached_property
@@ -60,17 +60,17 @@ class GridJudgement:
 
     @property
     def checks(self) -> list[Finding]:
-        """What was compared beside the errors, with what tolerance."""
+        """Findings of all comparisons beside the errors, with their tolerances."""
         return self._found[0]
 
     @property
     def apart(self) -> Deviation | None:
-        """The frame in which most particles are not where their neighbours are."""
+        """Frame in which most particles are not where their neighbours are, with these particles; or None."""
         return self._found[1]
 
     @property
     def best(self) -> list[Errors]:
-        """The errors against the best that is known: the truth, or the companion."""
+        """Errors against the best reference: the truth, or the companion."""
         return self.true or self.estimated
 
     @property
@@ -78,7 +78,7 @@ class GridJudgement:
         return error_norms.norm_series(self.best)
 
     def check(self) -> None:
-        """Refuse particles that are shifted as a whole."""
+        """Raises FileError for particles that are shifted as a whole."""
         for frame, error in zip(self.grid.frames, self.best, strict=True):
             check_origin(frame, error["x"], self.scene)
 
@@ -106,39 +106,39 @@ class GridJudgement:
                 "ours": [run.to_dict() for run in self.ours]}
 
     def notes(self) -> list[str]:
-        """Sentences about what was found in the files."""
+        """Returns sentences about the files."""
         missing = [q for q in QUANTITIES if any(q not in e for e in self.best)]
         wrong = [one.says for one in self.checks if one.is_contradiction and one.name != BY_PLACE]
         return [*self.grid.notes, *(Message("no {q} in the files (or not at every time), so it is not judged", NAMES[q])
                                     for q in missing), *wrong]
 
 
-BY_PLACE = outliers.NAMES["x"]  # which is told in its own words
+BY_PLACE = outliers.NAMES["x"]  # which has a sentence of its own
 NAMES = {"x": Message("position"), "v": Message("velocity"), "sigma": Message("stress (nor F)")}
 
 
 @dataclass(frozen=True)
 class Judgement:
-    """Everything about the files given, coarse grids first."""
+    """Judgement of all files, coarse grids first."""
 
     scene: Scene
     grids: list[GridJudgement]
 
     def common_times(self) -> list[float]:
-        """Times that all grids have."""
+        """Returns the times that all grids have, in s."""
         first, *others = (g.grid.times for g in self.grids)
         near = SAME * self.scene.period
         return [float(t) for t in first if all(np.abs(other - t).min() <= near for other in others)]
 
     def largest(self, judged: GridJudgement, quantity: str) -> float:
-        """The largest norm over the times that all grids have, without the start; NaN without any."""
+        """Returns the largest norm over the times that all grids have, without the start; NaN without any."""
         common, near = np.array([t for t in self.common_times() if t > 0]), SAME * self.scene.period
         at = [k for k, t in enumerate(judged.grid.times) if (np.abs(common - t) <= near).any()]
         values = judged.norms[quantity][at]
         return float(values.max()) if len(values) and np.isfinite(values).all() else float("nan")
 
     def orders(self) -> dict[str, dict | None] | None:
-        """The order in h of each quantity's largest norm over the common times; None with one grid."""
+        """Returns the order in h of each quantity's largest norm over the common times; None with one grid."""
         if len(self.grids) < 2:
             return None
         h = [g.scene.spacing for g in self.grids]
@@ -155,25 +155,25 @@ class Judgement:
 def judge(scene: Scene, files: Particles | Sequence[Particles], *, cells: Sequence[int] = (),
           times: Sequence[float] = (), compare: bool = False,
           on_progress: Progress = lambda part, what: None) -> Judgement:
-    """Judge the particles of any code that ran a scene's problem: how wrong they are, where, and of which order.
+    """Judges the particles of any code that ran a scene's problem: how large their errors are, where, and their order.
 
     Parameters
     ----------
     scene
-        What was run: the problem and its numbers. Methods, estimators, effects and remedies do not matter here. Files
-        of ours say their scene themselves, which holds for whatever stands at its default here.
+        The problem and its parameters. Methods, estimators, effects and remedies do not matter here. Our own files
+        contain their scene, which replaces every input that has its default here.
     files
         A path (.csv, .npz, .vtk, .vtu, .vtp), a mapping from names to arrays, or several of these, of one grid or more.
         Arrays are (P,), (P, D) or (P, D, D) of one time ``t``, or (T, P, ...) of T times (T,), in SI units: ``x`` and
-        ``id`` or ``X``, and ``v``, ``F``, ``sigma`` as there are; ``cells`` may say the grid.
+        ``id`` or ``X``, and ``v``, ``F``, ``sigma`` if known; ``cells`` is the number of grid cells.
     cells
-        Cells of the grid, one number for all files or one for each, where files do not say it; left out, the scene's.
+        Cells of the grid, one number for all files or one for each, where files contain none; default: the scene's.
     times
-        The time of each file in s, where files do not say it.
+        The time of each file in s, where files do not contain it.
     compare
-        Whether our own methods run on the same grids, to be held beside.
+        Whether our own methods run on the same grids for comparison.
     on_progress
-        Called now and then with the part done (0 to 1) and a word on what is being done.
+        Called now and then with the part done (0 to 1) and the name of the present stage.
 
     Returns
     -------
@@ -184,7 +184,9 @@ def judge(scene: Scene, files: Particles | Sequence[Particles], *, cells: Sequen
     ------
     FileError
         For files, or arrays, that cannot be judged; :class:`~solvers.judging.frames.ParticleMismatch` for those of
-        another problem. SceneError Where ``cells`` or ``times`` do not fit the files, or a companion is lost.
+        another problem.
+    SceneError
+        Where ``cells`` or ``times`` do not fit the files, or a companion is lost.
     """
     sources = as_list(files)
     for name, given, counts in (("cells", cells, {1, len(sources)}), ("time", times, {len(sources)})):
@@ -206,8 +208,8 @@ def judge(scene: Scene, files: Particles | Sequence[Particles], *, cells: Sequen
 
 
 def _run_methods(one: GridJudgement, on_progress: Progress) -> Iterator[ReferenceRun]:
-    """Our own methods on a grid, at the same times."""
-    from solvers.judging.reference_runs import reference_scenes, run_reference  # here: nobody else waits for Taichi
+    """Yields runs of our own methods on a grid, at the same times."""
+    from solvers.judging.reference_runs import reference_scenes, run_reference  # here, so that only this needs Taichi
 
     scenes = reference_scenes(one.scene)
     for n, scene in enumerate(scenes):

@@ -1,4 +1,4 @@
-"""From files to grids of particles: of which problem and scene they are, whose material points, and at what times."""
+"""Matching of files to grids of particles: their problem and scene, material points, and times."""
 
 import contextlib
 import itertools
@@ -18,27 +18,27 @@ from solvers.scene.scene import Scene
 from solvers.scene.validation import SceneError
 from solvers.untrusted.quoting import FileError, quote
 
-SAME = 1e-9  # of a period: two times that are nearer are one
+SAME = 1e-9  # of a period, within which times are the same
 FLAT = 1e-6  # of the longest reach of all positions: a direction in which they reach no farther is none
-SURE = 0.5  # of a cell: at the time 0 particles that are farther from where they begin are others
+SURE = 0.5  # of a cell: particles farther from their start at the time 0 do not match
 MOST_STEPS = {1: 400_000, 2: 60_000}  # of the companion, by directions: a minute or two; 680 periods of the bar
 LARGEST, LARGEST_ID = 1e100, 2.0**53  # of what a particle may have; beyond, squares are no numbers, and ids not exact
-MOST_TRIED = 400  # cells of a grid that is looked for
+MOST_TRIED = 400  # cells of candidate grids
 COUNTS = (Message("no"), Message("one"), Message("two"), Message("three"))
 RIGID = 10.0  # times the rest of the error: from there on a shift is that of an origin, and no error of a method
 
 
 def match_files(files: Sequence[RawTable], asked: Scene, cells: Sequence[int],
                 times: Sequence[float]) -> tuple[Scene, list[GridRun]]:
-    """The scene that files are judged with, and their runs (:func:`match_grids`).
+    """Returns the scene that files are judged with, and their runs (:func:`match_grids`).
 
     Raises
     ------
-    Misfit
-        Where the particles are not those of the scene, or the file says another problem: its ``problems`` are those
+    ParticleMismatch
+        Where the particles are not those of the scene, or the file is of another problem: its ``problems`` are those
         that the particles fit.
     FileError
-        Where they can be judged with no scene.
+        Where no scene fits them.
     """
     listed = list(files)
     own, notes = _resolve_scene(listed, asked)
@@ -51,12 +51,12 @@ def match_files(files: Sequence[RawTable], asked: Scene, cells: Sequence[int],
 
 
 def scene_of_file(raw: RawTable, asked: Scene) -> Scene:
-    """The scene that a file says that it is of, or the one asked for where it says none."""
+    """Returns the scene in a file's metadata, or the one asked for where it has none."""
     return asked if raw.said is None else scene_of_metadata(raw.file, raw.said)
 
 
 def _resolve_scene(files: list[RawTable], asked: Scene) -> tuple[Scene, list[str]]:
-    """What the files say, where the particles bear it out."""
+    """Returns the scene and notes as :func:`resolve_scene`. Raises FileError where particles contradict metadata."""
     try:
         return resolve_scene(files, asked)
     except ParticleMismatch as misfit:
@@ -68,8 +68,8 @@ def _resolve_scene(files: list[RawTable], asked: Scene) -> tuple[Scene, list[str
 
 def _suggest_problems(misfit: ParticleMismatch, raw: RawTable, asked: Scene,
                       times: Sequence[float]) -> ParticleMismatch:
-    """The same with the problems that the file fits: on the usual grid or the one asked for, or, where it knows its
-    particles by ids alone, on some grid."""
+    """Returns the error with the problems that the file fits: on the usual grid or the one asked for, or, where only
+    ids identify its particles, on some grid."""
     others = tuple(name for name in PROBLEMS if name != asked.problem and any(
         _fits_scene(raw, other, times) for other in _usual(name, asked.cells)))
     if not others and "X" not in raw.columns:
@@ -88,17 +88,17 @@ def _usual(problem: str, cells: int) -> Iterator[Scene]:
 
 
 def _fits_scene(raw: RawTable, asked: Scene, times: Sequence[float]) -> bool:
-    """Whether a file's particles can be those of a scene, whatever else is wrong with it."""
+    """Returns whether a file's particles can be those of a scene."""
     with contextlib.suppress(FileError, SceneError):
         return bool(match_grids([raw], asked, [asked.cells], times))
     return False
 
 
 def match_grids(files: Sequence[RawTable], scene: Scene, cells: Sequence[int], times: Sequence[float]) -> list[GridRun]:
-    """The runs in the files, coarse ones first.
+    """Returns the runs in the files, coarse ones first.
 
-    ``cells`` is the scene's own number, or one for each file, and holds where a file says none; ``times`` are those of
-    the files in their order, or nothing where the files say them.
+    ``cells`` is the scene's own number, or one for each file, for files that contain none; ``times`` are those of the
+    files in order, or empty where the files contain them.
     """
     reference = PROBLEMS[scene.problem].reference
     frames: dict[int, list[Frame]] = {}
@@ -125,7 +125,7 @@ def match_grids(files: Sequence[RawTable], scene: Scene, cells: Sequence[int], t
 
 def _match_frames(raw: RawTable, scene: Scene, reference: ProblemReference,
                   given: float | None) -> tuple[list[Frame], list[str]]:
-    """A file's particles, time by time, and what is to be noted of them."""
+    """Returns a file's particles as one frame per time, and notes about them."""
     D, columns = len(reference.axes), raw.columns
     if "x" not in columns:
         raise FileError(raw.file, "has no positions ({d} or position); its columns are {name}",
@@ -165,7 +165,7 @@ def _match_frames(raw: RawTable, scene: Scene, reference: ProblemReference,
 
 
 def check_length(file: str, scene: Scene, time: float) -> None:
-    """Refuse a time that the companion would take too many steps to."""
+    """Raises FileError for a time to which the companion would take too many steps."""
     a_step = longest_step(PROBLEMS[scene.problem].reference.companion(scene, True))
     most = MOST_STEPS[scene.DIMENSIONS]
     if not time <= most * a_step:
@@ -175,7 +175,7 @@ def check_length(file: str, scene: Scene, time: float) -> None:
 
 
 def _drop_directions(raw: RawTable, key: str, scene: Scene, D: int) -> np.ndarray:
-    """A quantity (n, D) or (n, D, D) in the directions of the problem. What a file has beyond them is left out."""
+    """Returns a quantity (n, D) or (n, D, D) in the problem's directions; others in the file are left out."""
     values = raw.columns[key]
     size = values.shape[1]
     if size < D:
@@ -186,7 +186,7 @@ def _drop_directions(raw: RawTable, key: str, scene: Scene, D: int) -> np.ndarra
 
 
 def _check_directions(raw: RawTable, scene: Scene, D: int) -> None:
-    """Refuse positions that reach in more directions than the problem has, or in fewer."""
+    """Raises FileError for positions that extend in more directions than the problem has, or in fewer."""
     found = count_directions(raw)
     if found is not None and found != D and (found > D or len(raw.columns["x"]) > D):
         more = Message("{found}, and the {problem} has {n}", _directions_text(found), Message(scene.problem), COUNTS[D])
@@ -196,7 +196,7 @@ def _check_directions(raw: RawTable, scene: Scene, D: int) -> None:
 
 
 def count_directions(raw: RawTable) -> int | None:
-    """In how many directions the positions of a file reach; None where nothing tells."""
+    """Returns in how many directions the positions of a file extend; None where that is unknown."""
     x = raw.columns.get("x", np.empty((0, 1)))
     reach = np.ptp(x, axis=0) if len(x) > 1 else np.zeros(1)
     return 1 + int(np.flatnonzero(reach > FLAT * reach.max())[-1]) if 0 < reach.max() < np.inf else None
@@ -219,7 +219,7 @@ def _check_finite(raw: RawTable, key: str, values: np.ndarray, times: np.ndarray
 
 def _material_positions(raw: RawTable, scene: Scene, reference: ProblemReference,
                         X: np.ndarray | None) -> tuple[np.ndarray, np.ndarray]:
-    """Material position (n, D) and number (n,) of each row."""
+    """Returns material position (n, D) and number (n,) of each row."""
     ids = raw.columns.get("id")
     if ids is not None and not ((np.abs(ids) < LARGEST_ID).all() and (ids == np.round(ids)).all()):
         raise FileError(raw.file, "has ids that are no whole numbers; give 0, 1, 2 and so on")
@@ -252,7 +252,7 @@ def _material_positions(raw: RawTable, scene: Scene, reference: ProblemReference
 
 
 def _fitting_cells(scene: Scene, number: np.ndarray) -> int:
-    """Which other number of cells has exactly these particles; 0 where none has."""
+    """Returns the other number of cells that has exactly these particles; 0 where none has."""
     count = int(number.max()) + 1
     if count == scene.particles or len(np.unique(number)) != count:
         return 0
@@ -286,8 +286,8 @@ def _sort_frames(frames: list[Frame], scene: Scene) -> tuple[Frame, ...]:
 
 
 def check_origin(frame: Frame, error: np.ndarray, scene: Scene) -> None:
-    """Refuse particles that are shifted as a whole: ``error`` (P, D) of x is nearly the same for all of them, and more
-    than a cell."""
+    """Raises FileError for particles shifted as a whole: ``error`` (P, D) of x is nearly the same for all of them, and
+    more than a cell."""
     mean = error.mean(axis=0)
     rest = float(np.sqrt(np.mean(np.sum((error - mean) ** 2, axis=1))))
     if np.linalg.norm(mean) > max(scene.spacing, RIGID * rest):

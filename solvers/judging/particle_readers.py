@@ -1,4 +1,4 @@
-"""Files of particles, as any code may write them: CSV, NPZ, and VTK, VTU and VTP; or the same in arrays."""
+"""Readers of files of particles by any code: CSV, NPZ, and VTK, VTU and VTP; or the same as arrays."""
 
 import itertools
 import os
@@ -25,7 +25,7 @@ KINDS = (".csv", ".npz", ".vtk", ".vtu", ".vtp")
 COMMENT = re.compile(r"#\s*([A-Za-z]\w*)\s*[=:]\s*(\S+)\s*$")
 COMMENT_KEYS = ("t", "time", "cells", "scene")  # by comments
 MOST_REMARKS = 100_000  # lines that are no rows
-LARGEST = 250_000_000  # bytes of such a file: its text is in memory once, and what it says
+LARGEST = 250_000_000  # bytes of a text file, which is in memory together with its numbers
 OF_KIND = {".vtu": "UnstructuredGrid", ".vtp": "PolyData"}
 TIMES = ("TimeValue", "TIME", "Time", "time", "t")
 
@@ -33,7 +33,7 @@ Particles = str | os.PathLike | Mapping[str, Any] | RawTable  # what they may be
 
 
 def as_list(files: Particles | Sequence[Particles]) -> list[Particles]:
-    """One or several, as a list; :class:`SceneError` for none."""
+    """Returns one or several files as a list. Raises :class:`SceneError` for none."""
     sources = [files] if isinstance(files, (str, os.PathLike, Mapping, RawTable)) else list(files)
     if not sources:
         raise SceneError("files", "none", "give one or several files of particles, or their arrays")
@@ -41,7 +41,7 @@ def as_list(files: Particles | Sequence[Particles]) -> list[Particles]:
 
 
 def read_all(files: Particles | Sequence[Particles]) -> list[RawTable]:
-    """What the files hold, all of them together within the limits."""
+    """Returns the tables of the files, which must be within the limits all together."""
     left, found = LIMITS, list[RawTable]()
     for k, source in enumerate(as_list(files)):
         if isinstance(source, Mapping):
@@ -59,19 +59,19 @@ def read_all(files: Particles | Sequence[Particles]) -> list[RawTable]:
 
 
 def read_file(path: str, limits: Limits = LIMITS) -> RawTable:
-    """Read a file of particles.
+    """Reads a file of particles.
 
     Parameters
     ----------
     path
         .csv, .npz, .vtk, .vtu or .vtp; names of columns as in ``solvers.judging.column_names``.
     limits
-        What it may have at most.
+        Largest allowed sizes.
 
     Raises
     ------
     FileError
-        Where it holds no particles that can be judged.
+        Where it contains no particles that can be judged.
     """
     kind = Path(path).suffix.lower()
     if kind not in KINDS:
@@ -96,8 +96,8 @@ def read_file(path: str, limits: Limits = LIMITS) -> RawTable:
 
 
 def read_csv(path: str, limits: Limits = LIMITS) -> RawTable:
-    """Names in the first line, a particle a line, commas, semicolons, tabs or spaces between; lines such as
-    ``# t = 0.1`` or ``# cells = 40`` say what holds for all, ``# scene = ...`` the scene
+    """Reads a CSV file: names in the first line, one particle per line, separated by commas, semicolons, tabs or
+    spaces; lines such as ``# t = 0.1`` or ``# cells = 40`` apply to all particles, ``# scene = ...`` has the scene
     (``solvers.judging.scene_metadata``)."""
     said: dict[str, str] = {}
     try:
@@ -128,7 +128,7 @@ def read_csv(path: str, limits: Limits = LIMITS) -> RawTable:
 
 
 def _particle_lines(path: str, text: TextIO, said: dict[str, str], limits: Limits) -> Iterator[str]:
-    """The lines that are names or numbers; what comments say is put into ``said``, the last of each name."""
+    """Yields the lines of names or numbers; values in comments are added to ``said``, the last of each name."""
     remarks = 0
     while line := text.readline(LONGEST_LINE):
         if len(line) >= LONGEST_LINE:
@@ -161,7 +161,7 @@ def _parse_header(path: str, head: str, mark: str | None, limits: Limits) -> lis
 
 
 def _limit_rows(path: str, rows: Iterator[str], width: int, limits: Limits) -> Iterator[str]:
-    """The rows, as long as they are not too many."""
+    """Yields the rows, and raises FileError where there are too many."""
     most = min(limits.rows, limits.numbers // width)
     for count, row in enumerate(rows, 1):
         if count > most:
@@ -171,7 +171,7 @@ def _limit_rows(path: str, rows: Iterator[str], width: int, limits: Limits) -> I
 
 
 def _comment_number(path: str, said: dict[str, str], *names: str) -> float | None:
-    """What a comment says of the time or the cells; None where it says nothing."""
+    """Returns the value in a comment, such as the time or the cells; None without one."""
     text = next((said[name] for name in names if name in said), None)
     if text is not None and not number_parsing.is_number(text):
         raise FileError(path, "has {names} = {text}; give a number", names[0], quote(text))
@@ -179,7 +179,8 @@ def _comment_number(path: str, said: dict[str, str], *names: str) -> float | Non
 
 
 def read_vtk(path: str, limits: Limits = LIMITS) -> RawTable:
-    """Points are positions, data of points the rest; the time may be among the data of the field (``TimeValue``)."""
+    """Reads a VTK file: points are positions, point data the rest; the time may be in the field data
+    (``TimeValue``)."""
     kind = Path(path).suffix.lower()
     with open(path, "rb") as file:
         if (size := file.seek(0, 2)) > LARGEST:

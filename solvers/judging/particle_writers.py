@@ -1,4 +1,4 @@
-"""Particles written in the form that the judge reads: initial ones, exact ones, and those of runs of ours."""
+"""Writers of particles in the judge's formats: initial ones, exact ones, and those of our runs."""
 
 import base64
 import io
@@ -19,7 +19,7 @@ FRAME_FIELDS = {"X": "material_position", "x": "position", "v": "velocity", "F":
 
 
 def frame_columns(frames: Sequence[Frame], more: Mapping[str, np.ndarray] | None = None) -> dict[str, np.ndarray]:
-    """Columns (n,) of frames, one below the other: t, id, and what the frames have."""
+    """Returns the columns (n,) of frames, concatenated: t, id, and the frames' fields."""
     columns = {"t": np.concatenate([np.full(len(f.number), f.time) for f in frames]),
                "id": np.concatenate([f.number for f in frames])}
     D = frames[0].position.shape[1]
@@ -32,7 +32,7 @@ def frame_columns(frames: Sequence[Frame], more: Mapping[str, np.ndarray] | None
 
 
 def csv_text(columns: Mapping[str, np.ndarray], said: Mapping[str, object] | None = None) -> bytes:
-    """Columns as text, every number to its last bit; ``said`` stands in front, as ``# name = value``."""
+    """Returns columns as text, every number to its last bit, after lines ``# name = value`` from ``said``."""
     out = io.StringIO()
     out.writelines(f"# {name} = {value}\n" for name, value in (said or {}).items())
     out.write(",".join(columns) + "\n")
@@ -42,7 +42,7 @@ def csv_text(columns: Mapping[str, np.ndarray], said: Mapping[str, object] | Non
 
 
 def npz_bytes(frames: Sequence[Frame], scene: Scene, more: Mapping[str, Any] | None = None) -> bytes:
-    """Frames of the same particles as arrays (T, P, ...), with the scene that they are of, and ``more`` beside."""
+    """Returns frames of the same particles as arrays (T, P, ...) in a .npz, with their scene, and ``more`` arrays."""
     x, v, F = (np.stack([getattr(f, FRAME_FIELDS[key]) for f in frames]) for key in ("x", "v", "F"))
     arrays = particle_arrays(scene, [f.time for f in frames], frames[0].number, frames[0].material_position, x, v, F)
     out = io.BytesIO()
@@ -51,7 +51,7 @@ def npz_bytes(frames: Sequence[Frame], scene: Scene, more: Mapping[str, Any] | N
 
 
 def vtu_bytes(position: np.ndarray, data: Mapping[str, np.ndarray], time: float) -> bytes:
-    """Points (P, D) with data (P, ...) and the time as a .vtu file, each array packed in one block."""
+    """Returns points (P, D) with data (P, ...) and the time as a .vtu file, each array packed in one block."""
     P, D = position.shape
     points = np.pad(position, ((0, 0), (0, 3 - D)))
     vertices = {"connectivity": np.arange(P), "offsets": np.arange(1, P + 1), "types": np.ones(P, np.uint8)}

@@ -1,4 +1,4 @@
-"""What another code is given of a problem: particles, tables and numbers, from the problem's ``reference``."""
+"""Data of a problem for other codes: particles, tables and numbers, from the problem's ``reference``."""
 
 from collections.abc import Sequence
 
@@ -26,20 +26,20 @@ def initial_frame(scene: Scene) -> Frame:
 
 
 def particle_masses(scene: Scene) -> np.ndarray:
-    """Of the particles (P,), of a thickness of 1 m, in kg: the density is that of the material without deformation."""
+    """Returns the particles' masses (P,) in kg for a thickness of 1 m: the density is that of undeformed material."""
     return scene.density * start(scene).volume / np.linalg.det(np.asarray(initial_frame(scene).deformation_gradient))
 
 
 def exact_frame(scene: Scene, t: float) -> Frame:
-    """The particles at the time ``t`` in s where they should be, of a scene whose solution is known."""
+    """Returns the particles at their exact positions at the time ``t`` in s, for a scene with a known solution."""
     reference, X = PROBLEMS[scene.problem].reference, start(scene).material_position
     return Frame("", t, np.arange(len(X)), X, X + reference.displacement(scene, X, t), reference.velocity(scene, X, t),
                  reference.deformation_gradient(scene, X, t), reference.exact_stress(scene, X, t))
 
 
 def companion_frames(scene: Scene, times: Sequence[float]) -> list[Frame]:
-    """The particles at the times (T,) in s, which grow, where a companion has them: for problems without an exact
-    solution. :class:`~solvers.scene.validation.SceneError` where it is lost."""
+    """Returns the companion's particles at increasing times (T,) in s: for problems without an exact solution. Raises
+    :class:`~solvers.scene.validation.SceneError` where it is lost."""
     X = start(scene).material_position
     body, solved = solve_companion(scene, True, times)
     states = (fields_at_points(scene, body, motion, X) for motion in solved)
@@ -48,7 +48,7 @@ def companion_frames(scene: Scene, times: Sequence[float]) -> list[Frame]:
 
 def fields_at_points(scene: Scene, body: ElasticBody, motion: tuple[np.ndarray, np.ndarray], X: np.ndarray) -> tuple[
         np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-    """Displacement and velocity (P, D), F and Cauchy stress (P, D, D) that a body in motion has at material points."""
+    """Returns displacement and velocity (P, D), F and Cauchy stress (P, D, D) of a moving body at material points."""
     (u, gradient), (v, _) = (body.read(field, X) for field in motion)
     reference = PROBLEMS[scene.problem].reference
     F = (np.eye(X.shape[1]) + gradient) @ reference.initial_deformation_gradient(scene, X)
@@ -57,8 +57,8 @@ def fields_at_points(scene: Scene, body: ElasticBody, motion: tuple[np.ndarray, 
 
 def solve_companion(scene: Scene, fine: bool,
                     times: Sequence[float]) -> tuple[ElasticBody, list[tuple[np.ndarray, np.ndarray]]]:
-    """The companion's body and what moves it at the times; :class:`~solvers.scene.validation.SceneError` where it is
-    lost."""
+    """Returns the companion's body and its displacement and velocity at the times. Raises
+    :class:`~solvers.scene.validation.SceneError` where it is lost."""
     body = PROBLEMS[scene.problem].reference.companion(scene, fine)
     try:
         return body, solve(body, times)
@@ -69,8 +69,8 @@ def solve_companion(scene: Scene, fine: bool,
 
 
 def body_force_table(scene: Scene, points: int, times: int) -> dict[str, np.ndarray]:
-    """The body force on a line of material points over the first two periods of its vibration: columns (n,) of t in s,
-    X in m and b in m/s^2, about ``points`` at each of so many ``times``."""
+    """Returns the body force on a line of material points over the first two periods of its vibration: columns (n,) of
+    t in s, X in m and b in m/s^2, about ``points`` at each of ``times`` times."""
     reference = PROBLEMS[scene.problem].reference
     X, instants = reference.table_points(scene, points), np.linspace(0, 2 * scene.period, times)
     b = np.concatenate([reference.body_force(scene, X, t) for t in instants])
@@ -79,7 +79,7 @@ def body_force_table(scene: Scene, points: int, times: int) -> dict[str, np.ndar
 
 
 def problem_parameters(scene: Scene) -> dict:
-    """The problem's numbers, for programs."""
+    """Returns the problem's numbers, for programs."""
     of_methods = {field_key(name) for name in METHOD_FIELDS}
     fields = {key: value for key, value in scene.to_dict().items() if key not in of_methods and value is not None}
     return {**fields, "h": scene.spacing, "particles": len(start(scene).volume), "period": scene.period,

@@ -1,4 +1,4 @@
-"""Our own methods on the same grid, at the same times."""
+"""Runs of our own methods on the same grid, at the same times."""
 
 import math
 from collections.abc import Callable, Sequence
@@ -13,13 +13,13 @@ from solvers.scene.scene import Scene
 from solvers.solver.snapshot import Snapshot
 
 LONGEST = 2e9  # particle-steps of one comparison: a minute or so
-ON_A_STEP = 1e-6  # of a step: a time that is nearer to one is that of the step
+ON_A_STEP = 1e-6  # of a step, within which a time is that of a step
 LONGEST_STRETCH = 4096  # steps between two looks at the progress
 
 
 @dataclass(frozen=True)
 class ReferenceRun:
-    """A run of ours: its scene, the norms at the times that it reached, and whether these are all."""
+    """Run of one of our methods: its scene, the norms at the times that it reached, and its status."""
 
     scene: Scene
     times: np.ndarray
@@ -33,14 +33,14 @@ class ReferenceRun:
 
 
 def reference_scenes(scene: Scene) -> list[Scene]:
-    """A scene for each of our methods on the grid of a scene, where one can be."""
+    """Returns a scene for each of our methods on the grid of a scene, where that is valid."""
     return [replace(scene, method=method, linearity_preserving=lp, estimators=(), effects=(), remedies=())
             for method, lp in scene.candidates()]
 
 
 def run_reference(scene: Scene, times: Sequence[float], companions: Companions | None = None,
                   on_progress: Callable[[float], None] | None = None) -> ReferenceRun:
-    """Run a scene and measure it at the times: against the truth, or against a companion where there is none."""
+    """Runs a scene and computes its norms at the times: against the truth, or a companion where there is none."""
     steps = [round(t / scene.time_step) for t in times]
     if scene.particles * steps[-1] > LONGEST:
         return ReferenceRun(scene, np.array([]), norm_series([]),
@@ -57,7 +57,7 @@ def run_reference(scene: Scene, times: Sequence[float], companions: Companions |
 
 
 class _InterpolatedRun:
-    """A run of ours, looked at at times that need not be its own."""
+    """Run of one of our methods, evaluated at times between its steps."""
 
     def __init__(self, scene: Scene, on_progress: Callable[[float], None] | None, last: int):
         self._scene, self._tell, self._last = scene, on_progress or (lambda part: None), max(1, last)
@@ -66,8 +66,8 @@ class _InterpolatedRun:
         self._held: dict[int, Snapshot] = {}
 
     def frame_at(self, time: float) -> Frame | None:
-        """The particles at a time: those of a step, or between two by cubic Hermite polynomials in x and straight lines
-        in the rest; None where the run did not get there."""
+        """Returns the particles at a time: those of a step, or between two by cubic Hermite polynomials in x and linear
+        interpolation of the rest; None where the run did not get there."""
         turns = time / self._scene.time_step
         whole = abs(turns - round(turns)) < ON_A_STEP
         first = round(turns) if whole else math.floor(turns)
@@ -91,7 +91,7 @@ class _InterpolatedRun:
 
 
 def _interpolate_frames(one: Frame, other: Frame, time: float) -> Frame:
-    """Two frames of a run, a step apart, at a time between them."""
+    """Returns two frames of a run, one step apart, interpolated to a time between them."""
     H = other.time - one.time
     s = (time - one.time) / H
     left = 1 - s
@@ -104,7 +104,7 @@ def _interpolate_frames(one: Frame, other: Frame, time: float) -> Frame:
 
 
 def frame_of_snapshot(shot: Snapshot, scene: Scene, time: float | None = None) -> Frame:
-    """A snapshot of a run of ours as a frame, at its own time or one that is the same but for rounding."""
+    """Returns a snapshot of one of our runs as a frame, at its own time or one that differs by rounding."""
     D, P = scene.DIMENSIONS, len(shot.position)
     return Frame("", shot.time if time is None else time, np.arange(P), shot.material_position.reshape(P, D),
                  shot.position.reshape(P, D), shot.velocity.reshape(P, D), shot.deformation_gradient.reshape(P, D, D))

@@ -1,6 +1,6 @@
-"""What a file of particles says of the scene that it was run with: one line of JSON, in our own files and in any other.
+"""Scene in the metadata of a file of particles: one line of JSON, in our own files and in any other.
 
-It is believed in nothing: whatever is not a scene is refused, and a scene that the particles do not fit is no answer
+It is untrusted: anything but a valid scene is rejected, and so is a scene that the particles do not fit
 (``solvers.judging.particle_matching``).
 """
 
@@ -20,7 +20,8 @@ NOT_OF_THE_PROBLEM = METHOD_FIELDS | {"t_end", "periods"}  # what does not matte
 
 
 def parse_scene_line(file: str, text: object, cells: int | None) -> SceneMetadata | None:
-    """What a file says in a line; None where that is none of ours. ``cells`` is what it says beside."""
+    """Returns the scene in a line; None for other lines. ``cells`` is the number of cells elsewhere in the file. Raises
+    :class:`FileError` where that differs."""
     if not isinstance(text, str) or FAMILY not in text[:100]:
         return None
     problem, inputs = parse_line(file, text)
@@ -38,19 +39,19 @@ def parse_scene_line(file: str, text: object, cells: int | None) -> SceneMetadat
 
 
 def scene_of_metadata(file: str, said: SceneMetadata) -> Scene:
-    """The scene that is said; :class:`FileError` where there is none such."""
+    """Returns the scene of the metadata. Raises :class:`FileError` where it is invalid."""
     return scene_from_inputs(file, said.problem, dict(said.inputs))
 
 
 def resolve_scene(files: list[RawTable], asked: Scene) -> tuple[Scene, list[str]]:
-    """The scene to judge files with, and what is to be noted of that: what they say of it holds where ``asked`` stands
-    at its defaults, but for the number of cells, which each file has its own of.
+    """Returns the scene to judge files with, and notes about it: metadata of the files replace inputs that have their
+    defaults in ``asked``, except the number of cells, which may differ between files.
 
-    Raises :class:`ParticleMismatch` where a file says another problem, :class:`FileError` where it says something else
-    than was asked for, or than another file.
+    Raises :class:`ParticleMismatch` for files of another problem, :class:`FileError` where a file contradicts an input
+    that was given, or another file.
     """
     notes: list[str] = []
-    by: dict[str, str] = {}  # which file said a field first
+    by: dict[str, str] = {}  # the first file with each field
     default, settled_scene = type(asked)(), asked
     for raw in files:
         if raw.said is None:

@@ -1,4 +1,4 @@
-"""What the readers of VTK's formats share: what they find, within limits, and numbers from text."""
+"""Shared parts of the readers of VTK's formats: collection of arrays within limits, and numbers from text."""
 
 import warnings
 from collections import defaultdict
@@ -14,12 +14,12 @@ MOST_FIELD = 1000  # numbers of an array that is not of points
 
 
 class NotVTK(ValueError):
-    """No file of this format; the message says why, in few words."""
+    """Error for a file that is not of this format; the message says why, in few words."""
 
 
 class PointData:
-    """What has been found of a file called ``path``: positions and data of points, piece by piece, and ``fields``,
-    which are none of a point's. Whoever reads asks before it does."""
+    """Data read from a file called ``path``: positions and data of points, piece by piece, and ``fields`` that do not
+    belong to points. Readers announce each array before they read it."""
 
     def __init__(self, path: str, limits: Limits):
         self.path, self.fields = path, dict[str, np.ndarray]()
@@ -27,7 +27,7 @@ class PointData:
         self._rows, self._numbers, self._names, self._other = 0, 0, 0, set[str]()
 
     def begin_piece(self, rows: int) -> None:
-        """So many points begin."""
+        """Begins a piece of ``rows`` points."""
         self._other = set()
         if rows < 0:
             raise NotVTK("fewer than no points")
@@ -35,7 +35,7 @@ class PointData:
         self._rows += rows
 
     def wants(self, name: str, rows: int, width: int) -> bool:
-        """Whether an array of points (rows, width) is to be read; refuses what is too much or has been there."""
+        """Returns whether an array of points (rows, width) is needed. Raises an error for excess or duplicates."""
         self._names += 1
         self._limits.check_columns(self.path, self._names)
         check_name(self.path, name)
@@ -52,18 +52,18 @@ class PointData:
         return True
 
     def wants_field(self, name: str, numbers: int) -> bool:
-        """The same for one that is none of a point's."""
+        """Returns whether an array that does not belong to points is needed."""
         return self.wants(name, 1, 0 if numbers > MOST_FIELD else numbers) and 0 < numbers <= MOST_FIELD
 
     def add_array(self, name: str, values: np.ndarray, width: int) -> None:
-        """What such an array holds, in rows of so many."""
+        """Adds the values of an announced array, in rows of ``width``."""
         rows = values.reshape(-1, width) if width != 1 else values
         if self._pieces[name] and self._pieces[name][0].shape[1:] != rows.shape[1:]:
             raise NotVTK(f"pieces with different components of {quote(name, 20)}")
         self._pieces[name].append(rows)
 
     def columns(self) -> dict[str, np.ndarray]:
-        """All pieces together; of arrays that are not wanted the names alone."""
+        """Returns all pieces concatenated, by name; arrays that are not needed are empty."""
         if POINTS not in self._pieces:
             raise FileError(self.path, "has no points; write points with data, in text or binary")
         return {name: pieces[0] if len(pieces) == 1 else np.concatenate(pieces) if pieces else np.empty(0)
@@ -71,11 +71,11 @@ class PointData:
 
 
 def parse_numbers(text: bytes, count: int) -> np.ndarray:
-    """So many numbers with blanks between."""
+    """Returns ``count`` numbers from text with blanks between."""
     if not count:
         return np.empty(0)
     with warnings.catch_warnings():
-        warnings.simplefilter("error")  # by which it tells of what is no number
+        warnings.simplefilter("error")  # raised for invalid numbers
         try:
             values = np.fromstring(text, dtype=float, sep=" ", count=count)
         except (ValueError, DeprecationWarning):

@@ -1,4 +1,4 @@
-"""VTK's legacy format, .vtk, of points: sections, each with a line that says how much follows, as text or binary."""
+"""Reader of VTK's legacy format, .vtk, of points: sections, each with a line that gives its size, as text or binary."""
 
 import re
 from collections.abc import Sequence
@@ -23,7 +23,7 @@ CELLS = ("CELLS", "VERTICES", "LINES", "POLYGONS", "TRIANGLE_STRIPS")
 
 
 class LegacyReader:
-    """Puts what a file holds into ``found``."""
+    """Adds the contents of a file to ``found``."""
 
     def __init__(self, file: IO[bytes], found: PointData):
         self._file, self._found = file, found
@@ -85,7 +85,7 @@ class LegacyReader:
             self._read_attribute(name, said)
 
     def _read_attribute(self, name: str, said: Sequence[str]) -> None:
-        """An array of the data of points or cells."""
+        """Reads an array of the data of points or cells."""
         if len(said) < 2 or name not in (*WIDTHS, "SCALARS", "TEXTURE_COORDINATES"):
             raise NotVTK(f"the section {quote(name, 40)}")
         kind = said[2:3] if name == "TEXTURE_COORDINATES" else said[1:2]
@@ -122,7 +122,7 @@ class LegacyReader:
             self._found.add_array(name, values, width)
 
     def _skip_cells(self, said: Sequence[str]) -> None:
-        """Which nobody wants: their sizes, and the numbers of their points."""
+        """Skips cells, which are not needed: their sizes, and the indices of their points."""
         if self._old:
             self._read_numbers("i4", _parse_count(said, 1), False)
             return
@@ -133,7 +133,7 @@ class LegacyReader:
             self._read_numbers(_parse_type(words[1:]), size, False)
 
     def _read_numbers(self, kind: str, count: int, wants: bool) -> np.ndarray | None:
-        """The numbers that follow, None where they are not wanted. There are no more than the file has bytes."""
+        """Reads the numbers that follow, None if they are not needed. Raises an error for too many."""
         size = count * np.dtype(kind).itemsize if self._binary else 2 * count - 1
         here = self._file.tell()
         if size > self._size - here:

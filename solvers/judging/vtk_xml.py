@@ -1,8 +1,7 @@
-"""VTK's XML formats, .vtu and .vtp, read as they stream in: of what is not asked for nothing is kept.
+"""Reader of VTK's XML formats, .vtu and .vtp, as a stream: data that are not needed are never stored.
 
-A document type or an entity is refused where it begins. Where data are appended the reading of XML ends, and each array
-is taken from where it says that it lies. How many numbers there will be is known before: what a file says of its
-blocks must fit that, and no block is unpacked to more.
+A document type or an entity is rejected where it begins. At appended data XML parsing ends, and each array is read from
+its offset. The number of values is known before: the sizes of blocks must agree with it, which limits unpacking.
 """
 
 import base64
@@ -28,28 +27,28 @@ TYPES = {"Float32": "f4", "Float64": "f8", "Int8": "i1", "Int16": "i2", "Int32":
 APPENDED = re.compile(rb"[^>]*>\s*_")
 AT_ONCE = 1 << 20  # letters, which are four for three bytes
 MOST_BLOCKS = 100_000
-MOST_MEMORY = 100_000_000  # bytes that unpacking may take beside what it unpacks
+MOST_MEMORY = 100_000_000  # bytes that unpacking may need beside its result
 PACKINGS: dict[str, Any] = {"vtkZLibDataCompressor": zlib.decompressobj,
                             "vtkLZMADataCompressor": lambda: lzma.LZMADecompressor(memlimit=MOST_MEMORY)}
 
 
 class _AppendedData(Exception):
-    """There is no more XML, but data."""
+    """Signal that XML ends and appended data begin."""
 
 
 class XmlReader:
-    """Puts what a file of a ``kind``, as VTK calls it, holds into ``found``."""
+    """Adds the contents of a file of a ``kind``, a VTK type name, to ``found``."""
 
     def __init__(self, file: IO[bytes], kind: str, ending: str, found: PointData):
         self._file, self._kind, self._ending, self._found = file, kind, ending, found
-        self._parser = expat.ParserCreate("UTF-8")  # whatever the file says of itself
+        self._parser = expat.ParserCreate("UTF-8")  # whatever encoding the file declares
         self._parser.StartElementHandler, self._parser.EndElementHandler = self._start_element, self._end_element
         self._parser.CharacterDataHandler = self._add_text
         self._parser.buffer_text = True
         self._parser.StartDoctypeDeclHandler = self._parser.EntityDeclHandler = self._refuse_doctype
         self._inside: list[str] = []
         self._elements, self._rows, self._encoding = 0, 0, NumberEncoding.from_attributes(None, "u4", None)
-        self._array: dict[str, Any] | None = None  # that is being read, of which the text comes
+        self._array: dict[str, Any] | None = None  # that is being read as text
         self._later: list[dict[str, Any]] = []  # arrays whose data are appended
         self._appended: tuple[int, bool] | None = None
 
@@ -99,7 +98,7 @@ class XmlReader:
             self._begin_array(said)
 
     def _begin_array(self, said: dict[str, str]) -> None:
-        """Ask whether an array is wanted, and remember where its data are."""
+        """Checks whether an array is needed, and stores the location of its data."""
         where, name = self._inside[-2], said.get("Name", "")
         width = _parse_size(said.get("NumberOfComponents") or "1")
         if where == "Points":
@@ -160,7 +159,7 @@ class XmlReader:
 
 
 def _parse_size(text: str | None) -> int:
-    """A size that the file says."""
+    """Returns a size from the file. Raises NotVTK for an invalid one."""
     if text is None or not re.fullmatch(r"[0-9]{1,15}", text.strip()):
         raise NotVTK(f"a size that is none: {quote(text or '', 20)}")
     return int(text)
@@ -168,7 +167,7 @@ def _parse_size(text: str | None) -> int:
 
 @dataclass(frozen=True)
 class DataSource:
-    """Where the data lie: in a ``file`` from ``begin`` on, as they are or, three bytes in four letters, as base64."""
+    """Location of data in a ``file`` from ``begin`` on, raw or as base64, three bytes in four letters."""
 
     file: IO[bytes]
     begin: int
@@ -179,7 +178,7 @@ class DataSource:
         return self.file.read(length)
 
     def read_unit(self, place: int, size: int) -> tuple[bytes | bytearray, int]:
-        """The ``size`` bytes that begin at a place, and the place after them."""
+        """Returns the ``size`` bytes that begin at a place, and the place after them."""
         length = -(-size // 3) * 4 if self.in_letters else size
         content = bytearray()
         for begin in range(0, length, AT_ONCE):
@@ -198,7 +197,7 @@ class DataSource:
 
 @dataclass(frozen=True)
 class NumberEncoding:
-    """How numbers stand in a file: the ``order`` of their bytes, the type of sizes before them, and the ``packing``."""
+    """Encoding of numbers: the ``order`` of their bytes, the type of sizes before them, and the ``packing``."""
 
     order: str
     size: np.dtype
@@ -214,7 +213,7 @@ class NumberEncoding:
         return cls(order, np.dtype(order + header), packing)
 
     def read_numbers(self, source: DataSource, place: int, count: int, kind: str) -> np.ndarray:
-        """So many numbers of a type that lie at a place."""
+        """Returns ``count`` numbers of a type from a place."""
         dtype = np.dtype(self.order + kind)
         content = (self._read_plain if self.packing is None else self._unpack)(source, place, count * dtype.itemsize)
         return np.frombuffer(content, dtype)
@@ -229,8 +228,8 @@ class NumberEncoding:
         return source.read_unit(place, self.size.itemsize + size)[0][self.size.itemsize:]
 
     def _unpack(self, source: DataSource, place: int, size: int) -> bytearray:
-        """Blocks one after the other: how many, the size of each and of the last, and their sizes as they are packed
-        stand before them."""
+        """Returns consecutive packed blocks, decompressed. Their header has their number, the size of each and of the
+        last, and their packed sizes."""
         width = self.size.itemsize
         blocks = self._parse_sizes(source.read_unit(place, width)[0])[0]
         if blocks > MOST_BLOCKS:

@@ -1,1 +1,1 @@
-"""All that works around the compiler, and the shape functions: nothing here knows of a scene."""
+"""Workarounds for the compiler, and the shape functions, independent of scenes."""

@@ -1,8 +1,8 @@
-"""The kinds of numbers and arrays that kernels take: double precision or 32-bit integers, numpy arrays uncopied.
+"""Dtypes of numbers and arrays in kernels: double precision or 32-bit integers, numpy arrays without copies.
 
-Vectors have 2, 4 or 8 numbers: compiled code moves them whole, and one of 3 would not lie where it looks for it. Arrays
-of them must be aligned (``solvers.solver.state_arrays``). The names in capitals annotate the fields of a dataclass
-whose members are handed to kernels: for Python they are numbers and numpy arrays, for Taichi the type behind.
+Vectors have 2, 4 or 8 numbers: compiled code moves them whole, and expects vectors of 3 at other addresses. Arrays of
+them must be aligned (``solvers.solver.state_arrays``). Capitalised names annotate the fields of a dataclass whose
+members are passed to kernels: for Python they are numbers and numpy arrays, for Taichi its own types.
 """
 
 from typing import Annotated

@@ -1,8 +1,8 @@
-"""Sine, cosine and logarithm in double precision, wherever kernels run.
+"""Sine, cosine and logarithm in double precision, on all devices.
 
-On processors they are the compiler's own. Vulkan has none for double precision, so on a GPU they are worked out here,
-alike on all of them: the argument is reduced exactly enough, and polynomials do the rest, with the coefficients of
-fdlibm (Sun Microsystems 1993), to a unit or two in the last place. Angles may be up to a million.
+On CPUs they are the compiler's own. Vulkan has none in double precision, so on a GPU they are computed here, equally on
+all of them: an accurate reduction of the argument, and polynomials with the coefficients of fdlibm (Sun Microsystems
+1993), to one or two units in the last place. Angles may be up to a million.
 """
 
 import taichi as ti
@@ -23,7 +23,7 @@ EXPONENT_BITS, BIAS = 52, 1023  # of a double: where its exponent begins, and wh
 
 @ti.func
 def sin(x):
-    """sin x."""
+    """Returns sin x."""
     value = 0.0
     if ti.static(runtime.runs_on_cpu()):
         value = ti.sin(x)
@@ -34,7 +34,7 @@ def sin(x):
 
 @ti.func
 def cos(x):
-    """cos x."""
+    """Returns cos x."""
     value = 0.0
     if ti.static(runtime.runs_on_cpu()):
         value = ti.cos(x)
@@ -45,7 +45,7 @@ def cos(x):
 
 @ti.func
 def log(x):
-    """The natural logarithm of a normal number above 0."""
+    """Returns the natural logarithm of a normal number above 0."""
     value = 0.0
     if ti.static(runtime.runs_on_cpu()):
         value = ti.log(x)
@@ -66,8 +66,8 @@ def log(x):
 
 @ti.func
 def _sine_of_quarter(x, quarters):
-    """sin(x + quarters pi/2). Choices are made with whole numbers: on Vulkan, Taichi 1.7.4 loses what is true or false
-    on the way from one loop of a kernel to the next."""
+    """Returns sin(x + quarters pi/2). Conditions are integers: on Vulkan, Taichi 1.7.4 loses booleans between one loop
+    of a kernel and the next."""
     turns = ti.floor(x / (HALF_PI + HALF_PI_NEXT) + 0.5)
     y = ((x - turns * HALF_PI) - turns * HALF_PI_NEXT) - turns * HALF_PI_LAST
     square = y * y
@@ -80,7 +80,7 @@ def _sine_of_quarter(x, quarters):
 
 @ti.func
 def _polynomial(z, coefficients: ti.template()):
-    """z (c_0 + z (c_1 + ...))."""
+    """Returns z (c_0 + z (c_1 + ...))."""
     total = 0.0
     for k in ti.static(range(len(coefficients) - 1, -1, -1)):
         total = (total + coefficients[k]) * z

@@ -1,16 +1,15 @@
-"""Taichi's front end without work whose result nobody reads: half of what a kernel costs that the cache holds.
+"""Taichi's front end without unused results, which are half the cost of a cached kernel.
 
-The front end (Taichi 1.7.4, which ``pyproject.toml`` pins) translates a kernel at its first call in each process, also
-where the machine code comes from the cache of compiled kernels. For every node of the syntax tree it draws the line of
-source with the node underlined, wrapped to 80 columns, in case of an error. For every call of a function it reads and
-tokenizes the function's source again. And for every function decorated it looks through all modules for the source
-around it, to see whether it belongs to a class. Here an error names file, line and function, source is read once, and
-no function belongs to a class. What is compiled is the same to the bit.
+The front end (Taichi 1.7.4, pinned in ``pyproject.toml``) translates a kernel at its first call in each process, even
+if the machine code comes from the cache of compiled kernels. For every node of the syntax tree it formats the source
+line with the node underlined, wrapped to 80 columns, in case of an error. For every call of a function it reads and
+tokenizes the function's source again. And for every decorated function it searches all modules for the source around
+it, to see whether it belongs to a class. Here an error message has file, line and function, source is read once, and
+no function belongs to a class. The compiled code is the same to the bit.
 
-And it writes down a number again wherever it is used, a thousand times in a kernel. The compiler then merges equal ones
-one by one, each with two walks through the whole kernel: that is most of its time. Here the numbers that are used most
-are variables that a kernel sets before all else; these the compiler replaces by their values at once, for all kernels
-alike, to the same code.
+The front end also emits a constant again at every use, a thousand times in a kernel. The compiler then merges equal
+ones one by one, each with two passes over the whole kernel: that is most of its time. Here the most frequent constants
+are variables that a kernel sets first; the compiler replaces these by their values in one pass, with the same result.
 
 An argument pack is made with every solver, and twice. For each of its members Taichi counts anew which of those before
 it are arrays, a step for every pair of members: nearly half of what a run costs before its first step.
@@ -37,7 +36,7 @@ _subscript = impl.subscript
 
 
 def speed_up_front_end() -> None:
-    """Leave that work out from now on: before kernels are decorated, that is imported, and compiled."""
+    """Removes that work from now on: call before kernels are decorated, that is imported, and compiled."""
     ASTTransformerContext.get_pos_info = _source_location
     kernel_impl.getsourcelines = functools.cache(kernel_impl.getsourcelines)
     kernel_impl._inside_class = lambda level_of_class_stackframe: False  # Taichi passes it by this name
@@ -48,13 +47,13 @@ def speed_up_front_end() -> None:
 
 
 def _source_location(context: ASTTransformerContext, node: syntax | stmt) -> str:
-    """Where a node stands in the source, as the first line of Taichi's own message says it."""
+    """Returns the location of a node in the source, as in the first line of Taichi's own message."""
     line = node.lineno + context.lineno_offset
     return f'File "{context.file}", line {line}, in {context.func.func.__name__}:\n'
 
 
 def _translate(tree: mod, context: ASTTransformerContext) -> object:
-    """Translate a function; if it is a kernel, with the usual numbers in front."""
+    """Translates a function; for a kernel, with the usual numbers in front."""
     if not context.is_kernel:
         return transform_tree(tree, context)
     source = impl.get_runtime().src_info_stack
@@ -71,18 +70,18 @@ def _translate(tree: mod, context: ASTTransformerContext) -> object:
 
 
 def _number_expression(value: object, kind: object) -> expr.Expr:
-    """An expression for a number: the variable that has this value, if there is one; a given kind is a wish."""
+    """Returns an expression for a number: the variable that has this value, if there is one and no type is given."""
     known = _constants.get(_number_key(value)) if _constants and kind is None else None
     return _make_constant(value, kind) if known is None else known
 
 
 def _number_key(value: object) -> tuple[type, object]:
-    """What tells numbers apart: also 1 from 1.0, and 0.0 from -0.0."""
+    """Returns a key that distinguishes numbers, including 1 from 1.0, and 0.0 from -0.0."""
     return type(value), repr(value)
 
 
 def _entry(builder: object, value: object, *places: object, **how: object) -> expr.Expr:
-    """An entry of an array or a vector. Which of a vector must be a number, for it to be known in advance."""
+    """Returns an entry of an array or a vector. The index of a vector must be a number, to be known at compile time."""
     if not isinstance(value, expr.Expr):
         return _subscript(builder, value, *places, **how)
     aside = dict(_constants)
@@ -94,7 +93,7 @@ def _entry(builder: object, value: object, *places: object, **how: object) -> ex
 
 
 def _member_place(pack: argpack.ArgPack, member: int) -> int:
-    """Where a member of a pack lies among those that are no arrays, counted once for all its members."""
+    """Returns the place of a pack's member among those that are not arrays, counted once for all its members."""
     if not hasattr(pack, PLACES_ATTRIBUTE):
         apart = [isinstance(kind, UNPACKED_TYPES) for kind in pack._annotations]
         setattr(pack, PLACES_ATTRIBUTE, [k - before for k, before in enumerate(accumulate(apart, initial=0))])

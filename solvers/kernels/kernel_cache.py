@@ -1,5 +1,4 @@
-"""How many compiled kernels are kept, and where when the home folder takes nothing: read only, or not there, as in many
-containers.
+"""Cache of compiled kernels: its size, and its folder where the home folder is read-only or missing.
 
 Taichi writes them below ``XDG_CACHE_HOME``, by default ``~/.cache``, when it ends; where it cannot, its process ends in
 a segmentation fault, with its cache switched off too, and without a ``HOME`` it does not even start. Matplotlib keeps
@@ -18,18 +17,18 @@ HOME, KERNELS, PICTURES = "XDG_CACHE_HOME", "TI_OFFLINE_CACHE_FILE_PATH", "MPLCO
 
 
 def raise_cache_size() -> None:
-    """Have Taichi keep 500 MB of kernels, unless the environment says otherwise. A kernel takes 1 MB, and with Taichi's
-    own 100 MB a page, a sweep and a class throw each other's out."""
+    """Sets Taichi's cache to 500 MB of kernels, unless the environment sets it. A kernel takes 1 MB, and with Taichi's
+    own 100 MB a page, a sweep and a class displace each other's kernels."""
     os.environ.setdefault(CACHE_SIZE, str(500 * 2**20))
 
 
 def ensure_cache_folder() -> None:
-    """Have this process and those that it starts keep what they compile in a folder that goes with this process, where
-    the usual one takes nothing. Call before Taichi is imported; does nothing where all is well."""
+    """Sets the cache folder of this process and its children to a temporary one if the usual one is not writable. Call
+    before Taichi is imported; otherwise does nothing."""
     below_home = os.path.join(os.environ["HOME"], ".cache") if "HOME" in os.environ else ""
     if os.name == "nt" or (_is_writable(os.environ.get(HOME, below_home)) and _is_writable(os.environ.get(KERNELS))):
-        return  # Windows has another place, and no home that is read only
-    with suppress(OSError):  # there is no room anywhere: let Taichi say so
+        return  # Windows has another folder, which is never read-only
+    with suppress(OSError):  # no folder is writable: Taichi will report it
         folder = tempfile.mkdtemp(prefix="mpm-lab-")
         atexit.register(shutil.rmtree, folder, ignore_errors=True)  # before Taichi is imported: after it has written
         os.environ[HOME] = folder
@@ -38,7 +37,7 @@ def ensure_cache_folder() -> None:
 
 
 def _is_writable(folder: str | None) -> bool:
-    """Whether it can be written to, or made; None is no wish."""
+    """Returns whether a folder can be written to, or created; True for None, which stands for no setting."""
     if folder is None:
         return True
     there = next((place for place in (Path(folder), *Path(folder).parents) if place.exists()), Path())

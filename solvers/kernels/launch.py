@@ -16,7 +16,7 @@ from solvers.kernels import runtime
 
 
 class Launch:
-    """A kernel whose arguments are whole numbers, then a ``pack`` of numbers and arrays, then templates. The first call
+    """Kernel whose arguments are whole numbers, then a ``pack`` of numbers and arrays, then templates. The first call
     compiles it; arrays must not be replaced after that, only written to."""
 
     def __init__(self, kernel: Any, pack: Any, *templates: Any):
@@ -38,19 +38,19 @@ class Launch:
         program.launch_kernel(compiled, context)
 
     def compile(self, *numbers: int) -> None:
-        """Compile the kernel for a GPU without launching it."""
+        """Compiles the kernel for a GPU without launching it."""
         primal, program = self._kernel._primal, impl.get_runtime().prog
         own = primal.compiled_kernels[primal.ensure_compiled(*numbers, *self._arguments)]
         self._kept = program, program.compile_kernel(program.config(), program.get_device_caps(), own), own
 
     def free(self) -> None:
-        """Keep nothing that Taichi has made: it is about to end."""
+        """Releases all objects of Taichi, which is about to end."""
         self._kept = None
         if not runtime.runs_on_cpu():
             self._arguments = ()  # its arrays too
 
     def _queue(self, numbers: tuple[int, ...]) -> None:
-        """Have a GPU do it after what it was told before; returns at once."""
+        """Queues the launch on a GPU; returns at once."""
         if self._kept is None:
             self.compile(*numbers)
         program, compiled, own = cast(tuple, self._kept)
@@ -63,13 +63,13 @@ class Launch:
         program.launch_kernel(compiled, context)
 
     def _arrays(self) -> list[tuple[Any, Any]]:
-        """The pack's arrays and their types, in order: they come after all other arguments."""
+        """Returns the pack's arrays and their types, in order: they come after all other arguments."""
         pack = self._arguments[0]
         return [(pack[name], kind) for name, kind in pack._ArgPack__annotations.items()
                 if isinstance(kind, ndarray_type.NdarrayType)]
 
     def _compiled(self, program: Any, numbers: tuple[int, ...]) -> tuple[Any, Any, Any]:
-        """The program, the compiled kernel, and a context that holds the pack."""
+        """Returns the program, the compiled kernel, and a context with the pack."""
         primal, pack, at = self._kernel._primal, self._arguments[0], len(numbers)
         own = primal.compiled_kernels[primal.ensure_compiled(*numbers, *self._arguments)]
         context = own.make_launch_context()

@@ -45,7 +45,7 @@ class Packing:
         self.types.update({prefix + array: getattr(dtypes, array) for array in SHAPES if array in used})
 
     def values(self, members: Mapping[str, Any]) -> dict[str, np.ndarray]:
-        """The packed arrays that hold these members."""
+        """Returns the packed arrays that contain these members."""
         pieces: dict[str, list[np.ndarray]] = {
             array: [np.zeros((self.front.get(array, 0), *shape), _dtype(array))] for array, shape in SHAPES.items()}
         length = {array: len(piece[0]) for array, piece in pieces.items()}
@@ -59,7 +59,7 @@ class Packing:
         return {name: packed[name] if name in packed else members[name] for name in self.types}
 
     def parts(self, memory: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
-        """The arrays among the members, as they are now."""
+        """Returns the arrays among the members, with their present values."""
         found = {name: memory[name] for name in self.types if not name.startswith(self.prefix)}
         for array in SHAPES:
             begins = sorted((int(memory[self.prefix + "integers"][slot]), name)
@@ -100,7 +100,7 @@ class _PrefixView:
 
 
 class _ArraySlice:
-    """An array within a packed one: its index counts from where it begins."""
+    """Array within a packed one: its index counts from its own beginning."""
 
     def __init__(self, array: object, begin: Any):
         self._array, self._begin = array, begin
@@ -111,7 +111,7 @@ class _ArraySlice:
 
 @untranslated
 def prefix_view(state: object, prefix: str) -> _PrefixView:
-    """For kernels: the members whose names begin with ``prefix``, as attributes by the rest of their names."""
+    """Returns, for kernels, the members whose names begin with ``prefix``, as attributes by the rest of their names."""
     return _PrefixView(state, prefix)
 
 

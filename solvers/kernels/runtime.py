@@ -1,4 +1,4 @@
-"""Starting Taichi: one place, so that every run is in double precision and says what it really ran on."""
+"""Start of Taichi, in one place, so that every run is in double precision and reports its real architecture."""
 
 import atexit
 import contextlib
@@ -15,7 +15,7 @@ front_end.speed_up_front_end()
 
 PROCESSORS = ("x64", "arm64")  # as Taichi calls them
 
-#: What holds on to the running Taichi, and has a ``free`` to let go of it: before another one starts, and at the end.
+#: Objects with references to the running Taichi, whose ``free`` is called before it restarts, and at the end.
 holders: weakref.WeakSet[Any] = weakref.WeakSet()
 
 _started: tuple[str, int] | None = None
@@ -23,20 +23,20 @@ _options: dict = {}
 
 
 def allow_forks() -> None:
-    """Call before the first :func:`start` in a process that will be forked: Taichi's own threads do not come along, and
-    the first compilation of a child would wait for them for ever."""
+    """Allows forks of this process; call before the first :func:`start`. Taichi's own threads are not forked, and the
+    first compilation of a child would wait for them for ever."""
     _options["num_compile_threads"] = 0
 
 
 def exit_process() -> NoReturn:
-    """End the process: write what it has compiled to disk, and go. Taichi's own end would wait for threads that, of a
-    fork, only its parent has."""
+    """Ends the process after it has written compiled kernels to disk. Taichi's own exit would wait for threads that,
+    for a fork, only its parent has."""
     _write_compiled()
     os._exit(0)
 
 
 def start(arch: str = "cpu", threads: int = 1) -> str:
-    """Start Taichi once for this process on ``arch``, "cpu", "cuda" or "vulkan", and return the architecture that
+    """Starts Taichi once for this process on ``arch``, "cpu", "cuda" or "vulkan", and returns the architecture that
     really runs ("x64", "cuda", ...).
 
     Taichi falls back to the CPU with only a warning when a GPU is asked for and none is there, so the answer may differ
@@ -61,19 +61,19 @@ def start(arch: str = "cpu", threads: int = 1) -> str:
 
 
 def running_arch() -> str:
-    """The architecture Taichi was started on."""
+    """Returns the architecture on which Taichi was started."""
     return ti.lang.impl.current_cfg().arch.name
 
 
 def runs_on_cpu() -> bool:
-    """Whether Taichi runs on processors, where arrays are what numpy sees."""
+    """Returns whether Taichi runs on CPUs, where arrays are numpy's own memory."""
     return running_arch() in PROCESSORS
 
 
 @atexit.register  # later than Taichi's own end, and so run before it
 def _write_and_release() -> None:
-    """Write what has been compiled to disk, which Taichi does when its program goes: by itself that hangs on the order
-    in which Python lets go of classes and modules, and may be never."""
+    """Writes compiled kernels to disk, as Taichi does when its program is destroyed: the time of that depends on the
+    order in which Python frees classes and modules, and it may never happen."""
     _release_holders()
     _write_compiled()
 
@@ -84,6 +84,6 @@ def _write_compiled() -> None:
 
 
 def _release_holders() -> None:
-    """Have all that was made of the running Taichi go before it does: later it would look for what is no more."""
+    """Frees all objects of the running Taichi before it ends, because later they would access freed memory."""
     for holder in list(holders):
         holder.free()

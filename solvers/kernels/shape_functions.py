@@ -12,14 +12,14 @@ import taichi as ti
 
 @ti.func
 def stencil(outer_left, outer_right, slope_left, slope_right):
-    """Complete a stencil from its outer nodes: partition of unity and its derivative fix the middle one."""
+    """Returns a stencil from its outer nodes: partition of unity and its derivative fix the middle one."""
     return (ti.Vector([outer_left, 1 - outer_left - outer_right, outer_right]),
             ti.Vector([slope_left, -slope_left - slope_right, slope_right]))
 
 
 @ti.func
 def hat(position):
-    """Piecewise linear: the original MPM. The third node's weight is zero."""
+    """Returns the piecewise linear functions of the original MPM. The third node's weight is zero."""
     first = ti.floor(position)
     nothing = 0.0 * position
     return first, 1 - (position - first), nothing, nothing - 1, nothing
@@ -27,7 +27,7 @@ def hat(position):
 
 @ti.func
 def gimp(position, half_width):
-    """The hat averaged over the particle's domain [position - half_width, position + half_width].
+    """Returns the hat averaged over the particle's domain [position - half_width, position + half_width].
 
     ``half_width`` at most 1/2, so that the domain meets at most two cells. With a constant half width this is
     uGIMP, with one that follows F cpGIMP. The average of the hat (1 - s) over the part of the domain in the
@@ -47,7 +47,7 @@ def gimp(position, half_width):
 
 @ti.func
 def bspline(position):
-    """Quadratic B-spline centred on the nodes: the GIMP function of a domain one cell wide."""
+    """Returns the quadratic B-spline centred on the nodes: the GIMP function of a domain one cell wide."""
     first = ti.floor(position - 0.5)
     s = position - first - 0.5  # in [0, 1)
     return first, 0.5 * (1 - s) * (1 - s), 0.5 * s * s, s - 1, s
@@ -55,9 +55,9 @@ def bspline(position):
 
 @ti.func
 def outer_weights(method: ti.template(), position, half_width):
-    """First node, outer weights and outer slopes of ``method``: "mpm", "ugimp", "cpgimp", "cpgimp-v" or "bspline".
+    """Returns first node, outer weights and slopes of ``method``: "mpm", "ugimp", "cpgimp", "cpgimp-v" or "bspline".
 
-    ``position`` and ``half_width`` may be vectors, of one entry a direction: a processor does them at once.
+    ``position`` and ``half_width`` may be vectors, with one entry per direction, for vector instructions.
     """
     first, left, right, slope_left, slope_right = hat(position)
     if ti.static(method in ("ugimp", "cpgimp", "cpgimp-v")):

@@ -1,7 +1,7 @@
-"""Several particles at a time, as a vector of one number of each: what a processor's register holds.
+"""SIMD: several particles at a time, as a vector with one number of each, in one register of a CPU.
 
-The compiler does not do so by itself. After every number that is written it reads again where each array lies, since
-that might have changed, and so it finds no loop to put into vectors.
+The compiler does not vectorise by itself: after every store it reloads the address of each array, which might have
+changed, and so it finds no loop to vectorise.
 """
 
 import taichi as ti
@@ -11,11 +11,11 @@ LANES = 4  # numbers in a register of most processors; no bar has fewer particle
 
 @ti.func
 def load(numbers: ti.template(), p):
-    """``LANES`` numbers from entry ``p`` on."""
+    """Returns ``LANES`` numbers from entry ``p`` on."""
     return ti.Vector([numbers[p + k] for k in ti.static(range(LANES))])
 
 
 @ti.func
 def load_component(vectors: ti.template(), some: ti.template(), c: ti.template()):
-    """Number ``c`` of each of the vectors with the numbers ``some``."""
+    """Returns number ``c`` of each of the vectors with the indices ``some``."""
     return ti.Vector([vectors[some[k]][c] for k in ti.static(range(some.n))])

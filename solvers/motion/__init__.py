@@ -1,1 +1,1 @@
-"""Motions as data: a displacement is written once as a formula, and all that follows from it is derived."""
+"""Motions as data: a displacement is written once as a formula, and everything else is derived from it."""

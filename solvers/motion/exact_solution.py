@@ -1,4 +1,4 @@
-"""The exact solution that a displacement and a material law make: motion, stress and the body force that holds it.
+"""Exact solution by a displacement and a material law: motion, stress and the body force that causes it.
 
 The method of manufactured solutions: of u(X, Y, t) follow v = u_t, a = u_tt, F = I + Grad u, the stress P(F), and the
 body force per mass b = a - Div P/rho that makes u the solution. Source: Roache, J. Fluids Eng. 124 (2002) 4-10.
@@ -34,17 +34,17 @@ class MotionJets(NamedTuple):
 
     @property
     def displacement_and_gradient(self) -> tuple[Any, ...]:
-        """u_x, u_y, and Grad u = F - I as xX, xY, yX, yY."""
+        """Components u_x, u_y, and Grad u = F - I as xX, xY, yX, yY."""
         return (self.x.value, self.y.value, *(one.derivative(axis) for one in self for axis in (X_AXIS, Y_AXIS)))
 
     @property
     def deformation_gradient(self) -> tuple[Any, Any, Any, Any]:
-        """F_xx, F_xy, F_yx, F_yy."""
+        """Components F_xx, F_xy, F_yx, F_yy."""
         return (1.0 + self.x.derivative(X_AXIS), self.x.derivative(Y_AXIS),
                 self.y.derivative(X_AXIS), 1.0 + self.y.derivative(Y_AXIS))
 
     def body_force(self, material: Material, density: float) -> tuple[Any, Any]:
-        """b = a - Div P/rho per mass, in m/s^2: P of F as jets of first order along X and Y."""
+        """Returns b = a - Div P/rho per mass, in m/s^2, with P of F as jets of first order along X and Y."""
         F = [Jet(value, (one.derivative(axis, X_AXIS), one.derivative(axis, Y_AXIS), None), ())
              for value, (one, axis) in zip(self.deformation_gradient,
                                            ((one, axis) for one in self for axis in (X_AXIS, Y_AXIS)), strict=True)]
@@ -58,46 +58,46 @@ class MotionJets(NamedTuple):
 class ExactSolution:
     """Functions of (scene, X (P, 2) in m, t in s) that follow from a displacement.
 
-    ``scene`` gives its ``material`` and its ``density`` in kg/m^3, and whatever the displacement asks of it.
+    ``scene`` has the ``material``, the ``density`` in kg/m^3, and whatever the displacement needs.
     """
 
     def __init__(self, displacement: Displacement):
         self._displacement = displacement
 
     def jets(self, scene: Any, X: np.ndarray, t: Any) -> MotionJets:
-        """The displacement with its derivatives at points X and a time, or a time each (P,)."""
+        """Returns the displacement with its derivatives at points X and a time, or times (P,)."""
         u = self._displacement(scene, *variables(X[:, 0], X[:, 1], t))
         return MotionJets(*(one if isinstance(one, Jet) else Jet(one) for one in u))
 
     def displacement(self, scene: Any, X: np.ndarray, t: Any) -> np.ndarray:
-        """u (P, 2) in m."""
+        """Returns u (P, 2) in m."""
         return columns(self._displacement(scene, X[:, 0], X[:, 1], t), len(X))
 
     def position(self, scene: Any, X: np.ndarray, t: Any) -> np.ndarray:
-        """x = X + u (P, 2) in m."""
+        """Returns x = X + u (P, 2) in m."""
         return X + self.displacement(scene, X, t)
 
     def velocity(self, scene: Any, X: np.ndarray, t: Any) -> np.ndarray:
-        """v (P, 2) in m/s."""
+        """Returns v (P, 2) in m/s."""
         return columns(self.jets(scene, X, t).velocity, len(X))
 
     def acceleration(self, scene: Any, X: np.ndarray, t: Any) -> np.ndarray:
-        """a (P, 2) in m/s^2."""
+        """Returns a (P, 2) in m/s^2."""
         return columns(self.jets(scene, X, t).acceleration, len(X))
 
     def deformation_gradient(self, scene: Any, X: np.ndarray, t: Any) -> np.ndarray:
-        """F (P, 2, 2)."""
+        """Returns F (P, 2, 2)."""
         return columns(self.jets(scene, X, t).deformation_gradient, len(X)).reshape(-1, 2, 2)
 
     def stress(self, scene: Any, X: np.ndarray, t: Any) -> np.ndarray:
-        """Cauchy stress xx, xy, yy (P, 3) in Pa."""
+        """Returns the Cauchy stress xx, xy, yy (P, 3) in Pa."""
         return columns(scene.material.cauchy_stress(self.jets(scene, X, t).deformation_gradient), len(X))
 
     def body_force(self, scene: Any, X: np.ndarray, t: Any) -> np.ndarray:
-        """b (P, 2) per mass in m/s^2, the force that makes the displacement the solution."""
+        """Returns b (P, 2) per mass in m/s^2, the force that makes the displacement the solution."""
         return columns(self.jets(scene, X, t).body_force(scene.material, scene.density), len(X))
 
 
 def columns(components: Any, points: int) -> np.ndarray:
-    """Components (C of them), arrays (P,) or numbers, as an array (P, C)."""
+    """Returns C components, each an array (P,) or a number, as an array (P, C)."""
     return np.stack([np.broadcast_to(one, points) for one in components], axis=1)

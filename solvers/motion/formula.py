@@ -1,7 +1,7 @@
-"""Formulas that people type: arithmetic, five functions and a few names, read without evaluating any Python.
+"""Formulas typed by users: arithmetic, five functions and a few names, parsed without evaluating any Python.
 
 A formula becomes a function of any kind of number, of arrays or of jets (``solvers.motion.jets``), so that all its
-derivatives follow. What is no formula is refused in one sentence.
+derivatives follow. Invalid formulas are rejected with one sentence.
 """
 
 import ast
@@ -21,15 +21,15 @@ Formula = Callable[[Mapping[str, Any]], Any]  # of the values of its names
 
 
 class FormulaError(ValueError):
-    """Why a text is no formula: the end of a sentence that begins with the text."""
+    """Error for an invalid formula; its message is the end of a sentence that begins with the text."""
 
     def __init__(self, sentence: str, /, *values: object):
         super().__init__(Message(sentence, *values))
 
 
 def parse_formula(text: str, names: Sequence[str]) -> tuple[str, Formula]:
-    """The formula of a text in which only these ``names`` stand for numbers, besides ``pi``; and the text without
-    spaces, as it is written into links.
+    """Returns the text without spaces, as in links, and its formula, in which only these ``names`` stand for numbers,
+    besides ``pi``.
 
     Raises
     ------
@@ -47,7 +47,7 @@ def parse_formula(text: str, names: Sequence[str]) -> tuple[str, Formula]:
 
 
 def _compile(node: ast.AST, names: frozenset[str]) -> Formula:
-    """The function of a part of a formula."""
+    """Returns the function of a part of a formula."""
     if isinstance(node, ast.Constant):
         return _constant(node.value)
     if isinstance(node, ast.Name):
@@ -89,7 +89,7 @@ def _name(name: str, names: frozenset[str]) -> Formula:
 
 
 def _power(node: ast.AST) -> int:
-    """A whole number, written out: another power of a negative number would be no real one."""
+    """Returns a power, which must be a whole number, written out: others of a negative number are not real."""
     negative = isinstance(node, ast.UnaryOp) and isinstance(node.op, ast.USub)
     value = getattr(node.operand if isinstance(node, ast.UnaryOp) and negative else node, "value", None)
     if isinstance(value, bool) or not isinstance(value, int) or value > MOST_POWER:

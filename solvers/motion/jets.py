@@ -1,4 +1,4 @@
-"""Jets: numbers that carry their derivatives with respect to X, Y and t, exact to rounding (forward differentiation).
+"""Jets: numbers with their derivatives with respect to X, Y and t, exact to rounding (forward differentiation).
 
 From a displacement that is written once, as a formula of jets, follow the velocity, the acceleration, the deformation
 gradient and its slopes, without finite differences and without symbols. What is zero by structure is ``None`` and
@@ -18,7 +18,7 @@ PAIR_NUMBER = {pair: k for k, pair in enumerate(PAIRS)} | {(j, i): k for k, (i, 
 
 
 class Jet:
-    """A value with three first derivatives and, of a jet of second order, six second ones.
+    """A value with three first derivatives and, in a jet of second order, six second ones.
 
     Parameters
     ----------
@@ -38,14 +38,14 @@ class Jet:
         self.value, self.first, self.second = value, tuple(first), tuple(second)
 
     def compose(self, value: Any, slope: Any, curvature: Any) -> "Jet":
-        """The jet of f of this number, by the chain rule, where f has this value, slope and second derivative."""
+        """Returns the jet of f of this number, by the chain rule, from f's value, slope and second derivative there."""
         d = self.first
         return Jet(value, (_product(slope, one) for one in d),
                    (_sum(_product(slope, one), _product(curvature, _product(d[i], d[j])))
                     for one, (i, j) in zip(self.second, PAIRS, strict=False)))
 
     def derivative(self, i: int, j: int | None = None) -> Any:
-        """The derivative with respect to variable ``i``, or to ``i`` and ``j``: 0.0 where it is a structural zero."""
+        """Returns the derivative with respect to variable ``i``, or to ``i`` and ``j``: 0.0 for a structural zero."""
         found = self.first[i] if j is None else self.second[PAIR_NUMBER[i, j]]
         return 0.0 if found is None else found
 
@@ -85,7 +85,7 @@ class Jet:
         return self ** -1 * other
 
     def __pow__(self, n: float) -> "Jet":
-        """A constant power; whole ones of 0 have derivatives, too."""
+        """Returns a constant power; whole powers of 0 have derivatives, too."""
         x = self.value
         slope = n * x ** (n - 1) if n != 0 else 0.0 * x
         curvature = n * (n - 1) * x ** (n - 2) if n not in (0, 1) else 0.0 * x
@@ -101,7 +101,7 @@ def _product(a: Component, b: Component) -> Component:
 
 
 def _elementary(function: Callable[[Any], Any], slopes: Callable[[Any, Any], tuple[Any, Any]]) -> Callable[[Any], Any]:
-    """A function of numbers and jets, from its value and, of the argument and the value, slope and curvature."""
+    """Returns a function of numbers and jets; ``slopes`` gives slope and curvature from argument and value."""
     def of(x: Any) -> Any:
         if not isinstance(x, Jet):
             return function(x)
@@ -119,6 +119,6 @@ sqrt = _elementary(np.sqrt, lambda x, value: (0.5 / value, -0.25 / (value * x)))
 
 
 def variables(X: Any, Y: Any, t: Any) -> tuple[Jet, Jet, Jet]:
-    """X, Y and t themselves, each with the slope 1 along itself."""
+    """Returns X, Y and t as jets, each with the slope 1 along itself."""
     return tuple(Jet(value, (1.0 if i == k else None for i in range(VARIABLES)))
                  for k, value in enumerate((X, Y, t)))  # type: ignore[return-value]

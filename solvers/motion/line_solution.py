@@ -1,4 +1,4 @@
-"""The exact solution that a displacement makes along a line whose stress is linear in its stretch, P = E (F - 1): as
+"""Exact solution by a displacement along a line whose stress is linear in its stretch, P = E (F - 1): as
 ``solvers.motion.exact_solution`` in the plane, with the body force per mass b = u_tt - c^2 u_XX, c^2 = E/rho."""
 
 import functools
@@ -11,20 +11,20 @@ from solvers.motion.exact_solution import TIME, X_AXIS
 from solvers.motion.jets import Jet, variables
 from solvers.motion.separable_field import SeparableField, separate
 
-PLACES, INSTANTS = 400, 128  # of the line and of a period, at which the size of a motion is looked at
+PLACES, INSTANTS = 400, 128  # of the line and of a period, at which a motion is evaluated
 HALF_ERROR = 0.5  # of F - 1, as RMS: for that alone no place is called lost
 MIN_WAVE_SHARE = 0.03  # of the RMS of F - 1: a wave with less does not matter
 
 
 class LineSolution:
-    """Functions of (scene, X in m, t in s, or a time for each X) that follow from u(scene, X, Y, t) of any kind of
-    number, one component, and that have the shape of X. ``scene`` gives the ``wave_speed`` c in m/s."""
+    """Functions of (scene, X in m, t in s, or a time for each X), with the shape of X, that follow from a displacement
+    u(scene, X, Y, t) of any kind of number, one component. ``scene`` has the ``wave_speed`` c in m/s."""
 
     def __init__(self, displacement: Callable[[Any, Any, Any, Any], tuple[Any, ...]]):
         self._displacement = displacement
 
     def derivatives(self, scene: Any, X: np.ndarray, t: Any, *axes: tuple[int, ...]) -> list[np.ndarray]:
-        """Of u: () itself, (X_AXIS,) its slope F - 1, (TIME, TIME) its acceleration."""
+        """Returns derivatives of u along ``axes``: () u itself, (X_AXIS,) F - 1, (TIME, TIME) the acceleration."""
         t = np.reshape(t, X.shape) if np.ndim(t) else t
         (u,) = self._displacement(scene, *variables(X, None, t))
         u = u if isinstance(u, Jet) else Jet(u)
@@ -44,18 +44,18 @@ class LineSolution:
         return 1 + self.derivatives(scene, X, t, (X_AXIS,))[0]
 
     def force_terms(self, scene: Any, X: np.ndarray, t: Any) -> np.ndarray:
-        """u_tt and -c^2 u_XX in the last place: in their sum a free vibration leaves but rounding."""
+        """Returns u_tt and -c^2 u_XX, in the last axis: for a free vibration their sum is only rounding."""
         a, bend = self.derivatives(scene, X, t, (TIME, TIME), (X_AXIS, X_AXIS))
         return np.stack([a, -scene.wave_speed**2 * bend], axis=-1)
 
     def body_force(self, scene: Any, X: np.ndarray, t: Any) -> np.ndarray:
-        """Per mass in m/s^2, the force that makes the displacement the solution."""
+        """Returns the force per mass in m/s^2 that makes the displacement the solution."""
         return self.force_terms(scene, X, t).sum(axis=-1)
 
 
 @functools.lru_cache(maxsize=32)  # of many visitors
 def motion_table(scene: Any) -> SeparableField:
-    """u and F - 1 at the particles (P, r, 2), and as a last place their means."""
+    """Returns the table of u and F - 1 at the particles (P, r, 2), followed by their means."""
     X = (np.arange(scene.particles)[:, None] + 0.5) / scene.particles
     motion = separate(lambda X, t: np.stack(scene.typed_solution.derivatives(scene, X[:, 0], t, (), (X_AXIS,)), axis=1),
                       X, scene.period)
@@ -64,16 +64,15 @@ def motion_table(scene: Any) -> SeparableField:
 
 
 def force_table(scene: Any, X: np.ndarray) -> SeparableField:
-    """The body force per mass at material points (K,), as the first of two components (K, r, 2)."""
+    """Returns the table (K, r, 2) of the body force per mass at material points (K,), as its first component."""
     table = separate(lambda X, t: scene.typed_solution.force_terms(scene, X[:, 0], t), X[:, None], scene.period)
     table.modes[:, :, 0] += table.modes[:, :, 1]
     return table
 
 
 class LineSizes(NamedTuple):
-    """How large x, v, sigma and a become, and their RMS over line and period; by how much, as RMS in m, neighbours move
-    otherwise than the mean of their F says, and than one says that is half wrong; waves in a metre of the shortest that
-    matters."""
+    """Largest values of x, v, sigma and a, and their RMS over line and period; the RMS mismatch in m between the motion
+    of neighbours and their mean F, or a mean F that is half wrong; waves per metre of the shortest that matters."""
 
     largest: dict[str, float]
     rms: dict[str, float]
@@ -82,7 +81,7 @@ class LineSizes(NamedTuple):
 
 
 def line_sizes(scene: Any) -> LineSizes:
-    """Those of a typed motion."""
+    """Returns the sizes of a typed motion."""
     X = np.tile(np.arange(PLACES) / PLACES, (INSTANTS, 1))
     t, dX = np.repeat(np.arange(INSTANTS) / INSTANTS * scene.period, PLACES), 1 / scene.particles
     derivatives = functools.partial(scene.typed_solution.derivatives, scene)

@@ -25,21 +25,21 @@ LEAST_COEFFICIENT = 1e-15  # of a harmonic that is kept, over the largest
 
 
 class NotPeriodic(ArithmeticError):
-    """The field is no smooth function of time with that period."""
+    """Error for a field that is not a smooth function of time with that period."""
 
 
 @dataclass(frozen=True)
 class SeparableField:
-    """sum_k T_k(t) M_k(X) at P places.
+    """Field sum_k T_k(t) M_k(X) at P places.
 
     Parameters
     ----------
     modes
         M_k (P, r, C).
     series
-        (r, 1 + 2 H): of T_k the mean, then cos and sin of the harmonics 1 to H.
+        Coefficients (r, 1 + 2 H) of T_k: the mean, then cos and sin of the harmonics 1 to H.
     angular_frequency
-        Of the first harmonic, in 1/s.
+        That of the first harmonic, in 1/s.
     """
 
     modes: np.ndarray
@@ -55,19 +55,19 @@ class SeparableField:
         return self.series.shape[1] // 2
 
     def time_functions(self, t: float, derivative: int = 0) -> np.ndarray:
-        """T_k (r,) at a time, or their first or second derivatives."""
+        """Returns T_k (r,) at a time, or their first or second derivatives."""
         w = np.arange(1, self.harmonics + 1) * self.angular_frequency
         turn = w * t + 0.5 * np.pi * derivative
         waves = np.stack([np.cos(turn), np.sin(turn)], axis=1) * (w**derivative)[:, None]
         return self.series[:, 1:] @ waves.ravel() + self.series[:, 0] * (derivative == 0)
 
     def __call__(self, t: float, derivative: int = 0) -> np.ndarray:
-        """The field (P, C) at a time, or its first or second derivative with respect to time."""
+        """Returns the field (P, C) at a time, or its first or second derivative with respect to time."""
         return np.einsum("k,pkc->pc", self.time_functions(t, derivative), self.modes)
 
 
 def separate(field: Field, places: np.ndarray, period: float) -> SeparableField:
-    """The field at ``places`` (P, 2), to rounding.
+    """Returns the field at ``places`` (P, 2) in separated form, to rounding.
 
     Raises
     ------
@@ -85,7 +85,7 @@ def separate(field: Field, places: np.ndarray, period: float) -> SeparableField:
 
 
 def _sample_resolved(field: Field, places: np.ndarray, period: float) -> tuple[np.ndarray, np.ndarray]:
-    """Values (n C, M) at M times of a period, as many as the spectrum needs to end; and the times."""
+    """Returns values (n C, M) at M times of a period, as many as resolve the spectrum; and the times."""
     M = FEWEST_TIMES
     while True:
         times = period * np.arange(M) / M
@@ -103,8 +103,8 @@ def _sample_resolved(field: Field, places: np.ndarray, period: float) -> tuple[n
 
 
 def _interpolates(field: Field, places: np.ndarray, period: float, values: np.ndarray) -> bool:
-    """Whether trigonometric interpolation of values (n C, M) over a period is the field at other times, too: what
-    changes faster than the times can tell looks as if it were slow."""
+    """Returns whether trigonometric interpolation of values (n C, M) over a period agrees with the field at other
+    times, because changes faster than the samples would look slow."""
     M = values.shape[1]
     coefficients = np.fft.rfft(values, axis=1) / M
     coefficients[:, 1:(M + 1) // 2] *= 2
@@ -114,7 +114,7 @@ def _interpolates(field: Field, places: np.ndarray, period: float, values: np.nd
 
 
 def _evaluate(field: Field, places: np.ndarray, times: np.ndarray) -> np.ndarray:
-    """The field (n C, M) at places and times, of many points at once."""
+    """Returns the field (n C, M) at places and times, evaluated for many points at once."""
     together = max(1, VALUES_PER_CALL // len(places))
     found = [field(np.tile(places, (len(some), 1)), np.repeat(some, len(places))).reshape(len(some), -1)
              for some in np.split(times, range(together, len(times), together))]
@@ -122,8 +122,8 @@ def _evaluate(field: Field, places: np.ndarray, times: np.ndarray) -> np.ndarray
 
 
 def _pivot_times(T: np.ndarray, count: int) -> np.ndarray:
-    """Numbers of the ``count`` times by which functions (r, M) are told apart best: pivoted elimination, and once more
-    among the times that are left."""
+    """Returns the indices of the ``count`` times that distinguish functions (r, M) best: by pivoted elimination,
+    repeated among the remaining times."""
     chosen: list[int] = []
     while len(chosen) < count:
         left = T.copy()
@@ -140,8 +140,8 @@ def _pivot_times(T: np.ndarray, count: int) -> np.ndarray:
 
 
 def _fourier_series(T: np.ndarray, sizes: np.ndarray) -> np.ndarray:
-    """Mean, cos and sin coefficients (r, 1 + 2 H) of functions (r, M) sampled over a period, up to the last harmonic of
-    which the field, whose modes have these ``sizes`` (r,), knows more than rounding."""
+    """Returns mean, cos and sin coefficients (r, 1 + 2 H) of functions (r, M) sampled over a period, up to the last
+    harmonic whose part in the field, whose modes have these ``sizes`` (r,), exceeds rounding."""
     M = T.shape[1]
     coefficients = np.fft.rfft(T, axis=1) / M
     told = (sizes[:, None] * np.abs(coefficients[:, :M // 2])).max(axis=0)

@@ -1,4 +1,4 @@
-"""A motion that somebody has typed, and what it must be: one that a square between planes, or a bar, can have."""
+"""Motion typed by a user, and its conditions: it must be possible for a square between planes, or a bar."""
 
 import functools
 from typing import Any, NamedTuple
@@ -12,9 +12,9 @@ from solvers.motion.line_solution import LineSolution
 from solvers.motion.separable_field import NotPeriodic, separate
 
 NAMES = {1: ("X", "t", "w", "A"), 2: ("X", "Y", "t", "w", "A")}  # along a line, and in the plane
-LINE, INSTANTS = 20, 32  # points a side and times of a period at which the motion is looked at
+LINE, INSTANTS = 20, 32  # points a side and times of a period at which the motion is checked
 LINE_POINTS = 400  # points of a line
-MOST_QUARTERS = 160  # of the base period, among which the period is looked for
+MOST_QUARTERS = 160  # of the base period, among which the period is searched
 MOTION_TOLERANCE = 1e-9  # of the largest displacement, by which a motion may miss what it must be
 FORCE_POINTS = 40  # of the points, at which it must be possible to separate the body force
 LEAST_J = 0.05  # of det F: below, the body is next to folding over
@@ -23,20 +23,20 @@ MOST_MOVE = 0.25  # m, by which a bar's particles may move: where a period later
 
 
 class TypedMotion(NamedTuple):
-    """Its text as it is written into links, and its components, formulas of X, t, w and A, and in the plane of Y."""
+    """Text of a typed motion as in links, and its components, formulas of X, t, w and A, and in the plane of Y."""
 
     text: str
     components: tuple[Formula, ...]
 
     def displacement(self, scene: Any, X: Any, Y: Any, t: Any) -> tuple[Any, ...]:
-        """u_x and u_y in m, of any kind of number; ``w`` is ``scene.base_frequency`` and ``A`` the amplitude."""
+        """Returns u_x and u_y in m, for any kind of number; ``w`` is ``scene.base_frequency``, ``A`` the amplitude."""
         values = {"X": X, "Y": Y, "t": t, "w": scene.base_frequency, "A": scene.amplitude}
         return tuple(formula(values) for formula in self.components)
 
 
 @functools.lru_cache(maxsize=64)
 def parse_motion(text: str, dimensions: int = 2) -> TypedMotion:
-    """The motion of a text: in the plane u_x and u_y with a comma between, or u_x alone; along a line u.
+    """Returns the motion of a text: in the plane u_x and u_y with a comma between, or u_x alone; along a line u.
 
     Raises
     ------
@@ -51,7 +51,7 @@ def parse_motion(text: str, dimensions: int = 2) -> TypedMotion:
 
 
 def _split_at_commas(text: str) -> list[str]:
-    """At commas outside brackets."""
+    """Splits a text at commas outside brackets."""
     parts, depth = [""], 0
     for letter in text:
         depth += (letter == "(") - (letter == ")")
@@ -63,8 +63,8 @@ def _split_at_commas(text: str) -> list[str]:
 
 
 class PlaneMotionInputs(NamedTuple):
-    """What of a scene its motion, and the body force that makes it, are made of: w in 1/s, A, its material and SI. And
-    what a body in a square between planes asks of its motion."""
+    """Inputs of a scene that determine its motion and the body force: w in 1/s, A, material, density and side (SI); and
+    the conditions of a body in a square between planes."""
 
     base_frequency: float
     amplitude: float
@@ -78,12 +78,12 @@ class PlaneMotionInputs(NamedTuple):
 
     @property
     def points(self) -> np.ndarray:
-        """(P, 2) at which the motion is looked at."""
+        """Points (P, 2) in m at which the motion is checked."""
         line = np.linspace(0, self.SIDE, LINE + 1)
         return np.stack(np.meshgrid(line, line), axis=-1).reshape(-1, 2)
 
     def check(self, u: np.ndarray, F: np.ndarray) -> None:
-        """Refuse displacements (P, 2) and deformation gradients (P, 2, 2) that move its sides, or shear them."""
+        """Raises FormulaError for displacements (P, 2) or gradients F (P, 2, 2) that move or shear its sides."""
         for axis, X in enumerate(self.points.T):
             there = (np.abs(X) < 1e-12) | (np.abs(X - self.SIDE) < 1e-12)
             if np.abs(u[there, axis]).max() > MOTION_TOLERANCE * self.SIDE:
@@ -95,7 +95,7 @@ class PlaneMotionInputs(NamedTuple):
 
 
 class LineMotionInputs(NamedTuple):
-    """The same of a bar, one period of an endless one: w in 1/s, A, and the speed c of its waves in m/s."""
+    """Inputs of a bar, one period of an infinite one, that determine its motion: w in 1/s, A, wave speed c in m/s."""
 
     base_frequency: float
     amplitude: float
@@ -108,11 +108,11 @@ class LineMotionInputs(NamedTuple):
 
     @property
     def points(self) -> np.ndarray:
-        """(P, 1)"""
+        """Points (P, 1) in m at which the motion is checked."""
         return np.linspace(0, self.SIDE, LINE_POINTS + 1)[:, None]
 
     def check(self, u: np.ndarray, F: np.ndarray) -> None:
-        """Refuse displacements (P, 1) and deformation gradients (P, 1, 1) that do not go on from end to end."""
+        """Raises FormulaError for displacements (P, 1) or deformation gradients (P, 1, 1) that are not periodic."""
         if np.abs(u[-1] - u[0]).max() > MOTION_TOLERANCE * self.SIDE or np.abs(F[-1] - F[0]).max() > SLOPE_TOLERANCE:
             raise FormulaError("is not periodic: the bar is one period of an infinite bar, so u and du/dX must be "
                                "equal at X = 0 and X = 1")
@@ -123,12 +123,12 @@ class LineMotionInputs(NamedTuple):
 @functools.lru_cache(maxsize=64)  # of scenes that differ in cells, method or step alone
 @np.errstate(all="ignore")
 def find_period(text: str, scene: PlaneMotionInputs | LineMotionInputs) -> float:
-    """The shortest period in s among quarters of 2 pi/w and of a second, of a typed motion that the body can have.
+    """Returns the shortest period in s of a typed motion among quarters of 2 pi/w and of a second.
 
     Raises
     ------
     FormulaError
-        What it is not: finite, at rest in shape at t = 0, periodic, what the body asks of it, not folded over.
+        Where it is not finite, undeformed at t = 0, periodic and possible for the body, or inverts material.
     """
     exact, X, base_period = scene.solution(text), scene.points, 2 * np.pi / scene.base_frequency
     longest = MOST_QUARTERS / 4 * max(base_period, 1.0)
@@ -167,7 +167,7 @@ def _period(exact: Any, scene: Any, X: np.ndarray, base_period: float, near: flo
 
 
 def _check_body(exact: Any, scene: Any, X: np.ndarray, period: float) -> None:
-    """What the body needs, over a period."""
+    """Raises FormulaError where the motion violates the body's conditions within a period."""
     strain, D = 0.0, X.shape[1]
     for t in (np.arange(INSTANTS) + 0.37) / INSTANTS * period:
         F = exact.deformation_gradient(scene, X, t).reshape(-1, D, D)

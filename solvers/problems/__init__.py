@@ -1,4 +1,4 @@
-"""The problems there are: the one place that knows them all. A new problem is one line here (see CONTRIBUTING.md)."""
+"""Registry of all problems. A new problem is one line here (see CONTRIBUTING.md)."""
 
 from solvers.problems.bar.problem import BarProblem
 from solvers.problems.descriptor import Problem
@@ -11,8 +11,8 @@ PROBLEMS: dict[str, Problem] = {"bar": BarProblem(), "ring": RING, "vortex": VOR
 
 
 def register(problem: Problem) -> None:
-    """Make a problem from outside known to commands, page and studies: in a module that ``MPM_LAB_EXTENSIONS`` names,
-    or before anything runs.
+    """Makes an external problem known to commands, page and studies: in a module that ``MPM_LAB_EXTENSIONS`` names, or
+    before anything runs.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""What a problem is to everybody else, described in its ``problem.py`` by an object of one class."""
+"""Descriptor of a problem, the object in its ``problem.py`` through which all other code uses it."""
 
 from __future__ import annotations
 
@@ -16,31 +16,31 @@ if TYPE_CHECKING:  # solvers bring Taichi, which takes a second
 
 
 class OnDemand(Protocol):
-    """What finds the error budget of a run beside it, where it is no effect."""
+    """Provider of a problem's error budget on demand, where it is not an effect."""
 
     def check(self, scene: Any, take_away: str) -> None:
-        """:class:`~solvers.scene.validation.SceneError` where there is none of a scene, or not without that cause."""
+        """Raises ``solvers.scene.validation.SceneError`` where a scene has no budget, or none without this cause."""
 
     def series(self, scene: Any, steps: np.ndarray, take_away: str,
                on_progress: Callable[[float], None] | None) -> tuple[dict[str, np.ndarray], Solver]:
-        """Its samples (``solvers.solver.samples.BUDGET``) after so many ``steps`` (T,), NaN from where the run has gone
-        bad, of the run as it is or without a cause; and the solver at the end."""
+        """Returns the budget's samples (``solvers.solver.samples.BUDGET``) after the ``steps`` (T,), NaN once the run
+        is unstable, for the run as it is or without a cause; and the solver at the end."""
 
 
 class Problem(ABC):
-    """A problem: its ``scene``, and what else there is of it, imported when it is first asked for: a scene, a flag or a
-    list of problems needs no Taichi."""
+    """A problem: its ``scene``, and its other parts, which are imported on first use because a scene, a flag or a list
+    of problems needs no Taichi."""
 
     scene: type[Scene]
 
     @property
     @abstractmethod
     def solver(self) -> type[Solver]:
-        """What steps a scene."""
+        """Class of the solver of its scenes."""
 
     @property
     def baseline(self) -> type[Solver]:
-        """A solver whose step has nothing optional in it, to compare rates with."""
+        """Class of a solver whose step has nothing optional, to compare speed with."""
         from solvers.solver.baseline import baseline
 
         return baseline(self.solver)
@@ -48,18 +48,18 @@ class Problem(ABC):
     @property
     @abstractmethod
     def reference(self) -> ProblemReference:
-        """The problem as another code sees it."""
+        """Reference of the problem for other codes."""
 
     @property
     def budget(self) -> OnDemand | None:
-        """What finds the error budget of a run on demand; None where the effect of that name does, or nothing."""
+        """Provider of error budgets on demand; None where the effect ``budget`` exists, or neither."""
         return None
 
     @property
     def estimators(self) -> tuple[str, ...]:
-        """The names of the estimators that it has."""
+        """Names of its estimators."""
         return self.scene.choices("estimators")
 
     def predicted_life(self, scene: Any) -> float | None:
-        """Periods that a run will hold by theory alone; None where none is known."""
+        """Returns the periods that a run will last by theory alone; None where unknown."""
         return None

@@ -1,4 +1,4 @@
-"""A problem as another code sees it: what it needs to be set up, and what its particles are held against.
+"""Reference of a problem for other codes: how to set it up, and exact values for its particles.
 
 A problem's descriptor has its :class:`ProblemReference`.
 """
@@ -14,15 +14,15 @@ import numpy as np
 
 from solvers.estimators.standalone import ElasticBody
 
-#: Fields of a scene that say how we would solve it, and nothing of the problem.
+#: Fields of a scene that belong to our method, and not to the problem.
 METHOD_FIELDS = frozenset({"method", "linearity_preserving", "velocity", "estimators", "effects", "remedies", "arch",
                            "threads", "sample_every", "plan", "dt", "cfl"})
 
 
 @dataclass(frozen=True)
 class Start:
-    """Particles at the time 0: where they are, P of them (P, D), and the ``volume`` (P,) that they fill there, in m^D;
-    ``more`` has columns (P,) that the problem knows beside it, such as the edges of a particle's domain."""
+    """P particles at the time 0: their positions (P, D) in m and volumes (P,) in m^D; ``more`` has further columns
+    (P,), such as the edges of a particle's domain."""
 
     material_position: np.ndarray
     volume: np.ndarray
@@ -31,7 +31,7 @@ class Start:
 
 @dataclass(frozen=True)
 class Texts:
-    """What numbers cannot say, in Markdown with formulas, each a paragraph or several."""
+    """Description of a problem beyond numbers, in Markdown with formulas, one or several paragraphs each."""
 
     body: str  # what it is and where
     material: str
@@ -43,14 +43,14 @@ class Texts:
 
 
 class Template(string.Template):
-    """Markdown with formulas, in which ``@name`` stands for something: dollars and braces are taken."""
+    """Template for Markdown with formulas, in which ``@name`` is a placeholder, as formulas need $ and {}."""
 
     delimiter = "@"
 
 
 def read_parts(path: Path, **values: float | str) -> dict[str, str]:
-    """The parts of a file of Markdown by their headings, ``## name``, each as one line. In a part ``@name`` stands for
-    a value, numbers to 15 digits, or for a part further up."""
+    """Returns the parts of a file of Markdown by their headings, ``## name``, each as one line. In a part ``@name``
+    stands for a value, with 15 digits for a number, or for a previous part."""
     parts = {name: value if isinstance(value, str) else f"{value:.15g}" for name, value in values.items()}
     for part in path.read_text(encoding="utf-8").split("\n## ")[1:]:
         head, _, text = part.partition("\n")
@@ -59,23 +59,22 @@ def read_parts(path: Path, **values: float | str) -> dict[str, str]:
 
 
 def read_texts(path: Path, *cases: str, **values: float | str) -> Texts:
-    """The texts in a file (:func:`read_parts`), headed by their names, or by ``name: case`` where one of the cases has
-    another one, the first of them."""
+    """Returns the texts in a file (:func:`read_parts`), by the headings ``name: case`` of the first of the cases that
+    has one, or ``name``."""
     parts = read_parts(path, **values)
     return Texts(*(next(parts[one] for one in (*(f"{text.name}: {case}" for case in cases), text.name) if one in parts)
                    for text in fields(Texts)))
 
 
 class ProblemReference(ABC):
-    """One problem for other codes; ``axes`` are the names of its D coordinates, ``EXACT`` is the module of its exact
-    solution.
+    """A problem for other codes; ``axes`` are the names of its D coordinates, ``EXACT`` its exact solution.
 
     Parameters
     ----------
     scene
-        Of the problem, in every method.
+        A scene of the problem, in every method.
     X, x : (P, D) array, m
-        Material positions, and positions, which are not wrapped; two axes also where D is 1.
+        Material positions, and positions, which are not wrapped; two axes even if D is 1.
     t : float, s
     F : (P, D, D) array
         Deformation gradients.
@@ -86,62 +85,62 @@ class ProblemReference(ABC):
 
     @abstractmethod
     def start(self, scene: Any) -> Start:
-        """The particles of a scene, in the order of their ids."""
+        """Returns the particles of a scene, in the order of their ids."""
 
     @abstractmethod
     def texts(self, scene: Any) -> Texts:
-        """The problem in words and formulas."""
+        """Returns the problem in words and formulas."""
 
     @abstractmethod
     def table_points(self, scene: Any, count: int) -> np.ndarray:
-        """About ``count`` material points (n, D) for a table of the body force."""
+        """Returns about ``count`` material points (n, D) for a table of the body force."""
 
     def displacement(self, scene: Any, X: np.ndarray, t: float) -> np.ndarray:
-        """Of the exact solution, where one is built in, u (P, D) in m."""
+        """Returns u (P, D) in m of the exact solution, where one is built in."""
         return self.EXACT.displacement(scene, X, t)
 
     def velocity(self, scene: Any, X: np.ndarray, t: float) -> np.ndarray:
-        """Of it v (P, D) in m/s; at the time 0 of every scene."""
+        """Returns v (P, D) in m/s of the exact solution; valid for every scene at the time 0."""
         return self.EXACT.velocity(scene, X, t)
 
     def deformation_gradient(self, scene: Any, X: np.ndarray, t: float) -> np.ndarray:
-        """Of it F (P, D, D)."""
+        """Returns F (P, D, D) of the exact solution."""
         return self.EXACT.deformation_gradient(scene, X, t).reshape(len(X), *2 * X.shape[1:])
 
     @abstractmethod
     def stress(self, scene: Any, F: np.ndarray) -> np.ndarray:
-        """Cauchy stress (P, D, D) in Pa by the law of the material."""
+        """Returns the Cauchy stress (P, D, D) in Pa by the material law."""
 
     @abstractmethod
     def body_force(self, scene: Any, X: np.ndarray, t: float) -> np.ndarray:
-        """b (P, D) in m/s^2, per mass, at the material points."""
+        """Returns the body force per mass (P, D) in m/s^2 at the material points."""
 
     @abstractmethod
     def is_outside(self, scene: Any, X: np.ndarray) -> np.ndarray:
-        """Which of the material points (P,) are none of the body's, by more than rounding."""
+        """Returns which of the material points (P,) are outside the body, by more than rounding."""
 
     @abstractmethod
     def companion(self, scene: Any, fine: bool) -> ElasticBody:
-        """What can be solved beside the particles (``solvers.estimators.standalone``), on a fine or a coarser mesh."""
+        """Returns a body for the companion (``solvers.estimators.standalone``), on a fine or a coarser mesh."""
 
     def exact_stress(self, scene: Any, X: np.ndarray, t: float) -> np.ndarray:
-        """Cauchy stress (P, D, D) in Pa of the exact solution."""
+        """Returns the Cauchy stress (P, D, D) in Pa of the exact solution."""
         return self.stress(scene, self.deformation_gradient(scene, X, t))
 
     def initial_deformation_gradient(self, scene: Any, X: np.ndarray) -> np.ndarray:
-        """F (P, D, D) at the time 0."""
+        """Returns F (P, D, D) at the time 0."""
         return np.broadcast_to(np.eye(X.shape[1]), (len(X), X.shape[1], X.shape[1])).copy()
 
     @abstractmethod
     def along(self, quantity: str, X: np.ndarray, x: np.ndarray, values: np.ndarray) -> np.ndarray:
-        """The component (P,) that a plot shows of a quantity by its key (``samples.QUANTITIES``), u for x: of vectors
-        (P, D) or tensors (P, D, D) of particles at the places x that were at X."""
+        """Returns the component (P,) that a plot shows of a quantity (a key of ``samples.QUANTITIES``), u for x: of
+        vectors (P, D) or tensors (P, D, D) of particles at x with rest positions X."""
 
     def grid_corner(self, scene: Any) -> float:
-        """Where the lines of our grid begin, in m, in each direction."""
+        """Returns the coordinate in m at which the lines of our grid begin, in each direction."""
         return 0.0
 
     def unwrap_positions(self, scene: Any, X: np.ndarray, x: np.ndarray, t: np.ndarray) -> np.ndarray:
-        """Positions x (P, D) at the times t (P,) that a code may have moved by a period, moved back; as they are where
-        nothing has one."""
+        """Returns positions x (P, D) at the times t (P,) without the periods that a code may have added; unchanged for
+        problems without periods."""
         return x

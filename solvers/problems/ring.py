@@ -1,4 +1,4 @@
-"""The expanding ring: a quarter of a ring that swings along its radii, u = A sin(wt) w(R) e_R.
+"""The expanding ring: a quarter of a ring that oscillates along its radii, u = A sin(wt) w(R) e_R.
 
 The cubic w has w(b) = 1 and w'(a) = w'(b) = 0 at the radii a and b of the rims, so that with Poisson's ratio 0 both
 carry no traction. Source: Berzins' test, with its misprints mended.
@@ -31,7 +31,7 @@ INVERSION = 0.386  # amplitude at which the exact ring turns inside out: 1 + A m
 @document_fields
 @dataclass(frozen=True)
 class RingScene(CircularScene):
-    """One run of the ring: h = 1.2 m/``cells``, ``ppc`` counts per direction.
+    """Definition of a run of the ring: h = 1.2 m/``cells``, ``ppc`` counts per direction.
 
     ``plan`` says how the step is spread over threads: one serial kernel, slabs side by side, or whichever is faster.
     """
@@ -101,7 +101,7 @@ RING = PlanarProblem(RingScene, ViewSettings(
     amplitude_hint="largest displacement of the outer rim; from 0.115 m on the motion itself is unstable, above 0.198 "
                    "m a real ring wrinkles, from 0.386 m on the exact one turns inside out",
     prices={"transport": 0.06, "recovered": 0.12, "companion": 0.02, "two-grid": 0.09},
-    estimators=("companion",),  # transport says three to twelve times the error here
+    estimators=("companion",),  # transport estimates three to twelve times the error here
     details={"layout": "where particles begin: the Cartesian rim is a staircase",
              "body_force": "where the force is evaluated"},
     sparks=("halve", "transport", "break"),

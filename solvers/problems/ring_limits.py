@@ -17,7 +17,7 @@ WRINKLING = 0.198  # amplitude at which the surface of the compressed ring wrink
 #: 0.13, 2.20 at 0.14 and 2.57 at 0.15: exp(GROWTH sqrt(A^2 - ONSET^2)) to that accuracy. Of larger A no more is known.
 GROWTH, ONSET, KNOWN = 9.69, 0.1139, 0.15
 FIRST_ERROR = 1e-3  # relative error in that mode after one period, as CPDI leaves it on 24 cells; 48 leave a sixth
-LARGE_ERROR = 0.1  # and the one that is called the end
+LARGE_ERROR = 0.1  # and the one at the end of a run's life
 #: Forces that send waves across the ring, whose longest half is as long as the ring is wide, in metres; the
 #: manufactured one moves it as a whole.
 WAVES, WIDTH = ("none", "two-tone"), 0.2
@@ -71,20 +71,20 @@ LIMITS = (
 
 
 def growth(scene: Any) -> float:
-    """How many times a period a disturbance of the exact motion grows in the mode n = 2, above ``KNOWN`` at least; 1
-    where the motion is stable."""
+    """Returns the factor per period by which a disturbance of the exact motion in the mode n = 2 grows, a lower bound
+    above ``KNOWN``; 1 where the motion is stable."""
     A = min(scene.amplitude, KNOWN)
     return math.exp(GROWTH * math.sqrt(A * A - ONSET * ONSET)) if scene.amplitude >= RESONANCE else 1.0
 
 
 def expected_life(scene: Any, first_error: float = FIRST_ERROR) -> float:
-    """Periods until a relative error in the mode n = 2 of ``first_error`` after one has grown to a tenth."""
+    """Returns the periods until a relative error in mode n = 2, ``first_error`` after one period, is a tenth."""
     rate = growth(scene)
     return 1 + math.log(LARGE_ERROR / first_error) / math.log(rate) if rate > 1 else math.inf
 
 
 def warnings(scene: Any) -> list[str]:
-    """Sentences about what a scene will surprise with."""
+    """Returns sentences about surprising behaviour of a scene."""
     if scene.amplitude < RESONANCE or not scene.solution_known:
         return []
     amplitude, rate, life = scene.amplitude, growth(scene), expected_life(scene)
@@ -99,7 +99,7 @@ def warnings(scene: Any) -> list[str]:
 
 
 def other_advice(scene: Any) -> str:
-    """What else to do about a run that went bad, as an imperative."""
+    """Returns advice for an unstable run without a more specific cause, as an imperative."""
     if scene.amplitude >= RESONANCE:
         return Message("from A = {resonance} on the ring's own motion is unstable (parametric resonance) and no remedy "
                        "helps: choose a smaller amplitude or fewer periods", RESONANCE)

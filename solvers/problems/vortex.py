@@ -29,7 +29,7 @@ MOST_AMPLITUDE = 0.5 * math.pi  # with which the vortex has been studied; beyond
 
 
 def swirl_profile(R: Any) -> Any:
-    """h(R): the part of the middle circle's angle by which another one turns."""
+    """Returns h(R): the angle of a circle over that of the middle circle."""
     square = (R - 1.0) * (R - 1.0)
     return (256.0 * square - 32.0) * square + 1.0
 
@@ -37,7 +37,7 @@ def swirl_profile(R: Any) -> Any:
 @document_fields
 @dataclass(frozen=True)
 class VortexScene(CircularScene):
-    """One run of the vortex: h = 3 m/``cells``, ``ppc`` counts per direction.
+    """Definition of a run of the vortex: h = 3 m/``cells``, ``ppc`` counts per direction.
 
     ``amplitude`` is the angle by which the middle circle turns against the rims, which rest; ``frequency`` is B.
     """
@@ -96,7 +96,7 @@ class VortexScene(CircularScene):
         return math.pi * self.frequency
 
     def size_of(self, quantity: str) -> float:
-        """What an error of x, v, sigma or a is compared with: the largest displacement and what goes with it."""
+        """Returns the scale of errors of x, v, sigma or a: the largest displacement, and accordingly."""
         A, w, shear = self.amplitude, self.angular_frequency, self.STRAIN_PER_AMPLITUDE * self.amplitude
         return {"x": self.motion_amplitude, "v": A * w, "sigma": self.lame_moduli[1] * shear * (1 + shear),
                 "a": A * w * w}[quantity]

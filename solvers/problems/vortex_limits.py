@@ -20,13 +20,13 @@ ENOUGH = 3  # particles per cell and direction, with which GIMP keeps its rim up
 
 
 def swirl_slopes(scene: Any) -> tuple[np.ndarray, np.ndarray]:
-    """Radii R across the ring in m, and h' there in 1/m, of h(R) = 1 - 32 (R-1)^2 + 256 (R-1)^4."""
+    """Returns radii R across the ring in m, and h' there in 1/m, of h(R) = 1 - 32 (R-1)^2 + 256 (R-1)^4."""
     R = np.linspace(scene.INNER, scene.OUTER, 101)
     return R, (1024 * (R - 1) ** 2 - 64) * (R - 1)
 
 
 def crossing_rate(scene: Any) -> float:
-    """How many radians a wave on the fastest circle runs while one runs a metre at rest.
+    """Returns the angle in radians that a wave runs on the fastest circle while one at rest runs a metre.
 
     With F = [[1, 0], [g, 1]] the stiffest tangent along e_Theta, at rest, is mu + (lambda + mu) (1 + g^2), and there
     g/R = A |h'|. Where the shear is largest, circles are wider than the inner rim.
@@ -37,7 +37,7 @@ def crossing_rate(scene: Any) -> float:
 
 
 def relative_turn(scene: Any) -> float:
-    """Radians by which circles one cell apart turn against each other, at most."""
+    """Returns the largest angle in radians by which circles one cell apart rotate against each other."""
     return float(scene.amplitude * scene.spacing * np.abs(swirl_slopes(scene)[1]).max())
 
 
@@ -67,7 +67,7 @@ LIMITS = (
 
 
 def other_advice(scene: Any) -> str:
-    """What else to do about a run that went bad, as an imperative."""
+    """Returns advice for an unstable run without a more specific cause, as an imperative."""
     if scene.method == "mpm":
         return Message("hat functions fail in such a shear: choose CPDI")
     if scene.method != "cpdi":

@@ -1,1 +1,1 @@
-"""A scene run from its start to its end: the result, and how long it took."""
+"""Runs a scene from start to end: the result, and its timing."""

@@ -1,4 +1,4 @@
-"""A scene's error budget, and what happens when one of its causes is taken away: predicted, and run again."""
+"""Error budget of a scene, and the effect of removing one cause: as predicted, and in a second run."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
@@ -23,16 +23,16 @@ Progress = Callable[[float], None]
 
 @dataclass(frozen=True)
 class BudgetResult:
-    """A run with its budget, and the same without the ``cause`` that was taken away, if one was."""
+    """A run with its budget, and the same run without ``cause``, if one was removed."""
 
     result: Result
     cause: str
     again: Result | None
 
     def take_away(self) -> dict | None:
-        """RMS over particles and samples of the errors of x (m), v (m/s) and F: ``before``, ``predicted`` by the budget
-        without the cause, and ``again``, of the run without it; None where nothing was taken away. Where one of the
-        runs has gone bad, all three are of the time that both have."""
+        """Returns the RMS over particles and samples of the errors of x (m), v (m/s) and F: ``before``, ``predicted``
+        by the budget without the cause, and ``again`` from the run without it; None where no cause was removed. Only
+        samples that are finite in both runs count."""
         if self.again is None:
             return None
         before, after = _common_samples(self.result.series, self.again.series)
@@ -41,7 +41,7 @@ class BudgetResult:
                 "again": {field: budget.rms(after, field) for field in FIELDS}}
 
     def to_dict(self) -> dict:
-        """The object of ``mpm-lab budget --json``."""
+        """Returns the object of ``mpm-lab budget --json``."""
         values = self.result.budget
         assert values is not None  # the scene has the effect
         return {"schema": SCHEMA, "scene": self.result.scene.to_dict(), "reference": values["reference"],
@@ -49,7 +49,7 @@ class BudgetResult:
 
 
 def run_budget(scene: Any, cause: str = NOTHING, on_progress: Progress = lambda part: None) -> BudgetResult:
-    """Run a scene that has the effect ``budget``, or whose problem has budgets on demand, and again without a cause.
+    """Runs a scene that has the effect ``budget``, or whose problem has budgets on demand, and again without a cause.
 
     Raises :class:`~solvers.scene.validation.SceneError` where there is no budget on demand of the scene.
     """
@@ -68,12 +68,12 @@ def run_budget(scene: Any, cause: str = NOTHING, on_progress: Progress = lambda 
 
 
 def _run_with_effect(scene: Any, cause: str, show: Progress) -> Result:
-    """A run that carries its budget with it, as it is or without a cause."""
+    """Runs a scene whose steps include the budget, with all causes or without one."""
     return run(replace(scene, take_away=cause), show, prices=False, mid_run=cause == NOTHING)
 
 
 def _run_on_demand(on_demand: OnDemand, plain: Result, cause: str, show: Progress) -> Result:
-    """The run that ``plain`` is of, a step at a time with its budget, as it is or without a cause."""
+    """Repeats the run ``plain`` step by step with its budget, with all causes or without one."""
     time = plain.series["time"]
     steps = np.rint(time / plain.scene.time_step).astype(int)
     series, solver = on_demand.series(plain.scene, steps, cause, show)
@@ -88,7 +88,7 @@ def _run_on_demand(on_demand: OnDemand, plain: Result, cause: str, show: Progres
 
 
 def _common_samples(first: Mapping[str, np.ndarray], second: Mapping[str, np.ndarray]) -> tuple[dict, dict]:
-    """Of two runs' series the samples that both have, with numbers in them."""
+    """Returns of each of two runs' series the finite samples at times that both have."""
     _, *places = np.intersect1d(first["time"], second["time"], return_indices=True)
     both = [{name: values[at] for name, values in series.items() if name.startswith("budget/")}
             for series, at in zip((first, second), places, strict=True)]

@@ -1,8 +1,7 @@
-"""Numbers that somebody wants of a run, each with the error that the truth and the estimators say it has.
+"""Quantities of interest of a run, each with its true and estimated errors.
 
-A goal is a function J of the particles at the end. With values q whose errors are said to be e, the goal has the error
-J(q) - J(q - e), in full and not only to first order. Cancellation between particles counts: a mean may be far better
-than the particles that it is of.
+A goal is a functional J of the particles at the end. If the values q have the errors e, the goal has the error J(q) -
+J(q - e), exactly and not only to first order. Errors of particles can cancel: a mean may be far more accurate.
 """
 
 import math
@@ -20,22 +19,22 @@ from solvers.solver.error_norms import IGNORE_OVERFLOW, finite
 from solvers.solver.rounding import rounding
 from solvers.solver.snapshot import TRUTH, Fields, Values
 
-#: How many times the estimated error the bar around a value is long. Not fitted: twice, as in two standard deviations.
-#: What such a bar keeps is measured in ``assets/coverage.md``.
+#: Length of the bar around a value over the estimated error. Not fitted: twice, as in two standard deviations.
+#: How often such a bar contains the exact value is measured in ``assets/coverage.md``.
 SAFETY = 2.0
 DISPLACEMENT, STRESS, ENERGY = "displacement", "mean-stress", "kinetic-energy"
 UNITS = {DISPLACEMENT: "m", STRESS: "Pa", ENERGY: "J"}
 POINT_PATTERN = re.compile(rf"{DISPLACEMENT}@([^,@]+)(?:,([^,@]+))?")
-#: Particles around a point, and the degree of the polynomial through them, by dimensions: its error is of an order
-#: more than the second, of the method.
+#: Particles around a point, and the degree of the polynomial through them, by dimensions: the order of its error is
+#: higher than that of the method, which is two.
 AROUND, DEGREE = {1: 4, 2: 12}, {1: 3, 2: 2}
 
 
 @dataclass(frozen=True)
 class Goal:
-    """One number, by the ``name`` that asks for it: "kinetic-energy", "mean-stress" (sigma along the bar, half the
-    trace in the plane, over the volume at the start) or "displacement@X" ("displacement@X,Y" in the plane: its length),
-    at the material point with these coordinates in m."""
+    """Quantity of interest by its ``name``: "kinetic-energy", "mean-stress" (sigma along the bar, half the trace in the
+    plane, averaged over the initial volume) or "displacement@X" ("displacement@X,Y" in the plane: its length), at the
+    material point with these coordinates in m."""
 
     name: str
     point: tuple[float, ...] = ()
@@ -45,7 +44,7 @@ class Goal:
         return UNITS[self.name.partition("@")[0]]
 
     def functional(self, fields: Fields) -> Callable[[Values], float]:
-        """The number as a function of what the particles are."""
+        """Returns the number as a function of the particles' values."""
         if self.point:
             weights = point_weights(fields.material_position, np.array(self.point))
             size: Callable = np.linalg.norm if len(self.point) > 1 else np.squeeze  # of one component with its sign
@@ -55,19 +54,19 @@ class Goal:
         return lambda q: float(np.average(q.stress[:, [0, -1]].mean(axis=1), weights=fields.volume))
 
     def rounding(self, scene: Scene, steps: int, value: float, mass: float) -> float:
-        """The largest error that rounding alone may make of this ``value``; energy is m v^2/2, and dE = m v dv."""
+        """Returns the largest error of this ``value`` by rounding alone; energy is m v^2/2, and dE = m v dv."""
         if self.name == ENERGY:
             return math.sqrt(2 * abs(value) * mass) * float(rounding(scene, "v", steps))
         return float(rounding(scene, "x" if self.point else "sigma", steps))
 
 
 def parse_goals(scene: Scene, names: Sequence[str]) -> list[Goal]:
-    """The goals with these names, each once.
+    """Returns the goals with these names, without duplicates.
 
     Raises
     ------
     SceneError
-        For a name that is none, and a point that is not of the body.
+        For an invalid name, and a point outside the body.
     """
     return [_parse_goal(scene, name) for name in dict.fromkeys(names)]
 
@@ -94,9 +93,9 @@ def _parse_goal(scene: Scene, name: str) -> Goal:
 
 @IGNORE_OVERFLOW
 def evaluate(goal: Goal, fields: Fields, scene: Scene, steps: int) -> dict[str, Any]:
-    """What a goal is after so many steps, as in the JSON object: ``value`` in its ``unit``, ``true_error``, what
-    ``rounding`` alone may make of it, and by estimator the signed ``estimated_error`` and the ``bar``, :data:`SAFETY`
-    times its size. None where there is no such number."""
+    """Returns a goal after ``steps`` steps as in the JSON object: ``value`` in its ``unit``, ``true_error``, the
+    largest effect of ``rounding``, and by estimator the signed ``estimated_error`` and the ``bar``, :data:`SAFETY`
+    times its size. None stands for unknown or infinite numbers."""
     number = goal.functional(fields)
     value = number(fields.values)
     errors = {name: finite(value - number(fields.values.without(e))) for name, e in fields.errors.items()}
@@ -108,7 +107,7 @@ def evaluate(goal: Goal, fields: Fields, scene: Scene, steps: int) -> dict[str, 
 
 
 def mask_refused(goals: Mapping[str, dict], refused: Mapping[str, str]) -> dict[str, dict]:
-    """The same, with None for estimators that do not hold."""
+    """Returns the goals with None for estimators that do not hold."""
     def said(of: dict) -> dict:
         return {name: None if name in refused else value for name, value in of.items()}
     return {name: {**goal, "estimated_error": said(goal["estimated_error"]), "bar": said(goal["bar"])}
@@ -116,8 +115,8 @@ def mask_refused(goals: Mapping[str, dict], refused: Mapping[str, str]) -> dict[
 
 
 def point_weights(X: np.ndarray, point: np.ndarray) -> np.ndarray:
-    """Weights (P,) with which values at particles X (P, D) give the value at a point (D,): those of the polynomial that
-    fits the nearest best."""
+    """Returns weights (P,) that interpolate values at particles X (P, D) to a point (D,), by a least-squares polynomial
+    through the nearest particles."""
     dimensions = X.shape[1]
     away = X - point
     near = np.argsort(np.sum(away**2, axis=1), kind="stable")[:AROUND[dimensions]]

@@ -1,4 +1,4 @@
-"""Result: what a run leaves behind, and the JSON object that the command line prints."""
+"""Result of a run, and its JSON object, which the command line prints."""
 
 import functools
 import math
@@ -25,7 +25,7 @@ from solvers.solver.soundness import evidence
 from solvers.solver.verdict_basis import checked_by, large_errors, motion_known, unchecked
 
 SCHEMA = "mpm-lab/run/1"
-VIEW_ENTRY_POINTS = "mpm_lab.result"  # of the installed package, ``app``'s picture of a run and its table
+VIEW_ENTRY_POINTS = "mpm_lab.result"  # where the installed package registers ``app``'s picture and table of a run
 ACCURATE = 0.1  # of the motion's amplitude: up to such an error of x a run counts as accurate
 
 
@@ -43,9 +43,9 @@ class ByQuantity(dict[str, Any]):
 
 
 class ByEstimator(dict[str, Any]):
-    """Values of each quantity, of a run's only estimator; of several, a mapping from estimator to that.
+    """Values by quantity for a run's only estimator; for several, a mapping from estimator to that.
 
-    Either may be asked by name: ``index["companion"]["x"]`` is ``index["x"]`` where the companion is alone.
+    The estimator's name is always valid: ``index["companion"]["x"]`` is ``index["x"]`` where the companion is alone.
 
     Raises
     ------
@@ -69,8 +69,8 @@ class ByEstimator(dict[str, Any]):
 
 @dataclass(frozen=True)
 class Result:
-    """A finished run. ``series`` holds the sampled norms over time (see ``solvers.solver.samples``); what is worked out
-    of them is called here as in the JSON object (:meth:`to_dict`), and has the same values."""
+    """A finished run. ``series`` holds the sampled norms over time (see ``solvers.solver.samples``); derived numbers
+    have the same names and values here as in the JSON object (:meth:`to_dict`)."""
 
     scene: Scene
     status: str  # "ok", "unstable" or "lost" (``solvers.solver.soundness``)
@@ -82,12 +82,12 @@ class Result:
     final: Snapshot
     mid_run: Snapshot | None  # on the way, where the end has little to see (``solvers.running.run.shown_step``)
     bytes: int
-    not_valid: dict[str, str]  # estimators that do not hold here, each with a sentence that says why
+    not_valid: dict[str, str]  # estimators that do not hold here, each with the reason in a sentence
     seconds: Seconds
     arch: str
     threads: int
     plan: str  # how the step was spread: "serial" or "parallel"
-    #: The numbers that were wanted of the end, by name (:func:`solvers.running.quantities_of_interest.evaluate`).
+    #: Quantities of interest at the end, by name (:func:`solvers.running.quantities_of_interest.evaluate`).
     goals: dict[str, dict] = field(default_factory=dict)
 
     def __repr__(self) -> str:
@@ -97,11 +97,11 @@ class Result:
         return f"<Result of the {run}: {self.status} after {self.steps:,} steps, at t = {self.time:.6g} s{error}>"
 
     def arrays(self) -> dict[str, np.ndarray]:
-        """Everything that this is, as arrays and lines of text by name (``solvers.running.result_file``)."""
+        """Returns all of the result as arrays and lines of text by name (``solvers.running.result_file``)."""
         return result_file.result_arrays(vars(self))
 
     def save(self, path: str | os.PathLike[str]) -> None:
-        """Write all of it to a .npz, which ``mpm-lab judge`` reads as particles too.
+        """Writes the result to a .npz, which ``mpm-lab judge`` can read as particles.
 
         Raises
         ------
@@ -112,32 +112,32 @@ class Result:
 
     @classmethod
     def load(cls, path: str | os.PathLike[str]) -> "Result":
-        """The result that :meth:`save`, or ``mpm-lab run --particles FILE.npz``, has written, the same to the last bit.
+        """Returns the result that :meth:`save`, or ``mpm-lab run --particles FILE.npz``, has written, bit for bit.
 
         Raises
         ------
         FileError
-            Where there is none, or not one that can be believed: one sentence that says why.
+            Where there is none, or an invalid one: one sentence with the reason.
         """
         return cls(**result_file.read(os.fspath(path)))
 
     def plot(self) -> Any:
-        """The picture of ``mpm-lab run --plot`` as a matplotlib figure, which a notebook shows: errors over time, true
-        and estimated, and the particles by both. ``result.plot().savefig("run.png")`` writes it.
+        """Returns the picture of ``mpm-lab run --plot`` as a matplotlib figure, which a notebook shows: errors over
+        time, true and estimated, and the particles by both. ``result.plot().savefig("run.png")`` writes it.
 
         Raises
         ------
         RuntimeError
-            Where mpm-lab is not installed, so that nothing says what draws it.
+            Where mpm-lab is not installed, so that no viewer is registered.
         ImportError
-            Where another package called ``app`` has its place in this process.
+            Where another package called ``app`` is imported instead.
         """
         if (draw := load_view("plot")) is None:
             raise RuntimeError("nothing that is installed draws a result; install mpm-lab, with `pip install .`")
         return draw(self)
 
     def _repr_html_(self) -> str | None:
-        """The table that a notebook shows below a cell; None where nothing that is installed makes one."""
+        """Returns the table that a notebook shows below a cell; None where no installed package makes one."""
         with suppress(ImportError):
             if (table := load_view("table")) is not None:
                 return table(self)
@@ -145,7 +145,7 @@ class Result:
 
     @property
     def shown(self) -> Snapshot:
-        """The particles at the moment that a picture shows."""
+        """Particles at the time that a picture shows."""
         return self.mid_run or self.final
 
     @property
@@ -154,40 +154,40 @@ class Result:
 
     @property
     def rate(self) -> float:
-        """Million particle-steps per second of the run."""
+        """Speed of the run in million particle-steps per second."""
         return 1e-6 * self.particles * self.steps / self.seconds.run if self.seconds.run > 0 else math.nan
 
     @property
     def effects(self) -> list[str]:
-        """What was really computed beyond the bare method."""
+        """Names of all effects and options that were active beyond the bare method."""
         scene = self.scene
         extra = {"body_force": scene.body_force != "none", "linearity_preserving": scene.linearity_preserving}
         return [*scene.active_effects] + [name for name, on in extra.items() if on]
 
     @property
     def error(self) -> ByQuantity:
-        """The true errors over the run: ``error["x"]["max"]`` and so on, RMS over particles of x (m), v (m/s), sigma
-        (Pa), a (m/s^2) and the problem's own norm, each as :func:`solvers.solver.error_norms.summary` has it; None
-        where the truth was off."""
+        """True errors over the run: ``error["x"]["max"]`` and so on, RMS over particles of x (m), v (m/s), sigma (Pa),
+        a (m/s^2) and the problem's own norm, each as in :func:`solvers.solver.error_norms.summary`; None without
+        truth."""
         extra = {self.scene.EXTRA_ERROR: summary(self.series["error_extra"])}
         return ByQuantity({q: summary(self.series[f"error_{q}"]) for q in QUANTITIES} | extra)
 
     @property
     def estimate(self) -> ByEstimator:
-        """What the estimators say of them, in the same form, without the problem's own norm: ``estimate["x"]["max"]``,
-        of several estimators ``estimate["companion"]["x"]["max"]``; None where one does not hold here."""
+        """Estimated errors, as :attr:`error` but without the problem's own norm: ``estimate["x"]["max"]``, with several
+        estimators ``estimate["companion"]["x"]["max"]``; None where one does not hold here."""
         return self._by_estimator(lambda name: {q: summary(self.series[f"{name}/estimate_{q}"]) for q in QUANTITIES},
                                   summary(np.array([])))
 
     @property
     def index(self) -> ByEstimator:
-        """The error index (eq 35) of each quantity, estimated over true, 1 is perfect: ``index["x"]``, of several
-        estimators ``index["companion"]["x"]``."""
+        """Effectivity index (eq 35) of each quantity, estimated over true error, 1 is perfect: ``index["x"]``, with
+        several estimators ``index["companion"]["x"]``."""
         return self._by_estimator(functools.partial(self._ratio, "index"), None)
 
     @property
     def distance(self) -> ByEstimator:
-        """How far the estimate is from the truth particle by particle, over the size of the truth: 0 is perfect."""
+        """Distance of the estimate from the truth, particle by particle, over the size of the truth: 0 is perfect."""
         return self._by_estimator(functools.partial(self._ratio, "distance"), None)
 
     def _ratio(self, ratio: str, estimator: str) -> dict[str, float | None]:
@@ -196,24 +196,24 @@ class Result:
                                      rounding(self.scene, q, self.steps)) for q in QUANTITIES}
 
     def _by_estimator(self, what: Callable[[str], dict], missing: object) -> ByEstimator:
-        """The values of each estimator that was asked for, ``missing`` where it does not hold."""
+        """Returns the values of each requested estimator, ``missing`` where it does not hold."""
         nothing = dict.fromkeys(QUANTITIES, missing)
         names = self.scene.estimators if "estimate" in self.scene.effects else ()
         return ByEstimator({name: nothing if name in self.not_valid else what(name) for name in names}, nothing)
 
     @property
     def rounding(self) -> dict[str, str]:
-        """Of the quantities whose true error is nothing but rounding, so that no index is a number, a sentence each."""
+        """Quantities whose true error is only rounding, so that they have no index, each with a sentence."""
         limits = {q: float(rounding(self.scene, q, self.steps)) for q in QUANTITIES}
         return {q: nothing_but(limit) for q, limit in limits.items()
                 if error_norms.is_only_rounding(self.series[f"error_{q}"], limit)}
 
     def found(self, effect: str) -> Any:
-        """The numbers of an effect (``solvers.scene.effects``), as in the JSON object; None where it is off."""
+        """Returns the numbers of an effect (``solvers.scene.effects``), as in the JSON object; None where it is off."""
         return ALL[effect].found(self.series) if self.scene.has(effect) else None
 
     def __getattr__(self, name: str) -> Any:
-        """What an effect without a property of its own has found, by its key in the JSON object."""
+        """Returns the numbers of an effect without a property of its own, by its key in the JSON object."""
         for effect in ALL.values():
             if effect.numbers and effect.json_key == name:
                 return self.found(effect.name)
@@ -227,14 +227,13 @@ class Result:
 
     @property
     def angular_momentum(self) -> dict | None:
-        """The angular momentum; what it has gained beyond the torque of the body force ("drift"), and beyond the exact
-        solution ("error"), over what it was at the start."""
+        """Angular momentum; its gain beyond the torque of the body force ("drift") and beyond the exact solution
+        ("error"), over the initial value. None where the effect is off."""
         return self.found("spin")
 
     @property
     def budget(self) -> dict | None:
-        """Which part of the error each cause has made (:func:`solvers.solver.budget.summary`); None where nobody has
-        looked."""
+        """Share of each cause in the error (:func:`solvers.solver.budget.summary`); None where it was not computed."""
         reference: str = getattr(self.scene, "budget_reference", "exact")  # where a problem leaves no choice
         return budget.summary(self.series, reference) if "budget/error_x" in self.series else None
 
@@ -242,8 +241,8 @@ class Result:
     @IGNORE_OVERFLOW
     def life(self) -> dict[str, float | None]:
         """Periods until the true error of x first exceeded a tenth of the motion's amplitude ("accurate"), and until
-        the run was found lost or unstable ("sound"), None where it did not or the truth is unknown; and the largest
-        error of x within the first period, in amplitudes ("first_period")."""
+        the run was found lost or unstable ("sound"), None where neither happened or the truth is unknown; and the
+        largest error of x within the first period, in amplitudes ("first_period")."""
         beyond = np.flatnonzero(self.series["error_x"] > ACCURATE * self.scene.motion_amplitude)
         times = {"accurate": self.series["time"][beyond[0]] if len(beyond) else None, "sound": self.broken_at}
         first = self.series["error_x"][self.series["time"] <= 1.001 * self.scene.period].max()
@@ -252,12 +251,12 @@ class Result:
 
     @property
     def step(self) -> dict[str, float | None]:
-        """The step in seconds, the bound of the motion ahead, and the largest dt over its bound that was seen."""
+        """Time step in s, the stability bound of the motion ahead in s, and the largest step over its bound."""
         return {"dt": self.scene.time_step, "bound": self.scene.step_bound, "margin": largest(self.series["margin"])}
 
     @property
     def verdict(self) -> dict:
-        """What status and reason rest on (``solvers.solver.verdict_basis``): ``checked``, ``not_checked`` and
+        """Basis of status and reason (``solvers.solver.verdict_basis``): ``checked``, ``not_checked`` and
         ``as_large_as_itself``."""
         held = checked_by(self.scene, self.not_valid, motion_known(self.scene, self.series))
         large = large_errors(self.scene, self.series, self.not_valid)
@@ -266,16 +265,16 @@ class Result:
 
     @property
     def grid_crossings(self) -> int | None:
-        """How often a particle has entered another cell; None where the effect is off."""
+        """Number of times that a particle entered another cell; None where the effect is off."""
         return self.found("crossings")
 
     @property
     def soundness(self) -> dict:
-        """The largest contradictions that were found (:func:`solvers.solver.soundness.evidence`)."""
+        """Largest contradictions found (:func:`solvers.solver.soundness.evidence`)."""
         return evidence(self.scene, self.series)
 
     def to_dict(self) -> dict:
-        """The object of ``mpm-lab run --json``: everything that a switched-off effect left out is None."""
+        """Returns the object of ``mpm-lab run --json``: results of effects that were off are None."""
         return {
             "schema": SCHEMA, "scene": self.scene.to_dict(), "status": self.status, "reason": self.reason,
             **self.verdict, "t": self.time, "steps": self.steps, "particles": self.particles,
@@ -290,6 +289,6 @@ class Result:
 
 
 def load_view(name: str) -> Callable[[Any], Any] | None:
-    """What draws a result as ``name``: whoever says so under the entry points of ``VIEW_ENTRY_POINTS``, for solvers
-    draw nothing themselves; None where nothing that is installed does, as in a tree that was only copied."""
+    """Loads the function that draws a result as ``name``, from the entry points ``VIEW_ENTRY_POINTS``, because solvers
+    draw nothing themselves; None where no installed package has one, as in a copied tree."""
     return next((entry.load() for entry in entry_points(group=VIEW_ENTRY_POINTS, name=name)), None)

@@ -1,8 +1,8 @@
-"""A result as a file: a .npz with its scene as a line of text, all samples, particles and estimates, and no pickle.
+"""File of a result: a .npz with its scene as a line of text, all samples, particles and estimates, without pickle.
 
-The particles stand there as ``mpm-lab judge`` reads them, so that a saved result is a file of particles as well, and
-``mpm-lab run --particles FILE.npz`` a saved result with more of them. Of a file that is read nothing is believed: every
-array has the name, type and shape that its scene gives it, or the file is refused.
+Its particles are stored as ``mpm-lab judge`` reads them, so that a saved result is also a file of particles, and
+``mpm-lab run --particles FILE.npz`` writes a saved result with more of them. A file is untrusted: every array must have
+the name, type and shape that its scene requires, or the file is rejected.
 """
 
 import json
@@ -24,7 +24,7 @@ from solvers.untrusted.size_limits import LIMITS
 SCHEMA = "mpm-lab/result/1"
 HINT = "write it with Result.save"
 MOMENTS = ("final", "mid_run")
-#: Of a snapshot: arrays that always are there, and others; beyond (P,), by the dimensions of the problem.
+#: Arrays of a snapshot that always exist, and optional ones.
 PLACES, ERRORS = ("material_position", "position", "velocity"), ("estimate", "difference")
 MAX_TEXT = 2000  # letters
 MAX_COUNT = 2**62  # bytes, steps
@@ -32,14 +32,14 @@ MAX_COUNT = 2**62  # bytes, steps
 
 def particle_arrays(scene: Scene, times: Sequence[float], number: np.ndarray, X: np.ndarray, x: np.ndarray,
                     v: np.ndarray, F: np.ndarray) -> dict[str, Any]:
-    """What the judge reads: ``number`` (P,) and material positions X (P, D) of particles with x, v (T, P, D) and F
-    (T, P, D, D) at some times, and the scene that they are of."""
+    """Returns the arrays that the judge reads: ``number`` (P,) and material positions X (P, D) of particles with x, v
+    (T, P, D) and F (T, P, D, D) at some times, and their scene."""
     return {"t": np.array(times), "cells": np.array(scene.cells), "scene": np.array(scene_line(scene)), "id": number,
             "X": X, "x": x, "v": v, "F": F}
 
 
 def result_arrays(values: Mapping[str, Any]) -> dict[str, np.ndarray]:
-    """The fields of a result as arrays by name, beside the particles that the judge reads."""
+    """Returns the fields of a result as arrays by name, without the particles that the judge reads."""
     moments = {name: values[name] for name in MOMENTS if values[name] is not None}
     said = {name: values[name] for name in values.keys() - {"scene", "series", *MOMENTS}}
     said |= {"schema": SCHEMA, "seconds": asdict(values["seconds"]), "moments": {
@@ -56,7 +56,7 @@ def result_arrays(values: Mapping[str, Any]) -> dict[str, np.ndarray]:
 
 
 def write(path: str, values: Mapping[str, Any]) -> None:
-    """Write the fields of a result, with its particles on the way, if there are such, and at the end."""
+    """Writes the fields of a result, with its particles at the end and, if stored, on the way."""
     if not path.lower().endswith(".npz"):
         raise FileError(path, "is no name for a saved result; give one that ends in .npz")
     scene, shots = values["scene"], [values[name] for name in reversed(MOMENTS) if values[name] is not None]
@@ -70,12 +70,12 @@ def write(path: str, values: Mapping[str, Any]) -> None:
 
 
 def read(path: str) -> dict[str, Any]:
-    """The fields of the result that a file holds.
+    """Returns the fields of the result in a file.
 
     Raises
     ------
     FileError
-        Where it holds none: one sentence that says why.
+        Where it contains none: one sentence with the reason.
     """
     try:
         found = read_arrays(path, lambda name: name in ("scene", "result") or "/" in name, LIMITS)
@@ -88,7 +88,7 @@ def read(path: str) -> dict[str, Any]:
 
 
 class _ResultReader:
-    """The arrays of a file, each taken as what it has to be."""
+    """Reader of the arrays of a file, which checks the name, type and shape of each."""
 
     def __init__(self, path: str, found: Mapping[str, np.ndarray]):
         self._path, self._found = path, found
@@ -128,7 +128,7 @@ class _ResultReader:
             "goals": {_as_text(name): _as_goal(goal) for name, goal in said.get("goals", {}).items()}}
 
     def _series(self) -> dict[str, np.ndarray]:
-        """All samples, each (T,)."""
+        """Returns all samples by name, each (T,)."""
         columns = samples.column_names(self._scene.active_estimators, self._scene.active_effects)
         names = [*(name for name in columns if name != "step"), "time"]
         if f"series/{samples.BUDGET[0]}" in self._found:

@@ -1,4 +1,4 @@
-"""run(scene) -> Result: the one way to run anything without a page."""
+"""Function run(scene) -> Result, the only way to run a scene without a page."""
 
 import math
 import time
@@ -25,14 +25,14 @@ SLICE_SECONDS = 0.1  # a kernel launch cannot be interrupted: keep it short enou
 
 
 def build(scene: Scene) -> Solver:
-    """The solver of a scene's problem, with its particles in place and nothing run; :class:`SceneError` where the scene
-    names a GPU that is not there."""
+    """Returns the solver of a scene's problem, with its particles in place and no step taken. Raises
+    :class:`SceneError` where the scene names a GPU that does not exist."""
     return PROBLEMS[scene.problem].solver(scene)
 
 
 def as_scene(given: Scene | type[Scene] | str) -> Scene:
-    """A scene; of a class of scenes and the name of a problem the one with all its defaults; :class:`SceneError` for
-    anything else."""
+    """Returns a scene as it is, and for a scene class or a problem's name the scene with all defaults. Raises
+    :class:`SceneError` for anything else."""
     if isinstance(given, str):
         require_choice("problem", given, tuple(PROBLEMS))
         return PROBLEMS[given].scene()
@@ -46,24 +46,23 @@ def as_scene(given: Scene | type[Scene] | str) -> Scene:
 
 def run(scene: Scene | type[Scene] | str, on_progress: Callable[[float], None] | None = None, prices: bool = False,
         mid_run: bool = True, on_sample: Callable[[Snapshot], None] | None = None, goals: Sequence[str] = ()) -> Result:
-    """Run a scene to its end, or to where it goes unstable, which is a result too and never an exception.
+    """Runs a scene to its end, or until it becomes unstable, which is a result and never an exception.
 
     Parameters
     ----------
     scene
-        What to run: a scene such as ``BarScene``; or such a class, or the name of a problem, for
-        the defaults.
+        A scene such as ``BarScene(cells=40)``; or a scene class or a problem's name, for the defaults.
     on_progress
         Called several times a second with the part done, 0 to 1.
     prices
-        Whether the estimators' shares of the time (``Result.seconds.estimators``) are measured half way: a few tenths
-        of a second beside the run.
+        Whether the estimators' shares of the time (``Result.seconds.estimators``) are measured half way, which takes a
+        few tenths of a second.
     mid_run
-        Whether particles are kept on the way where a picture of the end would show nothing (:func:`shown_step`).
+        Whether particles are also stored at :func:`shown_step`, where a picture of the end would show nothing.
     on_sample
-        Given the particles whenever their norms are sampled, from start to end; the run stops there each time.
+        Called with the particles whenever their norms are sampled, from start to end; each call interrupts the run.
     goals
-        Numbers that are wanted of the end, with what the estimators say of their errors (``Result.goals``):
+        Quantities of interest at the end, with their estimated errors (``Result.goals``):
         "kinetic-energy", "mean-stress", "displacement@0.25", in the plane "displacement@0.5,0".
 
     Returns
@@ -74,7 +73,7 @@ def run(scene: Scene | type[Scene] | str, on_progress: Callable[[float], None] |
     Raises
     ------
     SceneError
-        For what is no scene, where it names a GPU that is not there, and for a goal that is none.
+        For anything but a scene, for a GPU that does not exist, and for an invalid goal.
     """
     scene = as_scene(scene)
     wanted = parse_goals(scene, goals)
@@ -107,11 +106,11 @@ def run(scene: Scene | type[Scene] | str, on_progress: Callable[[float], None] |
             shares, prices = estimator_shares(solver), False
         if on_progress:
             on_progress(solver.step / scene.steps)
-    last = solver.measure()  # also the last look for a run gone bad: the kernel's own look may be steps ago
+    last = solver.measure()  # also the last check for an unstable run: the kernel's own may be steps ago
     if solver.step % scene.sample_interval:
         rows.append(last)
     else:
-        rows[-1][-1:, samples.LOOKS] = last[:, samples.LOOKS]  # that sample may not have been one with a look
+        rows[-1][-1:, samples.LOOKS] = last[:, samples.LOOKS]  # that sample may have been one without these columns
     final = solver.snapshot()
     series = samples.read_rows(np.concatenate(rows), scene, len(final.position), margin_unit(scene))
     not_valid = solver.not_valid()
@@ -129,8 +128,8 @@ def run(scene: Scene | type[Scene] | str, on_progress: Callable[[float], None] |
 
 
 def shown_step(scene: Scene) -> int:
-    """The step at which the particles show something: the last, unless the exact motion, A sin(w t), is small there, as
-    after whole periods; then the one of its last largest displacement."""
+    """Returns the step at which a picture shows most: the last, unless the exact motion, A sin(w t), is small there, as
+    after whole periods; then the step of its last extreme."""
     turns = scene.end_time / (0.5 * scene.period)
     largest = math.floor(turns - 0.5) + 0.5  # in half periods
     if not scene.swings or abs(math.sin(math.pi * turns)) >= SMALL_MOTION or largest < 0:

@@ -1,6 +1,6 @@
-"""A scene as a line of text in a file, and back: one line of JSON that is believed in nothing.
+"""Text of a scene in a file, one line of JSON, and its validated parser.
 
-Needs no more than the scenes: whoever keeps particles or a result says with it what was run.
+Imports only the scenes: files of particles and results store the scene of their run with it.
 """
 
 import json
@@ -15,32 +15,32 @@ from solvers.scene.validation import SceneError, field_key, key_field
 from solvers.untrusted.quoting import FileError, quote
 
 SCHEMA, FAMILY = "mpm-lab/particles/1", "mpm-lab/particles/"
-MAX_LINE = 4000  # letters of such a line
-MAX_WORD = 40  # of a text in it
+MAX_LINE = 4000  # characters of a line
+MAX_WORD = 40  # characters of a text in it
 HINT = Message("take the line called scene out of it, or write it anew")
 
 
 def scene_line(scene: Scene) -> str:
-    """What our own files say: one line without spaces, so that a comment of a .csv can hold it too."""
+    """Returns the scene as one line of JSON without spaces, which also fits into a comment of a .csv."""
     said = {"schema": SCHEMA, "problem": scene.problem, "inputs": scene_inputs(scene)}
     return json.dumps(said, separators=(",", ":"))
 
 
 def scene_inputs(scene: Scene) -> dict[str, Any]:
-    """What a scene was given, by the names of flags, in plain values; what is None is left out."""
+    """Returns the inputs of a scene by the names of flags, as plain values, without those that are None."""
     given = {field.name: getattr(scene, field.name) for field in fields(scene) if field.name != "problem"}
     return {field_key(name): to_json_value(value) for name, value in given.items() if value is not None}
 
 
 def to_json_value(value: object) -> object:
-    """What JSON can say: lists for tuples, words for numbers that it has not."""
+    """Returns a value that JSON can represent: a list for a tuple, text for an infinite number or NaN."""
     if isinstance(value, float) and not math.isfinite(value):
         return str(value)
     return list(value) if isinstance(value, tuple) else value
 
 
 def parse_line(file: str, text: str) -> tuple[str, dict[str, Any]]:
-    """Problem and inputs that a line says, as they stand there; :class:`FileError` where it is none."""
+    """Returns problem and inputs of a line, not yet validated. Raises :class:`FileError` where it is malformed."""
     try:
         values = json.loads(text[:MAX_LINE + 1])
         schema, problem, given = values["schema"], values["problem"], dict(values["inputs"])
@@ -55,7 +55,7 @@ def parse_line(file: str, text: str) -> tuple[str, dict[str, Any]]:
 
 
 def scene_from_inputs(file: str, problem: str, given: dict[str, Any]) -> Scene:
-    """The scene of a problem's inputs by the names of flags or fields; :class:`FileError` where there is none such."""
+    """Returns the scene of a problem with these inputs by flag or field. Raises :class:`FileError` for invalid ones."""
     try:
         values: dict[str, Any] = {key_field(key): tuple(value) if isinstance(value, list) else value
                                   for key, value in given.items()}

@@ -1,8 +1,8 @@
-"""How long a step takes, and which share of it an estimator, measured with a compiled solver.
+"""Time per step, and the share of each estimator in it, measured with a compiled solver.
 
-Other work on a machine only ever makes a stretch of steps slower, so the fastest is the one to believe. What is to be
-compared takes turns, and is compared within each turn: a processor may change its speed by half as much again between
-one turn and the next, and the fastest of two things may then be of two speeds.
+Other work on a machine can only slow a stretch of steps down, so the fastest stretch is the most reliable. Alternatives
+run in turns, and are compared within each turn: the clock rate of a processor may change by half between turns, and the
+fastest runs of two alternatives may then have different clock rates.
 """
 
 import math
@@ -18,27 +18,27 @@ from solvers.problems import PROBLEMS
 from solvers.scene.scene import MOST_PARTICLES, Scene
 from solvers.solver.base import Solver
 
-MIN_SECONDS = 0.01  # that a stretch takes at least: many times the cost of a launch
-SHARE_SECONDS, LONGEST_SHARE_SECONDS, SHARE_TURNS = 0.006, 0.06, 9  # within a run that somebody waits for
+MIN_SECONDS = 0.01  # minimum of a stretch: many times the cost of a launch
+SHARE_SECONDS, LONGEST_SHARE_SECONDS, SHARE_TURNS = 0.006, 0.06, 9  # short, within a run that a user waits for
 
 
 class TimedSteps:
-    """Some steps of a solver, taken again and again from the same state, for ``seconds`` at least.
+    """Stretch of a solver's steps, repeated from the same state, that takes at least ``seconds``.
 
-    They are whole rounds of estimators, samples and looks at the run, so that each stretch has its fair part of all; of
-    estimators and samples, or estimators alone, where the others are so rare that a round of them takes more than
-    ``longest`` seconds. A solver that has not begun is warmed up first. ``steps`` are given where they must be another
-    stretch's. The solver is left in the state in which it came, to which ``put_back`` brings it back, to the bit.
+    The steps are whole rounds of estimators, samples and checks, so that each stretch contains its share of all; of
+    estimators and samples, or estimators alone, where a round of the others takes more than ``longest`` seconds. A
+    solver at step 0 is warmed up first. ``steps`` sets the number of steps, for comparison with another stretch.
+    ``put_back`` restores the initial state of the solver, to the bit.
     """
 
     def __init__(self, solver: Solver, seconds: float = MIN_SECONDS, longest: float = math.inf, steps: int = 0):
         self.solver = solver
-        alone = solver.plan == "serial" and solver.arch in PROCESSORS  # others work while this thread waits
-        # The processor's own time where one thread does it all, so that what else runs on the machine is not counted;
-        # Windows counts that in ticks of 1/64 s.
+        alone = solver.plan == "serial" and solver.arch in PROCESSORS  # otherwise this thread waits for others
+        # CPU time where one thread does everything, so that other work on the machine is not counted; Windows counts
+        # it in ticks of 1/64 s.
         self._clock = time.thread_time if alone and os.name != "nt" else time.perf_counter
         scene, most = solver.scene, solver.longest_advance
-        rounds = [math.lcm(*solver.estimate_intervals)]  # of ever more of what is not done in each step
+        rounds = [math.lcm(*solver.estimate_intervals)]  # of estimators, then with samples, then with margins
         for interval in (scene.sample_interval, scene.margin_interval):
             rounds.append(math.lcm(rounds[-1], interval))
         solver.advance(0)  # compiles
@@ -58,8 +58,8 @@ class TimedSteps:
         self.put_back()
 
     def time(self, without: str | None = None) -> float:
-        """Seconds a step, once more, on request without one of the estimators; NaN where the run goes bad, for then
-        steps are skipped."""
+        """Returns seconds per step of one more repetition, optionally without one of the estimators; NaN where the run
+        becomes unstable, because steps are skipped then."""
         self.put_back()
         if without:
             self.solver.leave_out(without)
@@ -70,12 +70,12 @@ class TimedSteps:
 
 
 def time_interleaved(stretches: Sequence[TimedSteps], turns: int) -> np.ndarray:
-    """Seconds a step of every stretch (columns) in every turn (rows)."""
+    """Returns seconds per step of every stretch (columns) in every turn (rows)."""
     return np.array([[stretch.time() for stretch in stretches] for _ in range(turns)])
 
 
 def time_ratios(pairs: Mapping[Any, tuple[Scene, Scene]], turns: int) -> dict[Any, float]:
-    """How many times as long a step of the one takes as of the other, by name: the median over turns."""
+    """Returns by name the ratio of the first scene's time per step to the second's: the median over turns."""
     scenes = list(dict.fromkeys(scene for pair in pairs.values() for scene in pair))
     solvers = [PROBLEMS[scene.problem].solver(scene) for scene in scenes]
     columns = time_interleaved([TimedSteps(solver) for solver in solvers], turns).T if scenes else ()
@@ -84,18 +84,17 @@ def time_ratios(pairs: Mapping[Any, tuple[Scene, Scene]], turns: int) -> dict[An
 
 
 def particle_step_rate(solver: Solver, turns: int = 5, seconds: float = MIN_SECONDS) -> float:
-    """Million particle-steps per second of a solver; NaN if its run goes bad."""
+    """Returns million particle-steps per second of a solver; NaN if its run becomes unstable."""
     return 1e-6 * solver.scene.particles / float(time_interleaved([TimedSteps(solver, seconds)], turns).min())
 
 
 def estimator_shares(solver: Solver) -> dict[str, float]:
-    """The share of the whole running time that each active estimator takes, measured here and now; none if the run goes
-    bad.
+    """Measures each active estimator's share of the running time; empty if the run becomes unstable.
 
-    The same steps are taken several times, from the present state: with the estimators; by a second solver that has
-    none, since an estimator that only rests stays in compiled code and makes that slower; and, of several, with each
-    one resting in turn. What all cost together comes from the first two, and is divided as the resting ones saved.
-    Samples are included. The state is put back, to the bit.
+    The same steps are taken several times, from the present state: with the estimators; by a second solver without any,
+    since even an inactive estimator stays in compiled code and slows it down; and, with several, with each one inactive
+    in turn. The total cost comes from the first two, and is divided in proportion to the time saved without each.
+    Samples are included. The state is restored, to the bit.
     """
     names = solver.scene.active_estimators
     if not names or not solver.sound or solver.scene.particles > MOST_PARTICLES:  # to have them twice

@@ -1,4 +1,4 @@
-"""What holds for the scene of most problems, and what a problem that knows better replaces."""
+"""Defaults of a scene that most problems share, and that a problem overrides where it differs."""
 
 import math
 from abc import abstractmethod
@@ -14,8 +14,7 @@ MOST_PER_CELL = 64  # particles, along each direction
 
 
 class SceneDefaults:
-    """Rules and facts of a scene whose motion swings to and fro, at a wave's speed, and whose cells hold whole numbers
-    of particles."""
+    """Rules of a scene whose motion oscillates at a wave's speed and whose cells contain whole numbers of particles."""
 
     #: Fields that only single runs and sweeps have, each with the reason why no other command has them.
     RUN_ONLY: ClassVar[Mapping[str, str]] = {}
@@ -31,84 +30,84 @@ class SceneDefaults:
 
     @property
     def wave_speed(self) -> float:
-        """c = sqrt(E/rho)."""
+        """Wave speed c = sqrt(E/rho), in m/s."""
         return math.sqrt(self.modulus / self.density)
 
     @property
     def angular_frequency(self) -> float:
-        """w = c pi/l of the exact solution, l = 1 (eq 32)."""
+        """Angular frequency w = c pi/l of the exact solution, in 1/s, l = 1 (eq 32)."""
         return self.wave_speed * math.pi
 
     @property
     def motion_amplitude(self) -> float:
-        """Largest displacement of the exact solution."""
+        """Largest displacement of the exact solution, in m."""
         return self.amplitude
 
     def size_of(self, quantity: str) -> float:
-        """What an error of x, v, sigma or a is compared with: A, A w, E times the largest strain, A w^2."""
+        """Returns the scale of errors of x, v, sigma or a: A, A w, E times the largest strain, A w^2 (SI)."""
         A, w = self.motion_amplitude, self.angular_frequency
         return {"x": A, "v": A * w, "sigma": self.modulus * A * self.STRAIN_PER_AMPLITUDE, "a": A * w * w}[quantity]
 
     @abstractmethod
     def rms_of(self, quantity: str) -> float:
-        """How large x (its displacement), v, sigma or a is in the exact motion itself: RMS over the body and a
-        period, in SI; without a built-in solution, that of the one with the built-in force."""
+        """Returns the RMS over body and period of x (its displacement), v, sigma or a of the exact motion, in SI;
+        without a built-in solution, of the motion under the built-in force."""
 
     @abstractmethod
     def balanced_motion(self, times: np.ndarray) -> Moments:
-        """Moments of the motion that the balance of momentum makes of the body at the times (T,) in s, which the
-        samples of its run are held against."""
+        """Returns the moments of the motion that follows from the balance of momentum at the times (T,) in s, for
+        comparison with the samples of a run."""
 
     @property
     def lattice_gap(self) -> float:
-        """By how much, as RMS in amplitudes, the exact motion at its largest moves neighbours otherwise than the mean
-        of their deformation says, and one that is half wrong does, because they are few."""
+        """Largest RMS mismatch, in amplitudes, between the displacements of neighbours and the mean of their
+        deformations in an exact motion, or in one that is half wrong, where particles are few."""
         return 0.0
 
     @property
     def drift_speed(self) -> float:
-        """The speed in m/s at which the body as a whole moves on."""
+        """Speed of the body as a whole, in m/s."""
         return 0.0
 
     @property
     def initial_stretch(self) -> float:
-        """F at the start."""
+        """Stretch F at the start."""
         return 1.0
 
     @property
     def solution_known(self) -> bool:
-        """Whether an exact solution is built in, so that there is a true error."""
+        """Whether an exact solution is built in, so that the true error is known."""
         return self.body_force != "two-tone"
 
     @property
     def for_gpu(self) -> bool:
-        """Whether it is to run on a GPU, if there is one: what it may be does not depend on that."""
+        """Whether the run uses a GPU if there is one; which inputs are valid does not depend on that."""
         return self.arch != "cpu" and self.DIMENSIONS > 1
 
     @property
     def title(self) -> str:
-        """What moves, in words."""
+        """Name of the problem, in words."""
         return self.TITLE
 
     @property
     def moved_by(self) -> tuple[str, ...]:
-        """The fields that say how it moves."""
+        """Names of the fields that define the motion."""
         return ("amplitude",)
 
     @property
     def swings(self) -> bool:
-        """Whether the exact motion goes to and fro; where it does not, exactly nothing should happen: no body force may
-        be chosen, and cells need not hold whole numbers of particles."""
+        """Whether the exact motion oscillates. Otherwise nothing deforms in the exact solution: no body force can be
+        chosen, and cells need not contain whole numbers of particles."""
         return True
 
     @property
     def loss_limits(self) -> Mapping[str, float]:
-        """Errors beside that of x from which on a run counts as lost, over ``size_of`` their quantities."""
+        """Errors other than that of x, in units of ``size_of``, from which on a run counts as lost, by quantity."""
         return {}
 
     def _check_per_cell(self) -> None:
-        """Refuse what is no number of particles in a cell."""
+        """Raises SceneError for an invalid number of particles per cell."""
         require_whole("ppc", self.ppc, 1, MOST_PER_CELL)
 
     def _check_combinations(self) -> None:
-        """Refuse what does not go together."""
+        """Raises SceneError for inputs that cannot be combined."""

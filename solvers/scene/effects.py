@@ -1,10 +1,10 @@
-"""Every effect there is, known once: what a scene may ask for beside the bare method, what it needs and finds.
+"""Registry of all effects: what a scene can request beside the bare method, with requirements and results.
 
 An effect is compiled in only where a scene has it (``solvers.scene.kernel_options``), so that one that is off costs
 nothing. A new one is an :class:`Effect` here and its code, under ``ti.static(on.NAME)`` in a problem's step or as a
-sampler (:func:`samplers`). Its numbers are declared here alone: JSON objects, what ``mpm-lab run`` prints, the page's
-readout, rows and tables of sweeps, and lessons' claims have them from here. Others can be registered from outside
-(:func:`register`), in modules that the environment variable ``MPM_LAB_EXTENSIONS`` names.
+sampler (:func:`samplers`). Its numbers are declared only here: JSON objects, the output of ``mpm-lab run``, the page's
+readout, rows and tables of sweeps, and lessons' claims use this list. Modules named in the environment variable
+``MPM_LAB_EXTENSIONS`` can add more with :func:`register`.
 """
 
 import functools
@@ -20,22 +20,22 @@ from solvers.scene import extensions
 from solvers.scene.error_causes import COLUMNS
 from solvers.scene.validation import SceneError
 
-PER_CENT = "%"  # the unit of a number that is told in per cent
+PER_CENT = "%"  # the unit of a number that is displayed in per cent
 Series = Mapping[str, np.ndarray]
 
 
 @dataclass(frozen=True)
 class Number:
-    """A number that an effect makes of the samples of a run.
+    """A number that an effect computes from the samples of a run.
 
     Parameters
     ----------
     key
         Its name in JSON objects, behind that of its effect; "" for one that stands there for its effect.
     of : series -> number
-        What it is after the last of the samples (``solvers.solver.samples.read_rows``); where not finite, it is
-        unknown. unit In SI; "" for a mere number, :data:`PER_CENT` for one that people are told in per cent. kind int
-        for what is counted. bounds Sizes from which the page says that it is to be watched, and alarming.
+        Its value after the last sample (``solvers.solver.samples.read_rows``); unknown where not finite. ``unit`` is
+        in SI, "" for none, :data:`PER_CENT` for one that is displayed in per cent; ``kind`` is int for a count;
+        ``bounds`` are the sizes from which the page marks it as noticeable, and as alarming.
     """
 
     key: str
@@ -47,8 +47,8 @@ class Number:
 
 @dataclass(frozen=True)
 class Line:
-    """A line for people: what it is called, and words with a number's place each, ``{drift}``, or ``{0}`` of the first.
-    The ``hint`` says what it means, for who rests on it. One without a name is left out."""
+    """Line of output: its name, and a template with a place for each number, ``{drift}``, or ``{0}`` for the first.
+    ``hint`` explains the numbers. A line without a name is left out."""
 
     name: str
     words: str = "{0}"
@@ -57,16 +57,16 @@ class Line:
 
 @dataclass(frozen=True)
 class Effect:
-    """One effect.
+    """Diagnostic that a scene can request.
 
     Parameters
     ----------
     name
-        By which scenes ask for it, and kernels: ``on.NAME``.
+        Name in scenes and, as ``on.NAME``, in kernels.
     label, explanation
-        What it is called on the page, and what it does, as an order.
+        Its name on the page, and what it does, in the imperative.
     needs
-        Effects of which it needs one or the other; ``needs_solution``: that there is a built-in exact solution.
+        Effects of which it needs at least one; ``needs_solution``: it needs a built-in exact solution.
     timed_alone
         Whether a study can time it by itself.
     columns
@@ -74,15 +74,15 @@ class Effect:
         ``ti.static(column("spin/torque", on))`` (of ``solvers.solver.samples``), a number's ``of`` in
         ``series["spin/torque"]``.
     numbers
-        What it finds.
+        Its results.
     key
-        What these are called in JSON objects, by default its name.
+        Key of its results in JSON objects, by default its name.
     text, readout
-        How ``mpm-lab run`` and the page tell them, where not all of them behind the label.
+        Line of ``mpm-lab run`` and of the page, where it is not the label and all numbers.
     samplers
-        Of problems that do not have it themselves, by name, what fills the columns: see :func:`samplers`.
+        Functions that fill the columns, by problem, for problems without their own: see :func:`samplers`.
     elsewhere
-        What a problem without it has in its place, ``{problem}`` its name.
+        What a problem without it offers instead, with ``{problem}`` for its name.
     """
 
     name: str
@@ -101,23 +101,23 @@ class Effect:
 
     @property
     def json_key(self) -> str:
-        """What its numbers are called in JSON objects."""
+        """Key of its numbers in JSON objects."""
         return self.key or self.name
 
     @property
     def usual_line(self) -> Line:
-        """All its numbers behind its label."""
+        """Line with all its numbers behind its label."""
         words = ", ".join(f"{number.key} {{{at}}}".strip() for at, number in enumerate(self.numbers))
         return Line(self.label, words, self.explanation)
 
-    @np.errstate(over="ignore", invalid="ignore", divide="ignore")  # of a run gone bad anything
+    @np.errstate(over="ignore", invalid="ignore", divide="ignore")  # for unstable runs
     def values(self, series: Series) -> dict[str, Any]:
-        """Its numbers by their keys, None for what is unknown; of a run that has had the effect."""
+        """Returns its numbers by key, None for unknown ones; for a run that had the effect switched on."""
         made = {number.key: (number.kind, number.of(series)) for number in self.numbers}
         return {key: kind(value) if math.isfinite(value) else None for key, (kind, value) in made.items()}
 
     def found(self, series: Series) -> Any:
-        """The same as in JSON objects."""
+        """Returns its numbers as in JSON objects: a mapping by key, or the only number itself."""
         values = self.values(series)
         return values.get("", values)
 
@@ -127,13 +127,13 @@ def _energy(series: Series) -> np.ndarray:
 
 
 def _energy_drift(series: Series) -> float:
-    """(E - W - E0)/E0 at the end, E kinetic plus strain energy, W the body force's work."""
+    """Returns (E - W - E0)/E0 at the end: E is kinetic plus strain energy, W the work of the body force."""
     total = _energy(series)
     return (total[-1] - series["work"][-1] - total[0]) / total[0]
 
 
 def _relative_gain(series: Series, against: str) -> float:
-    """What the angular momentum has gained at the end beyond what another column has, over what it was at first."""
+    """Returns the gain of angular momentum at the end minus that of another column, over the initial momentum."""
     momentum, known = series["spin/momentum"], series[against]
     return ((momentum[-1] - momentum[0]) - (known[-1] - known[0])) / momentum[0]
 
@@ -176,23 +176,23 @@ ALL = {**EFFECTS, **OWN}
 
 
 def register(effect: Effect) -> None:
-    """Make an effect known to scenes, solvers, page and tables; RuntimeError where a solver that it is for has been
-    imported."""
+    """Makes an effect known to scenes, solvers, page and tables. Raises RuntimeError where a solver that it is for has
+    been imported already."""
     extensions.require_early(effect.name, effect.samplers)
     ALL[effect.name] = effect
     effects_of.cache_clear()
 
 
-@functools.cache  # every scene asks
+@functools.cache  # used by every scene
 def effects_of(problem: str, own: tuple[str, ...]) -> tuple[str, ...]:
-    """The effects that a problem has: those that all have, its ``own``, and others from outside;
-    :class:`~solvers.scene.extensions.ExtensionError` where one of these cannot be imported."""
+    """Returns the effects of a problem: those of every problem, its ``own``, and registered ones. Raises
+    :class:`~solvers.scene.extensions.ExtensionError` where an extension cannot be imported."""
     extensions.load_extensions()
     return tuple(name for name, effect in ALL.items() if name in EFFECTS or name in own or problem in effect.samplers)
 
 
 def require_offered(chosen: object, problem: str, offered: tuple[str, ...]) -> None:
-    """Refuse, with a :class:`SceneError`, an effect that other problems have and this has not."""
+    """Raises :class:`SceneError` for an effect that other problems have and this one has not."""
     for name in chosen if isinstance(chosen, tuple) else ():
         effect = ALL.get(name) if isinstance(name, str) else None
         if effect and name not in offered:
@@ -202,16 +202,15 @@ def require_offered(chosen: object, problem: str, offered: tuple[str, ...]) -> N
 
 
 def samplers(problem: str, own: Mapping[str, Callable]) -> dict[str, Callable]:
-    """What fills the columns of the effects of a problem that no other code of its does, by the effects' names: its
-    ``own`` and those from outside. Taichi functions (state, row, step, on), which write to a row of ``state.samples``;
-    ``step`` is the number of steps taken."""
+    """Returns the functions that fill the columns of a problem's effects, by the effects' names: its ``own`` and
+    registered ones. They are Taichi functions (state, row, step, on) that write to a row of ``state.samples``; ``step``
+    is the number of steps taken."""
     extensions.load_extensions()
     extensions.COMPILED_PROBLEMS.add(problem)
     return {**own, **{name: effect.samplers[problem] for name, effect in ALL.items() if problem in effect.samplers}}
 
 
 def effect_lines(wanted: Callable[[Effect], Line | None]) -> dict[str, Line]:
-    """The line of each effect that has numbers and one to tell them by, by its name: of what is ``wanted``, or the
-    usual one."""
+    """Returns the line of each effect that has numbers, by its name: that of ``wanted``, or the usual one."""
     lines = {name: wanted(effect) or effect.usual_line for name, effect in ALL.items() if effect.numbers}
     return {name: line for name, line in lines.items() if line.name}

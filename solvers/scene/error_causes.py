@@ -1,12 +1,12 @@
-"""The causes between which the effect ``budget`` divides the error of a run, known once."""
+"""The causes between which the effect ``budget`` divides the error of a run."""
 
-#: By name, what each is called in words. The order is that of the lanes in kernels and of the columns of samples.
+#: Labels of the causes by name, in the order of the lanes in kernels and of the columns of samples.
 CAUSES: dict[str, str] = {"crossings": "crossings", "coarse_grid": "coarse grid", "body_force": "body force",
                           "time_step": "time step"}
-#: What a run that keeps all of them takes away.
+#: Stands for no cause, in a run that keeps all of them.
 NOTHING = "nothing"
 #: The fields whose error is divided.
 FIELDS = ("x", "v", "F")
-#: Columns of the effect in the samples: of each field sums of e^2, of e_c e and of e_c^2, c a cause.
+#: Columns of the effect in the samples: for each field, sums of e^2, of e_c e and of e_c^2, c a cause.
 COLUMNS = tuple(name for field in FIELDS for name in (
     f"error_{field}", *(f"part_{field}_{cause}" for cause in CAUSES), *(f"size_{field}_{cause}" for cause in CAUSES)))

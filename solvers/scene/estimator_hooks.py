@@ -1,4 +1,4 @@
-"""What an error estimator is to a solver: its memory, its moments in a step, and its report.
+"""Interface of an error estimator: its memory, its hooks in a step, and its report.
 
 An estimator of a problem is one :class:`EstimatorHooks`, called ``HOOKS``, at the end of its file. Several can run in
 one scene; number e reports the estimated errors of particle p in entry ``e * particles + p`` of the state's
@@ -33,15 +33,15 @@ class EstimatorHooks:
     report(state, base, step, on) : Taichi function or None
         Fill entries ``base`` to ``base + particles`` of the estimate arrays for the state after ``step`` steps, whether
         or not that is a multiple of the interval. The acceleration is the one that the last step used, which belongs to
-        the time one step earlier. Called only when somebody looks.
+        the time one step earlier. Called only for samples and frames.
     standalone : scene -> body, or None
-        A body that the processor solves by itself where the particles are on a GPU (``solvers.problems.planar.plans``);
-        None where the estimator needs a processor.
+        A body that the CPU solves in parallel to particles on a GPU (``solvers.problems.planar.plans``); None where the
+        estimator needs particles on a CPU.
     report_at_once(state, base, step, on) : Taichi function or None
         On a GPU: fill the entries from that body's nodes, for all particles at once.
     verdict : (scene, memory) -> str or None
         From the arrays of a run, why the estimate cannot be trusted: one sentence that begins with "not valid here: ".
-        What is known beforehand is said by the scene's ``LIMITS``.
+        Reasons that are known beforehand are in the scene's ``LIMITS``.
     """
 
     memory: Mapping[str, object]

@@ -1,7 +1,6 @@
-"""Limits of estimators: where each is known, before anything has run, not to hold, as rows of a table.
+"""Limits of estimators: rows of a table that say, before a run, where an estimator is known not to hold.
 
-Rows are looked at in order, and the first that is broken speaks. What only a run can show is the business of an
-estimator's own ``verdict``.
+The first row that is violated gives the reason. What only a run can show is checked by the estimator's ``verdict``.
 """
 
 import math
@@ -16,14 +15,14 @@ Quantity = str | Callable[[Any], Any]  # an attribute of the scene, or a functio
 
 @dataclass(frozen=True)
 class Limit:
-    """One row: an ``estimator`` holds only while a ``quantity`` of the scene keeps within the limits that are given.
+    """Row of the table: an ``estimator`` holds only while a ``quantity`` of the scene stays within these limits.
 
     A limit is a value, or a quantity as well: ``least`` and ``most`` may be reached, ``below`` may not, all in units
-    ``of`` another quantity. Where some are ``allowed``, the quantity is one of them, or all of it are. The row is for
-    scenes ``where`` quantities have a value, or one of several, and one is ``above`` a number. ``impossible`` says that
-    beyond the limit the estimator cannot run at all. ``why`` is the end of a sentence, in whose places stand what the
-    ``scene`` has, the ``value``, ``least``, ``most``, ``above``, the ``names`` that are not allowed, and what is to
-    ``give``: functions of the scene and the value.
+    ``of`` another quantity. If some values are ``allowed``, the quantity must be one of them, or consist of them. The
+    row applies to scenes ``where`` quantities have a value, or one of several, and one is ``above`` a number.
+    ``impossible`` is whether the estimator cannot run at all beyond the limit. ``why`` is the end of a sentence with
+    places for attributes of the ``scene``, the ``value``, ``least``, ``most``, ``above``, the ``names`` that are not
+    allowed, and suggestions ``give``: functions of the scene and the value.
     """
 
     estimator: str
@@ -41,7 +40,7 @@ class Limit:
     why: str
 
     def reason(self, scene: Any) -> str | None:
-        """Why the estimator does not hold in a scene; None where this limit is kept."""
+        """Returns why the estimator does not hold in a scene; None where this limit is satisfied."""
         def at(what: Any) -> Any:
             return what(scene) if callable(what) else getattr(scene, what) if isinstance(what, str) else what
 
@@ -58,7 +57,7 @@ class Limit:
 
 
 def reason(limits: Iterable[Limit], estimator: str, scene: Any) -> str | None:
-    """Why an estimator does not hold in a scene, by the first of the limits that is broken."""
+    """Returns why an estimator does not hold in a scene, from the first violated limit; None where it holds."""
     return next(filter(None, (limit.reason(scene) for limit in limits if limit.estimator == estimator)), None)
 
 

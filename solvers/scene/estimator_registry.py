@@ -1,9 +1,8 @@
-"""Every estimator there is, known once: how it is called and drawn, and what it says of itself.
+"""Registry of all estimators: name, appearance and explanation of each.
 
-A problem's scene names those of this list that it has (``ESTIMATORS``), its ``state.py`` has their hooks, which the
-solver calls. Others can be registered from outside (:func:`register`), in modules that the environment variable
-``MPM_LAB_EXTENSIONS`` names, which every process imports. Needs no Taichi, so that the command line and the page can
-ask.
+A problem's scene lists its estimators (``ESTIMATORS``), and its ``state.py`` their hooks, which the solver calls.
+Modules named in the environment variable ``MPM_LAB_EXTENSIONS``, which every process imports, can add more with
+:func:`register`. This module imports no Taichi, so that the command line and the page can use it.
 """
 
 import functools
@@ -22,7 +21,7 @@ EXPLANATIONS = Path(__file__).parents[1] / "estimators" / "explanations"
 MOVING_WEIGHTS = Limit("transport", "frozen", allowed=(False,), why="transport assumes weights that are computed anew "
                        "each step, and with frozen-weights estimates 2 to 20,000 times the error; leave that remedy "
                        "out, or take recovered or companion")
-#: Why an estimator is known not to hold, in sentences that several problems say.
+#: Reasons why an estimator is known not to hold, shared by several problems.
 PROCESSOR_REASON = ("{name} works on the particles in every step, which is not built for a GPU; take companion, which "
                     "the processor solves beside them, or --arch cpu")
 HALF_REASON = "the second run has half the cells, and half of {scene.cells} is too few; give {least} or more"
@@ -31,13 +30,13 @@ REMEDIES_REASON = "the second run takes no remedies, so that it is a run of anot
 
 @dataclass(frozen=True)
 class Estimator:
-    """One estimator, whatever the problem.
+    """Registry entry of an estimator, for all problems.
 
     ``colour`` is a warm one, for the truth is blue, and differs from the others' in lightness too; ``dashes`` are
     pixels drawn and left out (none: unbroken), ``symbol`` is its mark in pictures (``o``, ``s``, ``^``, ``D``, ``v``,
-    ``P``, ``X``, ``*``). ``summary`` is a line, ``page`` is html that explains it in full, by default that of the file
-    ``explanations/NAME.html``. ``hooks`` are those of problems that do not have it themselves. ``refusals`` tells of
-    problems that have it not why not, as the end of a sentence: "is not ...".
+    ``P``, ``X``, ``*``). ``summary`` is one line, ``page`` its full explanation in HTML, by default that of the file
+    ``explanations/NAME.html``. ``hooks`` maps problems without hooks of their own to hooks. ``refusals`` maps problems
+    that do not support it to the reason, as the end of a sentence: "is not ...".
     """
 
     name: str
@@ -54,16 +53,16 @@ class Estimator:
 
     @property
     def title(self) -> str:
-        """What people call it."""
+        """Name shown to users."""
         return self.label or self.name
 
     @property
     def explanation(self) -> str:
-        """Html for a student: what it is, assumes, sees and misses."""
+        """HTML text for a student: what it is, assumes, sees and misses."""
         return self.explanation_in("en")
 
     def explanation_in(self, language: str) -> str:
-        """The same in a language by its code, ``de``; where there is none in it, in English."""
+        """Returns the explanation in the language with this code, such as ``de``, or in English where there is none."""
         files = (EXPLANATIONS / f"{self.name}.{language}.html", EXPLANATIONS / f"{self.name}.html")
         file = next((file for file in files if file.exists()), None)
         return self.page or (file.read_text(encoding="utf-8") if file else f"<p>{self.summary}</p>")
@@ -84,7 +83,7 @@ ESTIMATORS: dict[str, Estimator] = {estimator.name: estimator for estimator in (
 
 
 def register(estimator: Estimator) -> None:
-    """Make an estimator known to scenes, solvers, page and pictures.
+    """Makes an estimator known to scenes, solvers, page and pictures.
 
     Raises
     ------
@@ -96,16 +95,16 @@ def register(estimator: Estimator) -> None:
     names.cache_clear()
 
 
-@functools.cache  # every scene asks
+@functools.cache  # used by every scene
 def names(problem: str, own: tuple[str, ...]) -> tuple[str, ...]:
-    """The estimators that a problem has: its ``own``, and others from outside;
-    :class:`~solvers.scene.extensions.ExtensionError` where one of these cannot be imported."""
+    """Returns the estimators of a problem: its ``own`` and registered ones. Raises
+    :class:`~solvers.scene.extensions.ExtensionError` where an extension cannot be imported."""
     extensions.load_extensions()
     return tuple(name for name, estimator in ESTIMATORS.items() if name in own or problem in estimator.hooks)
 
 
 def require_offered(chosen: object, problem: str, offered: tuple[str, ...]) -> None:
-    """Refuse, with a :class:`SceneError` in its own words, an estimator that other problems have and this has not."""
+    """Raises :class:`SceneError`, with the estimator's own reason, for one that the problem does not support."""
     for name in chosen if isinstance(chosen, tuple) else ():
         estimator = ESTIMATORS.get(name) if isinstance(name, str) else None
         if estimator and name not in offered and problem in estimator.refusals:
@@ -114,7 +113,7 @@ def require_offered(chosen: object, problem: str, offered: tuple[str, ...]) -> N
 
 
 def hooks_of(problem: str, own: Mapping[str, EstimatorHooks]) -> dict[str, EstimatorHooks]:
-    """The hooks of all estimators that a problem has, by name: its ``own``, and others from outside."""
+    """Returns the hooks of all estimators of a problem, by name: its ``own`` and registered ones."""
     found = names(problem, tuple(own))  # loads the extensions
     extensions.COMPILED_PROBLEMS.add(problem)
     return {name: ESTIMATORS[name].hooks.get(problem) or own[name] for name in found}

@@ -1,6 +1,6 @@
-"""Modules from outside, which register estimators and effects: those that ``MPM_LAB_EXTENSIONS`` names.
+"""External modules that register estimators and effects: those named in ``MPM_LAB_EXTENSIONS``.
 
-Every process imports them, once, before it asks what a problem has.
+Every process imports them once, before it looks up what a problem supports.
 """
 
 import functools
@@ -9,16 +9,16 @@ import os
 from collections.abc import Iterable
 
 EXTENSIONS = "MPM_LAB_EXTENSIONS"
-COMPILED_PROBLEMS: set[str] = set()  # problems whose solvers have what they need of all extensions
+COMPILED_PROBLEMS: set[str] = set()  # problems whose solvers are imported, so that extensions come too late
 
 
 class ExtensionError(Exception):
-    """A module that ``MPM_LAB_EXTENSIONS`` names cannot be imported; the message says which and why."""
+    """Error for a module named in ``MPM_LAB_EXTENSIONS`` that cannot be imported; the message says which and why."""
 
 
 @functools.cache
 def load_extensions() -> None:
-    """Import what the environment names; :class:`ExtensionError` where that fails."""
+    """Imports the modules that the environment names. Raises :class:`ExtensionError` where that fails."""
     for module in filter(None, os.environ.get(EXTENSIONS, "").replace(",", " ").split()):
         try:
             importlib.import_module(module)
@@ -30,7 +30,7 @@ def load_extensions() -> None:
 
 
 def require_early(name: str, problems: Iterable[str]) -> None:
-    """RuntimeError where the solver of one of the ``problems`` that ``name`` is for has been imported: its kernels have
-    been told what there is. Register first."""
+    """Raises RuntimeError where the solver of one of the ``problems`` that ``name`` is for is already imported, because
+    its kernels are fixed by then."""
     if late := [problem for problem in problems if problem in COMPILED_PROBLEMS]:
         raise RuntimeError(f"register {name} before the solver of the {' and '.join(late)} is imported")

@@ -1,5 +1,5 @@
-"""A field of a scene with what is said of it: the flags of the command line, the page's widgets and what
-``help(BarScene)`` says are made of that."""
+"""Fields of a scene with their help texts, from which the command line's flags, the page's widgets and
+``help(BarScene)`` are generated."""
 
 import inspect
 import re
@@ -10,30 +10,30 @@ from typing import Any, TypeVar
 from solvers.scene.effects import EFFECTS
 
 Kind = TypeVar("Kind", bound=type[Any])  # of a scene
-LINE_WIDTH = 100  # of a line
+LINE_WIDTH = 100  # characters
 
 
 def option(default: Any, help: str = "", unit: str = "", choices: tuple[str, ...] = (), hint: str = "") -> Any:
-    """A field of a scene, from which its flag and its widget are made.
+    """Returns a field of a scene, from which its flag and its widget are generated.
 
     Parameters
     ----------
     default
     help
-        What it is, in words that begin with a capital; after a semicolon what the flag's help puts behind the unit.
+        Its meaning, beginning with a capital; after a semicolon the part that the flag's help puts behind the unit.
     unit
-        In SI, "" for a mere number.
+        SI unit, "" for none.
     choices
-        What it may be, where that is one of a few names.
+        Allowed names, if there are only a few.
     hint
-        What stands for a default that is None.
+        Text in place of a default that is None.
     """
     return field(default=default, metadata={"help": help, "unit": unit, "choices": choices, "hint": hint})
 
 
 def document_fields(kind: Kind) -> Kind:
-    """A decorator of a scene's class, above ``dataclass``, that puts behind its docstring of each field what it is, in
-    which unit, and what it may be."""
+    """Class decorator, above ``dataclass``, that appends to the docstring of a scene's class the meaning, unit and
+    choices of each field."""
     told = [f"{field.name} : {_type_text(field.type)}\n{textwrap.indent(_help_text(kind, field), '    ')}"
             for field in fields(kind) if field.metadata["help"]]
     kind.__doc__ = "\n".join([inspect.cleandoc(kind.__doc__ or ""), "", "Parameters", "----------", *told])
@@ -46,7 +46,7 @@ def _type_text(annotation: Any) -> str:
 
 def _help_text(kind: type[Any], field: Any) -> str:
     meaning, unit, hint = (field.metadata[name] for name in ("help", "unit", "hint"))
-    # Those from outside are looked for when a scene is made: one that is missing must not be the end of an import.
+    # Extensions are loaded only when a scene is made: a missing one must not make an import fail.
     here = {"estimators": kind.ESTIMATORS, "effects": (*EFFECTS, *kind.OWN_EFFECTS)}
     names = here.get(field.name) or kind.choices(field.name)
     default = hint.format(scene=kind) if hint else " ".join(field.default) if isinstance(field.default, tuple) else \

@@ -1,4 +1,4 @@
-"""Switches: what of a scene is compiled into its kernels."""
+"""Compile-time options: the properties of a scene that are compiled into its kernels."""
 
 from functools import lru_cache
 from typing import NamedTuple
@@ -9,9 +9,9 @@ from solvers.scene.scene import Scene
 
 
 class KernelOptions(NamedTuple):
-    """What is compiled in; kernels take it as ``on``. Two scenes with equal switches share one compiled kernel. Each
-    effect and each remedy is an attribute too: ``on.truth`` says whether "truth" is one of ``effects``, ``on.frozen``
-    whether frozen weights are one of ``remedies``."""
+    """Compile-time options of kernels, passed as ``on``. Scenes with equal options share one compiled kernel. Each
+    effect and remedy is an attribute too: ``on.truth`` is whether "truth" is one of ``effects``, ``on.frozen`` whether
+    frozen weights are one of ``remedies``."""
 
     method: str
     linearity_preserving: bool
@@ -32,19 +32,19 @@ class KernelOptions(NamedTuple):
 
 
 def kernel_options_of(scene: Scene) -> KernelOptions:
-    """The switches of a scene."""
+    """Returns the compile-time options of a scene."""
     return KernelOptions(scene.method, scene.linearity_preserving, scene.body_force, scene.velocity,
                     scene.active_effects, scene.active_estimators, scene.remedies,
                     getattr(scene, "compiled_motion", ""), getattr(scene, "law", ""))
 
 
 def method_options(on: KernelOptions) -> KernelOptions:
-    """The same with nothing computed beside the method."""
+    """Returns the same options with nothing computed beside the method."""
     return on._replace(effects=(), estimators=())
 
 
-@lru_cache(maxsize=256)  # asked again and again while somebody waits for the compiler
+@lru_cache(maxsize=256)  # used repeatedly while a visitor waits for the compiler
 def kernel_key(scene: Scene) -> tuple:
-    """What makes the compiler work: two scenes with equal combinations run the same kernels on the same processor."""
+    """Returns the key of the compiled code: scenes with equal keys run the same kernels on the same processor."""
     plan = getattr(scene, "plan", None)  # of a problem that has several
     return scene.problem, scene.arch, scene.threads, plan, kernel_options_of(scene)

@@ -1,17 +1,17 @@
-"""The longest step that one configuration of particles and grid bears by linear theory, and that a motion bears.
+"""The longest stable step by linear theory, for one configuration of particles and grid and for a whole motion.
 
 One step of the method, linearised about a configuration, with a = -M^-1 K u, K the tangent stiffness and M the lumped
-mass of the nodes: F takes the nodes' velocity v + dt a, but the particles take dt a by way of the weights and give it
-back by way of the weights, which leaves B a of it, B = M^-1 S^T m S the smoothing of that way (eigenvalues from 0 to
-1). A disturbance of alternating sign neither grows nor decays where dt^2 (2 - B) M^-1 K has the eigenvalue 4:
+mass of the nodes: F is updated with the nodes' velocity v + dt a, but dt a is mapped to the particles and back by the
+weights, which leaves B a of it, with the smoothing B = M^-1 S^T m S (eigenvalues from 0 to 1). A disturbance of
+alternating sign neither grows nor decays where dt^2 (2 - B) M^-1 K has the eigenvalue 4:
 
     dt <= 2/sqrt(largest eigenvalue of (2 - B) M^-1 K).
 
-With B = 1 this is the leapfrog scheme's 2/w; a mode that the particles do not see (B = 0) stands 0.71 of that.
+With B = 1 this is the leapfrog scheme's 2/w; for a mode that the particles do not see (B = 0) it is 0.71 of that.
 Measured at small amplitude: 0.93 to 0.97 of the step from which on runs of two or three periods break.
 
-A step that is too long for a moment does no harm if the moment is short: a mode without B grows by 2 (dt/limit)^2 - 1
-a step. A motion bears the step with which this comes to ``GROWTH`` on the way from one extreme to the other and back.
+A step that is too long for a short time is harmless: a mode without B grows by 2 (dt/limit)^2 - 1 per step. The longest
+step of a motion is that for which this amounts to ``GROWTH`` on the way from one extreme to the other and back.
 
 Sources: Berzins, Comp. Part. Mech. 5 (2018), for the linearisation; Lanczos, J. Res. Natl. Bur. Stand. 45 (1950).
 """
@@ -32,8 +32,8 @@ Fields = Sequence[np.ndarray]  # the components of a vector or tensor, each an a
 
 @dataclass(frozen=True)
 class NodeLinks:
-    """What joins particles and nodes at n moments: ``where`` (D arrays (n, P, K)) is the place of each component of a
-    node's velocity among the unknowns of its moment, ``sign`` (the same) its sign there, -1 in mirror images."""
+    """Links between particles and nodes at n moments: ``where`` (D arrays (n, P, K)) is the index of each component of
+    a node's velocity among the unknowns of its moment, ``sign`` (same shapes) its sign there, -1 in mirror images."""
 
     where: Fields
     sign: Fields
@@ -46,18 +46,18 @@ class Configurations:
     Attributes
     ----------
     unknowns
-        N.
+        Number N.
     mass_links, weights
-        The links by which mass and velocity are given to the nodes, and S (n, P, K).
+        Links of the transfer of mass and velocity to the nodes, and S (n, P, K).
     force_links, gradients
-        Those of the force, and the components of grad S (D arrays (n, P, K')) in 1/m.
+        Links of the force, and the components of grad S (D arrays (n, P, K')) in 1/m.
     mass
-        Of each particle (P,), in kg.
+        Masses of the particles (P,), in kg.
     stress
-        From the rates L_ij = dv_i/dx_j (D^2 arrays (n, P), row by row) to the change of the stress times the volume,
-        the same way: the tangent stiffness.
+        Tangent stiffness: maps the rates L_ij = dv_i/dx_j (D^2 arrays (n, P), row by row) to the change of the stress
+        times the volume, in the same layout.
     held
-        Unknowns that are none, (m,): nothing moves across a symmetry plane.
+        Indices (m,) of unknowns that are fixed at zero: nothing moves across a symmetry plane.
     """
 
     unknowns: int
@@ -71,13 +71,13 @@ class Configurations:
 
 
 def longest_steps(of: Configurations) -> np.ndarray:
-    """The longest step at each moment (n,), in s."""
+    """Returns the longest stable step at each moment (n,), in s."""
     return 2 / np.sqrt(_StepOperators(of).largest_eigenvalues())
 
 
 def longest_step(found: np.ndarray, seconds: float) -> float:
-    """The longest step for a motion from one extreme to the other in so many ``seconds`` and back, whose
-    ``longest_steps`` are ``found`` (n,) at moments evenly spaced in time."""
+    """Returns the longest stable step, in s, of a motion that takes ``seconds`` from one extreme to the other and the
+    same time back; ``found`` (n,) are its ``longest_steps`` at moments evenly spaced in time."""
     low, high = float(found.min()), 2 * float(found.max())
     while high > (1 + 1e-9) * low:
         dt = math.sqrt(low * high)
@@ -88,7 +88,7 @@ def longest_step(found: np.ndarray, seconds: float) -> float:
 
 
 class _StepOperators:
-    """The operators of the step on fields (n, N), each unknown times the square root of its mass."""
+    """Operators of the step on fields (n, N), in which each unknown is scaled by the square root of its mass."""
 
     def __init__(self, of: Configurations):
         self._of, self._n = of, len(of.weights)
@@ -115,7 +115,7 @@ class _StepOperators:
         return [sign * values.take(where) for where, sign in links]
 
     def stiffness(self, field: np.ndarray) -> np.ndarray:
-        """M^-1/2 K M^-1/2."""
+        """Returns M^-1/2 K M^-1/2 applied to a field."""
         gradients = self._of.gradients
         rates = [np.einsum("npk,npk->np", v, g) for v in self._gather(self._force_links, field) for g in gradients]
         stress, D = self._of.stress(rates), len(gradients)
@@ -123,18 +123,18 @@ class _StepOperators:
         return self._sum(self._force_links, force) * self._scale
 
     def smoothing(self, field: np.ndarray) -> np.ndarray:
-        """M^-1/2 S^T m S M^-1/2."""
+        """Returns M^-1/2 S^T m S M^-1/2 applied to a field."""
         S, mass = self._of.weights, self._of.mass
         given = [(mass * np.einsum("npk,npk->np", v, S))[..., None] * S for v in self._gather(self._mass_links, field)]
         return self._sum(self._mass_links, given) * self._scale
 
     def apply_two_minus_b(self, field: np.ndarray) -> np.ndarray:
-        """2 - B."""
+        """Returns 2 - B applied to a field."""
         return 2 * field - self.smoothing(field)
 
     def largest_eigenvalues(self) -> np.ndarray:
-        """The largest eigenvalue of M^-1 K (2 - B) at each moment (n,), by Lanczos's method in the product of 2 - B,
-        which is positive whatever K is."""
+        """Returns the largest eigenvalue of M^-1 K (2 - B) at each moment (n,), by Lanczos's method in the inner
+        product of 2 - B, which is positive definite for any K."""
         start = np.random.default_rng(0).normal(size=self._scale.shape) * (self._scale > 0)
         diagonal, beside = list[np.ndarray](), list[np.ndarray]()
         found = np.zeros(self._n)
@@ -151,13 +151,13 @@ class _StepOperators:
                 break
             before, q, Cq = q, image, self.apply_two_minus_b(image)
             size = np.sqrt(np.einsum("ni,ni->n", q, Cq))
-            size[size < 1e-9 * found] = 0.0  # nothing is left to be found
+            size[size < 1e-9 * found] = 0.0  # converged
             beside.append(size)
         return found
 
 
 def _largest_eigenvalues(diagonal: list[np.ndarray], beside: list[np.ndarray]) -> np.ndarray:
-    """The largest eigenvalues (n,) of tridiagonal matrices."""
+    """Returns the largest eigenvalues (n,) of tridiagonal matrices."""
     k = len(diagonal)
     T = np.zeros((len(diagonal[0]), k, k))
     T[:, np.arange(k), np.arange(k)] = np.stack(diagonal, axis=1)

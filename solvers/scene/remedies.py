@@ -1,7 +1,7 @@
-"""Every remedy there is, known once: what a scene may call for against the diseases of long and large motions.
+"""Registry of all remedies: stabilisations of long and large motions that a scene can request.
 
-Where an effect only looks, a remedy changes the method. It is compiled in only where a scene calls for it
-(``solvers.scene.kernel_options``). A problem names in its scene those that hold there.
+An effect only observes, a remedy changes the method. It is compiled in only where a scene requests it
+(``solvers.scene.kernel_options``). A problem's scene lists the remedies that it supports.
 """
 
 from dataclasses import dataclass
@@ -9,8 +9,8 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True)
 class Remedy:
-    """One remedy: its name as typed, the word by which kernels ask for it (``on.frozen``), what it is called, and what
-    it does and costs."""
+    """Registry entry of a remedy: its name on the command line, the attribute that kernels test (``on.frozen``), its
+    label, and an explanation of what it does and costs."""
 
     name: str
     switch: str

@@ -28,21 +28,21 @@ MOST_ON_GPU = 50_000_000
 MOST_STEPS = 2_000_000_000  # the step index is a 32-bit integer
 MOST_SAMPLES = 1_000_000
 DEFAULT_CFL = 0.05
-LOOKS_A_PERIOD = 20  # for contradictions; more find nothing sooner that matters
+LOOKS_A_PERIOD = 20  # checks for contradictions; more would find nothing important earlier
 STEPS_A_SAMPLE = 20  # at least, for a sample with its estimates costs several steps; but
 LEAST_SAMPLES_A_PERIOD = 20  # however long the steps
-MOST_MARGINS = 200  # looks at the margin of the step in a run, about
-SAMPLES_A_RUN = 100_000  # that a long run takes unless it is told how many
+MOST_MARGINS = 200  # evaluations of the step margin in a run, about
+SAMPLES_A_RUN = 100_000  # of a long run, unless the scene sets the sample interval
 LISTS = ("estimators", "effects", "remedies")
 AUTO = "auto"
 ESTIMATORS_HELP = "Error estimators, one or several"
 LEAST_CFL = 1e-9
-MOST_CFL = 10.0  # an unstable run is a result worth seeing; this only keeps the numbers finite for a while
+MOST_CFL = 10.0  # an unstable run is instructive; this only keeps the numbers finite for a while
 
 
 @dataclass(frozen=True)
 class Scene(SceneDefaults, ABC):
-    """One run. Lengths in metres, times in seconds, modulus in pascals, density in kg/m³.
+    """Definition of a run. Lengths in metres, times in seconds, modulus in pascals, density in kg/m³.
 
     ``dt`` or ``cfl`` sets the time step (``cfl`` = dt c/h, c = sqrt(modulus/density)); ``t_end`` or ``periods`` the
     end; None takes the default. Each problem has a scene class of its own with its defaults, choices and geometry.
@@ -92,13 +92,13 @@ class Scene(SceneDefaults, ABC):
 
     def __init_subclass__(cls, **kwargs: Any) -> None:
         super().__init_subclass__(**kwargs)
-        if "ESTIMATORS" in vars(cls):  # a scene that says nothing else asks the first
+        if "ESTIMATORS" in vars(cls):  # the first one is the default
             cls.__annotations__["estimators"] = Scene.__annotations__["estimators"]
             cls.estimators = option(cls.ESTIMATORS[:1], ESTIMATORS_HELP)
 
     @classmethod
     def choices(cls, name: str) -> tuple[str, ...]:
-        """What the field called ``name`` may be, one or several of; nothing where it is a number."""
+        """Returns the names that the field called ``name`` may hold, one or several; empty for a number."""
         if name == "estimators":
             return estimator_registry.names(cls.problem, cls.ESTIMATORS)
         if name == "remedies":
@@ -109,12 +109,12 @@ class Scene(SceneDefaults, ABC):
 
     @classmethod
     def candidates(cls) -> tuple[tuple[str, bool], ...]:
-        """The methods that an advisor tries, each without or with linearity preservation."""
+        """Returns the methods that an advisor tries, each without or with linearity preservation."""
         return tuple((method, False) for method in cls.choices("method"))
 
     def __reduce__(self) -> tuple[Callable[..., Any], tuple]:
-        """Pickled as its values, which come out as the same object every time, for a scene is sent with every frame: it
-        is checked, and what follows from it is worked out, once for each process."""
+        """Pickles the scene as its values. Unpickling returns the same object each time: a scene is sent with every
+        frame, and each process validates it and derives its properties once."""
         return _require_known, (type(self), *(getattr(self, name) for name in self.__match_args__))
 
     def __post_init__(self) -> None:
@@ -131,7 +131,7 @@ class Scene(SceneDefaults, ABC):
     @property
     @abstractmethod
     def spacing(self) -> float:
-        """Cell size h."""
+        """Cell size h, in m."""
 
     @property
     @abstractmethod
@@ -140,14 +140,14 @@ class Scene(SceneDefaults, ABC):
 
     @abstractmethod
     def critical_time_step(self) -> StepBound:
-        """The longest step that the motion ahead bears by linear theory, worked out anew: see :attr:`step_bound`."""
+        """Computes the longest stable step of the motion ahead by linear theory: see :attr:`step_bound`."""
 
     @abstractmethod
     def _check_amplitude(self) -> None:
-        """Refuse an amplitude for which there is no exact solution."""
+        """Raises :class:`SceneError` for an amplitude without an exact solution."""
 
     def warnings(self) -> list[str]:
-        """Sentences about what is allowed but will surprise."""
+        """Returns sentences about inputs that are valid but surprising."""
         sentences = step_warnings(self)
         if "truth" in self.effects and not self.solution_known:
             sentences.append(Message("body force {body_force}: no exact solution is built in, so the true error is "
@@ -156,29 +156,29 @@ class Scene(SceneDefaults, ABC):
 
     @functools.cached_property
     def period(self) -> float:
-        """One full vibration, 2 pi/w."""
+        """Period of the vibration, 2 pi/w, in s."""
         return 2 * math.pi / self.angular_frequency
 
     @functools.cached_property
     def time_step(self) -> float:
-        """The step in seconds, from ``dt`` or ``cfl``."""
+        """Time step in s, from ``dt`` or ``cfl``."""
         if self.dt == AUTO:
             return SAFE * self.step_bound
         return float(self.dt) if self.dt is not None else self.courant_number * self.spacing / self.wave_speed
 
     @property
     def step_bound(self) -> float:
-        """The longest step in seconds that the motion ahead bears by linear theory (``solvers.scene.step_bound``)."""
+        """Longest stable step of the motion ahead, in s, by linear theory (``solvers.scene.step_bound``)."""
         return scene_step_bound(self).longest
 
     @property
     def frozen(self) -> bool:
-        """Whether the weights are computed once and for all, at the material positions."""
+        """Whether the weights are computed only once, at the material positions."""
         return FROZEN in self.remedies
 
     @property
     def courant_number(self) -> float:
-        """``cfl`` as given, or that of ``dt``."""
+        """Courant number dt c/h: ``cfl`` as given, or from ``dt``."""
         if self.dt is not None:
             return self.time_step * self.wave_speed / self.spacing
         return DEFAULT_CFL if self.cfl is None else self.cfl
@@ -191,7 +191,7 @@ class Scene(SceneDefaults, ABC):
 
     @functools.cached_property
     def steps(self) -> int:
-        """Whole steps to the end time; the end time is met to the nearest step."""
+        """Number of steps to the end time, rounded to the nearest step."""
         return max(1, round(self.end_time / self.time_step))
 
     @functools.cached_property
@@ -206,12 +206,12 @@ class Scene(SceneDefaults, ABC):
 
     @functools.cached_property
     def look_interval(self) -> int:
-        """Steps between two looks for contradictions, at samples that are due."""
+        """Steps between two checks for contradictions, a multiple of the sample interval."""
         return self.sample_interval * max(1, int(self.period / self.time_step / LOOKS_A_PERIOD / self.sample_interval))
 
     @functools.cached_property
     def margin_interval(self) -> int:
-        """Steps between two looks at the margin of the step: each costs a launch, so that long runs have fewer."""
+        """Steps between two evaluations of the step margin: each costs a launch, so that long runs have fewer."""
         return self.look_interval * max(1, self.steps // (MOST_MARGINS * self.look_interval))
 
     @property
@@ -221,7 +221,7 @@ class Scene(SceneDefaults, ABC):
 
     @functools.cached_property
     def not_valid(self) -> dict[str, str]:
-        """Why an estimator asked for is not run: a sentence for each that is known not to hold here."""
+        """Requested estimators that are known not to hold here and do not run, each with a sentence."""
         reasons = {name: estimator_limits.reason(self.LIMITS, name, self) for name in self.estimators}
         if self.for_gpu:
             reasons |= {name: Message(estimator_registry.PROCESSOR_REASON, name=name) for name in self.estimators
@@ -230,14 +230,14 @@ class Scene(SceneDefaults, ABC):
 
     @functools.cached_property
     def active_estimators(self) -> tuple[str, ...]:
-        """The estimators that run: those asked for that are valid here, if the effect is on. In whichever order they
-        are asked for they run in one, so that their kernels are compiled once."""
+        """Names of the estimators that run: those requested that are valid here, if the effect is on. Their order does
+        not depend on the request, so that their kernels are compiled once."""
         if "estimate" not in self.effects:
             return ()
         return tuple(e for e in self.choices("estimators") if e in self.estimators and e not in self.not_valid)
 
     def has(self, effect: str) -> bool:
-        """Whether the effect is switched on and can be: it has what it needs, and ``estimate`` has an estimator."""
+        """Returns whether the effect is on and has what it needs, such as an estimator for ``estimate``."""
         if effect not in self.effects:
             return False
         if effect == "estimate":
@@ -247,18 +247,18 @@ class Scene(SceneDefaults, ABC):
 
     @functools.cached_property
     def active_effects(self) -> tuple[str, ...]:
-        """The effects that it has, in the order in which they are known."""
+        """Names of the effects that are on and possible, in the order of the registry."""
         return tuple(filter(self.has, ALL))
 
     def to_dict(self) -> dict:
-        """Every input with the defaults filled in, keyed as in the JSON contract."""
+        """Returns every input with defaults filled in, keyed as in JSON."""
         values = {field_key(f.name): getattr(self, f.name) for f in fields(self)}
         filled = {"dt": self.time_step, "cfl": self.courant_number, "t_end": self.end_time,
                   "periods": self.end_time / self.period, "sample_every": self.sample_interval}
         return {**values, **filled, **{field_key(name): list(getattr(self, name)) for name in LISTS}}
 
     def _normalized(self) -> dict[str, Any]:
-        """Inputs that are meant otherwise than given."""
+        """Returns inputs that are replaced by their normal form."""
         return validation.normalized(self, LISTS)
 
     def _check_choices(self) -> None:
@@ -313,6 +313,6 @@ class Scene(SceneDefaults, ABC):
                              MOST_SAMPLES, math.ceil(self.steps / MOST_SAMPLES))
 
 
-@functools.lru_cache(maxsize=256, typed=True)  # 1, 1.0 and True are not said alike
+@functools.lru_cache(maxsize=256, typed=True)  # 1, 1.0 and True are different inputs
 def _require_known(kind: type[Scene], *values: Any) -> Scene:
     return kind(*values)

@@ -1,13 +1,13 @@
-"""The longest time step that a scene's motion ahead bears, found before anything has run, and what of it is taken.
+"""The longest stable time step of the motion of a scene, computed before the run, and the share of it that is used.
 
 Along the exact motion, from one extreme to the other, the step is linearised at ``motion_parts`` evenly spaced in time
-(``solvers.scene.linear_stability``). A run's own motion is not quite the exact one; how much less it bears is measured.
-Particles that hat functions or boxes of one width carry through the grid are not where the weights add up (``SHARE``).
-Where material is drawn out to more than twice its length, stretches of a run exceed the exact ones, by the more the
-worse a method's domains follow (``EXCESS``).
+(``solvers.scene.linear_stability``). A run's own motion is not quite the exact one; how much lower its bound is was
+measured: with hat functions and boxes of constant width because particles leave the places where the weights add up
+(``SHARE``); and where material is stretched to more than twice its length because the stretches of a run exceed the
+exact ones, the more so the worse a method's domains follow (``EXCESS``).
 
 With hat functions forces jump where particles cross cells, and in the plane a node beyond a rim that a particle has
-just reached is nearly empty. For that moment it bears hardly any step, and what that does to the run is luck, with
+just reached is nearly empty. At that moment hardly any step is stable, and its effect on the run is chance, with
 short steps as with long ones: such a bound is not ``certain``.
 
 A run's own margin comes from its kernels, which need something cheaper than eigenvalues: Gershgorin's circles about
@@ -31,21 +31,21 @@ from solvers.message import Message
 from solvers.scene.linear_stability import MIN_MASS_SHARE, longest_step
 from solvers.scene.remedies import PIECES
 
-SAFE = 0.9  # of the bound
+SAFE = 0.9  # share of the bound that ``--dt auto`` takes
 AT_ONCE = 1e-30  # seconds: an end that every scene may have; a default one takes too many steps where material is stiff
 SHARE = {"mpm": 0.88, "ugimp": 0.88}  # of the bound along the exact motion, with weights that move with the particles
-#: By how much less a run bears for each unit of stretch beyond 2: boxes that follow the stretch alone tear in shear.
+#: Reduction of the bound per unit of stretch beyond 2: boxes that follow the stretch alone tear in shear.
 EXCESS = {"cpdi": 0.06, "mpm": 0.06, "ugimp": 0.08, "bspline": 0.08, "cpgimp": 0.25, "cpgimp-v": 0.25}
-#: The same with weights that never move, from a stretch of 3.5 on: their stiffness goes with the inverse of F, in which
-#: what a run's F is off is much; of hats, with single particles at a rim, the most. Chosen on 100 vortices to A = 1.1.
+#: The same with frozen weights, from a stretch of 3.5 on: their stiffness depends on the inverse of F, which amplifies
+#: errors of F, most with hats and single particles at a rim. Chosen on 100 vortices up to A = 1.1.
 FROZEN_FROM, FROZEN_EXCESS = 3.5, {"mpm": 1.5}
 OTHER_FROZEN_EXCESS = 0.5
 MOMENTS, MOMENTS_OF_HATS = 9, 17  # with hats a node at a rim that was just reached is nearly empty, for a moment
 
 
 class StepBound(NamedTuple):
-    """The longest step for a motion, in seconds: what a run bears, and the exact motion by linear theory; what the
-    circles say at its hardest moment; and whether every moment is like those that were looked at."""
+    """Longest stable steps of a motion, in s: of a run, of the exact motion by linear theory, and by Gershgorin's
+    circles at its hardest moment; ``certain`` is False where the bound may be lower between the moments evaluated."""
 
     longest: float
     linear: float
@@ -53,33 +53,34 @@ class StepBound(NamedTuple):
     certain: bool = True
 
     def on_cells(self, size: float) -> "StepBound":
-        """The same on cells so many times as large."""
+        """Returns the same bound for cells ``size`` times as large."""
         return StepBound(size * self.longest, size * self.linear, size * self.circles, self.certain)
 
 
 def motion_parts(scene: Any) -> np.ndarray:
-    """Moments of the motion from one extreme, 0, to the other, 1, at which it is looked at."""
+    """Returns the moments (n,) of the motion that are evaluated, from one extreme, 0, to the other, 1."""
     momentary = scene.method == "mpm" and scene.DIMENSIONS > 1 and not scene.frozen
     return np.linspace(0, 1, MOMENTS_OF_HATS if momentary else MOMENTS)
 
 
 def motion_bound(scene: Any, limits: np.ndarray, seconds: float, stretch: float, circles: float,
                  crossed: bool = False) -> StepBound:
-    """The bound of a motion from one extreme to the other in so many ``seconds``, whose ``limits`` are known at the
-    ``motion_parts``, whose largest ``stretch`` this is, and at whose hardest moment the ``circles`` say this;
-    ``crossed`` says whether a particle is in another cell at one moment than at another, in the plane."""
+    """Returns the bound of a motion that takes ``seconds`` from one extreme to the other, from its ``limits`` in s at
+    the ``motion_parts``, its largest ``stretch`` and the bound of the ``circles`` at its hardest moment; ``crossed`` is
+    whether, in the plane, a particle is in different cells at different moments."""
     if scene.frozen or PIECES in scene.remedies:  # nothing crosses a cell
         found = longest_step(limits, seconds)
         excess = FROZEN_EXCESS.get(scene.method, OTHER_FROZEN_EXCESS) * max(0.0, stretch - FROZEN_FROM)
         return StepBound(found / (1 + excess), found, circles)
-    # Of hats the least: how empty nodes are between two moments is not known.
+    # The smallest for hats: how empty nodes are between two moments is unknown.
     found = float(limits.min()) if scene.method == "mpm" else longest_step(limits, seconds)
     less = SHARE.get(scene.method, 1.0) / (1 + EXCESS[scene.method] * max(0.0, stretch - 2))
     return StepBound(less * found, found, circles, scene.method != "mpm" or not crossed)
 
 
 def circle_bound(nodes: np.ndarray, gradients: np.ndarray, stiffness: np.ndarray, mass: np.ndarray) -> float:
-    """The bound in seconds: ``nodes`` and |grad S| at them (P, K), k V of each particle (P,), the nodes' mass (N,)."""
+    """Returns the bound in s. ``nodes`` and ``gradients`` |grad S| are (P, K), ``stiffness`` k V of each particle (P,),
+    ``mass`` of the nodes (N,)."""
     carries = mass > MIN_MASS_SHARE * mass.max()
     scaled = np.where(carries[nodes], gradients / np.sqrt(np.where(carries, mass, 1.0))[nodes], 0.0)
     rows = np.bincount(nodes.ravel(), (stiffness[:, None] * scaled.sum(axis=1)[:, None] * scaled).ravel(), len(mass))
@@ -87,8 +88,8 @@ def circle_bound(nodes: np.ndarray, gradients: np.ndarray, stiffness: np.ndarray
 
 
 def stencil(method: str, position: np.ndarray, half_width: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """First of three nodes (P,), weights and slopes in 1/cell there (P, 3), as ``solvers.kernels.shape_functions``, in
-    numpy.
+    """Returns the first of three nodes (P,), their weights and slopes in 1/cell (P, 3), as
+    ``solvers.kernels.shape_functions`` in numpy.
 
     Positions and half widths (P,) in cells. A weight is the mean of the hat over the domain, its slope the hat's
     difference over the domain.
@@ -110,14 +111,14 @@ def _hat(s: np.ndarray) -> np.ndarray:
 
 
 def _hat_integral(s: np.ndarray) -> np.ndarray:
-    """The integral of the hat from minus infinity to s."""
+    """Returns the integral of the hat from minus infinity to s."""
     s = np.clip(s, -1.0, 1.0)
     return np.where(s < 0, 0.5 * (1 + s) ** 2, 1 - 0.5 * (1 - s) ** 2)
 
 
-@functools.lru_cache(maxsize=256)  # asked for at every turn of a live run, by way of the automatic step
+@functools.lru_cache(maxsize=256)  # a live run needs it in each loop, for the automatic step
 def scene_step_bound(scene: Any) -> StepBound:
-    """The bound for the motion that a scene has ahead, whatever its own step, end and watchers are."""
+    """Returns the bound for the motion of a scene, whatever its own step, end, estimators and effects are."""
     return _motion_step_bound(replace(scene, dt=None, cfl=None, t_end=AT_ONCE, periods=None, sample_every=None,
                                       estimators=(), effects=()))
 
@@ -128,7 +129,7 @@ def _motion_step_bound(scene: Any) -> StepBound:
 
 
 def step_warnings(scene: Any) -> list[str]:
-    """Sentences about what a scene's own step will surprise with."""
+    """Returns sentences about a scene's own step that may surprise."""
     bound, dt = scene_step_bound(scene), scene.time_step
     if dt > bound.longest:
         return [Message("time step {dt:.3g} s (cfl {courant_number:.2g}): above the stability bound of {most:.3g} s "
@@ -142,8 +143,8 @@ def step_warnings(scene: Any) -> list[str]:
 
 
 def margin_unit(scene: Any) -> float:
-    """What a step over the circles is to be multiplied with to be, at the hardest moment of the motion ahead, the step
-    over what linear theory gives for it; 1 where no margin is asked for."""
+    """Returns the factor from step over circles to step over the linear-theory bound, at the hardest moment of the
+    motion ahead; 1 where no margin is requested."""
     if not scene.has("margin"):
         return 1.0
     bound = scene_step_bound(scene)

@@ -1,4 +1,4 @@
-"""What scenes share whose displacement may be typed, as formulas in place of the built-in one."""
+"""Base class of scenes whose displacement can be typed as formulas in place of the built-in one."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from solvers.motion.formula import FormulaError
 from solvers.motion.typed_motion import LineMotionInputs, PlaneMotionInputs, find_period, parse_motion
 from solvers.scene.validation import SceneError, require_number
 
-TYPED = "typed"  # what is compiled of such a motion where that depends on it: whatever the formula
+TYPED = "typed"  # the compile-time option of such a motion, whatever the formula
 
 if TYPE_CHECKING:
     from solvers.scene.scene import Scene
@@ -20,7 +20,7 @@ else:
 
 
 class TypedMotionScene(Scene):
-    """A scene with a field ``displacement``, "" for the built-in one."""
+    """Scene with a field ``displacement``, "" for the built-in one."""
 
     TYPED_TITLE: ClassVar[str]
     displacement: Any
@@ -28,21 +28,21 @@ class TypedMotionScene(Scene):
     @property
     @abstractmethod
     def motion_inputs(self) -> PlaneMotionInputs | LineMotionInputs:
-        """What its typed motion is made of."""
+        """Parameters of its typed motion."""
 
     @property
     def base_frequency(self) -> float:
-        """w in 1/s: pi over the time in which a bar's sound crosses a metre."""
+        """Angular frequency w in 1/s: pi over the time in which a wave in a bar travels one metre."""
         return math.pi * math.sqrt(self.modulus / self.density)
 
     @property
     def typed_solution(self) -> Any:
-        """What follows from what was typed, as functions."""
+        """Exact solution of the typed motion."""
         return self.motion_inputs.solution(self.displacement)
 
     @functools.cached_property
     def typed_frequency(self) -> float:
-        """That after which what was typed comes back, in 1/s."""
+        """Angular frequency of the typed motion, in 1/s."""
         return 2 * math.pi / find_period(self.displacement, self.motion_inputs)
 
     @property
@@ -54,7 +54,7 @@ class TypedMotionScene(Scene):
         return () if self.displacement and "A" not in self.displacement else super().moved_by
 
     def _normalized(self) -> dict[str, Any]:
-        """With the formula as it is written into links."""
+        """Returns inputs in their normal form, the formula as in links."""
         if not isinstance(self.displacement, str):
             raise SceneError("displacement", self.displacement, "is no text; give formulas such as "
                                                                 "0.02*sin(2*pi*X)*sin(w*t)")
@@ -71,7 +71,7 @@ class TypedMotionScene(Scene):
 
     def _check_time(self) -> None:
         try:
-            float(self.typed_frequency if self.displacement else 1.0)  # is looked for in what was typed
+            float(self.typed_frequency if self.displacement else 1.0)  # fails where the formula has no period
         except FormulaError as error:
             raise SceneError("displacement", self.displacement, str(error)) from None
         super()._check_time()

@@ -1,4 +1,4 @@
-"""What a value must satisfy to be an input of a scene, and the one sentence that says so where it does not."""
+"""Validation of a scene's inputs, with one sentence for each that is invalid."""
 
 import math
 import sys
@@ -10,45 +10,45 @@ from solvers.message import Message
 from solvers.untrusted import number_parsing, quoting
 
 KEYS = {"estimators": "estimator"}  # where a field's name and its key in the JSON object differ
-#: Other words for a field, which flags and links may use.
+#: Synonyms of fields, which flags and links may use.
 SYNONYMS = {"estimator": "estimators", "estimate": "estimators", "effect": "effects", "diagnostic": "effects",
             "diagnostics": "effects", "remedy": "remedies", "stabilisation": "remedies", "stabilisations": "remedies"}
 
 
 class SceneError(ValueError):
-    """A value that no run can have. ``field`` names the input, ``sentence`` says what is wrong and allowed."""
+    """Error for an input that no run can have. ``field`` names the input, ``sentence`` describes it."""
 
     def __init__(self, field: str, value: object, sentence: str, /, *values: object):
         message = Message(sentence, *values)
         self.field, self.value, self.sentence = field, value, quoting.one_line(message)
-        # A number that came as text stands in its quotes, without which it would look like the number.
+        # A number given as text is shown in quotes, to distinguish it from the number.
         shown = repr(value) if isinstance(value, str) and number_parsing.is_number(value) else value
         super().__init__(quoting.one_line(Message("{field} {value}: {message}", field_label(field),
                                                   quoting.quote(shown), message)))
 
 
 def field_key(field: str) -> str:
-    """The name of a field in the JSON object: ``estimators`` is ``estimator``."""
+    """Returns the key of a field in the JSON object: ``estimators`` is ``estimator``."""
     return KEYS.get(field, field)
 
 
 def key_field(key: str) -> str:
-    """The field that a key of the JSON object, or one of its synonyms, stands for."""
+    """Returns the field that a key of the JSON object, or one of its synonyms, stands for."""
     return SYNONYMS.get(key, key)
 
 
 def field_flag(field: str) -> str:
-    """The name of a field's flag: ``body_force`` is ``body-force``."""
+    """Returns the name of a field's flag: ``body_force`` is ``body-force``."""
     return field_key(field).replace("_", "-")
 
 
 def field_label(field: str) -> str:
-    """The name of a field as a person reads it: ``body_force`` is ``body force``."""
+    """Returns the name of a field for people: ``body_force`` is ``body force``."""
     return Message(field_key(field).replace("_", " "))
 
 
 def require_choice(field: str, value: object, allowed: tuple[str, ...], also: str = "") -> None:
-    """:class:`SceneError` for anything but an allowed name; ``also`` is named in its sentence too."""
+    """Raises :class:`SceneError` for anything but an allowed name; its sentence lists ``also`` too."""
     if value not in allowed:
         names = ", ".join((*allowed, also) if also else allowed)
         near = quoting.suggest_word(value, allowed) if isinstance(value, str) else ""
@@ -57,8 +57,8 @@ def require_choice(field: str, value: object, allowed: tuple[str, ...], also: st
 
 
 def normalized(scene: Any, lists: tuple[str, ...]) -> dict[str, Any]:
-    """Inputs of a scene as they are meant: it must be hashable, numbers of NumPy are numbers, and in its ``lists`` one
-    text holds several names, and names that begin with + are added to the default."""
+    """Returns the inputs of a scene that are replaced: NumPy scalars become Python numbers, and in the fields called
+    ``lists`` a text becomes a tuple of names; names that begin with + are added to the default."""
     given = {name: getattr(scene, name) for name in scene.__dataclass_fields__}
     return {name: value.item() for name, value in given.items() if isinstance(value, np.generic)} | {
         name: _names_in_order(name, given[name], scene.__dataclass_fields__[name].default) for name in lists}
@@ -76,7 +76,7 @@ def _names_in_order(field: str, given: Any, default: tuple[str, ...]) -> Any:
 
 
 def require_names(field: str, chosen: object, allowed: tuple[str, ...]) -> None:
-    """:class:`SceneError` for anything but a tuple of allowed names, each once."""
+    """Raises :class:`SceneError` for anything but a tuple of allowed names, each once."""
     if not isinstance(chosen, tuple):
         raise SceneError(field, chosen, "give a list of names out of {allowed}", ", ".join((*allowed, "none")))
     for item in chosen:
@@ -86,14 +86,14 @@ def require_names(field: str, chosen: object, allowed: tuple[str, ...]) -> None:
 
 
 def require_whole(field: str, value: object, least: int, most: int) -> None:
-    """:class:`SceneError` for anything but a whole number from ``least`` to ``most``."""
+    """Raises :class:`SceneError` for anything but a whole number from ``least`` to ``most``."""
     if isinstance(value, bool) or not isinstance(value, int) or not least <= value <= most:
         raise SceneError(field, value, "give a whole number from {least:,} to {most:,}", least, most)
 
 
 def require_number(field: str, value: object, above: float, most: float, allowed: str = "") -> None:
-    """:class:`SceneError` for anything but a number above ``above`` and up to ``most``; ``allowed`` says so in other
-    words."""
+    """Raises :class:`SceneError` for anything but a number above ``above`` and up to ``most``; ``allowed`` is the
+    hint."""
     if isinstance(value, bool) or not isinstance(value, (int, float)) or not abs(value) <= sys.float_info.max \
             or not above < value <= most:  # also NaN, infinity, and integers beyond all floats
         upper = "" if math.isinf(most) else Message(" and up to {most:g}", most)

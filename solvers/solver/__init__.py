@@ -1,1 +1,1 @@
-"""What a solver is to everybody else, whatever the problem: its state, samples, verdict and result."""
+"""Interface of a solver, independent of the problem: its state, samples, verdict and result."""

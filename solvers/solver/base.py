@@ -1,4 +1,4 @@
-"""What every problem's solver shares: stepping, sampling and saying why a run stopped."""
+"""Base class of every problem's solver: stepping, sampling, and the reason why a run stopped."""
 
 import functools
 from abc import ABC, abstractmethod
@@ -21,9 +21,9 @@ from solvers.solver.state_arrays import Diagnostics
 from solvers.solver.step_breakdown import StepBreakdown
 from solvers.solver.verdict_basis import LargeRelativeError, warning
 
-STEP, MEASURE, REPORT = 0, 1, 2  # what a launch is for
+STEP, MEASURE, REPORT = 0, 1, 2  # purpose of a launch
 NO_LARGE_ERRORS: Mapping[str, LargeRelativeError] = {}
-SOUND, INVERTED, CRUSHED, ESCAPED = 0, 1, 2, 3  # the first number of a verdict
+SOUND, INVERTED, CRUSHED, ESCAPED = 0, 1, 2, 3  # first number of a verdict
 
 
 class Solver(ABC):
@@ -39,14 +39,14 @@ class Solver(ABC):
     STATE: ClassVar[type[Diagnostics]]
     STEP_BREAKDOWN: Any  # the problem's module of this name
     _arrays: Diagnostics
-    _stepping: Any  # what launches the kernels on them: such as ``solvers.solver.run_loop.SerialStepper``
+    _stepping: Any  # launches the kernels on them, such as ``solvers.solver.run_loop.SerialStepper``
     _switches: KernelOptions
 
     def __init__(self, scene: Scene):
         self.scene = scene
         self.step = 0
         self.arch = ""
-        self.setup_seconds = 0.0  # that it took to put particles and estimators in place
+        self.setup_seconds = 0.0  # time to place particles and set up estimators
         self.threads = 1
 
     @property
@@ -55,31 +55,31 @@ class Solver(ABC):
 
     @property
     def bytes(self) -> int:
-        """Memory of all arrays."""
+        """Memory of all arrays, in bytes."""
         return sum(a.nbytes for a in self._arrays.members().values() if isinstance(a, np.ndarray))
 
     @property
     def sound(self) -> bool:
-        """False once a check has found the run gone bad."""
+        """Whether no check has found the run unstable."""
         return self._arrays.verdict[0] == SOUND
 
     @property
     def longest_advance(self) -> int:
-        """Steps that one :meth:`advance` may take before its samples have to be collected."""
+        """Number of steps that one :meth:`advance` may take before its samples have to be collected."""
         return (MAX_ROWS - 1) * self.scene.sample_interval
 
     def compile(self) -> None:
-        """Compile (or load from the cache) the kernels of this scene, without stepping."""
+        """Compiles (or loads from the cache) the kernels of this scene, without stepping."""
         self._run(0)
         self._stepping.compile()
         if self.scene.has("margin"):
             self._stepping.find_margin()
 
     def advance(self, steps: int) -> np.ndarray:
-        """Take steps.
+        """Takes steps.
 
-        A run that goes bad stops where it was noticed; :attr:`sound` and :meth:`reason` tell. With the margin of
-        the step asked for, stretches end where it is looked at, so that a run is the same however its steps are taken.
+        An unstable run stops where it was noticed; see :attr:`sound` and :meth:`reason`. If the step margin is
+        requested, launches end at the steps where it is evaluated, so that calls of any length give the same run.
 
         Parameters
         ----------
@@ -89,7 +89,7 @@ class Solver(ABC):
         Returns
         -------
         (n, columns) array
-            The rows of samples (``solvers.solver.samples``) taken on the way.
+            Rows of samples (``solvers.solver.samples``) taken on the way.
         """
         interval, end, rows = self.scene.margin_interval, self.step + steps, []
         while True:
@@ -99,7 +99,7 @@ class Solver(ABC):
                 return np.concatenate(rows) if len(rows) > 1 else rows[0]
 
     def _launch(self, steps: int) -> np.ndarray:
-        """Take steps in one launch or as many as the plan needs."""
+        """Takes steps in one launch, or in as many as the plan needs; returns the rows of samples."""
         interval, before = self.scene.sample_interval, self.step
         self._run(steps)
         self.step = self.step + steps if self.sound else int(self._arrays.verdict[1])
@@ -107,7 +107,7 @@ class Solver(ABC):
         return self._with_margin(rows) if self.step % self.scene.margin_interval == 0 else rows
 
     def break_down(self, particle: int) -> tuple[np.ndarray, StepBreakdown]:
-        """Take one ordinary step around a particle (its number); return its rows of samples and what it did there."""
+        """Takes one ordinary step; returns its rows of samples and its details around the particle with this number."""
         self._stepping.fetch()
         before = self.STEP_BREAKDOWN.particle_state(self.scene, self._arrays)
         rows = self.advance(1)
@@ -115,43 +115,43 @@ class Solver(ABC):
         return rows, self.STEP_BREAKDOWN.breakdown(self.scene, self._arrays, particle, self.step, before)
 
     def measure(self) -> np.ndarray:
-        """Check the state and sample it now: one row (1, columns)."""
+        """Checks and samples the state: returns one row (1, columns)."""
         self._stepping.look(self.step, MEASURE)
         return self._with_margin(self._arrays.samples[:1].copy())
 
     def _with_margin(self, rows: np.ndarray) -> np.ndarray:
-        """The rows of samples, the last with the margin of the step, if that is asked for."""
+        """Returns the rows of samples, with the step margin in the last one if it is requested."""
         if len(rows) and self.scene.has("margin"):
             self._stepping.find_margin()
             rows[-1, MARGIN] = self._arrays.step_margin[0]
         return rows
 
     def not_valid(self) -> dict[str, str]:
-        """The estimators that do not hold in this run, each with a sentence: known beforehand or found out."""
+        """Returns the estimators that do not hold in this run, each with a sentence: known before or by the run."""
         found = {name: self.HOOKS[name].verdict(self.scene, self._memory) for name in self.scene.active_estimators}
         return {**self.scene.not_valid, **{name: reason for name, reason in found.items() if reason}}
 
     @functools.cached_property
     def _memory(self) -> dict[str, np.ndarray]:
-        """The estimators' arrays: views of those that the kernels write to."""
+        """Arrays of the estimators by name: views of those that the kernels write to."""
         return unpack_arrays(self.HOOKS, self._arrays.memory)
 
     @property
     def estimate_intervals(self) -> tuple[int, ...]:
-        """Steps between two steps of each active estimator."""
+        """Number of run steps between two steps of each active estimator."""
         return tuple(int(n) for n in self._arrays.estimate_intervals[:len(self.scene.active_estimators)])
 
     def bookmark(self) -> Callable[[], None]:
-        """Remember the present state; calling what this returns puts it back, to the bit, any number of times."""
+        """Saves the present state; returns a function that restores it, to the bit, any number of times."""
         return functools.partial(self.restore, *self.state())
 
     def state(self) -> tuple[int, dict[str, np.ndarray]]:
-        """The step and copies of all arrays: what another solver of the same scene needs to go on from here."""
+        """Returns the step and copies of all arrays, with which another solver of the same scene can continue."""
         self._stepping.fetch()
         return self.step, {name: a.copy() for name, a in self._arrays.members().items() if isinstance(a, np.ndarray)}
 
     def restore(self, step: int, arrays: Mapping[str, np.ndarray]) -> None:
-        """Take over the :meth:`state` of a solver of the same scene, to the bit."""
+        """Restores the :meth:`state` of a solver of the same scene, to the bit."""
         members = self._arrays.members()
         for name, values in arrays.items():
             members[name][...] = values
@@ -159,7 +159,7 @@ class Solver(ABC):
         self.step = step
 
     def without_estimators(self) -> "Solver":
-        """Another solver, of the same scene without estimators, in the present state."""
+        """Returns another solver for the same scene without estimators, in the present state."""
         self._stepping.fetch()
         other = type(self)(replace(self.scene, estimators=(), sample_every=self.scene.sample_interval))
         own, theirs = self._arrays.members(), other._arrays.members()
@@ -172,11 +172,11 @@ class Solver(ABC):
         return other
 
     def leave_out(self, estimator: str) -> None:
-        """Run no more of an active estimator, for timings; putting a bookmarked state back brings it back."""
+        """Stops an active estimator, for timings; restoring a bookmarked state starts it again."""
         self._arrays.estimate_intervals[self.scene.active_estimators.index(estimator)] = NEVER
 
     def reason(self) -> str:
-        """Why the run stopped, and what to change, in one sentence."""
+        """Returns in one sentence why the run stopped, and what to change."""
         kind, step, p = (int(n) for n in self._arrays.verdict)
         what = {INVERTED: Message("turned inside out (its deformation gradient fell to zero or is not a number)"),
                 CRUSHED: Message("was crushed to less than a thousandth of its size"),
@@ -186,15 +186,15 @@ class Solver(ABC):
 
     def status(self, finding: Finding | None,
                as_large: Mapping[str, LargeRelativeError] = NO_LARGE_ERRORS) -> tuple[str, str | None, float | None]:
-        """Whether the run is "ok", "unstable" or "lost" if this was found, a sentence, and the time in s since when. A
-        run that is ok has a sentence too where the errors of quantities are ``as_large`` as these."""
+        """Returns "ok", "unstable" or "lost" for this ``finding``, a sentence or None, and the time in s since when. A
+        run that is ok has a sentence too where errors are ``as_large`` as their quantities."""
         since = None if finding is None else finding.time
         if not self.sound:
             return UNSTABLE, self.reason(), self.time if since is None else since
         return (OK, warning(as_large), None) if finding is None else (LOST, self.loss_sentence(finding), since)
 
     def loss_sentence(self, finding: Finding) -> str:
-        """From when on the run is lost, where it shows most, why, and what to change, in one sentence."""
+        """Returns in one sentence when the run was lost, where most, why, and what to change."""
         where = "" if finding.particle is None else \
             Message(", most at particle {particle} (X = {particle2})", finding.particle,
                     self._position_text(finding.particle))
@@ -205,7 +205,7 @@ class Solver(ABC):
         return ", ".join(f"{x:.4f}" for x in np.atleast_1d(self._arrays.members()["material_position"][particle]))
 
     def _advice(self) -> str:
-        """What to change: the likeliest cause first."""
+        """Returns what to change, for the likeliest cause."""
         scene = self.scene
         lonely = scene.ppc == 1 and not scene.linearity_preserving and not scene.frozen
         if scene.time_step > SAFE * scene.step_bound:
@@ -220,32 +220,32 @@ class Solver(ABC):
 
     @abstractmethod
     def snapshot(self, differences: bool = False, plotted: str | None = None) -> Snapshot:
-        """The particles as they are now, with their true and estimated errors.
+        """Returns the particles as they are now, with their true and estimated errors.
 
         Parameters
         ----------
         differences
-            Whether to say how far these differ, too.
+            Whether to include the differences between these.
         plotted
-            Key of the quantity (``samples.QUANTITIES``) whose field is wanted.
+            Key of the quantity (``samples.QUANTITIES``) whose field is included.
         """
 
     @abstractmethod
     def plotted(self, quantity: str) -> np.ndarray:
-        """The field of one quantity (its key) now, as a snapshot has it: ``Snapshot.plotted`` (P, 2)."""
+        """Returns the present field of one quantity (its key), as in ``Snapshot.plotted`` (P, 2)."""
 
     @abstractmethod
     def fields(self) -> Fields:
-        """All that the particles are now, and the signed errors of it that are known or estimated."""
+        """Returns all present fields of the particles, and their known or estimated signed errors."""
 
     def _run(self, steps: int) -> None:
-        """Launch the kernels for ``steps`` steps from ``self.step``."""
+        """Launches the kernels for ``steps`` steps from ``self.step``."""
         self._stepping.run(self.step, steps)
 
     @abstractmethod
     def _escape_sentence(self) -> str:
-        """What a particle did that is where it cannot be."""
+        """Returns the description of a particle outside the allowed region, as part of a sentence."""
 
     @abstractmethod
     def _other_advice(self) -> str:
-        """What to change when the step is short enough and the cause is none of the usual ones."""
+        """Returns what to change when the step is short enough and the cause is none of the usual ones."""

@@ -1,8 +1,7 @@
-"""A step with nothing optional in it, to compare rates with.
+"""A step without anything optional, as a baseline for speed.
 
-The phases of the method by themselves, with every effect off, without the memory of estimators, without samples; the
-look for a run gone bad stays, for that is no effect. The bench measures the solver against it, and a test that both
-give the same numbers.
+The bare phases of the method: all effects off, no memory of estimators, no samples; only the check for an unstable run
+remains, which is no effect. The benchmark compares the solver with it, and a test checks that they agree.
 """
 
 import functools
@@ -19,7 +18,7 @@ from solvers.solver.state_arrays import Diagnostics
 
 @functools.cache
 def baseline(Own: type[Solver]) -> type[Solver]:
-    """A problem's own solver with the baseline step; its rows of samples hold nothing."""
+    """Returns a subclass of a problem's solver with the baseline step; its rows of samples are empty."""
     phases, watching = Own.PHASES, Diagnostics.types().keys() - {"farthest", "verdict"}
     types = {name: kind for name, kind in Own.STATE.types().items() if name not in watching}
     State = ti.types.argpack(**types)

@@ -1,4 +1,4 @@
-"""The error budget of a run, from its series: the share of each cause in the error (``solvers.solver.samples``)."""
+"""Error budget of a run, from its series: the share of each cause in the error (``solvers.solver.samples``)."""
 
 from collections.abc import Mapping
 
@@ -8,18 +8,18 @@ from solvers.message import Message
 from solvers.scene.error_causes import CAUSES, FIELDS
 from solvers.solver.error_norms import IGNORE_OVERFLOW, finite
 
-#: The causes' errors, in sizes of the error itself, up to which shares say who made it. Of 600 random runs, three
-#: causes taken away from each (``tests.budget``), up to 3 the budget predicted what was left of x, v and F to 0.15 of
-#: the error before in 97 % of the cases, from 3 to 10 in 94 %, and beyond in 50 %, where it missed by many times
-#: the error (``assets/budget.md``). 3 is on the safe side: shares of parts that cancel are hard to read, too.
+#: The largest :func:`cancellation` at which shares are meaningful. In 600 random runs, each with three causes removed
+#: in turn (``tests.budget``), the budget predicted the remaining errors of x, v and F to 0.15 of the original error in
+#: 97 % of the cases up to 3, in 94 % from 3 to 10, and in 50 % beyond, where it was wrong by many times the error
+#: (``assets/budget.md``). 3 is on the safe side: shares of parts that cancel are also hard to interpret.
 MOST_CANCELLED = 3.0
-ROUND_OFF = 1e-12  # m: an error of x up to which it may be that of the last digits, of numbers up to some metres
+ROUND_OFF = 1e-12  # m: an error of x up to this size may be round-off
 
 
 @IGNORE_OVERFLOW
 def shares(series: Mapping[str, np.ndarray], field: str) -> dict[str, float | None]:
-    """Of each cause, sum over samples of mean(e_c e) over that of mean(e^2): they add up to 1, and one that makes the
-    error smaller is below 0. None without error."""
+    """Returns for each cause the sum over samples of mean(e_c e) over that of mean(e^2). They add up to 1; a negative
+    share reduces the error. None without error."""
     error = series[f"budget/error_{field}"]
     known = np.isfinite(error)
     total = float(np.sum(error[known] ** 2))
@@ -29,25 +29,25 @@ def shares(series: Mapping[str, np.ndarray], field: str) -> dict[str, float | No
 
 @IGNORE_OVERFLOW
 def final_parts(series: Mapping[str, np.ndarray], field: str) -> dict[str, float | None]:
-    """The part of the RMS error at the end that each cause has made, in the field's unit: they add up to it."""
+    """Returns each cause's part of the RMS error at the end, in the field's unit; they add up to it."""
     return {cause: finite(series[f"budget/part_{field}_{cause}"][-1]) for cause in CAUSES}
 
 
 @IGNORE_OVERFLOW
 def rms(series: Mapping[str, np.ndarray], field: str, without: str | None = None) -> float | None:
-    """RMS over particles and samples of the error of a field; or of what would be left of it ``without`` a cause, as
-    the budget predicts: e - e_c, of which the mean square is e^2 - 2 e_c e + e_c^2."""
+    """Returns the RMS over particles and samples of a field's error; with ``without``, what the budget predicts for a
+    run without that cause: e - e_c, with the mean square e^2 - 2 e_c e + e_c^2."""
     error = series[f"budget/error_{field}"]
     squares = error**2
     if without is not None:
         squares = squares - 2 * series[f"budget/part_{field}_{without}"] * error \
             + series[f"budget/size_{field}_{without}"] ** 2
-    return finite(float(np.sqrt(np.maximum(np.mean(squares), 0.0))))  # rounding may leave a little less than nothing
+    return finite(float(np.sqrt(np.maximum(np.mean(squares), 0.0))))  # rounding may make it slightly negative
 
 
 @IGNORE_OVERFLOW
 def cancellation(series: Mapping[str, np.ndarray], field: str) -> float:
-    """The causes' errors together, in sizes of the error itself, both RMS over the run: 1 where all pull one way."""
+    """Returns the RMS over the run of all causes' errors, over that of the error itself: 1 where nothing cancels."""
     error = np.sqrt(np.mean(series[f"budget/error_{field}"] ** 2))
     causes = sum(np.sqrt(np.mean(series[f"budget/size_{field}_{cause}"] ** 2)) for cause in CAUSES)
     return 0.0 if error == 0 else float(causes / error)
@@ -55,7 +55,7 @@ def cancellation(series: Mapping[str, np.ndarray], field: str) -> float:
 
 @IGNORE_OVERFLOW
 def why_not_valid(series: Mapping[str, np.ndarray]) -> str | None:
-    """Why shares say nothing of this run, as a sentence, or None."""
+    """Returns why shares are meaningless for this run, as a sentence, or None."""
     if np.sqrt(np.mean(series["budget/error_x"] ** 2)) <= ROUND_OFF:
         return Message("not valid here: the error is only round-off and has no cause")
     worst = {field: cancellation(series, field) for field in FIELDS}
@@ -70,9 +70,9 @@ def why_not_valid(series: Mapping[str, np.ndarray]) -> str | None:
 
 
 def summary(series: Mapping[str, np.ndarray], reference: str) -> dict:
-    """The budget as it stands in results: shares by field and cause, ``at_end`` the parts of the RMS error at the end,
-    ``rms`` the error over the run and ``predicted`` what would be left of it without each cause, the ``reference``
-    ("exact" or "companion"), and ``not_valid``, a sentence or None."""
+    """Returns the budget as in results: shares by field and cause, ``at_end`` the parts of the RMS error at the end,
+    ``rms`` the error over the run and ``predicted`` that without each cause, the ``reference`` ("exact" or
+    "companion"), and ``not_valid``, a sentence or None."""
     return {**{field: shares(series, field) for field in FIELDS},
             "at_end": {field: final_parts(series, field) for field in FIELDS},
             "rms": {field: rms(series, field) for field in FIELDS},

@@ -1,8 +1,8 @@
-"""Which GPU there is to run on, found out without risk.
+"""Safe detection of GPUs.
 
-Asking for one can take a process down (a driver without its device, a machine without a display), and Taichi falls back
-to the processor with no more than a warning. So a process of its own asks, once for each kind of GPU, and shows by a
-small sum that double precision and its atomic additions work there; whoever started it remembers the answer.
+A probe can crash its process (a driver without its device, a machine without a display), and Taichi falls back to the
+CPU with no more than a warning. So a separate process probes, once for each kind of GPU, and computes a small sum to
+check double precision and its atomic additions there; the result is cached.
 """
 
 import contextlib
@@ -24,14 +24,14 @@ CPU, GPU = "cpu", "gpu"
 KINDS = ("cuda", "vulkan")  # in the order in which "gpu" takes them
 TITLES = {"cuda": "CUDA", "vulkan": "Vulkan"}
 TIMEOUT = 60.0  # seconds
-SOFTWARE_DEVICES = ("llvmpipe", "lavapipe", "swiftshader")  # names of what only plays a GPU, on the processor
+SOFTWARE_DEVICES = ("llvmpipe", "lavapipe", "swiftshader")  # names of GPUs emulated on the CPU
 TERMS = 1000  # of the sum
-ROUNDING = 1e-12  # that it may be off: TERMS roundings of numbers below 8, at most 9e-16 each
+ROUNDING = 1e-12  # tolerance of the sum: TERMS roundings of numbers below 8, at most 9e-16 each
 
 
 def resolve_arch(arch: str) -> str:
-    """Where a run with this ``arch`` is: "cpu", "cuda" or "vulkan". ``gpu`` is the first of these GPUs that is there,
-    or else the processor; one that is asked for by name and is not there is a :class:`SceneError`."""
+    """Returns where a run with this ``arch`` takes place: "cpu", "cuda" or "vulkan". ``gpu`` is the first of these GPUs
+    that exists, or else the CPU. Raises :class:`SceneError` for a GPU that is named and does not exist."""
     if arch == CPU:
         return CPU
     if arch == GPU:
@@ -45,8 +45,8 @@ def resolve_arch(arch: str) -> str:
 
 @functools.cache
 def probe_device(kind: str) -> dict:
-    """What there is of a kind: its ``name`` if it tells one, whether it is ``software`` on the processor, and None or
-    why it is ``missing``."""
+    """Returns for a kind of device its ``name``, if known, whether it is ``software`` on the CPU, and why it is
+    ``missing``, or None."""
     try:
         return ask_fresh(f"{__name__}:probe_in_process", {"kind": kind}, patience=TIMEOUT)
     except ProcessDied as error:
@@ -55,15 +55,15 @@ def probe_device(kind: str) -> dict:
 
 @ti.kernel
 def add_reciprocals(terms: ti.i32, total: reals):
-    """Add 1, 1/2, 1/3, ... to the total, all at once."""
+    """Adds 1, 1/2, 1/3, ... to the total, in parallel."""
     for k in range(terms):
         ti.atomic_add(total[0], 1.0 / (k + 1))
 
 
 def probe_in_process(question: dict, answer: Callable[[dict], None]) -> None:
-    """What the process does that looks for a kind."""
+    """Probes a kind of device, in a process of its own, and answers with the result."""
     kind, total = question["kind"], np.zeros(1)
-    with _capture_stderr() as told:  # where Taichi's own code writes which device it takes
+    with _capture_stderr() as told:  # where Taichi's native code writes which device it uses
         ti.init(arch=getattr(ti, kind), default_fp=ti.f64, verbose=False, log_level=ti.TRACE)
         runs = runtime.running_arch()
         if runs == kind:
@@ -77,7 +77,7 @@ def probe_in_process(question: dict, answer: Callable[[dict], None]) -> None:
 
 @contextlib.contextmanager
 def _capture_stderr() -> Iterator[Callable[[], str]]:
-    """What is written to standard error meanwhile, by native code too."""
+    """Captures what is written to standard error in the block, by native code too."""
     with tempfile.TemporaryFile() as file:
         before = os.dup(2)
         os.dup2(file.fileno(), 2)

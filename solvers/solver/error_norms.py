@@ -1,26 +1,25 @@
 """Norms of errors over a run: summaries, the paper's error index and the pointwise distance.
 
-All take series (T,) over the sampled times of a run (``solvers.solver.samples``), mostly RMS norms over particles. A
-run that went bad leaves numbers up to the largest there are, and beyond: what they add up to may be no number, which is
-None.
+All take series (T,) over the sampled times of a run (``solvers.solver.samples``), mostly RMS norms over particles. An
+unstable run leaves numbers up to the largest floats and beyond, whose sums may not be finite: the result is None.
 """
 
 import math
 
 import numpy as np
 
-#: What an estimator is judged by, and the norm that each sums over that of the truth (eq 35): an index of 1 is perfect,
-#: and so is a distance of 0. An index of 1 can hide an estimate of the right size in the wrong place; a distance, 1
-#: where the estimate is no better than silence, cannot.
+#: Measures of an estimator, each with the norm that it divides by that of the true error (eq 35). Perfect are an index
+#: of 1 and a distance of 0. An index of 1 can hide an estimate of the right size in the wrong place; a distance cannot:
+#: it is 1 where the estimate is no better than zero.
 RATIOS = {"index": "estimate", "distance": "difference"}
 
-#: Around arithmetic with what a run gone bad left.
+#: Context for arithmetic with the numbers of an unstable run.
 IGNORE_OVERFLOW = np.errstate(over="ignore", invalid="ignore", divide="ignore")
 
 
 @IGNORE_OVERFLOW
 def summary(series: np.ndarray) -> dict[str, float | None]:
-    """Sum up a series.
+    """Summarises a series.
 
     Parameters
     ----------
@@ -30,7 +29,7 @@ def summary(series: np.ndarray) -> dict[str, float | None]:
     -------
     dict
         ``final``, ``max`` and ``mean`` over the times after the start, in the series' unit; None where there is none.
-        The last two pass over what a run that went bad left unrepresentable.
+        The last two ignore what is not finite in an unstable run.
     """
     values = series[1:]
     known = values[np.isfinite(values)]
@@ -40,14 +39,14 @@ def summary(series: np.ndarray) -> dict[str, float | None]:
 
 
 def largest(values: np.ndarray) -> float | None:
-    """The largest of those that are numbers; None where none is."""
+    """Returns the largest finite value; None if there is none."""
     known = values[np.isfinite(values)]
     return float(known.max()) if len(known) else None
 
 
 @IGNORE_OVERFLOW
 def error_index(norms: np.ndarray, true: np.ndarray, rounding: float = 0.0) -> float | None:
-    """The paper's eq 35: the sum over time of norms over that of the true error's norms.
+    """Returns the ratio of eq 35: the sum over time of norms over that of the true error's norms.
 
     Parameters
     ----------
@@ -55,12 +54,12 @@ def error_index(norms: np.ndarray, true: np.ndarray, rounding: float = 0.0) -> f
         One of :data:`RATIOS`.
     true : (T,) array, in the same unit
     rounding
-        What an error must exceed once to be one (``solvers.solver.rounding``).
+        Size that the true error must exceed at least once (``solvers.solver.rounding``).
 
     Returns
     -------
     float or None
-        None where there was no error but rounding, or nothing is known of it.
+        None where the true error is only rounding, or unknown.
     """
     if is_only_rounding(true, rounding):
         return None
@@ -68,20 +67,20 @@ def error_index(norms: np.ndarray, true: np.ndarray, rounding: float = 0.0) -> f
 
 
 def is_only_rounding(true: np.ndarray, rounding: float) -> bool:
-    """Whether a true error (T,) is known and never exceeds what ``rounding`` may make."""
+    """Returns whether a true error (T,) is known and never exceeds ``rounding``."""
     return bool(np.isfinite(true).any()) and not (np.isnan(true) | (true > rounding)).any()
 
 
 class RunningIndex:
-    """The error index at each time of a run that goes on."""
+    """Effectivity index at each time of a run in progress."""
 
     def __init__(self) -> None:
         self._norms = self._true = self._excess = 0.0
 
     @IGNORE_OVERFLOW
     def extend(self, norms: np.ndarray, true: np.ndarray, rounding: np.ndarray | float = 0.0) -> np.ndarray:
-        """The index up to each of these further times (T,), from the norms at them; NaN where there is none, as long as
-        no true error has exceeded the ``rounding`` up to its time."""
+        """Returns the index at each of these further times (T,), from the norms at them; NaN as long as no true error
+        has exceeded the ``rounding`` at its time."""
         sums, true_sums = np.cumsum(norms) + self._norms, np.cumsum(true) + self._true
         self._norms, self._true = float(sums[-1]), float(true_sums[-1])
         excess = np.maximum(self._excess, np.maximum.accumulate(true - rounding))
@@ -94,5 +93,5 @@ def _sum_ratio(sums: np.ndarray, true_sums: np.ndarray) -> np.ndarray:
 
 
 def finite(value: float | None) -> float | None:
-    """JSON has no NaN: what is not a finite number is None."""
+    """Returns the value, or None where it is not finite, because JSON has no NaN."""
     return None if value is None or not math.isfinite(value) else float(value)

@@ -1,7 +1,7 @@
 """Tables of ``solvers.motion.separable_field`` for kernels: several fields of time and place in one array of quads.
 
-Of each table ``sizes`` has five facts (:data:`RANK` and the following). A series is (cos, sin, 0, 0) of each function
-of time, harmonic by harmonic, the mean first; then come the modes, and room for the functions' present values.
+``sizes`` has five entries for each table (:data:`RANK` and the following). A series is (cos, sin, 0, 0) for each
+function of time, harmonic by harmonic, the mean first; then come modes, and the functions' present values.
 """
 
 import numpy as np
@@ -11,15 +11,15 @@ from solvers.kernels.elementary_functions import cos, sin
 from solvers.motion.exact_solution import SECOND_FREQUENCY
 from solvers.motion.separable_field import SeparableField
 
-#: How many functions of time and harmonics a table has, and at which entries series, modes and present values begin.
+#: Indices in a table's sizes: numbers of functions of time and of harmonics; first entries of series, modes and values.
 RANK, HARMONICS, SERIES, MODES, PRESENT = range(5)
 SIZES_PER_TABLE = 5
-FORCE, TONE, MOTION, GRID = range(4)  # tables of a body: its force, the second tone of it, its motion, nodes' a
+FORCE, TONE, MOTION, GRID = range(4)  # tables of a body: its force, the force's second tone, its motion, nodes' a
 
 
 def pack_tables(*tables: tuple[SeparableField | None, np.ndarray | None]) -> tuple[np.ndarray, np.ndarray]:
-    """Sizes (5 n,) and entries (N, 4) of n tables, each with its modes as entries; one that is not there has rank 0.
-    The first entry is not used."""
+    """Returns sizes (5 n,) and entries (N, 4) of n tables, each given with its modes as entries; a missing one has rank
+    0. The first entry is not used."""
     sizes, parts, entries = [], [np.zeros((1, 4))], 1
     for table, modes in tables:
         if table is None or modes is None:
@@ -36,7 +36,7 @@ def pack_tables(*tables: tuple[SeparableField | None, np.ndarray | None]) -> tup
 
 
 def pair_table(table: SeparableField | None) -> tuple[SeparableField | None, np.ndarray | None]:
-    """A field of vectors whose modes lie two to an entry, of an even number of them."""
+    """Returns a field of vectors, padded to an even rank, and its modes, two in each entry."""
     if table is None:
         return None, None
     modes, series = table.modes, table.series
@@ -47,14 +47,14 @@ def pair_table(table: SeparableField | None) -> tuple[SeparableField | None, np.
 
 
 def vector_table(table: SeparableField | None) -> tuple[SeparableField | None, np.ndarray | None]:
-    """A field of vectors, a mode to an entry: (x, y, 0, 0)."""
+    """Returns a field of vectors and its modes, one in each entry: (x, y, 0, 0)."""
     if table is None:
         return None, None
     return table, np.pad(table.modes.reshape(-1, 2), ((0, 0), (0, 2)))
 
 
 def motion_entries(table: SeparableField | None) -> tuple[SeparableField | None, np.ndarray | None]:
-    """A field of u and Grad u (P, r, 6), a mode to two entries: (u_x, u_y, 0, 0) and Grad u."""
+    """Returns a field of u and Grad u (P, r, 6) and its modes, each in two entries: (u_x, u_y, 0, 0) and Grad u."""
     if table is None:
         return None, None
     return table, np.insert(table.modes.reshape(-1, 6), [2, 2], 0.0, axis=1).reshape(-1, 4)
@@ -62,13 +62,13 @@ def motion_entries(table: SeparableField | None) -> tuple[SeparableField | None,
 
 @ti.func
 def size_of(body: ti.template(), number: ti.template(), which: ti.template()):
-    """Of the sizes of a body's table."""
+    """Returns an entry of the sizes of a body's table ``number``, such as :data:`RANK`."""
     return body.table_sizes[ti.static(SIZES_PER_TABLE * number + which)]
 
 
 @ti.func
 def find_force_functions(tables: ti.template(), sizes: ti.template(), angle, on: ti.template()):
-    """The functions of time of a body force at an angle w t, of the first two tables."""
+    """Computes the functions of time of a body force at an angle w t, for the first two tables."""
     if ti.static(on.body_force != "none"):
         find_pair_functions(tables, sizes, FORCE, angle, 1.0)
     if ti.static(on.body_force == "two-tone"):
@@ -77,7 +77,7 @@ def find_force_functions(tables: ti.template(), sizes: ti.template(), angle, on:
 
 @ti.func
 def force_at(tables: ti.template(), sizes: ti.template(), place, on: ti.template()):
-    """The body force per mass at a place, at the time of the functions that were found last."""
+    """Returns the body force per mass at a place, with the functions of time computed last."""
     force = ti.Vector([0.0, 0.0])
     if ti.static(on.body_force != "none"):
         force = pair_sum(tables, sizes, FORCE, place)
@@ -88,9 +88,11 @@ def force_at(tables: ti.template(), sizes: ti.template(), place, on: ti.template
 
 @ti.func
 def find_pair_functions(tables: ti.template(), sizes: ti.template(), number: ti.template(), angle, scale):
-    """``scale`` T_k at an angle of the first harmonic, of a table of pairs: (T_2k, T_2k, T_2k+1, T_2k+1) an entry.
+    """Computes ``scale`` T_k at an angle of the first harmonic, for a table of pairs: entries (T_2k, T_2k, T_2k+1,
+    T_2k+1).
 
-    Each for itself, harmonics by recurrence: on a GPU the outermost loop is spread over threads."""
+    The functions are independent, harmonics by recurrence: on a GPU the outermost loop is spread over threads.
+    """
     base = ti.static(SIZES_PER_TABLE * number)
     rank, at, out = sizes[base + RANK], sizes[base + SERIES], sizes[base + PRESENT]
     for k in range(rank // 2):
@@ -107,7 +109,7 @@ def find_pair_functions(tables: ti.template(), sizes: ti.template(), number: ti.
 
 @ti.func
 def pair_sum(tables: ti.template(), sizes: ti.template(), number: ti.template(), place):
-    """The vector of a field of pairs at a place, with the functions that were found last."""
+    """Returns the vector of a field of pairs at a place, with the functions of time computed last."""
     base = ti.static(SIZES_PER_TABLE * number)
     pairs, modes, now = sizes[base + RANK] // 2, sizes[base + MODES], sizes[base + PRESENT]
     total = ti.Vector([0.0, 0.0, 0.0, 0.0])
@@ -118,8 +120,8 @@ def pair_sum(tables: ti.template(), sizes: ti.template(), number: ti.template(),
 
 @ti.func
 def find_functions(tables: ti.template(), sizes: ti.template(), number, frequency, now, before):
-    """(T_k, T_k', T_k'' at the angle ``before``, T_k there) of a table at the angle ``now``, of harmonics of a
-    ``frequency`` in 1/s: the acceleration that a method has is that of its last step."""
+    """Computes (T_k, T_k' at the angle ``now``, T_k'' and T_k at ``before``) of a table, with harmonics of a
+    ``frequency`` in 1/s: a method's acceleration is that of its last step."""
     base = SIZES_PER_TABLE * number
     rank, at, out = sizes[base + RANK], sizes[base + SERIES], sizes[base + PRESENT]
     for k in range(rank):

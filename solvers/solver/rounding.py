@@ -1,4 +1,4 @@
-"""How large an error may be that is nothing but rounding; beside such a one an estimate has nothing to estimate.
+"""Size of errors by rounding alone, beside which there is nothing to estimate.
 
 A step adds numbers of which each is rounded to eps/2 of itself; what is lost so adds up over n steps like a random
 walk, to some eps sqrt(n) times the size of the numbers. Of 150 patch tests and motions of 1e-12 m, those in which
@@ -19,10 +19,10 @@ LARGEST_COORDINATE = 1.0  # m: no coordinate is much larger while a body does no
 
 
 def rounding(scene: Scene, quantity: str, steps: Any) -> Any:
-    """The largest RMS error of x, v, sigma or a, in SI, that rounding alone may have made in so many ``steps``, a
-    number or an array of them."""
-    # The numbers that a step adds up: of x coordinates; of v the speeds of waves and of a drift; of sigma E, and what
-    # velocities that are rounded make of F; of a the forces at a node before they cancel.
+    """Returns the largest RMS error of x, v, sigma or a, in SI, that rounding alone may cause in ``steps`` steps, a
+    number or an array."""
+    # Numbers that a step adds up: for x coordinates; for v speeds of waves and drift; for sigma E, and the effect
+    # of rounded velocities on F; for a the forces at a node before they cancel.
     drift, stretch = scene.drift_speed, max(1.0, scene.initial_stretch)
     stress = scene.modulus * stretch * (1 + drift * scene.time_step / scene.spacing)
     largest = {"x": LARGEST_COORDINATE + drift * scene.end_time, "v": scene.wave_speed + drift, "sigma": stress,
@@ -31,5 +31,5 @@ def rounding(scene: Scene, quantity: str, steps: Any) -> Any:
 
 
 def rounding_sentence(limit: float) -> str:
-    """Why there is no index, where rounding may make errors up to ``limit``."""
+    """Returns why there is no index, where rounding may cause errors up to ``limit``."""
     return Message("nothing but rounding: the true error never exceeds {max:.2g}, which rounding alone may make", limit)

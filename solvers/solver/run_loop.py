@@ -1,4 +1,4 @@
-"""One turn of a kernel that holds a whole run on one thread: a step and what is due after it, for every problem."""
+"""One iteration of a kernel that runs on one thread: a step and what is due after it, for every problem."""
 
 from collections.abc import Callable
 from typing import Any, NamedTuple
@@ -11,24 +11,24 @@ from solvers.kernels.scalar_hoisting import hoist_scalars
 from solvers.scene.kernel_options import KernelOptions
 from solvers.solver.base import CRUSHED, ESCAPED, INVERTED, MEASURE, REPORT, SOUND, STEP
 
-CHECK_EVERY = 8  # steps between two looks for a run that has gone bad
+CHECK_EVERY = 8  # steps between two checks for an unstable run
 MIN_JACOBIAN = 1e-3  # det F below which a particle counts as crushed; the exact bar stays above 1 - 2 pi A
-NAN_JACOBIAN = -1e300  # stands for a det F that is not a number: flatter than any
+NAN_JACOBIAN = -1e300  # stands for a det F that is NaN: smaller than any other
 
 
 class Phases(NamedTuple):
-    """What a problem does in a turn, and beside it."""
+    """The parts of a problem's step, and what is evaluated beside it, as Taichi functions."""
 
     one_step: Callable  # (state, step, on)
-    check: Callable  # (state, step): stop a run that has gone bad
+    check: Callable  # (state, step): stops an unstable run
     sample: Callable  # (state, row, step, whether to look for contradictions, on)
     hooks: dict  # of its estimators
-    find_weights: Callable  # (state, on): of all particles, where they are kept
-    find_margin: Callable  # (state, on): of the step
+    find_weights: Callable  # (state, on): computes the frozen weights of all particles
+    find_margin: Callable  # (state, on): computes the step margin
 
 
 class SerialKernels(NamedTuple):
-    """The kernels of a run on one thread; ``on`` are the switches of a scene."""
+    """Kernels of a run on one thread; ``on`` are a scene's compile-time options."""
 
     advance: Any  # (start, turns, purpose, state, on)
     freeze: Any  # (state, on)
@@ -36,24 +36,24 @@ class SerialKernels(NamedTuple):
 
 
 def serial_kernels(State: Any, phases: Phases) -> SerialKernels:
-    """Those of a problem whose kernels take a ``State``."""
+    """Returns the kernels of a problem whose state has the type ``State``."""
     @ti.kernel
     def advance(start: ti.i32, turns: ti.i32, purpose: ti.i32, state: State, on: ti.template()):
-        """From step ``start`` on, ``turns`` turns for ``purpose``: see :func:`run_loop`."""
+        """Runs ``turns`` iterations from step ``start`` on, for ``purpose``: see :func:`run_loop`."""
         ti.loop_config(serialize=True)
         for turn in range(turns):
             run_loop(hoist_scalars(state), turn, start, purpose, phases, on)
 
     @ti.kernel
     def freeze(state: State, on: ti.template()):
-        """Find the weights of a body that keeps them."""
+        """Computes the weights of a body with frozen weights."""
         ti.loop_config(serialize=True)
         for _ in range(1):
             phases.find_weights(state, on)
 
     @ti.kernel
     def find_margin(state: State, on: ti.template()):
-        """Find the margin of the step, for whoever asks: a kernel of its own, for its code is long, its calls rare."""
+        """Computes the step margin, in a kernel of its own because its code is long and its calls are rare."""
         ti.loop_config(serialize=True)
         for _ in range(1):
             phases.find_margin(state, on)
@@ -62,7 +62,7 @@ def serial_kernels(State: Any, phases: Phases) -> SerialKernels:
 
 
 class SerialStepper:
-    """Steps the arrays of a ``pack`` as they are, on one thread."""
+    """Steps the arrays of a ``pack`` in place, on one thread."""
 
     def __init__(self, kernels: SerialKernels, pack: Any, on: KernelOptions):
         self.pack = pack
@@ -71,30 +71,30 @@ class SerialStepper:
             kernels.freeze(pack, on)
 
     def compile(self) -> None:
-        """Compile what steps and samples, without stepping, beside what :meth:`run` needs."""
+        """Does nothing: all kernels are compiled by :meth:`run`."""
 
     def run(self, before: int, steps: int) -> None:
-        """Take steps after ``before`` of them, or until a check finds the run gone bad."""
+        """Takes steps after ``before`` of them, or until a check finds the run unstable."""
         self._advance(before, steps, STEP)
 
     def look(self, step: int, purpose: int) -> None:
-        """Sample the state, after ``step`` steps, into line 0, or only bring the estimates up to date."""
+        """Samples the state after ``step`` steps into row 0, or only updates the estimates."""
         self._advance(step, 1, purpose)
 
     def fetch(self) -> None:
-        """The arrays are what they are."""
+        """Does nothing: the kernels work on the arrays themselves."""
 
     def upload(self) -> None:
-        """The arrays are what they are."""
+        """Does nothing: the kernels work on the arrays themselves."""
 
 
 @ti.func
 def run_loop(state: ti.template(), turn, start, purpose, phases: ti.template(), on: ti.template()):
-    """Turn number ``turn``, from zero, of a run at step ``start``: take one step and sample the norms if it is one of
-    every ``sample_interval`` (``STEP``); or, wherever the run stands, check and sample it into row 0 (``MEASURE``) or
-    only bring the estimates up to date (``REPORT``).
+    """Runs iteration ``turn``, from zero, of a launch at step ``start``: takes one step and samples the norms if it is
+    a multiple of ``sample_interval`` (``STEP``); or checks the present state and samples it into row 0 (``MEASURE``),
+    or only updates the estimates (``REPORT``).
 
-    One function for all three: what samples is most of the code, and the compiler's time goes with the code.
+    One function serves all three: sampling is most of the code, and compile time grows with the code.
     """
     if purpose != STEP or state.verdict[0] == SOUND:
         step, row, due, looks = start, 0, True, purpose == MEASURE
@@ -114,7 +114,7 @@ def run_loop(state: ti.template(), turn, start, purpose, phases: ti.template(), 
 
 @ti.func
 def sample_effects(state: ti.template(), row, step, samplers: ti.template(), on: ti.template()):
-    """What each effect has found, by ``solvers.scene.effects.samplers``."""
+    """Calls the samplers of all active effects, as in ``solvers.scene.effects.samplers``."""
     for e in ti.static(range(len(on.effects))):
         if ti.static(on.effects[e] in samplers):
             samplers[on.effects[e]](state, row, step, on)
@@ -122,10 +122,10 @@ def sample_effects(state: ti.template(), row, step, samplers: ti.template(), on:
 
 @ti.func
 def check_particles(state: ti.template(), step, jacobian: ti.template(), has_escaped: ti.template()):
-    """Stop a run with a particle with det F, which ``flatness(state, p)`` gives, <= 0, tiny or NaN, the flattest of
-    them, or else the first for which ``has_escaped(state, p, step)`` says that none of a sound run is there.
+    """Stops a run with a particle whose det F, which ``jacobian(state, p)`` returns, is <= 0, tiny or NaN, the smallest
+    of them, or else the first for which ``has_escaped(state, p, step)`` is true.
 
-    Without the middle one a run that collapses, all particles in a few clusters, would go on for ever.
+    Without the limit on tiny ones, a run that collapses into a few clusters of particles would never stop.
     """
     flattest, bad = MIN_JACOBIAN, -1
     for p in range(state.particles):

@@ -1,7 +1,7 @@
-"""Samples: what a kernel writes about a run every so many steps, and how it reads afterwards.
+"""Samples: rows that a kernel writes about a run at intervals, and their conversion to named series.
 
-A sample is one row of sums over particles; :func:`read_rows` turns rows into named series of RMS norms. The same
-columns serve every problem, so that results, plots and the page need to know only names.
+A sample is one row of sums over particles; :func:`read_rows` turns rows into named series of RMS norms. All problems
+have the same columns, so that results, plots and the page need only names.
 """
 
 import numpy as np
@@ -13,40 +13,38 @@ from solvers.scene.scene import Scene
 
 QUANTITIES = ("x", "v", "sigma", "a")
 
-#: Columns every run has. ``error_*`` are sums of squares over particles. ``error_extra`` is the problem's own norm
-#: (bar: stress as E ln F); ``neighbour_gap`` to ``displacement_mismatch`` are contradictions
-#: (``solvers.solver.soundness``) in metres, ``place`` is the particle where they are worst; ``motion_square`` and
-#: ``motion_0`` ... are sums of displacements for ``solvers.scene.momentum_balance``, ``margin`` is dt over its bound;
-#: what is
-#: switched off stays NaN.
+#: Columns of every run. ``error_*`` are sums of squares over particles. ``error_extra`` is the problem's own norm (bar:
+#: stress as E ln F); ``neighbour_gap`` to ``displacement_mismatch`` are contradictions (``solvers.solver.soundness``)
+#: in m, ``place`` is the particle where they are worst; ``motion_square`` and ``motion_0`` ... are sums of
+#: displacements for ``solvers.scene.momentum_balance``, ``margin`` is dt over its bound; what is off is NaN.
 BASE_COLUMNS = ("step", "error_x", "error_v", "error_sigma", "error_a", "error_extra", "kinetic", "strain", "work",
                 "crossings", "neighbour_gap", "mean_drift", "out_of_shape", "displacement_mismatch", "place",
                 "motion_square", *(f"motion_{k}" for k in range(MODES)), "margin")
-MARGIN = BASE_COLUMNS.index("margin")  # which the host fills in, once for every stretch of steps
-LOOKS = slice(BASE_COLUMNS.index("neighbour_gap"), MARGIN + 1)  # the columns that only some samples have
+MARGIN = BASE_COLUMNS.index("margin")  # filled in by the host, once per launch
+LOOKS = slice(BASE_COLUMNS.index("neighbour_gap"), MARGIN + 1)  # columns that only some samples have
 #: Columns of each estimator: squares of the estimate and of its difference from the true error.
 ESTIMATOR_COLUMNS = tuple(f"{kind}_{q}" for kind in ("estimate", "difference") for q in QUANTITIES)
-#: Columns of the effect of that name, behind it.
+#: Columns of the effect ``budget``, with its name in front.
 BUDGET = tuple(f"budget/{name}" for name in ALL["budget"].columns)
-SQUARE_PREFIXES = ("error_", "estimate_", "difference_", "size_")  # what begins so is a sum of squares
-MAX_ROWS = 512  # that fit before the host has to collect them
+SQUARE_PREFIXES = ("error_", "estimate_", "difference_", "size_")  # columns of sums of squares
+MAX_ROWS = 512  # capacity, after which the host has to collect the rows
 
 
 def column_names(estimators: tuple[str, ...], effects: tuple[str, ...]) -> list[str]:
-    """What the numbers in a row are, by name, of a run with these estimators and effects, in its order: those of an
-    effect behind its name."""
+    """Returns the names of the columns of a row, in order, for a run with these estimators and effects; columns of an
+    effect are prefixed with its name."""
     return [*BASE_COLUMNS, *(f"{estimator}/{name}" for estimator in estimators for name in ESTIMATOR_COLUMNS),
             *(f"{effect}/{name}" for effect in effects for name in ALL[effect].columns)]
 
 
 def column_index(name: str, on: KernelOptions | None = None) -> int:
-    """The index of a base column, for kernels (use inside ``ti.static``); with ``on`` of any column of the run,
-    such as ``spin/torque``."""
+    """Returns the index of a base column, for kernels (use inside ``ti.static``); with ``on`` that of any column of the
+    run, such as ``spin/torque``."""
     return BASE_COLUMNS.index(name) if on is None else column_names(on.estimators, on.effects).index(name)
 
 
 def read_rows(rows: np.ndarray, scene: Scene, particles: int, margin_unit: float = 1.0) -> dict[str, np.ndarray]:
-    """Rows of samples as named series.
+    """Returns rows of samples as named series.
 
     Parameters
     ----------
@@ -54,10 +52,9 @@ def read_rows(rows: np.ndarray, scene: Scene, particles: int, margin_unit: float
         With the C columns of the scene's run.
     scene
     particles
-        Over how many the rows are sums.
+        Number of particles in the sums.
     margin_unit
-        What margins are multiplied with, which the kernels count in Gershgorin's circles: see
-        ``solvers.scene.step_bound``.
+        Factor of the margins, which kernels compute from Gershgorin's circles: see ``solvers.scene.step_bound``.
 
     Returns
     -------

@@ -1,4 +1,4 @@
-"""What a run leaves of its particles at an instant: frames, and all fields with their errors; and of the clock."""
+"""Data of a run at one time: particles for frames, all fields with their errors; and the run's wall time."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -11,7 +11,7 @@ TRUTH = "truth"  # the name of the true errors among those of estimators
 
 @dataclass(frozen=True)
 class Snapshot:
-    """The particles at one instant. P particles; columns of errors are x, v, sigma, a.
+    """Particles at one time. P particles; columns of errors are x, v, sigma, a.
 
     Positions are (P,) for the bar and (P, 2) in the plane, F (P,) and (P, 2, 2). ``error`` (P, 4) is computed minus
     exact for the bar, the size of that in the plane, or None without the truth; ``estimate`` maps an estimator to
@@ -35,23 +35,22 @@ class Snapshot:
 
 
 class Values(NamedTuple):
-    """Displacement (P, D) in m, velocity (P, D) in m/s and Cauchy stress (P, S) in Pa, which is sigma along the bar
-    (S = 1) and xx, xy, yy in the plane (S = 3); or the errors of these, computed minus exact."""
+    """Displacement (P, D) in m, velocity (P, D) in m/s and Cauchy stress (P, S) in Pa: sigma along the bar (S = 1); xx,
+    xy, yy in the plane (S = 3). Or the errors of these, computed minus exact."""
 
     displacement: np.ndarray
     velocity: np.ndarray
     stress: np.ndarray
 
     def without(self, errors: "Values") -> "Values":
-        """What they would be without these errors."""
+        """Returns the values minus these errors."""
         return Values(*(mine - theirs for mine, theirs in zip(self, errors, strict=True)))
 
 
 @dataclass(frozen=True)
 class Fields:
-    """All that P particles are at an instant: where they are at rest (P, D) in m, their mass in kg and volume at the
-    start in m^D (P,), what they are, and the errors of that by the name of who says so: each estimator that ran, and
-    :data:`TRUTH`."""
+    """Fields of P particles at one time: positions at rest (P, D) in m, masses in kg and initial volumes in m^D (P,),
+    their values, and the errors of these by source: each estimator that ran, and :data:`TRUTH`."""
 
     material_position: np.ndarray
     mass: np.ndarray
@@ -62,7 +61,7 @@ class Fields:
 
 @dataclass(frozen=True)
 class Seconds:
-    """Wall time: setting up, compiling (or loading from the cache), running, and each estimator's part of the run."""
+    """Wall time in s: setting up, compiling (or loading from the cache), running, and each estimator's part."""
 
     setup: float
     compile: float
@@ -71,5 +70,5 @@ class Seconds:
 
     @property
     def estimate(self) -> float | None:
-        """The part of the run that all estimators took together; None without any."""
+        """Part of the run that all estimators took together; None without any."""
         return sum(self.estimators.values()) if self.estimators else None

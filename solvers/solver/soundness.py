@@ -1,11 +1,11 @@
-"""Whether a run can be believed: contradictions within it, seen without an exact solution, and its known error.
+"""Soundness of a run: contradictions within it, which need no exact solution, and its known error.
 
-A run is *unstable* where numbers themselves have gone bad (``solvers.solver.base`` stops it), *lost* where its
-particles no longer say anything about the motion, though every number is finite. Lost is what a rule below finds at a
-sample; the run goes on, for it is worth seeing. Four rules hold the particles against each other, one against the
-motion that the balance of momentum makes (``solvers.scene.momentum_balance``): it sees what is consistent with itself,
-such as a ring that turns as a whole or late waves of a free bar. All look at positions; what else was looked at or
-not, a run's ``solvers.solver.verdict_basis`` says.
+A run is *unstable* where a particle is inverted, crushed, far away or not finite (``solvers.solver.base`` stops it),
+*lost* where its particles no longer represent the motion, though every number is finite. A rule below finds it lost at
+a sample; the run continues, because it is instructive. Four rules compare the particles with each other, one with the
+motion by the balance of momentum (``solvers.scene.momentum_balance``): it finds errors that are consistent, such as a
+ring that turns as a whole or late waves of a free bar. All rules check positions; ``solvers.solver.verdict_basis``
+reports which other quantities were checked.
 """
 
 from collections.abc import Callable, Collection, Mapping
@@ -22,13 +22,13 @@ from solvers.solver.error_norms import IGNORE_OVERFLOW, largest
 OK, UNSTABLE, LOST = "ok", "unstable", "lost"
 BROKEN = (UNSTABLE, LOST)
 NOUNS = {"v": Message("velocity"), "sigma": Message("stress"), "a": Message("acceleration")}
-LOST_FROM = 0.5  # of x, in amplitudes of the motion: beyond it a run says nothing about where its particles are
+LOST_FROM = 0.5  # error of x, in amplitudes of the motion, from which on a run is lost
 
 
 @dataclass(frozen=True)
 class Contradiction:
-    """One kind of evidence: a column of the samples, in metres, and the share of the motion's amplitude that no sound
-    run reaches. ``sentence`` says what it means; {size} is the share found."""
+    """Kind of evidence against a run: a column of the samples, in m, and the share of the motion's amplitude that no
+    sound run reaches. ``sentence`` explains it; {size} is the share found."""
 
     name: str
     most: float
@@ -46,10 +46,10 @@ CONTRADICTIONS: dict[str, Contradiction] = {rule.name: rule for rule in (
                   "still be right"),
     # Motion around the centre, and differences along a material circle: a strict lower bound of the error.
     Contradiction("out_of_shape", 0.1, "the ring is no longer round (by {size} of the amplitude)"),
-    # Seen on fine grids, where neighbours are too close to be apart by much; sound runs reach 0.3.
+    # Occurs on fine grids, where neighbours are too close to have large gaps; sound runs reach 0.3.
     Contradiction("displacement_mismatch", 0.4,
                   "displacements and deformation contradict each other (off by {size} of the amplitude)"),
-    # A lower bound of the error, but for that of the balance, a hundredth or less.
+    # A lower bound of the error, up to the error of the balance itself, a hundredth or less.
     Contradiction("balance_gap", LOST_FROM,
                   "the particles are not where the balance of momentum requires (off by {size} of the amplitude)"),
 )}
@@ -57,18 +57,17 @@ CONTRADICTIONS: dict[str, Contradiction] = {rule.name: rule for rule in (
 
 @dataclass(frozen=True)
 class Finding:
-    """The first sample at which a run is found lost: its time in s, what was found, and how large, mostly in
-    amplitudes."""
+    """First sample at which a run is found lost: its time in s, what was found, and its size, mostly in amplitudes."""
 
     time: float
     sentence: str
     size: float
-    particle: int | None = None  # where it is worst, if that was kept
+    particle: int | None = None  # where it is worst, if known
 
 
 def findings(scene: Scene, series: Mapping[str, np.ndarray]) -> dict[str, Finding]:
-    """What each rule, the truth and each estimator that judges was first to find in the ``series`` of a run
-    (:func:`solvers.solver.samples.read_rows`), keyed by their names.
+    """Returns the first finding of each rule, of the truth and of each judging estimator in the ``series`` of a run
+    (:func:`solvers.solver.samples.read_rows`), by their names.
 
     The truth, where it is on, and the estimators count from an error of half the motion's amplitude on.
     """
@@ -95,15 +94,15 @@ def findings(scene: Scene, series: Mapping[str, np.ndarray]) -> dict[str, Findin
 
 
 def earliest_finding(found: Mapping[str, Finding], not_valid: Collection[str]) -> Finding | None:
-    """The first of several findings, but for those of estimators that do not hold: from there on a run is lost. None
-    where nothing was found, which is no proof."""
+    """Returns the first of several findings, without those of estimators that do not hold: the run is lost from then
+    on. None where nothing was found, which is no proof."""
     return min((finding for name, finding in found.items() if name.partition("/")[0] not in not_valid),
                key=lambda one: one.time, default=None)
 
 
 def _first_exceedance(series: Mapping[str, np.ndarray], values: np.ndarray, most: float, unit: float,
                       sentence: Callable[..., str]) -> Finding | None:
-    beyond = np.flatnonzero(values > most * unit)  # NaN, of what is switched off, is not
+    beyond = np.flatnonzero(values > most * unit)  # never NaN, which stands for what is off
     if not len(beyond):
         return None
     at = int(beyond[0])
@@ -114,8 +113,8 @@ def _first_exceedance(series: Mapping[str, np.ndarray], values: np.ndarray, most
 
 @IGNORE_OVERFLOW
 def balance_gap(scene: Scene, series: Mapping[str, np.ndarray]) -> np.ndarray:
-    """How far the particles are at least, as RMS in m, from the motion that the balance of momentum makes (T,); NaN
-    where it was not looked for or cannot be followed."""
+    """Returns a lower bound (T,) of the RMS distance, in m, of the particles from the motion by the balance of
+    momentum; NaN where it was not evaluated or that motion is unknown."""
     gap, squares = np.full(len(series["time"]), np.nan), series["motion_square"]
     looked = np.flatnonzero(~np.isnan(squares))
     if len(looked):
@@ -127,7 +126,7 @@ def balance_gap(scene: Scene, series: Mapping[str, np.ndarray]) -> np.ndarray:
 
 @IGNORE_OVERFLOW
 def evidence(scene: Scene, series: Mapping[str, np.ndarray]) -> dict[str, float | None]:
-    """The largest share of the motion's amplitude that each kind of evidence reached, None where it was not looked
-    for; for the JSON object."""
+    """Returns the largest share of the motion's amplitude that each kind of evidence reached, None where it was not
+    evaluated; for the JSON object."""
     A, series = scene.motion_amplitude, {**series, "balance_gap": balance_gap(scene, series)}
     return {name: largest(series[name] / A) for name in CONTRADICTIONS}

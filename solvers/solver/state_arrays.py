@@ -1,8 +1,8 @@
-"""What kernels work on: numbers and arrays of a run, as one dataclass whose annotations are their Taichi types.
+"""State of kernels: numbers and arrays of a run, as a dataclass whose annotations are their Taichi types.
 
-Numpy arrays, because a scene can then be rebuilt any number of times without growth (Taichi's own arrays keep their
-memory for ever), and because the view and the tests read them as they are. They are placed so that compiled code may
-move a whole vector at once.
+The arrays are numpy's, because a scene can then be rebuilt any number of times without leaking memory (Taichi never
+frees its own arrays), and because the view and the tests can read them directly. They are aligned for vector
+instructions.
 """
 
 import functools
@@ -19,13 +19,13 @@ from solvers.scene.scene import Scene
 from solvers.solver.samples import MAX_ROWS, column_names
 
 ALIGNMENT = 64  # bytes: a cache line, and the widest vector, of eight numbers
-REMEDY_TIME = 0.3  # tau c/h: how fast filter and coupling work, in the time that a wave takes through a cell
-REMEDY_INTERVAL = 4  # steps between two turns of them: they work at a rate, so that seldom does as well as often
+REMEDY_TIME = 0.3  # tau c/h: time scale of filter and coupling, in the time in which a wave crosses a cell
+REMEDY_INTERVAL = 4  # steps between two applications; the effect per time does not depend on it
 
 
 @dataclass
 class Members:
-    """Numbers and arrays by name; arrays are replaced by aligned copies when they come in."""
+    """Numbers and arrays by name; arrays are replaced by aligned copies on construction."""
 
     def __post_init__(self) -> None:
         for field in fields(self):
@@ -34,29 +34,29 @@ class Members:
     @classmethod
     @functools.cache
     def types(cls) -> dict[str, object]:
-        """The Taichi type of each member, in order."""
+        """Returns the Taichi type of each member, in order."""
         hints = get_type_hints(cls, include_extras=True)
         return {f.name: hints[f.name].__metadata__[0] for f in fields(cls) if hasattr(hints[f.name], "__metadata__")}
 
     def members(self) -> dict[str, Any]:
-        """Every number and array, by name."""
+        """Returns every number and array, by name."""
         return {name: getattr(self, name) for name in self.types()}
 
 
 @dataclass
 class Diagnostics(Members):
-    """What watches a run, no part of the method: checks, samples, marks and estimates. P particles, E estimators."""
+    """State of a run beside the method: checks, samples, marks and estimates. P particles, E estimators."""
 
     sample_interval: Integer  # steps
-    look_interval: Integer  # steps between two looks for contradictions, a multiple of that
-    farthest: Real  # how far a particle may be in a run that is sound, m
+    look_interval: Integer  # steps between two checks for contradictions, a multiple of that
+    farthest: Real  # largest distance of a particle in a sound run, m
     last_crossing: Integers  # step of the particle's last cell change, -1 for never (P,)
     estimate: Quads  # estimated errors (E*P, 4): of the bar x, v, sigma, a; in the plane x and v, vectors
     estimate_intervals: Integers  # steps between two steps of each estimator (E,)
-    step_margin: Reals  # dt over its bound when it was last looked at (1,)
-    samples: Matrix  # one row a sample (ROWS, columns)
+    step_margin: Reals  # dt over its bound at the last evaluation (1,)
+    samples: Matrix  # one row per sample (ROWS, columns)
     verdict: Integers  # 0 or the kind of failure, its step, its particle (3,)
-    memory: dict  # what the estimators keep, numbers and arrays by name (see ``solvers.scene.estimator_hooks``)
+    memory: dict  # of the estimators, numbers and arrays by name (see ``solvers.scene.estimator_hooks``)
 
     def members(self) -> dict[str, Any]:
         return {**super().members(), **self.memory}
@@ -64,7 +64,7 @@ class Diagnostics(Members):
 
 def initial_diagnostics(scene: Scene, on: KernelOptions, particles: int, farthest: float,
                         hooks: dict[str, EstimatorHooks]) -> dict:
-    """The members of a :class:`Diagnostics` at the start of a run of so many particles."""
+    """Returns the members of a :class:`Diagnostics` at the start of a run with ``particles`` particles."""
     intervals = [hooks[name].interval(scene) for name in scene.active_estimators]
     return {"sample_interval": scene.sample_interval, "look_interval": scene.look_interval,
             "step_margin": np.full(1, np.nan), "farthest": farthest,
@@ -76,20 +76,20 @@ def initial_diagnostics(scene: Scene, on: KernelOptions, particles: int, farthes
 
 
 def remedy_rates(scene: Scene) -> dict[str, float]:
-    """What a turn of the filter and of the coupling does: min(1, dt/tau), dt the time since the turn before."""
+    """Returns the interval of filter and coupling in steps, and their rate min(1, dt/tau) per application."""
     rate = min(1.0, REMEDY_INTERVAL * scene.time_step * scene.wave_speed / (REMEDY_TIME * scene.spacing))
     return {"remedy_interval": REMEDY_INTERVAL, "remedy_rate": rate}
 
 
 def zeros(length: int, width: int | None = None, *, when: bool = True, kind: type = np.float64) -> np.ndarray:
-    """Zeros, of length one where nobody needs them."""
+    """Returns zeros, of length one unless ``when``."""
     length = length if when else 1
     return np.zeros(length if width is None else (length, width), kind)
 
 
 def align(value: Any) -> Any:
-    """A copy of an array, or of every array of a mapping, that starts at a multiple of ``ALIGNMENT``; numpy itself
-    promises 16 bytes only. Anything else as it is."""
+    """Returns a copy of an array, or of every array of a mapping, that starts at a multiple of ``ALIGNMENT`` (numpy
+    guarantees only 16 bytes), and anything else as it is."""
     if isinstance(value, dict):
         return {name: align(item) for name, item in value.items()}
     if not isinstance(value, np.ndarray):

@@ -1,4 +1,4 @@
-"""One step taken apart around one particle: what the method computed between it and its nodes, in physical units."""
+"""Breakdown of one step around one particle: all quantities between it and its nodes, in physical units."""
 
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
@@ -8,7 +8,7 @@ import numpy as np
 
 @dataclass(frozen=True)
 class Image:
-    """A node that is summed with another: its number, and where what it has appears there, at ``signs`` x + ``shift``.
+    """A node that is summed with another: its number, and its positions as seen there, ``signs`` x + ``shift``.
 
     The bar's period has images one length away, the ring's symmetry planes have mirror images; a node is its own, too.
     """
@@ -20,9 +20,9 @@ class Image:
 
 @dataclass(frozen=True)
 class Links:
-    """Who gives what to the n nodes of one particle: k ``members``, numbers of particles, itself first, each as it
-    appears from there (``signs`` and ``shift`` (k, D) as of :class:`Image`). ``nodes`` (n,) are numbers in the
-    solver's arrays, ``weight`` (k, n) is S and ``slope`` (k, n, D) its gradient in 1/m; 0 where nothing is summed."""
+    """Links of the n nodes of one particle with k ``members``: numbers of particles, itself first, each as seen from
+    there (``signs`` and ``shift`` (k, D) as in :class:`Image`). ``nodes`` (n,) are indices in the solver's arrays,
+    ``weight`` (k, n) is S and ``slope`` (k, n, D) its gradient in 1/m; 0 where there is no link."""
 
     members: np.ndarray
     signs: np.ndarray
@@ -34,8 +34,9 @@ class Links:
 
 def find_links(particle: int, nodes: np.ndarray, weights: Callable[[np.ndarray], tuple[np.ndarray, np.ndarray]],
                images: Callable[[int], Iterable[Image]]) -> Links:
-    """Find them. ``nodes`` (P, M) are of each particle, some perhaps several times, ``weights`` gives S (c, M) and its
-    gradient (c, M, D) of some particles (c,), and ``images`` all nodes that are summed with one."""
+    """Returns the links of a particle. ``nodes`` (P, M) are those of each particle, possibly repeated, ``weights``
+    returns S (c, M) and its gradient (c, M, D) for particles (c,), and ``images`` all nodes that are summed with
+    one."""
     S, dS = weights(np.array([particle]))
     own = np.unique(nodes[particle][(S[0] != 0) | (dS[0] != 0).any(axis=1)])
     n, D = len(own), dS.shape[2]
@@ -58,7 +59,7 @@ def find_links(particle: int, nodes: np.ndarray, weights: Callable[[np.ndarray],
 
 @dataclass(frozen=True)
 class ParticleState:
-    """What k particles carry: x in m, v in m/s (k, D), F and Cauchy's stress in Pa (k, D, D)."""
+    """State of k particles: x in m, v in m/s (k, D), F and Cauchy stress in Pa (k, D, D)."""
 
     position: np.ndarray
     velocity: np.ndarray
@@ -66,14 +67,14 @@ class ParticleState:
     stress: np.ndarray
 
     def mirror(self, links: Links) -> "ParticleState":
-        """That of the members, as they appear from the particle in front."""
+        """Returns the state of the links' members, as seen from the first."""
         p, signs = links.members, links.signs
         return ParticleState(signs * self.position[p] + links.shift, signs * self.velocity[p],
                              mirror_tensors(self.deformation_gradient[p], signs), mirror_tensors(self.stress[p], signs))
 
 
 def mirror_tensors(tensors: np.ndarray, signs: np.ndarray) -> np.ndarray:
-    """Tensors (k, D, D) mirrored along the directions whose ``signs`` (k, D) are -1."""
+    """Returns tensors (k, D, D) mirrored along the directions whose ``signs`` (k, D) are -1."""
     return signs[:, :, None] * tensors * signs[:, None, :]
 
 
@@ -110,12 +111,12 @@ class StepBreakdown:
 
     @property
     def particle(self) -> int:
-        """The number of the particle in front."""
+        """Number of the particle that the breakdown is about."""
         return int(self.links.members[0])
 
     @property
     def before_velocity(self) -> np.ndarray:
-        """Of the nodes (n, D), before their acceleration: 0 where there is no mass."""
+        """Velocity of the nodes (n, D) in m/s before their acceleration: 0 where there is no mass."""
         mass = self.node_mass[:, None]
         return np.divide(self.momentum, mass, out=np.zeros_like(self.momentum), where=mass > 0)
 

@@ -1,8 +1,8 @@
-"""What a run's verdict rests on: which quantities were held against anything, and which are as wrong as they are large.
+"""Basis of a run's verdict: which quantities were checked, and which have errors as large as themselves.
 
-A verdict looks at positions (``solvers.solver.soundness``). Velocity, stress and acceleration can be off by as much as
-they are large while positions hold: where the truth or an estimator that judges knows, that is said of each; where
-nobody knows, that is said too.
+A verdict is about positions (``solvers.solver.soundness``). Velocity, stress and acceleration can have errors as large
+as themselves while positions are right: this is reported where the truth or a judging estimator shows it; where neither
+is available, that is reported too.
 """
 
 from collections.abc import Collection, Mapping
@@ -24,8 +24,8 @@ LONG_SAMPLE_INTERVAL = 0.2  # periods from one sample to the next, beyond which 
 
 @dataclass(frozen=True)
 class LargeRelativeError:
-    """A quantity whose error has been as large as the quantity itself: since when in s, the largest error so far over
-    the quantity's own RMS (``scene.rms_of``), and who says so, "truth" or an estimator."""
+    """Error of a quantity that has been as large as the quantity itself: since when in s, the largest error so far over
+    the quantity's own RMS (``scene.rms_of``), and its source, "truth" or an estimator."""
 
     since: float
     size: float
@@ -35,8 +35,8 @@ class LargeRelativeError:
 @IGNORE_OVERFLOW
 def large_errors(scene: Scene, series: Mapping[str, np.ndarray],
                  not_valid: Collection[str] = ()) -> dict[str, LargeRelativeError]:
-    """Of v, sigma and a those that were once as wrong as they are large, by the truth where it is on, else by an
-    estimator that judges and holds."""
+    """Returns those of v, sigma and a whose error was once as large as themselves, by the truth where it is on, else by
+    a judging estimator that holds."""
     judges, found = _judges(scene, not_valid), {}
     for quantity in NOUNS:
         unit = scene.rms_of(quantity)
@@ -58,13 +58,13 @@ def _judges(scene: Scene, not_valid: Collection[str]) -> list[str]:
 
 def merge(before: Mapping[str, LargeRelativeError],
           now: Mapping[str, LargeRelativeError]) -> dict[str, LargeRelativeError]:
-    """What was found in earlier samples and in later ones, as if all had been judged together."""
+    """Returns the findings of earlier and of later samples combined, as if all had been judged together."""
     return {**now, **{quantity: replace(one, size=max(one.size, now[quantity].size if quantity in now else 0.0))
                       for quantity, one in before.items()}}
 
 
 def warning(found: Mapping[str, LargeRelativeError]) -> str | None:
-    """What a verdict that is ok for the positions says of the others; None where there is nothing to say."""
+    """Returns the warning about other quantities in a verdict that is ok for positions; None without any."""
     parts = [Message("the {quantity} is off by up to {size:.2g} times its own size, from t = {since:.4g} s on",
                      NOUNS[quantity], one.size, one.since)
              + Message(" (according to {by})", one.by) * (one.by != "truth") for quantity, one in found.items()]
@@ -72,8 +72,8 @@ def warning(found: Mapping[str, LargeRelativeError]) -> str | None:
 
 
 def checked_by(scene: Scene, not_valid: Collection[str], balance: bool) -> dict[str, list[str]]:
-    """For each of x, v, sigma and a what it was held against: "truth", estimators that judge and hold, and for x
-    "contradictions" and, among them, the ``balance`` of momentum, if it was :func:`motion_known`."""
+    """Returns what each of x, v, sigma and a was checked against: "truth", judging estimators that hold, and for x
+    "contradictions" and the ``balance`` of momentum, if it was :func:`motion_known`."""
     held = {q: ["truth"] * scene.has("truth") + _judges(scene, not_valid) for q in QUANTITIES}
     if not scene.has("acceleration"):
         held["a"] = []
@@ -83,7 +83,7 @@ def checked_by(scene: Scene, not_valid: Collection[str], balance: bool) -> dict[
 
 
 def unchecked(scene: Scene, held: Mapping[str, list[str]]) -> str | None:
-    """What of :func:`checked_by` is missing, in one sentence; None where each quantity was held against something."""
+    """Returns which checks of :func:`checked_by` are missing, in one sentence; None if none is."""
     if not held["x"]:
         return Message("only two checks were made: numbers stay finite, and no particle turns inside out; switch on "
                        "the effect soundness or truth, or the estimator companion")
@@ -103,7 +103,7 @@ def unchecked(scene: Scene, held: Mapping[str, list[str]]) -> str | None:
 
 
 def motion_known(scene: Scene, series: Mapping[str, np.ndarray]) -> bool:
-    """Whether the motion that the balance of momentum makes was known at the last look for contradictions."""
+    """Returns whether the motion by the balance of momentum was known at the last check for contradictions."""
     looked = np.flatnonzero(~np.isnan(series["motion_square"]))[-1:]
     last = {name: series[name][looked] for name in series if name == "time" or name.startswith("motion_")}
     return bool(np.isfinite(balance_gap(scene, last)).any())

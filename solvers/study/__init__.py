@@ -1,8 +1,8 @@
-"""Studies: many scenes measured, one row each.
+"""Studies: measurements of many scenes, one row each.
 
-Scene -> Solver -> Result -> row -> table and pictures. ``grid`` makes tasks out of lists of values, ``row`` measures
-one task, ``places`` says where, each in a process of its own, and sees that every task ends as a row, ``store`` keeps
-rows safe on disk, ``fit`` reads them, ``summary`` writes them. ``stability``, ``coverage`` and ``tables`` are studies
-with plans and documents of their own, ``sweep`` is one as a function. ``family`` and ``advise`` look for the
-cheapest scene that meets a tolerance. ``jobs`` does a whole sweep or search in the background.
+Scene -> Solver -> Result -> row -> table and pictures. ``parameter_grid`` makes tasks from lists of values, ``row``
+measures one task, ``executors`` run tasks in processes and turn every task into a row, ``row_store`` keeps rows safe on
+disk, ``convergence`` analyses them, ``summary`` writes them. ``stability``, ``coverage`` and ``tables`` are studies
+with plans and documents of their own, ``sweep`` is one as a function. ``run_family`` and ``advise`` search for the
+cheapest scene that meets a tolerance. ``background_jobs`` runs a whole sweep or search in the background.
 """

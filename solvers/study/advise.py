@@ -1,11 +1,11 @@
-"""The cheapest run for a tolerance: a best-first search over families of runs, on estimates alone.
+"""The cheapest run for a tolerance: a best-first search over families of runs, with estimates only.
 
-First one family of each method is followed down to the tolerance, for an answer that can be used while better ones are
-looked for. Then every family (method, particles per cell, length of step) is measured on one coarse grid, and hoped to
-converge as fast as any. Then, again and again, the member expected to be the cheapest that meets the tolerance is
-looked at: if it lies far beyond what is measured of its family, a coarser one is run first; if near, it is run itself.
-What a run shows moves the expectation, mostly for worse, until the cheapest candidate is one that has been run and
-whose own estimate meets the tolerance. So a family costs more than one coarse run only while it may still win.
+First one family of each method is refined up to the tolerance, for an answer that can be used during the search. Then
+every family (method, particles per cell, step size) is measured on one coarse grid, with the optimistic assumption of
+the fastest convergence. Then, repeatedly, the member with the lowest expected cost that meets the tolerance is
+considered: if it is far beyond the measured members of its family, a coarser one is run first; otherwise it is run
+itself. Each run changes the expectation, mostly for the worse, until the cheapest candidate has been run and its own
+estimate meets the tolerance. So a family costs more than one coarse run only while it may still win.
 """
 
 import math
@@ -21,7 +21,7 @@ from solvers.scene.validation import SceneError
 from solvers.study.run_family import HIGHEST_ORDER, Family, Point
 
 REACH = 2.5  # times the finest measured grid to which an error may be carried on
-MARGIN = 0.95  # of the tolerance that is aimed at, so that a run that just meets it does not need a second try
+MARGIN = 0.95  # of the tolerance as target, so that a run rarely misses it narrowly
 CLOSE_ENOUGH = 1.05  # a candidate that has been run is taken when no other is expected to be better by this factor
 PATIENCE = 3.0  # seconds of search, in the processor's time as runs are, that no run is too short for
 SMALL_PART = 10  # of the budget, up to which runs are made to learn what cannot be met
@@ -34,8 +34,8 @@ SCOUTED_SECONDS = 0.2  # longest bare run that is made for a first answer
 
 @dataclass(frozen=True)
 class Goal:
-    """The largest RMS error of ``quantity`` over the run is to be ``tolerance`` (in its unit) or less, and the bare
-    run is to take no more than ``budget`` seconds."""
+    """Goal of a search: an RMS error of ``quantity`` over the run of at most ``tolerance`` (in its unit), and a bare
+    run of at most ``budget`` seconds."""
 
     quantity: str
     tolerance: float
@@ -44,7 +44,7 @@ class Goal:
 
 @dataclass(frozen=True)
 class Candidate:
-    """A member of a family with what is expected of it, or was measured."""
+    """A member of a family with its expected or measured error and time."""
 
     family: Family
     cells: int
@@ -62,10 +62,10 @@ class Candidate:
 
 @dataclass(frozen=True)
 class Advice:
-    """What to run. ``met`` says whether its own estimate meets the tolerance; if not, it is the best within reach, as
-    expected from coarser runs unless it has been run itself.
+    """Result of a search. ``met`` is whether its own estimate meets the tolerance; if not, it is the best within reach,
+    as expected from coarser runs unless it has been run itself.
 
-    ``runner_up`` is the cheapest of another method and ``why`` says why it lost; ``looks`` counts the runs made.
+    ``runner_up`` is the cheapest of another method and ``why`` the reason why it lost; ``looks`` counts runs.
     """
 
     goal: Goal
@@ -79,8 +79,8 @@ class Advice:
 
 def families(base: Scene, methods: Iterable[tuple[str, bool]], per_cell: Iterable[int],
              courant_numbers: Iterable[float], quantity: str) -> list[Family]:
-    """Every combination that makes a valid scene; ``methods`` are names, each with whether it preserves linearity, and
-    ``quantity`` is x, v, sigma or a."""
+    """Returns a family for every combination that makes a valid scene; ``methods`` are names, each with whether it
+    preserves linearity, and ``quantity`` is x, v, sigma or a."""
     found = []
     multiple = 6 if base.DIMENSIONS == 2 else 2  # so that the ring's lattice divides evenly
     for (method, preserving), ppc, cfl in product(methods, per_cell, courant_numbers):
@@ -94,19 +94,19 @@ def advise(choices: list[Family], goal: Goal,
            on_look: Callable[[int, int, Scene], None] = lambda looks, certain, scene: None,
            on_point: Callable[[Family, Point], None] = lambda family, point: None,
            recall: Callable[[Family, int], Point | None] = lambda family, cells: None) -> Advice:
-    """Search for the cheapest run that meets a goal; the best within reach if none does.
+    """Searches for the cheapest run that meets a goal; returns the best within reach if none does.
 
     Parameters
     ----------
     choices
-        What may be run (:func:`families`), one at least.
+        Families to choose from (:func:`families`), at least one.
     goal
     on_look
-        Told of every run before it is made: its number, how many are certain to be made, and its scene.
+        Called before every run: its number, the number of runs that are certain, and its scene.
     on_point
-        Told of every member that has been looked at: its family and what was measured, now or before.
+        Called for every measured member: its family and the measurement, new or recalled.
     recall
-        What is known of a family's member with so many cells, None for nothing.
+        Returns a known measurement of a family's member with so many cells, or None.
     """
     search = _Search(choices, goal, on_look, on_point, recall)
     search.measure_scouts()
@@ -121,18 +121,18 @@ def advise(choices: list[Family], goal: Goal,
 
 
 class _Search:
-    """What has been looked at so far; arguments as of :func:`advise`."""
+    """State of a search; arguments as in :func:`advise`."""
 
     def __init__(self, choices: list[Family], goal: Goal, on_look: Callable, on_point: Callable, recall: Callable):
         self._choices, self._goal = choices, goal
         self._on_look, self._on_point, self._recall = on_look, on_point, recall
         self._certain = len(choices)
-        self.looks = 0  # members that were looked at: run, or recalled
+        self.looks = 0  # measured members: run, or recalled
         self.predicted: dict[tuple[int, int], float] = {}
 
     def measure_scouts(self) -> None:
-        """A first answer, long before all is known: one family of each method, the refined methods first, each as far
-        as it promises to be cheaper than what has been found so far."""
+        """Finds a first answer early: refines one family of each method, refined methods first, as long as it promises
+        to be cheaper than the best so far."""
         followed: list[Family] = []
         for family in scout_families(self._choices):
             self._measure_member(family, COARSE[family.scene.DIMENSIONS])
@@ -146,7 +146,7 @@ class _Search:
                 self._measure_member(best.family, _next_cells(best))
 
     def measure_all(self) -> None:
-        """Every family on one coarse grid, and on a finer one where that was too coarse for anything."""
+        """Measures every family on one coarse grid, and on a finer one where that was too coarse."""
         for family in self._choices:
             if not family.points:
                 self._measure_member(family, COARSE[family.scene.DIMENSIONS])
@@ -155,7 +155,7 @@ class _Search:
                 self._measure_member(family, 2 * family.points[0].cells)
 
     def measure_until_cheapest(self) -> Candidate:
-        """Look at whatever is expected to be the cheapest, until that is one that has been run."""
+        """Measures the candidate with the lowest expected cost, until that is one that has been run; returns it."""
         goal, coarse, begun = self._goal, self.looks, time.process_time()
         while True:
             ranking, met = _ranking(self._choices, goal)
@@ -173,7 +173,7 @@ class _Search:
             self._measure_member(best.family, _next_cells(best))
 
     def measure_runner_up(self, others: list[Family]) -> None:
-        """A second member of the best family of other methods, of which much is hoped for want of one."""
+        """Measures a second member of the best family of other methods, because one is not enough."""
         for _ in range(RUNNER_UP_LOOKS if others else 0):
             (other, *_), others_meet = _ranking(others, self._goal)
             if other.measured or len(other.family.points) > 1 or not others_meet or self._is_too_expensive(other):
@@ -194,8 +194,8 @@ class _Search:
 
 
 def scout_families(choices: Iterable[Family]) -> list[Family]:
-    """Of each method the family that is the most usual, the methods that are listed last first: each mends what the
-    ones before it lack."""
+    """Returns the most usual family of each method, the methods that are listed last first, because each corrects
+    deficiencies of previous ones."""
     found: dict[str, Family] = {}
     for family in choices:
         before = found.setdefault(_method_name(family.scene), family)
@@ -205,8 +205,8 @@ def scout_families(choices: Iterable[Family]) -> list[Family]:
 
 
 def _accepted_candidate(ranking: list[Candidate], met: bool, spent: float) -> Candidate:
-    """The best candidate that has been run, unless one that has not promises to be clearly better and is worth a try:
-    while the search has taken less than the run that it may make unnecessary."""
+    """Returns the best candidate that has been run, unless another promises to be clearly better and is worth a try:
+    while the search has taken less time than the run that it may replace."""
     measured = next((c for c in ranking if c.measured), None)
     if measured is None:
         return ranking[0]
@@ -216,7 +216,7 @@ def _accepted_candidate(ranking: list[Candidate], met: bool, spent: float) -> Ca
 
 
 def _next_cells(candidate: Candidate) -> int:
-    """The candidate's own number of cells, or one on the way where it lies beyond what may be carried on."""
+    """Returns the candidate's own number of cells, or one on the way where that is too far to extrapolate."""
     finest, multiple = candidate.family.points[-1].cells, candidate.family.multiple
     ratio = candidate.cells / finest
     if ratio <= REACH:
@@ -226,7 +226,7 @@ def _next_cells(candidate: Candidate) -> int:
 
 
 def _ranking(choices: list[Family], goal: Goal) -> tuple[list[Candidate], bool]:
-    """Candidates, best first, and whether they meet the goal: by cost where some do, by error where none does."""
+    """Returns candidates, best first, and whether they meet the goal: by cost if some do, else by error."""
     meeting = [c for c in (_cheapest(family, goal) for family in choices) if c is not None]
     if meeting:
         return sorted(meeting, key=lambda c: c.seconds), True
@@ -237,7 +237,7 @@ def _ranking(choices: list[Family], goal: Goal) -> tuple[list[Candidate], bool]:
 
 
 def _cheapest(family: Family, goal: Goal, hoped: float = 0.0) -> Candidate | None:
-    """The family's cheapest member that should meet the goal within its budget, at the order ``hoped`` for."""
+    """Returns the family's cheapest member that should meet the goal within its budget, at the order ``hoped``."""
     met = [point.cells for point in family.points if point.error <= goal.tolerance]
     cells = family.cells_for(MARGIN * goal.tolerance, hoped)
     if met and (cells is None or met[0] <= cells * 1.05):
@@ -249,7 +249,7 @@ def _cheapest(family: Family, goal: Goal, hoped: float = 0.0) -> Candidate | Non
 
 
 def _runner_up(others: list[Family], best: Candidate, goal: Goal, met: bool) -> tuple[Candidate | None, str]:
-    """The best candidate of other methods, and why it lost, in words."""
+    """Returns the best candidate of other methods, and why it lost, in words."""
     if not others:
         return None, Message("no other method was asked for")
     (other, *_), others_meet = _ranking(others, goal)

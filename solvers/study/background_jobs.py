@@ -1,12 +1,11 @@
-"""A whole sweep or search as the work of one process (``solvers.workers``), which says how it goes. Its messages::
+"""A whole sweep or search in one worker process (``solvers.workers``), with messages about its progress::
 
-    {"row": a row}                                   of a sweep
-    {"row": a row, "known": bool, "point": {...}}    of a search: what it knows of a run that it has made, or that was
-                                                     known; the point, where something has been measured, is what
-                                                     another search may be told
-    {"look": n, "certain": m, "task": a task}        of a search: run n begins; m at least will be made or are known
-    {"advice": {...}}                                what the search found; its task has every effect
-    {"trouble": a sentence}                          why nothing can be found
+    {"row": a row}                                   a row of a sweep
+    {"row": a row, "known": bool, "point": {...}}    a run of a search, ``known`` if it was recalled; the point, if
+                                                     measured, can be passed to another search
+    {"look": n, "certain": m, "task": a task}        run n of a search begins; at least m will be made or are known
+    {"advice": {...}}                                the result of a search; its task has every effect
+    {"trouble": a sentence}                          why there can be no result
 """
 
 import math
@@ -23,17 +22,17 @@ from solvers.study.parameter_grid import Task, task_of
 from solvers.study.row import measure, row_of_scene
 from solvers.study.run_family import ESTIMATOR, Family, Point, forget_rates
 
-#: What a search chooses from unless it is told: the cheapest runs are often those of one particle per cell, or of steps
+#: Default choices of a search: the cheapest runs are often those of one particle per cell, or of steps
 #: near the longest that are stable.
 PARTICLES_PER_CELL, COURANT_NUMBERS = (1, 2, 3, 4), (0.1, 0.3, 0.4, 0.5, 0.6)
-READY = "ready"  # beside the fields of a job: its process shall only get ready
+READY = "ready"  # beside the fields of a job: only compile
 NO_CHOICE = Message("no method makes a valid scene with these settings")
 
 
 @dataclass(frozen=True)
 class SearchJob:
-    """Find the cheapest run like ``base`` (a task) that meets a tolerance, in the unit of ``quantity``. ``known`` are
-    points of other searches for the same quantity, by the keys of their rows; one without a rate is timed anew."""
+    """Search for the cheapest run like ``base`` (a task) that meets a tolerance, in the unit of ``quantity``. ``known``
+    are points of other searches for the same quantity, by the keys of their rows; one without a rate is timed again."""
 
     base: dict
     methods: Sequence[tuple[str, bool]]
@@ -46,14 +45,13 @@ class SearchJob:
 
 
 def sweep(tasks: Sequence[dict], tell: Callable[[dict], None]) -> None:
-    """What the process of a sweep does: measure tasks in their order."""
+    """Runs a sweep in a worker process: measures tasks in order."""
     for task in tasks:
         tell({"row": measure(Task(**task))})
 
 
 def search(fields: dict, tell: Callable[[dict], None]) -> None:
-    """What the process of a search does: the job of these fields; or it gets ready for one like that, of which it says
-    nothing."""
+    """Runs the search of these fields in a worker process; or only compiles for one like it, without messages."""
     ready = fields.pop(READY, False)
     job = SearchJob(**fields)
     base = Task(**job.base).scene()
@@ -97,9 +95,9 @@ def search(fields: dict, tell: Callable[[dict], None]) -> None:
 
 
 def point_row(family: Family, point: Point) -> dict:
-    """A row (``solvers.study.row``) with what is known of the run: the estimate of one quantity, and the time of the
-    bare run out of its steps, its particles and a rate that was measured alone. It has no true error: a search does
-    without. Its task is :func:`task_to_watch`."""
+    """Returns a row (``solvers.study.row``) with the known data of the run: the estimate of one quantity, and the time
+    of the bare run from its steps, particles and a separately measured rate. It has no true error, which a search does
+    not use. Its task is :func:`task_to_watch`."""
     scene = family.member(point.cells)
     task, seconds = task_to_watch(scene), finite(family.seconds(point.cells))
     estimate = {ESTIMATOR: {family.quantity: {"max": point.error}}} if math.isfinite(point.error) else {}
@@ -110,5 +108,5 @@ def point_row(family: Family, point: Point) -> dict:
 
 
 def task_to_watch(scene: Scene) -> Task:
-    """The task of a scene with the estimator that a search goes by, and with every effect."""
+    """Returns the task of a scene with the estimator that a search uses, and with every effect."""
     return task_of(replace(scene, estimators=(ESTIMATOR,), effects=tuple(EFFECTS)))

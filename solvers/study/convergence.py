@@ -1,5 +1,5 @@
-"""What rows say together: lines of rows that differ in one input, the order of convergence, the Pareto front, and where
-time and space error balance."""
+"""Analysis of rows: series of rows that differ in one input, the order of convergence, the Pareto front, and the
+balance of time and space error."""
 
 import itertools
 import json
@@ -12,14 +12,14 @@ from solvers.solver.error_norms import IGNORE_OVERFLOW
 from solvers.solver.samples import QUANTITIES
 from solvers.solver.soundness import OK
 
-WIDEST = 1e12  # errors of one study over each other: beyond, none of them says anything about the others
+WIDEST = 1e12  # ratio of errors in one study, beyond which they are incomparable
 TIME_INPUTS = ("dt", "cfl")
 STEEP = 1.5  # times the growth of second order, beyond which a step is at the brink of stability
 
 
 @dataclass(frozen=True)
 class Slope:
-    """A straight line through log(error) over log(h): ``order``, its factor, and the orders between neighbours."""
+    """Straight line through log(error) over log(h): ``order``, its factor, and the orders between neighbours."""
 
     order: float
     factor: float
@@ -32,8 +32,8 @@ class Slope:
 
 @IGNORE_OVERFLOW
 def fit_slope(spacings: Sequence[float], errors: Sequence[float]) -> Slope | None:
-    """Least squares through the points with a positive error; None with fewer than two different h, and
-    where the line is too steep for numbers."""
+    """Returns the least-squares line through the points with a positive error; None with fewer than two different h,
+    and where the line is too steep for floats."""
     h, error = _positive_pairs(spacings, errors)
     if len(np.unique(h)) < 2:
         return None
@@ -45,7 +45,7 @@ def fit_slope(spacings: Sequence[float], errors: Sequence[float]) -> Slope | Non
 
 
 def pareto(seconds: Sequence[float], error: Sequence[float]) -> list[int]:
-    """The indices of the points that none beats in both time and error, by time."""
+    """Returns the indices of the points that no other beats in both time and error, by time."""
     by_time = sorted(range(len(seconds)), key=lambda k: (seconds[k], error[k]))
     best_before = itertools.accumulate((error[k] for k in by_time), min, initial=np.inf)
     return [k for k, best in zip(by_time, best_before, strict=False) if error[k] < best]
@@ -53,8 +53,8 @@ def pareto(seconds: Sequence[float], error: Sequence[float]) -> list[int]:
 
 @dataclass(frozen=True)
 class SpaceTimeSplit:
-    """error = space + factor dt^power over the steps from ``least`` to ``most``; ``dt`` is where both parts are equal,
-    None if that is not within these steps; ``misfit`` is the RMS of the relative residual."""
+    """Fit error = space + factor dt^power over the steps from ``least`` to ``most``; ``dt`` is where both parts are
+    equal, None if that is not within these steps; ``misfit`` is the RMS of the relative residual."""
 
     space: float
     factor: float
@@ -75,16 +75,17 @@ class SpaceTimeSplit:
 
     @property
     def space_dominates(self) -> bool:
-        """Whether the error of space is the larger part at the longest step."""
+        """Whether the space error is the larger part at the longest step."""
         return self.space > self.factor * self.most**self.power
 
 
 @IGNORE_OVERFLOW
 def fit_space_time(steps: Sequence[float], errors: Sequence[float]) -> SpaceTimeSplit | None:
-    """Split the error at one h into what the step makes and what is left for dt -> 0, of first or second order.
+    """Splits the error at one h into the part of the step, of first or second order, and the rest for dt -> 0.
 
-    Relative residuals count, so that small errors do too. From where the error grows faster than any such power on, at
-    the brink of stability, it is not looked at. None with fewer than three different steps, or errors too far apart.
+    Relative residuals are minimised, so that small errors count too. Steps from which on the error grows faster than
+    any such power, at the brink of instability, are ignored. None with fewer than three different steps, or errors too
+    far apart.
     """
     dt, error = _positive_pairs(steps, errors)
     steep = error[1:] > STEEP * error[:-1] * (dt[1:] / dt[:-1]) ** 2
@@ -104,7 +105,7 @@ def _fit_split(dt: np.ndarray, error: np.ndarray, power: int) -> SpaceTimeSplit:
 
 
 def _nonnegative_least_squares(columns: np.ndarray) -> tuple[float, float]:
-    """Least squares of columns @ (a, b) = 1 with a, b >= 0: both, or the better of one alone."""
+    """Returns the least-squares solution of columns @ (a, b) = 1 with a, b >= 0: both, or the better of one alone."""
     ones = np.ones(len(columns))
     scale = np.linalg.norm(columns, axis=0)
     a, b = np.linalg.lstsq(columns / scale, ones, rcond=None)[0] / scale
@@ -116,7 +117,7 @@ def _nonnegative_least_squares(columns: np.ndarray) -> tuple[float, float]:
 
 
 def _positive_pairs(x: Sequence[float], y: Sequence[float]) -> tuple[np.ndarray, np.ndarray]:
-    """Finite positive pairs, by x."""
+    """Returns finite positive pairs, sorted by x."""
     pairs = np.array(sorted((a, b) for a, b in zip(x, y, strict=True)
                             if a and b and np.isfinite(a) and np.isfinite(b) and a > 0 and b > 0)).reshape(-1, 2)
     return pairs[:, 0], pairs[:, 1]
@@ -124,7 +125,7 @@ def _positive_pairs(x: Sequence[float], y: Sequence[float]) -> tuple[np.ndarray,
 
 @dataclass(frozen=True)
 class Series:
-    """``rows`` differ in one input, by which they are sorted; ``inputs`` are the others that vary in the study."""
+    """Series of ``rows`` that differ in one input, by which they are sorted; ``inputs`` are other varying ones."""
 
     rows: tuple[dict, ...]
     inputs: dict
@@ -135,40 +136,40 @@ class Series:
 
     @property
     def variant(self) -> tuple:
-        """What tells it from other series of the same method."""
+        """Inputs that distinguish it from other series of the same method."""
         return tuple((name, value) for name, value in self.inputs.items() if name != "method")
 
     def label(self, names: dict[str, str] | None = None) -> str:
-        """Its inputs in words; ``names`` spells methods out."""
+        """Returns its inputs in words; ``names`` maps methods to full names."""
         method = (names or {}).get(self.method, self.method)
         words = {"amplitude": "A", "modulus": "E"}
         return ", ".join([method, *(f"{words.get(name, name.replace('_', ' '))} {_format_value(value)}"
                                     for name, value in self.variant)])
 
     def fit(self, quantity: str, norm: str = "max") -> Slope | None:
-        """The order of the error in h, over the rows that stood."""
+        """Returns the order of the error in h, over the rows with status "ok"."""
         rows = [row for row in self.rows if row["status"] == OK]
         return fit_slope([row["h"] for row in rows], [error_of(row, quantity, norm) or 0 for row in rows])
 
 
 def error_of(row: dict, quantity: str, norm: str = "max") -> float | None:
-    """A true error out of a row, None where there is none."""
+    """Returns a true error of a row, None where there is none."""
     return ((row.get("error") or {}).get(quantity) or {}).get(norm)
 
 
 def completed_rows(rows: Iterable[dict]) -> list[dict]:
-    """The rows of runs: neither refused nor failed."""
+    """Returns the rows of runs, without refused and failed ones."""
     return [row for row in rows if row.get("seconds")]
 
 
 def varying_inputs(rows: Sequence[dict]) -> list[str]:
-    """The inputs, as they were asked for, that are not the same in all rows."""
+    """Returns the names of inputs, as requested, that differ between rows."""
     names = dict.fromkeys(name for row in rows for name in row["asked"])
     return [name for name in names if len({json.dumps(row["asked"].get(name)) for row in rows}) > 1]
 
 
 def group_series(rows: Sequence[dict], along: str = "cells") -> list[Series]:
-    """The measured rows as lines along one input. ``along`` may be ``dt``: then steps given as cfl count too."""
+    """Returns the measured rows as series along one input. With ``along`` = ``dt``, steps given as cfl count too."""
     rows = completed_rows(rows)
     ignored = TIME_INPUTS if along in TIME_INPUTS else (along,)
     others = [name for name in varying_inputs(rows) if name not in ignored]
@@ -180,7 +181,7 @@ def group_series(rows: Sequence[dict], along: str = "cells") -> list[Series]:
 
 
 def fit_orders(rows: Sequence[dict], norm: str = "max") -> list[dict]:
-    """The order in h of each quantity and each series with two or more h, as plain values."""
+    """Returns the order in h of each quantity and each series with two or more h, as plain values."""
     found = []
     for line in group_series(rows):
         orders = {quantity: line.fit(quantity, norm) for quantity in QUANTITIES}

@@ -1,9 +1,9 @@
-"""Where rows are measured, and how every task ends as a row there.
+"""Executors of tasks, and how every task ends as a row there.
 
-A place takes tasks and gives futures: :class:`LocalExecutor` those of a pool of processes, :class:`Cluster` those of a
-Dask client, on whose workers mpm-lab must be installed. On each worker one row is measured at a time, by a process
-that the worker keeps for that, however many threads it has: rows side by side would disturb each other's timing. If
-the worker is killed its process ends too, and Dask runs the row on another. ``distributed`` is an optional dependency,
+An executor takes tasks and returns futures: :class:`LocalExecutor` those of a pool of processes, :class:`Cluster` those
+of a Dask client, on whose workers mpm-lab must be installed. On each worker one row is measured at a time, by a process
+that the worker keeps for that, however many threads it has: rows side by side would disturb each other's timing. If the
+worker is killed its process ends too, and Dask runs the row on another. ``distributed`` is an optional dependency,
 imported only where a cluster is used.
 """
 
@@ -23,41 +23,41 @@ from solvers.workers.worker_pool import WorkerPool
 from solvers.workers.worker_process import WorkerProcess
 
 MEASURE_ROW = f"{__name__}:measure_in_worker"
-ATTEMPTS = 3  # that a row has to lose its worker until it is given up
+ATTEMPTS = 3  # lost workers until a row is given up
 LOOK_SECONDS = 1.0
 ANSWER_SECONDS = 10.0  # for the scheduler of a cluster to answer
 PATIENCE = 60.0  # seconds without a single worker
 
 
 class ExecutorLost(Exception):
-    """The place can measure no more rows; one sentence says why and what to do."""
+    """Error of an executor that can measure no more rows; one sentence says why and what to do."""
 
 
 class ClusterUnavailable(Exception):
-    """The cluster cannot be used; one sentence says why."""
+    """Error for a cluster that cannot be used; one sentence says why."""
 
 
 class MeasurementTask(Protocol):
-    """What a row is the answer to, such as a :class:`~solvers.study.parameter_grid.Task`."""
+    """Task that is measured as a row, such as a :class:`~solvers.study.parameter_grid.Task`."""
 
     @property
     def key(self) -> str:
-        """What its row is known by."""
+        """Key of its row."""
 
     @property
     def kind(self) -> Hashable:
-        """What has to be compiled for it: a process that has done so does the next one of the kind."""
+        """Key of its compiled code: tasks of the same kind are given to the same process."""
 
     def remarks(self) -> Sequence[str]:
-        """What whoever asks is to know before it is measured, in sentences."""
+        """Returns sentences for the user before it is measured."""
 
     def to_dict(self) -> dict:
-        """Itself, as JSON has it."""
+        """Returns itself for JSON."""
 
 
 def execute(tasks: Iterable[Any], place: "LocalExecutor | Cluster", on_row: Callable[[dict], None],
             give_up: Callable[[Any, str], dict] = failed_row) -> None:
-    """Measure every task at a place. A lost worker is replaced; a row that keeps losing workers is marked as failed.
+    """Measures every task. A lost worker is replaced; a row that keeps losing workers is marked as failed.
 
     Parameters
     ----------
@@ -65,14 +65,14 @@ def execute(tasks: Iterable[Any], place: "LocalExecutor | Cluster", on_row: Call
     place
         :class:`LocalExecutor` or a :class:`Cluster`.
     on_row
-        Given each row (``solvers.study.row``) as it comes, in the caller's thread.
+        Called with each row (``solvers.study.row``) as it comes, in the caller's thread.
     give_up
-        Makes the row of a task that failed, of it and the reason.
+        Returns the row of a failed task, from the task and the reason.
 
     Raises
     ------
-    PlaceLost
-        Where the place can measure no more.
+    ExecutorLost
+        Where the executor can measure no more.
     """
     lost: Counter[str] = Counter()
     waiting = {place.submit(task): task for task in tasks}
@@ -90,7 +90,7 @@ def execute(tasks: Iterable[Any], place: "LocalExecutor | Cluster", on_row: Call
 
 def _row_of_future(task: MeasurementTask, future: Future[dict], lost: Counter[str],
                    give_up: Callable[[Any, str], dict]) -> dict | None:
-    """The row of a task, or None where it is to be measured once more."""
+    """Returns the row of a task, or None where it must be measured again."""
     try:
         error = future.exception()
     except CancelledError:
@@ -106,13 +106,13 @@ def _row_of_future(task: MeasurementTask, future: Future[dict], lost: Counter[st
 
 
 def measure_in_worker(task: dict, answer: Callable[[dict], None]) -> None:
-    """What a row process does."""
+    """Measures a task in a worker process."""
     answer(measure(Task(**task)))
 
 
 class LocalExecutor:
-    """Processes on this machine, that do this ``work`` (``solvers.workers``). One, unless told otherwise: rows that run
-    side by side disturb each other's timing."""
+    """Processes on this machine that do this ``work`` (``solvers.workers``). One by default, because rows that run side
+    by side disturb each other's timing."""
 
     def __init__(self, workers: int = 1, work: str = MEASURE_ROW):
         self.pool = WorkerPool(work, workers)
@@ -121,7 +121,7 @@ class LocalExecutor:
         return self.pool.submit(task.to_dict(), kind=task.kind)
 
     def check(self) -> None:
-        """This machine is always there."""
+        """Does nothing: this machine is always available."""
 
     def close(self) -> None:
         self.pool.close()
@@ -133,13 +133,13 @@ def _cached_process(work: str, extensions: str) -> WorkerProcess:
 
 
 def measure_on_cluster(work: str, task: dict, extensions: str) -> dict:
-    """What a worker of a cluster runs: one row, in the worker's own row process with the extensions of the sweep."""
+    """Measures one row on a worker of a cluster, in the worker's own row process with the extensions of the sweep."""
     [row] = _cached_process(work, extensions).ask(task)
     return row
 
 
 class Cluster:
-    """The workers of a Dask scheduler at ``address``, such as ``tcp://host:8786``."""
+    """Workers of a Dask scheduler at ``address``, such as ``tcp://host:8786``."""
 
     def __init__(self, address: str, work: str = MEASURE_ROW):
         try:
@@ -147,7 +147,7 @@ class Cluster:
         except ImportError:
             raise ClusterUnavailable("needs the package distributed; install mpm-lab[cluster]") from None
         for name in ("distributed.client", "distributed.core", "distributed.comm", "tornado.application"):
-            logging.getLogger(name).setLevel(logging.CRITICAL)  # what goes wrong is said in one sentence
+            logging.getLogger(name).setLevel(logging.CRITICAL)  # errors are reported in one sentence
         try:
             self._client = Client(address, timeout=ANSWER_SECONDS, set_as_default=False, name="mpm-lab")
         except (OSError, ValueError, ImportError) as error:
@@ -159,7 +159,7 @@ class Cluster:
 
     @property
     def workers(self) -> int:
-        """Workers there are now."""
+        """Number of workers now."""
         return len(self._client.scheduler_info(n_workers=-1)["workers"])
 
     def submit(self, task: MeasurementTask) -> Future[dict]:
@@ -174,6 +174,6 @@ class Cluster:
             raise ExecutorLost(f"the cluster at {self._address} has had no worker for {PATIENCE:g} seconds")
 
     def close(self) -> None:
-        """Take back what waits. A row that is being measured is finished by its worker, and forgotten."""
+        """Cancels waiting tasks. A row that is being measured is finished by its worker, and discarded."""
         self._executor.shutdown(wait=False)
         self._client.close(timeout=2)

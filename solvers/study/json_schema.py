@@ -1,7 +1,7 @@
-"""The forms of what is kept as JSON, and where a value is not of its form, in words.
+"""Schemas of stored JSON, and descriptions of mismatches, in words.
 
-A form is a type or a tuple of types; a mapping from the keys that an object must have to the forms of their values; or
-:class:`MapOf`, for an object of any keys. Numbers are finite, and true and false are none.
+A schema (``form``) is a type or a tuple of types; a mapping from required keys to the schemas of their values; or
+:class:`MapOf`, for an object of any keys. Numbers are finite, and booleans are not numbers.
 """
 
 import json
@@ -16,14 +16,14 @@ NUMBER_OR_NONE = (int, float, type(None))
 
 @dataclass(frozen=True)
 class MapOf:
-    """An object of which every value has this form."""
+    """Schema of an object with any keys, whose values all have this schema."""
 
     form: Any
 
 
 def parse_json(text: bytes | str) -> Any:
-    """The value of a JSON text; :class:`ValueError` where it is none, or not one that can be written again: NaN and
-    infinity, half a character, or nested too deep."""
+    """Returns the value of a JSON text. Raises :class:`ValueError` where it is invalid, or cannot be written again: NaN
+    and infinity, half a character, or nested too deep."""
     try:
         value = json.loads(text)
         json.dumps(value, allow_nan=False, ensure_ascii=False).encode()
@@ -33,7 +33,7 @@ def parse_json(text: bytes | str) -> Any:
 
 
 def describe_mismatch(value: Any, form: Any, name: str = "") -> str | None:
-    """What is wrong with a value, ``it has no status`` for example; None where it has the form."""
+    """Returns what is wrong with a value, ``it has no status`` for example; None where it matches the schema."""
     if isinstance(form, (dict, MapOf)):
         if not isinstance(value, dict):
             return f"{name or 'it'} is no object"

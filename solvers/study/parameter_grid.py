@@ -1,4 +1,4 @@
-"""From lists of values to tasks: every combination, the scene it means, and the key that it is known by."""
+"""Tasks from lists of values: every combination, its scene, and its key."""
 
 import hashlib
 import itertools
@@ -18,11 +18,11 @@ MOST_ROWS = 10_000
 
 @dataclass(frozen=True)
 class Task:
-    """One combination to be measured, in plain values, so that it can travel anywhere as JSON.
+    """Combination of inputs to be measured, in plain values, so that it can be sent as JSON.
 
-    ``inputs`` maps the names of flags (``ppc``, ``body_force``, ...) to values; what is absent or None takes the
-    scene's default. ``repeats`` is how often the bare run is timed, 0 for not at all; ``price_effects`` asks for
-    the time with each effect alone as well.
+    ``inputs`` maps the names of flags (``ppc``, ``body_force``, ...) to values; absent or None stands for the scene's
+    default. ``repeats`` is how often the bare run is timed, 0 for not at all; ``price_effects`` is whether the time
+    with each effect alone is measured as well.
     """
 
     problem: str
@@ -32,13 +32,13 @@ class Task:
     version: str = ""
 
     def scene(self) -> Scene:
-        """The scene of this combination; :class:`SceneError` where there is none."""
+        """Returns the scene of this combination. Raises :class:`SceneError` where it is invalid."""
         inputs: dict[str, Any] = {key_field(key): tuple(value) if isinstance(value, list) else value
                                   for key, value in self.inputs.items()}
         return PROBLEMS[self.problem].scene(**inputs)
 
     def refusal(self) -> SceneError | None:
-        """Why there is no such scene, or None."""
+        """Returns the error of an invalid combination, or None."""
         try:
             self.scene()
         except SceneError as error:
@@ -46,7 +46,7 @@ class Task:
         return None
 
     def remarks(self) -> list[str]:
-        """What whoever asks is to know before it is measured, in sentences."""
+        """Returns sentences for the user before it is measured."""
         try:
             return [f"warning: {sentence}" for sentence in self.scene().warnings()]
         except SceneError as error:
@@ -54,7 +54,7 @@ class Task:
 
     @property
     def key(self) -> str:
-        """A hash of the inputs with the defaults filled in, not of how a run is timed: equal scenes have equal keys."""
+        """Hash of the inputs with defaults filled in, not of options of timing: equal scenes have equal keys."""
         try:
             values = self.scene().to_dict()
         except SceneError:
@@ -64,7 +64,7 @@ class Task:
 
     @property
     def kind(self) -> Hashable:
-        """What has to be compiled for it, None where there is no such scene."""
+        """Key of its compiled code, None for an invalid combination."""
         try:
             return kernel_key(self.scene())
         except SceneError:
@@ -75,17 +75,17 @@ class Task:
 
 
 def task_of(scene: Scene, **options) -> Task:
-    """The task that asks for a scene; ``options`` as of :func:`plan_tasks`."""
+    """Returns the task of a scene; ``options`` as in :func:`plan_tasks`."""
     return Task(scene.problem, scene_text.scene_inputs(scene), **options)
 
 
 def combinations(axes: Mapping[str, Sequence]) -> list[dict]:
-    """Every combination of one value from each axis, the last varying fastest."""
+    """Returns every combination of one value from each axis, the last varying fastest."""
     return [dict(zip(axes, values, strict=True)) for values in itertools.product(*axes.values())]
 
 
 def plan_tasks(problem: str, axes: Mapping[str, Sequence], **options) -> list[Task]:
-    """A task for every combination, each scene once.
+    """Returns a task for every combination, each scene once.
 
     Parameters
     ----------
@@ -98,7 +98,7 @@ def plan_tasks(problem: str, axes: Mapping[str, Sequence], **options) -> list[Ta
     Raises
     ------
     SceneError
-        Where no combination makes a scene.
+        Where no combination is valid.
     """
     tasks: dict[str, Task] = {}
     for given in combinations(axes):

@@ -1,4 +1,4 @@
-"""One row: everything that a study knows about one scene, how it is measured, and what it must have to be kept.
+"""One row: all data of a study about one scene, their measurement, and the schema of a stored row.
 
 Keys of a row::
 
@@ -56,8 +56,8 @@ BLANK = dict.fromkeys(("scene", "h", "status", "reason", "t", "steps", "particle
 
 
 def measure(task: Task, of: Callable[[Task, Scene], dict] | None = None) -> dict:
-    """The row of a task, with the keys above, or what is found ``of`` its scene. Whatever goes wrong in that is a row
-    too, and never an exception."""
+    """Returns the row of a task, with the keys above, or with the result of ``of`` for its scene. An error becomes a
+    row too, and is never raised."""
     if refusal := task.refusal():
         return refused_row(task, refusal)
     try:
@@ -95,8 +95,8 @@ def _measure_scene(task: Task, scene: Scene) -> dict:
 
 
 def price_effects(scene: Scene, repeats: int) -> dict[str, float]:
-    """Seconds that each effect of the scene adds to the bare run when it is switched on alone; one that needs another
-    is compared with that one alone. An estimator's price is in the result."""
+    """Returns the seconds that each effect of the scene adds to the bare run when it is on alone; an effect that needs
+    another is compared with that one alone. An estimator's price is in the result."""
     wanted = [name for name in PRICED if scene.has(name)]
     sets = {name: (*PRICED[name], name) for name in wanted}
     least = {effects: min(time_bare(scene, repeats, effects)[0]) for effects in dict.fromkeys([(), *sets.values()])}
@@ -104,8 +104,8 @@ def price_effects(scene: Scene, repeats: int) -> dict[str, float]:
 
 
 def time_bare(scene: Scene, repeats: int, effects: tuple[str, ...] = ()) -> tuple[list[float], Result]:
-    """Seconds of the runs of a warmed-up scene with these effects alone, the shortest of which is the one to believe;
-    and the last run. There are ``repeats``, and more of a short one, until together they took long enough to time."""
+    """Returns the seconds of the runs of a warmed-up scene with these effects alone, the shortest of which is the most
+    reliable; and the last run. There are ``repeats``, and more if a run is short, until their sum is long enough."""
     from solvers.running.run import run
 
     scene = replace(scene, effects=effects, estimators=())
@@ -119,32 +119,32 @@ def time_bare(scene: Scene, repeats: int, effects: tuple[str, ...] = ()) -> tupl
 
 
 def row_of_scene(task: Task, scene: Scene) -> dict:
-    """The row of a scene of whose run more is known otherwise than by :func:`measure`."""
+    """Returns the row of a scene whose results are known from elsewhere than :func:`measure`."""
     return {**BLANK, "schema": SCHEMA, "key": task.key, "problem": task.problem, "asked": task.inputs,
             "scene": scene.to_dict(), "h": scene.spacing}
 
 
 def refused_row(task: Task, error: SceneError) -> dict:
-    """The row of a combination that no scene can have."""
+    """Returns the row of an invalid combination."""
     return {**identity_columns(task), "status": REFUSED, "reason": str(error), "version": task.version}
 
 
 def failed_row(task: Task, reason: str) -> dict:
-    """The row of a run that was lost."""
+    """Returns the row of a run that failed."""
     scene = None if task.refusal() else task.scene().to_dict()
     return {**identity_columns(task), "scene": scene, "status": FAILED, "reason": " ".join(reason.split()),
             "version": task.version}
 
 
 def identity_columns(task: Task) -> dict:
-    """What says which row it is, and None for all that is not known yet."""
+    """Returns the columns that identify a row, and None for all others."""
     return {"schema": SCHEMA, "key": task.key, "problem": task.problem, "asked": task.inputs, **BLANK,
             "solvers": fingerprint()}
 
 
 @functools.cache
 def fingerprint() -> str:
-    """Of the source of everything that is computed: a changed solver makes what is kept of it out of date."""
+    """Returns a hash of the source of all computations: a changed solver makes stored results outdated."""
     root = Path(__file__).parents[1]
     digest = hashlib.sha256()
     for path in sorted(root.rglob("*.py")):
@@ -153,8 +153,8 @@ def fingerprint() -> str:
 
 
 def find_fault(row: Any, measured: dict = MEASURED, identity: dict = IDENTITY) -> str | None:
-    """What is wrong with a kept row, in words: it has the form of what says which row it is, names a problem and a
-    status, and, if something was ``measured``, has the form of that; None where it is whole."""
+    """Returns what is wrong with a stored row, in words: its identity must match the schema, with a known problem and
+    status, and measured data must match the schema ``measured``; None where it is valid."""
     if found := describe_mismatch(row, identity):
         return found
     named: dict[str, Collection[str]] = {"problem": PROBLEMS, "status": STATUSES}

@@ -1,4 +1,4 @@
-"""Rows on disk: one JSON object a line, appended and synchronised as they come, so that a kill loses nothing done."""
+"""Rows on disk: one JSON object per line, appended and synchronised at once, so that a kill loses no finished row."""
 
 import contextlib
 import json
@@ -16,22 +16,22 @@ LARGEST, LONGEST = 100_000_000, 1_000_000  # bytes of it, and of a line; ten tho
 
 
 class StoreError(Exception):
-    """The directory cannot be used; the sentence says why and what to do."""
+    """Error for a directory that cannot be used; the sentence says why and what to do."""
 
     def __init__(self, sentence: str):
         super().__init__(quoting.one_line(sentence))
 
 
 class RowStore:
-    """The rows of a study in a directory. A row with the key of an earlier one replaces it.
+    """Rows of a study in a directory. A row with the key of an earlier one replaces it.
 
     Parameters
     ----------
     directory
-        Made if it is not there; to be empty, or with ``resume`` to hold rows of the ``problem``, if one is given. Where
-        ``resume`` is None, rows may be there or not, and anything else.
+        Created if missing; must be empty, or with ``resume`` contain rows of the ``problem``, if one is given. If
+        ``resume`` is None, it may contain rows and anything else.
     fault
-        What is wrong with a kept row, in words, or None.
+        Returns what is wrong with a stored row, in words, or None.
 
     Raises
     ------
@@ -57,26 +57,25 @@ class RowStore:
             raise
 
     def append(self, row: dict) -> None:
-        """Keep a row; it is on the disk when this returns."""
+        """Stores a row; it is on the disk when this returns."""
         self._file.write(json.dumps(row, allow_nan=False).encode() + b"\n")
         self._file.flush()
         os.fsync(self._file.fileno())
         self.rows[row["key"]] = row
 
     def is_finished(self, key: str) -> bool:
-        """Whether there is nothing left to do for a key; what failed may be tried again, and what other source measured
-        is measured anew."""
+        """Returns whether nothing is left to do for a key; failed rows and those of other source are measured again."""
         return key in self.rows and self.rows[key]["status"] != FAILED and not self.is_outdated(key)
 
     def is_outdated(self, key: str) -> bool:
-        """Whether the row of a key is there and was measured by other source than this."""
+        """Returns whether the row of a key exists and was measured by other source than the present one."""
         return key in self.rows and self.rows[key].get("solvers") != fingerprint()
 
     def close(self) -> None:
         self._file.close()
 
     def _load(self, problem: str | None) -> None:
-        """Read what is there. A last line that a kill cut short is taken off; its row will be measured again."""
+        """Reads the stored rows. A last line that a kill cut short is removed; its row will be measured again."""
         if (size := self._path.stat().st_size) > LARGEST:
             raise StoreError(f"holds a {NAME} of {size / 1e6:,.0f} MB; give one of at most {LARGEST / 1e6:,.0f} MB, or "
                              "another directory")
@@ -104,7 +103,7 @@ class RowStore:
             return "it is not JSON"
 
     def _add_line(self, number: int, line: bytes, problem: str | None) -> None:
-        """Take in a line; :class:`StoreError`, and nothing changed on the disk, where it is no row of the problem."""
+        """Adds a line. Raises :class:`StoreError`, with the disk unchanged, where it is not a row of the problem."""
         if wrong := self._fault_of_line(line):
             raise StoreError(f"holds a {NAME} whose line {number} is not a whole row ({wrong}); take that line out, "
                              "and it is measured again, or give another directory")
@@ -115,7 +114,7 @@ class RowStore:
 
 
 def _prepare(directory: Path, resume: bool | None) -> None:
-    """Make the directory, or make sure that it is ours to write to."""
+    """Creates the directory, or checks that it may be used."""
     try:
         directory.mkdir(parents=True, exist_ok=True)
         names = {entry.name for entry in directory.iterdir()}
@@ -134,8 +133,8 @@ def _prepare(directory: Path, resume: bool | None) -> None:
 
 
 def _lock(file: BinaryIO) -> None:
-    """Two sweeps must not write to one file."""
-    with contextlib.suppress(ImportError):  # elsewhere than on Unix nobody checks
+    """Locks the file, because two sweeps must not write to it. Raises :class:`StoreError` where it is locked."""
+    with contextlib.suppress(ImportError):  # there are locks only on Unix
         import fcntl
         try:
             fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)

@@ -1,8 +1,8 @@
-"""A family of runs that differ in their number of cells alone: how wrong they are and what they cost.
+"""Family of runs that differ only in their number of cells: their errors and costs.
 
-The error is the companion estimator's, not the truth: what holds here holds for problems whose solution nobody knows.
-Measured at some numbers of cells, it is interpolated, and carried on to finer grids by the order that the two finest
-show; the cost by steps, particles and the rate of the finest.
+Errors are those of the companion estimator, not the truth, so that the search also works for problems without a known
+solution. They are interpolated between the measured numbers of cells, and extrapolated to finer grids by the order of
+the two finest; costs by steps, particles and the rate of the finest.
 """
 
 import math
@@ -17,7 +17,7 @@ from solvers.solver.soundness import OK
 #: By which the advisor goes. It compares methods and steps, so it needs one that sees every error of the particles
 #: whatever they are: "transport" misses that of the step, "two-grid" needs second order, "recovered" a polar lattice.
 ESTIMATOR = "companion"
-HIGHEST_ORDER = 2.0  # that is trusted beyond what was measured; the methods are of second order at best
+HIGHEST_ORDER = 2.0  # for extrapolation; the methods are of second order at best
 HOPED_ORDER = 2.5  # of a family of which one member is known: coarse grids may gain more than the order
 LEAST_ORDER = 0.3  # below which refining is not worth its price: the error has all but stopped falling
 GENTLE_CFL = 0.1
@@ -27,8 +27,8 @@ TIMED_TURNS = 4
 
 @dataclass(frozen=True, order=True)
 class Point:
-    """One measured member: the largest RMS error over the run (infinite for an unstable one) and its rate, NaN where
-    that is yet to be taken; how the run ended, and why not well."""
+    """Measured member of a family: the largest RMS error over the run (infinite for an unstable one) and its seconds
+    per particle-step, NaN until measured; how the run ended, and why not well."""
 
     cells: int
     error: float
@@ -39,7 +39,7 @@ class Point:
 
 @dataclass
 class Family:
-    """``scene`` with any number of cells, as a multiple of ``multiple``; ``quantity`` is x, v, sigma or a."""
+    """Family of ``scene`` with any multiple of ``multiple`` cells; ``quantity`` is x, v, sigma or a."""
 
     scene: Scene
     quantity: str
@@ -47,11 +47,11 @@ class Family:
     points: list[Point] = field(default_factory=list)
 
     def member(self, cells: int) -> Scene:
-        """The scene with so many cells, and only what an advisor needs to see computed."""
+        """Returns the scene with so many cells, and only the effects that an advisor needs."""
         return replace(self.scene, cells=cells, estimators=(ESTIMATOR,), effects=("estimate", "acceleration"))
 
     def measure(self, cells: int) -> Point:
-        """Run a member and learn its error and its rate."""
+        """Runs a member and returns its error and its rate, which are stored."""
         from solvers.running.run import run  # here: what has been measured before needs no Taichi
 
         result = run(self.member(cells), prices=False, mid_run=False)
@@ -60,18 +60,18 @@ class Family:
         return self.add_point(Point(cells, error, math.nan, result.status, result.reason))
 
     def compile(self, cells: int) -> None:
-        """Have ready what :meth:`measure` needs; of the run itself nothing is remembered."""
+        """Compiles everything for :meth:`measure`; stores nothing of the run."""
         from solvers.running.run import build, run
 
         run(self.member(cells), prices=False, mid_run=False)
         build(self._bare_scene(cells)).compile()
 
     def _bare_scene(self, cells: int) -> Scene:
-        """What a member is timed by: how long a step takes does not depend on its length."""
+        """Returns the scene for the timing of a member: the time for a step does not depend on its length."""
         return replace(self.member(cells), estimators=(), effects=(), cfl=GENTLE_CFL)
 
     def add_point(self, point: Point) -> Point:
-        """A member that has been measured, whose rate is measured now if it is not known."""
+        """Adds a measured member, whose rate is measured now if it is unknown."""
         if math.isnan(point.seconds_per_particle_step):
             rate = _seconds_per_particle_step(self._bare_scene(point.cells))
             point = replace(point, seconds_per_particle_step=rate)
@@ -79,7 +79,7 @@ class Family:
         return point
 
     def error(self, cells: float) -> float:
-        """The error expected of so many cells; infinite where nothing is known to hold."""
+        """Returns the expected error with so many cells; infinite where no sound run is known."""
         last = self.points[-1]
         if cells >= last.cells:
             return last.error * (last.cells / cells) ** self.order()
@@ -93,8 +93,8 @@ class Family:
         return coarse.error * (fine.error / coarse.error) ** part if fine.error > 0 else coarse.error
 
     def order(self) -> float:
-        """The order that the two finest members show, as far as it may be trusted; the best to hope for where there is
-        one, so that nothing is given up that has not been looked at twice."""
+        """Returns the order between the two finest members, within plausible limits; with one member an optimistic
+        order, so that no family is given up after one run."""
         if not all(0 < point.error < math.inf for point in self.points[-2:]):
             return 0.0
         if len(self.points) < 2:
@@ -104,8 +104,8 @@ class Family:
         return 0.0 if order < LEAST_ORDER else min(order, HIGHEST_ORDER)
 
     def cells_for(self, tolerance: float, hoped: float = 0.0) -> int | None:
-        """The fewest cells expected to meet a tolerance, or None if none are; at the order ``hoped`` for, if the error
-        falls at all and more slowly."""
+        """Returns the fewest cells that should meet a tolerance, or None; at the order ``hoped``, if the error
+        decreases at all and more slowly."""
         met = [point.cells for point in self.points if point.error <= tolerance]
         if met:
             start = max((point.cells for point in self.points if point.cells < met[0]), default=met[0])
@@ -119,13 +119,13 @@ class Family:
         return None if cells > 1e6 else max(self._round_up(cells), last.cells + self.multiple)
 
     def cells_within(self, seconds: float) -> int:
-        """The most cells whose run is expected to take no longer."""
+        """Returns the most cells whose run should take no longer."""
         low, high = self.points[0].cells // self.multiple, 1_000_000 // self.multiple
         more = bisect_right(range(low + 1, high + 1), seconds, key=lambda n: self.seconds(n * self.multiple))
         return (low + more) * self.multiple
 
     def seconds(self, cells: int) -> float:
-        """The time expected for a bare run; infinite beyond what a scene may hold."""
+        """Returns the expected time of a bare run; infinite beyond a scene's limits."""
         nearest = max((p for p in self.points if p.cells <= cells), default=self.points[0])
         return _particle_steps(self.scene, cells) * nearest.seconds_per_particle_step
 
@@ -133,9 +133,9 @@ class Family:
         return self.multiple * math.ceil(cells / self.multiple - 1e-9)
 
 
-@lru_cache(maxsize=4096)  # asked for again and again, with every run that a search makes
+@lru_cache(maxsize=4096)  # used with every run of a search
 def _particle_steps(scene: Scene, cells: int) -> float:
-    """Of the scene with so many cells; infinite where there is no such scene."""
+    """Returns particles times steps of the scene with so many cells; infinite where that is invalid."""
     try:
         scene = replace(scene, cells=cells)
     except SceneError:
@@ -145,7 +145,7 @@ def _particle_steps(scene: Scene, cells: int) -> float:
 
 @lru_cache(maxsize=4096)
 def _seconds_per_particle_step(scene: Scene) -> float:
-    """Of the bare method, compiled and warmed up, in the processor's time; infinite for a run that goes bad."""
+    """Returns the CPU time per particle-step of the bare method, warmed up, in s; infinite for an unstable run."""
     from solvers.running.run import build
     from solvers.running.timing import particle_step_rate
 
@@ -154,5 +154,5 @@ def _seconds_per_particle_step(scene: Scene) -> float:
 
 
 def forget_rates() -> None:
-    """Take all times anew from now on."""
+    """Clears all measured times."""
     _seconds_per_particle_step.cache_clear()

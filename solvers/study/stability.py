@@ -1,8 +1,8 @@
 """The stability map: how many periods a method survives, with and without remedies, over amplitude and time step.
 
-A treatment is what a scene calls for against breakdown: remedies, linearity preservation, domains whose corners move
-with the grid. A row of the map is a row of a study (``solvers.study.row``) whose run is long and computes nothing but
-the truth and the contradictions.
+A treatment is what a scene uses against breakdown: remedies, linearity preservation, domains whose corners move with
+the grid. A row of the map is a row of a study (``solvers.study.row``) whose run is long and computes only the truth and
+the contradictions.
 """
 
 from collections.abc import Iterable, Mapping, Sequence
@@ -42,13 +42,13 @@ TREATMENTS: dict[str, dict[str, Any]] = {
 
 
 def offered_treatments(scene: type[Scene]) -> tuple[str, ...]:
-    """The treatments that a problem has for one of its methods at least."""
+    """Returns the treatments that a problem supports for at least one of its methods."""
     return tuple(name for name in TREATMENTS
                  if any(_scene(scene, {"method": method}, name) for method in scene.choices("method")))
 
 
 def map_tasks(problem: str, inputs: Sequence[Mapping[str, Any]], treatments: Iterable[str], version: str) -> list[Task]:
-    """A task for every combination that the problem has; what a method is not offered with is left out."""
+    """Returns a task for every combination that the problem supports."""
     kind = PROBLEMS[problem].scene
     tasks: dict[str, Task] = {}
     for treatment in treatments:
@@ -72,7 +72,7 @@ def _scene(kind: type[Scene], inputs: Mapping[str, Any], treatment: str) -> Scen
 
 
 def treatment_of(row: Mapping) -> str:
-    """The name of the treatment that a row had."""
+    """Returns the name of a row's treatment."""
     scene = row["scene"]
     had = {"remedies": sorted(scene["remedies"]), "linearity_preserving": scene["linearity_preserving"],
            "velocity": scene["velocity"]}
@@ -85,7 +85,7 @@ def treatment_of(row: Mapping) -> str:
 
 
 def scene_of(kind: type[Scene], row: Mapping, treatment: str) -> Scene:
-    """A gentle scene with the row's method, grid and a treatment, to time a step with: it runs whatever the row did."""
+    """Returns a gentle scene with the row's method and grid and a treatment, to time a stable step."""
     scene = row["scene"]
     gentle = {"method": scene["method"], "cells": scene["cells"], "ppc": scene["ppc"], "cfl": PRICE_CFL,
               "amplitude": kind.GENTLE_AMPLITUDE}
@@ -95,19 +95,19 @@ def scene_of(kind: type[Scene], row: Mapping, treatment: str) -> Scene:
 
 
 def survived_periods(row: Mapping) -> float:
-    """Periods until the error of x exceeded a tenth of the amplitude, or until the run was lost; all of them where it
-    held to its end."""
+    """Returns the periods until the error of x exceeded a tenth of the amplitude, or until the run was lost; all of
+    them where neither happened."""
     ends = [row["life"][name] for name in ("accurate", "sound") if row["life"][name] is not None]
     return min(ends, default=row["scene"]["periods"])
 
 
 def stayed_accurate(row: Mapping) -> bool:
-    """Whether the run was accurate to its end."""
+    """Returns whether the run was accurate to its end."""
     return row["status"] not in BROKEN and row["life"]["accurate"] is None
 
 
 def measure_prices(kind: type[Scene], rows: Iterable[dict]) -> dict[tuple[str, str], float]:
-    """What each treatment of each method costs a step, over the plain method's, measured here and now."""
+    """Measures the time per step of each treatment of each method, over that of the plain method."""
     from solvers.running.timing import time_ratios
 
     pairs: dict[tuple[str, str], tuple[Scene, Scene]] = {}
@@ -119,7 +119,7 @@ def measure_prices(kind: type[Scene], rows: Iterable[dict]) -> dict[tuple[str, s
 
 
 def as_dict(problem: str, rows: Sequence[dict], prices: Mapping[tuple[str, str], float]) -> dict:
-    """The map: a line for every method and treatment, with the lives at each amplitude and step."""
+    """Returns the map: a line for every method and treatment, with the lives at each amplitude and step."""
     kind = PROBLEMS[problem].scene
     lines: dict[tuple[str, str], dict[str, Any]] = {}
     for row in completed_rows(rows):
@@ -142,7 +142,7 @@ def as_dict(problem: str, rows: Sequence[dict], prices: Mapping[tuple[str, str],
 
 
 def as_markdown(values: dict) -> str:
-    """The map for a reader: lives at each amplitude, from the shortest step to the longest."""
+    """Returns the map as text: lives at each amplitude, from the shortest step to the longest."""
     lives = [life for line in values["lines"] for life in line["lives"]]
     if not lives:
         return "# Stability: no run was possible\n"

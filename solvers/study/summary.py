@@ -18,7 +18,7 @@ NOTHING = "–"
 
 
 def flatten_row(row: Mapping, before: str = "") -> dict:
-    """A row without levels: ``error.x.max`` for ``row["error"]["x"]["max"]``; lists become words."""
+    """Returns a row without levels: ``error.x.max`` for ``row["error"]["x"]["max"]``; lists become words."""
     values: dict[str, Any] = {}
     for name, value in row.items():
         if isinstance(value, Mapping):
@@ -29,14 +29,14 @@ def flatten_row(row: Mapping, before: str = "") -> dict:
 
 
 def uniform_rows(rows: Iterable[Mapping]) -> list[dict]:
-    """Rows without levels, all with the same keys: whatever any row has, and None where one has it not."""
+    """Returns rows without levels, all with the union of their keys, and None where a row has no value."""
     lines = [flatten_row({**row, "scene": row["scene"] or row["asked"], "asked": {}}) for row in rows]
     names = list(dict.fromkeys(name for line in sorted(lines, key=len, reverse=True) for name in line))
     return [{name: line.get(name) for name in names} for line in lines]
 
 
 def csv_text(rows: Iterable[Mapping]) -> str:
-    """One line a row, a column for whatever any row has; what a row has not is empty."""
+    """Returns a CSV with one line per row, a column for each key of any row; missing values are empty."""
     lines = uniform_rows(rows)
     text = io.StringIO()
     writer = csv.DictWriter(text, lines[0] if lines else (), lineterminator="\n")
@@ -46,12 +46,12 @@ def csv_text(rows: Iterable[Mapping]) -> str:
 
 
 def study_to_dict(problem: str, rows: Sequence[dict]) -> dict:
-    """The whole study as one JSON object."""
+    """Returns the whole study as one JSON object."""
     return {"schema": "mpm-lab/sweep/1", "problem": problem, "rows": list(rows), "fits": fit_orders(rows)}
 
 
 def summarise_study(problem: str, rows: Sequence[dict], pictures: Sequence[str] = ()) -> str:
-    """The study in Markdown: every row in short, the orders of convergence, the best for its time, what went wrong."""
+    """Returns the study in Markdown: every row in short, orders of convergence, the best for its time, and failures."""
     counts = {status: sum(row["status"] == status for row in rows) for status in (OK, *BROKEN, FAILED, REFUSED)}
     parts = [f"# Sweep of the {problem}",
              f"{len(rows)} rows: " + ", ".join(f"{count} {status}" for status, count in counts.items() if count) + "."]
@@ -72,7 +72,7 @@ def _rows(rows: Sequence[dict], names: Sequence[str]) -> str:
         values = row["scene"] or row["asked"]
         index, budget = row.get("index") or {}, row.get("budget") or {}
         if budget.get("not_valid"):
-            budget = {}  # shares say nothing there
+            budget = {}  # shares are meaningless there
         large = row["status"] == OK and row.get("as_large_as_itself")  # for these the status does not hold
         status = row["status"] + (f" for x, not for {', '.join(large)}" if large else "")
         lines.append([*(_cell(values.get(name)) for name in names), status,
@@ -113,7 +113,7 @@ def _pareto_table(rows: Sequence[dict], names: Sequence[str]) -> str:
 
 
 def _reasons_list(rows: Sequence[dict], names: Sequence[str]) -> str:
-    """What is not ok, or for positions alone, once for each reason."""
+    """Returns a list of runs that are not ok, or only for positions, once for each reason."""
     reasons: dict[tuple[str, str], list[dict]] = {}
     for row in rows:
         if row["reason"]:

@@ -1,4 +1,4 @@
-"""A sweep as a function: every combination of lists of values, a row each, and columns of these rows by their names."""
+"""A sweep as a function: every combination of lists of values, one row each, and columns of these rows by name."""
 
 import contextlib
 import math
@@ -18,12 +18,12 @@ from solvers.study.parameter_grid import MOST_ROWS, plan_tasks
 from solvers.study.summary import uniform_rows
 from solvers.untrusted import quoting
 
-#: Two ways to say one input, of which one may be given.
+#: Alternative inputs, of which only one may be given.
 ALTERNATIVES = {"dt": "cfl", "cfl": "dt", "t_end": "periods", "periods": "t_end"}
 
 
 class Rows(list[dict]):
-    """Rows with the same keys. A name gives the column: ``rows["error.x.max"]``, as an array over the rows."""
+    """Rows with the same keys. A name selects a column: ``rows["error.x.max"]``, as an array over the rows."""
 
     def __init__(self, rows: Iterable[Mapping] = ()):
         super().__init__(map(dict, rows))
@@ -36,13 +36,13 @@ class Rows(list[dict]):
     def __getitem__(self, which: str) -> np.ndarray: ...
 
     def __getitem__(self, which):
-        """A row by its number, rows by a slice, a column by its name: numbers with NaN where a row has none, or
-        anything else as objects, so that ``rows["scene.method"] == "mpm"`` says which rows are.
+        """Returns a row by its number, rows by a slice, a column by its name: numbers with NaN where a row has none, or
+        anything else as objects, so that ``rows["scene.method"] == "mpm"`` is a mask of rows.
 
         Raises
         ------
         SceneError
-            For a column that there is not, with those that are.
+            For a column that does not exist, with those that do.
         """
         if isinstance(which, str):
             return self._column(which)
@@ -51,7 +51,7 @@ class Rows(list[dict]):
 
     @property
     def columns(self) -> list[str]:
-        """The names of all columns."""
+        """Names of all columns."""
         return list(self[0]) if self else []
 
     def _column(self, name: str) -> np.ndarray:
@@ -70,7 +70,7 @@ class Rows(list[dict]):
 
 def sweep(problem: str | Scene | type[Scene], *, repeats: int = 3, workers: int = 1,
           on_progress: Callable[[float, dict], None] = lambda part, row: None, **inputs: Any) -> Rows:
-    """Measure a problem for every combination of values: ``sweep("bar", cells=[20, 40], method=["mpm", "bspline"])``.
+    """Measures a problem for every combination of values: ``sweep("bar", cells=[20, 40], method=["mpm", "bspline"])``.
 
     Parameters
     ----------
@@ -127,7 +127,7 @@ def sweep(problem: str | Scene | type[Scene], *, repeats: int = 3, workers: int 
 
 
 def _values(problem: str, name: str, given: Any) -> list:
-    """What an input goes through."""
+    """Returns the list of values of an input."""
     names = [field for field in PROBLEMS[problem].scene.__dataclass_fields__ if field != "problem"]
     if key_field(name) not in names:
         raise SceneError(name, given, f"is no input of the {problem}; give some of {', '.join(names)}")

@@ -1,1 +1,1 @@
-"""What comes from outside: how its texts are quoted, its numbers read, and how much of it is taken."""
+"""Untrusted input: safe quoting of texts, parsing of numbers, and size limits."""

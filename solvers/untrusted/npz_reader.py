@@ -1,7 +1,7 @@
-"""The arrays of a .npz file, of which nothing is believed: neither its directory, nor the heads of its arrays.
+"""Reader of untrusted .npz files: neither their directories nor the headers of their arrays are trusted.
 
-A .npz is a zip with a .npy file for each array: a head, which is a Python literal, and the numbers. Only arrays that
-are asked for are unpacked, each to the size that its head says and that has been found to be allowed.
+A .npz is a zip with a .npy file for each array: a header, which is a Python literal, and the numbers. Only requested
+arrays are unpacked, each to the size in its header, which is checked before.
 """
 
 import io
@@ -17,7 +17,7 @@ from solvers.untrusted.size_limits import Limits, check_name
 
 ENDING = ".npy"
 LONGEST_READ = 1_000_000  # bytes that are read at once, of which the zip's directory is the largest part
-LONGEST_HEAD = 20_000  # bytes of what stands before the numbers; numpy reads no more than 10,000
+LONGEST_HEAD = 20_000  # bytes before the numbers; numpy reads no more than 10,000
 LONGEST_TEXT = 20_000  # letters of an array that is a text
 MOST_DIRECTIONS = 4  # of an array
 PACKINGS = (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED)  # as numpy writes them; others may take any memory to unpack
@@ -27,12 +27,12 @@ HEADS = {(1, 0): np.lib.format.read_array_header_1_0, (2, 0): np.lib.format.read
 
 
 class _NotPlainArrays(ValueError):
-    """No .npz of plain numbers; the message says why."""
+    """Error for a file that is not a .npz of plain numbers; the message says why."""
 
 
 def read_arrays(path: str, wanted: Callable[[str], bool], limits: Limits) -> dict[str, np.ndarray]:
-    """The arrays whose names are ``wanted``, each of numbers or one text, by their names; of others nothing but the
-    name is looked at, and they are empty here. :class:`FileError` where there are none such."""
+    """Returns the arrays whose names are ``wanted``, each of numbers or one text, by name; others are not read, and
+    empty here. Raises :class:`FileError` for an invalid file."""
     try:
         with open(path, "rb", buffering=0) as raw, _ChunkedFile(raw) as measured, \
                 zipfile.ZipFile(cast(IO[bytes], measured)) as packed:
@@ -49,7 +49,7 @@ def read_arrays(path: str, wanted: Callable[[str], bool], limits: Limits) -> dic
 
 
 class _ChunkedFile(io.BufferedReader):
-    """A file of which no large piece is read at once: a zip's directory is read as long as it says it is."""
+    """File of which no large piece is read at once: the size of a zip's directory is untrusted."""
 
     def read(self, size: int | None = -1, /) -> bytes:
         content = super().read(LONGEST_READ + 1 if size is None or not 0 <= size <= LONGEST_READ else size)
@@ -59,7 +59,7 @@ class _ChunkedFile(io.BufferedReader):
 
 
 def _read_members(path: str, packed: zipfile.ZipFile, limits: Limits) -> Iterator[tuple[str, zipfile.ZipInfo]]:
-    """Arrays by their names; none twice, and as many and as large as is allowed."""
+    """Yields arrays by name, checked for duplicates, their number and their sizes."""
     listed = packed.infolist()
     limits.check_columns(path, len(listed))
     limits.check_unpacked(path, sum(member.file_size for member in listed))
@@ -77,7 +77,7 @@ def _read_array(path: str, name: str, packed: zipfile.ZipFile, member: zipfile.Z
     if member.compress_type not in PACKINGS or member.flag_bits & ENCRYPTED:
         raise _NotPlainArrays(Message("{name} is packed in a way that numpy does not use", quote(name)))
     with packed.open(member) as content:
-        begun = io.BytesIO(content.read(LONGEST_HEAD))  # no more, however long the head says it is
+        begun = io.BytesIO(content.read(LONGEST_HEAD))  # no more, whatever length the header claims
         shape, in_columns, dtype = _read_header(path, name, begun)
         limits.check_numbers(path, *shape)
         data = bytearray(int(np.prod(shape, dtype=object)) * dtype.itemsize)
@@ -91,7 +91,7 @@ def _read_array(path: str, name: str, packed: zipfile.ZipFile, member: zipfile.Z
 
 
 def _read_header(path: str, name: str, content: IO[bytes]) -> tuple[tuple[int, ...], bool, Any]:
-    """Shape, order and type of an array, where it has such as are taken."""
+    """Returns shape, order and type of an array. Raises an error for those that are not allowed."""
     version = np.lib.format.read_magic(content)
     if version not in HEADS:
         raise _NotPlainArrays(Message("{name} is of another version", quote(name)))

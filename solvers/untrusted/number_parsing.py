@@ -1,6 +1,7 @@
-"""Numbers as people and files write them, read in one way: ASCII digits with a point and an exponent, nothing else.
+"""Parsing of numbers from people and files: ASCII digits with a point and an exponent, nothing else.
 
-Python's own ``float`` and ``int`` take more: ``4_0``, digits of every script, ``inf``, ``nan``, numbers of any length.
+Python's own ``float`` and ``int`` accept more: ``4_0``, digits of every script, ``inf``, ``nan``, numbers of any
+length.
 """
 
 import math
@@ -13,7 +14,7 @@ LARGEST_EXACT = 1e15  # "1e3" is a fine way to write 1000, but a float this larg
 
 
 def parse_float(text: str) -> float:
-    """The finite number that a text is; :class:`ValueError` where it is none."""
+    """Returns the finite number in a text. Raises :class:`ValueError` where there is none."""
     bare = text.strip(" ") if len(text) <= LONGEST else ""
     if not NUMERAL.fullmatch(bare) or not math.isfinite(value := float(bare)):
         raise ValueError("is no number")
@@ -21,7 +22,8 @@ def parse_float(text: str) -> float:
 
 
 def parse_number(text: str) -> int | float:
-    """The same, as a whole number where the text is one, with an exponent too."""
+    """Returns the finite number in a text, as an int if it is whole, with an exponent too. Raises
+    :class:`ValueError`."""
     value = parse_float(text)
     if WHOLE.fullmatch(text.strip(" ")):
         return int(text)
@@ -29,12 +31,12 @@ def parse_number(text: str) -> int | float:
 
 
 def parse_count(text: str) -> int | None:
-    """A whole number from 0 on, of at most nine digits and nothing else; None where the text is none."""
+    """Returns a whole number from 0 on, of at most nine digits and nothing else; None for other texts."""
     return int(text) if re.fullmatch("[0-9]{1,9}", text) else None
 
 
 def is_number(text: str) -> bool:
-    """Whether a text is a finite number."""
+    """Returns whether a text is a finite number."""
     try:
         parse_float(text)
     except ValueError:

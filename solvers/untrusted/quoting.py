@@ -1,5 +1,5 @@
-"""Whatever is quoted from outside, made harmless and short: names of files, values, words of a text, cells of a table.
-And the error that says what is wrong with a file.
+"""Safe and short quoting of untrusted text: names of files, values, words of a text, cells of a table. And the error
+for an invalid file.
 
 A character that does not show, or that tells a terminal or a browser to do something (control, escape and bidirectional
 characters, half a surrogate), stands as its escape, ``\\x1b``. What is cut has an ellipsis. One function for each place
@@ -24,8 +24,7 @@ MARKDOWN_SIGNS = re.compile(r"([\\`*_\[\]<>$#~])")  # that mean something within
 
 
 class FileError(ValueError):
-    """A file that cannot be read or judged: ``file`` is its name, ``sentence`` says what is wrong and what is
-    allowed."""
+    """Error for a file that cannot be read or judged: ``file`` is its name, ``sentence`` says why."""
 
     def __init__(self, file: str, said: str, /, *values: object):
         message = Message(said, *values)
@@ -34,31 +33,31 @@ class FileError(ValueError):
 
 
 def quote(value: object, most: int = QUOTE) -> str:
-    """A value within a sentence, on one line; of a long one the middle is left out, for the end of a name says its
-    kind."""
+    """Returns a value for a sentence, on one line; of a long one the middle is left out, because the end of a name
+    shows its type."""
     text = _to_text(value)
     return _cut_middle(text, most) if text.strip() else NOTHING
 
 
 def one_line(value: object, most: int = SENTENCE) -> str:
-    """A whole sentence, what it quotes included, on one line."""
+    """Returns a whole sentence, including its quotes, on one line."""
     text = _to_text(value)
     shown = _cut_end(_escape_invisible(" ".join(text[:4 * most].split())), most)
     return text if text == shown else shown  # a message stays one
 
 
 def file_name(path: object, most: int = NAME) -> str:
-    """The last part of a path, as any system writes it."""
+    """Returns the last part of a path of any system."""
     return _cut_middle(PurePath(_to_text(path)[-LONGEST_PATH:].replace("\\", "/")).name, most) or Message("the file")
 
 
 def escape_markdown(value: object, most: int = SENTENCE) -> str:
-    """A text in a line of Markdown that means nothing but itself."""
+    """Returns a text for a line of Markdown in which nothing is markup."""
     return MARKDOWN_SIGNS.sub(r"\\\1", one_line(value, most))
 
 
 def code_span(value: object, most: int = NAME) -> str:
-    """A text as code in a line of Markdown."""
+    """Returns a text as code for a line of Markdown."""
     text = _cut_middle(_to_text(value), most)
     fence = "`" * (1 + max(map(len, re.findall("`+", text)), default=0))
     pad = " " if "`" in text or not text.strip() else ""
@@ -66,13 +65,13 @@ def code_span(value: object, most: int = NAME) -> str:
 
 
 def escape_html(value: object, most: int = SENTENCE) -> str:
-    """A text in HTML, also as the value of an attribute."""
+    """Returns a text for HTML, also for the value of an attribute."""
     return html.escape(one_line(value, most), quote=True)
 
 
 def csv_cell(value: object) -> object:
-    """A cell of a CSV that no spreadsheet takes for a formula: texts that begin as one does get a ' in front, and
-    numbers are left as they are."""
+    """Returns a cell of a CSV that no spreadsheet takes for a formula: texts that begin like one get a ' in front, and
+    numbers are unchanged."""
     if not isinstance(value, str):
         return value
     text = _cut_end(_escape_invisible(value[:CELL + 1]), CELL)
@@ -81,13 +80,13 @@ def csv_cell(value: object) -> object:
 
 
 def suggest_word(word: str, known: Iterable[str]) -> str:
-    """What of the known words is nearest, as an addition to a sentence; "" where none is near."""
+    """Returns the nearest known word, as an addition to a sentence; "" where none is near."""
     close = get_close_matches(word[:QUOTE], list(known), n=1)
     return Message(" (did you mean {close}?)", close[0]) if close else ""
 
 
 def _to_text(value: object) -> str:
-    """A value as text; numbers of thousands of digits, which have none, by their kind."""
+    """Returns a value as text; for numbers of thousands of digits, which cannot be converted, their kind."""
     try:
         return f"{value:.12g}" if isinstance(value, float) else str(value)
     except ValueError:

@@ -1,7 +1,7 @@
-"""How much of a file is taken: said up front, and checked before any memory is, for a file may claim what it likes.
+"""Size limits of files, which are checked before memory is allocated, because a file may claim any size.
 
-A number takes eight bytes as soon as it is read, however few it has in the file. What is placed and compared takes as
-much again: with these limits whatever is refused is so within a gigabyte.
+A number needs eight bytes when it is read, however few it has in the file. Matching and comparison need as much again:
+with these limits every file is rejected within a gigabyte.
 """
 
 import math
@@ -18,8 +18,8 @@ FEWER = Message(", fewer times for example")
 
 @dataclass(frozen=True)
 class Limits:
-    """What a file, or several that are judged together, may have at most: ``bytes`` on the disk and unpacked,
-    ``columns`` or arrays, ``rows``, that is particles of all times, ``numbers`` and ``times``."""
+    """Limits of a file, or of several that are judged together: ``bytes`` on disk and unpacked, ``columns`` or arrays,
+    ``rows``, which are particles of all times, ``numbers`` and ``times``."""
 
     bytes: int
     columns: int
@@ -46,7 +46,7 @@ class Limits:
                                 f"{self.rows:,}")
 
     def check_numbers(self, file: str, *counts: int) -> None:
-        """``counts`` are the sizes that make the number of numbers, as a file claims them: any whole numbers."""
+        """Raises FileError for too many numbers; ``counts`` are the factors of their number, as a file claims them."""
         total = math.prod(counts)
         if min(counts, default=0) < 0 or total > self.numbers:
             told = f"{total:,}" if abs(total) < 10**15 else Message("10¹⁵ or more")
@@ -57,7 +57,7 @@ class Limits:
             raise self._refusal(file, Message("has {times:,} times", times), f"{self.times:,}")
 
     def remaining_after(self, columns: Mapping[str, np.ndarray]) -> "Limits":
-        """What is left for further files beside one with such columns."""
+        """Returns the limits for further files beside one with these columns."""
         rows = len(next(iter(columns.values())))
         numbers = sum(column.size for column in columns.values())
         return replace(self, rows=max(0, self.rows - rows), numbers=max(0, self.numbers - numbers))
@@ -72,7 +72,7 @@ LONGEST_LINE = 250_000  # letters of a line of text
 
 
 def check_name(file: str, name: str) -> None:
-    """Refuse a name of a column that nobody would give, which would take long to be understood."""
+    """Raises FileError for an unreasonably long name of a column, which would take long to parse."""
     if len(name) > LONGEST_NAME:
         raise FileError(file, "has a column or an array with a name of {name:,} letters ({name2}); give at most {most}",
                         len(name), quote(name, 30), LONGEST_NAME)

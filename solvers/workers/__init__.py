@@ -1,1 +1,1 @@
-"""Work in processes of its own."""
+"""Worker processes."""

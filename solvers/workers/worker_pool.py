@@ -1,9 +1,9 @@
-"""Work in processes of its own, queued: a few processes, one queue before them, and a future for each question.
+"""Pool of worker processes, with one queue and a future for each question.
 
-What a process has done once it does again with less work, above all compile nothing anew. So a question may have a
-``kind``. A process that works alone takes the questions in their order. Beside others it takes the next one of a kind
-that it has had, before one of a kind that nobody has had, before one of a kind that another has had, who works now: of
-short questions only where ``several`` of these wait, for the other would be done with one before this one has begun.
+A process is faster at what it has done before, above all because it need not compile again. So a question may have a
+``kind``. A single process takes the questions in order. One of several prefers the next one of a kind that it has had,
+then one of a kind that no busy process has had, then one of a kind that a busy process has had: of short questions only
+if ``several`` of these wait, because the other would finish one before this one has started.
 """
 
 import contextlib
@@ -18,14 +18,14 @@ from typing import TypeVar
 from solvers.workers.worker_process import ProcessDied, WorkerProcess
 
 T = TypeVar("T")
-NICENESS = 10  # of a process that gives way, more than that of the one that asks
+NICENESS = 10  # of a low-priority process, relative to its parent
 
 Listener = Callable[[dict], object]
 
 
 @dataclass(frozen=True, eq=False)
 class _QueuedQuestion:
-    """A question that is to be answered."""
+    """Question in the queue."""
 
     future: Future[dict]
     question: Mapping | Sequence
@@ -35,9 +35,9 @@ class _QueuedQuestion:
 
 
 class WorkerPool:
-    """So many processes for one kind of work (``"module:function"``, as of a
-    :class:`~solvers.workers.worker_process.WorkerProcess`). One starts when a question comes and no other rests; when
-    it has died, with the next question. Safe from any thread."""
+    """Pool of ``processes`` processes for one kind of work (``"module:function"``, as in a
+    :class:`~solvers.workers.worker_process.WorkerProcess`). One starts when a question comes and no other is idle;
+    after a crash, with the next question. Thread-safe."""
 
     def __init__(self, work: str, processes: int = 1, environment: Mapping[str, str] | None = None, several: int = 1):
         self._several = several
@@ -49,14 +49,14 @@ class WorkerPool:
 
     @property
     def process_ids(self) -> list[int]:
-        """Of the processes that run now."""
+        """Ids of the running processes."""
         return [process.process_id for process in self._processes if process.process_id]
 
     def submit(self, question: Mapping | Sequence, on_answer: Listener = lambda _: None,
                patience: float | None = None, kind: Hashable = None) -> Future[dict]:
-        """Queue a question of a ``kind``. ``on_answer`` hears every answer, from a thread of the pool; the future holds
-        the last one, or :class:`~solvers.workers.worker_process.ProcessDied` (after ``patience`` seconds of work at the
-        latest), or the OSError for which no process could be started."""
+        """Queues a question of a ``kind``. ``on_answer`` receives every answer, in a thread of the pool; the future has
+        the last one, or :class:`~solvers.workers.worker_process.ProcessDied` (after at most ``patience`` seconds of
+        work), or the OSError for which no process could be started."""
         future: Future[dict] = Future()
         with self._lock:
             self._waiting.append(_QueuedQuestion(future, question, on_answer, patience, kind))
@@ -65,29 +65,29 @@ class WorkerPool:
             if process:
                 self._resting.remove(process)
         if process:
-            with contextlib.suppress(OSError, ProcessDied):  # as the future will say
+            with contextlib.suppress(OSError, ProcessDied):  # the future has the error
                 process.start()
             threading.Thread(target=self._answer_questions, args=(process,), name="worker-pool", daemon=True).start()
         return future
 
     def lower_priority(self) -> None:
-        """Have the processes wait for whatever else wants a processor, from now on: there is no way back."""
+        """Lowers the priority of the running processes, irreversibly."""
         for process_id in self.process_ids:
             with contextlib.suppress(AttributeError, OSError):  # not everywhere is there such a thing
                 os.setpriority(os.PRIO_PROCESS, process_id, os.getpriority(os.PRIO_PROCESS, 0) + NICENESS)
 
     def kill(self) -> None:
-        """End all work at once, and for good; every future that is left learns it."""
+        """Kills all processes at once, and for good; every pending future gets an error."""
         for process in self._processes:
             process.kill()
 
     def close(self) -> None:
-        """The same, and wait until nothing is left behind; a process that rests may put away what it has compiled."""
+        """Stops all processes for good, and waits until they are gone; an idle one may first store compiled kernels."""
         for process in self._processes:
             process.close()
 
     def _answer_questions(self, process: WorkerProcess) -> None:
-        """Have a process answer questions for as long as there are any."""
+        """Lets a process answer questions as long as there are any."""
         while waiting := self._next_question(process):
             if not waiting.future.set_running_or_notify_cancel():
                 continue
@@ -103,7 +103,8 @@ class WorkerPool:
                 waiting.future.set_result(answer)
 
     def _next_question(self, process: WorkerProcess) -> _QueuedQuestion | None:
-        """What a process does next; None where it is to rest, for there is nothing or others soon have done it."""
+        """Returns the next question for a process; None where it becomes idle, because there is none or others will
+        soon have done it."""
         with self._lock:
             own = self._had[process]
             busy = set[Hashable]().union(*(kinds for other, kinds in self._had.items()
@@ -120,20 +121,20 @@ class WorkerPool:
 
 
 def one_of_each_first(things: Iterable[T], kind: Callable[[T], Hashable]) -> list[T]:
-    """The same things, one of each kind in front: asked in this order, processes begin with different kinds."""
+    """Returns the things with one of each kind in front: in this order, processes start with different kinds."""
     ahead: dict[Hashable, T] = {}
     rest = [thing for thing in things if ahead.setdefault(kind(thing), thing) is not thing]
     return [*ahead.values(), *rest]
 
 
 class Slots:
-    """Places for work on one machine: a piece of work takes one and gives it back. Safe from any thread."""
+    """Limited slots for work on one machine: each piece of work takes one and releases it. Thread-safe."""
 
     def __init__(self, places: int):
         self._places, self._lock, self.taken = places, threading.Lock(), 0
 
     def acquire(self) -> bool:
-        """Whether there was one left."""
+        """Takes a slot; returns whether one was free."""
         with self._lock:
             free = self.taken < self._places
             self.taken += free

@@ -1,9 +1,9 @@
-"""Work in a process of its own: a fresh Python that does nothing else, asked and answering in lines of JSON.
+"""Worker process: a fresh Python process that does nothing else, with questions and answers in lines of JSON.
 
-Taichi wants one thread for all its calls, holds Python's lock while it runs, and can take its process down; a timing
-wants nothing else going on beside it. So rows of a study, visitors' sweeps and searches and the bench's start-up times
-are done by processes that can be killed. They find modules where whoever started them does, and end when that is gone.
-``multiprocessing`` would not do: workers of a Dask cluster are daemons, which must not have children of that kind.
+Taichi needs one thread for all its calls, holds Python's lock while it runs, and can crash its process; a timing needs
+an otherwise idle process. So rows of a study, visitors' sweeps and searches and the bench's start-up times run in
+processes that can be killed. They have the import paths of their parent, and end with it. ``multiprocessing`` is not
+possible: workers of a Dask cluster are daemons, which must not have such children.
 """
 
 import contextlib
@@ -24,29 +24,29 @@ from typing import IO, cast
 
 from solvers.message import from_json, to_json
 
-#: What such a process does first: it looks for modules where it is told to, and takes these ones from their own place.
+#: Start of such a process: it sets the search path for modules, and takes these ones from their own place.
 HOME = Path(__file__).resolve().parents[2]
 START = ("import sys; sys.path[:] = sys.argv[2:]; import solvers.workers.worker_process as p; del sys.path[0]; "
          "p.serve(sys.argv[1])")
 
-SHUTDOWN_SECONDS = 1.5  # seconds that a process may take to put away what it has compiled
+SHUTDOWN_SECONDS = 1.5  # seconds that a process may take to store compiled kernels
 LINUX = sys.platform == "linux"
 KILL_SIGNAL = getattr(signal, "SIGKILL", signal.SIGTERM)  # on Windows there is no other end
 PARENT_DEATH_SIGNAL, SUBREAPER = 1, 36  # options of Linux's prctl
 
 
 class ProcessDied(Exception):
-    """The process ended before its work was done, or the work failed in it; the sentence says how."""
+    """Error for a process that ended before its work was done, or whose work failed; the sentence says how."""
 
 
 class WorkerTimeout(ProcessDied):
-    """The process was ended because whoever asked would wait no longer."""
+    """Error for a process that was killed because its time was up."""
 
 
 class WorkerProcess:
-    """A process that does ``work``, given as ``"module:function"``: the function is called with every question and with
-    another to call with each answer. It starts with the first question, and again after it died. Safe from any thread:
-    questions wait for each other."""
+    """Process that does ``work``, given as ``"module:function"``: the function is called with every question and with a
+    callback for each answer. It starts with the first question, and again after it died. Thread-safe: questions wait
+    for each other."""
 
     def __init__(self, work: str, environment: Mapping[str, str] | None = None):
         self._work, self._environment = work, environment
@@ -56,12 +56,12 @@ class WorkerProcess:
 
     @property
     def process_id(self) -> int | None:
-        """Of the process that runs now, if one does."""
+        """Id of the running process, or None."""
         process = self._process
         return process.pid if process and process.poll() is None else None
 
     def start(self) -> subprocess.Popen[str]:
-        """Start the process unless it runs."""
+        """Starts the process unless it runs; returns it."""
         if self._closed:
             raise ProcessDied("was closed")
         if self.process_id is None:
@@ -75,8 +75,8 @@ class WorkerProcess:
         return cast(subprocess.Popen, self._process)
 
     def ask(self, question: Mapping | Sequence, patience: float | None = None) -> Generator[dict]:
-        """The answers to a question as they come; :class:`ProcessDied` if there will be no more of them, and
-        :class:`WorkerTimeout` if ``patience`` seconds have passed. Who listens no more ends the process."""
+        """Yields the answers to a question as they come. Raises :class:`ProcessDied` if there will be no more of them,
+        and :class:`WorkerTimeout` after ``patience`` seconds. Closing the generator kills the process."""
         late = threading.Event()
         with self._lock:
             process = self.start()
@@ -121,14 +121,14 @@ class WorkerProcess:
         raise ProcessDied(failure or status)
 
     def kill(self) -> None:
-        """End the process at once, whatever it does, and for good; who waits for an answer learns it."""
+        """Kills the process at once, whatever it does, and for good; a pending question gets an error."""
         self._closed = True
         if process := self._process:
             process.kill()
 
     def close(self) -> None:
-        """End the process and leave nothing behind: one that works is killed, and whoever asks waits to learn it; one
-        that rests may put away what it has compiled."""
+        """Stops the process and waits for its end: a busy one is killed, and its question gets an error; an idle one
+        may first store compiled kernels."""
         self._closed = True
         if self._lock.acquire(blocking=False):
             try:
@@ -145,7 +145,7 @@ class WorkerProcess:
             self._end()
 
     def _end(self) -> str:
-        """Make sure that the process has ended; says how it ended."""
+        """Kills the process if it runs; returns how it ended."""
         process = self._process
         if process is None:
             return "has not begun"
@@ -163,16 +163,16 @@ class WorkerProcess:
 
 def ask_fresh(work: str, question: Mapping | None = None, environment: Mapping[str, str] | None = None,
               patience: float = 120.0) -> dict:
-    """The only answer of a fresh process; :class:`ProcessDied` if none comes within ``patience`` seconds."""
+    """Returns the only answer of a fresh process. Raises :class:`ProcessDied` after ``patience`` seconds."""
     with contextlib.closing(WorkerProcess(work, environment)) as process:
         [answer] = process.ask(question or {}, patience)
         return answer
 
 
 def serve(work: str) -> None:
-    """Be such a process: answer questions until whoever asks is gone, or the work fails. Reading has a thread of its
-    own: when whoever asked is gone, nobody wants what is being done. What has been compiled is kept on disk."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is for whoever started this
+    """Runs a worker process: answers questions until its parent is gone, or the work fails. A thread of its own reads:
+    without the parent, results are useless. Compiled kernels are stored on disk."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is for the parent
     output = os.fdopen(os.dup(1), "w")
     os.dup2(2, 1)  # what native code prints is not an answer
     questions: queue.SimpleQueue[str | None] = queue.SimpleQueue()
@@ -181,7 +181,7 @@ def serve(work: str) -> None:
         for line in sys.stdin:
             questions.put(line)
         questions.put(None)
-        time.sleep(SHUTDOWN_SECONDS)  # it rests, and ends by itself; else nobody wants what is being done
+        time.sleep(SHUTDOWN_SECONDS)  # an idle process ends by itself; otherwise its result is not needed
         os._exit(0)
 
     def say(**message: object) -> None:
@@ -199,23 +199,23 @@ def serve(work: str) -> None:
             runtime.leave()
     except Exception as error:
         say(failure=f"failed: {type(error).__name__}: {error}")
-    os._exit(1)  # at once: nothing here is worth tidying up
+    os._exit(1)  # at once, without clean-up
 
 
 def adopt_orphans() -> None:
-    """Have the processes that outlive their parents below this one become its own children, where that can be."""
+    """Makes this process the parent of orphaned descendants, where that is possible."""
     _process_control(SUBREAPER, 1)
 
 
 def exit_after(seconds: float, status: int) -> None:
-    """End this process after so many seconds, whatever it does then."""
+    """Ends this process after so many seconds, whatever it does."""
     time.sleep(seconds)
     sys.stderr.flush()
     os._exit(status)
 
 
 def die_with_parent(wanted: bool) -> None:
-    """Have this process killed when its parent ends, or no longer, where that can be."""
+    """Sets whether this process is killed when its parent ends, where that is possible."""
     _process_control(PARENT_DEATH_SIGNAL, KILL_SIGNAL if wanted else 0)
 
 
@@ -225,7 +225,7 @@ def _process_control(option: int, value: int) -> None:
 
 
 def descendants(process: int) -> list[int]:
-    """The numbers of the processes that a process has started, and of those that these have (Linux)."""
+    """Returns the ids of the processes that a process has started, recursively (Linux)."""
     below: dict[int, list[int]] = {}
     for status in Path("/proc").glob("[0-9]*/stat"):
         with contextlib.suppress(FileNotFoundError, ProcessLookupError):  # it has ended
@@ -238,7 +238,7 @@ def descendants(process: int) -> list[int]:
 
 
 def proportional_bytes(process: int) -> int:
-    """Memory that a process holds, and its part of what it shares with others (Linux); 0 of one that has ended."""
+    """Returns the memory of a process, with its part of shared memory (Linux); 0 if it has ended."""
     with contextlib.suppress(FileNotFoundError, ProcessLookupError):
         for line in Path(f"/proc/{process}/smaps_rollup").read_text().splitlines():
             if line.startswith("Pss:"):
@@ -247,7 +247,7 @@ def proportional_bytes(process: int) -> int:
 
 
 def processor_seconds(process: int) -> float | None:
-    """What a process has had of the processors so far, without those that it has started (Linux); None if unknown."""
+    """Returns the CPU time of a process so far, without its children (Linux); None if unknown."""
     with contextlib.suppress(OSError):
         ticks = Path(f"/proc/{process}/stat").read_text().rpartition(")")[2].split()[11:13]
         return sum(map(int, ticks)) / float(os.sysconf("SC_CLK_TCK"))
@@ -255,7 +255,7 @@ def processor_seconds(process: int) -> float | None:
 
 
 def free_port() -> int:
-    """A port of this machine on which nobody listens now."""
+    """Returns a port of this machine that is not in use."""
     with socket.socket() as trial:
         trial.bind(("127.0.0.1", 0))
         return trial.getsockname()[1]

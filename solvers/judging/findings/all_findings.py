@@ -1,4 +1,4 @@
-"""All that is looked at, in the order in which it is told: of a motion alone, and of a run against its problem."""
+"""All findings, in the order of the report: of a motion alone, and of a run against its problem."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -13,13 +13,13 @@ from solvers.judging.findings.outliers import Deviation
 from solvers.judging.findings.time_fits import rms
 
 FIGURES = "rounding of the positions in the files"
-ROUNDED = 0.1  # of the error, from where on rounding is part of what is judged
+ROUNDED = 0.1  # of the error, from which on rounding is significant
 
 
 @dataclass(frozen=True)
 class FindingGroup:
-    """Findings by their names that are looked for together in the motion of any particles, where the files have what
-    it ``needs`` beside positions."""
+    """Findings by name that are computed together from the motion of any particles, where the files have the quantity
+    ``needs`` beside positions."""
 
     names: tuple[str, ...]
     look: Callable[[Motion], list[Finding]]
@@ -37,7 +37,7 @@ def _for_quantity(look: Callable[[Motion, str], Finding], key: str) -> Callable[
 
 
 INSIDE_OUT = FindingGroup((deformation.INSIDE_OUT,), lambda motion: [deformation.check_inverted(motion)], "F")
-#: What is looked at of particles that have neighbours.
+#: Checks of particles with neighbours.
 MOTION_FINDINGS = (
     FindingGroup((deformation.OVERTAKEN,), lambda motion: [deformation.check_overtaken(motion)]),
     FindingGroup(deformation.NAMES_OF_F, deformation.check_f, "gradient"),
@@ -48,8 +48,8 @@ MOTION_FINDINGS = (
 
 
 def find_in_run(evidence: Evidence) -> tuple[list[Finding], Deviation | None]:
-    """What is looked at of a run against its problem; and the frame in which most particles are not where their
-    neighbours are. A mean over particles that are lost among the others says nothing."""
+    """Returns the findings of a run against its problem, and the frame in which most particles are not where their
+    neighbours are, with these. Means over particles with many outliers are not evaluated."""
     with np.errstate(all="ignore"):  # files may have any numbers, and what is made of the largest may be none
         places, axes = placement.check_positions(evidence), placement.check_axes(evidence)
         beside = outliers.position_outliers(evidence)
@@ -69,7 +69,7 @@ def find_in_run(evidence: Evidence) -> tuple[list[Finding], Deviation | None]:
 
 
 def _check_precision(evidence: Evidence) -> Finding:
-    """Rounding beside the error of x: errors that are smaller than what the file keeps cannot be seen in it."""
+    """Compares rounding in the file with the error of x: errors smaller than the stored precision cannot be seen."""
     places = sample_numbers([f.position for f in evidence.frames])
     figures = detect_precision(places)
     size = max(float(rms(error["x"])) for error in evidence.errors)

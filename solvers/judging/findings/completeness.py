@@ -1,4 +1,4 @@
-"""Whether the particles in the files are all of the body, by what they weigh or by how they lie."""
+"""Check that the particles in the files cover the whole body, by their masses or positions."""
 
 from dataclasses import dataclass, replace
 from typing import Any
@@ -15,21 +15,21 @@ from solvers.scene.scene import Scene
 from solvers.scene.validation import SceneError
 
 NAME, UNIT = "part of the body that no particle stands for", "of the body"
-ON_LATTICE = 1e-3  # of the distance of particles: a place that is nearer to one of a lattice is that one
+ON_LATTICE = 1e-3  # of the distance of particles, within which a place coincides with one of a lattice
 MOST_EMPTY = 20  # times as many places as particles: with more of them empty the lattice is none of theirs
-MOST_PLACES, FEW = 2_000_000, 100  # of a lattice that is tried; particles that it is tried with first
-MOST_EACH_WAY = 8  # particles in a cell of lattices that are tried
+MOST_PLACES, FEW = 2_000_000, 100  # of a candidate lattice; particles of a first test
+MOST_EACH_WAY = 8  # particles per direction in a cell of candidate lattices
 STAIRS = 0.5  # of a particle may be too much or too little at each place of a rim, by chance
-LEAST = 0.02  # of the body that is missed without a word
+LEAST = 0.02  # of the body that may be missing unreported
 FOURTH = 4  # of the nearest others: on any lattice, and by chance, little of the body is far beyond its distance
 VACANT = 0.35  # of their distance: a place where a particle should be, with none so near
 AT_A_HOLE = 1.5  # times the particles' distance: farther from the next is a hole
-POINTS = 4000  # of the body, about, from which holes are looked for
+POINTS = 4000  # of the body, about, at which holes are searched
 
 
 @dataclass(frozen=True)
 class BodyShare:
-    """The ``share`` of the body and how it is known; ``least`` is what sound particles may have."""
+    """Covered ``share`` of the body and ``how`` it was determined; ``least`` is the limit for a complete body."""
 
     share: float
     least: float
@@ -42,7 +42,7 @@ class BodyShare:
 
 
 def check(scene: Scene, frame: Frame) -> Finding:
-    """Of the frame with the fewest particles."""
+    """Checks the frame with the fewest particles."""
     reference, count = PROBLEMS[scene.problem].reference, len(frame.number)
     found = _share_by_mass(scene, reference, frame) or _share_by_lattice(scene, reference, frame.material_position) \
         or _share_by_holes(scene, reference, frame.material_position)
@@ -51,7 +51,7 @@ def check(scene: Scene, frame: Frame) -> Finding:
 
 
 def _share_by_mass(scene: Scene, reference: ProblemReference, frame: Frame) -> BodyShare | None:
-    """By masses or volumes in the file."""
+    """Returns the covered share by masses or volumes in the file, None without these."""
     weights, word = (frame.volume, Message("volumes")) if frame.mass is None else (frame.mass, Message("masses"))
     if weights is None:
         return None
@@ -67,8 +67,8 @@ def _share_by_mass(scene: Scene, reference: ProblemReference, frame: Frame) -> B
 
 
 def _share_by_lattice(scene: Scene, reference: ProblemReference, X: np.ndarray) -> BodyShare | None:
-    """Where all places are those of one of our layouts: which of them are taken. Of several the one of the fewest
-    particles."""
+    """Returns the covered share by occupied places, where all particles lie on one of our layouts; of several that with
+    the fewest particles. None without one."""
     fitting: list[tuple[np.ndarray, np.ndarray, Scene]] = []
     few = X[::-(-len(X) // FEW)]
     for candidate in _lattices(scene):
@@ -110,7 +110,8 @@ def _lattices(scene: Scene) -> list[Scene]:
 
 
 def _share_by_holes(scene: Scene, reference: ProblemReference, X: np.ndarray) -> BodyShare | None:
-    """By places between particles where none is, and by parts of the body with none near."""
+    """Returns the covered share by empty places between particles, and by parts of the body without particles nearby;
+    None for too few particles."""
     P, D = X.shape
     if P < 8 * D:
         return None

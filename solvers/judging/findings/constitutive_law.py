@@ -1,4 +1,4 @@
-"""The stress in the files against what their F gives by the problem's law, and what it is where it is not that."""
+"""Check of the stress in the files against the problem's law for their F, and explanations where they differ."""
 
 from collections.abc import Callable, Iterator
 from dataclasses import replace
@@ -20,7 +20,7 @@ UNIT = "of the stress"
 OTHER_LAW = 1e-3  # of the run's stress: a file whose stress is farther from what its F gives has another law
 ROUNDINGS = 2.0  # times what rounding makes of it may be off
 EXPLAINS = 0.3  # of the difference, at most, is left by what explains it
-RATIOS = np.linspace(0.0, 0.49, 50)  # Poisson's ratios that are tried
+RATIOS = np.linspace(0.0, 0.49, 50)  # candidates of Poisson's ratio
 
 
 def check(evidence: Evidence) -> Finding:
@@ -55,7 +55,7 @@ def check(evidence: Evidence) -> Finding:
 
 
 def _explain_stress(evidence: Evidence, size: float) -> str | None:
-    """What the stress is, where something fits it far better than the law of the problem."""
+    """Returns what the stress is, where something fits it far better than the law of the problem; otherwise None."""
     tracks = evidence.tracks
     if tracks is None or "stress" not in tracks.own or "F" not in tracks.own:
         return None
@@ -72,7 +72,7 @@ def _explain_stress(evidence: Evidence, size: float) -> str | None:
 
 def _candidates(scene: Scene, tracks: Tracks, sigma: np.ndarray, law: np.ndarray,
                 step: float) -> Iterator[tuple[np.ndarray, str]]:
-    """What is left of the stress, and what it would be."""
+    """Yields explanations of the stress, each as residual and words."""
     if len(tracks.time) >= 3:
         late = fit_time_lag(tracks.time, sigma, law)
         when = Message("earlier" if late > 0 else "later")
@@ -99,7 +99,7 @@ def _candidates(scene: Scene, tracks: Tracks, sigma: np.ndarray, law: np.ndarray
 
 
 def _fit_moduli(scene: Scene, tracks: Tracks, sigma: np.ndarray) -> Iterator[tuple[np.ndarray, str]]:
-    """Of an E and a Poisson's ratio, both free."""
+    """Yields residual and words for fits of E at each Poisson's ratio."""
     for ratio in RATIOS:
         try:
             law = _stress_of_law(replace(scene, poisson_ratio=float(ratio)), tracks)  # type: ignore[call-arg]
@@ -112,7 +112,7 @@ def _fit_moduli(scene: Scene, tracks: Tracks, sigma: np.ndarray) -> Iterator[tup
 
 
 def fit_time_lag(times: np.ndarray, sigma: np.ndarray, law: np.ndarray) -> float:
-    """By how many seconds the stress is late behind the law's, by least squares."""
+    """Returns the lag of the stress behind the law's in s, by least squares."""
     slope = time_derivative(times, law)
     late = -float(np.sum((sigma - law) * slope)) / max(float(np.sum(slope * slope)), 1e-300)
     steps = float(np.median(np.diff(times)))

@@ -1,7 +1,6 @@
-"""What F and where neighbours stand say of each other, and particles that have overtaken or turned inside out.
+"""Checks of F against the distances of neighbours, and of particles that overtook each other or are inverted.
 
-What parts two neighbours now is held against what the mean of their F makes of what parted them, pair by pair and
-summed up over the body.
+The present distance vector of two neighbours is compared with that from their mean F, pair by pair and integrated.
 """
 
 import functools
@@ -16,8 +15,8 @@ from solvers.judging.findings.neighbours import departures
 
 NAMES_OF_F = "F against where neighbours stand", "F against the gradient of x", "F summed up against x"
 GAP, FOLLOWS, TORN = NAMES_OF_F
-#: Of the amplitude of the motion, from where on neighbours are not where their F says: as the lab's own verdict has it
-#: (``neighbour_gap``, 0.2 of the largest displacement), and from where on nothing is left of it.
+#: Shares of the motion's amplitude from which on neighbours are not where F implies, as in the verdict on our own runs
+#: (``neighbour_gap``, 0.2 of the largest displacement), and from which on F is meaningless.
 MOST_GAP, NO_GAP = 0.25, 0.5
 MOST_OFF, NO_F = 0.5, 1.0  # the same of F itself, RMS: good runs of ours reach 0.4
 MOST_TORN, NO_SUM = 0.35, 0.5  # the same summed up (``displacement_mismatch``)
@@ -33,8 +32,8 @@ DEEP = 0.7  # of their distance in the reference: where a body is crushed, a few
 
 @dataclass(frozen=True)
 class Mismatch:
-    """At a moment, of each pair of neighbours: ``now`` (n, D) what parts them, ``told`` (n, D) what F says it is, and
-    ``size`` (n,) of the difference."""
+    """At one time, for each pair of neighbours: ``now`` (n, D) the distance vector, ``told`` (n, D) the one by F, in m,
+    and ``size`` (n,) of the difference."""
 
     edges: Edges
     now: np.ndarray
@@ -54,12 +53,12 @@ class Mismatch:
 
     @property
     def relative(self) -> float:
-        """RMS of the miss over the distance in the reference: as large as the error of F."""
+        """RMS of the mismatch over the distance in the reference configuration: comparable with the error of F."""
         return float(np.sqrt(np.mean((self.size / self.edges.length) ** 2)))
 
     @property
     def worst(self) -> int:
-        """The particle of the pair with the largest."""
+        """Index of a particle of the pair with the largest mismatch."""
         return int(self.edges.one[np.argmax(self.size)])
 
 
@@ -70,13 +69,13 @@ def mismatch_of_pairs(motion: Motion, moment: int, F: np.ndarray) -> Mismatch:
 
 
 def strain_rms(F: np.ndarray) -> float:
-    """RMS of the parts of F - 1."""
+    """Returns the RMS of the components of F - 1."""
     return float(np.sqrt(np.mean(np.sum((F - np.eye(F.shape[-1])) ** 2, axis=(-2, -1)))))
 
 
 def integrate_edges(edges: Edges, values: np.ndarray, count: int, rounds: int = 300) -> np.ndarray:
-    """The field (P, D) whose differences between neighbours come nearest to ``values`` (n, D), by least squares, with
-    mean 0: conjugate gradients, preconditioned by the numbers of neighbours."""
+    """Returns the field (P, D) with mean 0 whose differences between neighbours are nearest to ``values`` (n, D), by
+    least squares: conjugate gradients, preconditioned by the numbers of neighbours."""
     one, other = edges.one, edges.other
     degree = np.maximum(np.bincount(one, minlength=count) + np.bincount(other, minlength=count), 1)[:, None]
 
@@ -100,7 +99,7 @@ def integrate_edges(edges: Edges, values: np.ndarray, count: int, rounds: int = 
 
 
 def check_f(motion: Motion) -> list[Finding]:
-    """Whether neighbours stand where the F of both say."""
+    """Checks whether neighbours are where the F of both imply."""
     F, few = motion.gradient, FEWEST[motion.dimensions]
     assert F is not None
     if motion.edges is None or len(motion.reference) < few:
@@ -118,7 +117,7 @@ def check_f(motion: Motion) -> list[Finding]:
 
 
 def _check_gap(motion: Motion, F: np.ndarray, every: list[tuple[int, Mismatch]]) -> Finding:
-    """By the largest RMS over the pairs, beside the motion's amplitude."""
+    """Checks the largest RMS mismatch over the pairs, relative to the motion's amplitude."""
     moment, worst = max(every, key=lambda pair: pair[1].rms)
     assert motion.near is not None
     rough = float(np.sqrt(np.mean(departures(motion.near, F[moment].reshape(len(F[moment]), -1)) ** 2)))
@@ -129,7 +128,7 @@ def _check_gap(motion: Motion, F: np.ndarray, every: list[tuple[int, Mismatch]])
 
 
 def _check_sum(motion: Motion, every: list[tuple[int, Mismatch]]) -> Finding:
-    """Misses that add up over the body: late waves, which each pair shows little of."""
+    """Checks mismatches integrated over the body: late waves, of which each pair shows little."""
     fields = ((moment, integrate_edges(pairs.edges, pairs.miss, len(motion.reference))) for moment, pairs in every)
     squares = ((moment, np.sum(field**2, axis=1)) for moment, field in fields)
     size, moment, p = max((float(np.sqrt(np.mean(one))), moment, int(np.argmax(one))) for moment, one in squares)
@@ -146,7 +145,7 @@ def _judge(name: str, measured: float, most: float, nothing_left: float, unit: s
 
 
 def _explain(motion: Motion, F: np.ndarray, every: list[tuple[int, Mismatch]]) -> Finding | None:
-    """What F or x is where something else fits far better, and F itself not."""
+    """Returns a finding on the meaning of F or x where another one fits far better; otherwise None."""
     moment, now = max(every, key=lambda pair: strain_rms(F[pair[0]]))
     edges, told = now.edges, strain_rms(F[moment])
     if not told > 0 or now.rms <= 0.1 * told * motion.spacing:
@@ -162,7 +161,7 @@ def _explain(motion: Motion, F: np.ndarray, every: list[tuple[int, Mismatch]]) -
 
 
 def _readings(motion: Motion, F: np.ndarray, now: Mismatch) -> Iterator[tuple[str, np.ndarray]]:
-    """What parts neighbours if the file means something else, in words."""
+    """Yields other possible meanings of the file in words, each with the distance vectors (n, D) that it implies."""
     edges, D = now.edges, motion.dimensions
     yield "F seems to be its inverse, dX/dx", edges.moved_by(np.linalg.pinv(F))
     yield "F seems to be the gradient of the displacement, F - 1", edges.moved_by(F + np.eye(D))
@@ -191,8 +190,8 @@ def check_inverted(motion: Motion) -> Finding:
 
 
 def check_overtaken(motion: Motion) -> Finding:
-    """Of each pair of neighbours what parts them must not point against what it is by the motion around them: along a
-    line by its order in the reference, else by a plane through the neighbours, and by F."""
+    """Checks that the distance vector of neighbours is not opposite to that by the motion around them: on a line by
+    their order in the reference configuration, otherwise by a plane through the neighbours, and by F."""
     edges, near = motion.edges, motion.near
     if edges is None or near is None:
         return unknown(OVERTAKEN, "too few particles have neighbours")
@@ -222,7 +221,8 @@ def check_overtaken(motion: Motion) -> Finding:
 
 
 def neighbour_gradients(motion: Motion, values: np.ndarray) -> np.ndarray:
-    """The slopes (P, C, D) over the reference of planes through the values (P, C) of the neighbours of each."""
+    """Returns the gradients (P, C, D), in the reference configuration, of planes through the values (P, C) of each
+    particle's neighbours."""
     near = motion.near
     assert near is not None
     away = motion.reference[near.who] - motion.reference[:, None, :]

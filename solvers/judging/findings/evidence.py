@@ -1,4 +1,4 @@
-"""What findings have to go by: frames and their errors, both over time, and how many figures files keep of them."""
+"""Input of findings: frames and their errors, both over time, and the precision of numbers in files."""
 
 import functools
 from collections.abc import Callable, Sequence
@@ -11,29 +11,29 @@ from solvers.judging.frames import Frame
 from solvers.message import Message
 from solvers.scene.scene import Scene
 
-MOST_FOLLOWED, MOST_TIMES = 4000, 400  # particles and times that are followed over time
+MOST_FOLLOWED, MOST_TIMES = 4000, 400  # particles and times in trajectories
 LOOKED_AT, OF_EACH = 1024, 64  # numbers of a quantity; particles of a frame
-FEWEST = 16  # different ones, from which on their figures tell how all were written
-ALL_FIGURES = 15  # of a number in double precision, from which on nothing was cut off
-FIGURES_OF_SINGLE = 9  # that a number in single precision is written with
+FEWEST = 16  # distinct numbers from which on the precision can be detected
+ALL_FIGURES = 15  # digits of a double from which on it is not rounded
+FIGURES_OF_SINGLE = 9  # digits of a number written in single precision
 SINGLE, DOUBLE = 2.0**-24, 2.0**-53  # of a number: half its last bit
 
 
 @dataclass(frozen=True)
 class Tracks:
-    """P particles at T times in s, which are the same at all of them: what the file has of them, (T, P, D) and (T, P,
-    D, D), and what they should be by the best that is known."""
+    """Trajectories of the same P particles at T times in s: their quantities in the file, (T, P, D) and (T, P, D, D),
+    and the best known exact values."""
 
     time: np.ndarray
     material_position: np.ndarray  # (P, D)
-    own: dict[str, np.ndarray]  # by quantity, x, v and sigma, and F and stress where the files say them
+    own: dict[str, np.ndarray]  # by quantity, x, v and sigma, and F and stress if in the files
     exact: dict[str, np.ndarray]  # by quantity: x, v and sigma
 
 
 @dataclass(frozen=True)
 class Evidence:
-    """A run in files, with its errors against the best that is known, in the order of the frames; ``again`` gives those
-    of a frame of the same times that is somehow changed, ``step`` is that of the run in s, or of the scene."""
+    """A run in files, with its errors against the best reference, in the order of the frames; ``again`` returns the
+    errors of a modified frame at the same time, ``step`` is the time step in s of the run, or of the scene."""
 
     scene: Scene
     frames: Sequence[Frame]
@@ -43,7 +43,7 @@ class Evidence:
 
     @functools.cached_property
     def tracks(self) -> Tracks | None:
-        """Some of the particles at some of the times; None where they are not the same ones at all of these."""
+        """A sample of the particles at some of the times; None where particles differ between these."""
         every = -(-len(self.frames) // MOST_TIMES)
         frames, errors = self.frames[::every], self.errors[::every]
         orders = [np.lexsort(frame.material_position.T) for frame in frames]
@@ -67,14 +67,14 @@ class Evidence:
 
 @dataclass(frozen=True)
 class StoredPrecision:
-    """Numbers are known to ``relative`` of themselves, or to ``absolute`` where that is more; ``words`` says so."""
+    """Precision of numbers: ``relative`` to each, or ``absolute`` where that is larger; ``words`` describes it."""
 
     relative: float
     absolute: float
     words: str
 
     def rounding(self, values: np.ndarray) -> np.ndarray:
-        """By how much each value may be off for having been written, at most."""
+        """Returns the largest rounding error of each stored value."""
         return np.maximum(self.relative * np.abs(values), self.absolute)
 
 
@@ -82,13 +82,12 @@ EXACT = StoredPrecision(DOUBLE, 0.0, "double precision")
 
 
 def sample_numbers(arrays: Sequence[np.ndarray]) -> np.ndarray:
-    """Numbers out of all arrays (P, ...), spread over each."""
+    """Returns numbers from all arrays (P, ...), spread over each."""
     return np.concatenate([values[:: max(1, len(values) // OF_EACH)].ravel() for values in arrays])
 
 
 def detect_precision(values: np.ndarray) -> StoredPrecision:
-    """What the numbers of one quantity (...) were written with. Few different numbers tell nothing, and count as
-    exact."""
+    """Returns the precision with which numbers (...) of a quantity were written; exact for too few distinct numbers."""
     known = values.ravel()
     known = known[np.isfinite(known) & (known != 0)]
     known = np.unique(known[:: max(1, len(known) // LOOKED_AT)])

@@ -1,4 +1,4 @@
-"""A thing that was looked at: what came, from where on that is none of a sound run, and what is said of it."""
+"""Result of one check: the measured value, the limit of sound runs, and a sentence."""
 
 from dataclasses import dataclass
 from typing import Any
@@ -12,10 +12,10 @@ BROKEN, SUSPICIOUS = "broken", "suspicious"  # of a motion alone: what cannot be
 
 @dataclass(frozen=True)
 class Finding:
-    """``name`` says what was held against what. ``measured`` and ``limit`` are in ``unit``, None where there is no
-    number. ``says`` is a sentence without its full stop: what is wrong, why nothing can be told, or what else there is
-    to say. Where it is wrong, if that is known: ``time`` in s, ``particle`` by its number in the files, and its
-    reference ``place``."""
+    """Result of one check, whose ``name`` says what was compared. ``measured`` and ``limit`` are in ``unit``, None
+    where there is no number. ``says`` is a sentence without its full stop: what is wrong, why the check is impossible,
+    or a remark. If known, the location of a defect: ``time`` in s, ``particle`` by its number in the files, and its
+    reference ``place`` in m."""
 
     name: str
     verdict: str
@@ -32,14 +32,14 @@ class Finding:
         return self.verdict in (OFF, BROKEN, SUSPICIOUS)
 
     def to_dict(self) -> dict[str, Any]:
-        """As ``mpm-lab check`` writes it."""
+        """Returns the JSON object of ``mpm-lab check``."""
         measured, limit = map(finite, (self.measured, self.limit))
         return {"finding": self.name, "verdict": self.verdict, "measured": measured, "limit": limit, "unit": self.unit,
                 "says": self.says, "t": self.time, "particle": self.particle,
                 "X": None if self.place is None else list(self.place)}
 
     def to_judge_dict(self) -> dict[str, Any]:
-        """As ``mpm-lab judge`` writes it."""
+        """Returns the JSON object of ``mpm-lab judge``."""
         measured, tolerance = map(finite, (self.measured, self.limit))
         return {"check": self.name, "measured": measured, "tolerance": tolerance, "unit": self.unit,
                 "verdict": self.verdict, "says": self.says}
@@ -50,6 +50,6 @@ def unknown(name: str, why: str, measured: float | None = None, unit: str = "") 
 
 
 def compare(name: str, measured: float, limit: float, unit: str, wrong: str, right: str = "") -> Finding:
-    """What does not hold beyond the limit, and is ``wrong`` then; else what there is to say all the same."""
+    """Returns a finding that fails where ``measured`` exceeds ``limit``, with the words ``wrong``, else ``right``."""
     holds = measured <= limit
     return Finding(name, HOLDS if holds else OFF, measured, limit, unit, right if holds else wrong)

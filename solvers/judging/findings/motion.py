@@ -1,4 +1,4 @@
-"""The motion of particles, whatever their problem: the same ones at all moments, with all that files have of them."""
+"""Motion of particles of any problem: the same particles at all times, with all quantities in the files."""
 
 import functools
 import itertools
@@ -15,18 +15,19 @@ from solvers.judging.frames import RawTable, group_rows_by_time, row_times
 from solvers.judging.particle_matching import FLAT, LARGEST, LARGEST_ID
 from solvers.untrusted.quoting import FileError, quote
 
-MOST_MOMENTS = 32  # that are looked at one by one, spread over all
-BOXES = 10  # of which a large body is looked at
+MOST_MOMENTS = 32  # that are checked one by one, evenly spread
+BOXES = 10  # that represent a large body
 VECTORS, TENSORS, SCALARS = ("x", "v"), ("F", "sigma"), ("mass", "volume")
 NUMBERS, WHO = "all numbers are finite", "each particle is there once at every moment"
-SAME_PLACE = 1e-9  # of the body's size: two reference positions that are nearer are of one particle
+SAME_PLACE = 1e-9  # of the body's size, within which reference positions are the same
 SAME_TIME = 1e-12  # of the last time
 FEWEST = 3  # particles
 
 
 @dataclass(frozen=True)
 class Edges:
-    """Pairs (n,) of neighbours in the reference: ``one`` and ``other``, and what parts them there (n, D)."""
+    """Pairs (n,) of neighbours in the reference configuration: ``one`` and ``other``, and their distance vectors
+    ``apart`` (n, D) and ``length`` (n,) in m."""
 
     one: np.ndarray
     other: np.ndarray
@@ -34,17 +35,18 @@ class Edges:
     length: np.ndarray
 
     def moved_by(self, F: np.ndarray) -> np.ndarray:
-        """What parts them (n, D) by the mean of their F (P, D, D): the trapezoid rule, off by the third order."""
+        """Returns the distance vectors (n, D) by the mean F (P, D, D) of each pair: the trapezoidal rule, with a
+        third-order error."""
         return np.einsum("nij,nj->ni", 0.5 * (F[self.one] + F[self.other]), self.apart)
 
 
 @dataclass(frozen=True)
 class Motion:
-    """P particles at T times in s that grow.
+    """P particles at T increasing times in s.
 
-    ``reference`` (P, D) is where they were before all deformation, or at the first moment where the files do not say
-    that (``from_start``). ``fields`` has x and v (T, P, D), F and sigma (T, P, D, D), mass and volume (T, P), as far as
-    the files have them at all moments and they are numbers. ``step`` is that of the run in s where a file says it.
+    ``reference`` (P, D) are their positions before all deformation, or at the first time where the files do not contain
+    these (``from_start``). ``fields`` has x and v (T, P, D), F and sigma (T, P, D, D), mass and volume (T, P), if the
+    files have finite values at all times. ``step`` is the run's time step in s if known.
     """
 
     times: np.ndarray
@@ -65,30 +67,30 @@ class Motion:
 
     @functools.cached_property
     def gradient(self) -> np.ndarray | None:
-        """F (T, P, D, D) from the reference on: where that is the first moment, F by what it was then."""
+        """F (T, P, D, D) relative to the reference; if that is the first time, F times the inverse of F then."""
         F = self.fields.get("F")
         if F is None or not self.from_start:
             return F
         return F @ np.linalg.inv(F[0]) if (np.abs(np.linalg.det(F[0])) > TINY).all() else None
 
     def get(self, needed: str) -> np.ndarray | None:
-        """A quantity by its key, or F from the reference on as ``gradient``; None where there is none."""
+        """Returns a quantity by its key, or F relative to the reference for ``gradient``; None where there is none."""
         return self.gradient if needed == "gradient" else self.fields.get(needed)
 
     @functools.cached_property
     def moments(self) -> list[int]:
-        """Those that are looked at one by one, the first and the last of them."""
+        """Indices of the times that are checked one by one, including the first and the last."""
         T = len(self.times)
         return sorted(set(np.linspace(0, T - 1, min(T, MOST_MOMENTS)).round().astype(int).tolist()))
 
     @functools.cached_property
     def near(self) -> Neighbourhood | None:
-        """Who is near whom in the reference; None of too few particles."""
+        """Neighbourhoods in the reference configuration; None for too few particles."""
         return find_neighbours(self.reference)
 
     @functools.cached_property
     def edges(self) -> Edges | None:
-        """Each particle with its nearest, two a direction."""
+        """Pairs of each particle with its nearest neighbours, two per direction."""
         if self.near is None:
             return None
         count = 2 * self.dimensions
@@ -102,23 +104,23 @@ class Motion:
 
     @functools.cached_property
     def spacing(self) -> float:
-        """Of most particles from their nearest in the reference."""
+        """Median distance in m of particles from their nearest neighbours in the reference configuration."""
         return float(np.median(self.edges.length)) if self.edges else np.nan
 
     @functools.cached_property
     def amplitude(self) -> float:
-        """How far particles move against each other: the largest RMS over them of the displacement without its mean."""
+        """Size in m of the particles' relative motion: the largest RMS of the displacement without its mean."""
         moved = self.x - self.reference
         return float(np.sqrt(np.max(np.mean(np.sum((moved - moved.mean(axis=1, keepdims=True))**2, axis=2), axis=1))))
 
     @functools.cached_property
     def speed(self) -> float:
-        """The largest RMS of the velocity."""
+        """Largest RMS of the velocity, in m/s."""
         return float(np.sqrt(np.max(np.mean(np.sum(self.fields["v"]**2, axis=2), axis=1))))
 
     @functools.cached_property
     def representative_part(self) -> "Motion":
-        """Of more particles than neighbours are looked for among, those in some boxes spread over the body."""
+        """Particles in some boxes spread over the body, where there are too many for a search for neighbours."""
         P, D = self.reference.shape
         if P <= MOST:
             return self
@@ -132,14 +134,14 @@ class Motion:
                        fields={key: values[:, which] for key, values in self.fields.items()})
 
     def at(self, moment: int, p: int) -> dict:
-        """Where and when something was found, for a ``Finding``."""
+        """Returns time, particle and place of a ``Finding``."""
         return {"time": float(self.times[moment]), "particle": int(self.number[p]),
                 "place": tuple(map(float, self.reference[p]))}
 
 
 @dataclass(frozen=True)
 class _Moment:
-    """The rows of one file at one time, by key."""
+    """Rows of one file at one time, by key."""
 
     file: str
     time: float
@@ -147,13 +149,13 @@ class _Moment:
 
 
 def read_motion(files: Sequence[RawTable], times: Sequence[float]) -> tuple[Motion, list[Finding]]:
-    """The motion in the files, with what was found on the way: numbers that are none and particles that come and go.
-    It ends before the first moment with positions that are no numbers.
+    """Returns the motion in the files, and findings about invalid numbers and missing particles. The motion ends before
+    the first time with positions that are not finite.
 
     Raises
     ------
     FileError
-        Where there are no two moments of the same particles to be held against each other.
+        Where there are no two times with the same particles to compare.
     """
     moments = sorted(_read_moments(files, times), key=lambda one: one.time)
     _check_moments(moments)
@@ -202,7 +204,7 @@ def _check_moments(moments: list[_Moment]) -> None:
 
 
 def _numbers(moments: list[_Moment]) -> Finding:
-    """Whether something is no number, and where first."""
+    """Checks that all numbers are finite, and reports the first that is not."""
     for one in moments:
         for key, values in one.rows.items():
             bad = ~(np.abs(values.reshape(len(values), -1)) < LARGEST).all(axis=1)
@@ -217,7 +219,7 @@ def _numbers(moments: list[_Moment]) -> Finding:
 
 
 def _identify_rows(moments: list[_Moment]) -> list[np.ndarray]:
-    """Who each row of each moment is: its id, or the number of its reference position, or of its row."""
+    """Returns the identity of each row at each time: its id, or the number of its reference position, or of its row."""
     if all("id" in one.rows for one in moments):
         for one in moments:
             ids = one.rows["id"]
@@ -241,7 +243,7 @@ def _identify_rows(moments: list[_Moment]) -> list[np.ndarray]:
 
 
 def _check_identities(moments: list[_Moment], who: list[np.ndarray]) -> tuple[Finding, np.ndarray]:
-    """Particles that are there more than once, or not always; and those that are always there."""
+    """Checks for duplicate and missing particles; returns the finding and the particles that always exist."""
     common = np.unique(who[0])
     for one, now in zip(moments, who, strict=True):
         number, counts = np.unique(now, return_counts=True)
@@ -267,7 +269,7 @@ def _always_present(who: list[np.ndarray]) -> np.ndarray:
 
 
 def _motion(files: Sequence[RawTable], moments: list[_Moment], who: list[np.ndarray], common: np.ndarray) -> Motion:
-    """The particles that are always there, in their order, in the directions in which they lie."""
+    """Returns the motion of the particles that always exist, in order, in the directions in which they extend."""
     rows: list[Any] = []
     for now in who:
         if len(now) == len(common) and np.array_equal(now, common):

@@ -1,4 +1,4 @@
-"""Who is near whom, and particles that are not what those around them are."""
+"""Search for neighbours, and for particles that differ from those around them."""
 
 import itertools
 from dataclasses import dataclass
@@ -6,19 +6,19 @@ from dataclasses import dataclass
 import numpy as np
 
 IN_A_BIN = 3.0  # points, about: nine bins of the plane then hold some thirty
-MOST_IN_A_BIN = 64  # of one bin that are looked at; more of them on one spot tell nothing new
-MOST_ASKED = 50_000  # points of many: what they say all would
-AT_ONCE = 2_000_000  # candidates that are looked at in one go
-NEIGHBOURS = {1: 6, 2: 12, 3: 26}  # that a particle is held against, by dimensions
+MOST_IN_A_BIN = 64  # points of one bin that are evaluated
+MOST_ASKED = 50_000  # points that represent a larger number
+AT_ONCE = 2_000_000  # candidates per batch
+NEIGHBOURS = {1: 6, 2: 12, 3: 26}  # that a particle is compared with, by dimensions
 MOST = 200_000  # particles at a time: some 300 MB and a few seconds
-ROUNDS = 40  # of taking the worst out, each of many particles at once
-SUSPECT = 12.0  # times the usual departure, from where on a particle is not to spoil what is said of others
+ROUNDS = 40  # of removing the worst, each of many particles at once
+SUSPECT = 12.0  # times the usual departure, from which on a particle is excluded for others
 USUAL = 0.9  # of all particles depart less than what the last word is measured by
 TINY = 1e-300
 
 
 class NeighbourSearch:
-    """Points (P, D), of which the nearest to others can be asked for, as far as ``width`` at least."""
+    """Search for the nearest of points (P, D), in m, within at least ``width``."""
 
     def __init__(self, points: np.ndarray, width: float | None = None):
         self._points, D = points, points.shape[1]
@@ -36,8 +36,8 @@ class NeighbourSearch:
         self._offsets = np.array(list(itertools.product((-1, 0, 1), repeat=D)))
 
     def nearest(self, asked: np.ndarray, count: int, skip_itself: bool = False) -> tuple[np.ndarray, np.ndarray]:
-        """Distances (n, count) of the nearest points to ``asked`` (n, D) in growing order, and which they are; infinite
-        where there are fewer in the bins around. ``skip_itself`` where the points themselves are asked for."""
+        """Returns increasing distances (n, count) of the nearest points to ``asked`` (n, D), and their indices;
+        infinite where the bins around have fewer. ``skip_itself`` if ``asked`` are the points themselves."""
         most = min(MOST_IN_A_BIN, int(np.unique(self._number_of, return_counts=True)[1].max()))
         step = max(1, AT_ONCE // (most * len(self._offsets)))
         parts = [self._nearest(asked[k:k + step], count, k if skip_itself else None, most)
@@ -45,7 +45,7 @@ class NeighbourSearch:
         return np.concatenate([far for far, _ in parts]), np.concatenate([who for _, who in parts])
 
     def nearest_distances(self, asked: np.ndarray) -> np.ndarray:
-        """Distances (n,) to the nearest point, of at most ``MOST_ASKED`` spread over those that are asked for."""
+        """Returns distances (n,) to the nearest point, for at most ``MOST_ASKED`` of ``asked``, evenly chosen."""
         return self.nearest(asked[::-(-len(asked) // MOST_ASKED)], 1)[0][:, 0]
 
     def _nearest(self, asked: np.ndarray, count: int, first: int | None, most: int) -> tuple[np.ndarray, np.ndarray]:
@@ -78,8 +78,8 @@ class NeighbourSearch:
 
 @dataclass(frozen=True)
 class Neighbourhood:
-    """Of P particles the nearest ``who`` (P, K), how they lie around each (P, K, 1 + D), with a first column of ones,
-    whether they are ``there`` (P, K), and their ``weights`` (P, K) in the value here of a plane through theirs."""
+    """Nearest neighbours of P particles: indices ``who`` (P, K), relative positions ``around`` (P, K, 1 + D), with a
+    first column of ones, whether each is ``there`` (P, K), and ``weights`` (P, K) of their values in a plane."""
 
     who: np.ndarray
     around: np.ndarray
@@ -88,7 +88,7 @@ class Neighbourhood:
 
 
 def find_neighbours(X: np.ndarray) -> Neighbourhood | None:
-    """None of so few particles that nobody has neighbours, and of more than ``MOST``."""
+    """Returns the neighbourhoods of particles at X (P, D); None for too few particles, or more than ``MOST``."""
     P, D = X.shape
     count = min(NEIGHBOURS[D], P - 1)
     if count < D + 2 or P > MOST:
@@ -103,8 +103,8 @@ def find_neighbours(X: np.ndarray) -> Neighbourhood | None:
 
 def departures(near: Neighbourhood, values: np.ndarray, which: np.ndarray | None = None,
                bad: np.ndarray | None = None) -> np.ndarray:
-    """How far (n,) the values (P, C) of all particles, or of those ``which`` (n,), are from planes through those of
-    their neighbours that are not ``bad`` (P,), over what a plane through noise leaves; 0 where too few are left."""
+    """Returns the distances (n,) of values (P, C), of all particles or ``which`` (n,), from planes through those of
+    their neighbours that are not ``bad`` (P,), over the expected distance for noise; 0 where too few are left."""
     at = slice(None) if which is None else which
     who, used, weights = near.who[at], near.there[at], near.weights[at]
     if bad is not None and (used & bad[who]).any():
@@ -122,11 +122,11 @@ def _plane_weights(around: np.ndarray, used: np.ndarray) -> np.ndarray:
 
 def find_outliers(near: Neighbourhood, values: np.ndarray, times: float,
                   least: float) -> tuple[np.ndarray, np.ndarray, float]:
-    """Which particles (n,) are by themselves, how far each (P,) is from the others, and from where on that counts: so
-    many ``times`` what most depart, and ``least``.
+    """Returns the outliers (n,), the departure (P,) of each particle from the others, and the limit: ``times`` the
+    usual departure, at least ``least``.
 
-    One that is far off spoils the planes of all around it: the worst of a neighbourhood is taken out first, and the
-    others are held against those that remain.
+    A far outlier distorts the planes of all particles around it: the worst of a neighbourhood is removed first, and the
+    others are compared with those that remain.
     """
     bad = np.zeros(len(values), bool)
     far = departures(near, values)

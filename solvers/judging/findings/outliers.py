@@ -1,6 +1,5 @@
-"""Particles whose position, velocity, F, stress or mass is not as that of those around them: of the error against a
-problem's solution, whose limits are fine, or of the quantity itself, which may bend; and fields that jump everywhere.
-"""
+"""Particles whose position, velocity, F, stress or mass differs from those around them: by the error against a
+problem's solution, whose limits are fine, or by the quantity itself, which may vary; and rough fields."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -15,7 +14,7 @@ from solvers.judging.frames import Frame
 from solvers.message import Message
 from solvers.scene.scene import Scene
 
-MOST_FRAMES = 24  # in which velocities and stresses are looked at, spread over all
+MOST_FRAMES = 24  # in which velocities and stresses are checked, evenly spread
 LEAST_APART = 0.02  # of a cell; rims and crossings of sound runs of ours leave less on evenly laid particles
 NAMES = {"x": "x of each particle against its neighbours'", "v": "v of each particle against its neighbours'",
          "sigma": "stress of each particle against its neighbours'"}
@@ -43,7 +42,7 @@ SMOOTH_START = 0.3  # of the size: a field that is rougher at the start already 
 
 @dataclass(frozen=True)
 class Deviation:
-    """Particles that are not where their neighbours are: ``which`` (n,) of a frame, and how far (n,) in m."""
+    """Particles that are not where their neighbours are: indices ``which`` (n,) in a frame, and distances (n,) in m."""
 
     frame: Frame
     which: np.ndarray
@@ -61,8 +60,8 @@ class Deviation:
 
 @dataclass(frozen=True)
 class Outliers:
-    """What was found of a quantity: a frame with the particles that are by themselves, if any, the departure that comes
-    nearest to the limit or is farthest beyond it, and that limit."""
+    """Outliers of a quantity: the frame with the most, if any, the departure closest to the limit or farthest beyond
+    it, and that limit."""
 
     most: Deviation | None
     largest: float
@@ -70,7 +69,7 @@ class Outliers:
 
 
 def position_outliers(evidence: Evidence) -> Outliers | None:
-    """Of x, in each frame by itself: the one in which most particles are. None of too few particles."""
+    """Returns the outliers of x, found in each frame alone, for the frame with the most. None for too few particles."""
     scene, found = evidence.scene, []
     for frame, error, near in _with_neighbours(evidence, "x", len(evidence.frames)):
         which, far, limit = find_outliers(near, error, TIMES["x"], LEAST_APART * scene.spacing)
@@ -83,8 +82,8 @@ def position_outliers(evidence: Evidence) -> Outliers | None:
 
 
 def value_outliers(evidence: Evidence, quantity: str) -> Outliers | None:
-    """Of v or the stress: particles that are by themselves for a third of the frames, or by far in one. None where the
-    files do not have the quantity, or not always of the same particles."""
+    """Returns the outliers of v or the stress: particles that are outliers in a third of the frames, or by far in one.
+    None where the files do not have the quantity, or not always of the same particles."""
     least = LEAST[quantity] * evidence.scene.size_of(quantity)
     frames, parts, limits, first = [], [], [], None
     for frame, error, near in _with_neighbours(evidence, quantity, MOST_FRAMES):
@@ -106,9 +105,9 @@ def value_outliers(evidence: Evidence, quantity: str) -> Outliers | None:
 
 
 def _lasting_outliers(score: np.ndarray, longer: int, passes: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Of scores (T, P) how far each particle is beyond 1 for ``longer`` moments and one more, or by a factor
-    ``passes`` at any; the moment that shows it, and that factor, 1 where it lasts: (P,) each. What goes with the
-    crossing of a cell passes."""
+    """Returns, for scores (T, P), by how much each particle exceeds 1 at ``longer`` times and one more, or by a factor
+    ``passes`` at any; the time that shows it, and that factor, 1 where it lasts: (P,) each. Cell crossings do not
+    last."""
     order, every = np.argsort(-score, axis=0), np.arange(score.shape[1])
     lasting, passing = score[order[longer], every], score[order[0], every] / passes
     lasts = lasting >= passing
@@ -116,7 +115,7 @@ def _lasting_outliers(score: np.ndarray, longer: int, passes: float) -> tuple[np
 
 
 def _with_neighbours(evidence: Evidence, quantity: str, most: int) -> Iterator[tuple[Frame, np.ndarray, Neighbourhood]]:
-    """Of so many frames at most their errors (P, C), with who is whose neighbour, looked for once where it stays."""
+    """Yields at most ``most`` frames with their errors (P, C) and neighbourhoods, computed once if constant."""
     pairs = [(f, e[quantity]) for f, e in zip(evidence.frames, evidence.errors, strict=True) if quantity in e]
     before: np.ndarray | None = None
     near: Neighbourhood | None = None
@@ -160,7 +159,7 @@ def check_masses(frame: Frame) -> Finding:
 
 
 def check_outliers(motion: Motion, key: str) -> Finding:
-    """Each particle held against a plane through those around it, without others that are far off."""
+    """Checks each particle against a plane through those around it, without other outliers."""
     name, near = NAMES_OF_MOTION[key], motion.near
     if near is None or len(motion.reference) < FEWEST:
         return unknown(name, f"not of {FEWEST} particles and more")
@@ -193,7 +192,8 @@ def check_outliers(motion: Motion, key: str) -> Finding:
 
 
 def check_roughness(motion: Motion, key: str) -> Finding:
-    """How much v or the stress jumps from one particle to the next, beside its own size, where it was smooth before."""
+    """Checks how much v or the stress jumps from one particle to the next, relative to its own size, where it was
+    smooth at first."""
     name = f"{key} is smooth from particle to particle"
     near = motion.near
     if key not in motion.fields or near is None or len(motion.reference) < FEWEST:
@@ -217,6 +217,6 @@ def check_roughness(motion: Motion, key: str) -> Finding:
 
 
 def _largest_rms(motion: Motion, key: str) -> float:
-    """The largest RMS of a quantity, of F of F - 1."""
+    """Returns the largest RMS of a quantity, for F that of F - 1."""
     values = motion.fields[key] - (np.eye(motion.dimensions) if key == "F" else 0.0)
     return float(np.sqrt(np.max(np.mean(np.sum(values.reshape(*values.shape[:2], -1) ** 2, axis=2), axis=1))))

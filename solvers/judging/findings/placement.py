@@ -1,5 +1,5 @@
-"""Whether particles are where a problem's are: at the start, in their order and as a whole; and whether the file means
-something else than it is read as."""
+"""Checks of the particles' positions in a problem: at the start, their order and their mean; and whether the file has
+another meaning than assumed."""
 
 from collections.abc import Callable, Iterator
 from dataclasses import fields, replace
@@ -29,14 +29,14 @@ SAME_PLACE = 1e-3  # of the distance of particles
 FITS = 0.3  # of the error, that another reading of the file leaves at most
 LOOKED_AT = 4  # frames
 PLACES, SPEEDS = "x at t = 0", "v at t = 0"
-FROM_START = 0.05  # of a cell: a particle that is given X to fewer figures is nearer
+FROM_START = 0.05  # of a cell, which allows for rounded X
 OTHER_SPEED = 0.05  # of the velocity; that of half a step before the start, with which leapfrog begins, is nearer
 POWERS = 7.0  # powers of ten that one unit may be of another
 NONE = "no data at t = 0 in the files"
 
 
 def check_positions(evidence: Evidence) -> Finding:
-    """Positions against where the problem's particles begin."""
+    """Checks positions against those of the problem's particles at the start."""
     found = _start_frame(evidence, "x")
     if found is None:
         return unknown(PLACES, NONE)
@@ -53,7 +53,7 @@ def check_positions(evidence: Evidence) -> Finding:
 
 
 def check_velocities(evidence: Evidence) -> Finding:
-    """Velocities against those that the problem begins with."""
+    """Checks velocities against the problem's initial ones."""
     found = _start_frame(evidence, "v")
     if found is None:
         return unknown(SPEEDS, NONE if _start_frame(evidence, "x") is None else "no velocities in the files")
@@ -76,13 +76,14 @@ def check_velocities(evidence: Evidence) -> Finding:
 
 
 def _start_frame(evidence: Evidence, quantity: str) -> tuple[Frame, np.ndarray] | None:
-    """The frame at t = 0 with its error; None where there is none, or it has not the quantity."""
+    """Returns the frame at t = 0 with its error; None without such a frame, or where it lacks the quantity."""
     return next(((frame, error[quantity]) for frame, error in zip(evidence.frames, evidence.errors, strict=True)
                  if frame.time == 0 and quantity in error), None)
 
 
 def _readings_of_start(scene: Scene, frame: Frame, error: np.ndarray) -> Iterator[tuple[str, Callable[[], float]]]:
-    """What the positions might be, and the RMS error that is left then; of a periodic body within its period."""
+    """Yields possible meanings of the positions, each with a function for the remaining RMS error, for a periodic body
+    within its period."""
     right, x, X = frame.position - error, frame.position, frame.material_position
 
     def within(places: np.ndarray, near: np.ndarray) -> np.ndarray:
@@ -102,7 +103,7 @@ def _readings_of_start(scene: Scene, frame: Frame, error: np.ndarray) -> Iterato
 
 
 def check_order(evidence: Evidence) -> Finding:
-    """Whether the positions are right, and those of other particles: particles in another order."""
+    """Checks for particles in another order, whose positions are right but belong to other particles."""
     frame, error = max(zip(evidence.frames, evidence.errors, strict=True), key=lambda pair: rms(pair[1]["x"]))
     apart = _spacing(frame.material_position)
     if not np.isfinite(apart):
@@ -124,8 +125,8 @@ def check_order(evidence: Evidence) -> Finding:
 
 
 def check_mean_error(evidence: Evidence) -> Finding:
-    """The mean error over particles that lie symmetrically about the middle of a body that moves so is 0; of those that
-    are the same with x and y exchanged it has no part across the diagonal."""
+    """Checks the mean error, which is 0 over particles that are symmetric about the middle of a body with such a
+    motion; if they are symmetric under exchange of x and y, its part across the diagonal is 0."""
     frame = evidence.frames[0]
     across = _forbidden_mean(evidence, frame.material_position)
     if across is None or any(not np.array_equal(f.number, frame.number) for f in evidence.frames):
@@ -147,7 +148,7 @@ def check_mean_error(evidence: Evidence) -> Finding:
 
 
 def _forbidden_mean(evidence: Evidence, X: np.ndarray) -> Callable[[np.ndarray], np.ndarray] | None:
-    """What of a mean (D,) symmetry forbids; None where the particles have none."""
+    """Returns the function that gives the part of a mean (D,) that symmetry forbids; None without symmetry."""
     start = PROBLEMS[evidence.scene.problem].reference.start(evidence.scene).material_position
     middle = 0.5 * (start.min(axis=0) + start.max(axis=0))
     near = NeighbourSearch(X)
@@ -164,14 +165,14 @@ def _forbidden_mean(evidence: Evidence, X: np.ndarray) -> Callable[[np.ndarray],
 
 
 def _spacing(X: np.ndarray) -> float:
-    """Of most particles from the nearest other."""
+    """Returns the median distance of particles from their nearest neighbours."""
     if len(X) < 2:
         return np.inf
     return float(np.median(NeighbourSearch(X).nearest(X[::-(-len(X) // MOST_ASKED)], 2)[0][:, 1]))
 
 
 def check_axes(evidence: Evidence) -> Finding:
-    """Whether the error would be far less, were the file read otherwise."""
+    """Checks whether the error would be far smaller if the file were interpreted differently."""
     frames = sorted(evidence.frames, key=lambda f: -float(np.sum((f.position - f.material_position)**2)))[:LOOKED_AT]
     some: list[dict[str, Any]] = [{field.name: value[::-(-len(frame.number) // MOST_FOLLOWED)]
                                    for field in fields(frame)
@@ -191,7 +192,7 @@ def _rms_errors(errors: list[Errors]) -> dict[str, float]:
 
 
 def _readings(frame: Frame) -> Iterator[tuple[str, str, Callable[[Frame], Frame]]]:
-    """What might have happened, the quantity whose error shows it, and the frame without it."""
+    """Yields possible mistakes in words, the quantity whose error shows each, and a function that undoes it."""
     F, plane = frame.deformation_gradient, frame.position.shape[1] == 2
     yield (Message("the positions seem to be displacements"), "x",
            lambda f: replace(f, position=f.position + f.material_position))
@@ -216,5 +217,5 @@ def _readings(frame: Frame) -> Iterator[tuple[str, str, Callable[[Frame], Frame]
 
 
 def _with_array(name: str, change: Callable[[Any], Any]) -> Callable[[Frame], Frame]:
-    """The frame with another array of that name."""
+    """Returns a function from a frame to one with a changed array of that name."""
     return lambda f: replace(f, **{name: change(getattr(f, name))})

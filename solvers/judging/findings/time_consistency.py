@@ -1,7 +1,7 @@
-"""Whether what a file has at one time is all of one moment, whether its clock is right, and whether v is dx/dt.
+"""Checks that all quantities at one time belong to one time, that the clock is right, and that v is dx/dt.
 
-A quantity that is late by tau has the error -tau times its rate. That is found by least squares over all particles and
-times, beside what a grid's smoothing and a wrong size would leave; where no solution is known, of v against x alone.
+A quantity that lags by tau has the error -tau times its rate. The lag is fitted by least squares over all particles and
+times, beside the effects of the grid's smoothing and of a wrong amplitude; without a solution, for v against x.
 """
 
 import numpy as np
@@ -36,7 +36,7 @@ MOST, NOTHING_LEFT = 0.4, 0.8
 TOLD = 0.06  # of the velocity: where the trapezoid rule itself is off by more, moments are too far apart
 FARTHER = 0.6  # of the way that the particles have gone at most
 AROUND = 3  # intervals
-RULE = 2.0  # times what the change of v's change says of that rule
+RULE = 2.0  # times the rule's error by the second difference of v
 OTHER_UNIT = 0.3  # of a power of ten
 STEADY = 8.0  # times its own scatter over the intervals: a drift that stays the same
 CHANGING = 0.5  # of the mean square of v: its variance over time
@@ -46,8 +46,8 @@ FEWEST = 6  # moments, for what is fitted within a motion
 
 
 def check_velocity_time(evidence: Evidence) -> Finding:
-    """Positions grow by the velocities: over each interval the trapezoid rule of the errors of v is held against what
-    the error of x grows by. Both are small and smooth in time, so that few times are enough."""
+    """Checks that positions grow by the velocities: over each interval the trapezoidal rule for the errors of v is
+    compared with the growth of the error of x. Both are small and smooth in time, so that few times are enough."""
     tracks, step = evidence.tracks, evidence.step
     if tracks is None or len(tracks.time) < FEWEST_TIMES or "v" not in tracks.exact:
         return unknown(VELOCITY, FEW if "v" in evidence.errors[0] else "no velocities in the files")
@@ -60,7 +60,7 @@ def check_velocity_time(evidence: Evidence) -> Finding:
 
 
 def check_stress_time(evidence: Evidence) -> Finding:
-    """What the errors of the stress and of x say of how late each is."""
+    """Checks the lag of the stress behind x, from the errors of both."""
     tracks, step = evidence.tracks, evidence.step
     if tracks is None or len(tracks.time) < FEWEST_TIMES or "sigma" not in tracks.exact:
         return unknown(STRESS, FEW if "sigma" in evidence.errors[0] else "no F and no stress in the files")
@@ -80,7 +80,7 @@ def check_stress_time(evidence: Evidence) -> Finding:
 
 
 def check_clock(evidence: Evidence) -> Finding:
-    """A clock that runs fast or slow leaves an error that grows with time as the motion's rate does."""
+    """Checks for a fast or slow clock, whose error grows with time in proportion to the motion's rate."""
     tracks = evidence.tracks
     if tracks is None or len(tracks.time) < FEWEST_TIMES:
         return unknown(CLOCK, FEW)
@@ -108,12 +108,12 @@ def check_clock(evidence: Evidence) -> Finding:
 
 
 def _smoothing_lag(part: float, error: np.ndarray, slope: np.ndarray) -> float:
-    """In s, what may look late and is none: a grid smooths the motion by a ``part``, and its errors by such a part."""
+    """Returns the apparent lag in s by a grid that smooths the motion by a ``part``, and its errors similarly."""
     return SMOOTHED * abs(part) * rms(error) / max(rms(slope), 1e-300)
 
 
 def _lag_finding(name: str, steps: float, slack: float, allowed: tuple[float, float], step: float, who: str) -> Finding:
-    """Late by so many ``steps``, where so many are ``allowed`` and ``slack`` is how sure that is."""
+    """Returns the finding for a lag of ``steps``, where ``allowed`` is the range and ``slack`` the uncertainty."""
     if not np.isfinite(steps + slack):
         return unknown(name, TOO_LARGE)
     least, most = allowed
@@ -127,7 +127,7 @@ def _lag_finding(name: str, steps: float, slack: float, allowed: tuple[float, fl
 
 
 def check_velocity(motion: Motion) -> list[Finding]:
-    """What a particle moves between two moments is its velocity's mean, times what parts them."""
+    """Checks that a particle's displacement between two times is its mean velocity times the interval."""
     if len(motion.times) < 3 or not motion.speed > 0:
         why = "fewer than three moments" if len(motion.times) < 3 else "v is zero"
         return [unknown(name, why) for name in NAMES_OF_V]
@@ -143,7 +143,7 @@ def check_velocity(motion: Motion) -> list[Finding]:
 
 
 def _interval_rms(values: np.ndarray, interval: np.ndarray) -> np.ndarray:
-    """RMS over particles (T - 1,) of what is moved over each interval, as a velocity."""
+    """Returns the RMS over particles (T - 1,) of the displacement in each interval, as a velocity."""
     return np.sqrt(np.mean(np.sum(values**2, axis=2), axis=1)) / interval[:, 0, 0]
 
 
@@ -176,8 +176,8 @@ def _check_speed(motion: Motion, gap: np.ndarray, bend: np.ndarray, interval: np
 
 
 def _check_lag(motion: Motion, gap: np.ndarray, moved: np.ndarray, gained: np.ndarray) -> Finding:
-    """By how much v is late: what is left then goes with what v gains. The trapezoid rule's own error goes with what is
-    moved, and is fitted beside."""
+    """Checks the lag of v, in proportion to which the mismatch grows with the change of v. The trapezoidal rule's own
+    error is proportional to the displacement, and fitted as well."""
     if len(motion.times) < FEWEST:
         return unknown(MOMENT, f"fewer than {FEWEST} moments")
     found, sure = fit_parts(gap, [-gained, moved])
@@ -200,8 +200,8 @@ def _check_lag(motion: Motion, gap: np.ndarray, moved: np.ndarray, gained: np.nd
 
 
 def _check_centre(motion: Motion, moved: np.ndarray) -> Finding:
-    """The middle of mass moves by the momentum over the mass; walls and rims make that inexact, but never by the same
-    at all times."""
+    """Checks that the centre of mass moves by momentum over mass; walls and rims make that inexact, but never by the
+    same amount at all times."""
     mass = motion.fields.get("mass")
     weight = (np.ones(len(motion.number)) if mass is None else mass[0])[:, None]
     if len(motion.times) < FEWEST or not motion.amplitude > 0 or not weight.sum() > 0:

@@ -1,4 +1,4 @@
-"""Fields known at some times: their rates, how they were a little earlier, and how much of others is in them."""
+"""Fields known at some times: their rates, their values at earlier times, and fits of other fields."""
 
 from collections.abc import Sequence
 
@@ -12,12 +12,12 @@ def rms(values: np.ndarray) -> float:
 
 
 def time_derivative(times: np.ndarray, values: np.ndarray) -> np.ndarray:
-    """The rate (T, ...) of values (T, ...) at the times (T,), of second order; three times at least."""
+    """Returns the rate (T, ...) of values (T, ...) at the times (T,), at least three, to second order."""
     return np.gradient(values, times, axis=0, edge_order=2)
 
 
 def interpolate_before(times: np.ndarray, values: np.ndarray, late: float) -> tuple[np.ndarray, np.ndarray]:
-    """Which of the times (T,) are known a time ``late`` before, and the values (n, ...) there, by cubic Hermite
+    """Returns which of the times (T,) are known ``late`` s before, and the values (n, ...) then, by Hermite
     polynomials."""
     before = times - late
     slack = 1e-9 * float(np.ptp(times))
@@ -32,8 +32,8 @@ def interpolate_before(times: np.ndarray, values: np.ndarray, late: float) -> tu
 
 
 def fit_parts(target: np.ndarray, parts: Sequence[np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
-    """How much of each part (T, ...) is in the target (T, ...), by least squares: first of all times, then with each
-    group of times left out (1 + n, parts); and how sure the numbers are (parts,), by the jackknife."""
+    """Returns the coefficients (1 + n, parts) of the parts (T, ...) in the target (T, ...), by least squares: first for
+    all times, then with each of n groups of times left out; and their standard errors (parts,) by the jackknife."""
     def products(one: np.ndarray, other: np.ndarray) -> np.ndarray:
         return (one * other).reshape(len(one), -1).sum(axis=1)
 
@@ -55,6 +55,6 @@ def fit_parts(target: np.ndarray, parts: Sequence[np.ndarray]) -> tuple[np.ndarr
 
 
 def jackknife_error(found: np.ndarray) -> float:
-    """The standard error of a number of which the first is that of all and the others miss a group each."""
+    """Returns the standard error of a number, of which the first value uses all groups and each other omits one."""
     others = found[1:]
     return float(np.sqrt((len(others) - 1) / len(others) * np.sum((others - others.mean()) ** 2)))

@@ -1,4 +1,4 @@
-"""What a material law of the plane is, and the formulas that follow from any, of any kind of number.
+"""Interface of a material law in the plane, and the formulas that follow from any law, for any kind of number.
 
 In two dimensions an isotropic hyperelastic law is an energy of F:F and J; here W = f(F:F) + g(J). With b = F F^T,
 J F^-T, which is linear in F, and L = dF F^-1 for a change of F,
@@ -15,7 +15,7 @@ from typing import Any, NamedTuple
 
 
 class MaterialLaw(NamedTuple):
-    """A law by its name and its ``text`` for other codes, with functions of F, J and the moduli lambda and mu."""
+    """A law's name and its ``text`` for other codes, with functions of F, J and the moduli lambda and mu."""
 
     name: str
     text: str
@@ -29,18 +29,18 @@ def determinant(F: Any) -> Any:
 
 
 def piola(F: Any, q: Any, k: Any) -> Any:
-    """P as (xx, xy, yx, yy), k = (r - q)/J."""
+    """Returns P as (xx, xy, yx, yy), k = (r - q)/J."""
     return q * F[0] + k * F[3], q * F[1] - k * F[2], q * F[2] - k * F[1], q * F[3] + k * F[0]
 
 
 def kirchhoff(F: Any, q: Any, r: Any) -> Any:
-    """J sigma as (xx, xy, yy)."""
+    """Returns J sigma as (xx, xy, yy)."""
     return (q * (F[0] * F[0] + F[1] * F[1] - 1) + r, q * (F[0] * F[2] + F[1] * F[3]),
             q * (F[2] * F[2] + F[3] * F[3] - 1) + r)
 
 
 def rate(L: Any, b: Any, q: Any, r: Any, A: Any, x: Any) -> Any:
-    """dP F^T as (xx, xy, yx, yy)."""
+    """Returns dP F^T as (xx, xy, yx, yy)."""
     trace, grown = x * (L[0] + L[3]), A * (L[0] * b[0] + (L[1] + L[2]) * b[1] + L[3] * b[2])
     return (q * (L[0] * b[0] + L[1] * b[1]) + trace + (q - r) * L[0] + grown * b[0],
             q * (L[0] * b[1] + L[1] * b[2]) + (q - r) * L[2] + grown * b[1],
@@ -49,20 +49,20 @@ def rate(L: Any, b: Any, q: Any, r: Any, A: Any, x: Any) -> Any:
 
 
 def metric(F: Any, J: Any, q: Any, r: Any, A: Any, x: Any) -> Any:
-    """M = q b + A b^2 + (x + q - r) I: weights with gradients g and h in space bind their nodes by no more than the
-    sizes of both in it. By Cayley and Hamilton b^2 = (F:F) b - J^2 I."""
+    """Returns M = q b + A b^2 + (x + q - r) I: the stiffness between nodes whose weights have gradients g and h in
+    space is bounded by the product of their sizes in M. By Cayley and Hamilton b^2 = (F:F) b - J^2 I."""
     xx, xy, yy = F[0] * F[0] + F[1] * F[1], F[0] * F[2] + F[1] * F[3], F[2] * F[2] + F[3] * F[3]
     of_b, rest = q + A * (xx + yy), x + q - r - A * J * J
     return of_b * xx + rest, of_b * xy, of_b * yy + rest
 
 
 def material_metric(F: Any, J: Any, q: Any, r: Any, A: Any, x: Any) -> Any:
-    """The same of gradients at rest, F^-1 M F^-T = q I + A C + (x + q - r) C^-1, C = F^T F."""
+    """Returns the metric for gradients at rest, F^-1 M F^-T = q I + A C + (x + q - r) C^-1, C = F^T F."""
     xx, xy, yy = F[0] * F[0] + F[2] * F[2], F[0] * F[1] + F[2] * F[3], F[1] * F[1] + F[3] * F[3]
     per = (x + q - r) / (J * J)
     return q + A * xx + per * yy, (A - per) * xy, q + A * yy + per * xx
 
 
 def stiffness(q: Any, r: Any, A: Any, x: Any, stretched: Any, pressed: Any) -> Any:
-    """Of waves along a principal axis N that move along F N; of |F N|^2 and |F^-T N|^2."""
+    """Returns the stiffness of waves along a principal axis N that move along F N, from |F N|^2 and |F^-T N|^2."""
     return q + A * stretched + (x + q - r) * pressed

@@ -1,4 +1,4 @@
-"""A material in the plane, in numpy: a law by its name, with its moduli."""
+"""Material in the plane, in numpy: a law with its moduli."""
 
 from typing import Any, NamedTuple
 
@@ -10,42 +10,42 @@ from solvers.motion.laws.law import MaterialLaw, determinant, kirchhoff, piola, 
 
 LAWS: dict[str, MaterialLaw] = {one.LAW.name: one.LAW for one in (neo_hookean, st_venant_kirchhoff)}
 NEO_HOOKEAN = neo_hookean.LAW.name
-ANGLES = np.linspace(0, np.pi, 24, endpoint=False)[:, None]  # of directions in which waves are looked at
+ANGLES = np.linspace(0, np.pi, 24, endpoint=False)[:, None]  # of directions of waves
 
 
 class Material(NamedTuple):
-    """Moduli in Pa; F is (xx, xy, yx, yy), arrays (P,) or jets, and J may be another than its own."""
+    """Law and moduli in Pa. F is (xx, xy, yx, yy), arrays (P,) or jets, and J may differ from det F."""
 
     law: MaterialLaw
     bulk: float  # lambda
     mu: float
 
     def coefficients(self, F: Any, J: Any) -> tuple[Any, Any, Any, Any]:
-        """q, r, A and x of ``solvers.motion.laws.law``."""
+        """Returns q, r, A and x of ``solvers.motion.laws.law``."""
         volumetric = self.bulk * log(J) if self.law.logarithmic and self.bulk != 0 else 0.0
         return self.law.coefficients(F, J, volumetric, self.bulk, self.mu)
 
     def first_piola_stress(self, F: Any) -> tuple[Any, Any, Any, Any]:
-        """P_xx, P_xy, P_yx, P_yy in Pa."""
+        """Returns P_xx, P_xy, P_yx, P_yy in Pa."""
         J = determinant(F)
         q, r, *_ = self.coefficients(F, J)
         return piola(F, q, (r - q) / J)
 
     def cauchy_stress(self, F: Any) -> tuple[Any, Any, Any]:
-        """sigma_xx, sigma_xy, sigma_yy in Pa."""
+        """Returns sigma_xx, sigma_xy, sigma_yy in Pa."""
         J = determinant(F)
         xx, xy, yy = kirchhoff(F, *self.coefficients(F, J)[:2])
         return xx / J, xy / J, yy / J
 
     def stiffening(self, F: Any, stretched: Any, pressed: Any) -> Any:
-        """How many times as high as at rest frequencies of waves along a principal axis become, at least 1: the root of
-        their stiffness, of |F N|^2 and |F^-T N|^2."""
+        """Returns the largest factor by which F raises the frequencies of waves along a principal axis, at least 1: the
+        root of their stiffness, from |F N|^2 and |F^-T N|^2, over that at rest."""
         found = stiffness(*self.coefficients(F, determinant(F)), stretched, pressed)
         return max(1.0, float(np.max(found)) / (self.bulk + 2 * self.mu)) ** 0.5
 
     def least_stiffness(self, F: np.ndarray) -> float:
-        """Of waves in any direction, the smallest over mu: where it is not above 0 the law is not elliptic, and the
-        shorter a wave, the faster it grows."""
+        """Returns the smallest stiffness of waves in any direction over mu: where it is not above 0 the law is not
+        elliptic, and the shorter a wave, the faster it grows."""
         c, s, J = np.cos(ANGLES), np.sin(ANGLES), determinant(F)
         q, r, A, x = self.coefficients(F, J)
         rest, along = (x + q - r) / (J * J), (F[0] * c + F[1] * s, F[2] * c + F[3] * s)

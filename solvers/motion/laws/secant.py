@@ -1,4 +1,4 @@
-"""The difference of two stresses as a sum over parts of the difference of their F, to round-off, however large it is.
+"""Difference of two stresses as an exact sum over parts of the difference of their F, however large it is.
 
 In two dimensions F:F, det F and F F^T are quadratic in F: the difference of one between F and F0 is linear in F - F0,
 with coefficients at the mean of the two. What a law makes of F:F and of J is divided by its secants.
@@ -14,18 +14,18 @@ PLACES, SHARES = np.polynomial.legendre.leggauss(10)  # a secant is a mean of sl
 
 
 class StressDifference(NamedTuple):
-    """Of a material; ``at_rest``: the first Piola-Kirchhoff stress is meant, as weights of the rest want it."""
+    """Stress differences of a material; with ``at_rest`` of the first Piola-Kirchhoff stress, for frozen weights."""
 
     material: Material
     at_rest: bool
 
     def stress(self, F: np.ndarray) -> np.ndarray:
-        """J sigma, or P, of F (P, 2, 2)."""
+        """Returns J sigma, or P, of F (P, 2, 2)."""
         P = np.stack(self.material.first_piola_stress(F.reshape(-1, 4).T), axis=1).reshape(-1, 2, 2)
         return P if self.at_rest else P @ F.swapaxes(1, 2)
 
     def difference(self, F: np.ndarray, F0: np.ndarray, parts: np.ndarray) -> np.ndarray:
-        """What each part (C, P, 2, 2) of F - F0 has of stress(F) - stress(F0): linear in the part."""
+        """Returns the share of each part (C, P, 2, 2) of F - F0 in stress(F) - stress(F0): linear in the part."""
         mean, J, J0 = 0.5 * (F + F0), np.linalg.det(F), np.linalg.det(F0)
         q, k, A, _ = (0.5 * (one + other) for one, other in zip(self._slopes(F, J), self._slopes(F0, J0), strict=True))
         slope = sum(share * self._slopes(F, 0.5 * (J + J0 + place * (J - J0)))[3]
@@ -39,13 +39,13 @@ class StressDifference(NamedTuple):
             + (k * grown + 0.5 * (J + J0)[:, None, None] * of_k) * np.eye(2)
 
     def _slopes(self, F: np.ndarray, J: np.ndarray) -> list[np.ndarray]:
-        """Of P = q F + k cof F the coefficients, A, which is twice the slope of q with F:F, and that of k with J, each
-        (P, 1, 1)."""
+        """Returns the coefficients q, k of P = q F + k cof F, A, which is twice the slope of q with F:F, and the slope
+        of k with J, each (P, 1, 1)."""
         q, r, A, x = self.material.coefficients(F.reshape(-1, 4).T, J)
         k = (r - q) / J
         return [np.broadcast_to(one, J.shape)[:, None, None] for one in (q, k, A, (x / J - k) / J)]
 
 
 def cofactor(F: np.ndarray) -> np.ndarray:
-    """J F^-T of tensors (..., 2, 2): linear in F."""
+    """Returns J F^-T of tensors (..., 2, 2): linear in F."""
     return np.stack([F[..., 1, 1], -F[..., 1, 0], -F[..., 0, 1], F[..., 0, 0]], axis=-1).reshape(F.shape)

@@ -1,7 +1,7 @@
 """The law of St. Venant and Kirchhoff in plane strain, S = lambda tr E I + 2 mu E of Green's strain E = (F^T F - I)/2.
 
-W = lambda/2 (tr E)^2 + mu E:E is lambda/8 (F:F - 2)^2 + mu/4 ((F:F - 1)^2 + 1 - 2 J^2). It softens where it is pressed:
-along one axis it bears no more from a stretch of 1/sqrt(3) on, and waves of shear lose their stiffness sooner.
+W = lambda/2 (tr E)^2 + mu E:E is lambda/8 (F:F - 2)^2 + mu/4 ((F:F - 1)^2 + 1 - 2 J^2). It softens in compression:
+along one axis its stress is largest at a stretch of 1/sqrt(3), and shear waves lose their stiffness sooner.
 Source: Holzapfel, Nonlinear Solid Mechanics, Wiley 2000, section 6.5.
 """
 

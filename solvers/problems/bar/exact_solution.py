@@ -21,7 +21,7 @@ SECOND_RATIO = 0.5  # of the force's second tone, of the first
 
 
 def displacement(scene: Any, X: np.ndarray, t: float) -> np.ndarray:
-    """u(X, t) in metres."""
+    """Returns u(X, t) in m."""
     if scene.is_patch:
         return np.full_like(X, scene.initial_velocity * t)
     if scene.displacement:
@@ -30,7 +30,7 @@ def displacement(scene: Any, X: np.ndarray, t: float) -> np.ndarray:
 
 
 def velocity(scene: Any, X: np.ndarray, t: float) -> np.ndarray:
-    """v = u_t in m/s."""
+    """Returns v = u_t in m/s."""
     if scene.is_patch:
         return np.full_like(X, scene.initial_velocity)
     if scene.displacement:
@@ -40,7 +40,7 @@ def velocity(scene: Any, X: np.ndarray, t: float) -> np.ndarray:
 
 
 def acceleration(scene: Any, X: np.ndarray, t: float) -> np.ndarray:
-    """a = u_tt = -w^2 u in m/s^2."""
+    """Returns a = u_tt = -w^2 u in m/s^2."""
     if scene.is_patch:
         return np.zeros_like(X)
     if scene.displacement:
@@ -49,7 +49,7 @@ def acceleration(scene: Any, X: np.ndarray, t: float) -> np.ndarray:
 
 
 def deformation_gradient(scene: Any, X: np.ndarray, t: float) -> np.ndarray:
-    """F = 1 + u_X."""
+    """Returns F = 1 + u_X."""
     if scene.is_patch:
         return np.full_like(X, scene.stretch)
     if scene.displacement:
@@ -58,14 +58,13 @@ def deformation_gradient(scene: Any, X: np.ndarray, t: float) -> np.ndarray:
 
 
 def stress(scene: Any, X: np.ndarray, t: float) -> np.ndarray:
-    """P = E(F - 1) in pascals (eq 29)."""
+    """Returns P = E(F - 1) in Pa (eq 29)."""
     return scene.modulus * (deformation_gradient(scene, X, t) - 1)
 
 
 def field(scene: Any, quantity: str, X: np.ndarray, t: float) -> np.ndarray:
-    """A quantity by its key (``samples.QUANTITIES``), u for x, as a method has it after the time t: its acceleration is
-    the one that its last step used, which began a step before. Of a patch test u - v0 t, beside which v0 t would hide
-    all else."""
+    """Returns a quantity (a key of ``samples.QUANTITIES``), u for x, as a method has it at the time t: the acceleration
+    is that of its last step, one step before. For a patch test it is u - v0 t, because v0 t would hide all else."""
     if scene.is_patch and quantity == "x":
         return np.zeros_like(X)
     if quantity == "a":
@@ -74,7 +73,7 @@ def field(scene: Any, quantity: str, X: np.ndarray, t: float) -> np.ndarray:
 
 
 def body_force(scene: Any, X: np.ndarray, t: float) -> np.ndarray:
-    """b per unit mass, in m/s^2: 3 w^2 u (eq 34, corrected); with two tones 1.5 w^2 A sin(4 pi X) sin(1.7 wt) beside
+    """Returns b per mass in m/s^2: 3 w^2 u (eq 34, corrected); with two tones 1.5 w^2 A sin(4 pi X) sin(1.7 wt) beside
     it; zero for the free bar."""
     if scene.body_force == "none":
         return np.zeros_like(X)
@@ -89,8 +88,8 @@ def body_force(scene: Any, X: np.ndarray, t: float) -> np.ndarray:
 
 
 def moments(scene: Any, times: np.ndarray) -> Moments:
-    """The moments (see ``solvers.problems.bar.method.soundness``) at the times (T,) of the motion that the balance of
-    momentum makes (see ``solvers.scene.momentum_balance``).
+    """Returns the moments (see ``solvers.problems.bar.method.soundness``) at the times (T,) in s of the motion by the
+    balance of momentum (see ``solvers.scene.momentum_balance``).
 
     P = E(F - 1) is linear, so that the modes sin(2 pi X) and sin(4 pi X), which start and body force feed, swing each
     for itself: q'' = -(n w0)^2 q + b_n(t), w0 = 2 pi c, n = 1 and 2. With w the frequency of the force,

@@ -29,17 +29,17 @@ NOT_FOLLOWING = ("the domains do not follow the material, which leaves an error 
 
 
 def relative_motion(scene: Any) -> float:
-    """The largest displacement over h^2, per unit length."""
+    """Returns the largest displacement over h^2, per unit length."""
     return scene.motion_amplitude / scene.spacing**2
 
 
 def noise_only_remedies(scene: Any) -> tuple[str, ...]:
-    """Remedies that only take noise away."""
+    """Returns the remedies that only remove noise."""
     return (FILTER, COUPLED) if scene.motion_amplitude / scene.spacing < MOST_COUPLED else (FILTER,)
 
 
 def is_noisy(scene: Any) -> bool:
-    """Whether two-grid can say nothing of a: crossings fill it with noise, which each grid has in other places."""
+    """Returns whether two-grid cannot estimate a: crossings fill it with noise, at other places on each grid."""
     return scene.motion_amplitude > QUIET.get(scene.method, QUIET_HATS) * scene.spacing
 
 

@@ -1,12 +1,12 @@
-"""The patch test of the bar: evenly stretched and moving at constant speed, so that exactly nothing should happen.
+"""Patch test of the bar: evenly stretched and moving at constant speed, so that nothing should change.
 
 A bar of rest length 1/F0 is stretched by F0 until it fills the periodic metre, and moves at v0: the stress stays
-E (F0 - 1), the acceleration zero, whatever the grid. Particles stand evenly, as many to a cell as one likes: with a
-whole number each cell holds equally many at all times, and whatever a method does wrong at a cell's boundary cancels.
+E (F0 - 1), the acceleration zero, whatever the grid. Particles are evenly spaced, with any number per cell: with a
+whole number each cell always contains equally many, and errors of a method at cell boundaries cancel.
 
-Solver and exact solution count from the stretched bar, in which X is where a particle begins: with G = F/F0 the
-deformation since then, the stress is E F0 (G - 1/F0), the density rho/F0, and all else as in a bar at rest. So a scene
-has a modulus, a density and a deformation at rest as the solver sees them; of a vibrating bar F0 = 1.
+The reference configuration of solver and exact solution is the stretched bar, in which X is the start of a particle:
+with the deformation G = F/F0 since then, the stress is E F0 (G - 1/F0), the density rho/F0, and all else as in a bar at
+rest. So a scene has the solver's modulus, density and deformation at rest; F0 = 1 for a vibrating bar.
 
 Source: Bardenhagen & Kober (2004) for hats and GIMP; Steffen, Kirby & Berzins (2008) for B-splines.
 """
@@ -24,21 +24,21 @@ from solvers.scene.scene import Scene
 from solvers.scene.validation import SceneError, require_number
 
 VIBRATE, PATCH = "vibrate", "patch"
-STRETCH, VELOCITY = 1.02, 1.0  # F0, and v0 in m/s, of a patch test that is told nothing else
+STRETCH, VELOCITY = 1.02, 1.0  # defaults of F0, and v0 in m/s
 STRETCHES = (0.1, 10.0)
-LEAST_STRAIN = 1e-6  # below it round-off is no longer small beside the stress
+LEAST_STRAIN = 1e-6  # below it round-off is not small beside the stress
 MOST_VELOCITY = 1000.0  # m/s
 COUNT_TOLERANCE = 1e-6  # of a particle, by which their number may miss a whole one: 2.3333333 is 7/3
 NOTHING_TO_SEARCH = Message("a search makes no sense for a patch test: its error is round-off, or does not fall with "
                             "the cells; compare methods with mpm-lab sweep bar --motion patch")
 EDGE_TOLERANCE = 1e-10  # cells
-MOST_EDGE_STEPS = 10_000  # that are looked ahead
+MOST_EDGE_STEPS = 10_000  # that are searched ahead
 FAILED_FROM = 0.1  # of the stress: an error beyond which a patch test counts as failed
 
 
 def normalise_inputs(cells: object, ppc: object, body_force: object) -> dict[str, Any]:
-    """What a patch test's inputs mean: no body force where none was asked for, 2.3333333 particles in each of 30 cells
-    are 70, and 4.0 are 4."""
+    """Returns a patch test's inputs in normal form: no body force by default; 2.3333333 particles in each of 30 cells
+    become 70/30, and 4.0 becomes 4."""
     meant: dict[str, Any] = {"body_force": "none"} if body_force == "material" else {}
     if isinstance(ppc, float) and math.isfinite(ppc) and type(cells) is int and cells > 0:
         count = round(cells * ppc)
@@ -48,7 +48,7 @@ def normalise_inputs(cells: object, ppc: object, body_force: object) -> dict[str
 
 
 def check_per_cell(cells: int, ppc: object) -> None:
-    """Particles per cell need not be whole, but all of them together."""
+    """Raises :class:`SceneError` unless all cells together contain a whole number of particles, 1 to 64 each."""
     allowed = Message("give a number from 1 to {most}", MOST_PER_CELL)
     require_number("ppc", ppc, 0, math.inf, allowed)
     assert isinstance(ppc, (int, float))
@@ -64,7 +64,7 @@ def check_per_cell(cells: int, ppc: object) -> None:
 
 
 def check_numbers(stretch: float, velocity: float) -> None:
-    """Refuse a stretch or a velocity that no patch test can have."""
+    """Raises :class:`SceneError` for a stretch or a velocity that no patch test can have."""
     least, most = STRETCHES
     allowed = Message("give a number from {least:g} to {most:g}, but not 1", least, most)
     require_number("stretch", stretch, 0, math.inf, allowed)
@@ -80,7 +80,7 @@ def check_numbers(stretch: float, velocity: float) -> None:
 
 
 def check_fields(scene: Any) -> None:
-    """Refuse for a patch test what means nothing in it, and for a vibrating bar what only a patch test has."""
+    """Raises :class:`SceneError` for inputs that have no meaning in this motion, patch test or vibration."""
     names: tuple[str, ...] = ("stretch", "initial_velocity")
     why = Message("is for the patch test; give motion patch, or leave it out")
     if scene.is_patch:
@@ -93,15 +93,15 @@ def check_fields(scene: Any) -> None:
 
 
 def repeating_unit(scene: Scene) -> tuple[int, int]:
-    """The fewest cells after which particles stand in cells as before, and how many particles these hold."""
+    """Returns the smallest number of cells after which the pattern of particles repeats, and their particles."""
     times = math.gcd(scene.cells, scene.particles)
     return scene.cells // times, scene.particles // times
 
 
-@functools.lru_cache(maxsize=64)  # the page asks again and again
+@functools.lru_cache(maxsize=64)  # used by the page repeatedly
 def first_edge_step(scene: Scene, velocity: float) -> int | None:
-    """The first step after which a particle stands on a cell boundary but for rounding, which then says in which cell
-    it is. Of hat functions that is a force too many or too few, even where the count fits; None where there is none."""
+    """Returns the first step after which a particle lies on a cell boundary up to rounding, which then decides on its
+    cell: with hat functions its force may be counted twice or not at all. None where that never happens."""
     a_step = velocity * scene.time_step / scene.spacing  # in cells
     places = repeating_unit(scene)[1]  # in a cell, at which particles begin
     held = scene.linearity_preserving or scene.frozen or PIECES in scene.remedies

@@ -1,4 +1,4 @@
-"""The bar as one object: its scene, and where the rest is, which waits until it is asked for."""
+"""The bar as one object: its scene, and its other parts, which are imported on first use."""
 
 from __future__ import annotations
 

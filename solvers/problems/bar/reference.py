@@ -1,4 +1,4 @@
-"""The bar as another code sees it."""
+"""Reference of the bar for other codes."""
 
 from pathlib import Path
 
@@ -17,7 +17,7 @@ ELEMENT_ORDER = 6
 
 
 class BarReference(ProblemReference):
-    """The vibrating bar."""
+    """Reference of the vibrating bar."""
 
     EXACT = exact_solution
 
@@ -55,8 +55,8 @@ class BarReference(ProblemReference):
         return np.full((len(X), 1, 1), scene.initial_stretch)
 
     def unwrap_positions(self, scene: BarScene, X: np.ndarray, x: np.ndarray, t: np.ndarray) -> np.ndarray:
-        """A code with a periodic grid may have moved a particle by the length of the bar, which no exact one moves but
-        by the drift of a patch test."""
+        """Returns positions in m without jumps: a periodic code may move particles by the length of the bar, the exact
+        motion moves none that far beyond a patch test's drift."""
         drift = scene.initial_velocity * t[:, None] if scene.is_patch else 0.0
         turns = np.round(x - X - drift)
         return np.where(np.isfinite(turns) & (turns != 0), x - turns, x)
@@ -66,7 +66,7 @@ class BarReference(ProblemReference):
 
 
 class BarCompanionBody(ElasticBody):
-    """Elements around the period, as the companion's that runs beside the particles; here of a fixed number.
+    """Companion's elements around the period, in a fixed number, without a run.
 
     A bar that begins stretched by F counts X from there: its density is rho/F, and its stress E F (1 + u_X) - E.
     """

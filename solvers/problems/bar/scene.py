@@ -31,7 +31,7 @@ BAR_AMPLITUDE_LIMIT = 1 / (2 * math.pi)
 @document_fields
 @dataclass(frozen=True)
 class BarScene(TypedMotionScene, Scene):
-    """One run of the bar of unit length: h = 1/``cells`` (see :class:`~solvers.scene.scene.Scene`)."""
+    """Definition of a run of the bar of unit length: h = 1/``cells`` (see :class:`~solvers.scene.scene.Scene`)."""
 
     problem: str = option("bar", choices=("bar",))
     method: str = option("ugimp", "Shape functions of the particles", choices=("mpm", "ugimp", "cpgimp", "bspline"))
@@ -69,12 +69,12 @@ class BarScene(TypedMotionScene, Scene):
 
     @classmethod
     def candidates(cls) -> tuple[tuple[str, bool], ...]:
-        """uGIMP with linearity preservation too."""
+        """Returns the methods that an advisor tries, uGIMP also with linearity preservation."""
         return (*super().candidates(), ("ugimp", True))
 
     @property
     def spacing(self) -> float:
-        """Cell size h."""
+        """Cell size h, in m."""
         return 1.0 / self.cells
 
     @property
@@ -83,7 +83,7 @@ class BarScene(TypedMotionScene, Scene):
 
     @property
     def is_patch(self) -> bool:
-        """Whether it is the patch test."""
+        """Whether the scene is a patch test."""
         return self.motion == PATCH
 
     @property
@@ -92,7 +92,7 @@ class BarScene(TypedMotionScene, Scene):
 
     @property
     def waves(self) -> int:
-        """In the bar, of the shortest that matters."""
+        """Number of waves in the bar, of the shortest that matters."""
         return self._sizes.waves if self.displacement else 1 + (self.body_force == "two-tone")
 
     @property
@@ -101,7 +101,7 @@ class BarScene(TypedMotionScene, Scene):
 
     @property
     def compiled_motion(self) -> str:
-        """What of its motion kernels have to know (``solvers.scene.kernel_options``)."""
+        """Motion as a compile-time option (``solvers.scene.kernel_options``)."""
         return TYPED if self.displacement else self.motion
 
     @property
@@ -114,9 +114,9 @@ class BarScene(TypedMotionScene, Scene):
 
     @property
     def lattice_gap(self) -> float:
-        """The sine moves neighbours dX from each other by 2 A sin(pi dX) cos(2 pi X_m), X_m in their middle, and the
-        mean of the two F says 2 pi dX A cos(pi dX) cos(2 pi X_m): 0.21 with four particles, 0.03 with eight. An F - 1
-        that is half wrong moves them by dX times that, 0.56 and 0.28, and is no contradiction of positions."""
+        """Mismatch of neighbours in the exact motion, in amplitudes. The sine moves neighbours dX apart by 2 A sin(pi
+        dX) cos(2 pi X_m), X_m their middle, and their mean F implies 2 pi dX A cos(pi dX) cos(2 pi X_m): 0.21 with four
+        particles, 0.03 with eight. An F - 1 that is half wrong adds dX times that, 0.56 and 0.28."""
         half = math.pi / self.particles
         if self.is_patch:
             return 0.0
@@ -130,7 +130,7 @@ class BarScene(TypedMotionScene, Scene):
 
     @property
     def velocity_lead(self) -> float:
-        """Seconds before t = 0 to which the initial velocity belongs, as in leapfrog."""
+        """Time in s before t = 0 to which the initial velocity belongs, as in leapfrog."""
         return 0.0 if self.has("budget") and self.take_away == "time_step" else 0.5 * self.time_step
 
     @property
@@ -139,17 +139,17 @@ class BarScene(TypedMotionScene, Scene):
 
     @property
     def angular_frequency(self) -> float:
-        """w of the exact solution: c pi/l with the body force (eq 32), the natural 2 c pi/l without; l = 1. In a patch
-        test nothing swings but what goes wrong; its times are counted as those of the vibrating bar."""
+        """Angular frequency w of the exact solution in 1/s: c pi/l with the body force (eq 32), the natural 2 c pi/l
+        without; l = 1. In a patch test, where nothing oscillates, that of the vibrating bar."""
         if self.displacement:
             return self.typed_frequency
         return self.wave_speed * math.pi * (2 if self.body_force == "none" and not self.is_patch else 1)
 
     @property
     def motion_amplitude(self) -> float:
-        """Largest displacement of the exact solution: A; A/2 for the free bar, which starts at the same speed. For a
-        patch test that of a vibration whose largest strain is the test's, |F - 1|: what its stress could do if it were
-        let loose, and so what its errors are compared with."""
+        """Largest displacement of the exact solution in m: A; A/2 for the free bar, which starts at the same speed. For
+        a patch test that of a vibration whose largest strain is the test's, |F - 1|: the motion that its stress could
+        cause, as a scale of its errors."""
         if self.is_patch:
             return abs(self.stretch - 1) / self.STRAIN_PER_AMPLITUDE
         if self.displacement:
@@ -164,23 +164,23 @@ class BarScene(TypedMotionScene, Scene):
         return self._sizes.largest[quantity] if self.displacement else super().size_of(quantity)
 
     def rms_of(self, quantity: str) -> float:
-        """Half the largest, of what goes with sines in space and time; of a patch test, whose stress is even, that."""
+        """Returns half the largest value, as for sines in space and time; for a uniform patch test, that value."""
         if self.displacement:
             return self._sizes.rms[quantity]
         return self.size_of(quantity) * (1.0 if self.is_patch else 0.5)
 
     @property
     def loss_limits(self) -> dict[str, float]:
-        """Of a patch test the stress counts too: it is all that there is to get wrong."""
+        """Limit of the relative stress error in a patch test, whose stress is all that can be wrong."""
         return {"sigma": patch_test.FAILED_FROM} if self.is_patch else {}
 
     @property
     def budget_reference(self) -> str:
-        """What the effect ``budget`` compares the run with: "exact" or "companion"."""
+        """Reference of the effect ``budget``: "exact" or "companion"."""
         return "exact" if self.has("truth") else "companion"
 
     def has(self, effect: str) -> bool:
-        """As every scene; a budget needs the truth, or of the estimators the companion."""
+        """Returns whether the effect is on and possible; a budget needs the truth or the companion."""
         known = effect != "budget" or super().has("truth") or "companion" in self.active_estimators
         return known and super().has(effect)
 
@@ -188,15 +188,16 @@ class BarScene(TypedMotionScene, Scene):
         return exact_solution.moments(self, times)
 
     def to_dict(self) -> dict:
-        """As every scene; None for what means nothing in this motion."""
+        """Returns every input with defaults filled in, None for those without meaning in this motion."""
         idle = ("amplitude",) if self.is_patch else ("stretch", "initial_velocity")
         return {**super().to_dict(), **dict.fromkeys(idle)}
 
     def wrap_into_period(self, position: np.ndarray) -> np.ndarray:
-        """Positions (P,) where they are drawn: of a patch test, which goes on and on, the image in the first metre."""
+        """Returns the positions (P,) in m at which particles are drawn: for a patch test, which drifts, the images in
+        the first metre."""
         if not self.is_patch:
             return position
-        with np.errstate(invalid="ignore"):  # a run gone bad holds anything
+        with np.errstate(invalid="ignore"):  # for unstable runs
             return position - np.floor(position)
 
     def warnings(self) -> list[str]:
@@ -260,7 +261,8 @@ class BarScene(TypedMotionScene, Scene):
             self._check_frozen()
 
     def _check_frozen(self) -> None:
-        """Frozen weights have nothing to correct: they see the material at rest, where it fills the grid evenly."""
+        """Raises :class:`SceneError` for remedies beside frozen weights, which have nothing to correct: the material at
+        rest fills the grid evenly."""
         others = [name for name in self.remedies if name != FROZEN]
         if others:
             raise SceneError("remedies", " ".join(self.remedies), "frozen-weights cannot be combined: {name} corrects "

@@ -1,4 +1,4 @@
-"""BarSolver: one bar in memory, ready to be stepped, sampled and looked at."""
+"""BarSolver: solver of one bar, which steps and samples it."""
 
 import time
 
@@ -44,7 +44,7 @@ class BarSolver(Solver):
             before = t - scene.time_step if self.step else 0.0
             true_a = a.acceleration - exact_solution.acceleration(scene, X, before) \
                 if self._switches.acceleration and self.step else np.zeros_like(X)
-            with np.errstate(over="ignore", invalid="ignore"):  # a run gone bad holds anything
+            with np.errstate(over="ignore", invalid="ignore"):  # for unstable runs
                 u, v = (a.position - X - exact_solution.displacement(scene, X, t),
                         a.velocity - exact_solution.velocity(scene, X, t))
                 stretch = F - exact_solution.deformation_gradient(scene, X, t)
@@ -60,7 +60,7 @@ class BarSolver(Solver):
 
     def plotted(self, quantity: str) -> np.ndarray:
         scene, a, X, t = self.scene, self._arrays, self._arrays.material_position, self.time
-        with np.errstate(over="ignore", invalid="ignore"):  # a run gone bad holds anything
+        with np.errstate(over="ignore", invalid="ignore"):  # for unstable runs
             moved = exact_solution.displacement(scene, X, t) if scene.is_patch else 0.0
             values = {"x": a.position - X - moved, "v": a.velocity,
                       "sigma": a.modulus * (a.deformation_gradient - a.unstretched),
@@ -87,7 +87,7 @@ class BarSolver(Solver):
         return super()._advice()
 
     def _other_advice(self) -> str:
-        """The remedies that the scene has not yet called for; measured in ``assets/stability.md``."""
+        """Returns the remedies that the scene does not use yet; measured in ``assets/stability.md``."""
         scene = self.scene
         whole = scene.method == "mpm" and not scene.frozen and PIECES not in scene.remedies
         if whole and (scene.ppc == 2 or scene.amplitude >= HATS_LIMIT):
@@ -101,5 +101,5 @@ class BarSolver(Solver):
 
 
 def _columns(values: np.ndarray) -> Values:
-    """Those of x, v and sigma, of four (P, 4)."""
+    """Returns the first three of four columns (P, 4): x, v and sigma."""
     return Values(values[:, :1], values[:, 1:2], values[:, 2:3])

@@ -1,4 +1,4 @@
-"""The bar's state: its body, and what watches it."""
+"""State of the bar: its body and its diagnostics."""
 
 from dataclasses import dataclass
 
@@ -21,11 +21,11 @@ HOOKS = estimator_registry.hooks_of("bar", {"companion": companion.HOOKS, "recov
 
 @dataclass
 class InstrumentedBar(Diagnostics, BarBody):
-    """A bar and those who watch it."""
+    """A bar with its diagnostics."""
 
     @property
     def cause_errors(self) -> np.ndarray:
-        """Errors of x, v and F of the P particles by cause (3, P, causes), a view; of a run with the effect budget."""
+        """Errors of x, v and F of the P particles by cause (3, P, causes), a view; only with the effect ``budget``."""
         return BUDGET.parts(self.memory)["cause_errors"][:3 * self.particles].reshape(3, self.particles, -1)
 
 
@@ -34,7 +34,7 @@ BarState = ti.types.argpack(**InstrumentedBar.types(), **packing(HOOKS).types, *
 
 
 def allocate_state(scene: BarScene) -> InstrumentedBar:
-    """The initial state."""
+    """Returns the initial state."""
     on = kernel_options_of(scene)
     watched = initial_diagnostics(scene, on, scene.particles, escape_distance(scene), HOOKS)
     watched["memory"] |= initial_budget_arrays(scene, on)
@@ -42,5 +42,5 @@ def allocate_state(scene: BarScene) -> InstrumentedBar:
 
 
 def escape_distance(scene: BarScene) -> float:
-    """Displacement from which on a run counts as gone bad: half the bar, or twenty times what is exact."""
+    """Returns the displacement in m from which on a run is unstable: half the bar, or twenty times the exact one."""
     return min(0.5, 20 * scene.motion_amplitude)

@@ -24,7 +24,7 @@ def jacobian(bar: ti.template(), p):
 
 @ti.func
 def has_escaped(bar: ti.template(), p, step):
-    """Whether a particle is far from where it can be."""
+    """Returns whether a particle is far outside the possible range."""
     moved = bar.drift_velocity * bar.dt * step
     return not abs(bar.position[p] - bar.material_position[p] - moved) < bar.farthest
 
@@ -36,7 +36,7 @@ def check_state(bar: ti.template(), step):
 
 @ti.func
 def one_step(bar: ti.template(), step, on: ti.template()):
-    """Step number ``step``, counted from one: that many have been taken after it."""
+    """Takes step number ``step``, counted from one."""
     update_grid(bar, (step - 1) * bar.dt, on)
     estimator_loop.in_step(bar, step, HOOKS, on)
     if ti.static(on.budget):
@@ -57,7 +57,7 @@ def one_step(bar: ti.template(), step, on: ti.template()):
 
 @ti.func
 def sample_all(bar: ti.template(), row, step, looks, on: ti.template()):
-    """One row of samples: the method's, the effects', and the budget's."""
+    """Writes one row of samples: the method's, the effects', and the budget's."""
     sample(bar, row, step, looks, on)
     sample_effects(bar, row, step, SAMPLERS, on)
     if ti.static(on.budget):

@@ -1,5 +1,5 @@
-"""The bound on the bar's time step along the motion ahead (see ``solvers.scene.step_bound``): tangent modulus E F^2
-V0. And how long it takes to break, by theory alone."""
+"""The bound on the bar's time step along the motion ahead (see ``solvers.scene.step_bound``), with the tangent
+stiffness E F^2 V0; and the theoretical time until breakdown."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -13,7 +13,7 @@ from solvers.scene.remedies import PIECES
 from solvers.scene.scene import Scene
 from solvers.scene.step_bound import StepBound, circle_bound, motion_bound, motion_parts, stencil
 
-MOST_PARTICLES = 600  # of the bar that are looked at; a finer one has the same cells, only more of them
+MOST_PARTICLES = 600  # of the bar that are evaluated; a finer bar has more cells of the same kind
 PATCH_POSITIONS = 17  # of a patch test in its cell
 DRIFT_INSTANTS = 2000  # of a period
 INSTANTS_PER_PERIOD = 33  # moments of a typed motion
@@ -21,8 +21,8 @@ INSTANTS_PER_PERIOD = 33  # moments of a typed motion
 
 @dataclass(frozen=True)
 class BarConfiguration:
-    """The bar on some ``cells``: its particles' weights (P, 3) at their nodes, what each pulls with at the nodes in
-    ``force_nodes`` (P, K), in 1/m, and its stiffness E F^2 V0 (P,)."""
+    """The bar on ``cells`` cells: its particles' weights (P, 3) at their nodes, the gradients (P, K) in 1/m of their
+    forces at the ``force_nodes``, and their stiffness E F^2 V0 (P,)."""
 
     cells: int
     nodes: np.ndarray
@@ -33,14 +33,14 @@ class BarConfiguration:
     mass: float
 
     def circle_bound(self) -> float:
-        """The bound by Gershgorin's circles, in s."""
+        """Returns the bound by Gershgorin's circles, in s."""
         mass = np.bincount(self.nodes.ravel(), (self.mass * self.weights).ravel(), self.cells)
         return circle_bound(self.force_nodes, np.abs(self.gradients), self.stiffness, mass)
 
 
 def critical_time_step(scene: Any, stretch: float, velocity: float) -> StepBound:
-    """The longest step along the bar's motion from one extreme to the other, of a typed one in its period. A patch
-    test, which does not swing, begins with this ``stretch``, no unit, and this ``velocity`` in m/s."""
+    """Returns the longest stable step along the bar's motion from one extreme to the other, or over a typed motion's
+    period. A patch test starts with this ``stretch`` (no unit) and this ``velocity`` in m/s."""
     if not scene.swings:
         return _patch_time_step(scene, stretch, velocity)
     ppc = int(scene.ppc)
@@ -62,7 +62,7 @@ def critical_time_step(scene: Any, stretch: float, velocity: float) -> StepBound
 
 
 def _patch_time_step(scene: Scene, stretch: float, velocity: float) -> StepBound:
-    """That of a patch test while its particles pass through a cell; all spacings stay as they are."""
+    """Returns the bound of a patch test while its particles pass through a cell; their spacing never changes."""
     cells, particles = patch_test.repeating_unit(scene)
     times = max(1, min(scene.cells // cells, MOST_PARTICLES // particles))
     cells, particles = times * cells, times * particles
@@ -75,7 +75,7 @@ def _patch_time_step(scene: Scene, stretch: float, velocity: float) -> StepBound
 
 
 def configuration_at(scene: Scene, cells: int, x: np.ndarray, F: np.ndarray, stretch: float = 1.0) -> BarConfiguration:
-    """The bar with particles at x (P,) in metres, which have deformed by F (P,) since the start."""
+    """Returns the bar with particles at x (P,) in m, deformed by F (P,) since the start."""
     volume = 1 / len(x)
     half_width = np.full_like(x, 0.5 / scene.ppc)
     if scene.method == "cpgimp" and not scene.frozen:
@@ -91,7 +91,7 @@ def configuration_at(scene: Scene, cells: int, x: np.ndarray, F: np.ndarray, str
 
 
 def stack_configurations(found: Sequence[BarConfiguration]) -> Configurations:
-    """Moments of one bar."""
+    """Returns several moments of one bar as one object."""
     nodes, S, pulling, gradients, stiffness = (
         np.stack([getattr(one, name) for one in found])
         for name in ("nodes", "weights", "force_nodes", "gradients", "stiffness"))
@@ -101,8 +101,8 @@ def stack_configurations(found: Sequence[BarConfiguration]) -> Configurations:
 
 
 def _piece_stencils(method: str, cells: int, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Nodes (P, 5) of the pieces around particles at x, and by how much each piece pulls at them for its stress: the
-    difference of the base functions at its corners (see ``method.pieces``)."""
+    """Returns the nodes (P, 5) of the pieces around particles at x, and the force of each piece at them per unit of
+    stress: the difference of the base functions at its corners (see ``method.pieces``)."""
     P = len(x)
     around = np.concatenate([x[-2:] - 1, x, x[:2] + 1])
     corners = (9 * (around[1:P + 2] + around[2:P + 3]) - around[:P + 1] - around[3:]) / 16
@@ -116,7 +116,7 @@ def _piece_stencils(method: str, cells: int, x: np.ndarray) -> tuple[np.ndarray,
 
 
 def null_space_drift(scene: Scene) -> float:
-    """What FLIP does to the velocity that no node sees: by what it drifts in a period, as RMS over particles, in m/s.
+    """Returns the drift per period of FLIP's velocity that no node sees, as RMS over particles, in m/s.
 
     A particle's velocity changes by the interpolated acceleration sum S_i a_i, which is a(x_p) + a_xx S2/2 with S2 =
     sum S_i (x_i - x_p)^2. S2 depends on the particle's place in its cell and so on the motion itself: its product with
@@ -138,8 +138,8 @@ def null_space_drift(scene: Scene) -> float:
 
 
 def predicted_life(scene: Any) -> float | None:
-    """Periods until the drift has reached A w; None where something mends it, or where something else comes first, and
-    of a typed motion."""
+    """Returns the periods until the drift reaches A w; None where a remedy corrects it or something else comes first,
+    and for a typed motion."""
     if scene.remedies or scene.linearity_preserving or scene.velocity != "grid" or scene.method == "mpm" \
             or scene.displacement:
         return None

@@ -1,4 +1,4 @@
-"""A step of the bar taken apart: read from the arrays that the step has left."""
+"""Breakdown of a step of the bar, from the arrays after the step."""
 
 import numpy as np
 
@@ -9,13 +9,13 @@ from solvers.solver.step_breakdown import Image, ParticleState, StepBreakdown, f
 
 
 def particle_state(scene: BarScene, a: InstrumentedBar) -> ParticleState:
-    """What the particles carry now, copied."""
+    """Returns a copy of the particles' present state."""
     x, v, F = (values[:, None].copy() for values in (a.position, a.velocity, a.deformation_gradient))
     return ParticleState(x, v, F[:, None] / a.unstretched, a.modulus * (F[:, None] - a.unstretched))
 
 
 def breakdown(scene: BarScene, a: InstrumentedBar, particle: int, step: int, before: ParticleState) -> StepBreakdown:
-    """Of the step number ``step``, just taken, around a particle; ``before`` is what was carried then."""
+    """Returns the breakdown of the last step, number ``step``, around a particle; ``before`` is the state before."""
     N, h, time = scene.cells, scene.spacing, (step - 1) * scene.time_step
     links = find_links(particle, a.first_node[:, None] + np.arange(3), lambda some: _weights(a, some),
                        lambda node: _images(node, N, h))
@@ -33,7 +33,7 @@ def breakdown(scene: BarScene, a: InstrumentedBar, particle: int, step: int, bef
     if scene.body_force == "node":
         body = node_mass * a.force_scale * np.sin(a.angular_frequency * time) * a.node_sine[g]
     internal = a.node_sums[g, 2]
-    if scene.linearity_preserving:  # corrected by what is nowhere kept
+    if scene.linearity_preserving:  # corrected by sums that are not stored
         internal = node_mass * acceleration - body
 
     def column(values: np.ndarray) -> np.ndarray:

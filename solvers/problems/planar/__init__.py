@@ -1,1 +1,1 @@
-"""The method in the plane: what every problem of two dimensions shares, whatever its shape, material and symmetry."""
+"""The method in the plane: shared code of all two-dimensional problems, whatever their shape, material and symmetry."""

@@ -1,5 +1,5 @@
-"""The body force of a plane problem: the built-in one, which makes its displacement the solution, and a second tone of
-another frequency, for which no solution is built in: there an estimate has to stand alone."""
+"""The body force of a plane problem: the built-in one, for which its displacement is the solution, and a second tone of
+another frequency, for which no solution is known, so that there is no true error."""
 
 from typing import Any, NamedTuple
 
@@ -12,14 +12,14 @@ SECOND_RATIO = 0.5  # of the second tone, in w^2 times its shape
 
 
 class BodyForce(NamedTuple):
-    """The force per mass at K points as data; of the second tone what sin(1.7 wt) is taken times."""
+    """Force per mass at K points as data; ``second_tone`` is the factor of sin(1.7 wt)."""
 
     points: int
     built_in: SeparableField | None = None
     second_tone: SeparableField | None = None
 
     def __call__(self, t: float) -> np.ndarray:
-        """(K, 2) in m/s^2."""
+        """Returns the force (K, 2) in m/s^2 at the time t in s."""
         force = self.built_in(t) if self.built_in else np.zeros((self.points, 2))
         if self.second_tone:
             force += np.sin(SECOND_FREQUENCY * self.second_tone.angular_frequency * t) * self.second_tone(t)
@@ -27,7 +27,7 @@ class BodyForce(NamedTuple):
 
 
 def body_force_at(scene: Any, X: np.ndarray, t: Any) -> np.ndarray:
-    """The force per mass (P, 2) in m/s^2 on material points X (P, 2) at a time, or a time each (P,)."""
+    """Returns the force per mass (P, 2) in m/s^2 at material points X (P, 2) and a time, or times (P,)."""
     if scene.body_force == "none":
         return np.zeros_like(X)
     force = scene.EXACT.body_force(scene, X, t)
@@ -37,7 +37,7 @@ def body_force_at(scene: Any, X: np.ndarray, t: Any) -> np.ndarray:
 
 
 def tabulate_body_force(scene: Any, points: np.ndarray) -> BodyForce:
-    """The same at points (K, 2) as data."""
+    """Returns the force per mass at material points (K, 2) as data."""
     if scene.body_force == "none":
         return BodyForce(len(points))
     first = separate(lambda X, t: scene.EXACT.body_force(scene, X, t), points, scene.period)
@@ -47,5 +47,5 @@ def tabulate_body_force(scene: Any, points: np.ndarray) -> BodyForce:
 
 
 def _second_tone(scene: Any, X: np.ndarray, t: Any) -> np.ndarray:
-    """Of a scene whose force has one, which gives its shape (P, 2) in m."""
+    """Returns the amplitude (P, 2) in m/s^2 of the second tone, whose shape in m the scene defines."""
     return SECOND_RATIO * scene.angular_frequency**2 * scene.second_tone(X, t)

@@ -1,4 +1,4 @@
-"""BoxScene: a run of a plane problem that is no more than a displacement of a square between symmetry planes."""
+"""BoxScene: base class of plane problems on a square between symmetry planes, each defined by its displacement."""
 
 from __future__ import annotations
 
@@ -21,19 +21,19 @@ from solvers.scene.momentum_balance import MODES, Moments
 from solvers.scene.remedies import COUPLED, FILTER, FROZEN
 from solvers.scene.validation import require_number
 
-LINE, INSTANTS = 24, 16  # points a side and times of a period at which the motion is looked at
-NEWTON_STEPS, NEWTON_END = 20, 1e-9  # of the material point that has come to a node, in m: it converges quadratically
+LINE, INSTANTS = 24, 16  # points a side and times of a period at which the motion is evaluated
+NEWTON_STEPS, NEWTON_END = 20, 1e-9  # for the material point at a node; tolerance in m, with quadratic convergence
 FINE_ORDER = 7  # order of the companion's elements beside another code, on the finer of two meshes
 #: Of the companion: from how many cells on, elements a side, and their order; the last are for motions of short waves.
 COMPANION_ELEMENTS = ((0, 3, 5), (25, 4, 5), (65, 4, 6), (math.inf, 6, 6), (math.inf, 8, 6), (math.inf, 10, 6))
-STILL, FAR = 0.05, 1.4  # cells that particles move: where they stand in theirs hardly changes, or often
+STILL, FAR = 0.05, 1.4  # cells that particles move: their place in a cell hardly changes, or often
 TEST_POINTS = 7  # an element, at which a mesh is held against the displacement
 MAX_UNRESOLVED = 3e-4  # of the displacement: RMS that a mesh may leave out
 
 
 @dataclass(frozen=True)
 class BoxScene(PlanarScene):
-    """Fields that every problem on a square has. Its own file gives ``displacement_at`` and what else it says."""
+    """Fields of every problem on a square. A subclass defines ``displacement_at`` and may override more."""
 
     method: str = option("cpdi", "Shape functions of the particles", choices=("ugimp", "cpgimp", "cpdi", "mpm"))
     cells: int = option(32, "Cells of the grid along a side; h = 1 m / cells")
@@ -102,8 +102,7 @@ class BoxScene(PlanarScene):
 
     @functools.cached_property
     def crossing_rate(self) -> float:
-        """Speed of the fastest wave along x or y in the material frame, anywhere in the exact motion, over that of
-        one at rest."""
+        """Largest speed of waves along x or y in the material frame, anywhere in the motion, over that at rest."""
         rate = 1.0
         for t in (np.arange(INSTANTS) + 0.5) / INSTANTS * self.period:
             F = self.EXACT.deformation_gradient(self, self._points, t)
@@ -122,18 +121,18 @@ class BoxScene(PlanarScene):
 
     @functools.cached_property
     def least_stiffness(self) -> float:
-        """Of waves in any direction, anywhere along the exact motion, the smallest over mu."""
+        """Smallest stiffness of waves in any direction, anywhere along the exact motion, over mu."""
         F = (self.EXACT.deformation_gradient(self, self._points, t) for t in np.arange(LINE) / LINE * self.period)
         return min(self.material.least_stiffness(one.reshape(-1, 4).T) for one in F)
 
     def grid_field(self) -> SeparableField:
-        """The acceleration in m/s^2 at the places of the nodes, of the material that has come there."""
+        """Returns the exact acceleration in m/s^2 of the material that is at the nodes."""
         line = (np.arange(self.row) - self.origin) * self.spacing
         return separate(lambda x, t: self.EXACT.acceleration(self, x if self.frozen else self._material_at(x, t), t),
                         np.stack(np.meshgrid(line, line), axis=-1).reshape(-1, 2), self.period)
 
     def _material_at(self, x: np.ndarray, t: np.ndarray) -> np.ndarray:
-        """The material points (n, 2) that are at the places x (n, 2) at the times t (n,), by Newton's method."""
+        """Returns the material points (n, 2) at the places x (n, 2) at the times t (n,), by Newton's method."""
         X = x.copy()
         for _ in range(NEWTON_STEPS):
             F = self.EXACT.deformation_gradient(self, X, t)
@@ -145,13 +144,13 @@ class BoxScene(PlanarScene):
 
     @functools.cached_property
     def _sizes(self) -> dict[str, tuple[float, float]]:
-        """Over the body and a period the largest value of x, v, sigma and a, and the RMS."""
+        """Largest value and RMS of x, v, sigma and a over the body and a period."""
         return {name: (float(np.sqrt(squares.max())), float(np.sqrt(squares.mean())))
                 for name, squares in self.exact_squares(self._points, INSTANTS).items()}
 
     @property
     def _points(self) -> np.ndarray:
-        """Material points (n, 2) all over the body at which its motion is looked at."""
+        """Material points (n, 2) throughout the body at which its motion is evaluated."""
         line = np.linspace(0, self.SIDE, LINE + 1)
         return np.stack(np.meshgrid(line, line), axis=-1).reshape(-1, 2)
 
@@ -167,14 +166,14 @@ class BoxScene(PlanarScene):
         return self._sizes[quantity][1]
 
     def exact_along(self, quantity: str, X: np.ndarray, t: float) -> np.ndarray:
-        """Along x."""
+        """Returns the component along x of the exact quantity (P,)."""
         exact = self.EXACT
         if quantity == "a":
             return exact.acceleration(self, X, max(0.0, t - self.time_step))[:, 0]
         return {"x": exact.displacement, "v": exact.velocity, "sigma": exact.stress}[quantity](self, X, t)[:, 0]
 
     def companion_body(self, fine: bool | None) -> Patch:
-        """Few elements on few cells, as many as the motion needs, of a higher order where it is to be fine."""
+        """Returns the companion's patch, with as many elements as the motion needs, of higher order if ``fine``."""
         usual = max(k for k, (fewest_cells, *_) in enumerate(COMPANION_ELEMENTS) if fewest_cells <= self.cells)
         for _, count, own_order in COMPANION_ELEMENTS[usual:]:
             line = Elements(0.0, self.SIDE, count, FINE_ORDER if fine else own_order)
@@ -184,8 +183,8 @@ class BoxScene(PlanarScene):
                      lambda X: np.any([np.abs(X - end) < 1e-12 * self.SIDE for end in (0.0, self.SIDE)], axis=0))
 
     def _unresolved_part(self, line: Elements) -> float:
-        """RMS over the body and a period of what polynomials on the elements leave out of the displacement, over that
-        of the displacement."""
+        """Returns the RMS over body and period of the displacement that the elements' polynomials omit, over that of
+        the displacement."""
         between = (np.arange(TEST_POINTS * line.count) + 0.5) / (TEST_POINTS * line.count) * self.SIDE
         element, values, _ = line.locate(between)
         basis = np.zeros((len(between), len(line.nodes)))
@@ -201,7 +200,7 @@ class BoxScene(PlanarScene):
         return math.sqrt(missed / squares)
 
     def balanced_motion(self, times: np.ndarray) -> Moments:
-        """With the modes of the exact motion for functions of place."""
+        """Returns the motion's moments at the times (T,) in s, with the modes of the exact one."""
         if not self.solution_known:
             return Moments(np.zeros((len(times), MODES)), np.zeros(len(times)), np.eye(MODES), self.particles,
                            np.zeros(len(times), bool))
@@ -219,6 +218,6 @@ class BoxScene(PlanarScene):
 
 @functools.lru_cache(maxsize=2)
 def products_of_modes(scene: BoxScene) -> np.ndarray:
-    """sum_p u_k . u_l (r, r) of the displacements of the motion's modes."""
+    """Returns sum_p u_k . u_l (r, r) of the displacements of the motion's modes."""
     u = motion_table(scene).modes[:, :, :2]
     return np.einsum("pkc,plc->kl", u, u)

@@ -1,7 +1,7 @@
-"""CircularScene: a run of a plane body between two radii whose motion is the same all around.
+"""CircularScene: base class of plane problems between two radii whose motion is the same all around.
 
-Start, loads and material are the same seen from every angle, so that each circle of material stays one, widens and
-turns as a whole: what is known of the motion follows from its points on the x axis, where e_R and e_Theta are the axes.
+Start, loads and material are rotationally symmetric, so that each circle of material stays a circle, widens and turns
+as a whole: the motion follows from its points on the x axis, where e_R and e_Theta are the axes.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ MOST_TERMS, LEAST_TERM = 32, 1e-13  # of a displacement's expansion along the ra
 
 @dataclass(frozen=True)
 class CircularScene(PlanarScene):
-    """Fields that every such problem has. Its own file gives ``displacement_at`` and what else it says."""
+    """Fields of every such problem. A subclass defines ``displacement_at`` and may override more."""
 
     method: str = option("cpdi", "Shape functions of the particles", choices=("ugimp", "cpgimp", "cpdi", "mpm"))
     ppc: int = option(2, "Particles per cell and direction")
@@ -53,7 +53,7 @@ class CircularScene(PlanarScene):
 
     @property
     def farthest(self) -> float:
-        """Half as far again as the body should go, in a quarter; half a cell from the edge of a grid around it."""
+        """Largest coordinate in a sound run, in m, with half an amplitude to spare; inside the grid."""
         return self.OUTER + 1.5 * self.amplitude + self.spacing if self.PLANES[0] else 0.5 * (self.SIDE - self.spacing)
 
     @functools.cached_property
@@ -65,7 +65,7 @@ class CircularScene(PlanarScene):
 
     @property
     def crossing_rate(self) -> float:
-        """How many radians a wave on the fastest circle runs while one runs a metre at rest."""
+        """Angle in radians that a wave runs on the fastest circle while one at rest runs a metre."""
         return 1 / self.INNER
 
     def companion_body(self, fine: bool | None) -> CircularBody:
@@ -74,8 +74,8 @@ class CircularScene(PlanarScene):
         return CircularBody(self, count, order)
 
     def grid_field(self) -> SeparableField:
-        """The displacement in m on the x axis, as coefficients of Chebyshev polynomials of the radius between the rims,
-        in rising order, as many as it needs."""
+        """Returns the displacement in m on the x axis as coefficients of Chebyshev polynomials of the radius between
+        the rims, in increasing order, as many as needed."""
         middle, half = 0.5 * (self.OUTER + self.INNER), 0.5 * (self.OUTER - self.INNER)
         there = chebyshev.chebpts1(MOST_TERMS)
         field = separate(lambda X, t: self.EXACT.displacement(self, X, t), on_axis(middle + half * there), self.period)
@@ -85,7 +85,7 @@ class CircularScene(PlanarScene):
         return SeparableField(modes[:terms], field.series, field.angular_frequency)
 
     def exact_along(self, quantity: str, X: np.ndarray, t: float) -> np.ndarray:
-        """Along e_R or e_Theta, at radii (P,) or at material points (P, 2): see :func:`plot_direction`."""
+        """Returns the component along e_R or e_Theta at radii (P,) or points (P, 2): see :func:`plot_direction`."""
         points, exact = on_axis(X if X.ndim == 1 else np.linalg.norm(X, axis=1)), self.EXACT
         now = max(0.0, t - self.time_step) if quantity == "a" else t
         x = points + exact.displacement(self, points, now)
@@ -98,8 +98,8 @@ class CircularScene(PlanarScene):
 
     @functools.cached_property
     def _own_sizes(self) -> dict[str, float]:
-        """RMS over the body and over a period of x (its displacement), v, sigma and a in the exact motion, as vectors
-        and Frobenius norms: errors may be as large."""
+        """RMS over the body and a period of x (its displacement), v, sigma and a in the exact motion, from lengths of
+        vectors and Frobenius norms."""
         edges = np.linspace(self.INNER, self.OUTER, CIRCLES + 1)
         R = 0.5 * (edges[1:] + edges[:-1])
         return {name: float(np.sqrt(np.mean([np.average(now, weights=R) for now in squares])))
@@ -113,15 +113,16 @@ class CircularScene(PlanarScene):
 
 
 def plot_direction(component: str, quantity: str, X: np.ndarray, x: np.ndarray) -> np.ndarray:
-    """e_r (P, 2) of the frame whose ``component`` a plot shows of a quantity by its key, of particles at the places x
-    that were at X (P, 2): that of rest for what is radial, and for displacements; for what is angular that of now."""
+    """Returns e_r (P, 2) of the frame in which a plot shows a ``component`` of a quantity (its key), for particles at x
+    with rest positions X (P, 2): of the rest position for radial components and displacements, of the present one for
+    angular components."""
     place = X if component == "radial" or quantity == "x" else x
     return place / np.linalg.norm(place, axis=1)[:, None]
 
 
 def along_frame(component: str, c: np.ndarray, s: np.ndarray, *parts: np.ndarray) -> np.ndarray:
-    """Of a vector (x, y) or a tensor (xx, xy, yy), each (P,), the component "radial", along e_r = (c, s), or "angular",
-    along e_theta; of a tensor rr or r theta."""
+    """Returns the component "radial", along e_r = (c, s), or "angular", along e_theta, of a vector (x, y), or rr or r
+    theta of a tensor (xx, xy, yy), each (P,)."""
     if len(parts) == 2:
         x, y = parts
         return x * c + y * s if component == "radial" else y * c - x * s

@@ -1,4 +1,4 @@
-"""The motion that the balance of momentum makes of a ring's circles (see ``solvers.scene.momentum_balance``).
+"""Motion of a ring's circles by the balance of momentum (see ``solvers.scene.momentum_balance``).
 
 Start, loads and material are the same all around, so that each circle of material stays one, widens and turns as a
 whole: a particle at R e_R goes to z = p + i q, p along e_R and q along e_Theta of where it is at rest. These are the
@@ -27,12 +27,12 @@ STEPS_A_PERIOD = 60  # of the loads, at least
 MAX_UNRESOLVED = 0.05  # of the amplitude: what the element's polynomials leave out, up to which they are to be trusted
 MOST_STEPS = 200_000  # of one scene, some five seconds; a motion that needs more is not followed to its end
 MOST_INSTANTS = 20_000  # instants of a run that goes on and on
-STEPS_PER_BATCH = 16  # steps whose loads are found together, and between two looks at how stiff the body has become
+STEPS_PER_BATCH = 16  # steps whose loads are computed together, and between two updates of the stiffness
 TO_COMPLEX = np.array([1, 1j])  # what makes a number of a vector
 
 
 class CircleState(NamedTuple):
-    """The circles at a time: places and velocities of the nodes, complex (N,), or None where they are not followed."""
+    """Complex places and velocities of the circles' nodes (N,) at a time; None where they are unknown."""
 
     time: float
     place: np.ndarray | None
@@ -40,7 +40,7 @@ class CircleState(NamedTuple):
 
 
 class CircleMotion:
-    """The circles of one scene, at the times that it was asked for."""
+    """Motion of a scene's circles, computed up to the requested times and cached."""
 
     def __init__(self, scene: Any):
         self._scene = scene
@@ -57,7 +57,7 @@ class CircleMotion:
         self._inverse = np.linalg.pinv(gram, hermitian=True)
 
     def moments(self, times: np.ndarray) -> Moments:
-        """The moments at times (T,): along e_R with Legendre polynomials of R from rim to rim, then along e_Theta."""
+        """Returns the moments at times (T,), with Legendre polynomials of R along e_R, then along e_Theta."""
         sums, squares = np.zeros((len(times), MODES)), np.zeros(len(times))
         trusted = np.zeros(len(times), bool)
         for row, time in enumerate(times):
@@ -70,7 +70,7 @@ class CircleMotion:
         return Moments(sums, squares, self._inverse, int(self._counts.sum()), trusted)
 
     def _state_at(self, time: float) -> CircleState:
-        """The circles at a time, from the last instant before that is known."""
+        """Returns the circles at a time, computed from the last known state before it."""
         known = bisect.bisect_right(self._instants, time, key=lambda one: one.time)
         last = self._instants[known - 1]
         if last.time == time:
@@ -84,7 +84,7 @@ class CircleMotion:
         return found
 
     def _advance(self, start: CircleState, end: float) -> CircleState:
-        """From an instant on to a later time; nowhere from where they were not followed."""
+        """Returns the state at a later time ``end``; without places where the computation fails."""
         z, v, t = start.place, start.velocity, start.time
         while z is not None and t < end:
             stiffening = self._body.stiffening(self._body.deformation_gradient(z))
@@ -104,7 +104,7 @@ class CircleMotion:
 
     def _steps_from(self, z: np.ndarray, v: np.ndarray, t: float, H: float,
                     steps: int) -> tuple[np.ndarray, np.ndarray]:
-        """So many steps of H seconds from the time t on: places and velocities after them."""
+        """Returns places and velocities after ``steps`` steps of H seconds from the time t on."""
         loads = [self._body.force(t + H * k) @ TO_COMPLEX for k in range(steps + 1)]
         a = loads[0] + self._body.internal_acceleration(z)
         for b in loads[1:]:
@@ -117,5 +117,5 @@ class CircleMotion:
 
 @functools.lru_cache(maxsize=4)
 def circle_motion(scene: Any) -> CircleMotion:
-    """The circles of a scene; they go on from where they were left, while a run is watched."""
+    """Returns the motion of a scene's circles, cached so that it continues while a run is watched."""
     return CircleMotion(scene)

@@ -1,4 +1,4 @@
-"""What a plane problem is made of, in one object: from it come its kernels and its solvers."""
+"""Problem-specific parts of a plane problem's kernels, in one object from which kernels and solvers are made."""
 
 from collections.abc import Callable
 from typing import NamedTuple
@@ -10,8 +10,8 @@ class ProblemKernels(NamedTuple):
     """A problem's own part of the phases. ``body`` is its state; a record of a node is (x, y, x, y) of two vectors."""
 
     forces: Callable  # (body, t, on): find the body force per mass at time t, wherever a particle needs it
-    prepare: Callable  # (body, start, end, on): find what the stress of these particles needs, before it is asked for
-    body_force_on: Callable  # (body, p): the force on particle p that was found, in N
+    prepare: Callable  # (body, start, end, on): computes what the stress of these particles needs
+    body_force_on: Callable  # (body, p): the computed force on particle p, in N
     stress: Callable  # (body, p, on): J sigma as (xx, xy, yx, yy), or P where the weights stay those of rest
     has_escaped: Callable  # (body, p, step): whether a particle is where none of a sound run can be
     first: int  # the first row and column of nodes that are no ghosts
@@ -22,7 +22,7 @@ class ProblemKernels(NamedTuple):
 
 
 class DiagnosticKernels(NamedTuple):
-    """What samples of a problem are made of beside the errors of its particles, as functions for kernels."""
+    """A problem's own part of the samples, beside the errors of its particles, as functions for kernels."""
 
     node_acceleration_error: Callable  # (body, on): mean squared error of the nodes' acceleration
     strain_energy: Callable  # (body, p, on): of a particle, in J
@@ -31,8 +31,8 @@ class DiagnosticKernels(NamedTuple):
 
 
 class PlanarParts(NamedTuple):
-    """What the kernels of a problem are made of."""
+    """Problem-specific parts from which a problem's kernels are made."""
 
-    hooks: dict[str, EstimatorHooks]  # what the solver calls of each estimator that it has, by name
+    hooks: dict[str, EstimatorHooks]  # hooks of each estimator, by name
     traits: ProblemKernels  # its part of the phases
     measures: DiagnosticKernels  # and of the samples

@@ -1,4 +1,4 @@
-"""Where the particles of a plane body begin, what they weigh and which domain they stand for."""
+"""Initial layout of the particles of a plane body: positions, volumes and domains."""
 
 from dataclasses import dataclass
 from typing import Any
@@ -16,9 +16,9 @@ MOST_HALF_WIDTH = 0.5  # of a box, in cells: it meets at most two cells, so that
 class Layout:
     """P particles. ``edges`` are the domain's two edge vectors r1 and r2, as (r1x, r1y, r2x, r2y).
 
-    Particles that a symmetry of the motion maps onto each other form an orbit: what is known of the motion is found
-    once an orbit, at a material point that stands for it, and turned to each particle. Of a body whose motion is the
-    same all around an orbit is a circle; on the square each particle is its own.
+    Particles that a symmetry of the motion maps onto each other form an orbit: the exact motion is evaluated once per
+    orbit, at a representative material point, and rotated to each particle. In a body with rotational symmetry an orbit
+    is a circle; on the square each particle is its own orbit.
     """
 
     position: np.ndarray  # (P, 2)
@@ -31,7 +31,7 @@ class Layout:
 
 
 def particle_layout(scene: Any) -> Layout:
-    """The scene's layout: "polar" lattices fill the ring exactly, "cartesian" ones leave staircases at its rims."""
+    """Returns the scene's layout: "polar" fills the ring exactly, "cartesian" has staircases at its rims."""
     if scene.layout == "box":
         return square_layout(scene.cells * scene.ppc, scene.SIDE)
     if scene.layout == "polar":
@@ -41,7 +41,7 @@ def particle_layout(scene: Any) -> Layout:
 
 
 def circle_counts(scene: Any) -> tuple[np.ndarray, np.ndarray]:
-    """The radii (K,) of the scene's layout and how many particles each has (K,)."""
+    """Returns the radii (K,) of the scene's layout and the number of particles on each (K,)."""
     if scene.layout == "polar":
         around, across = scene.polar_counts(scene.cells, scene.ppc)
         return polar_radii(scene.INNER, scene.OUTER, across), np.full(across, around)
@@ -50,13 +50,14 @@ def circle_counts(scene: Any) -> tuple[np.ndarray, np.ndarray]:
 
 
 def polar_radii(inner: float, outer: float, across: int) -> np.ndarray:
-    """The radii of so many circles of particles, evenly between two others."""
+    """Returns the radii of ``across`` circles of particles, evenly spaced between two others."""
     return inner + (np.arange(across) + 0.5) * ((outer - inner) / across)
 
 
 def half_edges(scene: Scene, F: np.ndarray, edges: np.ndarray) -> np.ndarray:
-    """Half the edge vectors (P, 2, 2) in metres, a row each, of the particles' domains as the method sees them where
-    the deformation gradients are ``F`` (P, 2, 2); ``edges`` (P, 4) are those of the layout. No domain: zeros."""
+    """Returns half the edge vectors (P, 2, 2) in m, one per row, of the particles' domains as the method sees them at
+    the deformation gradients ``F`` (P, 2, 2); ``edges`` (P, 4) are those of the layout. Zeros for methods without
+    domains."""
     if scene.method == "cpdi":
         rest = 0.5 * edges.reshape(-1, 2, 2)
         return rest if scene.frozen else np.einsum("pij,pej->pei", F, rest)
@@ -68,19 +69,19 @@ def half_edges(scene: Scene, F: np.ndarray, edges: np.ndarray) -> np.ndarray:
 
 
 def box_stretch(method: str, F: np.ndarray) -> np.ndarray:
-    """How many times as wide as at rest the boxes are in x and y (P, 2), the deformation gradients being F (P, 2, 2):
+    """Returns the widths of the boxes in x and y (P, 2) over those at rest, for deformation gradients F (P, 2, 2):
     |F_xx| and |F_yy|, or V_xx and V_yy of the spatial stretch V = sqrt(F F^T), which no rotation changes."""
     if method != "cpgimp-v":
         return np.abs(F[:, [0, 1], [0, 1]])
-    with np.errstate(all="ignore"):  # a run gone bad holds anything
+    with np.errstate(all="ignore"):  # for unstable runs
         b = F @ F.transpose(0, 2, 1)
         J = np.sqrt(np.linalg.det(b))  # sqrt(b) = (b + J I)/sqrt(tr b + 2 J), by Cayley and Hamilton
         return (b[:, [0, 1], [0, 1]] + J[:, None]) / np.sqrt(b[:, 0, 0] + b[:, 1, 1] + 2 * J)[:, None]
 
 
 def polar_layout(inner: float, outer: float, angle: float, around: int, across: int) -> Layout:
-    """``around`` x ``across`` particles between two radii and from the x axis to an ``angle``: they fill it exactly. A
-    whole turn closes on itself."""
+    """Returns ``around`` x ``across`` particles that fill the region between two radii and from the x axis to an
+    ``angle`` exactly. A full turn is closed."""
     d_angle, d_radius = angle / around, (outer - inner) / across
     radii = polar_radii(inner, outer, across)
     theta, radius = (g.ravel() for g in np.meshgrid((np.arange(around) + 0.5) * d_angle, np.arange(across),
@@ -93,7 +94,7 @@ def polar_layout(inner: float, outer: float, angle: float, around: int, across: 
 
 
 def square_layout(across: int, side: float) -> Layout:
-    """Particles that tile a square."""
+    """Returns particles that tile a square."""
     width = side / across
     line = (np.arange(across) + 0.5) * width
     y, x = (g.ravel() for g in np.meshgrid(line, line, indexing="ij"))
@@ -104,8 +105,8 @@ def square_layout(across: int, side: float) -> Layout:
 
 
 def cartesian_layout(inner: float, outer: float, side: float, least: float) -> Layout:
-    """Particles ``side`` apart whose middles lie between two radii, both coordinates above ``least``: a staircase at
-    the rims."""
+    """Returns particles ``side`` apart whose centres lie between two radii, both coordinates above ``least``: a
+    staircase at the rims."""
     line = (np.arange(int(np.floor(least / side)), int(np.ceil(outer / side))) + 0.5) * side
     y, x = (g.ravel() for g in np.meshgrid(line, line, indexing="ij"))
     R = np.hypot(x, y)
@@ -119,13 +120,13 @@ def cartesian_layout(inner: float, outer: float, side: float, least: float) -> L
 
 
 def on_axis(radii: np.ndarray) -> np.ndarray:
-    """Points (K, 2) of these radii on the x axis, where e_R and e_Theta are the axes."""
+    """Returns points (K, 2) of these radii on the x axis, where e_R and e_Theta are the axes."""
     return np.stack([radii, np.zeros_like(radii)], axis=1)
 
 
 def lattice_neighbours(number: np.ndarray, closed: bool = False) -> np.ndarray:
-    """Of a lattice of particles' numbers, -1 where there is none: the next in either direction (P, 2). ``closed``: the
-    first row comes after the last."""
+    """Returns the next particles in both directions (P, 2), -1 for none, of a lattice of numbers, -1 where it has no
+    particle. If ``closed``, the first row follows the last."""
     wide = np.pad(number, ((0, 1), (0, 1)), constant_values=-1)
     if closed:
         wide[-1, :-1] = number[0]

@@ -1,4 +1,4 @@
-"""Where recovered cannot run in the plane, rather than be wrong there: rows that problems put among their own."""
+"""Limits beyond which recovered cannot run in the plane at all: rows that problems include among their own."""
 
 from solvers.scene.estimator_limits import Limit
 

@@ -1,4 +1,4 @@
-"""A plane problem as one object, from the class of its scene."""
+"""A plane problem as one object, from its scene class."""
 
 from __future__ import annotations
 
@@ -15,8 +15,8 @@ if TYPE_CHECKING:
 
 
 class ViewSettings(NamedTuple):
-    """How a problem is shown: the ends of its sliders (low, high, step) and (low, high), what to say of the amplitude,
-    and the share of the running time that each estimator takes in the usual scene, alone on one thread.
+    """Display of a problem: the ranges of its sliders (low, high, step) and (low, high), the hint at the amplitude, and
+    each estimator's share of the running time in the usual scene, alone on one thread.
 
     ``speed`` is the lowest, the first and the highest, in periods a second. ``estimators`` are those that the page
     begins with, the first of them drawn. ``details`` are fields of the method, each with its hint. ``sparks`` are the
@@ -40,7 +40,7 @@ class ViewSettings(NamedTuple):
 
 
 class PlanarProblem(Problem):
-    """What there is of a problem beside its scene, imported when it is first asked for."""
+    """A problem's scene class, and its other parts, which are imported on first use."""
 
     scene: type[PlanarScene]
 

@@ -1,4 +1,4 @@
-"""A plane problem as another code sees it."""
+"""Reference of a plane problem for other codes."""
 
 import inspect
 from pathlib import Path
@@ -19,7 +19,7 @@ EDGE_COLUMNS = ("edge1_x", "edge1_y", "edge2_x", "edge2_y")
 
 
 class PlanarReference(ProblemReference):
-    """Of a problem by the class of its scene, whose texts are in the file of the problem's name beside it."""
+    """Reference of a problem with this scene class, whose texts are in the file of the problem's name beside it."""
 
     axes = ("x", "y")
 
@@ -55,7 +55,7 @@ class PlanarReference(ProblemReference):
         return body_force_at(scene, X, t)
 
     def along(self, quantity: str, X: np.ndarray, x: np.ndarray, values: np.ndarray) -> np.ndarray:
-        """Along x; of a body whose motion is the same all around, along the radius or around the centre."""
+        """Returns the component along x; with rotational symmetry, along the radius or around the centre."""
         parts = values.T if values.ndim == 2 else (values[:, 0, 0], values[:, 0, 1], values[:, 1, 1])
         component = self._component
         return along_frame(component, *plot_direction(component, quantity, X, x).T, *parts) if component else parts[0]

@@ -1,7 +1,7 @@
-"""PlanarScene: a run of a body in the plane that is no more than a displacement; all else is derived from that.
+"""PlanarScene: base class of plane problems, each defined by a displacement from which everything else is derived.
 
-The displacement is a formula with the functions of ``solvers.motion.jets``: of u itself, never of x = X + u, in whose
-difference a small motion cancels.
+The displacement is a formula with the functions of ``solvers.motion.jets``: of u itself, never of x = X + u, whose
+difference would cancel small motions.
 """
 
 import functools
@@ -28,7 +28,7 @@ GHOSTS = 2  # rows of nodes beyond a symmetry plane
 
 
 class PlanarScene(Scene):
-    """A run of a plane body; no dataclass itself, for a dataclass would take its class variables for fields."""
+    """Scene of a plane body; not a dataclass itself, because a dataclass would turn its class variables into fields."""
 
     layout: str  # the lattice on which particles begin: "polar", "cartesian" or "box"
     ppc: int  # per direction
@@ -55,13 +55,13 @@ class PlanarScene(Scene):
     BEYOND_RIMS: ClassVar[bool] = False  # whether the displacement's formula is of use there, to grid nodes
     #: Of the companion of a body whose motion is the same all around: up to so many cells, elements across, order.
     COMPANION_MESHES: ClassVar[tuple[tuple[float, int, int], ...]]
-    ESCAPE_SENTENCE: ClassVar[str]  # what a particle did that is farther than it may be, as the end of a sentence
+    ESCAPE_SENTENCE: ClassVar[str]  # description of a particle beyond the limits, as the end of a sentence
     NOT_LINEARITY_PRESERVING: ClassVar[str]  # why, as the end of a sentence
-    MENDS: ClassVar[str]  # what of the other remedies frozen weights have no need of
+    MENDS: ClassVar[str]  # the effects of other remedies that frozen weights do not need
 
     @abstractmethod
     def displacement_at(self, X: Any, Y: Any, t: Any) -> tuple[Any, Any]:
-        """u_x and u_y in m at material points and a time, of any kind of number."""
+        """Returns u_x and u_y in m at material points and a time, for any kind of number."""
 
     def __init_subclass__(cls, **kwargs: Any) -> None:
         super().__init_subclass__(**kwargs)
@@ -71,36 +71,36 @@ class PlanarScene(Scene):
     @staticmethod
     @abstractmethod
     def polar_counts(cells: int, ppc: int) -> tuple[int, int]:
-        """Particles around and across the body: as many as make their domains about h/ppc wide."""
+        """Returns the numbers of particles around and across the body that make their domains about h/ppc wide."""
 
     @classmethod
     @abstractmethod
     def draw_point(cls, chance: np.random.Generator) -> tuple[float, float]:
-        """A material point somewhere in the body, in m."""
+        """Returns a random material point in the body, in m."""
 
     @property
     @abstractmethod
     def farthest(self) -> float:
-        """The largest size of a coordinate that a particle of a sound run may have, in m."""
+        """Largest absolute coordinate of a particle in a sound run, in m."""
 
     @abstractmethod
     def grid_field(self) -> SeparableField:
-        """What the acceleration at the nodes is held against: see ``solvers.problems.planar.method.node_errors``."""
+        """Returns the reference for the nodes' acceleration: see ``solvers.problems.planar.method.node_errors``."""
 
     @abstractmethod
     def exact_along(self, quantity: str, X: np.ndarray, t: float) -> np.ndarray:
-        """The component (P,) of the exact solution that a plot shows of a quantity by its key (``samples.QUANTITIES``),
-        u for x, as a method has it after the time t: its acceleration is the one that its last step used, which began
-        a step before."""
+        """Returns the component (P,) of the exact solution that a plot shows of a quantity (a key of
+        ``samples.QUANTITIES``), u for x, as a method has it at the time t: the acceleration is that of its last step,
+        one step before."""
 
     @abstractmethod
     def companion_body(self, fine: bool | None) -> ElasticBody:
-        """What the companion is solved on beside the particles; beside those of another code on a ``fine`` mesh or a
-        coarser one."""
+        """Returns the companion's body; for particles of another code on a ``fine`` mesh or a coarser one (True,
+        False), for a run None."""
 
     def exact_squares(self, X: np.ndarray, instants: int) -> dict[str, np.ndarray]:
-        """Squared sizes (instants, P) over a period of x (its displacement), v, sigma and a in the exact motion at
-        material points X (P, 2): of vectors, and Frobenius norms of tensors."""
+        """Returns squared sizes (instants, P) over a period of x (its displacement), v, sigma and a in the exact motion
+        at material points X (P, 2): of vectors, and Frobenius norms of tensors."""
         exact = self.EXACT
         fields = {"x": (exact.displacement, (1, 1)), "v": (exact.velocity, (1, 1)), "sigma": (exact.stress, (1, 2, 1)),
                   "a": (exact.acceleration, (1, 1))}
@@ -109,34 +109,34 @@ class PlanarScene(Scene):
                 for name, (field, weights) in fields.items()}
 
     def other_advice(self) -> str:
-        """What else to do about a run that went bad, as an imperative."""
+        """Returns advice for an unstable run without a more specific cause, as an imperative."""
         if self.method == "mpm":
             return Message("hat functions fail in such a motion: choose CPDI")
         return Message("choose more particles per cell, a smaller amplitude or fewer periods")
 
     @property
     def solution_known(self) -> bool:
-        """The manufactured solution needs its own force: without it the body moves freely, nobody knows how."""
+        """Whether an exact solution is built in: only with its own body force, without which the motion is unknown."""
         return self.body_force == "material"
 
     @property
     def spacing(self) -> float:
-        """Cell size h."""
+        """Cell size h, in m."""
         return self.SIDE / self.cells
 
     @property
     def row(self) -> int:
-        """Nodes in a row of the grid, those beyond symmetry planes among them."""
+        """Number of nodes in a row of the grid, including those beyond symmetry planes."""
         return self.cells + 1
 
     @property
     def origin(self) -> float:
-        """Number of the node at x = 0, or between which two it lies."""
+        """Index of the node at x = 0, fractional between two nodes."""
         return float(GHOSTS) if self.PLANES[0] else 0.5 * self.cells
 
     @property
     def active_rows(self) -> int:
-        """Rows in which a sound run can have mass."""
+        """Number of rows that can have mass in a sound run."""
         return self.row
 
     @property
@@ -146,7 +146,7 @@ class PlanarScene(Scene):
 
     @property
     def lame_moduli(self) -> tuple[float, float]:
-        """lambda and mu in Pa, from E and Poisson's ratio, 0 where there is none, in plane strain."""
+        """Moduli lambda and mu in Pa in plane strain, from E and Poisson's ratio, which is 0 where there is none."""
         nu = getattr(self, "poisson_ratio", 0.0)
         mu = 0.5 * self.modulus / (1 + nu)
         return 2 * mu * nu / (1 - 2 * nu), mu
@@ -157,7 +157,7 @@ class PlanarScene(Scene):
 
     @property
     def wave_speed(self) -> float:
-        """Of pressure waves in the material at rest, in m/s."""
+        """Speed of pressure waves in the material at rest, in m/s."""
         bulk, mu = self.lame_moduli
         return math.sqrt((bulk + 2 * mu) / self.density)
 
@@ -166,7 +166,7 @@ class PlanarScene(Scene):
 
     @property
     def is_uneven(self) -> bool:
-        """Whether particles stand so unevenly that recovered's fits follow them, and no more than x and v can be told.
+        """Whether particles are so uneven that recovered's fits follow them, so that only x and v can be estimated.
 
         Measured on 14 such runs of the ring: sigma 1.06 to 5.6 times the error, x .97 to 1.06 while the verdict does
         not doubt it.
@@ -209,7 +209,7 @@ class PlanarScene(Scene):
             raise SceneError("plan", self.plan, "is for CPUs, and a GPU has its own plan; give auto, or --arch cpu")
 
     def _check_remedies(self) -> None:
-        """Refuse a remedy that does harm to the method; without one that does, there is nothing to refuse."""
+        """Raises :class:`SceneError` for a remedy that harms the method."""
         if COUPLED in self.remedies and self.method == "cpdi":
             raise SceneError("remedies", " ".join(self.remedies), "coupled-deformation makes CPDI worse, because its "
                              "domains follow the deformation; give null-space-filter or frozen-weights")
@@ -221,7 +221,7 @@ class PlanarScene(Scene):
 
 @functools.lru_cache(maxsize=2)
 def motion_table(scene: PlanarScene) -> SeparableField:
-    """u_x, u_y, and Grad u as xX, xY, yX, yY, at the points that stand for the orbits of particles."""
+    """Returns the table of u_x, u_y, and Grad u as xX, xY, yX, yY, at the orbits' representative points."""
     def field(X: np.ndarray, t: np.ndarray) -> np.ndarray:
         return columns(scene.EXACT.jets(scene, X, t).displacement_and_gradient, len(X))
 

@@ -1,7 +1,7 @@
-"""Errors of a plane body's arrays in numpy, as a snapshot has them: computed minus exact.
+"""Errors of a plane body's arrays in numpy, as in a snapshot: computed minus exact.
 
-The page asks for them with every frame, so they cost as little as can be: what is known of an orbit is found once and
-turned to its particles, and vectors (x, y) and tensors (xx, xy, yy), each (P,), are written out in components, since
+The page computes them with every frame, so they must be cheap: the exact solution is evaluated once per orbit and
+rotated to its particles, and vectors (x, y) and tensors (xx, xy, yy), each (P,), are written out in components, since
 numpy's products of many small matrices are slow.
 """
 
@@ -19,9 +19,9 @@ Parts = tuple[np.ndarray, ...] | None
 Errors = list[Parts]  # of x, v, sigma and a
 
 
-@np.errstate(all="ignore")  # a run gone bad holds anything
+@np.errstate(all="ignore")  # for unstable runs
 def true_fields(scene: Any, a: PlanarBody, step: int) -> Errors:
-    """The true errors of x, v, sigma and, with the effect, a after ``step`` steps."""
+    """Returns the true errors of x, v, sigma and, with the effect, a after ``step`` steps."""
     time = step * scene.time_step
     used = None
     if step and scene.has("acceleration"):  # the one that the last step has used
@@ -32,8 +32,8 @@ def true_fields(scene: Any, a: PlanarBody, step: int) -> Errors:
 
 @np.errstate(all="ignore")
 def plotted_field(scene: Any, a: PlanarBody, quantity: str, time: float) -> np.ndarray:
-    """The component that a plot shows of a quantity by its key (``samples.QUANTITIES``), u for x, and its deviation
-    from the exact one (P, 2), NaN where one is not known."""
+    """Returns the component that a plot shows of a quantity (a key of ``samples.QUANTITIES``), u for x, and its
+    deviation from the exact one (P, 2), NaN where that is unknown."""
     values = deviation = np.full(len(a.position_velocity), np.nan)
     if quantity != "a" or scene.has("acceleration"):
         q, X = a.position_velocity, a.material_position
@@ -47,7 +47,7 @@ def plotted_field(scene: Any, a: PlanarBody, quantity: str, time: float) -> np.n
 
 
 def vector_errors(scene: Any, a: PlanarBody, time: float) -> tuple[Vector, Vector]:
-    """Of x and of v."""
+    """Returns the errors of x and of v, each as components (P,)."""
     exact = scene.EXACT.jets(scene, a.orbit_point, time)
     (x, y), (v_x, v_y) = _rotate_to_particles(a, exact.x.value, exact.y.value), _rotate_to_particles(a, *exact.velocity)
     X, q = a.material_position, a.position_velocity
@@ -55,12 +55,12 @@ def vector_errors(scene: Any, a: PlanarBody, time: float) -> tuple[Vector, Vecto
 
 
 def cauchy_stress_of(scene: Any, a: PlanarBody) -> Tensor:
-    """Of the particles."""
+    """Returns the Cauchy stress of the particles, as components (P,) in Pa."""
     return scene.material.cauchy_stress(np.ascontiguousarray(a.deformation_gradient.T))
 
 
 def stress_error(scene: Any, a: PlanarBody, time: float) -> Tensor:
-    """Of Cauchy's."""
+    """Returns the error of the Cauchy stress, as components (P,) in Pa."""
     xx, xy, yy = (one[a.orbit] for one in scene.EXACT.stress(scene, a.orbit_point, time).T)
     c, s = np.ascontiguousarray(a.direction.T)
     mean, half, double = 0.5 * (xx + yy), 0.5 * (xx - yy), 2 * c * s
@@ -71,16 +71,16 @@ def stress_error(scene: Any, a: PlanarBody, time: float) -> Tensor:
 
 
 def body_force(a: PlanarBody, some: np.ndarray) -> np.ndarray:
-    """On some particles (c,), in N (c, 2)."""
+    """Returns the body force on some particles (c,), in N (c, 2)."""
     return a.mass[some][:, None] * np.stack(rotate(a.direction[some], *a.orbit_force[a.orbit[some]].T), axis=1)
 
 
 def _rotate_to_particles(a: PlanarBody, x: Any, y: Any) -> Vector:
-    """Vectors (K,) at the orbits' points, at their particles (P,)."""
+    """Returns vectors (K,) at the orbits' points rotated to their particles (P,)."""
     return rotate(a.direction, *(np.broadcast_to(one, len(a.orbit_point))[a.orbit] for one in (x, y)))
 
 
 def rotate(e: np.ndarray, x: np.ndarray, y: np.ndarray) -> Vector:
-    """Vectors where the x axis has become e (P, 2)."""
+    """Returns vectors rotated so that the x axis becomes e (P, 2)."""
     c, s = np.ascontiguousarray(e.T)
     return x * c - y * s, y * c + x * s

@@ -1,4 +1,4 @@
-"""PlanarSolver: one plane body in memory, ready to be stepped, sampled and looked at."""
+"""PlanarSolver: solver of one plane body, which steps and samples it."""
 
 import functools
 import time
@@ -33,8 +33,8 @@ PARALLEL_FROM = 300_000  # particles from which on two threads beat one: a paral
 
 
 class PlanarSolver(Solver):
-    """Owns the arrays of one body. Three plans: one serial kernel for many steps, slabs side by side, or, on a GPU, all
-    particles at once.
+    """Owns the arrays of one body. It has three plans: one serial kernel for many steps, parallel slabs, or, on a GPU,
+    all particles at once.
 
     :func:`make_solver_class` makes the class of a problem.
     """
@@ -99,7 +99,7 @@ class PlanarSolver(Solver):
         said = {TRUTH: true_fields(self.scene, a, self.step)} if on.truth else {}
         said |= {name: estimated_fields(a, k) for k, name in enumerate(on.estimators)}
         motion, X = a.position_velocity, a.material_position
-        with np.errstate(all="ignore"):  # a run gone bad holds anything
+        with np.errstate(all="ignore"):  # for unstable runs
             stress = cauchy_stress_of(self.scene, a)
         return Fields(X.copy(), a.mass.copy(), a.mass / self.scene.density,
                       error_columns([(motion[:, 0] - X[:, 0], motion[:, 1] - X[:, 1]), tuple(motion.T[2:]), stress]),
@@ -113,12 +113,12 @@ class PlanarSolver(Solver):
 
     @functools.cached_property
     def _motion(self) -> SeparableField:
-        """The exact one: kept here, for many visitors' runs would drive each other's out of a cache."""
+        """Table of the exact motion, stored here because other runs could displace it from a shared cache."""
         return motion_table(self.scene)
 
     def _with_exact_spin(self, rows: np.ndarray) -> np.ndarray:
-        """The rows of samples with the exact angular momentum of the particles, if that is asked for: of half a step
-        before, where velocities belong."""
+        """Returns the rows of samples with the exact angular momentum of the particles, if requested: that of half a
+        step before, to which velocities belong."""
         scene, a = self.scene, self._arrays
         if scene.has("spin") and self._switches.truth:
             mass = np.bincount(a.orbit, a.mass)
@@ -136,7 +136,7 @@ class PlanarSolver(Solver):
 
 
 def estimated_fields(a: InstrumentedBody, estimator: int) -> Errors:
-    """What the estimator of this number reports of the same errors."""
+    """Returns the errors of x, v, sigma and a that the estimator of this number reports."""
     part = slice(estimator * len(a.position_velocity), (estimator + 1) * len(a.position_velocity))
     motion = a.estimate[part].T
     return [(motion[0], motion[1]), (motion[2], motion[3]), tuple(a.estimate_stress[part].T[:3]),
@@ -144,12 +144,12 @@ def estimated_fields(a: InstrumentedBody, estimator: int) -> Errors:
 
 
 def error_columns(parts: Errors) -> Values:
-    """Those of x, v and sigma, which are known, with a column for each component."""
+    """Returns the errors of x, v and sigma, those that are known, with a column for each component."""
     return Values(*(np.stack(one, axis=1) for one in parts if one is not None))
 
 
 def error_sizes(errors: Errors) -> np.ndarray:
-    """Lengths of the vectors and Frobenius norms of the tensors (P, 4); 0 where an error is None."""
+    """Returns lengths of the vectors and Frobenius norms of the tensors (P, 4); 0 where an error is None."""
     out = np.zeros((next(len(parts[0]) for parts in errors if parts), len(errors)))
     with np.errstate(over="ignore", invalid="ignore"):
         for column, parts in enumerate(errors):
@@ -161,7 +161,7 @@ def error_sizes(errors: Errors) -> np.ndarray:
 
 
 def distances(one: Errors, other: Errors) -> np.ndarray:
-    """Sizes (P, 4) of ``one`` minus ``other``, direction and all. What is None counts as 0."""
+    """Returns the sizes (P, 4) of ``one`` minus ``other`` as vectors and tensors. None counts as 0."""
     with np.errstate(over="ignore", invalid="ignore"):
         return error_sizes([mine if mine is None or theirs is None else
                             tuple(a - b for a, b in zip(mine, theirs, strict=True))
@@ -170,7 +170,7 @@ def distances(one: Errors, other: Errors) -> np.ndarray:
 
 @functools.cache
 def make_solver_class(kind: type[PlanarScene]) -> type[PlanarSolver]:
-    """The solver of a problem by the class of its scene."""
+    """Returns the solver class of a problem with this scene class."""
     traits = make_problem_kernels(kind)
     box = kind.layout == "box"
     made = {"companion": lambda: circular_companion.HOOKS if kind.CIRCULAR else companion.HOOKS,

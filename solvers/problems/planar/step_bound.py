@@ -1,5 +1,5 @@
-"""The longest step of a plane body along the motion ahead, from its weights and its tangent stiffness, in numpy (see
-``solvers.scene.step_bound``).
+"""The longest stable step of a plane body along the motion ahead, from its weights and its tangent stiffness, in numpy
+(see ``solvers.scene.step_bound``).
 
 Where weights stay those at rest gradients in space are F^-T times those at rest.
 """
@@ -15,7 +15,7 @@ from solvers.scene.linear_stability import Configurations, Fields, NodeLinks, lo
 from solvers.scene.scene import Scene
 from solvers.scene.step_bound import StepBound, circle_bound, motion_bound, motion_parts, stencil
 
-#: Particles of a quarter of the body that are looked at: at every moment, and at a few.
+#: Largest numbers of particles in a quarter of the body: for every moment, and for a few.
 MOST_PARTICLES, MOST_AT_FEW_MOMENTS = 500, 6000
 IDENTITY = np.eye(2)
 STRETCH_INSTANTS = 9  # of the motion, for the largest stretch
@@ -24,8 +24,7 @@ QUARTER_SIGNS = np.array([[1.0, -1.0, -1.0, 1.0], [1.0, 1.0, -1.0, -1.0]])
 
 
 class Weights(NamedTuple):
-    """Of P particles at M nodes each: the nodes' places in x and y, in cells, the weights, and their gradients in 1/m,
-    all (P, M)."""
+    """Weights of P particles at M nodes each: places in x and y, in cells, S, and its gradients in 1/m, all (P, M)."""
 
     i: np.ndarray
     j: np.ndarray
@@ -35,8 +34,8 @@ class Weights(NamedTuple):
 
 
 class Images(NamedTuple):
-    """Which node stands for another, by symmetry, and the signs that the components of its velocity have there;
-    ``turned`` says where x and y are exchanged. All have the shape of the places that were asked for."""
+    """Nodes that stand for others by symmetry, and the signs of the components of velocity there; ``turned`` is where x
+    and y are exchanged. All have the shape of the places that were passed."""
 
     number: np.ndarray
     sign_x: np.ndarray
@@ -45,8 +44,8 @@ class Images(NamedTuple):
 
 
 def quarter_turn_images(i: np.ndarray, j: np.ndarray, cells: int) -> Images:
-    """The node that (i, j) falls on by quarters of a turn: the one with i > 0 and j >= 0, both counted in halves of a
-    cell from the middle of the grid, which is the middle of a cell where the number of cells is odd."""
+    """Returns the image of node (i, j) by quarter turns with i > 0 and j >= 0, both counted in half cells from the
+    middle of the grid, which is the middle of a cell where the number of cells is odd."""
     a, b = 2 * i - cells % 2, 2 * j - cells % 2
     turns = np.select([(a > 0) & (b >= 0), (a <= 0) & (b > 0), (a < 0) & (b <= 0)], [0, 1, 2], 3)
     crossed = turns % 2 == 1
@@ -78,12 +77,12 @@ class MotionSamples:
         self.limits = longest_steps(self._configurations())
 
     def stretch(self) -> float:
-        """The largest of the motion."""
+        """Returns the largest stretch in the motion."""
         return max(float(np.linalg.norm(self._gradient_at(part), 2, axis=(1, 2)).max())
                    for part in np.linspace(0, 1, STRETCH_INSTANTS))
 
     def circle_bound(self, moment: int) -> float:
-        """What Gershgorin's circles say of a moment, in s."""
+        """Returns the bound by Gershgorin's circles at a moment, in s."""
         one, F = self.weights[moment], np.moveaxis(self.F[moment].reshape(-1, 4), -1, 0)[..., None]
         number = self._images(one.i, one.j).number
         mass = np.bincount(number.ravel(), (self.scene.density * self._volume[:, None] * one.S).ravel())
@@ -100,7 +99,7 @@ class MotionSamples:
         return self.scene.EXACT.deformation_gradient(self.scene, self._X, self._time_at(part))
 
     def _images(self, i: np.ndarray, j: np.ndarray) -> Images:
-        """What the symmetry makes of nodes' places."""
+        """Returns the images of nodes' places by symmetry."""
         n, high = self.scene.cells, self._high
         if not self._low:
             return quarter_turn_images(i, j, n)
@@ -109,7 +108,7 @@ class MotionSamples:
         return Images(inside[0] + 2 * n * inside[1], sign_x, sign_y, np.zeros(i.shape, bool))
 
     def _configurations(self) -> Configurations:
-        """The components x and y of all nodes that are touched are the unknowns."""
+        """Returns the configurations, whose unknowns are the components x and y of all nodes with particles nearby."""
         scene, V, F = self.scene, self._volume, self.F
         wide = max(one.S.shape[1] for one in self.weights)
         i, j, S, x, y = (np.stack([_pad(part, wide) for part in parts]) for parts in zip(*self.weights, strict=True))
@@ -132,12 +131,12 @@ class MotionSamples:
 
 
 def critical_time_step(fine: Any) -> StepBound:
-    """The bound of a scene.
+    """Returns the bound of a scene.
 
-    All moments are looked at on so few cells that it is quick: a finer grid meets the particles in the same ways, and
-    its bound is as much shorter as its cells are. But which node at a rim is emptiest, and how empty it is, depends on
-    the cells themselves. So the hardest moment, and another where weights move, are looked at again on the scene's own,
-    and if they bear less there, all moments do.
+    All moments are evaluated on so few cells that it is quick: on a finer grid particles meet nodes in the same ways,
+    and the bound shrinks with the cells. But which node at a rim is emptiest, and how empty it is, depends on the cells
+    themselves. So the hardest moment, and another where weights move, are evaluated again on the scene's own cells, and
+    if they give a lower bound there, it scales all moments.
     """
     parts = motion_parts(fine)
     few = MotionSamples(coarsen(fine, MOST_PARTICLES), parts)
@@ -158,22 +157,21 @@ def critical_time_step(fine: Any) -> StepBound:
 
 
 def coarsen(scene: Any, most: int) -> Any:
-    """The scene on so few cells that a quarter of its body has no more particles."""
+    """Returns the scene with so few cells that a quarter of its body has no more than ``most`` particles."""
     while scene.particles * 0.5 * np.pi / scene.ANGLE > most and scene.cells > scene.FEWEST_CELLS:
         scene = replace(scene, cells=max(scene.cells // 2, scene.FEWEST_CELLS))
     return scene
 
 
 def _pad(part: np.ndarray, wide: int) -> np.ndarray:
-    """With as many nodes for every moment; those that are too many repeat the last place, with nothing there."""
+    """Returns the part padded to ``wide`` nodes: the last place is repeated, with zero weights."""
     more = wide - part.shape[1]
     last = part[:, -1:] if part.dtype.kind == "i" else np.zeros((len(part), 1))
     return np.hstack([part, np.repeat(last, more, axis=1)]) if more else part
 
 
 def particle_weights(scene: Scene, x: np.ndarray, F: np.ndarray, edges: np.ndarray) -> Weights:
-    """The weights of particles at ``x`` (P, 2), deformed by ``F`` (P, 2, 2), whose domains have ``edges`` (P, 4) at
-    rest."""
+    """Returns the weights of particles at ``x`` (P, 2), deformed by ``F`` (P, 2, 2), with ``edges`` (P, 4) at rest."""
     if scene.frozen:
         F = np.tile(IDENTITY, (len(x), 1, 1))
     return corner_weights(scene, x, F.reshape(-1, 4), edges) if scene.method == "cpdi" \
@@ -181,8 +179,8 @@ def particle_weights(scene: Scene, x: np.ndarray, F: np.ndarray, edges: np.ndarr
 
 
 def box_weights(scene: Scene, x: np.ndarray, stretch: np.ndarray) -> Weights:
-    """Hat and GIMP functions, M = 9, of particles at ``x`` (P, 2), whose boxes are ``stretch`` (P, 2) times as wide as
-    at rest, or not where the method is uGIMP."""
+    """Returns hat and GIMP functions, M = 9, of particles at ``x`` (P, 2), whose boxes are ``stretch`` (P, 2) times as
+    wide as at rest, except with uGIMP."""
     axes = []
     for axis in range(2):
         half_width = np.full(len(x), 0.5 / scene.ppc)
@@ -197,8 +195,8 @@ def box_weights(scene: Scene, x: np.ndarray, stretch: np.ndarray) -> Weights:
 
 
 def corner_weights(scene: Scene, x: np.ndarray, F: np.ndarray, edges: np.ndarray) -> Weights:
-    """CPDI: corners of a domain may share nodes, where gradients add up. ``F`` (P, 4) are the deformation gradients,
-    ``edges`` (P, 4) those of the domains at rest."""
+    """Returns CPDI's weights: corners of a domain may share nodes, where gradients add up. ``F`` (P, 4) are the
+    deformation gradients, ``edges`` (P, 4) those of the domains at rest."""
     first = np.stack([F[:, 0] * edges[:, 0] + F[:, 1] * edges[:, 1], F[:, 2] * edges[:, 0] + F[:, 3] * edges[:, 1]], 1)
     second = np.stack([F[:, 0] * edges[:, 2] + F[:, 1] * edges[:, 3], F[:, 2] * edges[:, 2] + F[:, 3] * edges[:, 3]], 1)
     area = (first[:, 0] * second[:, 1] - first[:, 1] * second[:, 0])[:, None]

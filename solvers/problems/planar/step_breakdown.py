@@ -1,4 +1,4 @@
-"""A step in the plane taken apart: read from the arrays that the step has left."""
+"""Breakdown of a step in the plane, from the arrays after the step."""
 
 import numpy as np
 
@@ -10,9 +10,9 @@ from solvers.problems.planar.weights import Grid, nodes_of, weights_of
 from solvers.solver.step_breakdown import Image, ParticleState, StepBreakdown, find_links, mirror_tensors
 
 
-@np.errstate(all="ignore")  # a run gone bad holds anything
+@np.errstate(all="ignore")  # for unstable runs
 def particle_state(scene: PlanarScene, a: InstrumentedBody) -> ParticleState:
-    """What the particles carry now, copied."""
+    """Returns a copy of the particles' present state."""
     (xx, xy, yy), q = cauchy_stress_of(scene, a), a.position_velocity
     return ParticleState(q[:, :2].copy(), q[:, 2:].copy(), a.deformation_gradient.reshape(-1, 2, 2).copy(),
                          np.stack([xx, xy, xy, yy], axis=1).reshape(-1, 2, 2))
@@ -20,7 +20,7 @@ def particle_state(scene: PlanarScene, a: InstrumentedBody) -> ParticleState:
 
 def breakdown(scene: PlanarScene, a: InstrumentedBody, particle: int, step: int,
               before: ParticleState) -> StepBreakdown:
-    """Of the step number ``step``, just taken, around a particle; ``before`` is what was carried then."""
+    """Returns the breakdown of the last step, number ``step``, around a particle; ``before`` is the state before."""
     ghosts = GHOSTS if scene.PLANES[0] else 0  # rows of nodes beyond a symmetry plane
     edges, row = half_edges(scene, before.deformation_gradient, a.edges), a.row
     grid = Grid(row, ghosts, scene.PLANES[1])
@@ -44,7 +44,7 @@ def breakdown(scene: PlanarScene, a: InstrumentedBody, particle: int, step: int,
 
 
 def _images(node: int, row: int, ghosts: int, last: int) -> list[Image]:
-    """The mirror images of nodes in the rows next to a plane, on either side; the plane's own have none."""
+    """Returns the mirror images of nodes in the rows next to a plane, on either side; nodes on a plane have none."""
     def along(index: int) -> list[int]:
         found = [index, 2 * ghosts - index] if index <= 2 * ghosts and index != ghosts else [index]
         return [*found, 2 * last - index] if index >= last - ghosts and index != last else found

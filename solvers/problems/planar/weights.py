@@ -1,4 +1,4 @@
-"""The weights of the step that was just taken, as linear maps between particles and nodes, in numpy.
+"""Weights of the last step as linear maps between particles and nodes, in numpy.
 
 A node beyond a symmetry plane stands for its mirror image, with the component across the plane in odd sign; nothing
 moves across a plane, and a node that the run has left out for its small mass carries nothing here either. Vectors of C
@@ -19,7 +19,7 @@ class Grid:
     """Nodes row by row, the first ``ghosts`` rows and columns beyond symmetry planes."""
 
     def __init__(self, row: int, ghosts: int, far: bool = False):
-        """``far``: there are planes at the upper ends, too."""
+        """Creates the grid; ``far`` adds planes at the upper ends."""
         self.row, self.ghosts, self.nodes = row, ghosts, row * row
         self.last = row - 1 - ghosts if far else 2 * row
         on_plane = (np.arange(row) == ghosts) | (np.arange(row) == self.last) if ghosts else np.zeros(row, bool)
@@ -29,14 +29,14 @@ class Grid:
         self.free = free.reshape(-1, 2)  # 0 for what would move a node across a plane
 
     def resolve_images(self, nodes: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Of nodes (...): those that they stand for, and the signs (..., 2) with which they do."""
+        """Returns the nodes that ``nodes`` (...) stand for by symmetry, and signs (..., 2) of their components."""
         ij = np.stack([nodes % self.row, nodes // self.row], axis=-1)
         home = np.abs(ij - self.ghosts) + self.ghosts
         home = np.where(home > self.last, 2 * self.last - home, home)
         return home[..., 1] * self.row + home[..., 0], np.where((ij < self.ghosts) | (ij > self.last), -1.0, 1.0)
 
     def sum_at_nodes(self, home: np.ndarray, values: np.ndarray) -> np.ndarray:
-        """What falls on the nodes (C, N, 2) of ``values`` (C, P, M, 2), with ``home`` (P, M)."""
+        """Returns the sums at the nodes (C, N, 2) of ``values`` (C, P, M, 2), whose nodes are ``home`` (P, M)."""
         out = np.empty((len(values), self.nodes, 2))
         index = home.ravel()
         for c, given in enumerate(values):
@@ -46,7 +46,7 @@ class Grid:
 
 
 class StepWeights:
-    """Those of a solver's last step, which began with ``F`` (P, 2, 2)."""
+    """Weights of a solver's last step, which began with ``F`` (P, 2, 2)."""
 
     def __init__(self, scene: Scene, a: InstrumentedBody, F: np.ndarray, grid: Grid):
         self.grid = grid
@@ -60,26 +60,26 @@ class StepWeights:
         self.per_mass = np.where(carries, 1 / np.where(carries, mass, 1.0), 0.0)[:, None] * grid.free
 
     def to_nodes(self, vectors: np.ndarray) -> np.ndarray:
-        """Mass-weighted means at the nodes."""
+        """Returns mass-weighted means at the nodes."""
         given = self.particle_mass[:, None, None] * self.S * vectors[:, :, None, :]
         return self.per_mass * self.grid.sum_at_nodes(self.node_numbers, given)
 
     def acceleration_of(self, moments: np.ndarray) -> np.ndarray:
-        """Of stresses times volume (C, P, 2, 2) in N m: -sum S's gradient over the mass."""
+        """Returns the nodes' acceleration by stresses times volume (C, P, 2, 2) in N m: -sum grad S over the mass."""
         given = np.stack([np.einsum("pmij,pij->pmi", self.dS, one) for one in moments])
         return -self.per_mass * self.grid.sum_at_nodes(self.node_numbers, given)
 
     def to_particles(self, vectors: np.ndarray) -> np.ndarray:
-        """The nodes' values at the particles."""
+        """Returns the nodes' values at the particles."""
         return np.stack([np.einsum("pmi,pmi->pi", self.S, one[self.node_numbers]) for one in vectors])
 
     def gradient(self, vectors: np.ndarray) -> np.ndarray:
-        """Their gradients at the particles (C, P, 2, 2), component and direction."""
+        """Returns the gradients of nodal vectors at the particles (C, P, 2, 2), component and direction."""
         return np.stack([np.einsum("pmij,pmi->pij", self.dS, one[self.node_numbers]) for one in vectors])
 
 
 def nodes_of(scene: Scene, a: InstrumentedBody) -> np.ndarray:
-    """The nodes (P, M) of each particle, some perhaps several times."""
+    """Returns the nodes (P, M) of each particle, possibly repeated."""
     row = a.row
     if scene.method == "cpdi":
         first = weights_by_particle(a.weights, scene.method, a.particles)[:, NODES:NODES + 4].astype(int)
@@ -88,7 +88,7 @@ def nodes_of(scene: Scene, a: InstrumentedBody) -> np.ndarray:
 
 
 def weights_of(scene: Scene, a: InstrumentedBody, edges: np.ndarray, some: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """S (c, M) and its gradient (c, M, 2) of ``some`` particles (c,), whose half edges are in ``edges`` (P, 2, 2)."""
+    """Returns S (c, M) and its gradient (c, M, 2) of ``some`` particles (c,), with half ``edges`` (P, 2, 2)."""
     kept = weights_by_particle(a.weights, scene.method, a.particles)[some]
     return _corner_weights(kept, edges[some]) if scene.method == "cpdi" else _stencil_weights(kept)
 
@@ -106,7 +106,7 @@ def _stencil_weights(kept: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _corner_weights(kept: np.ndarray, edges: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """S = 1/4 sum N(corner); the gradient takes N at opposite corners with opposite signs."""
+    """Returns S = 1/4 sum N(corner) and its gradient, in which N at opposite corners have opposite signs."""
     x, y = kept[:, :4], kept[:, 4:8]
     N = np.stack([(1 - x) * (1 - y), x * (1 - y), (1 - x) * y, x * y], axis=2)  # (c, corner, node)
     # A linear f has f(corner) = f(x) + c_1 f'r_1 + c_2 f'r_2, and so grad f = inverse of the edges, times sum c f.

@@ -1,1 +1,1 @@
-"""How often estimators are right: runs drawn at random, what is said of each, and how often that was so."""
+"""Reliability of estimators: random runs, their estimates, and how often these were right."""

@@ -1,4 +1,4 @@
-"""How often what was said of drawn runs was right, counted.
+"""Counts of how often the estimates of random runs were right.
 
 ``is_within`` counts runs in which the estimate is within a factor of the true error: 1/f <= index <= f, an index being
 estimated over true error, in norms summed over the run. Only runs that ended as "ok" count, and of an estimator only
@@ -39,24 +39,24 @@ MOST_ORDER = 2.0  # of three grids: an observed order above the formal one is ta
 
 
 def regime(moved: float, ppc: float) -> str:
-    """How far particles move at most, ``moved`` in cells: those next to an edge stay in theirs up to 1/(2 ppc)."""
+    """Returns the regime of motion by ``moved`` cells: particles next to an edge stay in theirs up to 1/(2 ppc)."""
     return IN_CELL if moved <= 0.5 / ppc else ONE_CELL if moved <= 1 else SEVERAL_CELLS
 
 
 def regime_of(row: Mapping) -> str:
-    """That of a row."""
+    """Returns the regime of a row."""
     return regime(row["moved"], row["scene"]["ppc"])
 
 
 def wilson(held: int, of: int) -> tuple[float, float]:
-    """Between which shares that of all runs lies, with 95 %, if ``held`` of so many do (E. B. Wilson, 1927)."""
+    """Returns the 95 % confidence interval of a share, if ``held`` of ``of`` runs hold (E. B. Wilson, 1927)."""
     share, z = held / of, NORMAL**2 / of
     middle, half = share + z / 2, NORMAL * math.sqrt(share * (1 - share) / of + z / (4 * of))
     return max(0.0, (middle - half) / (1 + z)), min(1.0, (middle + half) / (1 + z))
 
 
 def tally(problem: str, seed: int, rows: Sequence[dict]) -> dict:
-    """All counts of a problem's rows, as JSON has them."""
+    """Returns all counts of a problem's rows, for JSON."""
     usable = [row for row in rows if row["status"] == OK]
     statuses = [row["status"] for row in rows]
     names = list(dict.fromkeys(name for row in usable for name in row["estimators"]))
@@ -71,7 +71,7 @@ def tally(problem: str, seed: int, rows: Sequence[dict]) -> dict:
 
 
 def _count_by_group(rows: Sequence[dict], count: Callable[[Sequence[dict]], dict]) -> dict:
-    """The same counts of all rows, by regime, and by method in each."""
+    """Returns the same counts for all rows, by regime, by method, and by both."""
     methods = sorted({row["scene"]["method"] for row in rows})
     return {"all": count(rows),
             "regime": {one: count([row for row in rows if regime_of(row) == one]) for one in REGIMES},
@@ -82,7 +82,7 @@ def _count_by_group(rows: Sequence[dict], count: Callable[[Sequence[dict]], dict
 
 
 def _count_within(rows: Iterable[dict], name: str) -> dict:
-    """By quantity, of how many runs the estimator speaks, and in how many it is within each factor."""
+    """Returns by quantity the number of runs with an estimate, and in how many it is within each factor."""
     said = [row["estimators"][name] for row in rows if not row["estimators"][name]["refused"]]
     found = {}
     for q in QUANTITIES:
@@ -99,12 +99,12 @@ def _by_factor(indices: Sequence[float]) -> dict[str, int]:
 
 
 def is_within(index: float, factor: float) -> bool:
-    """Whether estimated over true error is within a factor of 1."""
+    """Returns whether estimated over true error is within a factor of 1."""
     return 1 / factor <= index <= factor
 
 
 def _refusals(rows: Sequence[dict], name: str) -> dict:
-    """How often an estimator refused, and how many of these refusals that can be told were needless."""
+    """Returns how often an estimator refused, and how many of the verifiable refusals were needless."""
     found: dict[str, Any] = {"runs": len(rows)}
     for kind in (BEFORE, AFTER, IMPOSSIBLE):
         refused = [row["estimators"][name]["index"] for row in rows if row["estimators"][name]["refused"] == kind]
@@ -115,8 +115,8 @@ def _refusals(rows: Sequence[dict], name: str) -> dict:
 
 
 def _count_bars(rows: Sequence[dict], kind: str, names: Sequence[str]) -> dict:
-    """Of a goal, how often bars around the value held the truth: of so many times the estimated error, and of grid
-    convergence. ``width`` is the median of the bar over the true error: what holds by being wide costs that."""
+    """Returns for a goal how often bars around the value contained the truth: multiples of the estimated error, and
+    grid convergence indices. ``width`` is the median of the bar over the true error, the price of wide bars."""
     found: dict[str, Any] = {}
     known = [goal for row in rows if (goal := row["goals"][kind])["true_error"] is not None
              and abs(goal["true_error"]) > (goal["rounding"] or 0.0)]
@@ -142,8 +142,8 @@ def _median(values: Sequence[float]) -> float | None:
 
 
 def observed_order(values: Sequence[float]) -> float | None:
-    """p by which the number converges on the grids h, 2h, 4h (fine to coarse); None where it does not do so from one
-    side: 0 < (f2 - f1)/(f3 - f2) < 1."""
+    """Returns the order p by which the number converges on the grids h, 2h, 4h (fine to coarse); None without monotonic
+    convergence, 0 < (f2 - f1)/(f3 - f2) < 1."""
     fine, coarse = values[1] - values[0], values[2] - values[1]
     if not coarse or not 0 < fine / coarse < 1:
         return None
@@ -151,19 +151,19 @@ def observed_order(values: Sequence[float]) -> float | None:
 
 
 def two_grid_gci(values: Sequence[float]) -> float | None:
-    """Roache's index of two grids and the formal order: 3 |f2 - f1| / (r^p - 1)."""
+    """Returns Roache's index from two grids and the formal order: 3 |f2 - f1| / (r^p - 1)."""
     return TWO_GRIDS * abs(values[1] - values[0]) / (RATIO**FORMAL_ORDER - 1)
 
 
 def three_grid_gci(values: Sequence[float]) -> float | None:
-    """Roache's index of three grids with the observed order, at most the formal one: 1.25 |f2 - f1| / (r^p - 1); None
-    where no order is observed."""
+    """Returns Roache's index from three grids with the observed order, at most the formal one: 1.25 |f2 - f1| / (r^p -
+    1); None where no order is observed."""
     order = observed_order(values)
     return None if order is None else THREE_GRIDS * abs(values[1] - values[0]) / (RATIO**min(order, MOST_ORDER) - 1)
 
 
 def factor_of_safety(values: Sequence[float]) -> float | None:
-    """Xing and Stern's: a factor that grows with the distance of the observed order from the formal one."""
+    """Returns the uncertainty of Xing and Stern, whose factor grows with the deviation from the formal order."""
     order = observed_order(values)
     if order is None:
         return None

@@ -1,4 +1,4 @@
-"""What was counted of drawn runs, as tables in Markdown."""
+"""Counts of random runs as tables in Markdown."""
 
 import math
 from collections.abc import Iterable, Mapping, Sequence
@@ -9,13 +9,13 @@ from solvers.study.coverage.random_runs import AFTER, BEFORE, IMPOSSIBLE, QUANTI
 from solvers.study.markdown import markdown_table
 
 NOTHING = "–"
-CLOSE = 0.1  # to 1: a multiple of which more digits are told
+CLOSE = 0.1  # to 1: a multiple that is shown with more digits
 GOALS = {DISPLACEMENT: "displacement of a point", STRESS: "mean stress", ENERGY: "kinetic energy"}
 PARTS = {"x": "x", "v": "v", "sigma": "σ"}
 
 
 def coverage_summary(counted: Mapping, picture: str = "") -> str:
-    """A problem's counts: estimators, regimes, refusals, and bars around numbers."""
+    """Returns a problem's counts: estimators, regimes, refusals, and bars around numbers."""
     statuses = ", ".join(f"{count} {status}" for status, count in counted["status"].items())
     reach = draw_ranges_of(counted["problem"])
     parts = [f"# How often estimates are right: {counted['problem']}",
@@ -30,7 +30,7 @@ def coverage_summary(counted: Mapping, picture: str = "") -> str:
 
 
 def estimates_table(counted: Mapping) -> str:
-    """How often each estimator is within each factor of the true error."""
+    """Returns a table of how often each estimator is within each factor of the true error."""
     lines = []
     for name, split in counted["estimators"].items():
         for q in QUANTITIES:
@@ -44,7 +44,7 @@ def estimates_table(counted: Mapping) -> str:
 
 
 def middles_table(counted: Mapping) -> str:
-    """Where the middle of the true errors lies, by what each estimator says of the end."""
+    """Returns a table of the central ranges of true errors over each estimate at the end."""
     lines = [[name, *(_middle_text(split["all"][q]["at the end"]["middle"]) for q in QUANTITIES)]
              for name, split in counted["estimators"].items()]
     return f"## Where {100 * CENTRAL:g} of 100 true errors lie\n\nAt the end of the run, in multiples of the " \
@@ -53,7 +53,7 @@ def middles_table(counted: Mapping) -> str:
 
 
 def regimes_table(counted: Mapping) -> str:
-    """The same for x and the smallest factor, by how far particles move."""
+    """Returns a table of how often x is within the smallest factor, by how far particles move."""
     least = f"{FACTORS[0]:g}"
     lines = []
     for name, split in counted["estimators"].items():
@@ -66,7 +66,7 @@ def regimes_table(counted: Mapping) -> str:
 
 
 def refusals_table(counted: Mapping) -> str:
-    """How often estimators said that they do not hold, and how often that was needless."""
+    """Returns a table of how often estimators refused, and how often that was needless."""
     lines = []
     for name, found in counted["refusals"].items():
         cells = [f"{found[kind]['needless']} of {found[kind]['told']}" if found[kind]["told"] else NOTHING
@@ -79,7 +79,7 @@ def refusals_table(counted: Mapping) -> str:
 
 
 def bars_table(counted: Mapping) -> str:
-    """How often bars around the numbers of the end held the truth."""
+    """Returns a table of how often bars around the numbers at the end contained the truth."""
     names = main_bars(counted)
     lines = [[_bar_label(name),
               *(cell for kind in counted["goals"] for cell in _bar_cells(counted["goals"][kind]["all"][name]))]
@@ -92,7 +92,7 @@ def bars_table(counted: Mapping) -> str:
 
 
 def regime_bars_table(counted: Mapping) -> str:
-    """The same shares, all goals together, by how far particles move."""
+    """Returns a table of how often bars contained the truth, all goals together, by how far particles move."""
     lines = []
     for name in main_bars(counted):
         cells = []
@@ -104,12 +104,12 @@ def regime_bars_table(counted: Mapping) -> str:
 
 
 def main_bars(counted: Mapping) -> list[str]:
-    """Those of twice the estimated error, and of grid convergence."""
+    """Returns the names of the bars of twice the estimated error, and of grid convergence."""
     return [*(f"{SAFETY:g} x {name}" for name in counted["estimators"]), *INTERVALS]
 
 
 def format_share(held: int, of: int, bounds: bool = False) -> str:
-    """In per cent, with its 95 % interval."""
+    """Returns a share in per cent, with its 95 % interval if ``bounds``."""
     if not of:
         return NOTHING
     low, high = (100 * part for part in wilson(held, of))
@@ -121,7 +121,7 @@ def _bar_label(name: str) -> str:
 
 
 def _middle_text(ratios: Sequence[float] | None) -> str:
-    """Estimated over true, turned round."""
+    """Returns a range of true over estimated error, from the inverse ratios."""
     if not ratios:
         return NOTHING
     least, most = (1 / ratio if ratio > 0 else math.inf for ratio in reversed(ratios))

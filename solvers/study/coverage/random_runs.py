@@ -1,7 +1,7 @@
-"""Runs drawn at random, by number: the same number of the same seed is the same run, however many are drawn.
+"""Random runs by number: the same number and seed give the same run, however many are drawn.
 
-Nothing here was chosen after a look at what came out. Sizes are uniform in their logarithm, choices are equally likely
-unless a share is given. Modulus and density stay as they are: errors scale with them, and no index depends on either.
+The distributions were fixed before any result was known. Sizes are uniform in their logarithm, choices are equally
+likely unless a share is given. Modulus and density are fixed: errors scale with them, and no index depends on either.
 
 Each is one row. Its keys::
 
@@ -10,8 +10,8 @@ Each is one row. Its keys::
                                                          by quantity, over the run and at its end, 1 is perfect
     goals: {kind: {true_error, rounding, estimated_error, grids}}       as of a run; grids: the number on h, 2h and 4h
 
-What is refused before a run is computed all the same, where it can be, to know how often the refusal was needless; what
-it says decides nothing.
+Estimators that are refused before a run are computed nevertheless, where possible, to know how often the refusal was
+needless; their results decide nothing.
 """
 
 import functools
@@ -57,14 +57,14 @@ SCENES, POINTS = 0, 1  # what chance is for
 
 @dataclass(frozen=True)
 class DrawRanges:
-    """Where the numbers of a problem are drawn from; the amplitude is that of its scene, in its unit, and ``work`` are
-    particles times steps at most, so that a thousand runs take minutes."""
+    """Ranges from which a problem's numbers are drawn; ``amplitude`` is in the unit of its scene, and ``work`` is the
+    largest number of particles times steps, so that a thousand runs take minutes."""
 
     cells: tuple[int, int]
     ppc: tuple[int, int]
     amplitude: tuple[float, float]
     periods: tuple[float, float] = (0.1, 3.0)
-    step: tuple[float, float] = (0.1, 0.8)  # of the longest that the motion ahead bears
+    step: tuple[float, float] = (0.1, 0.8)  # of the longest stable step
     work: float = 1e6
 
 
@@ -72,21 +72,22 @@ DRAW_RANGES = {"bar": DrawRanges((16, 128), (1, 6), (1e-4, 0.12)),
                "ring": DrawRanges((32, 64), (1, 3), (1e-3, 0.15), periods=(0.1, 2.0)),
                "vortex": DrawRanges((32, 64), (1, 3), (1e-2, 1.0), periods=(0.02, 1.0)),
                "square": DrawRanges((32, 64), (1, 3), (1e-3, 0.08), periods=(0.1, 1.5))}
-#: How likely a choice is that is not as likely as the others of its field.
+#: Probabilities of choices that are not as likely as the others of their field.
 SHARES: Mapping[str, Mapping[Any, float]] = {"velocity": {"grid": 0.8}, "linearity_preserving": {False: 0.75},
                                              "body_force": {"material": 0.7}, "layout": {"polar": 0.75}}
 FORCES = {"bar": ("material", "node")}  # with exact solutions; elsewhere only that at material points
 
 
 def draw_ranges_of(problem: str) -> DrawRanges:
-    """Of a problem from outside the square's, with amplitudes up to the hardest of its stability map."""
+    """Returns a problem's ranges; for an external problem the square's, with amplitudes up to the hardest of its
+    stability map."""
     amplitudes = PROBLEMS[problem].scene.HARD_AMPLITUDES
     return DRAW_RANGES.get(problem) or replace(DRAW_RANGES["square"], amplitude=(0.01 * amplitudes[-1], amplitudes[-1]))
 
 
 @dataclass(frozen=True)
 class RandomRun:
-    """Number ``number`` of the ``seed`` for a problem; a task for ``solvers.study.executors``."""
+    """Run number ``number`` of the ``seed`` for a problem; a task for ``solvers.study.executors``."""
 
     problem: str
     seed: int
@@ -94,11 +95,11 @@ class RandomRun:
 
     @property
     def key(self) -> str:
-        """What its row is known by."""
+        """Key of its row."""
         return hashlib.sha256(json.dumps(asdict(self), sort_keys=True).encode()).hexdigest()[:16]
 
     def scene(self) -> Scene:
-        """The run on the finest grid, with every estimator."""
+        """Returns the run on the finest grid, with every estimator."""
         chance = self._random_generator(SCENES)
         for _ in range(MOST_TRIES):
             scene = _draw_scene(self.problem, chance)
@@ -107,7 +108,7 @@ class RandomRun:
         raise AssertionError(f"no scene of the {self.problem} is cheap enough")
 
     def point(self) -> str:
-        """The goal at a material point somewhere in the body."""
+        """Returns the name of the goal at a random material point of the body."""
         kind, chance = PROBLEMS[self.problem].scene, self._random_generator(POINTS)
         if kind.DIMENSIONS == 1:
             return f"{DISPLACEMENT}@{chance.uniform():.6f}"
@@ -116,11 +117,11 @@ class RandomRun:
 
     @property
     def kind(self) -> Hashable:
-        """What has to be compiled for it, but for the estimators, which are all that there can be."""
+        """Key of its compiled code, except for the estimators, which are always all."""
         return kernel_key(replace(self.scene(), estimators=()))
 
     def remarks(self) -> list[str]:
-        """None: what is drawn is nobody's choice."""
+        """Returns no remarks, because nobody has chosen a random run."""
         return []
 
     def to_dict(self) -> dict:
@@ -131,12 +132,12 @@ class RandomRun:
 
 
 def coarsen(scene: Scene, times: int) -> Scene:
-    """The same run on cells so many times as wide, with steps as many times as long, and no estimator."""
+    """Returns the same run on cells ``times`` times as wide, with steps as many times as long, and no estimator."""
     return replace(scene, cells=scene.cells // times, estimators=(), effects=("truth", "soundness"))
 
 
 def _draw_scene(problem: str, chance: np.random.Generator) -> Scene | None:
-    """A scene, or None where these choices do not go together, or give no coarser grids."""
+    """Returns a random scene, or None where the choices cannot be combined, or have no coarser grids."""
     kind, reach = PROBLEMS[problem].scene, draw_ranges_of(problem)
     inputs: dict[str, Any] = {
         "cells": COARSEST * round(_draw_between(chance, *(n / COARSEST for n in reach.cells))),
@@ -166,7 +167,7 @@ def _draw_between(chance: np.random.Generator, low: float, high: float) -> float
 
 
 def _draw_choice(chance: np.random.Generator, choices: tuple, field: str = "") -> Any:
-    """One of them, by its share."""
+    """Returns one of the choices, by its share."""
     known = {one: share for one, share in SHARES.get(field, {}).items() if one in choices}
     rest = (1 - sum(known.values())) / max(1, len(choices) - len(known))
     shares = [known.get(one, rest) for one in choices]
@@ -174,12 +175,12 @@ def _draw_choice(chance: np.random.Generator, choices: tuple, field: str = "") -
 
 
 def measure_in_worker(draw: dict, answer: Callable[[dict], None]) -> None:
-    """What a worker process does (``solvers.workers``)."""
+    """Measures a draw in a worker process (``solvers.workers``)."""
     answer(measure(RandomRun(**draw)))
 
 
 def measure(draw: RandomRun) -> dict:
-    """The row of a draw, with the keys above; whatever goes wrong is a row too, and never an exception."""
+    """Returns the row of a draw, with the keys above; an error becomes a row too, and is never raised."""
     try:
         return _measure_run(draw)
     except Exception as error:
@@ -187,7 +188,7 @@ def measure(draw: RandomRun) -> dict:
 
 
 def failed_row(draw: RandomRun, reason: str) -> dict:
-    """The row of a run that was lost."""
+    """Returns the row of a run that failed."""
     return {**_identity(draw), "status": FAILED, "reason": " ".join(reason.split())}
 
 
@@ -209,15 +210,14 @@ def _measure_run(draw: RandomRun) -> dict:
 
 
 def refusal_kind(name: str, scene: Scene, result: Result) -> str:
-    """How an estimator was refused in the ``result`` of what a scene has become when it is :func:`unrefused`; "" where
-    it was not."""
+    """Returns how an estimator was refused in the ``result`` of a scene's :func:`unrefused` version; "" if not."""
     if name not in result.scene.active_estimators:
         return IMPOSSIBLE
     return BEFORE if name in scene.not_valid else AFTER if name in result.not_valid else ""
 
 
 def _ratios(result: Result, estimator: str) -> dict[str, dict[str, float | None]]:
-    """Estimated over true error, summed over the run and at its end."""
+    """Returns estimated over true error, summed over the run and at its end."""
     found: dict[str, dict[str, float | None]] = {"index": {}, "end": {}}
     for q in QUANTITIES:
         true, said = result.series[f"error_{q}"], result.series.get(f"{estimator}/estimate_{q}")
@@ -232,8 +232,7 @@ def _ratios(result: Result, estimator: str) -> dict[str, dict[str, float | None]
 
 @functools.cache
 def _unrefused_kind(kind: type[Scene]) -> type[Scene]:
-    """A kind of scene whose estimators run although they are refused, if they can; that they are is known to it as
-    before."""
+    """Returns a subclass of a scene class whose estimators run although they are refused, if possible."""
     def active(scene: Scene) -> tuple[str, ...]:
         limits = [limit for limit in kind.LIMITS if limit.impossible]
         return tuple(name for name in scene.choices("estimators") if not reason(limits, name, scene))
@@ -241,7 +240,7 @@ def _unrefused_kind(kind: type[Scene]) -> type[Scene]:
 
 
 def unrefused(scene: Scene) -> Scene:
-    """The same scene, whose estimators run although they are refused, if they can."""
+    """Returns the scene with estimators that run although they are refused, if possible."""
     return _unrefused_kind(type(scene))(**{one.name: getattr(scene, one.name) for one in fields(scene)})
 
 

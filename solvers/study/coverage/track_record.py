@@ -1,13 +1,13 @@
-"""What was counted once, of a thousand runs of each problem, and stands in ``assets/coverage``; and what each judge
-bets by it on the error at the end of a run: two sizes between which it is to lie, in 80 of 100 runs.
+"""Stored counts of a thousand runs of each problem, in ``assets/coverage``; and the bets of estimators based on them:
+two sizes between which the error at the end of a run should lie in 80 of 100 runs.
 
-An estimator bets by its track record: between those multiples of its estimate between which 80 of 100 true errors of
-the thousand runs in ``assets/coverage`` lay, of its problem and quantity. So it knows how far off it usually is, and
-nothing of the run beyond its own number. Where it is not valid it does not bet.
+An estimator bets by its track record: the multiples of its estimate between which 80 of 100 true errors of the thousand
+runs in ``assets/coverage`` were, for its problem and quantity. So the bet contains its usual error, and no more about
+the run than its own number. Where it is not valid it does not bet.
 
-The grid convergence index bets by its own word: 3 times what two grids say the error is holds the truth in 95 of 100
-cases. If errors are normal that is 1.96 standard deviations, and their sizes lie between 0.13 and 1.64 of these in 80
-of 100. It is asked of every run, as it is in practice; what two grids say is what ``two-grid`` reads, valid or not.
+The grid convergence index bets by its own definition: 3 times the two-grid estimate of the error contains the truth in
+95 of 100 cases. If errors are normal that is 1.96 standard deviations, and their sizes lie between 0.13 and 1.64 of
+these in 80 of 100. It bets on every run, as in practice, from the estimate of ``two-grid``, valid or not.
 """
 
 import functools
@@ -25,7 +25,7 @@ from solvers.study.coverage.coverage_counts import CENTRAL, FACTORS, NORMAL, TWO
 from solvers.study.coverage.random_runs import QUANTITIES, refusal_kind, unrefused
 
 FOLDER = Path(__file__).parents[3] / "assets" / "coverage"
-FEWEST = 20  # runs: of fewer nothing is said
+FEWEST = 20  # runs: no statement for fewer
 GCI, RICHARDSON = "GCI", "two-grid"
 ESTIMATORS = ("companion", "recovered", RICHARDSON, "transport")
 JUDGES = (*ESTIMATORS, GCI)
@@ -36,23 +36,22 @@ Ends = tuple[float, float]
 
 @functools.cache
 def load_counts(problem: str) -> Mapping[str, Any] | None:
-    """All counts (:func:`~solvers.study.coverage.coverage_counts.tally`); None for a problem of which nobody has
-    counted."""
+    """Returns all counts (:func:`~solvers.study.coverage.coverage_counts.tally`); None for a problem without counts."""
     path = FOLDER / f"{problem}.json"
     return json.loads(path.read_text(encoding="utf-8")) if path.exists() else None
 
 
 def accurate_runs(scene: Scene, estimator: str, quantity: str = "x") -> tuple[int, int] | None:
-    """In how many runs like a scene, by method and by how far particles move, the estimate of a quantity was within a
-    factor of 1.1 of the true error, and of how many; None where there were too few."""
+    """Returns in how many runs like a scene, by method and by how far particles move, the estimate of a quantity was
+    within a factor of 1.1 of the true error, and of how many; None where there were too few."""
     split = _counts_like(scene, "estimators", estimator)
     found = split and split.get(quantity)
     return (found["within"][f"{FACTORS[0]:g}"], found["runs"]) if found and found["runs"] >= FEWEST else None
 
 
 def central_ratios(problem: str, estimator: str, quantity: str) -> tuple[float, float] | None:
-    """Between which two ratios of estimated to true error, at the end of a run, 80 of 100 of a problem's runs lay; None
-    where there were too few, or a tenth of them read nothing."""
+    """Returns two ratios of estimated to true error, at the end of a run, between which 80 of 100 of a problem's runs
+    were; None where there were too few, or a tenth of the estimates were zero."""
     known = load_counts(problem)
     found = known and known["estimators"].get(estimator, {}).get("all", {}).get(quantity, {}).get("at the end")
     if not found or found["runs"] < FEWEST or not found["middle"][0] > 0:
@@ -62,15 +61,15 @@ def central_ratios(problem: str, estimator: str, quantity: str) -> tuple[float, 
 
 
 def bars_held(scene: Scene, goal: str, estimator: str) -> tuple[int, int] | None:
-    """In how many such runs a bar of twice the estimated error around a goal (by its name) held the truth, and of how
-    many; None where there were too few."""
+    """Returns in how many runs like a scene a bar of twice the estimated error around a goal (by its name) contained
+    the truth, and of how many; None where there were too few."""
     split = _counts_like(scene, "goals", DISPLACEMENT if goal.startswith(DISPLACEMENT) else goal)
     found = split and split.get(f"{SAFETY:g} x {estimator}")
     return (found["held"], found["runs"]) if found and found["runs"] >= FEWEST else None
 
 
 def _counts_like(scene: Scene, group: str, name: str) -> Mapping[str, Any] | None:
-    """Counts of runs like a scene; remedies and motions that none of the drawn ones had are like none."""
+    """Returns counts of runs like a scene, None for remedies and motions that no random run had."""
     known = load_counts(scene.problem)
     if known is None or name not in known[group] or scene.remedies or not scene.swings or not scene.solution_known:
         return None
@@ -79,15 +78,15 @@ def _counts_like(scene: Scene, group: str, name: str) -> Mapping[str, Any] | Non
 
 
 def bets(scene: Scene) -> dict[str, dict[str, Ends | None]]:
-    """By quantity (x in m, v in m/s, sigma in Pa) and judge, the ends of the bet on the RMS error over the particles
-    at the end of the run; None where the judge does not bet. Runs the scene, with all estimators of its problem."""
+    """Runs the scene, with all estimators of its problem, and returns by quantity (x in m, v in m/s, sigma in Pa) and
+    estimator the ends of the bet on the RMS error over the particles at the end of the run; None for no bet."""
     from solvers.running.run import run  # here: what a judge is called can be known without Taichi
 
     asked = replace(scene, estimators=scene.choices("estimators"), effects=EFFECTS)
     result = run(unrefused(asked), mid_run=False, prices=False)
 
     def said(name: str, quantity: str) -> float | None:
-        """What an estimator says, refused or not; None where it is no size."""
+        """Returns an estimator's value, refused or not; None where it is not positive and finite."""
         series = result.series.get(f"{name}/estimate_{quantity}")
         found = math.nan if series is None else float(series[-1])
         return found if math.isfinite(found) and found > 0 else None
@@ -102,14 +101,13 @@ def bets(scene: Scene) -> dict[str, dict[str, Ends | None]]:
 
 
 def bet_by_record(problem: str, estimator: str, quantity: str, said: float | None) -> Ends | None:
-    """The bet of an estimator that has ``said`` a size; None without one, or without a record."""
+    """Returns the bet of an estimator with the value ``said``; None without one, or without a record."""
     ratios = central_ratios(problem, estimator, quantity)
     return None if said is None or ratios is None else (said / ratios[1], said / ratios[0])
 
 
 def bet_by_grid_index(said: float | None) -> Ends | None:
-    """The bet of the index where two grids have ``said`` a size: errors are normal, and it is 1.96 of their deviations.
-    """
+    """Returns the bet of the index with the two-grid value ``said``: errors are normal, and it is 1.96 deviations."""
     if said is None:
         return None
     deviation = TWO_GRIDS * said / NORMAL

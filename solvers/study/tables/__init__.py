@@ -1,1 +1,1 @@
-"""The paper's three tables: which runs they take (``plan``) and what their numbers are (``document``). No kernels."""
+"""The paper's three tables: their runs (``paper_tables``) and numbers (``table_runs``). No kernels."""

@@ -1,4 +1,4 @@
-"""What the paper's tables consist of here: their rows, the runs that each takes, and what had to be chosen.
+"""The paper's tables in this project: their rows, the runs for each, and choices that had to be made.
 
 A row is up to three runs: ``errors`` with every estimator, sampled as often as the estimators step, so that sums
 over samples are sums over steps; ``cost``, a tenth as long and sampled as a run is by default, for the price of each
@@ -44,7 +44,7 @@ def _printed_numbers() -> dict:
 
 
 def printed_bar(modulus: float, cells: int) -> dict[str, float]:
-    """Table 1: errors, ``grid_crossings`` and the indices ``index_x`` ...; empty for a row that it has not."""
+    """Returns Table 1's errors, ``grid_crossings`` and indices ``index_x`` ...; empty without such a row."""
     for case in _printed_numbers()["table1"]["cases"]:
         for row in case["rows"]:
             if case["modulus"] == modulus and row["cells"] == cells:
@@ -53,12 +53,12 @@ def printed_bar(modulus: float, cells: int) -> dict[str, float]:
 
 
 def printed_ring_errors(method: str, cells: int) -> dict[str, float]:
-    """Table 2: errors of x, v and of the acceleration."""
+    """Returns Table 2's errors of x, v and of the acceleration."""
     return {KEYS[key]: value for key, value in _ring_row("table2", cells).get(method, {}).items()}
 
 
 def printed_ring_index(method: str, cells: int) -> dict[str, float]:
-    """Table 3: the index of the displacement error."""
+    """Returns Table 3's index of the displacement error."""
     row = _ring_row("table3", cells)
     return {"index_x": row[method]} if method in row else {}
 
@@ -68,21 +68,21 @@ def _ring_row(table: str, cells: int) -> dict:
 
 
 def format_digits(value: float, count: int) -> str:
-    """A number with so many significant digits, with an exponent only where it is shorter: 3.49e-6, 0.0581."""
+    """Returns a number with so many significant digits, with an exponent only where it is shorter: 3.49e-6, 0.0581."""
     mantissa, _, exponent = f"{value:.{count - 1}e}".partition("e")
     power = int(exponent)
     return f"{value:.{max(0, count - 1 - power)}f}" if -2 <= power <= 2 else f"{mantissa}e{power}"
 
 
 def format_round(value: float) -> str:
-    """A round number: 0.025, 2.5e-4, 1e7."""
+    """Returns a round number as text: 0.025, 2.5e-4, 1e7."""
     mantissa, _, exponent = f"{value:.1e}".partition("e")
     return f"{value:g}" if 1e-3 <= value < 1e4 else f"{mantissa.removesuffix('.0')}e{int(exponent)}"
 
 
 @dataclass(frozen=True)
 class TableRow:
-    """One row. ``name`` names its file, ``part`` is the heading that it stands under, ``paper`` what is printed."""
+    """Row of a table. ``name`` is that of its file, ``part`` its heading, ``paper`` the printed numbers."""
 
     name: str
     part: str
@@ -92,8 +92,8 @@ class TableRow:
 
 @dataclass(frozen=True)
 class PaperTable:
-    """A table before anything has run. ``setup`` says in sentences what was taken and what was chosen, ``caption`` the
-    numbers that all rows share."""
+    """A table before its runs. ``setup`` describes given and chosen parameters in sentences, ``caption`` the numbers
+    that all rows share."""
 
     number: str
     title: str
@@ -103,14 +103,14 @@ class PaperTable:
 
 
 def make_table(number: str, estimators: Mapping[str, Iterable[str]]) -> PaperTable:
-    """A table of the paper, with the estimators that each problem has."""
+    """Returns a table of the paper, with the estimators of each problem."""
     makers: dict[str, Callable[..., PaperTable]] = {"1": table_1, "2": table_2, "3": table_3}
     return makers[number](estimators)
 
 
 def table_1(estimators: Mapping[str, Iterable[str]], cells: Iterable[int] = BAR_CELLS, end: float = 1.0,
             long: float = 10.0) -> PaperTable:
-    """The bar: errors, grid crossings and indices."""
+    """Returns the table of the bar: errors, grid crossings and indices."""
     rows = []
     for case, force, n in product(BAR_CASES, BAR_FORCES, cells):
         modulus, amplitude = BAR_CASES[case]
@@ -130,7 +130,8 @@ def table_1(estimators: Mapping[str, Iterable[str]], cells: Iterable[int] = BAR_
 def _ring_table(number: str, title: str, names: tuple[str, ...], printed: Callable[[str, int], Mapping[str, float]],
                 estimators: Mapping[str, Iterable[str]], cells: Iterable[int] = RING_CELLS,
                 methods: Iterable[str] = RING_METHODS, end: float = 0.02) -> PaperTable:
-    """A table of the ring: ``names`` of its own notes, and what the paper has ``printed`` for a method and cells."""
+    """Returns a table of the ring: ``names`` of its own notes, and a function for the numbers ``printed`` in the paper
+    for a method and cells."""
     rows = []
     for name, method, n in product(RING_SETUPS, methods, cells):
         amplitude, modulus, ppc, what = RING_SETUPS[name]

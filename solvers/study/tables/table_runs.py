@@ -1,5 +1,5 @@
-"""The runs of tables, measured and kept like rows of any study, and a finished table as one JSON object: for each row
-what went in, the paper's numbers, ours, and the estimators'.
+"""Runs of tables, measured and stored like rows of any study, and a finished table as one JSON object: for each row its
+inputs, the paper's numbers, ours, and the estimators'.
 
 Everything that is printed or drawn of a table is made from this object and nothing else.
 """
@@ -26,8 +26,8 @@ Results = Mapping[str, dict]  # the object of ``mpm-lab run --json`` for each ru
 
 
 def all_runs(tables: Iterable[PaperTable]) -> list[Task]:
-    """Every run of the tables once: first those that are only computed, the longest first, so that no processor waits
-    for another at the end; then those that are timed, with ``repeats``."""
+    """Returns every run of the tables once: first those without timing, the longest first, so that no CPU is idle at
+    the end; then the timed ones, with ``repeats``."""
     scenes = [(name in TIMED, scene) for table in tables for row in table.rows for name, scene in row.scenes.items()]
     wanted = sorted(scenes, key=lambda one: (one[0], 0 if one[0] else -one[1].particles * one[1].steps))
     found = {task.key: task for task in (task_of(scene, repeats=int(timed)) for timed, scene in wanted)}
@@ -35,7 +35,7 @@ def all_runs(tables: Iterable[PaperTable]) -> list[Task]:
 
 
 def measure_in_worker(task: dict, answer: Callable[[dict], None]) -> None:
-    """What a worker process does: one run. Prices of estimators are measured where it is timed."""
+    """Measures one run in a worker process, with prices of estimators where it is timed."""
     answer(measure(Task(**task), _result))
 
 
@@ -48,13 +48,13 @@ def _result(task: Task, scene: Scene) -> dict:
 
 
 def results_of(table: PaperTable, rows: Iterable[dict]) -> dict[str, Results]:
-    """The results of each row of a table under its name, out of the runs that were measured."""
+    """Returns the results of each row of a table by its name, from the measured runs."""
     found = {row["key"]: row["result"] for row in rows if "result" in row}
     return {row.name: {name: found[task_of(scene).key] for name, scene in row.scenes.items()} for row in table.rows}
 
 
 def table_dict(table: PaperTable, results: Mapping[str, Results]) -> dict:
-    """The object of a table; ``results`` holds each row's under its name."""
+    """Returns the object of a table; ``results`` has each row's by its name."""
     names = dict.fromkeys(name for row in table.rows for name in row.scenes["errors"].estimators)
     seconds = [result["seconds"] for row in table.rows for result in results[row.name].values()]
     return {"schema": SCHEMA, "table": table.number, "title": table.title, "caption": table.caption,
@@ -64,7 +64,7 @@ def table_dict(table: PaperTable, results: Mapping[str, Results]) -> dict:
 
 
 def rows_by_part(table: dict) -> dict[str, list[dict]]:
-    """The rows of a table's object under each heading, in order."""
+    """Returns the rows of a table's object under each heading, in order."""
     found: dict[str, list[dict]] = {}
     for row in table["rows"]:
         found.setdefault(row["part"], []).append(row)
@@ -84,8 +84,8 @@ def _row_to_dict(number: str, row: TableRow, results: Results) -> dict:
 
 
 def _computed_values(number: str, results: Results) -> dict:
-    """Of a row of Table 1 the largest errors, crossings to the end of the long run and of the short one, and indices of
-    the paper's estimator; of Table 2 the errors at the end; of Table 3 that index of x."""
+    """Returns for a row of Table 1 the largest errors, crossings to the end of the long run and of the short one, and
+    indices of the paper's estimator; for Table 2 the errors at the end; for Table 3 that index of x."""
     run = results["errors"]
     if number == "2":
         return {q: run["error"][q]["final"] for q in ("x", "v", "a_nodes")}
@@ -107,7 +107,7 @@ def _estimator(name: str, results: Results) -> dict:
 
 
 def _estimator_value(run: dict, kind: str, name: str, quantity: str) -> float | None:
-    """One estimator's index or distance; a run with a single estimator does not key them by its name."""
+    """Returns one estimator's index or distance, which has no level of names in a run with a single estimator."""
     names = run["scene"]["estimator"]
     if name not in names or name in run["not_valid"]:
         return None

@@ -1,4 +1,4 @@
-"""What the budget of a run keeps: errors by cause, corners of pieces, sums at the nodes."""
+"""Memory of a run's budget: errors by cause, corners of pieces, sums at the nodes."""
 
 from typing import Any
 
@@ -39,18 +39,18 @@ BUDGET = Packing(MEMBERS, "budget_")
 
 
 def stores_reference(on: KernelOptions) -> bool:
-    """Whether the reference is kept from step to step: the companion, or a typed motion."""
+    """Returns whether the reference is stored from step to step: for the companion, or a typed motion."""
     return not on.truth or on.motion == TYPED
 
 
 @untranslated
 def with_budget(state: Any) -> MemoryView:
-    """For kernels: the state with these as attributes."""
+    """Returns the state with the budget's members as attributes, for kernels."""
     return MemoryView(state, BUDGET, MEMBERS)
 
 
 def initial_budget_arrays(scene: BarScene, on: KernelOptions) -> dict:
-    """The packed members at the start."""
+    """Returns the packed members at the start."""
     P, nodes = scene.particles, scene.cells + GHOSTS
     taken = on.budget and scene.take_away in CAUSES
     layers = 4 if on.filtered or on.coupled else 3  # those remedies need room to work
@@ -63,7 +63,7 @@ def initial_budget_arrays(scene: BarScene, on: KernelOptions) -> dict:
 
 
 def _initial_reference(scene: BarScene, on: KernelOptions) -> dict:
-    """A reference that is kept, at the start: the data that the run begins with, which it shares."""
+    """Returns a stored reference at the start: the run's own initial data."""
     P, elements = scene.particles, mesh(scene)
     used = on.budget and stores_reference(on)
     points = elements.count * (elements.order + 1)

@@ -1,8 +1,7 @@
-"""The errors of each cause, carried on by the run's own step (see the package), and their norms in a sample.
+"""Propagation of each cause's errors by the run's own step (see the package), and their norms in a sample.
 
-Remedies do to them the same as to the run, for they are linear with the weights given, but for the coupling's
-1/(1 - G), which is divided exactly. What they take from the reference itself, because the grid cannot hold it, is the
-coarse grid's.
+Remedies act on the errors as on the run, for they are linear with given weights, except for the coupling's 1/(1 - G),
+which is divided exactly. What they remove from the reference counts as coarse grid.
 """
 
 import taichi as ti
@@ -26,7 +25,7 @@ COLUMNS_PER_FIELD = len(BUDGET) // len(FIELDS)  # columns
 
 @ti.func
 def update_grid(bar: ti.template(), t, on: ti.template()):
-    """The first half of the budget's step, from time t, when the run's nodes have their new motion."""
+    """Runs the first half of the budget's step, from time t, when the run's nodes have their new motion."""
     particles_to_nodes(bar, t, time_factors(bar, t), on)
     update_nodes(bar, t, on)
     if bar.taken_away >= 0:
@@ -35,7 +34,7 @@ def update_grid(bar: ti.template(), t, on: ti.template()):
 
 @ti.func
 def in_step(bar: ti.template(), step, on: ti.template()):
-    """The second half, of step number ``step``, when the remedies have had their turn and before particles move."""
+    """Runs the second half, of step number ``step``, after the remedies and before particles move."""
     now = time_factors(bar, (step - 1) * bar.dt)
     if ti.static(on.filtered or on.coupled):  # after their own turn, of which the coupling takes the displacement
         if step % bar.remedy_interval == 0:
@@ -48,7 +47,7 @@ def in_step(bar: ti.template(), step, on: ti.template()):
 
 @ti.func
 def after_step(bar: ti.template(), on: ti.template()):
-    """Take from the particles what the cause that is taken away has given to them, beside what it gave to nodes."""
+    """Subtracts the removed cause's contribution from the particles, beside that at the nodes."""
     if ti.static(on.centred):
         subtract_mean_velocity(bar)
     if bar.taken_away >= 0:
@@ -60,10 +59,10 @@ def after_step(bar: ti.template(), on: ti.template()):
 
 @ti.func
 def nodes_to_particles(bar: ti.template(), now, on: ti.template()):
-    """Each cause's errors after the step, with what it gives at the particles:
+    """Updates each cause's errors after the step, with its sources at the particles:
 
-    coarse grid: the way of v + dt a and a to the nodes and back, and the slope of hats in a piece;
-    crossings: the slope that a particle sees, less that in its piece; time step: what symplectic Euler misses.
+    coarse grid: the transfer of v + dt a and a to the nodes and back, and the slope of hats in a piece; crossings: the
+    slope at a particle, minus that in its piece; time step: the error of symplectic Euler.
     """
     P, M, dt = bar.particles, bar.cells + GHOSTS, bar.dt
     left = interpolate_at_corner(bar, bar.budget_nodes, 0, 0, on)[0]
@@ -115,7 +114,7 @@ def nodes_to_particles(bar: ti.template(), now, on: ti.template()):
 
 @ti.func
 def corner_velocities(bar: ti.template(), p, on: ti.template()):
-    """Where the corners of its domain move a particle: the causes' velocity, and that of the reference."""
+    """Returns the velocities at the corners of particle p's domain, averaged: of the causes, and of the reference."""
     reach, M = half_width(bar, bar.deformation_gradient[p], on) * bar.spacing, bar.cells + GHOSTS
     velocity, reference = ti.Vector([0.0, 0.0, 0.0, 0.0]), 0.0
     for side in ti.static((-1, 1)):
@@ -131,7 +130,7 @@ def corner_velocities(bar: ti.template(), p, on: ti.template()):
 
 @ti.func
 def subtract_mean_velocity(bar: ti.template()):
-    """Every step's end: take the mean velocity out."""
+    """Subtracts the mean velocity of each cause, at the end of every step."""
     P = bar.particles
     mean = ti.Vector([0.0, 0.0, 0.0, 0.0])
     for p in range(P):
@@ -143,7 +142,7 @@ def subtract_mean_velocity(bar: ti.template()):
 
 @ti.func
 def filter_null_space(bar: ti.template(), now, on: ti.template()):
-    """e_v -= rate (I - S S^+)^2 (e_v + v), v the reference's for the coarse grid."""
+    """Applies e_v -= rate (I - S S^+)^2 (e_v + v), v the reference's for the coarse grid."""
     P = bar.particles
     for p in range(P):
         m = motion(bar, p, now, on)
@@ -161,8 +160,8 @@ def filter_null_space(bar: ti.template(), now, on: ti.template()):
 
 @ti.func
 def couple_deformation(bar: ti.template(), now, on: ti.template()):
-    """e_F += rate (G_c/((1 - G)(1 - G0)) - e_F), G the run's gradient, G0 = G - sum G_c the reference's; the coarse
-    grid has rate (1/(1 - G0) - F0) too."""
+    """Applies e_F += rate (G_c/((1 - G)(1 - G0)) - e_F), G the run's gradient, G0 = G - sum G_c the reference's; the
+    coarse grid adds rate (1/(1 - G0) - F0)."""
     P, M = bar.particles, bar.cells + GHOSTS
     for i in range(M):
         bar.budget_nodes[STRESS * M + i] = ti.Vector([0.0, 0.0, 0.0, 0.0])
@@ -192,7 +191,7 @@ def couple_deformation(bar: ti.template(), now, on: ti.template()):
 
 @ti.func
 def scratch_to_nodes(bar: ti.template()):
-    """S^+ of the scratch, into the layer that pieces had."""
+    """Maps the scratch to nodes by S^+, into the layer of the pieces."""
     P, M = bar.particles, bar.cells + GHOSTS
     for i in range(M):
         bar.budget_nodes[PIECES * M + i] = ti.Vector([0.0, 0.0, 0.0, 0.0])
@@ -211,7 +210,7 @@ def scratch_to_nodes(bar: ti.template()):
 
 @ti.func
 def subtract_nodal_part(bar: ti.template()):
-    """Take from the scratch what the nodes have of it."""
+    """Subtracts from the scratch its part at the nodes."""
     P, M = bar.particles, bar.cells + GHOSTS
     for p in range(P):
         S, _ = stencil_of(bar, p)
@@ -223,7 +222,7 @@ def subtract_nodal_part(bar: ti.template()):
 
 @ti.func
 def sample(bar: ti.template(), row, step, on: ti.template()):
-    """Write them; F is counted from the bar at rest."""
+    """Samples the budget's errors; F is relative to the bar at rest."""
     out = ti.static(bar.samples)
     P = bar.particles
     now = exact_time_factors(bar, step, on)

@@ -1,4 +1,4 @@
-"""What particles give to nodes for the budget, and the accelerations of nodes that each cause makes.
+"""Nodal sums of the particles for the budget, and the accelerations of nodes that each cause makes.
 
 With f the method's force of the reference's stress, f~ that of the same stress in pieces (``method.pieces``), and
 "down" the mass-weighted mean over the particles of a node, the reference put through the step misses its own
@@ -20,7 +20,7 @@ from solvers.problems.bar.method.pieces import corner_of, find_corners, nodes_pe
 
 @ti.func
 def particles_to_nodes(bar: ti.template(), t, now, on: ti.template()):
-    """Sum the reference, the stress in pieces, and the errors of each cause at the nodes."""
+    """Sums the reference, the stress in pieces, and the errors of each cause at the nodes."""
     M, P = bar.cells + GHOSTS, bar.particles
     for i in range(5 * M):
         bar.budget_nodes[i] = ti.Vector([0.0, 0.0, 0.0, 0.0])
@@ -42,7 +42,7 @@ def particles_to_nodes(bar: ti.template(), t, now, on: ti.template()):
 
 @ti.func
 def corner_to_nodes(bar: ti.template(), p, jump, length, on: ti.template()):
-    """The left corner of particle p: the jump of stress there, and what linearity preservation makes of its length."""
+    """Adds the left corner of particle p: the jump of stress, and its length in linearity preservation."""
     i, B, _ = corner_of(bar, p)
     given = ti.Vector([jump, length, 0.0, 0.0])
     M, P = bar.cells + GHOSTS, bar.particles
@@ -55,7 +55,7 @@ def corner_to_nodes(bar: ti.template(), p, jump, length, on: ti.template()):
 
 @ti.func
 def particle_to_nodes(bar: ti.template(), p, stress, size, now, on: ti.template()):
-    """What particle p adds: S (v + dt a, a, b) and the force of the reference's stress; velocity and force of errors.
+    """Adds particle p's part: S (v + dt a, a, b) and the force of the reference's stress; velocity and force of errors.
 
     F P is quadratic: F P - F0 P0 = E (F + F0 - F_rest) e_F exactly. Linearity preservation divides by sums of F, which
     so belong to the weights: there the run's own F is the geometry of either.
@@ -88,9 +88,9 @@ def particle_to_nodes(bar: ti.template(), p, stress, size, now, on: ti.template(
 
 @ti.func
 def update_nodes(bar: ti.template(), t, on: ti.template()):
-    """Of each cause, velocity after the step and acceleration, its source with it; of the reference v + dt a and a.
+    """Computes each cause's velocity after the step and its acceleration, sources included; the reference's too.
 
-    What is taken away leaves the run's own nodes here, and gives to nobody's error.
+    A removed cause is subtracted from the run's own nodes here, and adds to no error.
     """
     M, size = bar.cells + GHOSTS, tone_amplitudes(bar, t, on)
     for i in range(1, bar.cells + 1):

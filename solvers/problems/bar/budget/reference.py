@@ -1,9 +1,8 @@
-"""What the reference does in a step at a particle: the exact solution, in numbers that follow from X and the time
-alone, or, where that is not looked at, the companion. A typed motion is kept like the companion.
+"""The budget's reference in a step at a particle: the exact solution, computed from X and the time alone, or, where it
+is not used, the companion. A typed motion is stored like the companion.
 
-The first half of a step needs the reference where the step begins, the sources of the time step where it ends, and
-there the companion is at the end of the step. So these are given then, in ``companion_after_step``, and what the next
-step begins with is kept.
+The first half of a step needs the reference at its start, the sources of the time step at its end, and the companion is
+there only after the step. So ``companion_after_step`` adds the sources then, and stores the start of the next step.
 """
 
 import taichi as ti
@@ -19,8 +18,7 @@ TIME_STEP = list(CAUSES).index("time_step")  # its lane
 
 @ti.func
 def time_factors(bar: ti.template(), t):
-    """The factors of time in a step that begins at t: of u; of v + dt a; of a; and of what a step of symplectic Euler
-    misses of u and of v."""
+    """Returns time factors in a step from t on: of u; v + dt a; a; and symplectic Euler's errors of u and v."""
     w, dt = bar.angular_frequency, bar.dt
     s0, c0, s1, c1 = ti.sin(w * t), ti.cos(w * t), ti.sin(w * (t + dt)), ti.cos(w * (t + dt))
     fast, bend = w * c0 - dt * w * w * s0, -w * w * s0
@@ -29,7 +27,7 @@ def time_factors(bar: ti.template(), t):
 
 @ti.func
 def motion(bar: ti.template(), p, now, on: ti.template()):
-    """v + dt a, a, and what a step of symplectic Euler misses of u and of v, which what is kept says later."""
+    """Returns v + dt a, a, and symplectic Euler's errors of u and v in a step, 0 if added later."""
     known = ti.Vector([bar.drift_velocity, 0.0, 0.0, 0.0])
     if ti.static(stores_reference(on)):
         known = bar.reference_motion[p]
@@ -41,7 +39,7 @@ def motion(bar: ti.template(), p, now, on: ti.template()):
 
 @ti.func
 def slopes(bar: ti.template(), p, now, on: ti.template()):
-    """F, the slope of v + dt a along X, and what a step misses of F."""
+    """Returns F, the slope of v + dt a along X, and the error of F in a step."""
     known = ti.Vector([1.0, 0.0, 0.0])
     if ti.static(stores_reference(on)):
         kept = bar.reference_slopes[p]
@@ -54,7 +52,7 @@ def slopes(bar: ti.template(), p, now, on: ti.template()):
 
 @ti.func
 def companion_after_step(bar: ti.template(), step):
-    """At the end of step number ``step``, when the companion has been there: what symplectic Euler has missed of it."""
+    """Adds symplectic Euler's errors at the end of step number ``step``, to which the companion has advanced."""
     _fill_elements(bar, step)
     n = bar.companion_counts[companion.ORDER] + 1
     for p in range(bar.particles):
@@ -69,7 +67,7 @@ def companion_after_step(bar: ti.template(), step):
 
 @ti.func
 def typed_after_step(bar: ti.template(), step):
-    """The same of a typed motion."""
+    """Adds symplectic Euler's errors at the end of step number ``step``, for a typed motion."""
     angle = bar.angular_frequency * bar.dt * step
     find_functions(bar.tables, bar.table_sizes, MOTION, bar.angular_frequency, angle, angle)
     rank, modes, out = size_of(bar, MOTION, RANK), size_of(bar, MOTION, MODES), size_of(bar, MOTION, PRESENT)
@@ -83,7 +81,7 @@ def typed_after_step(bar: ti.template(), step):
 
 @ti.func
 def _store_reference(bar: ti.template(), p, u, v, a, F, rate):
-    """The reference of particle p for the next step, and the error that the time step has made in this one."""
+    """Stores the reference of particle p for the next step, and adds the time step's error in this one."""
     dt, P = bar.dt, bar.particles
     was, slope = bar.reference_motion[p], bar.reference_slopes[p]
     missed = ti.Vector([dt * was[0] - (u - slope[2]), dt * was[1] - (v - (was[0] - dt * was[1])),
@@ -101,8 +99,8 @@ def _store_reference(bar: ti.template(), p, u, v, a, F, rate):
 
 @ti.func
 def _fill_elements(bar: ti.template(), step):
-    """u, v, a and u_X at the points of each element after ``step`` steps, and the slope of v + dt a: cubic Hermite
-    polynomials in the interval that the companion took last, of (u, v) and of (v, a)."""
+    """Computes u, v, a and u_X at the points of each element after ``step`` steps, and the slope of v + dt a: cubic
+    Hermite polynomials of (u, v) and of (v, a) in the companion's last interval."""
     n, N, k = bar.companion_counts[companion.ORDER] + 1, bar.companion_counts[companion.NODES], \
         bar.companion_counts[companion.INTERVAL]
     H = k * bar.dt

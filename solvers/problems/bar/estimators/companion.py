@@ -1,4 +1,4 @@
-"""The companion on the bar (see ``solvers.estimators.companion``): its space, and what it says of each particle.
+"""The companion on the bar (see ``solvers.estimators.companion``): its space, and its report for each particle.
 
 Elements of the material coordinate X around the period, with P = E u_X:
 
@@ -29,7 +29,7 @@ PER_WAVE = 5  # elements of a typed motion's shortest wave that matters
 
 @ti.func
 def accelerate(bar: ti.template(), t, on: ti.template()):
-    """Accelerations of the nodes at the trial displacement and time t, where they are zero at first."""
+    """Computes the nodes' accelerations at the trial displacement and time t; they must be zero before."""
     N = bar.companion_counts[shared.NODES]
     for e in range(bar.companion_counts[shared.ACROSS]):
         element_forces(bar, shared.WORK * N + e * bar.companion_counts[shared.ORDER])
@@ -44,7 +44,7 @@ def accelerate(bar: ti.template(), t, on: ti.template()):
 
 @ti.func
 def element_forces(bar: ti.template(), first):
-    """Take an element's internal forces from its nodes, which are in ``companion_nodes`` from ``first`` on."""
+    """Subtracts an element's internal forces from its nodes, which are in ``companion_nodes`` from ``first`` on."""
     n = bar.companion_counts[shared.ORDER] + 1
     for q in range(n):
         stretch = 0.0
@@ -57,7 +57,7 @@ def element_forces(bar: ti.template(), first):
 
 @ti.func
 def report(bar: ti.template(), base, step, on: ti.template()):
-    """Every particle's error at ``step``: computed minus the companion's, at its material point."""
+    """Reports every particle's error at ``step``: computed minus the companion's, at its material point."""
     shared.read_nodes(bar, step)
     fill_elements(bar)
     n = bar.companion_counts[shared.ORDER] + 1
@@ -79,7 +79,7 @@ def report(bar: ti.template(), base, step, on: ti.template()):
 
 @ti.func
 def fill_elements(bar: ti.template()):
-    """u, v, u_X and a at the points of each element; u_X jumps between elements."""
+    """Computes u, v, u_X and a at the points of each element; u_X jumps between elements."""
     n, N = bar.companion_counts[shared.ORDER] + 1, bar.companion_counts[shared.NODES]
     for e in range(bar.companion_counts[shared.ACROSS]):
         first = shared.NOW * N + e * (n - 1)
@@ -93,14 +93,14 @@ def fill_elements(bar: ti.template()):
 
 
 def mesh(scene) -> Elements:
-    """Elements of three cells on coarse bars and of up to 16 on fine ones, where the companion gains by its order; and
-    enough for the waves of what was typed."""
+    """Returns elements of three cells on coarse bars and of up to 16 on fine ones, where the companion gains by its
+    order, and enough of them for the waves of a typed motion."""
     count = max(3, min(1 + scene.cells // 3, 6 + scene.cells // 16))
     return Elements(0.0, 1.0, max(count, PER_WAVE * scene.waves) if scene.displacement else count, POLYNOMIALS)
 
 
 def allocate(scene) -> dict[str, np.ndarray]:
-    """The companion at rest, moving with the initial velocity."""
+    """Returns the companion's arrays, undeformed and with the initial velocity."""
     elements = mesh(scene)
     n, X = elements.order + 1, elements.nodes
     inverse_mass = np.zeros((len(X), 2))
@@ -119,7 +119,7 @@ def allocate(scene) -> dict[str, np.ndarray]:
 
 
 def nodal_masses(elements: Elements) -> np.ndarray:
-    """Masses of the nodes for a density of 1; the first and the last are one."""
+    """Returns masses of the nodes for a density of 1; the first and the last node are one."""
     m = elements.assembled_weights
     m[0] = m[-1] = m[0] + m[-1]
     return m
@@ -127,7 +127,7 @@ def nodal_masses(elements: Elements) -> np.ndarray:
 
 @functools.cache
 def unit_frequency(elements: Elements) -> float:
-    """The highest frequency of the bar for a wave speed of 1 m/s, in 1/s."""
+    """Returns the highest frequency of the bar for a wave speed of 1 m/s, in 1/s."""
     stiffness = elements.derivative.T @ (elements.weights[:, None] * elements.derivative)
     inverse_mass = 1 / nodal_masses(elements)
 
@@ -140,7 +140,7 @@ def unit_frequency(elements: Elements) -> float:
 
 
 def verdict(scene, memory) -> str | None:
-    """Why not to trust what was reported last."""
+    """Returns why not to trust the last report, or None."""
     elements = mesh(scene)
     u = memory["companion_nodes"].reshape(-1, len(elements.nodes), 8)[shared.NOW, :, :2]
     return shared.why_not_trusted(u[elements.node_of_point], (1,), memory["companion_numbers"][shared.SQUARE])

@@ -57,26 +57,26 @@ MOTION, GATHERED, ERRORS, FORCE = range(4)
 
 @ti.func
 def entry(bar: ti.template(), kind: ti.template(), i):
-    """Entry i of a block of the nodal array."""
+    """Index of entry i of a block of the nodal array."""
     return kind * bar.recovered_stride + i
 
 
 @ti.func
 def extend_periodically(field: ti.template(), start, count, beyond):
-    """Repeat the beginning of what is known once around behind its end: as far as rows of a table reach beyond."""
+    """Copies the first ``beyond`` of ``count`` entries behind the last, as far as rows of a table reach."""
     for k in range(beyond):
         field[start + count + k] = field[start + k]
 
 
 @ti.func
 def extend_nodes(bar: ti.template(), kind: ti.template()):
-    """The same for a block of nodal values."""
+    """Extends a block of nodal values periodically."""
     extend_periodically(bar.recovered_nodes, entry(bar, kind, 0), bar.cells, bar.recovered_stride - bar.cells)
 
 
 @ti.func
 def row_sums(bar: ti.template(), table: ti.template(), row, field: ti.template(), start):
-    """``ABREAST`` rows of a table, from ``row`` on and of equal weights, of a field that begins at ``start``."""
+    """Returns the sums of three rows of a table, from ``row`` on and of equal weights, of a field from ``start`` on."""
     one, two, three = ti.Vector([0.0] * 4), ti.Vector([0.0] * 4), ti.Vector([0.0] * 4)
     first = start + prefix_view(bar, table).first[row]
     second, third = start + prefix_view(bar, table).first[row + 1], start + prefix_view(bar, table).first[row + 2]
@@ -90,7 +90,7 @@ def row_sums(bar: ti.template(), table: ti.template(), row, field: ti.template()
 
 @ti.func
 def apply_table(bar: ti.template(), table: ti.template(), count, field: ti.template(), start, into: ti.template(), at):
-    """All ``count`` rows of a table, of a field that begins at ``start``, into another from ``at`` on."""
+    """Applies all ``count`` rows of a table to a field that begins at ``start``; stores the result from ``at`` on."""
     for group in range(recovery.group_count(count)):
         row = recovery.first_in_group(group, count)
         recovery.store_sums(into, at + row, 1, row_sums(bar, table, row, field, start))
@@ -98,20 +98,20 @@ def apply_table(bar: ti.template(), table: ti.template(), count, field: ti.templ
 
 @ti.func
 def particles_to_nodes(bar: ti.template(), table: ti.template(), kind: ti.template()):
-    """A table of the fields at particles into a block of nodal values."""
+    """Applies a table to the fields at particles; stores the result in a block of nodal values."""
     apply_table(bar, table, bar.cells, bar.recovered_field, 0, bar.recovered_nodes, entry(bar, kind, 0))
 
 
 @ti.func
 def nodes_to_nodes(bar: ti.template(), table: ti.template(), kind: ti.template(), into: ti.template()):
-    """A table of a block of nodal values, which is closed, into another block."""
+    """Applies a table to a periodically extended block of nodal values; stores the result in another block."""
     apply_table(bar, table, bar.cells, bar.recovered_nodes, entry(bar, kind, 0), bar.recovered_nodes,
                 entry(bar, into, 0))
 
 
 @ti.func
 def error_at(bar: ti.template(), p, pattern):
-    """The nodal errors at a particle, and in the last place the slope of the first."""
+    """Returns the nodal errors at a particle, and in the last place the slope of the first."""
     total = ti.Vector([0.0] * 4)
     first, begin, _ = recovery.table_row(bar, SPREAD, p, pattern)
     for k in ti.static(range(3)):
@@ -121,7 +121,7 @@ def error_at(bar: ti.template(), p, pattern):
 
 @ti.func
 def nodal_body_force(bar: ti.template(), i, shape, size, on: ti.template()):
-    """M b of a node, with M of each tone's shape."""
+    """Returns M b of a node, from M of each tone's shape."""
     b = size[0] * shape[0] + size[1] * shape[1]
     if ti.static(on.motion == TYPED):
         b = pair_sum(bar.recovered_force, bar.recovered_force_sizes, 0, i)[0]
@@ -130,7 +130,7 @@ def nodal_body_force(bar: ti.template(), i, shape, size, on: ti.template()):
 
 @ti.func
 def start_reference(bar: ti.template(), t, on: ti.template()):
-    """Unless it is done: start the reference with the acceleration at time t, when the bar was undeformed, a = M b."""
+    """Starts the reference, once, with the acceleration at time t, when the bar was undeformed: a = M b."""
     if bar.recovered_numbers[TURNS] == NEW:
         size = table_amplitudes(bar, bar.recovered_force, bar.recovered_force_sizes, t, on)
         for i in range(bar.cells):
@@ -143,7 +143,7 @@ def start_reference(bar: ti.template(), t, on: ti.template()):
 
 @ti.func
 def add_verdict_sums(bar: ti.template()):
-    """Add this turn's fourth differences of U, and e, to the sums that the verdict looks at."""
+    """Adds this turn's fourth differences of U, and e, to the sums for the verdict."""
     rough, size, along = 0.0, 0.0, 0.0
     for i in range(bar.cells):
         fourth = 0.0
@@ -162,9 +162,10 @@ def add_verdict_sums(bar: ti.template()):
 
 @ti.func
 def after_step(bar: ti.template(), base, step, on: ti.template()):
-    """U += H w; the error's gradient corrects the recovered one; w += H (a + correction), a = M b - D P/rho.
+    """Advances the reference: U += H w; w += H (a + correction), a = M b - D P/rho.
 
-    P is linear in the slopes and D in P, so D is taken of both slopes at once, and P itself is never needed."""
+    P is linear in the slopes and D in P, so D is taken of both slopes at once, and P itself is never needed.
+    """
     start_reference(bar, step * bar.dt - bar.recovered_numbers[H], on)
     for p in range(bar.particles):
         u = bar.position[p] - bar.material_position[p]
@@ -186,7 +187,7 @@ def after_step(bar: ti.template(), base, step, on: ti.template()):
 
 @ti.func
 def damped_errors(bar: ti.template()):
-    """e* = 2 e - C e + tau (1 - C)^2 e' from the gathered errors."""
+    """Computes e* = 2 e - C e + tau (1 - C)^2 e' from the gathered errors."""
     extend_nodes(bar, GATHERED)
     nodes_to_nodes(bar, SMOOTHING, GATHERED, ERRORS)
     for i in range(bar.cells):
@@ -204,7 +205,7 @@ def damped_errors(bar: ti.template()):
 
 @ti.func
 def move_reference(bar: ti.template(), t, on: ti.template()):
-    """The acceleration of every node at time t, and the rate that follows."""
+    """Computes the acceleration of every node at time t, and the new rate."""
     size = table_amplitudes(bar, bar.recovered_force, bar.recovered_force_sizes, t, on)
     first = bar.recovered_numbers[TURNS] == BEGUN
     bar.recovered_numbers[TURNS] = MOVED
@@ -221,7 +222,7 @@ def move_reference(bar: ti.template(), t, on: ti.template()):
 
 @ti.func
 def report(bar: ti.template(), base, step, on: ti.template()):
-    """Estimated errors of x, v, sigma at the state's time and of a at the last step's, on the particles."""
+    """Reports the errors of x, v, sigma at the state's time and of a at the last step's, at the particles."""
     for p in range(bar.particles):
         S, _ = stencil_of(bar, p)
         i = bar.first_node[p]
@@ -255,14 +256,14 @@ def report(bar: ti.template(), base, step, on: ti.template()):
 
 @ti.func
 def find_errors(bar: ti.template(), length, since):
-    """Nodal errors of the fields, unsmoothed."""
+    """Computes nodal errors of the fields, unsmoothed."""
     particles_to_nodes(bar, GATHER, GATHERED)
     for i in range(bar.cells):
         before = bar.recovered_nodes[entry(bar, FORCE, i)][3]
         U, V, A = recovery.reference_at(bar.recovered_nodes[entry(bar, MOTION, i)], before, length, since, bar.dt)
         mean = bar.recovered_nodes[entry(bar, GATHERED, i)]
         if bar.recovered_numbers[TURNS] == BEGUN:
-            A = mean[2]  # the start's own says nothing of how a changes since: it was up to 250 times the error
+            A = mean[2]  # without the rate of a, which is unknown there: it was up to 250 times the error
         bar.recovered_nodes[entry(bar, GATHERED, i)] = mean - ti.Vector([U, V, A, U])
     extend_nodes(bar, GATHERED)
     nodes_to_nodes(bar, SMOOTHING, GATHERED, ERRORS)
@@ -277,7 +278,7 @@ def interval(scene):
 
 
 def allocate(scene):
-    """Operators of the material line, and the reference in the initial configuration."""
+    """Returns operators of the material line, and the reference in the initial configuration."""
     cells, per_cell = scene.cells, scene.ppc
     tables = recovered_tables.operators(scene)
     X = (np.arange(scene.particles) + 0.5) * (scene.spacing / per_cell)

@@ -1,5 +1,4 @@
-"""The recovered estimator of the bar outside of kernels: its operators as tables of rows, and what a run shows of
-whether it holds."""
+"""The recovered estimator of the bar outside kernels: its operators as tables of rows, and its verdict."""
 
 from collections.abc import Mapping
 
@@ -24,7 +23,7 @@ MOST_MISSED, MOST_ADDED = 0.09, 0.3
 
 
 def operators(scene: BarScene) -> dict[str, Rows]:
-    """The tables by name; cells are alike, and so are particles to a fit, so that most have one row of weights."""
+    """Returns the tables by name; cells are alike, and so are particles to a fit: most have one row."""
     cells, per_cell = scene.cells, int(scene.ppc)
     few = min(cells, PATTERN_CELLS)
     line = Line(few * per_cell, few, few * scene.spacing, "periodic")
@@ -45,12 +44,12 @@ def operators(scene: BarScene) -> dict[str, Rows]:
 
 
 def select_components(rows: Rows, last: int) -> Rows:
-    """The rows' value for u, v and a, and again or the slope for u."""
+    """Returns the rows' value for u, v and a, and for u again the value or the slope."""
     return Rows(rows.first, rows.weights[:, :, 0][:, :, [0, 0, 0, last]])
 
 
 def periodic_map(weights: np.ndarray, cells: int) -> Rows:
-    """The map of all nodes from that of node 0, with a weight for each column of the whole line."""
+    """Returns the map of all nodes from that of node 0, with a weight for each column of the whole line."""
     middle = len(weights) // 2
     weights = np.roll(weights, middle, axis=0)
     used = np.flatnonzero(weights.any(axis=1))
@@ -59,7 +58,7 @@ def periodic_map(weights: np.ndarray, cells: int) -> Rows:
 
 
 def verdict(scene: BarScene, memory: Mapping[str, np.ndarray]) -> str | None:
-    """Why not to trust it: the reference's own trouble, or what the fits miss of the motion and count as error."""
+    """Returns why not to trust the estimate: a bad reference, or motion that the fits count as error; or None."""
     U = memory["recovered_nodes"][:scene.cells, 0]
     if reason := recovery.why_not_trusted(memory, np.abs(U).max() / scene.motion_amplitude):
         return reason

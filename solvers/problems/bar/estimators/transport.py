@@ -21,7 +21,7 @@ MOST_INTERVAL = 10  # steps of the run between two of the estimator's
 
 @ti.func
 def in_step(bar: ti.template(), base, on: ti.template()):
-    """Advance Ex, Ev, Esigma by H = k dt and report Ea, between the node update and the particle update.
+    """Advances Ex, Ev, Esigma by H = k dt and reports Ea, between the node update and the particle update.
 
     The error varies over the time a wave takes through a cell, not over a step, so it is advanced every k steps
     (``interval``) with that step's own weights.
@@ -44,10 +44,10 @@ def in_step(bar: ti.template(), base, on: ti.template()):
 
 @ti.func
 def gather_errors(bar: ti.template(), base, on: ti.template()):
-    """Nodal sums of S Ev, D* source, S source and D* r^2; source = Esigma + sigma EF/F.
+    """Computes nodal sums of S Ev, D* source, S source and D* r^2; source = Esigma + sigma EF/F.
 
-    And of S r^2 for a mapping that preserves linearity, whose step has gathered its other moments; or else of the
-    moments D*, D* r, S sigma and S F V0, the last for V_i.
+    Also S r^2 for a mapping that preserves linearity, whose step has gathered its other moments; otherwise the moments
+    D*, D* r, S sigma and S F V0, the last for V_i.
     """
     for i in range(bar.cells + nodes.GHOSTS):
         bar.transport_nodes[i] = ti.Vector([0.0] * 8)
@@ -74,7 +74,7 @@ def gather_errors(bar: ti.template(), base, on: ti.template()):
 
 @ti.func
 def volume_of(bar: ti.template(), i, on: ti.template()):
-    """V_i, the node's share of the current volume."""
+    """Returns V_i, the node's share of the current volume."""
     volume = 0.0
     if ti.static(on.linearity_preserving):
         volume = bar.node_volume[i]
@@ -85,7 +85,7 @@ def volume_of(bar: ti.template(), i, on: ti.template()):
 
 @ti.func
 def stress_slopes(bar: ti.template(), on: ti.template()):
-    """sigma_x at the nodes, from the force that the step used."""
+    """Computes sigma_x at the nodes, from the force that the step used."""
     for i in range(1, bar.cells + 1):
         bar.transport_slope[i] = nodes.node_force(bar, i, on) / ti.max(volume_of(bar, i, on), nodes.EMPTY * bar.spacing)
     nodes.unfold(bar.transport_slope, bar.cells)
@@ -93,7 +93,7 @@ def stress_slopes(bar: ti.template(), on: ti.template()):
 
 @ti.func
 def node_errors(bar: ti.template(), on: ti.template()):
-    """Ea_i and the nodal velocity error after the step, Ev_i = sum S Ev/sum S + dt Ea_i."""
+    """Computes Ea_i and the nodal velocity error after the step, Ev_i = sum S Ev/sum S + dt Ea_i."""
     for i in range(1, bar.cells + 1):
         weight = bar.node_sums[i][0]
         Ea, Ev = 0.0, 0.0
@@ -121,7 +121,7 @@ def node_errors(bar: ti.template(), on: ti.template()):
 
 @ti.func
 def particle_errors(bar: ti.template(), base, on: ti.template()):
-    """Carry Ev, Ex and Esigma on with the step's own weights, and leave Ea for the report."""
+    """Advances Ev, Ex and Esigma with the step's own weights, and stores Ea for the report."""
     for p in range(bar.particles):
         S, dS = nodes.stencil_of(bar, p)
         i = bar.first_node[p]
@@ -146,15 +146,15 @@ def particle_errors(bar: ti.template(), base, on: ti.template()):
 
 
 def interval(scene):
-    """Steps between two of its own: as many as the feedback bears, which is a wave like the motion's own and no faster
-    than c in the most stretched cell; of those that end at samples."""
+    """Returns the steps per turn: as many as keep the feedback stable, which is a wave like the motion's own and no
+    faster than c in the most stretched cell; only numbers that divide the sample interval."""
     fastest = scene.courant_number * (1 + scene.size_of("sigma") / scene.modulus)
     most = max(1, min(MOST_INTERVAL, int(WAVE_CFL / fastest)))
     return max(k for k in range(1, most + 1) if scene.sample_interval % k == 0)
 
 
 def allocate(scene):
-    """Nodal arrays, with the periodic images."""
+    """Returns nodal arrays, with the periodic images."""
     N = scene.cells + nodes.GHOSTS
     return {"transport_dt": interval(scene) * scene.time_step, "transport_nodes": np.zeros((N, 8)),
             "transport_slope": np.zeros(N), "transport_errors": np.zeros((N, 4))}

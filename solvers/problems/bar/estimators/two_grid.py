@@ -25,13 +25,13 @@ MEMORY = {
     **{"coarse_" + name: kind for name, kind in BarBody.types().items()},
     **two_grid.memory_types(quads),
     "two_grid_before": quads,  # F and a of the second bar a step ago, a two steps ago, and nothing
-    "two_grid_noisy": ti.i32,  # whether nothing is said of a
+    "two_grid_noisy": ti.i32,  # whether a is not estimated
 }
 
 
 @ti.func
 def after_step(bar: ti.template(), base, step, on: ti.template()):
-    """One step of the second bar, from ``coarse_dt`` ago until now; F and a before it are kept, for their rates."""
+    """Takes one step of the second bar, over the last ``coarse_dt``; stores F and a before it, for their rates."""
     coarse, bare = ti.static([prefix_view(bar, "coarse_"), two_grid.method_options(on)])
     for q in range(coarse.particles):
         bar.two_grid_before[q] = ti.Vector([
@@ -42,7 +42,7 @@ def after_step(bar: ti.template(), base, step, on: ti.template()):
 
 @ti.func
 def report(bar: ti.template(), base, step, on: ti.template()):
-    """e = q_h - I q*; nothing yet of a, if it is so early that the second bar has had only that of the start."""
+    """Reports e = q_h - I q*; not yet for a as long as the second bar has only that of the start."""
     own, coarse = ti.static([prefix_view(bar, "two_grid_"), prefix_view(bar, "coarse_")])
     two_grid.clear_common_lattice(own)
     run_fields(bar, own, on)
@@ -65,7 +65,7 @@ def report(bar: ti.template(), base, step, on: ti.template()):
 
 @ti.func
 def run_fields(bar: ti.template(), own: ti.template(), on: ti.template()):
-    """u, v, sigma and a of the run."""
+    """Stores u, v, sigma and a of the run."""
     for p in range(bar.particles):
         a = 0.0
         if ti.static(on.acceleration):
@@ -76,7 +76,7 @@ def run_fields(bar: ti.template(), own: ti.template(), on: ti.template()):
 
 @ti.func
 def coarse_fields(bar: ti.template(), own: ti.template(), coarse: ti.template(), step):
-    """The same of the second bar, carried on from its last step to the present one, ``late`` seconds.
+    """Stores the fields of the second bar, extrapolated by ``late`` seconds from its last step to the present.
 
     Its v belongs to half a step before, the run's to dt/2 before now, and the extrapolated one shall belong to now: the
     v taken here is early by r^2 dt/2 on purpose, which cancels what (r^2 S v_h) lacks. Its a belongs to a step before,
@@ -100,13 +100,13 @@ def coarse_fields(bar: ti.template(), own: ti.template(), coarse: ti.template(),
 
 
 def coarse_scene(scene):
-    """The scene of the second run."""
+    """Returns the scene of the second run."""
     return replace(scene, cells=scene.cells // 2, dt=two_grid.interval(scene) * scene.time_step, cfl=None,
                    sample_every=None, estimators=(), effects=())
 
 
 def allocate(scene):
-    """The second bar at its start, and what the comparison needs."""
+    """Returns the second bar at its start, and the tables of the comparison."""
     second = coarse_scene(scene)
     fine, coarse = (scene.particles, 1), (second.particles, 1)
     members = initial_body(second, two_grid.method_options(kernel_options_of(second)))
@@ -117,7 +117,7 @@ def allocate(scene):
 
 
 def verdict(scene, memory):
-    """Whether the second bar is sound, and near enough."""
+    """Returns why the second bar cannot be used, or None."""
     moved = memory["coarse_position"] - memory["coarse_material_position"]
     return two_grid.coarse_run_verdict(scene, memory["coarse_deformation_gradient"], moved,
                                        min(0.5, 20 * scene.motion_amplitude), memory["two_grid_largest"])

@@ -1,1 +1,1 @@
-"""The method on the bar, for kernels: arrays, the phases of a step, remedies, and what is measured."""
+"""Kernels of the method on the bar: state, phases of a step, remedies, and diagnostics."""

@@ -1,4 +1,4 @@
-"""The bar's body: every number and array that the method itself needs."""
+"""State of the bar's kernels: all numbers and arrays of the method itself."""
 
 from dataclasses import dataclass
 
@@ -16,8 +16,8 @@ from solvers.solver.state_arrays import Members, remedy_rates, zeros
 
 @dataclass
 class BarBody(Members):
-    """P particles, N nodes; node arrays have ``GHOSTS`` more entries. What only an effect that is off would use has
-    length one."""
+    """P particles, N nodes; node arrays have ``GHOSTS`` more entries. Arrays that only an inactive effect would use
+    have length one."""
 
     particles: Integer
     cells: Integer
@@ -47,7 +47,7 @@ class BarBody(Members):
     node_moments: Quads  # sum of D*, D* r, S r, S sigma (N+4, 4)
     node_volume: Reals  # V_i = sum of S F V0 (N+4,)
     node_motion: Pairs  # v_i after the step and a_i (N+4, 2)
-    node_stiffness: Reals  # what Gershgorin's circle of a node bears, 1/s^2 (N+4,), for the margin of the step
+    node_stiffness: Reals  # Gershgorin's bound of each node, 1/s^2 (N+4,), for the step margin
     corners: Quads  # of each particle's piece, with pieces or a budget: see ``pieces.corner_of`` (P, 4)
     remedy_interval: Integer  # steps between two turns of the remedies
     remedy_rate: Real  # what a turn of the null-space filter takes out, and how far one of the coupling draws F
@@ -60,8 +60,8 @@ class BarBody(Members):
 
 
 def initial_body(scene: BarScene, on: KernelOptions) -> dict:
-    """The members of a :class:`BarBody` at the start: particles at (p + 1/2) h/ppc, F = 1, and the velocity of the
-    exact solution. A patch test counts F from its stretch on (``solvers.problems.bar.patch_test``)."""
+    """Returns the members of a :class:`BarBody` at the start: particles at (p + 1/2) h/ppc, F = 1, and the velocity of
+    the exact solution. F of a patch test is relative to its stretch (``solvers.problems.bar.patch_test``)."""
     P, nodes, w = scene.particles, scene.cells + GHOSTS, scene.angular_frequency
     X = (np.arange(P) + 0.5) * (scene.spacing / scene.ppc)
     swings, stretch = not scene.is_patch, scene.initial_stretch

@@ -15,13 +15,13 @@ from solvers.solver.field_tables import FORCE, find_pair_functions, pair_sum
 
 @ti.func
 def tone_amplitudes(bar: ti.template(), t, on: ti.template()):
-    """The size of each tone at time t, in m/s^2."""
+    """Returns the amplitude of each tone at time t, in m/s^2."""
     return table_amplitudes(bar, bar.tables, bar.table_sizes, t, on)
 
 
 @ti.func
 def table_amplitudes(bar: ti.template(), tables: ti.template(), sizes: ti.template(), t, on: ti.template()):
-    """The same for the places of a table."""
+    """Returns the amplitude of each tone at time t, in m/s^2, for the places of a table."""
     first, second = 0.0, 0.0
     if ti.static(on.motion == TYPED):
         find_pair_functions(tables, sizes, FORCE, bar.angular_frequency * t, 1.0)
@@ -34,8 +34,8 @@ def table_amplitudes(bar: ti.template(), tables: ti.template(), sizes: ti.templa
 
 @ti.func
 def force_at(tables: ti.template(), sizes: ti.template(), place, sine, cosine, size, on: ti.template()):
-    """The force at a place of a table, where sin 2 pi X and cos 2 pi X are ``sine`` and ``cosine``, with tones of the
-    given size."""
+    """Returns the force at a place of a table, where sin 2 pi X and cos 2 pi X are ``sine`` and ``cosine``, with tones
+    of these amplitudes ``size``."""
     force = size[0] * sine
     if ti.static(on.body_force == "two-tone"):
         force += size[1] * 2 * sine * cosine  # sin 4 pi X
@@ -46,7 +46,7 @@ def force_at(tables: ti.template(), sizes: ti.template(), place, sine, cosine, s
 
 @ti.func
 def force_on_particle(bar: ti.template(), p, size, on: ti.template()):
-    """The force at particle p, with tones of the given size; the cosine is kept only where it is needed."""
+    """Returns the force at particle p, with tones of these amplitudes; the cosine is stored only where it is needed."""
     cosine = 0.0
     if ti.static(on.body_force == "two-tone"):
         cosine = bar.cosine[p]

@@ -16,21 +16,21 @@ DEGENERATE = 1e-3  # linearity preservation falls back to the plain gradient bel
 
 @ti.func
 def stencil_of(bar: ti.template(), p):
-    """The kept stencil: S (1) and dS (1/length) at three nodes from ``first_node``."""
+    """Returns the stored stencil: S (1) and dS (1/length) at three nodes from ``first_node``."""
     w = bar.weights[p]
     return stencil(w[0], w[1], w[2], w[3])
 
 
 @ti.func
 def offset(bar: ti.template(), p):
-    """r = x_p - x_i for the first node of the stencil; the next nodes' are h and 2h less."""
+    """Returns r = x_p - x_i for the first node of the stencil; it is h and 2h less for the next nodes."""
     x = bar.position[p]
     return x - ti.floor(x) - (bar.first_node[p] - 1) * bar.spacing
 
 
 @ti.func
 def fold(values: ti.template(), cells, first=0):
-    """Add what fell on a node's periodic images to the node, of the values that begin at ``first``."""
+    """Adds the sums at a node's periodic images to the node, for values that begin at ``first``."""
     values[first + cells] += values[first]
     for k in ti.static(range(1, 4)):
         values[first + k] += values[first + cells + k]
@@ -38,7 +38,7 @@ def fold(values: ti.template(), cells, first=0):
 
 @ti.func
 def unfold(values: ti.template(), cells, first=0):
-    """Copy the nodes' values, likewise, to their periodic images."""
+    """Copies the nodes' values to their periodic images, for values that begin at ``first``."""
     values[first] = values[first + cells]
     for k in ti.static(range(1, 4)):
         values[first + cells + k] = values[first + k]
@@ -46,7 +46,7 @@ def unfold(values: ti.template(), cells, first=0):
 
 @ti.func
 def divergence_form(bar: ti.template(), i, on: ti.template()):
-    """``(mean, scale)`` such that V_i d(sigma)/dx at node i is (sum D* sigma - mean sum S sigma) scale.
+    """Returns ``(mean, scale)`` such that V_i d(sigma)/dx at node i is (sum D* sigma - mean sum S sigma) scale.
 
     Plain (eq 8): 0 and 1. Linearity preserving: D = (D* - S sum D*/sum S)/den with sum D x = 1 (eq 17,
     normalised); V_i, the node's share of the *current* volume, keeps the density current. Where the domains
@@ -65,7 +65,7 @@ def divergence_form(bar: ti.template(), i, on: ti.template()):
 
 @ti.func
 def gather_moments(bar: ti.template(), on: ti.template()):
-    """Nodal sums of D*, D* r, S r and S sigma with r = x_p - x_i, and V_i = sum S F V0."""
+    """Computes nodal sums of D*, D* r, S r and S sigma with r = x_p - x_i, and V_i = sum S F V0."""
     for i in range(bar.cells + GHOSTS):
         bar.node_moments[i] = ti.Vector([0.0, 0.0, 0.0, 0.0])
         bar.node_volume[i] = 0.0
@@ -90,7 +90,7 @@ def gather_moments(bar: ti.template(), on: ti.template()):
 
 @ti.func
 def node_force(bar: ti.template(), i, on: ti.template()):
-    """V_i d(sigma)/dx as the method sees it: the internal force at node i."""
+    """Returns V_i d(sigma)/dx as the method sees it: the internal force at node i."""
     force = bar.node_sums[i][2]
     if ti.static(on.linearity_preserving):
         mean, scale = divergence_form(bar, i, on)

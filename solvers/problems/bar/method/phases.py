@@ -1,7 +1,7 @@
 """The phases of one step of the bar (section 2 of the paper): symplectic Euler, stress last.
 
-Every phase is a function of the state and of the switches, so the file reads like the method: weights, particles
-to nodes, nodes, nodes to particles. Equal masses cancel: v_i = sum S v / sum S.
+Every phase is a function of the state and of the compile-time options, so the file reads like the method: weights,
+particles to nodes, nodes, nodes to particles. Equal masses cancel: v_i = sum S v / sum S.
 """
 
 import taichi as ti
@@ -15,7 +15,7 @@ from solvers.problems.bar.method.nodes import EMPTY, GHOSTS, MOST_HALF_WIDTH, fo
 
 @ti.func
 def update_grid(bar: ti.template(), t, on: ti.template()):
-    """The first half of a step, from time t: weights, particles to nodes, and the nodes' new motion."""
+    """Runs the first half of a step, from time t: weights, particles to nodes, and the nodes' new motion."""
     if ti.static(not on.frozen):
         find_weights(bar, on)
     if ti.static(on.pieces):
@@ -26,7 +26,7 @@ def update_grid(bar: ti.template(), t, on: ti.template()):
 
 @ti.func
 def half_width(bar: ti.template(), F, on: ti.template()):
-    """Half the domain, in cells, of a particle or several with this F: constant for uGIMP, stretched for cpGIMP."""
+    """Returns half the domain, in cells, of particles with this F: constant for uGIMP, stretched for cpGIMP."""
     width = bar.half_width + ti.zero(F)
     if ti.static(on.method == "cpgimp" and not on.frozen):
         width = ti.min(ti.max(bar.half_width * F, 1e-6), MOST_HALF_WIDTH)
@@ -35,8 +35,7 @@ def half_width(bar: ti.template(), F, on: ti.template()):
 
 @ti.func
 def find_weights(bar: ti.template(), on: ti.template()):
-    """Keep each particle's stencil for both mappings of the step, of ``LANES`` at a time; the last ones perhaps twice.
-    """
+    """Stores each particle's stencil for both mappings of the step, ``LANES`` at a time; the last perhaps twice."""
     per = bar.cells_per_length
     for block in range((bar.particles + LANES - 1) // LANES):
         p = ti.min(block * LANES, bar.particles - LANES)
@@ -46,7 +45,7 @@ def find_weights(bar: ti.template(), on: ti.template()):
         width = half_width(bar, load(bar.deformation_gradient, p), on)
         first, left, right, slope_left, slope_right = outer_weights(on.method, (x - ti.floor(x)) * per, width)
         slope_left, slope_right = slope_left * per, slope_right * per
-        # A run that goes bad has positions anywhere: stay inside the arrays until the check stops it.
+        # Positions of an unstable run are arbitrary: stay inside the arrays until the check stops it.
         node = ti.min(ti.max(first, -1.0), float(bar.cells)) + 1
         for k in ti.static(range(LANES)):
             bar.first_node[p + k] = ti.cast(node[k], ti.i32)
@@ -55,9 +54,9 @@ def find_weights(bar: ti.template(), on: ti.template()):
 
 @ti.func
 def particles_to_nodes(bar: ti.template(), t, on: ti.template()):
-    """Sum S, S v, D* sigma with D* = -dS F V0, and S b with the body force at time t.
+    """Sums S, S v, D* sigma with D* = -dS F V0, and S b with the body force at time t.
 
-    The sums of three nodes wait in registers until a particle has others: in memory, each particle would wait for the
+    The sums of three nodes stay in registers until a particle has others: in memory, each particle would wait for the
     one before it.
     """
     size = tone_amplitudes(bar, t, on)
@@ -86,7 +85,8 @@ def particles_to_nodes(bar: ti.template(), t, on: ti.template()):
 
 @ti.func
 def contribution_of(bar: ti.template(), p, size, on: ti.template()):
-    """What a particle gives to nodes by its weight, 1, v and b, and by the weight's slope, -sigma F V0 as third."""
+    """Returns a particle's contribution to nodes, multiplied by its weight: 1, v and b; and by the weight's slope:
+    -sigma F V0 (third)."""
     carried = ti.Vector([1.0, bar.velocity[p], 0.0, 0.0])
     if ti.static(not on.pieces):
         volume = bar.volume  # frozen weights: the force at rest is -sum dS P V0
@@ -101,7 +101,7 @@ def contribution_of(bar: ti.template(), p, size, on: ti.template()):
 
 @ti.func
 def update_nodes(bar: ti.template(), t, on: ti.template()):
-    """v_i += dt a_i with a_i = internal + body force at time t."""
+    """Sets v_i += dt a_i with a_i = internal + body force at time t."""
     size = tone_amplitudes(bar, t, on)
     for i in range(1, bar.cells + 1):
         sums = bar.node_sums[i]
@@ -124,7 +124,7 @@ def update_nodes(bar: ti.template(), t, on: ti.template()):
 
 @ti.func
 def hat_velocity(bar: ti.template(), x):
-    """The grid velocity at x with hat functions."""
+    """Returns the grid velocity at x with hat functions."""
     s = (x - ti.floor(x)) * bar.cells_per_length
     i = ti.cast(ti.min(ti.max(ti.floor(s), 0.0), bar.cells), ti.i32)
     return (1 - (s - i)) * bar.node_motion[i + 1][0] + (s - i) * bar.node_motion[i + 2][0]
@@ -132,7 +132,7 @@ def hat_velocity(bar: ti.template(), x):
 
 @ti.func
 def nodes_to_particles(bar: ti.template(), step, on: ti.template()):
-    """v += dt sum S a; x += dt sum S v_i (not the printed eq 24); F <- (1 + dt L) F with L = sum dS v_i."""
+    """Sets v += dt sum S a; x += dt sum S v_i (not the printed eq 24); F <- (1 + dt L) F, L = sum dS v_i."""
     jumps = 0.0
     for p in range(bar.particles):
         S, dS = stencil_of(bar, p)

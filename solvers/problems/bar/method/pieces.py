@@ -1,5 +1,4 @@
-"""The bar cut into pieces, one a particle, that leave no gap: what a particle would stand for without being counted
-whole in the cell of its centre.
+"""The bar cut into pieces without gaps, one per particle, which are not counted whole in the cell of their centre.
 
 Piece p lies between the corners p and p + 1, a corner half way between two neighbours, x(X) taken as a cubic through
 four: c_p = (9 (x_{p-1} + x_p) - x_{p-2} - x_{p+1})/16. With the method's base function B (the hat, or the quadratic
@@ -9,14 +8,14 @@ B-spline) the force of pieces at a node is exact for a stress that is constant i
 
 and so vanishes for a constant stress, wherever the particles are.
 
-The budget of errors takes from it what is called a crossing. As a remedy it is the method: the forces of pieces by
+The error budget defines crossings by it. As a remedy it replaces the method: the forces of pieces by
 their own stress, and for the velocity gradient the mean over the piece,
 
     L_p = sum_i v_i (B_i(c_{p+1}) - B_i(c_p))/(c_{p+1} - c_p),
 
 the transpose of that force, so that the work of the nodes is what the pieces store as far as their length is F V0.
 Mass, momentum and the motion of particles keep the method's weights. (F += dt (c_{p+1} - c_p) L_p/V0 stores it to
-the last digit and is not better: over 100 periods both lose the same, and F parts from x sooner.)
+the last digit and is not better: over 100 periods both lose the same, and F deviates from x sooner.)
 """
 
 import taichi as ti
@@ -27,7 +26,7 @@ from solvers.kernels.shape_functions import bspline, hat
 
 @ti.func
 def mapping_position(bar: ti.template(), p, on: ti.template()):
-    """Where the weights see particle p."""
+    """Returns the position of particle p at which weights are evaluated."""
     x = 0.0
     if ti.static(on.frozen):
         x = bar.material_position[p]
@@ -38,7 +37,7 @@ def mapping_position(bar: ti.template(), p, on: ti.template()):
 
 @ti.func
 def periodic_position(bar: ti.template(), p, on: ti.template()):
-    """The same, for p from two before the first to two behind the last, which are those of a period away."""
+    """Returns the mapping position, for p from two before the first to two behind the last, one period away."""
     P = bar.particles
     turn = ti.select(p < 0, -1, ti.select(p < P, 0, 1))
     return mapping_position(bar, p - turn * P, on) + turn
@@ -46,13 +45,14 @@ def periodic_position(bar: ti.template(), p, on: ti.template()):
 
 @ti.func
 def corner_position(before_last, last, this, after):
-    """The corner between the particles ``last`` and ``this``, from the places of four neighbours."""
+    """Returns the corner between the particles ``last`` and ``this``, from the places of four neighbours."""
     return (9 * (last + this) - before_last - after) / 16
 
 
 @ti.func
 def corner_stencil(bar: ti.template(), x, on: ti.template()):
-    """The base functions at a corner: first node, in the padded node arrays, and three weights; of hats the third is 0.
+    """Returns the base functions at a corner: first node, in the padded arrays, and three weights; the third is 0 for
+    hats.
 
     ``nodes_per_corner`` says how many there are to look at.
     """
@@ -66,13 +66,13 @@ def corner_stencil(bar: ti.template(), x, on: ti.template()):
 
 @untranslated
 def nodes_per_corner(on) -> int:
-    """How many nodes a corner meets."""
+    """Returns the number of nodes in a corner's stencil."""
     return 3 if on.method == "bspline" else 2
 
 
 @ti.func
 def find_corners(bar: ti.template(), on: ti.template()):
-    """Keep the left corner of every piece with its base functions.
+    """Stores the left corner of every piece with its base functions.
 
     Those near the ends have neighbours a period away and come first, so that the loop over all others has no choices in
     it and several go at once: the remedy then costs a third of what it did.
@@ -89,22 +89,22 @@ def find_corners(bar: ti.template(), on: ti.template()):
 
 @ti.func
 def store_corner(bar: ti.template(), p, x, on: ti.template()):
-    """Piece p begins at x."""
+    """Stores x as the left corner of piece p."""
     i, B = corner_stencil(bar, x, on)
     bar.corners[p] = ti.Vector([B[0], B[1], i, x])
 
 
 @ti.func
 def corner_of(bar: ti.template(), p):
-    """What is kept of the left corner of piece p: first node, in the padded node arrays, three base functions, and
-    where it is. They add up to one, and one array holds all that."""
+    """Returns the stored left corner of piece p: first node, in the padded node arrays, three base functions, of which
+    two are stored because they add up to one, and its place."""
     kept = bar.corners[p]
     return ti.cast(kept[2], ti.i32), ti.Vector([kept[0], kept[1], 1 - kept[0] - kept[1]]), kept[3]
 
 
 @ti.func
 def corners_to_nodes(bar: ti.template(), on: ti.template()):
-    """Let the stress of pieces pull at the nodes."""
+    """Adds the forces by the stress of pieces to the nodes."""
     before = bar.deformation_gradient[bar.particles - 1]
     for p in range(bar.particles):
         F = bar.deformation_gradient[p]
@@ -116,8 +116,8 @@ def corners_to_nodes(bar: ti.template(), on: ti.template()):
 
 @ti.func
 def gather_lengths(bar: ti.template(), on: ti.template()):
-    """Nodal sums of B_i(c_p) (x_p - x_{p-1}): the length that linearity preservation has of pieces, in the place of
-    sum D r; the force of a constant stress, sum D, is 0."""
+    """Computes nodal sums of B_i(c_p) (x_p - x_{p-1}): linearity preservation's length of pieces, in place of sum D r;
+    the force of a constant stress, sum D, is 0."""
     last = periodic_position(bar, -1, on)
     for p in range(bar.particles):
         this = periodic_position(bar, p, on)
@@ -129,8 +129,8 @@ def gather_lengths(bar: ti.template(), on: ti.template()):
 
 @ti.func
 def interpolate_at_corner(bar: ti.template(), values: ti.template(), first, p, on: ti.template()):
-    """The nodes' ``values``, vectors of which the layer begins at ``first``, at the left corner of piece p; behind the
-    last piece a period begins again."""
+    """Returns the nodes' ``values``, vectors whose layer begins at ``first``, at the left corner of piece p; the last
+    piece is followed by the first."""
     i, B, _ = corner_of(bar, ti.select(p < bar.particles, p, 0))
     seen = B[0] * values[first + i]
     for k in ti.static(range(1, nodes_per_corner(on))):
@@ -140,7 +140,7 @@ def interpolate_at_corner(bar: ti.template(), values: ti.template(), first, p, o
 
 @ti.func
 def stretch_pieces(bar: ti.template(), on: ti.template()):
-    """F <- (1 + dt L) F of every piece."""
+    """Sets F <- (1 + dt L) F for every piece."""
     left = interpolate_at_corner(bar, bar.node_motion, 0, 0, on)[0]
     for p in range(bar.particles):
         right = interpolate_at_corner(bar, bar.node_motion, 0, p + 1, on)[0]
@@ -150,7 +150,7 @@ def stretch_pieces(bar: ti.template(), on: ti.template()):
 
 @ti.func
 def piece_length(bar: ti.template(), p):
-    """c_{p+1} - c_p."""
+    """Returns c_{p+1} - c_p."""
     end = bar.corners[0][3] + 1
     if p + 1 < bar.particles:
         end = bar.corners[p + 1][3]

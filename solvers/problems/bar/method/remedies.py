@@ -1,9 +1,9 @@
-"""The bar's remedies (see ``solvers.scene.remedies``): what a scene may call for against breakdown in long and large
-motions.
+"""Remedies of the bar (see ``solvers.scene.remedies``) against breakdown in long and large motions.
 
-Two things part slowly in MPM, both because the particle-grid maps lose information. The part of the particles' velocity
-that no node sees is never corrected; and F follows the gradient of the grid's velocity, x its value, so that after many
-periods F is no longer that of x. Both remedies act with the weights of the step, before the particles move.
+Two things diverge slowly in MPM, both because the particle-grid maps lose information. The part of the particles'
+velocity that no node sees is never corrected; and F follows the gradient of the grid's velocity, x its value, so that
+after many periods F is no longer that of x. Both remedies act with the weights of the step, before the particles
+move.
 """
 
 import taichi as ti
@@ -11,12 +11,12 @@ import taichi as ti
 from solvers.problems.bar.method.nodes import EMPTY, GHOSTS, fold, stencil_of, unfold
 
 PASSES = 8  # of the coupling: u_i = sum over l < 8 of (I - S^+ S)^l S^+ (x - X)
-MOST_GRADIENT = 0.9  # du/dx beyond which F = 1/(1 - du/dx) says nothing
+MOST_GRADIENT = 0.9  # du/dx beyond which F = 1/(1 - du/dx) is meaningless
 
 
 @ti.func
 def in_step(bar: ti.template(), step, on: ti.template()):
-    """The turn of the remedies between nodes and particles; ``step`` counts this step too."""
+    """Applies the remedies that are due between nodes and particles; ``step`` includes this step."""
     if ti.static(on.filtered or on.coupled):
         if step % bar.remedy_interval == 0:
             if ti.static(on.filtered):
@@ -27,7 +27,7 @@ def in_step(bar: ti.template(), step, on: ti.template()):
 
 @ti.func
 def after_step(bar: ti.template(), on: ti.template()):
-    """Every step's end: take the mean velocity out, but for that of a patch test."""
+    """Subtracts the mean velocity, except that of a patch test, at the end of every step."""
     if ti.static(on.centred):
         mean = 0.0
         for p in range(bar.particles):
@@ -39,7 +39,8 @@ def after_step(bar: ti.template(), on: ti.template()):
 
 @ti.func
 def filter_null_space(bar: ti.template()):
-    """v_p -= rate (I - S S^+)^2 v: the mass-weighted map S^+ to the nodes and back leaves out what no node sees."""
+    """Applies v_p -= rate (I - S S^+)^2 v: mapping to the nodes by the mass-weighted S^+ and back omits the unseen
+    part."""
     for p in range(bar.particles):
         S, _ = stencil_of(bar, p)
         i = bar.first_node[p]
@@ -54,7 +55,7 @@ def filter_null_space(bar: ti.template()):
 
 @ti.func
 def couple_deformation(bar: ti.template()):
-    """F += rate (1/(1 - du/dx) - F), with u the grid's best copy of the displacement x - X, sharpened by passes."""
+    """Applies F += rate (1/(1 - du/dx) - F), with u the grid's best copy of x - X, sharpened by passes."""
     for i in range(bar.cells + GHOSTS):
         bar.node_displacement[i] = 0.0
     for p in range(bar.particles):
@@ -79,7 +80,7 @@ def couple_deformation(bar: ti.template()):
 
 @ti.func
 def scratch_to_nodes(bar: ti.template()):
-    """S^+ of the particles' scratch, into the nodes' scratch."""
+    """Maps the particles' scratch to the nodes' scratch by S^+."""
     for i in range(bar.cells + GHOSTS):
         bar.node_scratch[i] = 0.0
     for p in range(bar.particles):
@@ -96,7 +97,7 @@ def scratch_to_nodes(bar: ti.template()):
 
 @ti.func
 def interpolate_scratch(bar: ti.template(), p):
-    """The nodes' scratch interpolated to particle p."""
+    """Returns the nodes' scratch interpolated to particle p."""
     S, _ = stencil_of(bar, p)
     i = bar.first_node[p]
     total = 0.0

@@ -14,7 +14,7 @@ from solvers.solver.samples import BASE_COLUMNS, ESTIMATOR_COLUMNS, column_index
 
 @ti.func
 def true_error(bar: ti.template(), p, now, on: ti.template()):
-    """Errors of x, v, sigma = E(F - 1) and a at particle p; ``now`` is what :func:`exact_time_factors` says."""
+    """Returns the errors of x, v, sigma = E(F - 1) and a at particle p; ``now`` is from :func:`exact_time_factors`."""
     moved, v, a = now[3], bar.drift_velocity, 0.0
     strain = bar.deformation_gradient[p] - 1
     if ti.static(on.acceleration):
@@ -35,7 +35,7 @@ def true_error(bar: ti.template(), p, now, on: ti.template()):
 
 @ti.func
 def logarithmic_stress_error(bar: ti.template(), p, now, on: ti.template()):
-    """Error of the stress that the rate form sigma' = E L integrates to, E ln F (Table 1); NaN where F <= 0."""
+    """Returns the error of the stress by the rate form sigma' = E L, which is E ln F (Table 1); NaN where F <= 0."""
     error = ti.log(bar.deformation_gradient[p])
     if ti.static(on.motion == "patch"):
         error *= bar.unstretched  # E L since the start, of which the modulus here is the stretched one
@@ -48,7 +48,7 @@ def logarithmic_stress_error(bar: ti.template(), p, now, on: ti.template()):
 
 @ti.func
 def typed_motion_at(bar: ti.template(), p):
-    """u, v, a of the step before and F - 1 of a typed motion at particle p, or their means behind the last of them."""
+    """Returns u, v, a of the step before and F - 1 of a typed motion at particle p, or their means for p = P."""
     rank, modes, out = size_of(bar, MOTION, RANK), size_of(bar, MOTION, MODES), size_of(bar, MOTION, PRESENT)
     known = ti.Vector([0.0, 0.0, 0.0, 0.0])
     for k in range(rank):
@@ -59,8 +59,8 @@ def typed_motion_at(bar: ti.template(), p):
 
 @ti.func
 def exact_time_factors(bar: ti.template(), step, on: ti.template()):
-    """sin w t and cos w t at a step, sin w t one step before, and how far the whole bar has moved. Of a typed motion 1
-    for the third, but 0 at the start, when no acceleration has been computed."""
+    """Returns sin w t and cos w t at a step, sin w t one step before, and the displacement of the whole bar. For a
+    typed motion the third is 1, but 0 at the start, when no acceleration has been computed."""
     angle = bar.angular_frequency * bar.dt * step
     before = ti.max(0.0, angle - bar.angular_frequency * bar.dt)  # at the start both a are 0
     moved, used = bar.drift_velocity * bar.dt * step, ti.sin(before)
@@ -72,7 +72,7 @@ def exact_time_factors(bar: ti.template(), step, on: ti.template()):
 
 @ti.func
 def sample(bar: ti.template(), row, step, looks, on: ti.template()):
-    """Write one row of sums; with ``looks`` also contradictions, which are looked for more rarely."""
+    """Writes one row of sums; with ``looks`` also contradictions, which are sampled more rarely."""
     out = ti.static(bar.samples)
     out[row, ti.static(column_index("step"))] = step
     out[row, ti.static(column_index("work"))] = bar.totals[1]

@@ -12,8 +12,8 @@ from solvers.solver.samples import column_index
 
 @ti.func
 def record_contradictions(bar: ti.template(), row, drift):
-    """Write how far neighbours are from where they should stand, the body from the ``drift`` that it should have, and
-    its displacement from what its deformation says, in m."""
+    """Samples, in m, the gaps between neighbours, the drift of the body relative to the expected ``drift``, and the
+    mismatch of its displacement and deformation."""
     P, dX = bar.particles, bar.volume  # a particle's volume at rest is its length
     squares, worst, place = 0.0, -1.0, 0
     moved = 0.0  # sum of x - X

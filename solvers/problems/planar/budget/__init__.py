@@ -1,4 +1,4 @@
-"""The error budget of a plane body, on demand: which part of the error of a run each cause has made.
+"""The error budget of a plane body, on demand: the share of each cause in the error of a run.
 
 The run is stepped one step at a time by the usual solver, and beside it, in numpy, goes the error of each cause. With
 the weights w of a step given, at the run's own positions, the run takes y^{n+1} = M_w y^n, y = (x, v, F), and the exact

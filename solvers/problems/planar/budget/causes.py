@@ -1,15 +1,15 @@
-"""The errors of each cause: what a step gives to them, and how it carries them on.
+"""The errors of each cause: their sources in a step, and their propagation.
 
-The exact solution, put through one step of the run, misses itself. With f the method's force of the exact stress at the
-nodes, f~ that of the same stress in pieces, and "down" the mass-weighted mean over the particles of a node, it misses
-its own acceleration there by
+The exact solution has a defect under one step of the run. With f the method's force of the exact stress at the nodes,
+f~ that of the same stress in pieces, and "down" the mass-weighted mean over the particles of a node, the defect of the
+acceleration is
 
-    crossings    (f - f~)/m            a particle, or its domain, is counted where a part of its piece does not lie
-    coarse grid  f~/m - down(a0 - b)   pieces of constant stress, and hats to see them with
+    crossings    (f - f~)/m            a particle, or its domain, counts where a part of its piece does not lie
+    coarse grid  f~/m - down(a0 - b)   pieces of constant stress, seen by hats
 
-and beside that: the gradient of the velocity seen from particles and not from pieces (crossings), the way of v and a to
-the nodes and back (coarse grid), and symplectic Euler (time step). The body force acts at material points and misses
-nothing.
+and beside that there are: the velocity gradient at particles instead of pieces (crossings), the mapping of v and a to
+the nodes and back (coarse grid), and symplectic Euler (time step). The body force acts at material points, without a
+defect.
 """
 
 from typing import NamedTuple
@@ -21,14 +21,14 @@ from solvers.problems.planar.budget.exact_state import ExactState
 from solvers.problems.planar.budget.pieces import Pieces
 from solvers.problems.planar.weights import StepWeights
 
-#: The causes that there are here, of ``solvers.scene.error_causes``: a body force at material points makes no error.
+#: The causes of ``solvers.scene.error_causes`` that exist here: a body force at material points makes no error.
 LOCAL_CAUSES = ("crossings", "coarse_grid", "time_step")
 CROSSINGS, COARSE_GRID, TIME_STEP = range(len(LOCAL_CAUSES))
 
 
 class Sources(NamedTuple):
-    """What each of ``LOCAL_CAUSES`` gives in a step to the errors of x and v (3, P, 2) and of F (3, P, 2, 2), and the
-    gradient of the velocity in which the exact motion moves (P, 2, 2)."""
+    """Errors that each of ``LOCAL_CAUSES`` adds in a step to x and v (3, P, 2) and F (3, P, 2, 2), and the velocity
+    gradient of the exact motion (P, 2, 2)."""
 
     position: np.ndarray
     velocity: np.ndarray
@@ -38,10 +38,10 @@ class Sources(NamedTuple):
 
 def sources(weights: StepWeights, pieces: Pieces, now: ExactState, then: ExactState, stress: np.ndarray,
             volume: np.ndarray, dt: float, with_particle: bool, frozen: bool) -> Sources:
-    """Of the step from ``now`` to ``then``.
+    """Returns the sources of the step from ``now`` to ``then``.
 
-    ``stress`` (P, 2, 2) is J sigma of the exact F now, or P if the weights are ``frozen``; ``volume`` (P,) that at
-    rest; ``with_particle`` says that particles move with their own velocity.
+    ``stress`` (P, 2, 2) is J sigma of the exact F now, or P if the weights are ``frozen``; ``volume`` (P,) is that at
+    rest; ``with_particle`` is whether particles move with their own velocity.
     """
     particles = len(volume)
     x, v = np.zeros((len(LOCAL_CAUSES), particles, 2)), np.zeros((len(LOCAL_CAUSES), particles, 2))
@@ -73,7 +73,7 @@ def sources(weights: StepWeights, pieces: Pieces, now: ExactState, then: ExactSt
 
 
 class CauseErrors:
-    """The errors of x and v (3, P, 2) and of F (3, P, 2, 2) that each of ``LOCAL_CAUSES`` has made."""
+    """Errors of x and v (3, P, 2) and of F (3, P, 2, 2) that each of ``LOCAL_CAUSES`` has caused so far."""
 
     def __init__(self, particles: int):
         self.position = np.zeros((len(LOCAL_CAUSES), particles, 2))
@@ -81,13 +81,13 @@ class CauseErrors:
         self.deformation_gradient = np.zeros((len(LOCAL_CAUSES), particles, 2, 2))
 
     def fields(self) -> dict[str, np.ndarray]:
-        """By the names of ``solvers.scene.error_causes.FIELDS``."""
+        """Returns the errors by the names of ``solvers.scene.error_causes.FIELDS``."""
         return {"x": self.position, "v": self.velocity, "F": self.deformation_gradient}
 
     def propagate(self, weights: StepWeights, material: StressDifference, F: np.ndarray, F0: np.ndarray,
                   volume: np.ndarray, given: Sources, dt: float, with_particle: bool) -> None:
-        """Take them through a step which began with the run's ``F`` and the exact ``F0`` (P, 2, 2), and add what each
-        cause gives. L F - L0 F0 = (L - L0) F + L0 (F - F0), exactly; with frozen weights F has L only."""
+        """Propagates the errors through a step that began with the run's ``F`` and the exact ``F0`` (P, 2, 2), and adds
+        the step's sources. L F - L0 F0 = (L - L0) F + L0 (F - F0), exactly; with frozen weights F has L only."""
         stress = material.difference(F, F0, self.deformation_gradient)
         acceleration = weights.acceleration_of(volume[:, None, None] * stress)
         moved = weights.to_nodes(self.velocity) + dt * acceleration

@@ -22,7 +22,7 @@ class ExactState(NamedTuple):
 
 
 def exact_state_at(scene: Any, a: PlanarBody, t: float) -> ExactState:
-    """Found at the orbits' points, F_tt from the table of the motion, and turned to the particles of the body ``a``."""
+    """Returns the exact solution at the particles of ``a``, from that at the orbits' points."""
     jets, K = scene.EXACT.jets(scene, a.orbit_point, t), len(a.orbit_point)
     rate = [one.derivative(axis, TIME) for one in jets for axis in (X_AXIS, Y_AXIS)]
     vectors = [columns(one, K) for one in ((jets.x.value, jets.y.value), jets.velocity, jets.acceleration,

@@ -1,4 +1,4 @@
-"""The budget of a run in the plane, on demand: the usual solver a step at a time, the errors of causes beside it."""
+"""The budget of a run in the plane, on demand: the usual solver step by step, and the causes' errors beside it."""
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
@@ -23,12 +23,12 @@ from solvers.solver.samples import BUDGET
 
 @dataclass(frozen=True)
 class PlanarBudget:
-    """The budget of a problem by its solver."""
+    """Error budget of a problem with this solver."""
 
     solver: type[PlanarSolver]
 
     def check(self, scene: Any, take_away: str = NOTHING) -> None:
-        """:class:`SceneError` where there is no budget of a scene, or not without that cause."""
+        """Raises :class:`SceneError` where a scene has no budget, or none without the cause ``take_away``."""
         require_choice("take_away", take_away, (NOTHING, *CAUSES))
         if not scene.solution_known:
             raise SceneError("body_force", scene.body_force, "leaves no exact solution to compare the {problem} with, "
@@ -44,15 +44,15 @@ class PlanarBudget:
 
     def series(self, scene: Any, steps: np.ndarray, take_away: str = NOTHING,
                on_progress: Callable[[float], None] | None = None) -> tuple[dict[str, np.ndarray], Solver]:
-        """Its samples (``solvers.solver.samples.BUDGET``) after so many ``steps`` (T,), in rising order, NaN from where
-        the run has gone bad; and the solver at the end."""
+        """Returns the budget's samples (``solvers.solver.samples.BUDGET``) after the ``steps`` (T,), which increase,
+        NaN once the run is unstable; and the solver at the end."""
         bare = replace(scene, effects=(), estimators=(), plan="serial", threads=1)
         run = BudgetRun(self.solver(bare), take_away)
         out = {name: np.full(len(steps), np.nan) for name in BUDGET}
         for k, wanted in enumerate(steps):
             while run.solver.step < wanted:
                 if not run.step():
-                    run.solver.measure()  # which says whether it is the particles that are bad
+                    run.solver.measure()  # which checks the particles
                     return out, run.solver
                 if on_progress:
                     on_progress(run.solver.step / float(steps[-1]))
@@ -62,8 +62,8 @@ class PlanarBudget:
 
 
 class BudgetRun:
-    """A scene's run at its start, and the errors that each cause has made in it; what one of ``CAUSES`` gives may be
-    taken out of the run, exactly."""
+    """A scene's run from its start, and the errors that each cause makes in it; the contribution of one of ``CAUSES``
+    can be removed from the run, exactly."""
 
     def __init__(self, solver: PlanarSolver, take_away: str = NOTHING):
         self.solver, self._scene, self._arrays = solver, solver.scene, solver._arrays
@@ -83,14 +83,14 @@ class BudgetRun:
             self.causes.velocity[TIME_STEP] = 0.0
 
     def errors(self) -> dict[str, np.ndarray]:
-        """The true errors of x, v (P, 2) and F (P, 2, 2)."""
+        """Returns the true errors of x, v (P, 2) and F (P, 2, 2)."""
         q, now = self._arrays.position_velocity, self._now
         return {"x": q[:, :2] - self._X - now.displacement, "v": q[:, 2:] - now.velocity,
                 "F": self._arrays.deformation_gradient.reshape(-1, 2, 2) - now.deformation_gradient}
 
     @IGNORE_OVERFLOW
     def step(self) -> bool:
-        """Take one step; False where the run has gone bad."""
+        """Takes one step; returns False where the run is unstable."""
         scene, a, now = self._scene, self._arrays, self._now
         F = a.deformation_gradient.reshape(-1, 2, 2).copy()
         corners = self._lattice.place if scene.frozen else \
@@ -113,7 +113,7 @@ class BudgetRun:
         return True
 
     def _remove_cause(self, given: Sources, cause: int) -> None:
-        """Of a step's sources those of a cause, from the run's particles and so from the errors."""
+        """Subtracts a cause's sources of one step from the run's particles and sets these sources to zero."""
         a = self._arrays
         a.position_velocity[:, :2] -= given.position[cause]
         a.position_velocity[:, 2:] -= given.velocity[cause]
@@ -124,7 +124,7 @@ class BudgetRun:
 
 @IGNORE_OVERFLOW
 def sample(run: BudgetRun) -> dict[str, float]:
-    """RMS errors, the signed part of each cause in them and the RMS of what it has made, by the names of samples."""
+    """Returns RMS errors, each cause's signed part and the RMS of its own errors, by the names of samples."""
     found: dict[str, float] = dict.fromkeys(BUDGET, 0.0)
     for field in FIELDS:
         error, parts = run.errors()[field], run.causes.fields()[field]

@@ -1,8 +1,8 @@
-"""Pieces: the part of the body that each particle stands for, which leave no gap and do not overlap.
+"""Pieces: the part of the body that each particle represents, without gaps or overlaps.
 
-At rest a piece is the cell of the particles' lattice, and at the rims it ends there. In motion it is the quadrilateral
-between the lattice's corners, each of which goes with the particles around it. What pieces of constant stress do to the
-nodes is an integral of hat functions along their edges, which is exact: edges are cut where they leave a cell.
+At rest a piece is the cell of the particles' lattice, cut off at the rims. In motion it is the quadrilateral between
+the lattice's corners, each of which moves with the particles around it. The nodal forces of pieces with constant stress
+are integrals of hat functions along their edges, which are exact: edges are cut where they leave a cell.
 """
 
 import numpy as np
@@ -16,7 +16,7 @@ CELL_CORNERS = ((0, 0), (1, 0), (1, 1), (0, 1))  # the corners of a lattice's ce
 
 
 class PieceLattice:
-    """The corners (K) and edges (E) of the pieces of P particles, in the material."""
+    """Corners (K) and edges (E) of the pieces of P particles, in the material."""
 
     def __init__(self, scene: PlanarScene):
         X = particle_layout(scene).position
@@ -44,15 +44,15 @@ class PieceLattice:
         self.free = np.where(np.any(on_plane, axis=0), 0.0, 1.0) if planes else np.ones_like(self.place)
 
     def corners(self, moved: np.ndarray, F: np.ndarray) -> np.ndarray:
-        """Where the corners are (K, 2): with the particles' displacements (P, 2), seen from each with F (P, 2, 2)."""
+        """Returns the corners' places (K, 2) from the particles' displacements ``moved`` (P, 2) and F (P, 2, 2)."""
         given = moved[:, None, :] + np.einsum("pij,pcj->pci", F - np.eye(2), self.from_particle)
         total = np.stack([np.bincount(self.corner.ravel(), given[:, :, d].ravel()) for d in range(2)], axis=1)
         return self.place + self.free * self.share * total
 
 
 class Pieces:
-    """The pieces at one moment, and what they give to a grid's nodes. ``corners`` (K, 2) are in metres, ``place`` has
-    them in cells from the first node."""
+    """Pieces at one time, and their maps to a grid's nodes. ``corners`` (K, 2) are in m, ``place`` has them in cells
+    from the first node."""
 
     def __init__(self, lattice: PieceLattice, corners: np.ndarray, grid: Grid, place: np.ndarray):
         self.lattice, self.grid = lattice, grid
@@ -64,7 +64,7 @@ class Pieces:
         self.area = 0.5 * np.sum(x * np.roll(y, -1, axis=1) - y * np.roll(x, -1, axis=1), axis=1)
 
     def force(self, stress: np.ndarray) -> np.ndarray:
-        """On the nodes (N, 2), of stresses (P, 2, 2) constant in each piece: what crosses the edges, N."""
+        """Returns the nodal force (N, 2), in N, of stresses (P, 2, 2) constant in each piece, from its edges."""
         jump = np.zeros_like(self.normal)
         for k in range(4):
             edge = self.lattice.edge[:, k]
@@ -75,7 +75,7 @@ class Pieces:
         return -self.grid.sum_at_nodes(self.node_numbers, given[None])[0]
 
     def gradient(self, vectors: np.ndarray) -> np.ndarray:
-        """The mean over each piece (P, 2, 2) of the gradient of what the nodes have (N, 2)."""
+        """Returns the mean over each piece (P, 2, 2) of the gradient of nodal vectors (N, 2)."""
         on_edge = np.einsum("em,emi->ei", self.weight, self.signs * vectors[self.node_numbers])
         through = self.lattice.along[:, :, None, None] \
             * (on_edge[:, :, None] * self.normal[:, None, :])[self.lattice.edge]
@@ -83,7 +83,7 @@ class Pieces:
 
 
 def _mean_hats(a: np.ndarray, b: np.ndarray, row: int) -> tuple[np.ndarray, np.ndarray]:
-    """The nodes (E, M) of edges from a to b (E, 2), in cells, and the mean of each one's hat along the edge."""
+    """Returns the nodes (E, M) of edges from a to b (E, 2), in cells, and the mean of each one's hat along the edge."""
     low, high = np.minimum(a, b), np.maximum(a, b)
     most = max(0, int(np.max(np.ceil(high) - np.floor(low))) - 1)  # lines that an edge crosses in one direction
     lines = np.floor(low)[:, :, None] + 1 + np.arange(most)
@@ -103,7 +103,7 @@ def _mean_hats(a: np.ndarray, b: np.ndarray, row: int) -> tuple[np.ndarray, np.n
 
 
 def _polar_cells(scene: PlanarScene, X: np.ndarray):
-    """The cell of each particle in radius and angle, and where a corner is."""
+    """Returns the cell of each particle in radius and angle, and a function from corners to places."""
     around, across = scene.polar_counts(scene.cells, scene.ppc)
     width, angle = (scene.OUTER - scene.INNER) / across, scene.ANGLE / around
     theta = np.arctan2(X[:, 1], X[:, 0]) % (2 * np.pi)

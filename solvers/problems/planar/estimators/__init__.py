@@ -1,1 +1,1 @@
-"""What the estimators of plane problems share."""
+"""Estimators of plane problems."""

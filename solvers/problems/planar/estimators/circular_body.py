@@ -1,4 +1,4 @@
-"""The companion of a body whose motion is the same all around: its mesh, and its solve by itself, all in numpy."""
+"""The companion of a body with rotational symmetry: its mesh, and its solution without a run, all in numpy."""
 
 import functools
 from typing import Any
@@ -11,17 +11,17 @@ from solvers.motion.laws.law import determinant
 from solvers.problems.planar.body_force import tabulate_body_force
 from solvers.problems.planar.layout import on_axis
 
-INSTANTS = 16  # of a period, at which the stiffest deformation is looked for
+INSTANTS = 16  # of a period, at which the stiffest deformation is searched
 
 
 def sector_masses(elements: Elements) -> np.ndarray:
-    """w_i R_i of the nodes: their masses in a sector of one radian, for a density of 1."""
+    """Returns w_i R_i of the nodes: their masses in a sector of one radian, for a density of 1."""
     return elements.assembled_weights * elements.nodes
 
 
 @functools.cache
 def unit_frequency(elements: Elements) -> float:
-    """The highest frequency of the body at rest for a wave speed of 1 m/s, in 1/s: u_tt = u'' + u'/R - u/R^2."""
+    """Returns the body's highest frequency at rest in 1/s for a wave speed of 1 m/s: u_tt = u'' + u'/R - u/R^2."""
     R, node, weights = elements.nodes, elements.node_of_point, elements.weights
     inverse_mass = 1 / sector_masses(elements)
 
@@ -34,9 +34,9 @@ def unit_frequency(elements: Elements) -> float:
 
 
 class CircularBody(ElasticBody):
-    """Two functions of the radius, on a line of elements: with every angle the same, they tell all (why, and the
-    equations, are in ``solvers.problems.planar.estimators.circular_companion``). The unknowns are the displacement of
-    the particles on the x axis, along it and across it."""
+    """Body given by two functions of the radius on a line of elements, because all angles are equal (see
+    ``solvers.problems.planar.estimators.circular_companion`` for the equations). The unknowns are the displacements of
+    points on the x axis, along it and across it."""
 
     def __init__(self, scene: Any, count: int, order: int):
         self.elements, self._material = Elements(scene.INNER, scene.OUTER, count, order), scene.material
@@ -51,24 +51,25 @@ class CircularBody(ElasticBody):
         self.frequency = self.frequency_at_rest * self.stiffening(F.reshape(-1, 4).T)
 
     def stiffening(self, F: Any) -> float:
-        """The same of F by (e_R, e_Theta): waves run along the radius, and |F^-T e_R| = |F e_Theta|/J."""
+        """Returns the factor by which F, by (e_R, e_Theta), raises the frequencies of waves along the radius, at least
+        1; |F^-T e_R| = |F e_Theta|/J."""
         pressed = (F[1] * F[1] + F[3] * F[3]) / determinant(F) ** 2
         return self._material.stiffening(F, F[0] * F[0] + F[2] * F[2], pressed)
 
     def deformation_gradient(self, z: np.ndarray) -> tuple[np.ndarray, ...]:
-        """F by (e_R, e_Theta), at the points of the elements, for complex places z of the nodes: its columns are z' and
-        i z/R."""
+        """Returns F by (e_R, e_Theta) at the points of the elements, for complex places z of the nodes: columns z', i
+        z/R."""
         node = self.elements.node_of_point
         slope, hoop = z[node] @ self.elements.derivative.T, z[node] / self._R[node]
         return slope.real, -hoop.imag, slope.imag, hoop.real
 
     def accelerations(self, u: np.ndarray, t: float) -> np.ndarray:
-        with np.errstate(all="ignore"):  # a motion that is lost, which its end tells
+        with np.errstate(all="ignore"):  # for a lost motion, which the caller detects
             internal = self.internal_acceleration(self._R + u[:, 0] + 1j * u[:, 1])
         return self.force(t) + np.stack([internal.real, internal.imag], axis=1)
 
     def internal_acceleration(self, z: np.ndarray) -> np.ndarray:
-        """What stress gives the nodes (N,), complex like their places z: along e_R of where they are at rest, and as
+        """Returns the nodes' acceleration (N,) by stress, complex like their places z: along e_R at rest, and as
         imaginary part along e_Theta."""
         node, w = self.elements.node_of_point, self.elements.weights
         xx, xy, yx, yy = self._material.first_piola_stress(self.deformation_gradient(z))
@@ -88,10 +89,10 @@ class CircularBody(ElasticBody):
 
 
 def rotate_right(vectors: np.ndarray) -> np.ndarray:
-    """Vectors (..., 2) turned by 90 degrees to the right."""
+    """Returns vectors (..., 2) rotated by 90 degrees to the right."""
     return np.stack([vectors[..., 1], -vectors[..., 0]], axis=-1)
 
 
 def combine(e: np.ndarray, parts: np.ndarray) -> np.ndarray:
-    """Vectors (P, 2) from their ``parts`` along e (P, 2) and along e turned by 90 degrees to the left."""
+    """Returns vectors (P, 2) from their ``parts`` along e (P, 2) and along e rotated by 90 degrees to the left."""
     return parts[:, :1] * e - parts[:, 1:] * rotate_right(e)

@@ -37,7 +37,7 @@ from solvers.solver.field_tables import find_force_functions, force_at, pack_tab
 
 @ti.func
 def accelerate(body: ti.template(), t, on: ti.template()):
-    """Accelerations of the nodes at the trial displacement and time t, where they are zero at first."""
+    """Computes the nodes' accelerations at the trial displacement and time t; they must be zero before."""
     N, order = body.companion_counts[shared.NODES], body.companion_counts[shared.ORDER]
     stiffest = 1.0
     for e in range(body.companion_counts[shared.ACROSS]):
@@ -54,7 +54,7 @@ def accelerate(body: ti.template(), t, on: ti.template()):
 
 @ti.func
 def element_forces(body: ti.template(), first, on: ti.template()):
-    """Take the internal forces of the element from node ``first`` on from its nodes.
+    """Subtracts the internal forces of the element from node ``first`` on from its nodes.
 
     Returns its stiffest waves' stiffness over lambda + 2 mu. They run along the radius; |F^-T e_R| = |F e_Theta|/J.
     """
@@ -87,21 +87,21 @@ def element_forces(body: ti.template(), first, on: ti.template()):
 
 @ti.func
 def polar_gradient(slope, u, R):
-    """F e_R and F e_Theta in the frame (e_R, e_Theta) of the particle at rest, from u' and u."""
+    """Returns F e_R and F e_Theta in the frame (e_R, e_Theta) of the particle at rest, from u' and u."""
     return ti.Vector([1 + slope[0], slope[1]]), ti.Vector([-u[1], R + u[0]]) / R
 
 
 @ti.func
 def report(body: ti.template(), base, step, on: ti.template()):
-    """Every particle's error at ``step``: computed minus the companion's, at its material point; the companion is read
-    once for all particles of a radius."""
+    """Reports every particle's error at ``step``: computed minus the companion's, at its material point; the companion
+    is evaluated once for all particles of a radius."""
     shared.read_nodes(body, step)
     report_at_once(body, base, step, on)
 
 
 @ti.func
 def report_at_once(body: ti.template(), base, step, on: ti.template()):
-    """The same with nodes that are at ``step`` already, as on a GPU."""
+    """Reports every particle's error from nodes that are at ``step`` already, as on a GPU."""
     n = body.companion_counts[shared.ORDER] + 1
     for k in range(body.orbits):
         now = shared.NOW * body.companion_counts[shared.NODES] + body.companion_first[k]
@@ -125,7 +125,7 @@ def report_at_once(body: ti.template(), base, step, on: ti.template()):
 
 @ti.func
 def particle_error(body: ti.template(), base, p, step, on: ti.template()):
-    """Errors of x and v, of the Cauchy stress and of a at a particle. Returns the square of that of x."""
+    """Stores the errors of x, v, Cauchy stress and a at a particle; returns the square of that of x."""
     f, e, true = body.companion_circles[body.orbit[p]], body.direction[p], body.companion_circle_stress[body.orbit[p]]
     u, v, sigma = (rotate_vector(e, f[0], f[1]), rotate_vector(e, f[2], f[3]),
                    rotate_tensor(e, true[0], true[1], true[2]))
@@ -134,7 +134,7 @@ def particle_error(body: ti.template(), base, p, step, on: ti.template()):
 
 
 def allocate(scene) -> dict[str, np.ndarray]:
-    """The companion at rest, moving with the initial velocity."""
+    """Returns the companion's arrays, undeformed and with the initial velocity."""
     solved = scene.companion_body(fine=None)
     elements, layout = solved.elements, particle_layout(scene)
     n, R = elements.order + 1, elements.nodes
@@ -150,7 +150,7 @@ def allocate(scene) -> dict[str, np.ndarray]:
 
 
 def verdict(scene, memory) -> str | None:
-    """Why not to trust what was reported last."""
+    """Returns why not to trust the last report, or None."""
     counts = memory["companion_counts"]
     order = counts[shared.ORDER]
     u = memory["companion_nodes"].reshape(-1, counts[shared.NODES], 8)[shared.NOW, :, :2]

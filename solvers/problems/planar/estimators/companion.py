@@ -1,4 +1,4 @@
-"""The companion in the plane (see ``solvers.estimators.companion``): its space, and what it says of each particle.
+"""The companion in the plane (see ``solvers.estimators.companion``): its space, and its report for each particle.
 
 Elements are products of intervals in two coordinates xi and eta under a map X(xi, eta), a patch of the body. With
 grad u = u_xi grad xi + u_eta grad eta, F = I + grad u and P(F),
@@ -25,7 +25,7 @@ from solvers.solver.field_tables import find_force_functions, force_at, pack_tab
 
 @ti.func
 def accelerate(body: ti.template(), t, on: ti.template()):
-    """Accelerations of the nodes at the trial displacement and time t, where they are zero at first."""
+    """Computes the nodes' accelerations at the trial displacement and time t; they must be zero before."""
     row = body.companion_counts[shared.ROW]
     stiffest = 1.0
     for across in range(body.companion_counts[shared.ACROSS]):
@@ -46,7 +46,7 @@ def accelerate(body: ti.template(), t, on: ti.template()):
 
 @ti.func
 def element_stresses(body: ti.template(), corner, on: ti.template()):
-    """Keep w j P grad xi and w j P grad eta at the points of the element from node ``corner`` on.
+    """Stores w j P grad xi and w j P grad eta at the points of the element from node ``corner`` on.
 
     Returns the stiffness of its stiffest waves, along a principal axis, over lambda + 2 mu.
     """
@@ -84,7 +84,7 @@ def element_stresses(body: ti.template(), corner, on: ti.template()):
 
 @ti.func
 def element_forces(body: ti.template(), corner):
-    """Take the element's internal forces from its nodes."""
+    """Subtracts the element's internal forces from its nodes."""
     n, row = body.companion_counts[shared.ORDER] + 1, body.companion_counts[shared.ROW]
     trial = shared.WORK * body.companion_counts[shared.NODES] + corner
     for i in range(n):
@@ -100,8 +100,8 @@ def element_forces(body: ti.template(), corner):
 
 @ti.func
 def report(body: ti.template(), base, step, on: ti.template()):
-    """Every particle's error at ``step``: computed minus the companion's, at its material point. For particles of the
-    same xi that is first reduced to one line of nodes, then read there at each particle's eta."""
+    """Reports every particle's error at ``step``: computed minus the companion's, at its material point. For particles
+    of the same xi the companion is first reduced to one line of nodes, then evaluated there at each eta."""
     shared.read_nodes(body, step)
     squares = 0.0
     for k in range(body.companion_counts[shared.RADII]):
@@ -113,7 +113,7 @@ def report(body: ti.template(), base, step, on: ti.template()):
 
 @ti.func
 def report_at_once(body: ti.template(), base, step, on: ti.template()):
-    """The same on a GPU, whose nodes are at ``step`` already; each particle reads its own part of its line."""
+    """Reports every particle's error on a GPU, from nodes at ``step``, each on its own part of its line."""
     squares = 0.0
     for n in range(body.particles):
         squares += particle_error(body, base, body.companion_counts[shared.RADII] + 1 + n, step, on)
@@ -122,7 +122,7 @@ def report_at_once(body: ti.template(), base, step, on: ti.template()):
 
 @ti.func
 def reduce_to_line(body: ti.template(), k):
-    """u, v, a and u_xi on the line of the k-th xi of particles, at the nodes' eta."""
+    """Computes u, v, a and u_xi on the line of the particles' k-th xi, at the nodes' eta."""
     line = shared.LAYERS * body.companion_counts[shared.NODES]
     for j in range(body.companion_counts[shared.ROW]):
         total = line_node(body, k, j)
@@ -131,7 +131,7 @@ def reduce_to_line(body: ti.template(), k):
 
 @ti.func
 def line_node(body: ti.template(), k, j):
-    """The same of node j of that line."""
+    """Returns u, v, a and u_xi at node j of the line of the particles' k-th xi."""
     n, row = body.companion_counts[shared.ORDER] + 1, body.companion_counts[shared.ROW]
     start = shared.NOW * body.companion_counts[shared.NODES] + body.companion_places[4 * k + 1]
     total, slope = ti.Vector([0.0] * 8), ti.Vector([0.0, 0.0])
@@ -145,8 +145,8 @@ def line_node(body: ti.template(), k, j):
 
 @ti.func
 def particle_error(body: ti.template(), base, row, step, on: ti.template()):
-    """Errors of x and v, of the Cauchy stress and of a at a particle, whose ``row`` of the places is (p, first node of
-    its line, first of its polynomials, number of its xi). Returns the square of that of x."""
+    """Stores the errors of x, v, Cauchy stress and a at a particle, whose ``row`` of the places is (p, first node of
+    its line, first of its polynomials, number of its xi); returns the square of that of x."""
     place = ti.Vector([body.companion_places[4 * row + k] for k in range(4)])
     p = place[0]
     f = ti.Vector([0.0] * 8)  # u, v, a, u_xi
@@ -168,7 +168,7 @@ def particle_error(body: ti.template(), base, row, step, on: ti.template()):
 
 @ti.func
 def store_errors(body: ti.template(), base, p, step, motion, acceleration, sigma, on: ti.template()):
-    """Those against the companion's u and v, a and Cauchy stress there. Returns the square of that of x."""
+    """Stores a particle's errors against the companion's u, v, a and stress; returns the square of that of x."""
     q, X = body.position_velocity[p], body.material_position[p]
     error = ti.Vector([q[0] - X[0] - motion[0], q[1] - X[1] - motion[1], q[2] - motion[2], q[3] - motion[3]])
     body.estimate[base + p] = error
@@ -182,7 +182,7 @@ def store_errors(body: ti.template(), base, p, step, motion, acceleration, sigma
 
 
 class ParticleBasis(NamedTuple):
-    """How the companion's kernels read it at particles, those of the same xi one after the other.
+    """Tables with which the companion's kernels evaluate it at particles, sorted by xi.
 
     ``basis`` are values and derivatives of the p + 1 polynomials at every xi of ``columns``, then at every eta.
     ``places`` begin with a line for each xi and one more, (where its particles begin, first node of its element, 0, 0),
@@ -197,7 +197,7 @@ class ParticleBasis(NamedTuple):
 
 
 def particle_basis(patch: Patch, X: np.ndarray) -> ParticleBasis:
-    """For particles at material points X (P, 2)."""
+    """Returns the tables for particles at material points X (P, 2)."""
     first, second = patch.lines
     (across, column), (along, line) = (np.unique(one.round(12), return_inverse=True)
                                        for one in patch.map.coordinates(X))
@@ -215,7 +215,7 @@ def particle_basis(patch: Patch, X: np.ndarray) -> ParticleBasis:
 
 
 def allocate(scene) -> dict[str, np.ndarray]:
-    """The companion at rest in shape on the scene's patch, moving with the initial velocity."""
+    """Returns the companion's arrays on the scene's patch, undeformed and with the initial velocity."""
     patch = scene.companion_body(fine=None)
     (first, second), seen = patch.lines, particle_basis(patch, particle_layout(scene).position)
     n = first.order + 1
@@ -232,7 +232,7 @@ def allocate(scene) -> dict[str, np.ndarray]:
 
 
 def verdict(scene, memory) -> str | None:
-    """Why not to trust what was reported last."""
+    """Returns why not to trust the last report, or None."""
     counts = memory["companion_counts"]
     order, shape = counts[shared.ORDER], (counts[shared.NODES] // counts[shared.ROW], counts[shared.ROW])
     u = memory["companion_nodes"][shared.NOW * counts[shared.NODES]:, :2][:counts[shared.NODES]].reshape(*shape, 2)

@@ -1,4 +1,4 @@
-"""A patch of a body, meshed by spectral elements in two coordinates xi and eta: what the companion is solved on."""
+"""A patch of a body, meshed by spectral elements in two coordinates xi and eta, for the companion."""
 
 from collections.abc import Callable
 from typing import Any, NamedTuple
@@ -10,12 +10,12 @@ from solvers.estimators.standalone import ElasticBody
 from solvers.problems.planar.body_force import tabulate_body_force
 
 _frequencies: dict[tuple, float] = {}  # of bodies at rest by mesh, moduli and mass: sliders ask for the same again
-INSTANTS = 8  # of a period, at which the stiffest deformation is looked for
+INSTANTS = 8  # of a period, at which the stiffest deformation is searched
 
 
 class PatchMap(NamedTuple):
-    """X(xi, eta): ``place`` of coordinates (N,) each is (N, 2) in m, ``tangents`` are dX/dxi and dX/deta (N, 2) each,
-    and ``coordinates`` of material points (P, 2) are xi and eta (P,)."""
+    """Map X(xi, eta): ``place`` returns (N, 2) in m for coordinates (N,) each, ``tangents`` dX/dxi and dX/deta (N, 2)
+    each, ``coordinates`` xi and eta (P,) of material points (P, 2)."""
 
     place: Callable[[np.ndarray, np.ndarray], np.ndarray]
     tangents: Callable[[np.ndarray, np.ndarray], tuple[np.ndarray, np.ndarray]]
@@ -29,24 +29,24 @@ CARTESIAN = PatchMap(lambda xi, eta: np.stack([xi, eta], axis=1),
 
 
 def contravariant(tangents: tuple[np.ndarray, np.ndarray]) -> np.ndarray:
-    """j grad xi and j grad eta (N, 4) from the tangents, j = det dX/d(xi, eta)."""
+    """Returns j grad xi and j grad eta (N, 4) from the tangents, j = det dX/d(xi, eta)."""
     (a, b), (c, d) = (one.T for one in tangents)
     return np.stack([d, -c, -b, a], axis=1)
 
 
 class Patch(ElasticBody):
-    """The companion of a scene with a manufactured solution on one patch, and in numpy its solve by itself.
+    """The companion of a scene with a manufactured solution on one patch, and its solver in numpy without a run.
 
     Parameters
     ----------
     scene
-        It gives ``EXACT``, ``material``, ``density``, ``body_force`` and ``period``.
+        Scene with ``EXACT``, ``material``, ``density``, ``body_force`` and ``period``.
     lines
         Elements along xi and along eta, of one order.
     patch_map
-        From the coordinates to material points.
+        Map from the coordinates to material points.
     held
-        Which components (N, 2) of the nodes at material points (N, 2) a symmetry plane holds.
+        Function that returns which components (N, 2) of the nodes at material points (N, 2) a symmetry plane fixes.
     """
 
     def __init__(self, scene: Any, lines: tuple[Elements, Elements], patch_map: PatchMap,
@@ -77,13 +77,13 @@ class Patch(ElasticBody):
             self._material.stiffening(F.reshape(-1, 4).T, one, 1 / one) for one in axes)
 
     def _linear_stress(self, xx: Any, xy: Any, yx: Any, yy: Any) -> tuple[Any, Any, Any, Any]:
-        """Of Grad u, by Hooke's law."""
+        """Returns the stress of Grad u by Hooke's law."""
         _, bulk, mu = self._material
         shear = mu * (xy + yx)
         return bulk * (xx + yy) + 2 * mu * xx, shear, shear, bulk * (xx + yy) + 2 * mu * yy
 
     def _pull(self, u: np.ndarray, law: Callable[..., Any]) -> np.ndarray:
-        """The internal forces (N, 2) of displacements, in N: what draws the nodes back."""
+        """Returns the internal forces (N, 2) of displacements, in N, which resist them."""
         (first, second), local = self.lines, u[self._node]  # (a, b, i, k, 2)
         by_xi = np.einsum("ik,abkjc->abijc", first.derivative, local, optimize=True)
         by_eta = np.einsum("jk,abikc->abijc", second.derivative, local, optimize=True)
@@ -114,6 +114,6 @@ class Patch(ElasticBody):
         return values, by_xi[:, :, None] * slopes[:, None, :2] + by_eta[:, :, None] * slopes[:, None, 2:]
 
     def slopes(self, X: np.ndarray) -> np.ndarray:
-        """grad xi and grad eta (P, 4) at material points."""
+        """Returns grad xi and grad eta (P, 4) at material points."""
         g = contravariant(self.map.tangents(*self.map.coordinates(X)))
         return g / (g[:, 0] * g[:, 3] - g[:, 1] * g[:, 2])[:, None]

@@ -14,8 +14,8 @@ the recovered gradient less that of the error. In a step the gradient is recover
 over a patch.
 
 Assumptions: as on the bar; the particles began on a polar lattice, of four particles or more across. It fails where the
-solution varies within a fit of four cells. Nothing is said of sigma and a where the particles are so uneven that the
-fit follows them: one particle per cell, or particles moved with their own velocity (eq 24 as printed).
+solution varies within a fit of four cells. sigma and a are not estimated where the particles are so uneven that the fit
+follows them: one particle per cell, or particles moved with their own velocity (eq 24 as printed).
 """
 
 import taichi as ti
@@ -35,7 +35,7 @@ MEMORY = {
     **recovery.table_types(op.TABLES),
     "recovered_count": ti.i32, "recovered_line_nodes": ti.i32,  # nodes of the error grid, and those on a line
     "recovered_line": ti.i32,  # particles on a line
-    "recovered_silent": ti.i32,  # of how many quantities nothing is said: 1 of a, 2 of sigma too
+    "recovered_silent": ti.i32,  # how many quantities are not estimated: 1 is a, 2 also sigma
     "recovered_nodes": quads,  # nodal values, block by block
     "recovered_particles": quads,  # fields at particles, and half-way values on radii with nodes on them
 }
@@ -43,7 +43,7 @@ MEMORY = {
 
 @ti.func
 def start_reference(body: ti.template(), nodes: ti.template(), t, lattice: ti.template(), on: ti.template()):
-    """Unless it is done: start the reference with the acceleration at time t, when the ring was undeformed, a = M b."""
+    """Starts the reference, once, with the acceleration at time t, when the body was undeformed: a = M b."""
     if body.recovered_numbers[TURNS] == NEW:
         op.gather_force(body, t, lattice, on)
         B, step = body.recovered_line_nodes, body.recovered_numbers[H]
@@ -61,7 +61,7 @@ def start_reference(body: ti.template(), nodes: ti.template(), t, lattice: ti.te
 
 @ti.func
 def after_step(body: ti.template(), step, lattice: ti.template(), on: ti.template()):
-    """U += H w; the error's gradient corrects the recovered one; w += H (a + correction), a = M b - D P/rho."""
+    """Advances the reference: U += H w; w += H (a + correction), with a = M b - D P/rho."""
     start_reference(body, body.recovered_nodes, step * body.dt - body.recovered_numbers[H], lattice, on)
     for p in range(body.particles):
         q, X = body.position_velocity[p], body.material_position[p]
@@ -78,7 +78,7 @@ def after_step(body: ti.template(), step, lattice: ti.template(), on: ti.templat
 
 @ti.func
 def damped_errors(body: ti.template(), nodes: ti.template(), step, lattice: ti.template()):
-    """U += H w at the nodes, and e* = 2 e - C e + tau (1 - C)^2 e'."""
+    """Computes U += H w at the nodes, and e* = 2 e - C e + tau (1 - C)^2 e'."""
     op.across_gather(body, op.GATHERED, op.PAIR_VALUES, lattice)
     for i in range(body.recovered_count):
         r = nodes[op.node_at(body, op.MOTION, i)]
@@ -107,7 +107,7 @@ def damped_errors(body: ti.template(), nodes: ti.template(), step, lattice: ti.t
 
 @ti.func
 def find_stress(body: ti.template(), lattice: ti.template(), on: ti.template()):
-    """P e_R and P e_angle at the particles, from slopes along the lattice's own lines."""
+    """Computes P e_R and P e_angle at the particles, from slopes along the lattice's own lines."""
     op.across_fit(body, op.FIELD, op.FITTED_SLOPES, op.PAIR_SLOPES, lattice)
     op.along_fit(body, op.HALF_SLOPES, lattice.slope)
     for line in range(body.particles // body.recovered_line):
@@ -123,7 +123,7 @@ def find_stress(body: ti.template(), lattice: ti.template(), on: ti.template()):
 
 @ti.func
 def piola(body: ti.template(), a, b, c, d, on: ti.template()):
-    """P e_R and P e_angle as (x, y, x, y), where F e_R = (a, c) and F e_angle = (b, d)."""
+    """Returns P e_R and P e_angle as (x, y, x, y), where F e_R = (a, c) and F e_angle = (b, d)."""
     F = ti.Vector([a, b, c, d])
     J, q, r, _, _ = material.coefficients(body, F, on)
     xx, xy, yx, yy = material.piola(F, q, (r - q) / J)
@@ -132,15 +132,15 @@ def piola(body: ti.template(), a, b, c, d, on: ti.template()):
 
 @ti.func
 def stress_error(body: ti.template(), p, a, b, c, d, on: ti.template()):
-    """The Cauchy stress of a particle less that of such a gradient, as xx, xy, yy and nothing."""
+    """Returns the Cauchy stress of a particle minus that of the gradient (a, b, c, d), as xx, xy, yy, 0."""
     miss = cauchy_stress(body, p, on) - cauchy_stress_of(body, ti.Vector([a, b, c, d]), on)
     return ti.Vector([miss[0], miss[1], miss[2], 0.0])
 
 
 @ti.func
 def gradient(body: ti.template(), p, slopes, lattice: ti.template()):
-    """F e_R = (a, c) and F e_angle = (b, d) at particle p, from the displacement's slopes along the radius and around
-    it; on a square F e_x and F e_y, from those along x and y."""
+    """Returns F e_R = (a, c) and F e_angle = (b, d) at particle p, from the displacement's slopes along the radius and
+    around it; on a square F e_x and F e_y, from those along x and y."""
     e, per_R = body.direction[p], 1.0
     if ti.static(not lattice.box):
         per_R = 1 / body.orbit_point[body.orbit[p]][0]
@@ -149,7 +149,7 @@ def gradient(body: ti.template(), p, slopes, lattice: ti.template()):
 
 @ti.func
 def move_reference(body: ti.template(), nodes: ti.template(), first, lattice: ti.template()):
-    """The acceleration of every node, and the rate that follows."""
+    """Computes the acceleration of every node, and the new rate."""
     B, step = body.recovered_line_nodes, body.recovered_numbers[H]
     op.across_gather(body, op.GATHERED, op.EACH, lattice)
     for a in range(body.recovered_count // B):
@@ -169,7 +169,7 @@ def move_reference(body: ti.template(), nodes: ti.template(), first, lattice: ti
 
 @ti.func
 def report(body: ti.template(), base, step, lattice: ti.template(), on: ti.template()):
-    """Estimated errors of x, v, sigma at the state's time and of a at the last step's, on the particles."""
+    """Reports the errors of x, v, sigma at the state's time and of a at the last step's, at the particles."""
     if step > 0:
         since = recovery.time_since(step, body.dt, body.recovered_numbers[H])
         start_reference(body, body.recovered_nodes, step * body.dt - since, lattice, on)
@@ -201,7 +201,7 @@ def report(body: ti.template(), base, step, lattice: ti.template(), on: ti.templ
 
 @ti.func
 def report_particle(body: ti.template(), base, p, of_acceleration, lattice: ti.template(), on: ti.template()):
-    """E of the fields at a particle: of x and v, and that of sigma; or of a, which is unknown until then."""
+    """Reports E of the fields at a particle: of x, v and sigma; or of a, which is unknown until then."""
     line, j = p // body.recovered_line, p % body.recovered_line
     field, q = body.recovered_particles[op.particle_at(body, op.FIELD, p)], body.position_velocity[p]
     fitted = body.recovered_particles[op.particle_at(body, op.FITTED, p)]
@@ -219,8 +219,8 @@ def report_particle(body: ti.template(), base, p, of_acceleration, lattice: ti.t
 
 @ti.func
 def find_errors(body: ti.template(), nodes: ti.template(), step, of_acceleration, lattice: ti.template()):
-    """Nodal errors of the fields, unsmoothed and spread along the angle; and the fields fitted, the first of x and v
-    with its slopes."""
+    """Computes nodal errors of the fields, unsmoothed and spread along the angle; and the fitted fields, that of x and
+    v with its slopes."""
     op.along_gather(body, op.FIELD, lattice.value)
     op.across_gather(body, op.GATHERED, op.PAIR_VALUES, lattice)
     length = body.recovered_numbers[H]
@@ -256,7 +256,7 @@ def find_errors(body: ti.template(), nodes: ti.template(), step, of_acceleration
 
 
 def hooks(lattice: op.Lattice) -> EstimatorHooks:
-    """The estimator of problems whose particles begin on such a lattice."""
+    """Returns the estimator's hooks for problems whose particles start on this lattice."""
     @ti.func
     def its_step(body: ti.template(), base, step, on: ti.template()):
         after_step(body, step, lattice, on)

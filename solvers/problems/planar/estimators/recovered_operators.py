@@ -36,7 +36,7 @@ PAIR_VALUES, PAIR_SLOPES, EACH = (0, 1, 0, 1), (2, 3, 2, 3), (0, 1, 2, 3)
 
 
 class Lattice(NamedTuple):
-    """What kernels have to know of the lattice, when they are compiled; of weights along a line, which numbers."""
+    """Compile-time description of the lattice, and the indices of the weights along a line."""
 
     closed: bool = False  # a whole turn: the first line comes after the last
     box: bool = False  # the rows of a square, with a symmetry plane at all four sides; else radii
@@ -67,7 +67,7 @@ def particle_at(body: ti.template(), block: ti.template(), p):
 
 @ti.func
 def pick_weights(weight, pick: ti.template()):
-    """The four of a weight's numbers that ``pick`` names."""
+    """Returns the four entries of a weight with the indices ``pick``."""
     ready = weight
     if ti.static(pick != EACH):
         first, third = weight[pick[0]], weight[pick[2]]
@@ -80,8 +80,8 @@ def pick_weights(weight, pick: ti.template()):
 
 @ti.func
 def row_sum(body: ti.template(), table: ti.template(), row, pick: ti.template(), field: ti.template(), start):
-    """The sum over a row of a table: entry ``start + i`` of ``field`` times the four of the row's i-th weights that
-    ``pick`` names."""
+    """Returns a table row's sum: entry ``start + i`` of ``field`` times the entries ``pick`` of the row's i-th
+    weight."""
     total = ti.Vector([0.0, 0.0, 0.0, 0.0])
     first, begin, end = table_row(body, table, row, row)
     entry = start + first
@@ -94,8 +94,8 @@ def row_sum(body: ti.template(), table: ti.template(), row, pick: ti.template(),
 @ti.func
 def row_sums(body: ti.template(), table: ti.template(), row, pick: ti.template(), field: ti.template(), start, apart,
              stride, count, closed: ti.template()):
-    """That sum for ``ABREAST`` rows side by side, each with its fields ``apart`` behind the one before's; entries
-    are ``stride`` apart, and where they are ``closed`` there are ``count`` in all."""
+    """Returns the sums of a row for ``ROWS_PER_GROUP`` lines side by side, whose fields are ``apart`` entries apart;
+    entries are ``stride`` apart, and ``count`` in all where the line is ``closed``."""
     one, two, three = ti.Vector([0.0] * 4), ti.Vector([0.0] * 4), ti.Vector([0.0] * 4)
     first, begin, end = table_row(body, table, row, row)
     entry, beyond = start + stride * first, start + stride * count
@@ -112,7 +112,7 @@ def row_sums(body: ti.template(), table: ti.template(), row, pick: ti.template()
 
 @ti.func
 def along_gather(body: ti.template(), block: ti.template(), pick: ti.template()):
-    """Integrals along each line of a block of the particles' fields, on a radius over that of N_b R.
+    """Computes integrals along each line of a block of the particles' fields, on a radius over that of N_b R.
 
     With ``value`` those of N_b f R; with ``slope_metric`` of N_b' R P e_R and of N_b P e_angle, side by side.
     """
@@ -127,7 +127,7 @@ def along_gather(body: ti.template(), block: ti.template(), pick: ti.template())
 
 @ti.func
 def across_gather(body: ti.template(), into: ti.template(), pick: ti.template(), lattice: ti.template()):
-    """A block of the nodes from what the lines gathered: M f with ``PAIR_VALUES``; with ``EACH`` the two parts of
+    """Computes a block of the nodes from the lines' integrals: M f with ``PAIR_VALUES``; with ``EACH`` the two parts of
     D P, the first vector with N_a and the second with N_a'."""
     radii, B = body.particles // body.recovered_line, body.recovered_line_nodes
     for a in range(body.recovered_count // B):
@@ -140,8 +140,8 @@ def across_gather(body: ti.template(), into: ti.template(), pick: ti.template(),
 
 @ti.func
 def gather_force(body: ti.template(), t, lattice: ti.template(), on: ti.template()):
-    """M b: of a square at the nodes; else along the radius, of its parts along e_R and e_Theta. The force at the
-    particles waits in a block of theirs."""
+    """Computes M b: of a square at the nodes; else along the radius, of its parts along e_R and e_Theta. The force at
+    the particles is stored in one of their blocks."""
     if ti.static(on.body_force != "none"):
         find_force_functions(body.tables, body.table_sizes, body.angular_frequency * t, on)
         for k in range(body.orbits):
@@ -158,7 +158,7 @@ def gather_force(body: ti.template(), t, lattice: ti.template(), on: ti.template
 
 @ti.func
 def nodal_body_force(body: ti.template(), nodes: ti.template(), a, b, lattice: ti.template()):
-    """M b at node (a, b), in x and y; between the symmetry planes of a ring a force is radial."""
+    """Returns M b at node (a, b), in x and y; between the symmetry planes of a ring a force is radial."""
     x, y = 0.0, 0.0
     if ti.static(lattice.box):
         push = nodes[node_at(body, FORCE, a * body.recovered_line_nodes + b)]
@@ -174,7 +174,7 @@ def nodal_body_force(body: ti.template(), nodes: ti.template(), a, b, lattice: t
 
 @ti.func
 def smooth_nodes(body: ti.template(), lattice: ti.template()):
-    """C of the gathered nodal values."""
+    """Applies C to the gathered nodal values."""
     B = body.recovered_line_nodes
     A = body.recovered_count // B
     for group in range(group_count(A)):
@@ -193,7 +193,7 @@ def smooth_nodes(body: ti.template(), lattice: ti.template()):
 
 @ti.func
 def across_spread(body: ti.template(), lattice: ti.template()):
-    """The nodal errors interpolated along the angle, the angular half of sum N_i e_i; and of the first field once more,
+    """Interpolates the nodal errors along the angle, the angular half of sum N_i e_i; and the first field once more,
     beside its slopes around."""
     B = body.recovered_line_nodes
     for line in range(body.particles // body.recovered_line):
@@ -213,15 +213,15 @@ def across_spread(body: ti.template(), lattice: ti.template()):
 
 @ti.func
 def repeat_first(fields):
-    """The first of two vectors, side by side."""
+    """Returns the first of two vectors, twice."""
     x, y = fields[0], fields[1]
     return ti.Vector([x, y, x, y])
 
 
 @ti.func
 def along_spread(body: ti.template(), i, j, block: ti.template(), pick: ti.template()):
-    """From what was spread across the lines: with ``VALUES`` and ``value`` the errors at particle (i, j); with
-    ``SLOPES`` and ``slope_value`` the slopes of that of the first field, along the line and across."""
+    """Returns from what was spread across the lines: with ``VALUES`` and ``value`` the errors at particle (i, j); with
+    ``SLOPES`` and ``slope_value`` the slopes of the first field's error, along the line and across."""
     b, begin, _ = table_row(body, ALONG_SPREAD, j, j)
     total = ti.Vector([0.0] * 4)
     for k in range(3):
@@ -232,7 +232,7 @@ def along_spread(body: ti.template(), i, j, block: ti.template(), pick: ti.templ
 
 @ti.func
 def along_fit(body: ti.template(), into: ti.template(), pick: ti.template()):
-    """The fields recovered along each line with ``value``, or with ``slope`` their slopes."""
+    """Computes the recovered fields along each line with ``value``, or with ``slope`` their slopes."""
     K = body.recovered_line
     for group in range(group_count(body.particles // K)):
         line = first_in_group(group, body.particles // K)
@@ -244,7 +244,7 @@ def along_fit(body: ti.template(), into: ti.template(), pick: ti.template()):
 @ti.func
 def across_fit(body: ti.template(), block: ti.template(), into: ti.template(), pick: ti.template(),
                lattice: ti.template()):
-    """A block of the particles' fields recovered across the lines: values with ``PAIR_VALUES``, slopes with
+    """Computes a block of the particles' fields recovered across the lines: values with ``PAIR_VALUES``, slopes with
     ``PAIR_SLOPES``; with ``EACH`` values of the first field and slopes of the second."""
     K = body.recovered_line
     for line in range(body.particles // K):
@@ -257,7 +257,7 @@ def across_fit(body: ti.template(), block: ti.template(), into: ti.template(), p
 
 @ti.func
 def add_verdict_sums(body: ti.template(), nodes: ti.template(), lattice: ti.template()):
-    """Add this turn's fourth differences of U along both lines, and e, to the sums that the verdict looks at."""
+    """Adds this turn's fourth differences of U along both lines, and e, to the sums for the verdict."""
     B, rough, size = body.recovered_line_nodes, 0.0, 0.0
     A = body.recovered_count // B
     for a in range(A):

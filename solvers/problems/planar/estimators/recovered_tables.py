@@ -1,5 +1,4 @@
-"""The recovered estimator in the plane outside of kernels: its operators on a polar lattice as tables of rows, and
-what a run shows of whether it holds."""
+"""The recovered estimator in the plane outside kernels: its operators as tables of rows, and its verdict."""
 
 from collections.abc import Mapping
 
@@ -26,12 +25,12 @@ UNEVEN_FEW = 1.5  # times that where particles move with their own velocity, who
 
 
 def gather_component(rows: Rows, component: int, values: np.ndarray) -> np.ndarray:
-    """M of a component of a field (points, lines) along the first axis: (nodes, lines)."""
+    """Returns M of a component of a field (points, lines) along the first axis: (nodes, lines)."""
     return np.stack([rows(line)[:, component, 0] for line in values.T], axis=1)
 
 
 def gather_directions(angle: Line, gather_table: Rows) -> tuple[np.ndarray, np.ndarray]:
-    """M e_R and M e_angle at the nodes of the angle (A, 2). Between symmetry planes nothing is along e_angle."""
+    """Returns M e_R and M e_angle at the nodes of the angle (A, 2); between symmetry planes M e_angle is 0."""
     theta = angle.particles() / angle.per_point
     c, s = np.cos(theta), np.sin(theta)
     found = [gather_table(wave)[:, :, 0] for wave in (c, s)]
@@ -40,29 +39,29 @@ def gather_directions(angle: Line, gather_table: Rows) -> tuple[np.ndarray, np.n
 
 
 def cartesian_weights(rows: Rows, swapped: bool = False) -> Rows:
-    """Weights as (value x, value y, slope x, slope y), of a line along x; ``swapped`` along y, between walls."""
+    """Returns weights (value x, value y, slope x, slope y) of a line along x, or ``swapped`` along y."""
     weights = np.broadcast_to(rows.weights[..., :2], (*rows.weights.shape[:2], 2, 2))[:, :, ::-1 if swapped else 1]
     return Rows(rows.first, np.swapaxes(weights, 2, 3).reshape(*weights.shape[:2], 4))
 
 
 def pad_to_four(rows: Rows) -> Rows:
-    """Weights of the one component that a radius has, filled up to four."""
+    """Returns weights of the one component on a radius, padded to four."""
     weights = rows.weights[:, :, 0]
     return Rows(rows.first, np.concatenate([weights, np.zeros((*weights.shape[:2], 4 - weights.shape[2]))], axis=2))
 
 
 def interval(scene):
-    """Steps of the run to one of the estimator's: its reference moves by an explicit method in the material frame, with
-    elements whose sides along the fastest line a wave passes at the scene's ``crossing_rate``. Where that is sheared
-    much, steps are hardly longer than the run's, and then it costs more than the run."""
+    """Returns the run's steps per step of the estimator: its reference moves by an explicit method in the material
+    frame, with elements whose sides a wave passes at the scene's ``crossing_rate``. Under large shear these steps are
+    hardly longer than the run's, and the estimator costs more than the run."""
     across, along = lattice_lines(scene)
     side = 1 / max(across.per_element * scene.crossing_rate, along.per_element)
     return recovery.steps_between(scene, WAVE_CFL * side)
 
 
 def lattice_lines(scene):
-    """The lattice's lines, around and across a ring or twice that of a square, with elements a cell wide, at the inner
-    rim of a ring.
+    """Returns the lattice's lines, around and across a ring or twice that of a square, with elements one cell wide, at
+    the inner rim of a ring.
 
     With one particle per cell they are half as wide again: elements as narrow as the particles' spacing are unstable.
     None is narrower than the reference's step bears, which is no shorter than the run's.
@@ -81,7 +80,7 @@ def lattice_lines(scene):
 
 
 def allocate(scene):
-    """Operators across and along the lines, and the reference in the initial configuration."""
+    """Returns operators across and along the lines, and the reference in the initial configuration."""
     across, along = lattice_lines(scene)
     box, width = scene.layout == "box", recovery.fit_width(scene)
     R = 1.0 if box else scene.INNER + along.quadrature()[0] / along.per_point
@@ -110,7 +109,7 @@ def allocate(scene):
 
 
 def verdict(scene: PlanarScene, memory: Mapping[str, np.ndarray]) -> str | None:
-    """Why not to trust it: the reference's own trouble, or an error that is too short for fits and error grid."""
+    """Returns why not to trust the estimate: a bad reference, or errors too short for fits and error grid; or None."""
     U = memory["recovered_nodes"].reshape(op.NODE_BLOCKS, -1, 4)[op.MOTION, :, :2]
     if reason := recovery.why_not_trusted(memory, np.abs(U).max() / scene.motion_amplitude):
         return reason

@@ -40,7 +40,7 @@ MEMORY = {
 
 
 def hooks(traits: ProblemKernels) -> EstimatorHooks:
-    """The estimator of a problem with these traits."""
+    """Returns the estimator's hooks for a problem with these traits."""
     @ti.func
     def its_step(body: ti.template(), base, on: ti.template()):
         in_step(body, base, traits, on)
@@ -51,7 +51,7 @@ def hooks(traits: ProblemKernels) -> EstimatorHooks:
 
 @ti.func
 def in_step(body: ti.template(), base, traits: ti.template(), on: ti.template()):
-    """Advance Ex by H = k dt and report Ev and Ea, between the node update and the particle update."""
+    """Advances Ex by H = k dt and reports Ev and Ea, between the node update and the particle update."""
     gather_moments(body, traits, on)
     traits.fold(body, fold_pair)
     node_errors(body, traits)
@@ -60,7 +60,7 @@ def in_step(body: ti.template(), base, traits: ti.template(), on: ti.template())
 
 @ti.func
 def gather_moments(body: ti.template(), traits: ti.template(), on: ti.template()):
-    """Nodal sums of V S (sigma_xx, sigma_yy, 1), of V (-S_x, -S_y, -S_x r_x, -S_y r_y) and S times the body force."""
+    """Sums V S (sigma_xx, sigma_yy, 1), V (-S_x, -S_y, -S_x r_x, -S_y r_y) and S times the force at the nodes."""
     for j in range(body.active):
         for node in range(j * body.row, j * body.row + body.active):
             body.transport_stress[node], body.transport_moments[node] = ti.Vector([0.0] * 4), ti.Vector([0.0] * 4)
@@ -95,7 +95,7 @@ def gather_moments(body: ti.template(), traits: ti.template(), on: ti.template()
 
 @ti.func
 def add_contribution(body: ti.template(), p, node, S, S_x, S_y, volume, stress, force):
-    """One particle's part at one node; r = x_p - x_i. The force waits where the error will go."""
+    """Adds one particle's part at one node; r = x_p - x_i. The force is stored where the error goes later."""
     r_x = body.position_velocity[p][0] - (node % body.row - body.origin) * body.spacing
     r_y = body.position_velocity[p][1] - (node // body.row - body.origin) * body.spacing
     body.transport_stress[node] = body.transport_stress[node] + S * stress
@@ -105,7 +105,7 @@ def add_contribution(body: ti.template(), p, node, S, S_x, S_y, volume, stress, 
 
 @ti.func
 def fold_pair(body: ti.template(), ghost, image, in_x, in_y):
-    """D across the plane and the force are odd."""
+    """Adds the sums of a ghost to its image; D across the plane and the force are odd."""
     moments, force = body.transport_moments[ghost], body.transport_error[ghost]
     body.transport_stress[image] = body.transport_stress[image] + body.transport_stress[ghost]
     body.transport_moments[image] = body.transport_moments[image] \
@@ -115,7 +115,7 @@ def fold_pair(body: ti.template(), ghost, image, in_x, in_y):
 
 @ti.func
 def node_errors(body: ti.template(), traits: ti.template()):
-    """Ea at the nodes. The internal part of a is a without the body force, whose nodal mean is taken out."""
+    """Computes Ea at the nodes. The internal part of a is a minus the nodal mean of the body force."""
     for j in range(traits.first, body.active):
         for i in range(traits.first, body.active):
             node = j * body.row + i
@@ -134,7 +134,7 @@ def node_errors(body: ti.template(), traits: ti.template()):
 
 @ti.func
 def particle_errors(body: ti.template(), base, on: ti.template()):
-    """Ea and Ev at the particles, and Ex carried on by H."""
+    """Computes Ea and Ev at the particles, and advances Ex by H."""
     for p in range(body.particles):
         Ea = interpolate(body, p, on)
         Ev = body.dt * Ea  # eq 48
@@ -147,7 +147,7 @@ def particle_errors(body: ti.template(), base, on: ti.template()):
 
 @ti.func
 def interpolate(body: ti.template(), p, on: ti.template()):
-    """sum S Ea_i at the particle, with the step's own weights."""
+    """Returns sum S Ea_i at the particle, with the step's own weights."""
     total = ti.Vector([0.0, 0.0])
     if ti.static(on.method == "cpdi"):
         w, = ti.static([stored_numbers(body, p, on)])
@@ -168,24 +168,24 @@ def interpolate(body: ti.template(), p, on: ti.template()):
 
 @ti.func
 def report(body: ti.template(), base, step, on: ti.template()):
-    """The other quantities are kept up to date as they are carried on; of the stress nothing is known."""
+    """Sets the error of the stress to NaN, because it is unknown; the others are always up to date."""
     for p in range(body.particles):
         body.estimate_stress[base + p] = ti.Vector([ti.math.nan] * 4)
 
 
 def interval(scene):
-    """About as often as somebody looks, for nothing is fed back that would need shorter steps."""
+    """Returns the steps per turn, about a sample interval: nothing is fed back that needs shorter ones."""
     return scene.sample_interval // math.ceil(scene.sample_interval / MOST_INTERVAL)
 
 
 def verdict(scene, memory):
-    """Why not to trust what was reported last."""
+    """Returns why not to trust the last report, or None."""
     a = memory["transport_error"].reshape(-1, 4)[:, :2]
     return why_not_trusted(np.abs(a).max(), memory["transport_moments"].any(), scene.size_of("a"))
 
 
 def allocate(scene):
-    """Nodal arrays."""
+    """Returns nodal arrays."""
     nodes = scene.row**2
     return {"transport_dt": interval(scene) * scene.time_step, "transport_stress": np.zeros((nodes, 4)),
             "transport_moments": np.zeros((nodes, 4)), "transport_error": np.zeros((nodes, 4))}

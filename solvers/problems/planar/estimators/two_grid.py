@@ -6,9 +6,8 @@ radii at least, for cubics). Lattices go on beyond the symmetry planes as mirror
 plane are odd; at free surfaces fits are one-sided.
 
 CPDI on a ring at A = 0.1, one period, 12 to 96 cells: indices of x .97-1.00 (distance .23 to .07), v .99-1.13 (.86 to
-.13), sigma .98-1.14 (1.0 to .4), at 6-18 % of the running time. Nothing is said of a: its error is noise of a cell's
-length, which each grid has in other places, so that no difference of the two tells where it is (distances of .5 to
-1.3).
+.13), sigma .98-1.14 (1.0 to .4), at 6-18 % of the running time. a is not estimated: its error is noise of a cell's
+length, at other places on each grid, so that the difference does not locate it (distances of .5 to 1.3).
 """
 
 import functools
@@ -43,7 +42,7 @@ MEMORY = {
 
 @ti.func
 def after_step(body: ti.template(), step, traits: ti.template(), on: ti.template()):
-    """One step of the second run, from ``coarse_dt`` ago until now; F and a before it are kept, for their rates."""
+    """Takes one step of the second run, over the last ``coarse_dt``; stores F and a before it, for their rates."""
     coarse, bare = ti.static([prefix_view(body, "coarse_"), two_grid.method_options(on)])
     for q in range(coarse.particles):
         body.two_grid_before[q] = coarse.deformation_gradient[q]
@@ -54,7 +53,7 @@ def after_step(body: ti.template(), step, traits: ti.template(), on: ti.template
 
 @ti.func
 def report(body: ti.template(), base, step, fields: ti.template(), on: ti.template()):
-    """e = q_h - I q*, in Cartesian components."""
+    """Reports e = q_h - I q*, in Cartesian components."""
     own, coarse = ti.static([prefix_view(body, "two_grid_"), prefix_view(body, "coarse_")])
     two_grid.clear_common_lattice(own)
     run_fields(body, own, on)
@@ -78,7 +77,7 @@ def report(body: ti.template(), base, step, fields: ti.template(), on: ti.templa
 
 @ti.func
 def polar_fields(u_x, u_y, v_x, v_y, direction, sigma):
-    """u, v and the Cauchy stress, given as xx, xy, yy, in components along and across the ``direction``."""
+    """Returns u, v and the Cauchy stress, given as xx, xy, yy, in components along and across the ``direction``."""
     back = ti.Vector([direction[0], -direction[1]])
     u, v = rotate_vector(back, u_x, u_y), rotate_vector(back, v_x, v_y)
     local = rotate_tensor(back, sigma[0], sigma[1], sigma[2])
@@ -87,7 +86,7 @@ def polar_fields(u_x, u_y, v_x, v_y, direction, sigma):
 
 @ti.func
 def run_fields(body: ti.template(), own: ti.template(), on: ti.template()):
-    """Fields of the run, as they are."""
+    """Stores the fields of the run."""
     for p in range(body.particles):
         q, X, e = body.position_velocity[p], body.material_position[p], body.direction[p]
         own.fields[p] = polar_fields(q[0] - X[0], q[1] - X[1], q[2], q[3], e, cauchy_stress(body, p, on))
@@ -95,7 +94,7 @@ def run_fields(body: ti.template(), own: ti.template(), on: ti.template()):
 
 @ti.func
 def coarse_fields(body: ti.template(), own: ti.template(), coarse: ti.template(), step, on: ti.template()):
-    """Fields of the second run, carried on from its last step to the present one, ``late`` seconds.
+    """Stores the fields of the second run, extrapolated by ``late`` seconds from its last step to the present.
 
     v is early by r^2 dt/2 on purpose: see ``coarse_fields`` of the bar.
     """
@@ -117,12 +116,12 @@ def coarse_fields(body: ti.template(), own: ti.template(), coarse: ti.template()
 
 @functools.cache
 def coarse_scene_class(kind: type) -> type:
-    """The class of a problem's scenes on a grid so coarse that none would run it for its own sake."""
+    """Returns the scene class of a problem that allows grids too coarse for a run of their own."""
     return type("SecondScene", (kind,), {"FEWEST_CELLS": FEWEST_CELLS})
 
 
 def coarse_scene(scene):
-    """The scene of the second run."""
+    """Returns the scene of the second run."""
     own = {f.name: getattr(scene, f.name) for f in fields(scene)}
     return coarse_scene_class(type(scene))(**{
         **own, "cells": scene.cells // 2, "dt": two_grid.interval(scene) * scene.time_step, "cfl": None,
@@ -130,7 +129,7 @@ def coarse_scene(scene):
 
 
 def allocate(scene):
-    """The second run at its start, and what the comparison needs."""
+    """Returns the second run at its start, and the tables of the comparison."""
     second, box = coarse_scene(scene), scene.layout == "box"
     members = initial_body(second, two_grid.method_options(kernel_options_of(second)), slabs=1)
     fine, coarse = (one.polar_counts(one.cells, one.ppc)[::-1] for one in (scene, second))
@@ -142,7 +141,7 @@ def allocate(scene):
 
 
 def verdict(scene, memory):
-    """Whether the second run is sound, and near enough."""
+    """Returns why the second run cannot be used, or None."""
     F, farthest = memory["coarse_deformation_gradient"].T, 1.5 * scene.motion_amplitude + 2 * scene.spacing
     with np.errstate(invalid="ignore", over="ignore"):
         moved = memory["coarse_position_velocity"][:, :2] - memory["coarse_material_position"]
@@ -151,7 +150,7 @@ def verdict(scene, memory):
 
 
 def hooks(traits: ProblemKernels, fields: two_grid.ComparedFields) -> EstimatorHooks:
-    """The estimator of a problem with these traits, of which such fields are compared."""
+    """Returns the estimator's hooks for a problem with these traits, which compares these fields."""
     @ti.func
     def its_step(body: ti.template(), base, step, on: ti.template()):
         after_step(body, step, traits, on)

@@ -1,1 +1,1 @@
-"""The method in the plane, for kernels: arrays, mappings, the phases of a step, remedies, and what is measured."""
+"""Kernels of the method in the plane: state, mappings, phases of a step, remedies, and diagnostics."""

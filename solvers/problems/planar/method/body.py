@@ -1,4 +1,4 @@
-"""The body of a plane problem: every number and array that the method itself needs, and what is watched of it.
+"""State of a plane problem's kernels: numbers and arrays of the method itself, and of its diagnostics.
 
 Nodes lie at (i - origin, j - origin) h and are stored row by row, entry j * row + i.
 """
@@ -22,14 +22,14 @@ from solvers.solver.state_arrays import Diagnostics, Members, initial_diagnostic
 
 @dataclass
 class PlanarBody(Members):
-    """P particles in K orbits (``solvers.problems.planar.layout``), N nodes, T slabs of particles with grids
-    of their own. What only an effect that is off would use has length one. What is known of the motion lies in tables
-    (``solvers.solver.field_tables``), all in one array, for a kernel takes 64 arguments at most."""
+    """P particles in K orbits (``solvers.problems.planar.layout``), N nodes, T slabs of particles with grids of their
+    own. Arrays that only an inactive effect would use have length one. Tables of the exact motion
+    (``solvers.solver.field_tables``) share one array, because a kernel takes 64 arguments at most."""
 
     particles: Integer
     nodes: Integer
     row: Integer  # nodes in a row
-    active: Integer  # rows in which a sound run can have mass; the others are neither cleared nor visited
+    active: Integer  # rows that can have mass in a sound run; others are neither cleared nor visited
     slabs: Integer
     orbits: Integer
     spacing: Real
@@ -76,15 +76,15 @@ class PlanarBody(Members):
 
 @dataclass
 class InstrumentedBody(Diagnostics, PlanarBody):
-    """A body and those who watch it, with the estimates that are vectors and tensors."""
+    """A body with its diagnostics, and the estimates that are vectors and tensors."""
 
     estimate_acceleration: Pairs  # estimated error of a (E*P, 2)
     estimate_stress: Quads  # estimated error of sigma, as xx, xy, yy and nothing (E*P, 4)
 
 
 def initial_body(scene: PlanarScene, on: KernelOptions, slabs: int) -> dict:
-    """The members of a :class:`PlanarBody` at the start: the layout, F = I, and the exact velocity of the time from
-    which the scene says that velocities count."""
+    """Returns the members of a :class:`PlanarBody` at the start: the layout, F = I, and the exact velocity at the time
+    to which the scene assigns initial velocities."""
     layout, row, mended = particle_layout(scene), scene.row, on.filtered or on.coupled
     P, K, N, X = len(layout.volume), len(layout.orbits), row * row, layout.position
     lame_modulus, shear_modulus = scene.lame_moduli
@@ -115,7 +115,7 @@ def initial_body(scene: PlanarScene, on: KernelOptions, slabs: int) -> dict:
 
 def initial_instruments(scene: Scene, on: KernelOptions, particles: int, farthest: float,
                         hooks: dict[str, EstimatorHooks]) -> dict:
-    """The members of a :class:`InstrumentedBody` that are not of the body, at the start."""
+    """Returns the members of an :class:`InstrumentedBody` beyond those of a body, at the start."""
     estimated, entries = bool(on.estimators), len(on.estimators) * particles
     return {**initial_diagnostics(scene, on, particles, farthest, hooks),
             "estimate_acceleration": zeros(entries, 2, when=estimated),

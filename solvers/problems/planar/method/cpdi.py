@@ -18,7 +18,7 @@ GRADIENTS, NODES = 8, 12
 
 @ti.func
 def find_weights(body: ti.template(), some: ti.template(), on: ti.template()):
-    """Keep of some particles the cell of each corner, its place in it, and the corners' gradients."""
+    """Stores the cell of each corner of some particles, the corner's place in it, and the corners' gradients."""
     per = body.cells_per_length
     x, y = load_component(body.position_velocity, some, 0), load_component(body.position_velocity, some, 1)
     if ti.static(on.frozen):
@@ -29,7 +29,7 @@ def find_weights(body: ti.template(), some: ti.template(), on: ti.template()):
         xx, xy, yx, yy = [load_component(body.deformation_gradient, some, k) for k in ti.static(range(4))]
         ax, ay, bx, by = xx * ax + xy * ay, yx * ax + yy * ay, xx * bx + xy * by, yx * bx + yy * by
     last = float(body.active - 2)
-    # Clamped: a run that goes bad has positions anywhere until the check stops it.
+    # Clamped: positions of an unstable run are arbitrary until the check stops it.
     corner_x = [x + CORNERS[c][0] * ax + CORNERS[c][1] * bx for c in ti.static(range(4))]
     corner_y = [y + CORNERS[c][0] * ay + CORNERS[c][1] * by for c in ti.static(range(4))]
     i = [ti.min(ti.max(ti.floor(corner_x[c]), 0.0), last) for c in ti.static(range(4))]
@@ -43,13 +43,13 @@ def find_weights(body: ti.template(), some: ti.template(), on: ti.template()):
 
 @ti.func
 def corner_nodes(w: ti.template()):
-    """The first nodes of the corners' cells: kept as real numbers, and whole, which they are exactly."""
+    """Returns the first nodes of the corners' cells, which are stored as real numbers, as integers."""
     return [ti.cast(w[NODES + c], ti.i32) for c in ti.static(range(4))]
 
 
 @ti.func
 def corner_gradients(body: ti.template(), p, on: ti.template()):
-    """Weights of the values at corners 1 and 2 in d/dx and d/dy: (x of 1, y of 1, x of 2, y of 2), in 1/length."""
+    """Returns the weights of corners 1 and 2 in d/dx and d/dy: (x of 1, y of 1, x of 2, y of 2), in 1/length."""
     r = body.edges[p] * body.cells_per_length  # r1 and r2, or F r1 and F r2, in cells
     if ti.static(not on.frozen):
         F = body.deformation_gradient[p]
@@ -61,7 +61,7 @@ def corner_gradients(body: ti.template(), p, on: ti.template()):
 
 @ti.func
 def stored_gradients(body: ti.template(), p, w: ti.template(), on: ti.template()):
-    """The same of the F with which the step began; where the coupling may have changed that since, of the present F."""
+    """Returns the corners' gradients for F at the start of the step; with the coupling, for the present F."""
     g = [w[GRADIENTS + k] for k in ti.static(range(4))]
     if ti.static(on.coupled):
         g = corner_gradients(body, p, on)
@@ -70,7 +70,7 @@ def stored_gradients(body: ti.template(), p, w: ti.template(), on: ti.template()
 
 @ti.func
 def corner_hats(w: ti.template(), c: ti.template()):
-    """Hat functions of corner c at its cell's nodes: left and right below, left and right above."""
+    """Returns the hat functions of corner c at its cell's nodes: left and right below, left and right above."""
     x, y = w[c], w[c + 4]
     both = x * y
     return ti.Vector([1 - x - y + both, x - both, y - both, both])
@@ -78,7 +78,7 @@ def corner_hats(w: ti.template(), c: ti.template()):
 
 @ti.func
 def particles_to_nodes(body: ti.template(), start, end, grid, traits: ti.template(), on: ti.template()):
-    """Add mass, momentum and force of the particles from ``start`` to ``end`` to the nodes from ``grid`` on."""
+    """Adds mass, momentum and force of the particles from ``start`` to ``end`` to the nodes from ``grid`` on."""
     for p in range(start, end):
         w, = ti.static([stored_numbers(body, p, on)])
         cells, g = corner_nodes(w), stored_gradients(body, p, w, on)
@@ -96,7 +96,7 @@ def particles_to_nodes(body: ti.template(), start, end, grid, traits: ti.templat
 
 @ti.func
 def gather(body: ti.template(), p, values: ti.template(), on: ti.template()):
-    """The nodes' values, four numbers, at the particle and their derivatives in x and y."""
+    """Returns the nodes' values, four numbers, at the particle, and their derivatives in x and y."""
     w, = ti.static([stored_numbers(body, p, on)])
     cells, g = corner_nodes(w), stored_gradients(body, p, w, on)
     total, first_pair, second_pair = ti.Vector([0.0] * 4), ti.Vector([0.0] * 4), ti.Vector([0.0] * 4)
@@ -116,7 +116,7 @@ def gather(body: ti.template(), p, values: ti.template(), on: ti.template()):
 
 @ti.func
 def scatter(body: ti.template(), p, carried, values: ti.template(), on: ti.template()):
-    """Add four numbers of the particle to the nodes' values, with its weights."""
+    """Adds four numbers of the particle to the nodes' values, with its weights."""
     w, = ti.static([stored_numbers(body, p, on)])
     cells = corner_nodes(w)
     for c in ti.static(range(4)):

@@ -1,4 +1,4 @@
-"""What kernels know of a plane body from the tables of its exact motion: errors of particles, and its spin."""
+"""Diagnostics in kernels that use the tables of the exact motion: errors of particles, and angular momentum."""
 
 import taichi as ti
 
@@ -16,8 +16,8 @@ from solvers.solver.samples import column_index
 
 @ti.func
 def find_exact(body: ti.template(), step, on: ti.template()):
-    """Find the exact solution at the orbits' points, and the functions of time of the nodes' acceleration, after so
-    many steps; the acceleration at the step before, whose acceleration was used."""
+    """Computes the exact solution at the orbits' points, and the functions of time of the nodes' acceleration, after
+    ``step`` steps; the acceleration one step before, when the method computed its own."""
     w = body.angular_frequency
     now = w * body.dt * step
     before = ti.max(0.0, now - w * body.dt)
@@ -39,7 +39,7 @@ def find_exact(body: ti.template(), step, on: ti.template()):
 
 @ti.func
 def vector_errors(body: ti.template(), p, on: ti.template()):
-    """Errors of x and v as one vector of four, and of a, at particle p."""
+    """Returns the errors of x and v as one vector of four, and of a, at particle p."""
     at, e, X, q = 3 * body.orbit[p], body.direction[p], body.material_position[p], body.position_velocity[p]
     f = body.exact[at]
     u, v = rotate_vector(e, f[0], f[1]), rotate_vector(e, f[2], f[3])
@@ -52,14 +52,14 @@ def vector_errors(body: ti.template(), p, on: ti.template()):
 
 @ti.func
 def stress_error(body: ti.template(), p, on: ti.template()):
-    """Error of the Cauchy stress, as xx, xy, yy."""
+    """Returns the error of the Cauchy stress, as xx, xy, yy."""
     f = body.exact[3 * body.orbit[p] + 2]
     return cauchy_stress(body, p, on) - rotate_tensor(body.direction[p], f[0], f[1], f[2])
 
 
 @ti.func
 def sample_angular_momentum(body: ti.template(), row, step, on: ti.template()):
-    """Angular momentum, and the impulse of the body force's torque so far."""
+    """Samples the angular momentum, and the impulse of the body force's torque so far."""
     momentum, torque = 0.0, 0.0
     for p in range(body.particles):
         q = body.position_velocity[p]
@@ -71,7 +71,8 @@ def sample_angular_momentum(body: ti.template(), row, step, on: ti.template()):
 
 
 def make_diagnostic_kernels(kind: type[PlanarScene], first: int) -> DiagnosticKernels:
-    """Of a problem by the class of its scene; nodes before ``first`` in a row lie beyond a symmetry plane."""
+    """Returns the diagnostics of a problem with this scene class; nodes before ``first`` lie beyond a symmetry
+    plane."""
     nodes = make_circular_node_error(kind, first) if kind.CIRCULAR else make_node_error(first if kind.PLANES[1] else 0)
     look = make_circle_look(kind.INNER, kind.OUTER, kind.PLOTTED == "angular") if kind.CIRCULAR else record_mode_moments
     spin = {"spin": sample_angular_momentum} if "spin" in kind.OWN_EFFECTS else {}

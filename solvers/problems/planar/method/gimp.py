@@ -11,9 +11,9 @@ from solvers.problems.planar.method.stored_weights import store_part, stored_num
 
 @ti.func
 def half_widths(body: ti.template(), some: ti.template(), c: ti.template(), on: ti.template()):
-    """Half the boxes of some particles in x or y (``c``), in cells: constant for uGIMP, stretched by |F_xx| or |F_yy|
-    for cpGIMP, for its variant by those of V = sqrt(F F^T) = (b + J I)/sqrt(tr b + 2 J), b = F F^T, by Cayley and
-    Hamilton."""
+    """Returns half the boxes of some particles in x or y (``c``), in cells: constant for uGIMP, stretched by |F_xx| or
+    |F_yy| for cpGIMP, for its variant by those of V = sqrt(F F^T) = (b + J I)/sqrt(tr b + 2 J), b = F F^T, by Cayley
+    and Hamilton."""
     widths = ti.Vector([body.half_width for _ in ti.static(range(some.n))])
     if ti.static(on.method == "cpgimp" and not on.frozen):
         stretched = body.half_width * load_component(body.deformation_gradient, some, 3 * c)
@@ -30,9 +30,9 @@ def half_widths(body: ti.template(), some: ti.template(), c: ti.template(), on: 
 
 @ti.func
 def find_weights(body: ti.template(), some: ti.template(), on: ti.template()):
-    """Keep the stencils of some particles for both mappings of the step."""
+    """Stores the stencils of some particles for both mappings of the step."""
     x, y = stencil_along(body, some, 0, on), stencil_along(body, some, 1, on)
-    # A run that goes bad has positions anywhere: stay inside the arrays until the check stops it.
+    # Positions of an unstable run are arbitrary: stay inside the arrays until the check stops it.
     last = float(body.active - 3)
     node = ti.min(ti.max(y[0], 0.0), last) * float(body.row) + ti.min(ti.max(x[0], 0.0), last)
     for k in ti.static(range(some.n)):
@@ -42,7 +42,7 @@ def find_weights(body: ti.template(), some: ti.template(), on: ti.template()):
 
 @ti.func
 def stencil_along(body: ti.template(), some: ti.template(), c: ti.template(), on: ti.template()):
-    """First node, outer weights and outer slopes of some particles in x or y (``c``)."""
+    """Returns first node, outer weights and outer slopes of some particles in x or y (``c``)."""
     per = body.cells_per_length
     position = load_component(body.position_velocity, some, c)
     if ti.static(on.frozen):
@@ -54,7 +54,7 @@ def stencil_along(body: ti.template(), some: ti.template(), c: ti.template(), on
 
 @ti.func
 def stored_stencils(body: ti.template(), p, on: ti.template()):
-    """The kept stencils: weights and gradients (1/length) at three nodes in x and in y."""
+    """Returns the stored stencils: weights and gradients (1/length) at three nodes in x and in y."""
     w, = ti.static([stored_numbers(body, p, on)])
     S, dS = stencil(w[0], w[2], w[4], w[6])
     R, dR = stencil(w[1], w[3], w[5], w[7])
@@ -63,7 +63,7 @@ def stored_stencils(body: ti.template(), p, on: ti.template()):
 
 @ti.func
 def particles_to_nodes(body: ti.template(), start, end, grid, traits: ti.template(), on: ti.template()):
-    """Add mass, momentum and force of the particles from ``start`` to ``end`` to the nodes from ``grid`` on."""
+    """Adds mass, momentum and force of the particles from ``start`` to ``end`` to the nodes from ``grid`` on."""
     for p in range(start, end):
         S, dS, R, dR = stored_stencils(body, p, on)
         first = grid + body.first_node[p]
@@ -79,7 +79,7 @@ def particles_to_nodes(body: ti.template(), start, end, grid, traits: ti.templat
 
 @ti.func
 def gather(body: ti.template(), p, values: ti.template(), on: ti.template()):
-    """The nodes' values, four numbers, at the particle and their derivatives in x and y."""
+    """Returns the nodes' values, four numbers, at the particle, and their derivatives in x and y."""
     S, dS, R, dR = stored_stencils(body, p, on)
     first = body.first_node[p]
     here, by_x, by_y = ti.Vector([0.0] * 4), ti.Vector([0.0] * 4), ti.Vector([0.0] * 4)
@@ -96,7 +96,7 @@ def gather(body: ti.template(), p, values: ti.template(), on: ti.template()):
 
 @ti.func
 def scatter(body: ti.template(), p, carried, values: ti.template(), on: ti.template()):
-    """Add four numbers of the particle to the nodes' values, with its weights."""
+    """Adds four numbers of the particle to the nodes' values, with its weights."""
     S, _, R, _ = stored_stencils(body, p, on)
     first = body.first_node[p]
     for j in ti.static(range(3)):

@@ -1,4 +1,4 @@
-"""The material for kernels: the formulas of ``solvers.motion.laws``, of the law that a scene's switches name.
+"""Material laws in kernels: the formulas of ``solvers.motion.laws``, for the law in a scene's compile-time options.
 
 A body has ``shear_modulus`` mu and ``lame_modulus`` lambda.
 """
@@ -12,11 +12,11 @@ from solvers.kernels.elementary_functions import log
 from solvers.motion.laws import law
 from solvers.motion.laws.material import LAWS as IN_NUMPY
 
-MIN_LOG_JACOBIAN = 1e-300  # det F below which its logarithm is not asked for: the run is at its end
+MIN_LOG_JACOBIAN = 1e-300  # least det F whose logarithm is taken: the run is unstable
 
 
 def strip_annotations(formula: FunctionType) -> Callable:
-    """The same function without annotations, which Taichi would read."""
+    """Returns the function without its annotations, which Taichi would read."""
     return ti.func(FunctionType(formula.__code__, formula.__globals__, formula.__name__))
 
 
@@ -28,13 +28,13 @@ determinant, piola, kirchhoff, metric, material_metric, stiffness = map(strip_an
 
 @ti.func
 def log_jacobian(J):
-    """ln J."""
+    """Returns ln J."""
     return log(ti.max(J, MIN_LOG_JACOBIAN))
 
 
 @ti.func
 def coefficients(body: ti.template(), F, on: ti.template()):
-    """J, q, r, A, x, of F as (xx, xy, yx, yy) in the body's material."""
+    """Returns J, q, r, A, x, for F as (xx, xy, yx, yy) in the body's material."""
     J, volumetric = determinant(F), 0.0
     if ti.static(LAWS[on.law].logarithmic):
         if body.lame_modulus != 0:  # a logarithm a particle is a tenth of some estimator's time
@@ -45,7 +45,7 @@ def coefficients(body: ti.template(), F, on: ti.template()):
 
 @ti.func
 def cauchy_stress_of(body: ti.template(), F, on: ti.template()):
-    """sigma as (xx, xy, yy), of F as (xx, xy, yx, yy) in the body's material."""
+    """Returns sigma as (xx, xy, yy), for F as (xx, xy, yx, yy) in the body's material."""
     J, q, r, _, _ = coefficients(body, F, on)
     xx, xy, yy = kirchhoff(F, q, r)
     return ti.Vector([xx, xy, yy]) / J
@@ -53,14 +53,14 @@ def cauchy_stress_of(body: ti.template(), F, on: ti.template()):
 
 @ti.func
 def cauchy_stress(body: ti.template(), p, on: ti.template()):
-    """The same of particle p."""
+    """Returns sigma of particle p as (xx, xy, yy)."""
     return cauchy_stress_of(body, body.deformation_gradient[p], on)
 
 
 @ti.func
 def tangent(body: ti.template(), p, on: ti.template()):
-    """For the margin of the step V0 in m^3 and a metric (xx, xy, yy) in Pa, in which sizes of the gradients of weights
-    at two nodes are multiplied for what binds these at most: in space, or where weights stay those of rest at rest."""
+    """Returns, for the step margin, V0 in m^3 and a metric (xx, xy, yy) in Pa. The product of two nodes' weight
+    gradients measured in it bounds the stiffness between them: gradients in space, or at rest with frozen weights."""
     F = body.deformation_gradient[p]
     J, q, r, A, x = coefficients(body, F, on)
     xx, xy, yy = ti.static(material_metric if on.frozen else metric)(F, J, q, r, A, x)
@@ -69,7 +69,7 @@ def tangent(body: ti.template(), p, on: ti.template()):
 
 @ti.func
 def strain_energy(body: ti.template(), p, on: ti.template()):
-    """Of a particle, in J."""
+    """Returns the strain energy of a particle, in J."""
     F, mu = body.deformation_gradient[p], body.shear_modulus
     J = determinant(F)
     return body.mass[p] / body.density * LAWS[on.law].energy(F, J, log_jacobian(J), body.lame_modulus, mu)

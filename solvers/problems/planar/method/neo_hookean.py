@@ -1,4 +1,4 @@
-"""What kernels have of the neo-Hookean law beside its formulas: the logarithms of many particles at a time."""
+"""Kernels of the neo-Hookean law beside its formulas: the logarithms of several particles at a time."""
 
 import taichi as ti
 
@@ -9,10 +9,9 @@ FAR, TERMS = 1 / 7, 9  # |J-1|/|J+1| up to which so many terms give ln J to roun
 
 @ti.func
 def find_volumetric(body: ti.template(), start, end):
-    """Find lambda ln J of the particles from ``start`` to ``end``: in a loop of its own, for a call of the logarithm
-    among the sums at the nodes would cost a third of the step. Of four particles at a time, for a processor does sums
-    and products of so many at once; the last one is found again where there are not four.
-    """
+    """Computes lambda ln J of the particles from ``start`` to ``end``, in a loop of its own, because logarithms within
+    the sums at the nodes would cost a third of the step; for four particles at a time, to use vector instructions.
+    Where fewer are left, the last one is computed repeatedly."""
     for group in range((end - start + 3) // 4):
         J, first = ti.Vector([0.0] * 4), start + 4 * group
         for k in ti.static(range(4)):
@@ -24,7 +23,7 @@ def find_volumetric(body: ti.template(), start, end):
 
 @ti.func
 def logarithms(J):
-    """ln of four numbers: near 1, where a sound run has its J, by the series of 2 artanh((J-1)/(J+1)), to rounding."""
+    """Returns ln of four numbers: near 1, as J of sound runs, by the series of 2 artanh((J-1)/(J+1)), to rounding."""
     s = (J - 1) / (J + 1)
     square, series = s * s, ti.Vector([0.0] * 4)
     for k in ti.static(range(TERMS)):

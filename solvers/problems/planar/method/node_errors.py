@@ -1,5 +1,5 @@
-"""The paper's "Err A": the acceleration of nodes against that of the material that is where they are, in the exact
-motion. The acceleration is that of the last step, and so is the place."""
+"""The paper's "Err A": the error of the nodes' acceleration against that of the material at their places in the exact
+motion, both at the last step's time."""
 
 from collections.abc import Callable
 
@@ -15,10 +15,11 @@ MIN_RADIUS = 0.1  # of the inner radius: a node nearer to the centre, where no m
 
 
 def make_node_error(ghosts: int) -> Callable:
-    """Of bodies whose table of the grid has the acceleration at each node, with so many ``ghosts`` at either end."""
+    """Returns the function that measures it, for bodies whose grid table has the acceleration at each node, with
+    ``ghosts`` rows of nodes beyond planes at both ends."""
     @ti.func
     def node_acceleration_error(body: ti.template(), on: ti.template()):
-        """Mean squared error of the acceleration of the nodes that carry mass."""
+        """Returns the mean squared error of the acceleration of the nodes that carry mass."""
         total, count, rank = 0.0, 0, size_of(body, GRID, RANK)
         modes, out, last = size_of(body, GRID, MODES), size_of(body, GRID, PRESENT), body.row - 1 - ghosts
         for node in range(body.nodes):  # not one loop in another: Vulkan in software adds wrongly there
@@ -37,15 +38,15 @@ def make_node_error(ghosts: int) -> Callable:
 
 
 def make_circular_node_error(kind: type[PlanarScene], first: int) -> Callable:
-    """Of bodies whose motion is the same all around, whose table of the grid has the displacement as polynomials of the
-    radius; nodes before ``first`` in a row lie beyond a symmetry plane."""
+    """Returns the function that measures it, for bodies with rotational symmetry, whose grid table has the displacement
+    as polynomials of the radius; nodes before ``first`` in a row lie beyond a symmetry plane."""
     beyond, inner, outer = kind.BEYOND_RIMS, kind.INNER, kind.OUTER
     nearest, middle, half = MIN_RADIUS * inner, 0.5 * (outer + inner), 0.5 * (outer - inner)
 
     @ti.func
     def expansion(body: ti.template(), s):
-        """u and a at the radius s, from -1 to 1 between the rims, and the derivative of u by s: Clenshaw's recurrence
-        for sum c_m T_m(s), and for its derivative."""
+        """Returns u and a at the radius s, from -1 to 1 between the rims, and du/ds: Clenshaw's recurrence for sum c_m
+        T_m(s), and for its derivative."""
         b, older = ti.Vector([0.0] * 4), ti.Vector([0.0] * 4)
         d, older_d = ti.Vector([0.0] * 4), ti.Vector([0.0] * 4)
         start, terms = 3 * body.orbits, body.exact.shape[0]
@@ -57,7 +58,7 @@ def make_circular_node_error(kind: type[PlanarScene], first: int) -> Callable:
 
     @ti.func
     def node_acceleration_error(body: ti.template(), on: ti.template()):
-        """Mean squared error of the acceleration of the nodes that carry mass."""
+        """Returns the mean squared error of the acceleration of the nodes that carry mass."""
         rank, modes, out = size_of(body, GRID, RANK), size_of(body, GRID, MODES), size_of(body, GRID, PRESENT)
         for m in range(body.exact.shape[0] - 3 * body.orbits):
             now = ti.Vector([0.0] * 4)

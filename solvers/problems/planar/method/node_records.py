@@ -1,4 +1,4 @@
-"""What a particle gives to nodes: eight numbers, momentum, force, mass and three zeros, a whole vector register."""
+"""Node records, the sums of particles' contributions: momentum, force, mass and three zeros, one vector register."""
 
 import taichi as ti
 
@@ -9,7 +9,8 @@ NONZERO_ENTRIES = 5  # numbers of a node's record that are not always zero
 
 @ti.func
 def contribution_of(body: ti.template(), p, traits: ti.template(), on: ti.template()):
-    """What a particle gives to nodes: a node record by weight, V sigma = (xx, xy, yx, yy) by gradient of the weight."""
+    """Returns a particle's contribution to nodes: the record to multiply by the weight, and V sigma = (xx, xy, yx, yy)
+    to multiply by its gradient."""
     q, mass = body.position_velocity[p], body.mass[p]
     force = ti.Vector([0.0, 0.0])
     if ti.static(on.body_force != "none"):
@@ -20,16 +21,16 @@ def contribution_of(body: ti.template(), p, traits: ti.template(), on: ti.templa
 
 @ti.func
 def force_record(x, y):
-    """The record of a node on which nothing but a force acts."""
+    """Returns the record of a node on which only a force acts."""
     return ti.Vector([0.0, 0.0, x, y, 0.0, 0.0, 0.0, 0.0])
 
 
 @ti.func
 def scatter_add(records: ti.template(), place, record):
-    """Add to one of many records: of nodes, as particles do, or of circles.
+    """Adds to one of many records: of nodes, or of circles.
 
-    On a processor nobody else adds there (slabs have grids of their own), and an atomic addition, which += would be,
-    costs three times as much. On a GPU all particles add at once.
+    On a CPU no other thread adds there (slabs have grids of their own), and an atomic addition, as by +=, would cost
+    three times as much. On a GPU all particles add at once.
     """
     if ti.static(runtime.runs_on_cpu()):
         records[place] = records[place] + record

@@ -1,4 +1,4 @@
-"""A problem's own part of the phases of a step: what pushes its particles, and where they may be."""
+"""A problem's own part of the phases of a step: its body force, and where its particles may be."""
 
 import taichi as ti
 
@@ -12,12 +12,12 @@ from solvers.solver.field_tables import find_force_functions, force_at
 
 
 def make_problem_kernels(kind: type[PlanarScene]) -> ProblemKernels:
-    """Of a problem by the class of its scene."""
+    """Returns the kernel parts of a problem with this scene class."""
     circular, volumetric, low = kind.CIRCULAR, kind.VOLUMETRIC, kind.PLANES[0]
 
     @ti.func
     def forces(body: ti.template(), t, on: ti.template()):
-        """The body force per mass at time t: its functions of time, and at the circles itself, for there are few."""
+        """Computes the body force per mass at time t: its functions of time, and the force itself on circles."""
         find_force_functions(body.tables, body.table_sizes, body.angular_frequency * t, on)
         if ti.static(circular and on.body_force != "none"):
             for k in range(body.orbits):
@@ -25,7 +25,7 @@ def make_problem_kernels(kind: type[PlanarScene]) -> ProblemKernels:
 
     @ti.func
     def prepare(body: ti.template(), start, end, on: ti.template()):
-        """lambda ln J, and where each particle is an orbit the force, of the particles from ``start`` to ``end``."""
+        """Computes lambda ln J of the particles from ``start`` to ``end``, and the force where each is an orbit."""
         if ti.static(volumetric and LAWS[on.law].logarithmic):
             find_volumetric(body, start, end)
         if ti.static(not circular and on.body_force != "none"):
@@ -34,7 +34,7 @@ def make_problem_kernels(kind: type[PlanarScene]) -> ProblemKernels:
 
     @ti.func
     def body_force_on(body: ti.template(), p):
-        """The body force on a particle, in N."""
+        """Returns the body force on a particle, in N."""
         f = body.orbit_force[body.orbit[p]]
         if ti.static(circular):
             f = rotate_vector(body.direction[p], f[0], f[1])
@@ -42,7 +42,7 @@ def make_problem_kernels(kind: type[PlanarScene]) -> ProblemKernels:
 
     @ti.func
     def stress(body: ti.template(), p, on: ti.template()):
-        """J sigma as (xx, xy, yx, yy), or P where the weights stay those of rest."""
+        """Returns J sigma as (xx, xy, yx, yy), or P with frozen weights."""
         F, bulk, full = body.deformation_gradient[p], 0.0, ti.Vector([0.0] * 4)
         if ti.static(volumetric and LAWS[on.law].logarithmic):
             bulk = body.volumetric[p]
@@ -57,7 +57,7 @@ def make_problem_kernels(kind: type[PlanarScene]) -> ProblemKernels:
 
     @ti.func
     def has_escaped(body: ti.template(), p, step):
-        """Whether a particle is where none of a sound run can be."""
+        """Returns whether a particle is at a place that none reaches in a sound run."""
         q, X = body.position_velocity[p], body.material_position[p]
         least = -body.spacing if ti.static(low) else -body.farthest
         inside = q[0] > least and q[1] > least and q[0] < body.farthest and q[1] < body.farthest

@@ -1,8 +1,7 @@
-"""The remedies in the plane (see ``solvers.scene.remedies``): what a scene may call for against breakdown in long
-motions.
+"""Remedies in the plane against breakdown in long motions (see ``solvers.scene.remedies``).
 
-As the bar's: the null-space filter on the particles' velocity, and F drawn towards that of their displacements.
-A record of a particle, or of a node, is (v_x, v_y, u_x, u_y): both are mapped at once.
+As for the bar: the null-space filter of the particles' velocity, and F drawn towards that of their displacements. A
+record of a particle, or of a node, is (v_x, v_y, u_x, u_y): both are mapped at once.
 """
 
 import taichi as ti
@@ -11,12 +10,12 @@ from solvers.problems.planar.method import cpdi, gimp
 from solvers.problems.planar.method.phases import active_particles, gather
 
 PASSES = 4  # of the coupling: u_i = sum over l < 4 of (I - S^+ S)^l S^+ (x - X)
-LEAST_JACOBIAN = 0.1  # of I - grad u, below which its inverse says nothing
+LEAST_JACOBIAN = 0.1  # of I - grad u, below which its inverse is meaningless
 
 
 @ti.func
 def in_step(body: ti.template(), step, traits: ti.template(), on: ti.template()):
-    """The turn of the remedies between nodes and particles; ``step`` counts this step too."""
+    """Applies the remedies that are due between nodes and particles; ``step`` includes this step."""
     if ti.static(on.filtered or on.coupled):
         if step % body.remedy_interval == 0:
             apply_remedies(body, traits, on)
@@ -24,7 +23,7 @@ def in_step(body: ti.template(), step, traits: ti.template(), on: ti.template())
 
 @ti.func
 def apply_remedies(body: ti.template(), traits: ti.template(), on: ti.template()):
-    """v_p -= rate (I - S S^+)^2 v; F += rate ((I - grad u)^-1 - F) with u_i the sharpened copy of x - X."""
+    """Applies v_p -= rate (I - S S^+)^2 v; F += rate ((I - grad u)^-1 - F) with u_i the sharpened copy of x - X."""
     begin_remedies(body, on)
     for pass_number in range(ti.static(PASSES if on.coupled else 1)):
         sharpen(body, pass_number, traits, on)
@@ -33,7 +32,7 @@ def apply_remedies(body: ti.template(), traits: ti.template(), on: ti.template()
 
 @ti.func
 def begin_remedies(body: ti.template(), on: ti.template()):
-    """The particles' records: the part of v that the nodes had not before the step, and x - X."""
+    """Computes the particles' records: the part of v that the nodes lacked before the step, and x - X."""
     for node in range(body.nodes):
         body.node_remedy[node] = ti.Vector([0.0] * 4)
     for p in range(active_particles(body)):
@@ -46,7 +45,7 @@ def begin_remedies(body: ti.template(), on: ti.template()):
 
 @ti.func
 def sharpen(body: ti.template(), pass_number, traits: ti.template(), on: ti.template()):
-    """Add what the nodes see of the particles' records to theirs, and leave the particles what is not seen of x - X."""
+    """Adds the grid's part of the particles' records to the nodes, and leaves the rest of x - X to the particles."""
     scratch_to_nodes(body, traits, on)
     for node in range(body.nodes):
         new = body.node_scratch[node]
@@ -62,7 +61,7 @@ def sharpen(body: ti.template(), pass_number, traits: ti.template(), on: ti.temp
 
 @ti.func
 def end_remedies(body: ti.template(), on: ti.template()):
-    """Draw the particles' velocity and F, at the rate, to where they should be."""
+    """Moves the particles' velocity and F towards their targets, at the rate."""
     for p in range(active_particles(body)):
         here, by_x, by_y = gather(body, p, body.node_remedy, on)
         if ti.static(on.filtered):
@@ -80,7 +79,7 @@ def end_remedies(body: ti.template(), on: ti.template()):
 
 @ti.func
 def scratch_to_nodes(body: ti.template(), traits: ti.template(), on: ti.template()):
-    """S^+ of the particles' records: weighted by mass, folded at the symmetry planes like a velocity."""
+    """Maps the particles' records to nodes by S^+: weighted by mass, folded at symmetry planes like a velocity."""
     for node in range(body.nodes):
         body.node_scratch[node] = ti.Vector([0.0] * 4)
     for p in range(active_particles(body)):

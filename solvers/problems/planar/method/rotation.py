@@ -1,17 +1,17 @@
-"""Vectors and tensors of an orbit's point, turned to the particle that it stands for."""
+"""Rotation of vectors and tensors from an orbit's representative point to its particles."""
 
 import taichi as ti
 
 
 @ti.func
 def rotate_vector(e, x, y):
-    """A vector (x, y) where the x axis has become e."""
+    """Returns the vector (x, y) rotated so that the x axis becomes e."""
     return ti.Vector([x * e[0] - y * e[1], x * e[1] + y * e[0]])
 
 
 @ti.func
 def rotate_tensor(e, xx, xy, yy):
-    """A symmetric tensor where the x axis has become e, as xx, xy, yy."""
+    """Returns a symmetric tensor, as xx, xy, yy, rotated so that the x axis becomes e."""
     c, s = e[0], e[1]
     mean, half = 0.5 * (xx + yy), 0.5 * (xx - yy)
     along, across = half * (c * c - s * s) - 2 * xy * c * s, 2 * half * c * s + xy * (c * c - s * s)

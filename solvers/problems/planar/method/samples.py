@@ -16,20 +16,20 @@ from solvers.solver.samples import BASE_COLUMNS, ESTIMATOR_COLUMNS, column_index
 
 @ti.func
 def squared(tensor):
-    """Squared Frobenius norm of a symmetric tensor given as xx, xy, yy."""
+    """Returns the squared Frobenius norm of a symmetric tensor given as xx, xy, yy."""
     return tensor[0] * tensor[0] + 2 * tensor[1] * tensor[1] + tensor[2] * tensor[2]
 
 
 @ti.func
 def squared_parts(motion, sigma, a):
-    """Squared sizes of x, v, sigma and a."""
+    """Returns the squared sizes of x, v, sigma and a."""
     return ti.Vector([motion[0] * motion[0] + motion[1] * motion[1], motion[2] * motion[2] + motion[3] * motion[3],
                       squared(sigma), a[0] * a[0] + a[1] * a[1]])
 
 
 @ti.func
 def sample(body: ti.template(), row, step, looks, measures: ti.template(), on: ti.template()):
-    """Write one row of sums; with ``looks`` also contradictions, which are looked for more rarely."""
+    """Writes one row of sums; with ``looks`` also contradictions, which are sampled more rarely."""
     sample_sums(body, row, step, measures, on)
     if ti.static(on.soundness):
         if looks:
@@ -38,7 +38,7 @@ def sample(body: ti.template(), row, step, looks, measures: ti.template(), on: t
 
 @ti.func
 def sample_sums(body: ti.template(), row, step, measures: ti.template(), on: ti.template()):
-    """The same without contradictions."""
+    """Writes one row of sums, without contradictions."""
     crossings, work = 0.0, 0.0
     for slab in range(body.slabs):
         crossings += body.totals[ti.static(TOTALS) * slab]
@@ -60,7 +60,7 @@ def sample_sums(body: ti.template(), row, step, measures: ti.template(), on: ti.
 
 @ti.func
 def sample_truth(body: ti.template(), row, step, measures: ti.template(), on: ti.template()):
-    """Sums of squares of the true errors of x, v, sigma and, with the effect, a at particles and nodes."""
+    """Samples the true errors, sums of squares: of x, v, sigma and, with the effect, a at particles and nodes."""
     squares = ti.Vector([0.0, 0.0, 0.0, 0.0])
     for p in range(body.particles):
         motion, a = vector_errors(body, p, on)
@@ -76,7 +76,7 @@ def sample_truth(body: ti.template(), row, step, measures: ti.template(), on: ti
 
 @ti.func
 def sample_estimates(body: ti.template(), row, step, on: ti.template()):
-    """Sums of squares of each estimate and of its distance from the truth."""
+    """Samples each estimate and its difference from the truth, sums of squares."""
     if ti.static(runtime.runs_on_cpu()):
         for e in range(ti.static(len(on.estimators))):
             sample_estimate(body, row, step, e, on)
@@ -87,7 +87,7 @@ def sample_estimates(body: ti.template(), row, step, on: ti.template()):
 
 @ti.func
 def sample_estimate(body: ti.template(), row, step, e, on: ti.template()):
-    """The same of estimator number e."""
+    """Samples the estimate number e and its difference from the truth, sums of squares."""
     squares, missed = ti.Vector([0.0, 0.0, 0.0, 0.0]), ti.Vector([0.0, 0.0, 0.0, 0.0])
     for p in range(body.particles):
         motion, stress = body.estimate[e * body.particles + p], body.estimate_stress[e * body.particles + p]
@@ -109,7 +109,7 @@ def sample_estimate(body: ti.template(), row, step, e, on: ti.template()):
 
 @ti.func
 def sample_energy(body: ti.template(), row, measures: ti.template(), on: ti.template()):
-    """Kinetic energy, and the strain energy of the particles."""
+    """Samples the particles' kinetic energy and strain energy."""
     kinetic, strain = 0.0, 0.0
     for p in range(body.particles):
         q, mass = body.position_velocity[p], body.mass[p]

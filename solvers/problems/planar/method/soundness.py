@@ -16,19 +16,19 @@ from solvers.solver import field_tables
 from solvers.solver.field_tables import MOTION, size_of
 from solvers.solver.samples import column_index
 
-SAME = 1e-12  # of itself, by which a distance may differ when it is found twice, in loops that are compiled otherwise
+SAME = 1e-12  # relative difference of a distance computed twice, in loops compiled differently
 
 
 def make_circle_look(inner: float, outer: float, turns: bool) -> Callable:
-    """The look for contradictions within a body between these radii, in m. Its circles move along the radius alone, so
-    that motion around the centre is an error too, unless each ``turns`` as a whole.
+    """Returns the check for contradictions within a body between these radii, in m. Circles move along the radius only,
+    so that motion around the centre is an error too, unless each ``turns`` as a whole.
 
     Displacements in the frame of each particle at rest are the same along a circle; their scatter is a strict lower
     bound of the error. A cartesian layout has next to no two particles on a circle, and shows little of it.
     """
     @ti.func
     def look(body: ti.template(), row):
-        """Write how far neighbours are from where they should stand, and circles are out of shape, in metres."""
+        """Samples the gaps between neighbours and the distortion of circles, in m."""
         record_neighbour_gaps(body, row)
         turning = 0.0
         for k in range(body.orbits):
@@ -62,8 +62,8 @@ def make_circle_look(inner: float, outer: float, turns: bool) -> Callable:
 
 @ti.func
 def record_mode_moments(body: ti.template(), row):
-    """Write how far neighbours are from where they should stand, and the moments of the displacement with the modes of
-    the exact motion: see ``BoxScene.balanced_motion``. No symmetry within the body is known."""
+    """Samples the gaps between neighbours in m, and the moments of the displacement with the modes of the exact motion:
+    see ``BoxScene.balanced_motion``. The body has no known symmetry."""
     record_neighbour_gaps(body, row)
     squares, sums = 0.0, ti.Vector([0.0] * MODES)
     rank, modes = size_of(body, MOTION, field_tables.RANK), size_of(body, MOTION, field_tables.MODES)
@@ -83,7 +83,7 @@ def record_mode_moments(body: ti.template(), row):
 
 @ti.func
 def record_neighbour_gaps(body: ti.template(), row):
-    """Write how far neighbours are from where they should stand, in metres, and the particle where that is worst."""
+    """Samples the gaps between neighbours, in m, and the particle where they are worst."""
     squares, pairs, worst, place = 0.0, 0, -1.0, 0
     for p in range(body.particles):
         for side in ti.static(range(2)):
@@ -97,7 +97,7 @@ def record_neighbour_gaps(body: ti.template(), row):
                         worst, place = miss, p
                 elif miss > worst:  # for fewer atomic operations
                     ti.atomic_max(worst, miss)
-    if ti.static(not runtime.runs_on_cpu()):  # which of those that are all looked at at once it was
+    if ti.static(not runtime.runs_on_cpu()):  # find the particle again, because all are checked in parallel
         place = body.particles
         for p in range(body.particles):
             for side in ti.static(range(2)):
@@ -112,7 +112,7 @@ def record_neighbour_gaps(body: ti.template(), row):
 
 @ti.func
 def neighbour_gap(body: ti.template(), p, q):
-    """|x_q - x_p - (F_p + F_q)/2 (X_q - X_p)| squared."""
+    """Returns |x_q - x_p - (F_p + F_q)/2 (X_q - X_p)| squared."""
     dx = body.position_velocity[q] - body.position_velocity[p]
     dX = body.material_position[q] - body.material_position[p]
     F = 0.5 * (body.deformation_gradient[p] + body.deformation_gradient[q])
@@ -123,9 +123,8 @@ def neighbour_gap(body: ti.template(), p, q):
 
 @ti.func
 def add_circle_moments(body: ti.template(), k, along, around, inner, outer):
-    """What a circle adds to the sums that ``solvers.problems.planar.circular_diagnostics`` knows: its displacements
-    ``along`` e_R and ``around``, summed over its particles, times the Legendre polynomials of the radius from rim to
-    rim."""
+    """Returns a circle's contribution to the sums of ``solvers.problems.planar.circular_diagnostics``: its
+    displacements ``along`` e_R and ``around``, summed over particles, times the radius's Legendre polynomials."""
     half = ti.static(MODES // 2)
     s = (2 * body.orbit_point[k][0] - inner - outer) / (outer - inner)
     sums = ti.Vector([0.0] * MODES)

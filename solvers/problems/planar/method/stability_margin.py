@@ -10,8 +10,8 @@ from solvers.problems.planar.method.stored_weights import stored_number, stored_
 
 @ti.func
 def step_margin(body: ti.template(), traits: ti.template(), on: ti.template()):
-    """Write dt over the bound; NaN before the first step. On a GPU to be called from a kernel itself: nodes cannot keep
-    there what belongs to one of the particles at work side by side, and it is worked out where it is needed."""
+    """Stores dt over the bound; NaN before the first step. On a GPU it must be called from a kernel itself: particles
+    run in parallel there, so that nodes cannot store values of one, which are recomputed where needed."""
     for node in range(body.nodes):
         body.node_scratch[node] = ti.Vector([0.0, 0.0, 0.0, 0.0])
     if ti.static(on.method == "cpdi" and runtime.runs_on_cpu()):
@@ -35,7 +35,7 @@ def step_margin(body: ti.template(), traits: ti.template(), on: ti.template()):
 
 @ti.func
 def add_corners(body: ti.template(), traits: ti.template(), on: ti.template()):
-    """The circles of CPDI on a processor, where looking for corners that share a node would take several times as long.
+    """Adds CPDI's circles on a CPU, where a search for corners that share a node would take several times as long.
 
     A node's record: grad S of the present particle (two numbers), |grad S|/sqrt(m), Gershgorin's sum. Loops are not
     unrolled: this runs seldom, and would take longer to compile.
@@ -56,8 +56,8 @@ def add_corners(body: ti.template(), traits: ti.template(), on: ti.template()):
 
 @ti.func
 def scale_gradient(body: ti.template(), traits: ti.template(), metric, node):
-    """|grad S|/sqrt(m) of the present particle at a node, kept there in place of the gradient: corners of a domain that
-    share the node ask again, and then find 0."""
+    """Returns |grad S|/sqrt(m) of the present particle at a node, and stores it there in place of the gradient, so that
+    a second corner at the same node gets 0."""
     record = body.node_scratch[node]
     scaled = scaled_size(body, traits, metric, ti.Vector([record[0], record[1]]), node)
     if scaled > 0:
@@ -67,7 +67,7 @@ def scale_gradient(body: ti.template(), traits: ti.template(), metric, node):
 
 @ti.func
 def scaled_size(body: ti.template(), traits: ti.template(), metric, gradient, node):
-    """|grad S|/sqrt(m) at a node, 0 where it carries nothing."""
+    """Returns |grad S|/sqrt(m) at a node, 0 where it has no mass."""
     along, across = gradient[0] * gradient[0], gradient[1] * gradient[1]
     size = ti.sqrt(ti.max(0.0, metric[0] * along + metric[2] * across + 2 * metric[1] * gradient[0] * gradient[1]))
     mass = body.node_mass[traits.image(body, node)]
@@ -79,7 +79,7 @@ def scaled_size(body: ti.template(), traits: ti.template(), metric, gradient, no
 
 @ti.func
 def add_circle(body: ti.template(), traits: ti.template(), node, stiffness):
-    """Add the present particle's part to the sum of a node, once."""
+    """Adds the present particle's part to the sum of a node, once."""
     scaled = body.node_scratch[node][2]
     body.node_scratch[node][2] = 0.0
     body.node_scratch[traits.image(body, node)][3] += stiffness * scaled
@@ -87,8 +87,8 @@ def add_circle(body: ti.template(), traits: ti.template(), node, stiffness):
 
 @ti.func
 def node_gradient(body: ti.template(), p, k, on: ti.template()):
-    """The particle's k-th node and the gradient of its weight there; of CPDI, where several corners may share a node,
-    the whole gradient where the node comes first and none where it comes again."""
+    """Returns the particle's k-th node and the gradient of its weight there; for CPDI, where several corners may share
+    a node, the whole gradient at its first occurrence and zero at others."""
     node, gradient = 0, ti.Vector([0.0, 0.0])
     if ti.static(on.method == "cpdi"):
         g = cpdi.corner_gradients(body, p, on)
@@ -111,13 +111,13 @@ def node_gradient(body: ti.template(), p, k, on: ti.template()):
 
 @ti.func
 def corner_node(body: ti.template(), p, k, on: ti.template()):
-    """The k-th of the sixteen nodes of the corners of a particle."""
+    """Returns the k-th of the sixteen nodes of the corners of a particle."""
     return ti.cast(stored_number(body, p, cpdi.NODES + k // 4, on), ti.i32) + (k % 4 // 2) * body.row + k % 2
 
 
 @ti.func
 def corner_hat(body: ti.template(), p, k, on: ti.template()):
-    """The hat function of its corner at the k-th of those nodes, with the sign of the corner's gradient."""
+    """Returns the hat function of its corner at the k-th of those nodes, with the sign of the corner's gradient."""
     c = k // 4
     x, y = stored_number(body, p, c, on), stored_number(body, p, c + 4, on)
     return (x if k % 2 == 1 else 1 - x) * (y if k % 4 // 2 == 1 else 1 - y) * (1.0 if c < 2 else -1.0)
@@ -125,11 +125,11 @@ def corner_hat(body: ti.template(), p, k, on: ti.template()):
 
 @ti.func
 def stencil_weight(i, left, right):
-    """Weight i of three, of which the outer two are given."""
+    """Returns weight i of three, given the outer two."""
     return left if i == 0 else (right if i == 2 else 1 - left - right)
 
 
 @ti.func
 def stencil_slope(i, left, right):
-    """Slope i of three, of which the outer two are given."""
+    """Returns slope i of three, given the outer two."""
     return left if i == 0 else (right if i == 2 else -left - right)

@@ -1,7 +1,7 @@
-"""What a step keeps of its particles' weights for both mappings: eight numbers each, of four particles side by side.
+"""Stored weights of a step's particles for both mappings: eight numbers each, interleaved for four particles.
 
-So they are found for four particles at a time, and written as they are found. A block is one entry of the array:
-within an entry the compiler knows what lies where, while it would work out a place of its own for every entry.
+They are computed for four particles at a time, and stored in that order. A block is one entry of the array: within an
+entry the compiler knows all addresses, but would compute one for each separate entry.
 """
 
 from typing import Any
@@ -17,32 +17,31 @@ SHIFT = BLOCK.bit_length() - 1  # BLOCK = 2^SHIFT
 
 
 def parts_per_particle(method: str) -> int:
-    """How many times eight numbers are kept of a particle."""
+    """Returns the number of parts, of eight numbers each, that are stored per particle."""
     return PARTS_PER_PARTICLE.get(method, 1)
 
 
 def allocate_weights(method: str, particles: int) -> np.ndarray:
-    """An array for what is kept of so many particles: blocks times parts, each of eight numbers of four particles."""
+    """Returns an array for ``particles`` particles: blocks times parts, each of eight numbers of four particles."""
     return np.zeros((-(-particles // BLOCK) * parts_per_particle(method), NUMBERS * BLOCK))
 
 
 def weights_by_particle(kept: np.ndarray, method: str, particles: int) -> np.ndarray:
-    """What is kept, a particle a row (P, 8 parts)."""
+    """Returns the stored numbers with one row per particle (P, 8 parts)."""
     numbers = NUMBERS * parts_per_particle(method)
     return kept.reshape(-1, numbers, BLOCK).transpose(0, 2, 1).reshape(-1, numbers)[:particles]
 
 
 @untranslated
 def concatenate(numbers: Any) -> Any:
-    """One vector of several. Each is a variable first: as it stands, it would be worked out again for every entry."""
+    """Returns one vector of several. Each becomes a variable first, or it would be recomputed for every entry."""
     variables = [variable(number) for number in numbers]
     return ti.Vector([subscript(number, lane) for number in variables for lane in range(BLOCK)])
 
 
 @ti.func
 def store_part(body: ti.template(), p, part: ti.template(), numbers: ti.template(), on: ti.template()):
-    """Keep a part, ``numbers``, of particle p, or of a whole block from p on: each is a vector of one entry or of
-    four."""
+    """Stores a part, ``numbers``, of particle p, or of a whole block from p on: vectors of one or four entries."""
     entry = (p >> SHIFT) * ti.static(parts_per_particle(on.method)) + part
     if ti.static(numbers[0].n == BLOCK):
         body.weights[entry] = concatenate(numbers)
@@ -52,7 +51,7 @@ def store_part(body: ti.template(), p, part: ti.template(), numbers: ti.template
 
 
 class _Stored:
-    """What is kept of a particle, by number; while a kernel is compiled."""
+    """Stored numbers of a particle by index, while a kernel is compiled."""
 
     def __init__(self, array: Any, entry: Any, lane: Any):
         self._array, self._entry, self._lane = array, entry, lane
@@ -64,12 +63,12 @@ class _Stored:
 
 @untranslated
 def stored_numbers(body: Any, p: Any, on: Any) -> _Stored:
-    """For kernels: what is kept of particle p, by numbers that are known in advance; where it lies is found here."""
+    """Returns the stored numbers of particle p, for kernels with constant indices; computes their address once."""
     return _Stored(body.weights, variable((p >> SHIFT) * parts_per_particle(on.method)), variable(p & (BLOCK - 1)))
 
 
 @ti.func
 def stored_number(body: ti.template(), p, k, on: ti.template()):
-    """Number ``k``, which need not be known in advance."""
+    """Returns the stored number ``k``, which may be a variable."""
     entry = (p >> SHIFT) * ti.static(parts_per_particle(on.method)) + k // NUMBERS
     return body.weights[entry][k % NUMBERS * BLOCK + (p & (BLOCK - 1))]

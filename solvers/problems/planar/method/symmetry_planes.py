@@ -8,19 +8,19 @@ from solvers.problems.planar.scene import GHOSTS
 
 
 def symmetry_planes(low: bool, high: bool) -> dict[str, Any]:
-    """Those parts of ``solvers.problems.planar.kernel_parts.ProblemKernels`` that planes decide: at the lower ends,
-    and at the upper ends too where there are lower ones; or none."""
+    """Returns the parts of ``solvers.problems.planar.kernel_parts.ProblemKernels`` that depend on planes: at the lower
+    ends if ``low``, and then at the upper ends if ``high``."""
     G = GHOSTS if low else 0
     ghosts = tuple((side, k) for k in range(G) for side in ((0, 1) if high else (0,)))  # the lower end, and the upper
 
     @ti.func
     def beside(body: ti.template(), side: ti.template(), k):
-        """Number k of the row or column from an end on."""
+        """Returns the index of the k-th row or column from an end."""
         return k if ti.static(side == 0) else body.row - 1 - k
 
     @ti.func
     def fold(body: ti.template(), fold_pair: ti.template()):
-        """Add what fell beyond a plane to its mirror image, the component across the plane with odd sign.
+        """Adds the sums of nodes beyond a plane to their mirror images, the component across the plane with odd sign.
 
         Setting it to zero instead costs up to a factor 2.5 in accuracy. ``fold_pair(body, ghost, image, in_x, in_y)``
         adds a node's values, with these signs, to those of its image.
@@ -37,7 +37,7 @@ def symmetry_planes(low: bool, high: bool) -> dict[str, Any]:
 
     @ti.func
     def pin(body: ti.template(), i, j, record):
-        """The record of node (i, j) without the components that would move it across a plane."""
+        """Returns the record of node (i, j) without the components that would move it across a plane."""
         pinned, last = record, body.row - 1 - G
         if ti.static(low):
             if i == G or (ti.static(high) and i == last):
@@ -48,7 +48,7 @@ def symmetry_planes(low: bool, high: bool) -> dict[str, Any]:
 
     @ti.func
     def mirror(body: ti.template(), values: ti.template()):
-        """Copy the nodes' values, two vectors each, to their images beyond the planes: odd in what points across."""
+        """Copies the nodes' values, two vectors each, to their images beyond planes, odd in the component across."""
         if ti.static(low):
             for j in range(G, body.active):
                 for side, k in ti.static(ghosts):
@@ -61,7 +61,7 @@ def symmetry_planes(low: bool, high: bool) -> dict[str, Any]:
 
     @ti.func
     def image(body: ti.template(), node):
-        """The node that a ghost is the mirror image of; any other is its own."""
+        """Returns the node of which a ghost is the mirror image, and any other node itself."""
         own = node
         if ti.static(low):
             i, j, last = node % body.row, node // body.row, body.row - 1 - G

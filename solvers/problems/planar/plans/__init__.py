@@ -1,1 +1,1 @@
-"""How steps are spread: one kernel for many on a thread, slabs side by side, or on a GPU all particles at once."""
+"""Execution plans of steps: one kernel for many on one thread, parallel slabs, or on a GPU all particles at once."""

@@ -1,4 +1,4 @@
-"""Steps of a plane body on a processor, by two plans that run the same phases, and the other kernels of a run.
+"""Steps of a plane body on a CPU, by two plans that run the same phases, and the other kernels of a run.
 
 One kernel takes any number of steps on one thread (``solvers.solver.run_loop``), ``step_in_slabs`` one on several
 threads, with slabs of particles side by side; ``solvers.problems.planar.plans.gpu_kernels`` has the kernels of a GPU.
@@ -25,7 +25,7 @@ INDICES_PER_TASK = 512  # indices that a parallel loop never splits between thre
 
 
 class CpuKernels(NamedTuple):
-    """The kernels of a problem, and the type of the ``state`` that they take; ``on`` are the switches of a scene."""
+    """Kernels of a problem, and the type of their ``state``; ``on`` are a scene's compile-time options."""
 
     state: Any
     phases: Phases
@@ -42,7 +42,7 @@ def make_kernels(parts: PlanarParts) -> CpuKernels:
 
     @ti.func
     def one_step(body: ti.template(), step, on: ti.template()):
-        """Step number ``step``, counted from one, on one thread: that many have been taken after it."""
+        """Takes step number ``step``, counted from one, on one thread."""
         phases.update_grid(body, (step - 1) * body.dt, TRAITS, on)
         estimator_loop.in_step(body, step, HOOKS, on)
         remedies.in_step(body, step, TRAITS, on)
@@ -69,7 +69,7 @@ def make_kernels(parts: PlanarParts) -> CpuKernels:
 
     @ti.kernel
     def step_in_slabs(step: ti.i32, slabs: ti.i32, body: State, on: ti.template()):
-        """One step on as many threads as there are slabs; ``slabs`` = 0 only compiles."""
+        """Takes one step on as many threads as there are slabs; ``slabs`` = 0 only compiles."""
         for _ in range(ti.min(slabs, 1)):
             TRAITS.forces(body, step * body.dt, on)
         for task in range(INDICES_PER_TASK * slabs):
@@ -99,8 +99,8 @@ def make_kernels(parts: PlanarParts) -> CpuKernels:
 
     @ti.kernel
     def inspect(step: ti.i32, line: ti.i32, purpose: ti.i32, body: State, on: ti.template()):
-        """Beside ``step_in_slabs``: check the state unless it is to ``REPORT``, and sample it into ``line`` unless that
-        is negative, with a look for contradictions where one is due or it is to ``MEASURE``."""
+        """Checks the state, beside ``step_in_slabs``, unless the purpose is ``REPORT``, and samples it into ``line``
+        unless that is negative, with contradictions where they are due or the purpose is ``MEASURE``."""
         ti.loop_config(serialize=True)
         for _ in range(1):
             if purpose != REPORT and body.verdict[0] == SOUND:
@@ -115,7 +115,7 @@ def make_kernels(parts: PlanarParts) -> CpuKernels:
 
 
 class CpuStepper(SerialStepper):
-    """Steps the arrays as they are, on so many ``threads``; on one with the serial kernel unless ``parallel``."""
+    """Steps the arrays in place, on ``threads`` threads if ``parallel``, else on one with the serial kernel."""
 
     def __init__(self, kernels: CpuKernels, scene: Scene, arrays: InstrumentedBody, on: KernelOptions, parallel: bool,
                  threads: int):

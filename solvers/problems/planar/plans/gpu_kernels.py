@@ -1,8 +1,8 @@
-"""Steps of a plane body with all particles at once, as a GPU takes them, and the other kernels of such a run.
+"""Steps of a plane body with all particles at once, for a GPU, and the other kernels of such a run.
 
-They call the phases that the plans of a processor call, from the kernel itself: there, Taichi makes every loop a launch
-of as many threads as it has turns, in functions too. So nothing here may call them under an ``if``, which would leave a
-single thread to do it all; what is to be done is decided by who launches (``solvers.problems.planar.plans.gpu_plan``).
+They call the same phases as the plans of a CPU, from the kernel itself: there, Taichi makes every loop, in functions
+too, a launch with one thread per iteration. So nothing here may call them under an ``if``, which would run on a single
+thread; the host decides what is launched (``solvers.problems.planar.plans.gpu_plan``).
 """
 
 from typing import Any, NamedTuple
@@ -19,7 +19,7 @@ from solvers.solver.run_loop import MIN_JACOBIAN, NAN_JACOBIAN
 
 
 class GpuKernels(NamedTuple):
-    """The kernels of a problem on a GPU; ``on`` are the switches of a scene."""
+    """Kernels of a problem on a GPU; ``on`` are a scene's compile-time options."""
 
     to_nodes: Any  # (step, state, on)
     to_particles: Any  # (step, state, on)
@@ -36,7 +36,7 @@ class GpuKernels(NamedTuple):
 
 @ti.func
 def update_nodes(body: ti.template(), side, traits: ti.template(), on: ti.template()):
-    """The new motion of the nodes, ``side`` in each direction, from their sums."""
+    """Computes the new motion of the nodes, ``side`` in each direction, from their sums."""
     traits.fold(body, phases.fold_sums)
     least = phases.EMPTY * body.density * body.spacing * body.spacing
     for place in range(side * side):
@@ -48,8 +48,8 @@ def update_nodes(body: ti.template(), side, traits: ti.template(), on: ti.templa
 
 @ti.func
 def check_in_parallel(body: ti.template(), step, has_escaped: ti.template()):
-    """``solvers.solver.run_loop.check_particles`` where all particles are looked at side by side, and the same
-    particle: of several that are not numbers the last."""
+    """Checks all particles in parallel, with the result of ``solvers.solver.run_loop.check_particles``, except that it
+    picks the last of several NaN."""
     flattest, rank = MIN_JACOBIAN, body.particles
     for p in range(phases.active_particles(body)):
         J = finite_jacobian(body, p)
@@ -69,20 +69,20 @@ def check_in_parallel(body: ti.template(), step, has_escaped: ti.template()):
 
 @ti.func
 def finite_jacobian(body: ti.template(), p):
-    """det F of a particle, or what stands for one that is not a number."""
+    """Returns det F of a particle, or a stand-in for NaN."""
     J = phases.jacobian(body, p)
     return NAN_JACOBIAN if ti.math.isnan(J) else J
 
 
 def make_gpu_kernels(State: Any, parts: PlanarParts) -> GpuKernels:
-    """The kernels of a problem whose state has the type ``State``."""
+    """Returns the kernels of a problem whose state has the type ``State``."""
     HOOKS, TRAITS, MEASURES = parts.hooks, parts.traits, parts.measures
 
     @ti.kernel
     def to_nodes(step: ti.i32, body: State, on: ti.template()):
-        """The first half of the step after ``step`` steps: particles to nodes, and the nodes' new motion."""
+        """Runs the first half of the step after ``step`` steps: particles to nodes, and the nodes' new motion."""
         count = phases.active_particles(body)
-        side = body.active * ti.min(count, 1)  # a run gone bad keeps its last nodes
+        side = body.active * ti.min(count, 1)  # an unstable run keeps its last nodes
         for place in range(side * side):
             body.node_sums[place // body.active * body.row + place % body.active] = ti.Vector([0.0] * 8)
         TRAITS.forces(body, step * body.dt, on)
@@ -92,7 +92,7 @@ def make_gpu_kernels(State: Any, parts: PlanarParts) -> GpuKernels:
 
     @ti.kernel
     def to_particles(step: ti.i32, body: State, on: ti.template()):
-        """The second half of step number ``step``, counted from one."""
+        """Runs the second half of step number ``step``, counted from one."""
         phases.nodes_to_particles(body, 0, step, TRAITS, on)
 
     @ti.kernel
@@ -109,27 +109,27 @@ def make_gpu_kernels(State: Any, parts: PlanarParts) -> GpuKernels:
 
     @ti.kernel
     def check(step: ti.i32, body: State, on: ti.template()):
-        """Stop a run that has gone bad."""
+        """Stops an unstable run."""
         check_in_parallel(body, step, TRAITS.has_escaped)
 
     @ti.kernel
     def sample(step: ti.i32, line: ti.i32, body: State, on: ti.template()):
-        """Sample the state into ``line``, but for contradictions."""
+        """Samples the state into ``line``, without contradictions."""
         sample_sums(body, line, step, MEASURES, on)
 
     @ti.kernel
     def look(line: ti.i32, body: State, on: ti.template()):
-        """Look for contradictions, into ``line``."""
+        """Samples contradictions into ``line``."""
         MEASURES.look(body, line)
 
     @ti.kernel
     def report(step: ti.i32, body: State, on: ti.template()):
-        """Fill the estimates of the companion, whose nodes have been brought to the step."""
+        """Fills the estimates of the companion, whose nodes have been advanced to the step."""
         estimator_loop.report_at_once(body, step, HOOKS, on)
 
     @ti.kernel
     def freeze(body: State, on: ti.template()):
-        """Find the weights of a body that keeps them."""
+        """Computes the weights of a body with frozen weights."""
         phases.find_weights(body, 0, body.particles, on)
 
     @ti.kernel

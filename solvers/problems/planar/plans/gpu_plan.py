@@ -1,5 +1,5 @@
-"""The plan of a plane body on a GPU: its arrays stay there, and steps are queued without waiting for any. A companion
-is solved by the processor beside them, and read at their samples."""
+"""Execution plan of a plane body on a GPU: its arrays stay there, and steps are queued without waiting. The CPU solves
+a companion in parallel, which is evaluated at the samples."""
 
 import contextlib
 import copy
@@ -28,15 +28,16 @@ FETCHED = ("verdict", "samples", "step_margin", "memory_reals")  # what is fetch
 
 
 class CompanionOnCpu:
-    """A ``body`` whose nodes are those of the ``memory`` of a companion, and steps of ``dt`` seconds."""
+    """Companion's ``body`` solved on the CPU; its nodes are in the estimator's ``memory``, ``dt`` is the run's step in
+    s."""
 
     def __init__(self, body: ElasticBody, memory: Mapping[str, np.ndarray], dt: float):
         self._body, self._nodes, self._dt = body, memory["companion_nodes"], dt
         self._instants = [NystromIntegrator(body, MOST_INTERVAL * dt)]
 
     def advance_to(self, step: int) -> None:
-        """Fill the layer ``NOW`` of ``companion_nodes``: u and v after so many steps, and a one step before; not a
-        number where the companion itself is lost."""
+        """Fills the layer ``NOW`` of ``companion_nodes``: u and v after ``step`` steps, and a one step before; NaN
+        where the companion itself is lost."""
         integrator = self._integrator_at(max(0, step - 1))
         a = integrator.a
         if step:
@@ -45,7 +46,7 @@ class CompanionOnCpu:
         self._nodes[NOW * N:(NOW + 1) * N, :6] = np.concatenate([integrator.u, integrator.v, a], axis=1)
 
     def _integrator_at(self, step: int) -> NystromIntegrator:
-        """The body after so many steps, from the last instant before that it knows."""
+        """Returns the body's integrator after ``step`` steps, advanced from the last known state before."""
         time = step * self._dt
         while self._instants[-1].time > time:
             self._instants.pop()
@@ -59,10 +60,10 @@ class CompanionOnCpu:
 
 
 class DeviceArrays:
-    """Copies on the GPU of ``arrays`` by name, which have the types of a kernel's argument.
+    """Copies on the GPU of ``arrays`` by name, with the types of a kernel's arguments.
 
-    They take their memory with them when they go: Taichi 1.7.4 by itself frees no array of vectors that is let go of,
-    and other arrays when Python comes to it, by their address, at which the next program may have put another by then.
+    They free their memory themselves: Taichi 1.7.4 never frees arrays of vectors, and other arrays only in Python's
+    garbage collection, by an address at which the next program may have allocated another by then.
     """
 
     def __init__(self, arrays: dict[str, np.ndarray], types: dict[str, Any]):
@@ -77,19 +78,19 @@ class DeviceArrays:
         self.free()
 
     def fetch(self, *names: str) -> None:
-        """Bring the arrays up to date."""
+        """Copies these arrays from the GPU."""
         for name in names:
             self.arrays[name][...] = self.copies[name].to_numpy()
 
     def upload(self, *names: str) -> None:
-        """Bring the copies up to date."""
+        """Copies these arrays to the GPU."""
         for name in names:
             self.copies[name].from_numpy(self.arrays[name])
 
     def free(self) -> None:
-        """Free the copies: nobody uses them any more, or Taichi is about to end."""
+        """Frees the copies, when they are no longer used or Taichi is about to end."""
         if self.copies:
-            ti.sync()  # what is queued may use them
+            ti.sync()  # queued kernels may use them
             program = ti.lang.impl.get_runtime().prog
             for device_copy in self.copies.values():
                 program.delete_ndarray(device_copy.arr)
@@ -98,11 +99,10 @@ class DeviceArrays:
 
 
 class GpuStepper:
-    """Steps copies of the arrays on a GPU. The arrays themselves are what was there when they were last fetched; after
-    steps, that is the verdict and the samples.
+    """Steps copies of the arrays on a GPU. The arrays themselves have the state of the last fetch; after steps, only
+    verdict and samples are fetched.
 
-    An estimator that runs ``beside`` is carried on by the processor while the GPU works through what is queued. Nodes'
-    sums are made by atomic additions.
+    The CPU advances an estimator ``beside`` while the GPU works through its queue. Nodal sums are atomic.
     """
 
     def __init__(self, kernels: GpuKernels, State: Any, scene: Scene, arrays: InstrumentedBody, on: KernelOptions,
@@ -118,11 +118,11 @@ class GpuStepper:
             self._kernels.freeze()
 
     def free(self) -> None:
-        """Keep nothing that Taichi has made: it is about to end."""
+        """Releases all objects of Taichi, which is about to end."""
         self.pack = None
 
     def compile(self) -> None:
-        """Compile what steps and samples, without stepping."""
+        """Compiles all kernels that step and sample, without stepping."""
         kernels, on = self._kernels, self._on
         for launch in (kernels.to_nodes, kernels.to_particles, kernels.check):
             launch.compile(0)
@@ -137,7 +137,7 @@ class GpuStepper:
             kernels.report.compile(0)
 
     def run(self, before: int, steps: int) -> None:
-        """Take steps after ``before`` of them; after a check that finds the run gone bad the others do nothing."""
+        """Takes steps after ``before`` of them; after a check that finds the run unstable the others do nothing."""
         kernels, scene, line = self._kernels, self._scene, 0
         for step in range(before + 1, before + steps + 1):
             kernels.to_nodes(step - 1)
@@ -155,7 +155,7 @@ class GpuStepper:
         self._device_arrays.fetch(*FETCHED)
 
     def look(self, step: int, purpose: int) -> None:
-        """Sample the state, after ``step`` steps, into line 0, or only bring the estimates up to date."""
+        """Samples the state after ``step`` steps into row 0, or only updates the estimates."""
         if purpose == MEASURE:
             self._kernels.check(step)
         if purpose == REPORT:
@@ -169,11 +169,11 @@ class GpuStepper:
         self._device_arrays.fetch(*FETCHED)
 
     def fetch(self) -> None:
-        """Bring the arrays up to date."""
+        """Copies all arrays from the GPU."""
         self._device_arrays.fetch(*self._names)
 
     def upload(self) -> None:
-        """Have the GPU go on from the arrays as they are here."""
+        """Copies all arrays to the GPU, which continues from them."""
         self._device_arrays.upload(*self._names)
 
     def _sample(self, step: int, line: int, looks: bool) -> None:
@@ -183,7 +183,7 @@ class GpuStepper:
             self._kernels.look(line)
 
     def _report(self, step: int) -> None:
-        """Bring the estimates up to date. The processor carries its part on while the GPU has work in its queue."""
+        """Updates the estimates. The CPU advances its part while the GPU has work in its queue."""
         if self._companion and self._arrays.estimate_intervals[0] != NEVER:
             self._companion.advance_to(step)
             self._device_arrays.upload(COMPANION_NODES)
