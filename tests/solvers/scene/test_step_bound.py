@@ -55,7 +55,7 @@ def test_the_limit_of_a_step_is_that_of_its_matrices(method, remedies):
         S, G = np.zeros((2, len(X), scene.cells))
         for p in range(len(X)):
             np.add.at(S[p], one.nodes[p], one.weights[p])
-            np.add.at(G[p], one.force_links[p], one.gradients[p])
+            np.add.at(G[p], one.force_nodes[p], one.gradients[p])
         mass = one.mass * S.sum(axis=0)
         there = mass > 1e-12 * mass.max()
         S, G = (part[:, there] / np.sqrt(mass[there]) for part in (S, G))
