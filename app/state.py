@@ -72,18 +72,18 @@ def parse_state(text: str) -> State:
     """Parses a state; raises :class:`StateError` if it is invalid."""
     if len(text) > LONGEST:
         raise StateError("a scene of {text:,} characters is too long; at most {most:,} are allowed", len(text), LONGEST)
-    problem, *rest = _words(text) or [""]
+    problem, *rest = _split_words(text) or [""]
     if problem not in PROBLEMS:
-        raise StateError("{problem} is no problem{problem2}; begin with {problems}", _quoted(problem),
+        raise StateError("{problem} is no problem{problem2}; begin with {problems}", _quote(problem),
                          quoting.suggest_word(problem, PROBLEMS), join(" or ", PROBLEMS))
     cut = rest.index(PINNED) if PINNED in rest else len(rest)
     view: dict[str, Any] = {}
-    scene = _scene(problem, [word for word in rest[:cut] if not _take(word, view)])
+    scene = _scene(problem, [word for word in rest[:cut] if not _read_view_word(word, view)])
     pinned = _scene(problem, rest[cut + 1:], of_pinned=True) if PINNED in rest else None
     state = State(scene, **view, pinned=pinned)
     if state.estimator is not None and state.estimator not in scene.estimators:
         raise StateError("on-stage={estimator}: this estimator does not run; give one of {estimators}",
-                         _quoted(state.estimator), ", ".join(scene.estimators) or Message("none, for none runs"))
+                         _quote(state.estimator), ", ".join(scene.estimators) or Message("none, for none runs"))
     if state.traced is not None and state.traced >= scene.particles:
         raise StateError("trace={traced}: there are particles 0 to {particles}", state.traced, scene.particles - 1)
     return state
@@ -91,10 +91,10 @@ def parse_state(text: str) -> State:
 
 def looks_like_state(text: str) -> bool:
     """Whether a text begins with a problem's name, as states do."""
-    return len(text) <= LONGEST and next(iter(_words(text)), "") in PROBLEMS
+    return len(text) <= LONGEST and next(iter(_split_words(text)), "") in PROBLEMS
 
 
-def _words(text: str) -> list[str]:
+def _split_words(text: str) -> list[str]:
     return [word for word in re.split(r"[;&\s]+", unquote(text)) if word]
 
 
@@ -107,7 +107,7 @@ def _scene_words(scene: Scene) -> tuple[str, ...]:
 
 
 def _word(key: str, value: Any) -> str:
-    return key if value is True else f"{key}={_shown(value)}"
+    return key if value is True else f"{key}={_format(value)}"
 
 
 def _scene(problem: str, words: list[str], of_pinned: bool = False) -> Scene:
@@ -117,33 +117,33 @@ def _scene(problem: str, words: list[str], of_pinned: bool = False) -> Scene:
         name, _, value = word.partition("=")
         key = _key(key_field(name.replace("-", "_")))
         if key not in names or PINNED in word.split("="):
-            raise StateError(_unknown(problem, word, name, [*names, *(() if of_pinned else VIEW)], of_pinned))
+            raise StateError(_unknown_word(problem, word, name, [*names, *(() if of_pinned else VIEW)], of_pinned))
         if names[key].name in given:
-            raise _twice(key)
+            raise _duplicate(key)
         given[names[key].name] = _value(kind, names[key], key, value)
     try:
         return kind(**given)
     except SceneError as error:
-        raise StateError("{given}: {sentence}", f"{_key(error.field)}={quoting.quote(_shown(error.value))}",
+        raise StateError("{given}: {sentence}", f"{_key(error.field)}={quoting.quote(_format(error.value))}",
                          error.sentence) from None
 
 
-def _unknown(problem: str, word: str, name: str, known: list[str], of_pinned: bool) -> str:
+def _unknown_word(problem: str, word: str, name: str, known: list[str], of_pinned: bool) -> str:
     """Returns why a word is not a field of the scene."""
     if name in ("problem", *PROBLEMS):
-        return Message("{word}: the problem stands once, as the first word", _quoted(word)) + \
+        return Message("{word}: the problem stands once, as the first word", _quote(word)) + \
             Message("; the pinned run is of the {problem} too", Message(problem)) * of_pinned
     if name == PINNED:
         return Message("{word}: the word pinned stands once, alone, before what differs in the pinned run",
-                       _quoted(word))
+                       _quote(word))
     if of_pinned and name in VIEW:
-        return Message("{word} is of the view, which both runs share; give it before the word pinned", _quoted(word))
+        return Message("{word} is of the view, which both runs share; give it before the word pinned", _quote(word))
     more = "" if of_pinned else Message(", or {names}", ", ".join(VIEW))
     return Message("{word} means nothing here{name}; give what `mpm-lab run {problem} --help` names{more}",
-                   _quoted(word), quoting.suggest_word(name, known), problem, more)
+                   _quote(word), quoting.suggest_word(name, known), problem, more)
 
 
-def _twice(key: str) -> StateError:
+def _duplicate(key: str) -> StateError:
     return StateError("{key} is given twice; give it once", key)
 
 
@@ -154,56 +154,56 @@ def _value(kind: type[Scene], f: Any, key: str, text: str) -> Any:
         return () if names == ("none",) else kind.choices(f.name) if names == ("all",) else names
     if f.type == "bool":
         return _yes_or_no(key, text)
-    return text if kind.choices(f.name) or f.type == "str" else _number(text)
+    return text if kind.choices(f.name) or f.type == "str" else _parse_number(text)
 
 
-def _take(word: str, view: dict[str, Any]) -> bool:
+def _read_view_word(word: str, view: dict[str, Any]) -> bool:
     """Stores a word of the view in ``view``; returns False if it is not one."""
     key, _, text = word.partition("=")
     if key not in VIEW:
         return False
     field, read_word = VIEW[key]
     if field in view:
-        raise _twice(key)
+        raise _duplicate(key)
     view[field] = read_word(key, text)
     return True
 
 
-def _number(text: str) -> Any:
+def _parse_number(text: str) -> Any:
     """Returns an integer or a float if the text is one, else the text, which the scene will reject."""
     return number_parsing.parse_number(text) if number_parsing.is_number(text) else text
 
 
 def _yes_or_no(key: str, text: str) -> bool:
     if text not in (*YES, *NO):
-        raise StateError("{key}={text}: give yes or no", key, _quoted(text))
+        raise StateError("{key}={text}: give yes or no", key, _quote(text))
     return text in YES
 
 
 def _one_of(meanings: Mapping[str, Any]) -> Callable[[str, str], Any]:
     def read_one(key: str, text: str) -> Any:
         if text not in meanings:
-            raise StateError(Message("{key}={text}: give one of {meanings}", key, _quoted(text), ", ".join(meanings))
+            raise StateError(Message("{key}={text}: give one of {meanings}", key, _quote(text), ", ".join(meanings))
                              + quoting.suggest_word(text, meanings))
         return meanings[text]
 
     return read_one
 
 
-def _speed(key: str, text: str) -> float:
-    value = _number(text)
+def _parse_speed(key: str, text: str) -> float:
+    value = _parse_number(text)
     if isinstance(value, str) or value <= 0:
-        raise StateError("{key}={text}: give periods a second, above 0", key, _quoted(text))
+        raise StateError("{key}={text}: give periods a second, above 0", key, _quote(text))
     return float(value)
 
 
-def _particle(key: str, text: str) -> int:
+def _parse_particle(key: str, text: str) -> int:
     if (number := number_parsing.parse_count(text)) is None:
-        raise StateError("{key}={text}: give the number of a particle, 0 or more", key, _quoted(text))
+        raise StateError("{key}={text}: give the number of a particle, 0 or more", key, _quote(text))
     return number
 
 
-def _shown(value: Any) -> str:
+def _format(value: Any) -> str:
     if isinstance(value, (tuple, list)):
         return ",".join(map(str, value)) or "none"
     if isinstance(value, bool):
@@ -211,7 +211,7 @@ def _shown(value: Any) -> str:
     return short if isinstance(value, float) and float(short := f"{value:g}") == value else str(value)
 
 
-def _quoted(text: str) -> str:
+def _quote(text: str) -> str:
     return f"'{quoting.quote(text, 40)}'" if text else "''"
 
 
@@ -225,5 +225,5 @@ VIEW: dict[str, tuple[str, Callable[[str, str], Any]]] = {
     "error-of": ("quantity", _one_of({key: key for key in QUANTITIES})),
     "on-stage": ("estimator", lambda _, text: text), "difference": ("difference", _yes_or_no),
     "magnify": ("magnified", _one_of({str(factor): factor for factor in MAGNIFICATIONS})),
-    "logarithmic": ("logarithmic", _yes_or_no), "domains": ("domains", _yes_or_no), "speed": ("speed", _speed),
-    "trace": ("traced", _particle), "stops": ("stops", _yes_or_no)}
+    "logarithmic": ("logarithmic", _yes_or_no), "domains": ("domains", _yes_or_no), "speed": ("speed", _parse_speed),
+    "trace": ("traced", _parse_particle), "stops": ("stops", _yes_or_no)}

@@ -142,7 +142,7 @@ def on_page(sentence: str) -> str:
         sentence = sentence.replace(typed, shown)
     labels = {remedy.name: tr("\"{name}\"", name=tr(remedy.label)) for remedy in REMEDIES.values()}
     name = "|".join(map(re.escape, labels))
-    sentence = re.sub(rf"({name}),({name})", lambda found: _and(found[1], found[2]), sentence)
+    sentence = re.sub(rf"({name}),({name})", lambda found: _join_with_and(found[1], found[2]), sentence)
     sentence = re.sub(rf"({name}) (?={name})", r"\1, ", sentence)
     sentence = re.sub(name, lambda found: labels[found[0]], sentence)
     methods = "|".join(sorted(METHODS, key=len, reverse=True))
@@ -152,10 +152,10 @@ def on_page(sentence: str) -> str:
 @language_cache(64)  # called with every frame
 def difference_text(scene: Scene, other: Scene) -> str:
     """Describes how a scene differs from another of its problem: "uGIMP, 40 cells, A = 25 mm"; "" if they are equal."""
-    return ", ".join(mine for mine, theirs in zip(_said(scene), _said(other), strict=True) if mine != theirs)
+    return ", ".join(mine for mine, theirs in zip(_settings(scene), _settings(other), strict=True) if mine != theirs)
 
 
-def _said(scene: Scene) -> list[str]:
+def _settings(scene: Scene) -> list[str]:
     """Returns a short text for each setting of a run."""
     step = tr("CFL number {number:g}", number=DEFAULT_CFL if scene.cfl is None else scene.cfl)
     if scene.dt is not None:
@@ -172,7 +172,7 @@ def _field_said(scene: Scene, field: str, unit: str) -> str:
     if isinstance(value, bool):
         return label if value else tr("not {label}", label=label)
     if isinstance(value, tuple):
-        told = functools.reduce(_and, (names[name] for name in value)) if value else ""
+        told = functools.reduce(_join_with_and, (names[name] for name in value)) if value else ""
         return (told if field in CHOICES else f"{label} {told}") if value else tr("no {label}", label=label)
     if field == "cells":
         return tr("{count} cells", count=value)
@@ -183,7 +183,7 @@ def _field_said(scene: Scene, field: str, unit: str) -> str:
     return names[value] if field in ("method", "velocity") else f"{label} {names.get(value, value)}"
 
 
-def _and(several: str, last: str) -> str:
+def _join_with_and(several: str, last: str) -> str:
     return tr("{several} and {last}", several=several, last=last)
 
 

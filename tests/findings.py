@@ -30,7 +30,7 @@ from solvers.scene.scene import Scene
 from solvers.scene.validation import SceneError
 from solvers.study.markdown import markdown_table
 from solvers.untrusted.quoting import FileError
-from tests.support.altered import ALL, ALTERATIONS, FRAMES, Files, as_files, files, record, rounded, scene_of, single
+from tests.support.faults import ALL, ALTERATIONS, FRAMES, Files, as_files, files, record, rounded, scene_of, single
 from tests.support.known_runs import KnownRun, known_runs
 from tests.support.paths import ROOT
 
@@ -68,7 +68,7 @@ def judged(scene: Scene, arrays: Files) -> Judged:
     found.check()
     errors = summarise_norms(found.grid.times, found.norms)
     return Judged({q: errors[q]["max"] or np.nan for q in errors}, tuple(found.notes()),
-                  len(found.apart.which) if found.apart else 0)
+                  len(found.gaps.which) if found.gaps else 0)
 
 
 def judgement(scene: Scene, arrays: Files) -> GridJudgement:

@@ -30,7 +30,7 @@ class Address(NamedTuple):
     host: str
     port: str | None
 
-    def meets(self, other: "Address", scheme: str) -> bool:
+    def matches(self, other: "Address", scheme: str) -> bool:
         """Whether both addresses are equal, with the scheme's default port."""
         return (self.host, self.port or _PORTS[scheme]) == (other.host, other.port or _PORTS[scheme])
 
@@ -76,16 +76,16 @@ class Addresses:
             return NO_HOST
         if is_loopback(self.host) and not (is_loopback(host.host) or self._is_own(host)):
             return FOREIGN_HOST
-        if origins and not (len(origins) == 1 and self._same(origins[0], host)):
+        if origins and not (len(origins) == 1 and self._is_same(origins[0], host)):
             return FOREIGN_PAGE
         if not origins and _asked_by_another(headers, opens_socket):
             return FOREIGN_PAGE
         return None
 
-    def _same(self, origin: str, host: Address) -> bool:
+    def _is_same(self, origin: str, host: Address) -> bool:
         scheme, found, rest = origin.lower().partition("://")
         page = _address(rest) if found and scheme in _PORTS else None
-        return page is not None and (page.meets(host, scheme) or self._is_own(page))
+        return page is not None and (page.matches(host, scheme) or self._is_own(page))
 
     def _is_own(self, address: Address) -> bool:
         """Whether an address has a public name of the lab; a name without a port matches every port."""

@@ -29,14 +29,14 @@ class LoginResult(NamedTuple):
 
     cookie: str = ""
     more: bool = False
-    sentence: str = ""
+    refusal: str = ""
     wait: int = 0
 
 
 class AccessIdentity(NamedTuple):
-    """Identity in a cookie: ``whose`` code was used, and the ``key`` common to all pages of a browser."""
+    """Identity in a cookie: ``role`` code was used, and the ``key`` common to all pages of a browser."""
 
-    whose: str
+    role: str
     key: str = ""
 
 
@@ -61,36 +61,36 @@ class ClassCode:
         self._codes = {whose: _digest(normalise_code(codes[whose])) for whose in self._secrets}
         self._all, self._of = TokenBucket(*ALL), TokenBuckets(partial(TokenBucket, *ONE))
 
-    def knows(self, headers: Headers) -> bool:
+    def is_authorised(self, headers: Headers) -> bool:
         """Whether a request has a valid cookie of this server."""
-        return self.guest(headers) is not None
+        return self.identify(headers) is not None
 
-    def guest(self, headers: Headers) -> AccessIdentity | None:
+    def identify(self, headers: Headers) -> AccessIdentity | None:
         """Returns the identity in the cookie with most rights; all are checked, so that the time reveals nothing."""
         pairs = (pair.partition("=") for line in headers.get_all("Cookie") for pair in line.split(";"))
         brought = [value.strip().partition(".") for name, _, value in pairs if name.strip() == self._name]
         found = [AccessIdentity(whose, key) for whose in self._secrets for key, _, proof in brought
-                 if hmac.compare_digest(_digest(self._proof(whose, key)), _digest(proof))]
+                 if hmac.compare_digest(_digest(self._signature(whose, key)), _digest(proof))]
         return found[-1] if found else None
 
-    def enter(self, guess: str, who: str) -> LoginResult:
+    def log_in(self, guess: str, who: str) -> LoginResult:
         """Checks a code from an IP address."""
         digest = _digest(normalise_code(guess))
         opened = [whose for whose, code in self._codes.items() if hmac.compare_digest(digest, code)]
         if opened:
             key, whose = secrets.token_urlsafe(16), opened[-1]  # valid until the browser closes or the server ends
-            return LoginResult(f"{self._name}={key}.{self._proof(whose, key)}; Path=/; HttpOnly; SameSite=Strict",
+            return LoginResult(f"{self._name}={key}.{self._signature(whose, key)}; Path=/; HttpOnly; SameSite=Strict",
                          more=whose != CLASS)
-        own = self._of.of(network_of(who))
-        wait = math.ceil(max(own.wait(), self._all.wait()))
+        own = self._of.get(network_of(who))
+        wait = math.ceil(max(own.delay(), self._all.delay()))
         if wait:
             told = tr("There were too many wrong codes. Wait {wait} s, then try again.", wait=wait)
-            return LoginResult(sentence=told, wait=wait)
-        own.pay()
-        self._all.pay()
-        return LoginResult(sentence=tr(WRONG))
+            return LoginResult(refusal=told, wait=wait)
+        own.spend()
+        self._all.spend()
+        return LoginResult(refusal=tr(WRONG))
 
-    def _proof(self, whose: str, key: str) -> str:
+    def _signature(self, whose: str, key: str) -> str:
         """Returns the signature of a key."""
         return hmac.new(self._secrets[whose], key.encode("utf-8", "replace"), hashlib.sha256).hexdigest()
 

@@ -44,14 +44,14 @@ class RateLimitFilter(logging.Filter):
             return self._count <= self._lines
 
 
-class Refusals:
+class RefusalLog:
     """Thread-safe log of refusals. Data sent by clients is never logged."""
 
     def __init__(self, lines: int = REFUSALS_A_MINUTE, seconds: float = MINUTE):
         self._lines, self._seconds, self._lock = lines, seconds, threading.Lock()
         self._written, self._more = 0, Counter[str]()
 
-    def note(self, sentence: str, who: str = "") -> None:
+    def record(self, sentence: str, who: str = "") -> None:
         """Logs a refusal at once or, after many, as a count at the end of the minute."""
         with self._lock:
             if not self._written:

@@ -20,20 +20,20 @@ class TokenBucket:
         self._left, self._at = most, clock()
 
     @property
-    def left(self) -> float:
+    def tokens(self) -> float:
         """Tokens left; below zero they are owed."""
         now = self._clock()
         self._left = min(self.most, self._left + (now - self._at) * self._a_second)
         self._at = now
         return self._left
 
-    def pay(self, tokens: float = 1.0) -> None:
+    def spend(self, tokens: float = 1.0) -> None:
         """Takes so many tokens, even if fewer are left."""
-        self._left = self.left - tokens
+        self._left = self.tokens - tokens
 
-    def wait(self, tokens: float = 1.0) -> float:
+    def delay(self, tokens: float = 1.0) -> float:
         """Returns the seconds until so many tokens are there, without taking them."""
-        return max(0.0, (tokens - self.left) / self._a_second)
+        return max(0.0, (tokens - self.tokens) / self._a_second)
 
 
 def network_of(who: str) -> str:
@@ -53,17 +53,17 @@ class TokenBuckets:
 
     def __init__(self, make: Callable[[], TokenBucket], remembered: int = REMEMBERED):
         self._make, self._remembered = make, remembered
-        self._of: dict[str, TokenBucket] = {}
+        self._buckets: dict[str, TokenBucket] = {}
 
     def __len__(self) -> int:
-        return len(self._of)
+        return len(self._buckets)
 
-    def of(self, network: str) -> TokenBucket:
+    def get(self, network: str) -> TokenBucket:
         """Returns the bucket of a network, and marks it as the last used."""
-        bucket = self._of.pop(network, None) or self._make()
-        self._of[network] = bucket
-        while len(self._of) > self._remembered:
-            del self._of[next(iter(self._of))]
+        bucket = self._buckets.pop(network, None) or self._make()
+        self._buckets[network] = bucket
+        while len(self._buckets) > self._remembered:
+            del self._buckets[next(iter(self._buckets))]
         return bucket
 
 
@@ -72,30 +72,30 @@ class DiskQuota:
 
     def __init__(self, of_one: int, of_all: int):
         self._of_one, self._of_all = of_one, of_all
-        self._lock, self._taken = threading.Lock(), Counter[str]()
+        self._lock, self._used = threading.Lock(), Counter[str]()
 
     @property
-    def taken(self) -> int:
+    def used(self) -> int:
         """Bytes in use, of all networks."""
         with self._lock:
-            return self._taken.total()
+            return self._used.total()
 
     def take(self, who: str, count: int) -> bool:
         """Reserves bytes for an IP address; returns False if the quota would be exceeded."""
         network = network_of(who)
         with self._lock:
-            if self._taken[network] + count > self._of_one or self._taken.total() + count > self._of_all:
+            if self._used[network] + count > self._of_one or self._used.total() + count > self._of_all:
                 return False
-            self._taken[network] += count
+            self._used[network] += count
             return True
 
-    def give_back(self, who: str, count: int) -> None:
+    def release(self, who: str, count: int) -> None:
         """Releases bytes of an address."""
         network = network_of(who)
         with self._lock:
-            self._taken[network] -= count
-            if not self._taken[network]:
-                del self._taken[network]
+            self._used[network] -= count
+            if not self._used[network]:
+                del self._used[network]
 
 
 class PendingConnections(Generic[Who]):
@@ -112,7 +112,7 @@ class PendingConnections(Generic[Who]):
     def __len__(self) -> int:
         return len(self._network)
 
-    def enter(self, who: Who, network: str) -> Who | None:
+    def add(self, who: Who, network: str) -> Who | None:
         """Takes a place; returns the connection that has to be closed for it, already removed, or None."""
         gone = None
         if len(self._waiting.get(network, ())) >= self._of_one:
@@ -121,12 +121,12 @@ class PendingConnections(Generic[Who]):
             largest = max(self._waiting, key=lambda other: len(self._waiting[other]))
             gone = next(iter(self._waiting[largest]))
         if gone is not None:
-            self.leave(gone)
+            self.discard(gone)
         self._network[who] = network
         self._waiting.setdefault(network, {})[who] = None
         return gone
 
-    def leave(self, who: Who) -> None:
+    def discard(self, who: Who) -> None:
         """Frees the place; a second call does nothing."""
         network = self._network.pop(who, None)
         if network is not None:

@@ -12,7 +12,7 @@ from typing import Any
 from app.access.log_limit import log_failure
 from app.classroom.class_answers import ClassAnswers
 from app.language.translation import lazy
-from app.lessons.answer_check import Right, right_answer
+from app.lessons.answer_check import RightAnswer, right_answer
 from app.lessons.claims import ClaimError
 from app.lessons.lesson import TEXT, Lesson, Step
 from app.lessons.lesson_runs import RunCache, RunFailed
@@ -24,42 +24,42 @@ FAILED = lazy("The result could not be computed.")
 
 
 @dataclass(frozen=True)
-class Place:
+class BoardPosition:
     """View of a board: a step (0 is the beginning), its stage, and whether it is ``now`` or looked back at."""
 
     turn: int
     at: int
-    opened: int
-    stage: int
+    last_open: int
+    reveal_stage: int
 
     @property
-    def now(self) -> bool:
-        return self.at == self.opened
+    def is_current(self) -> bool:
+        return self.at == self.last_open
 
 
 class Board:
     """Board of a class in one ``lesson``, or its ``core``, with the first set of numbers. Thread-safe."""
 
     def __init__(self, lesson: Lesson, outcomes: RunCache, core: bool = False):
-        self.core = core and bool(lesson.deeper)
-        self._taken = [at for at, step in enumerate(lesson.steps, 1) if step.core or not self.core]
+        self.core = core and bool(lesson.extra)
+        self._step_numbers = [at for at, step in enumerate(lesson.steps, 1) if step.core or not self.core]
         self.lesson, self.numbers, self._outcomes = lesson, lesson.variants[0], outcomes
-        self.tally = ClassAnswers(self._changed)
+        self.tally = ClassAnswers(self._notify_watchers)
         self._lock = threading.RLock()
         self._turn = self._at = self._opened = 0
         self._stages: dict[int, int] = {}  # by number of a step with a question
-        self._rights: dict[str, Future[Right]] = {}
+        self._rights: dict[str, Future[RightAnswer]] = {}
         self._thread = ThreadPoolExecutor(1, "board")
         self._watchers: list[Callable[[], None]] = []
         self._seats: list[BoardSeat] = []
 
     @property
-    def place(self) -> Place:
+    def position(self) -> BoardPosition:
         with self._lock:
-            return Place(self._turn, self._at, self._opened, self._stages.get(self._at, COUNTED))
+            return BoardPosition(self._turn, self._at, self._opened, self._stages.get(self._at, COUNTED))
 
     @property
-    def opened(self) -> int:
+    def last_open(self) -> int:
         """The number of the last step open to all."""
         with self._lock:
             return self._opened
@@ -70,23 +70,23 @@ class Board:
         return len(self.lesson.steps) + 1
 
     @property
-    def total(self) -> int:
+    def step_count(self) -> int:
         """Number of steps that the class takes."""
-        return len(self._taken)
+        return len(self._step_numbers)
 
-    def number(self, at: int) -> int:
+    def step_number(self, at: int) -> int:
         """Returns how many of the class's steps are at or before a place."""
-        return sum(taken <= at for taken in self._taken)
+        return sum(taken <= at for taken in self._step_numbers)
 
-    def after(self, at: int) -> int:
+    def next_position(self, at: int) -> int:
         """Returns the place that follows."""
-        return self.lesson.beside(at, 1, self.core)
+        return self.lesson.offset(at, 1, self.core)
 
     def step(self, at: int) -> Step | None:
         """Returns the step at a place, or None."""
         return self.lesson.steps[at - 1] if 0 < at < self.end else None
 
-    def stage(self, at: int) -> int:
+    def reveal_stage(self, at: int) -> int:
         """Returns the stage of the question at a place."""
         with self._lock:
             return self._stages.get(at, COUNTED)
@@ -94,22 +94,22 @@ class Board:
     def press(self, what: str, turn: int) -> None:
         """Goes on or back, unless the board has changed since the press."""
         with self._lock:
-            before = self.place
+            before = self.position
             if turn != before.turn:
                 return
             if what == NEXT:
-                self._go_on()
+                self._advance()
             elif what == BACK:
-                self._at = self.lesson.beside(self._at, -1, self.core)
-            if self.place == before:
+                self._at = self.lesson.offset(self._at, -1, self.core)
+            if self.position == before:
                 return
             self._turn += 1
-            seats = list(self._seats) if self._opened != before.opened else []
-        self._changed()
+            seats = list(self._seats) if self._opened != before.last_open else []
+        self._notify_watchers()
         for seat in seats:
             seat.open()
 
-    def came_out(self, step: Step) -> Right | str | None:
+    def outcome_of(self, step: Step) -> RightAnswer | str | None:
         """Returns the right answer to a step's question, a sentence if that fails, None while it is computed."""
         run = self._rights.get(step.key)
         if run is None or not run.done():
@@ -128,14 +128,14 @@ class Board:
         with self._lock:
             self._watchers.remove(on_change)
 
-    def seat(self, key: str) -> "BoardSeat":
+    def add_seat(self, key: str) -> "BoardSeat":
         """Returns a new seat for a page of the visitor with this key."""
         seat = BoardSeat(self, key)
         with self._lock:
             self._seats.append(seat)
         return seat
 
-    def give_up(self, seat: "BoardSeat") -> None:
+    def remove_seat(self, seat: "BoardSeat") -> None:
         """Removes the seat of a closed page."""
         with self._lock:
             self._seats.remove(seat)
@@ -144,17 +144,17 @@ class Board:
         """Stops all computations."""
         self._thread.shutdown(wait=False, cancel_futures=True)
 
-    def _go_on(self) -> None:
+    def _advance(self) -> None:
         """Goes to the next stage or step."""
         step, stage = self.step(self._at), self._stages.get(self._at, COUNTED)
         if self._at < self._opened:
-            self._at = self.after(self._at)
+            self._at = self.next_position(self._at)
         elif step and has_chart(step) and stage < REVEALED:
             self.tally.close(step.key)
             self._stages[self._at] = stage + 1
             self._work_out(step)
         elif self._at < self.end:
-            self._at = self._opened = self.after(self._opened)
+            self._at = self._opened = self.next_position(self._opened)
             if (step := self.step(self._at)) and has_chart(step):
                 self._work_out(step)
 
@@ -164,9 +164,9 @@ class Board:
         if run is None or (run.done() and run.exception()):
             run = self._rights[step.key] = self._thread.submit(right_answer, self.lesson, step, self.numbers,
                                                                self._outcomes)
-            run.add_done_callback(lambda _: self._changed())
+            run.add_done_callback(lambda _: self._notify_watchers())
 
-    def _changed(self) -> None:
+    def _notify_watchers(self) -> None:
         with self._lock:
             watchers = list(self._watchers)
         for tell in watchers:
@@ -178,7 +178,7 @@ class BoardSeat:
 
     def __init__(self, board: Board, key: str):
         self._board, self._key, self._gone = board, key, False
-        self._entry = board.tally.come(key)
+        self._entry = board.tally.join(key)
         self._on_open: Callable[[], None] = lambda: None
 
     @property
@@ -187,14 +187,14 @@ class BoardSeat:
         return self._board.lesson.name
 
     @property
-    def opened(self) -> int:
+    def last_open(self) -> int:
         """The number of the last step that is open."""
-        return self._board.opened
+        return self._board.last_open
 
     def progress(self) -> Progress:
         """Returns the visitor's answers and step, which the server stores instead of the browser."""
         lesson = self._board.lesson
-        return Progress(lesson.name, lesson.fingerprint, step=min(self._entry.step, self.opened),
+        return Progress(lesson.name, lesson.fingerprint, step=min(self._entry.step, self.last_open),
                         answers=self._entry.answers, core=self._board.core)
 
     def listen(self, on_open: Callable[[], None]) -> None:
@@ -209,15 +209,15 @@ class BoardSeat:
         except Exception as error:
             log_failure("a page could not be told that a step is open", error)
 
-    def shows(self, step: int) -> None:
+    def report_step(self, step: int) -> None:
         self._board.tally.reach(self._key, step)
 
-    def answered(self, step: Step, answer: Any) -> None:
-        self._board.tally.say(self._key, step.key, "" if step.asked.kind == TEXT else answer)
+    def report_answer(self, step: Step, answer: Any) -> None:
+        self._board.tally.record(self._key, step.key, "" if step.posed.kind == TEXT else answer)
 
     def leave(self) -> None:
         self._gone = True
-        self._board.give_up(self)
+        self._board.remove_seat(self)
         self._board.tally.leave(self._key)
 
 

@@ -20,11 +20,11 @@ MOST = 1000  # visitors that are counted; others can take the lesson: cookies ar
 
 @dataclass
 class VisitorAnswers:
-    """A visitor's open ``pages``, ``step``, ``said`` answers that count, ``late`` questions, and own ``answers``."""
+    """A visitor's open ``pages``, ``step``, ``valid`` answers that count, ``late`` questions, and own ``answers``."""
 
     pages: int = 0
     step: int = 0
-    said: dict[str, Any] = field(default_factory=dict)
+    valid: dict[str, Any] = field(default_factory=dict)
     late: set[str] = field(default_factory=set)
     answers: dict[str, Answer] = field(default_factory=dict)
 
@@ -37,7 +37,7 @@ class ClassAnswers:
         self._entries: dict[str, VisitorAnswers] = {}
         self._closed: set[str] = set()  # questions whose answers are shown
 
-    def come(self, key: str) -> VisitorAnswers:
+    def join(self, key: str) -> VisitorAnswers:
         """Registers an opened page of a visitor; returns the visitor's answers so far."""
         with self._lock:
             entry = self._entries.get(key) or VisitorAnswers()
@@ -63,16 +63,16 @@ class ClassAnswers:
                 entry.step = max(entry.step, step)
         self._on_change()
 
-    def say(self, key: str, question: str, answer: Any) -> None:
+    def record(self, key: str, question: str, answer: Any) -> None:
         """Records an answer if it counts."""
         with self._lock:
             entry = self._entries.get(key)
-            if entry is None or question in entry.said:
+            if entry is None or question in entry.valid:
                 return
             if question in self._closed:
                 entry.late.add(question)
             else:
-                entry.said[question] = answer
+                entry.valid[question] = answer
         self._on_change()
 
     def close(self, question: str) -> None:
@@ -81,22 +81,22 @@ class ClassAnswers:
             self._closed.add(question)
 
     @property
-    def here(self) -> int:
+    def present_count(self) -> int:
         """Number of visitors with an open page."""
         with self._lock:
             return sum(entry.pages > 0 for entry in self._entries.values())
 
-    def reached(self, step: int) -> int:
+    def count_reached(self, step: int) -> int:
         """Returns how many of the visitors who are here have reached a step."""
         with self._lock:
             return sum(entry.pages > 0 and entry.step >= step for entry in self._entries.values())
 
-    def asked(self, question: str) -> int:
+    def count_asked(self, question: str) -> int:
         """Returns how many visitors are here, or have given an answer that counts."""
         with self._lock:
-            return sum(entry.pages > 0 or question in entry.said for entry in self._entries.values())
+            return sum(entry.pages > 0 or question in entry.valid for entry in self._entries.values())
 
-    def late(self, question: str) -> int:
+    def count_late(self, question: str) -> int:
         """Returns how many visitors first answered after the answers were shown."""
         with self._lock:
             return sum(question in entry.late for entry in self._entries.values())
@@ -104,4 +104,4 @@ class ClassAnswers:
     def answers(self, question: str) -> list[Any]:
         """Returns the answers that count, sorted, so that their order reveals nothing."""
         with self._lock:
-            return sorted(entry.said[question] for entry in self._entries.values() if question in entry.said)
+            return sorted(entry.valid[question] for entry in self._entries.values() if question in entry.valid)

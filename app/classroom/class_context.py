@@ -23,23 +23,23 @@ class JoinInfo:
     warning: str = ""
 
     @property
-    def whole(self) -> str:
+    def full_link(self) -> str:
         """The link with the code."""
         return f"{self.link}#code={quote(self.code)}"
 
 
 @dataclass(frozen=True)
 class LecturerContext:
-    """Data of a lecturer's page: the ``board``, and the ``door``, the link and code for the class."""
+    """Data of a lecturer's page: the ``board``, and the ``join_info``, the link and code for the class."""
 
     board: Board
-    door: JoinInfo
+    join_info: JoinInfo
 
-    def seen_from(self, here: str) -> JoinInfo:
+    def join_info_for(self, here: str) -> JoinInfo:
         """Returns link and code for a class, given the address at which the lecturer's browser opened the lab."""
-        known = self.door.link
+        known = self.join_info.link
         link = here if here and not is_loopback(urlsplit(here).hostname or "") else known
-        return replace(self.door, link=link, warning=tr(OF_NO_USE) * is_loopback(urlsplit(link).hostname or ""))
+        return replace(self.join_info, link=link, warning=tr(OF_NO_USE) * is_loopback(urlsplit(link).hostname or ""))
 
 
 @dataclass(frozen=True)
@@ -53,8 +53,8 @@ class Classroom:
     core: bool = False
     seat: BoardSeat | None = None
 
-    def begun(self, lesson: Lesson) -> Progress:
+    def start_progress(self, lesson: Lesson) -> Progress:
         """Returns the initial progress of a lesson, or the present one if the board paces it."""
         if self.seat and self.seat.lesson == lesson.name:
             return self.seat.progress()
-        return Progress(lesson.name, lesson.fingerprint, core=self.core and bool(lesson.deeper))
+        return Progress(lesson.name, lesson.fingerprint, core=self.core and bool(lesson.extra))

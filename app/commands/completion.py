@@ -28,9 +28,9 @@ def completion_script(shell: str) -> str:
     tree: dict[str, Any] = {}
     for (first, *rest), kind in commands().items():
         if not rest:
-            tree[first] = _typed(kind)
+            tree[first] = _with_choices(kind)
         elif not rest[0].startswith("-"):  # --scene TEXT has no completion
-            tree.setdefault(first, {})[rest[0]] = _typed(kind)
+            tree.setdefault(first, {})[rest[0]] = _with_choices(kind)
     read: Any = tyro.cli  # the type of what it returns depends on the commands
     printed = io.StringIO()
     kinds = _choice({first: _choice(kind) if isinstance(kind, dict) else kind for first, kind in tree.items()})
@@ -44,15 +44,15 @@ def _choice(kinds: dict[str, Any]) -> Any:
     return reduce(operator.or_, [Annotated[kind, tyro.conf.subcommand(name)] for name, kind in kinds.items()])
 
 
-def _typed(kind: Any) -> type:
+def _with_choices(kind: Any) -> type:
     """Returns a command with specific flag types, as those for reading accept anything."""
     hints = get_type_hints(kind, include_extras=True)
-    typed = {f.name: hint for f in fields(kind) if (hint := _completed(hints[f.name])) is not None}
+    typed = {f.name: hint for f in fields(kind) if (hint := _completion_type(hints[f.name])) is not None}
     known = {"__annotations__": typed, "__doc__": kind.__doc__, **dict.fromkeys(typed)}
     return dataclass(frozen=True, kw_only=True)(type(kind.__name__, (kind,), known))
 
 
-def _completed(hint: Any) -> Any:
+def _completion_type(hint: Any) -> Any:
     """Returns the type of a flag that takes files or one of some words; None for any other."""
     marks = getattr(hint, "__metadata__", ())
     spec = next((mark for mark in marks if isinstance(mark, tyro.constructors.PrimitiveConstructorSpec)), None)

@@ -86,14 +86,14 @@ def _find_command(arguments: list[str]) -> tuple[tuple[str, ...], list[str]]:
             return name, []
         flag, equals, value = word.partition("=") if word.startswith("-") else (word, "", "")  # run --scene=TEXT
         if flag not in _next_words(name):
-            raise BadInput("", word, f"is not a command{suggest_word(word, _next_words(name))}; {_give(name)}")
+            raise BadInput("", word, f"is not a command{suggest_word(word, _next_words(name))}; {_suggest_next(name)}")
         name += (flag,)
         if name in commands():
             return name, [*([value] if equals else []), *arguments[position + 1:]]
-    raise BadInput("", " ".join(name), f"what? {_give(name)}")
+    raise BadInput("", " ".join(name), f"what? {_suggest_next(name)}")
 
 
-def _give(name: tuple[str, ...]) -> str:
+def _suggest_next(name: tuple[str, ...]) -> str:
     return f"give {' or '.join(' '.join((PROGRAM, *name, word)) for word in _next_words(name))}"
 
 
@@ -122,7 +122,7 @@ def _read_flags(kind: type, program: str, arguments: list[str]) -> Any:
         raise BadInput("", program, quote(says[0], LONGEST_COMPLAINT) if says else
                        "the flags could not be read; --help shows them") from None
     if unknown:
-        raise _unexpected(unknown[0], kind, program)
+        raise _refuse_word(unknown[0], kind, program)
     return command
 
 
@@ -135,7 +135,7 @@ def _translate_synonym(word: str, names: set[str]) -> str:
     return f"--{field_flag(key_field(name))}{separator}{value}"
 
 
-def _unexpected(word: str, kind: type, program: str) -> BadInput:
+def _refuse_word(word: str, kind: type, program: str) -> BadInput:
     flags = [*("--" + field.name.replace("_", "-") for field in fields(kind)), VERBOSE]
     flag = word.partition("=")[0]
     if not word.startswith("-") or word == "-" or flag in flags:

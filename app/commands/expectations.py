@@ -25,14 +25,14 @@ class Expectations:
             except ClaimError as error:
                 raise BadInput("expect", claim, str(error)) from None
 
-    def told(self, claims: Sequence[str], outcomes: list[Mapping[str, Any]], over: str = "") -> int:
+    def report(self, claims: Sequence[str], outcomes: list[Mapping[str, Any]], over: str = "") -> int:
         """Prints the outcome of each claim, for outcomes that differ in the field ``over``; returns 1 if one fails."""
         missed = 0
         scope = Scope({self.name: Outcome(outcomes, over)}, self.name, self.vocabulary)
         for claim in claims:
             try:
                 decided = decide(claim, scope)
-                holds, found = decided.holds, ", ".join(dict.fromkeys(decided.found.split(", ")))  # order: of all grids
+                holds, found = decided.holds, ", ".join(dict.fromkeys(decided.text.split(", ")))  # order: of all grids
             except ClaimError as error:  # one without a value does not hold
                 holds, found = False, str(error)
             print_message(f"expected {quote(claim)}: {'holds' if holds else 'DOES NOT HOLD'} ({found})")

@@ -49,7 +49,7 @@ def _read(reader: Callable[[str], float], words: list[str]) -> Any:
         return text
 
 
-def _words(words: list[str]) -> tuple[str, ...]:
+def _split_words(words: list[str]) -> tuple[str, ...]:
     """Splits words at commas, spaces or both."""
     return tuple(word for group in words for word in group.replace(",", " ").split())
 
@@ -61,7 +61,7 @@ def one_of(choices: Iterable[str]) -> Any:
 
 def several_of(choices: Iterable[str]) -> Any:
     """Returns the type of a flag with several of the choices, separated by commas or spaces."""
-    return _lenient("{" + ",".join(choices) + "} ...", _words)
+    return _lenient("{" + ",".join(choices) + "} ...", _split_words)
 
 
 def choices_of(choices: Iterable[str], default: str, text: str) -> Any:
@@ -77,7 +77,7 @@ def default_hint(text: str) -> Any:
 NumberFlag = Annotated[Any, _lenient("N", parse_number)]
 RealFlag = Annotated[Any, _lenient("X", parse_float)]
 TextFlag = Annotated[Any, _lenient("TEXT", " ".join)]
-NamesFlag = Annotated[Any, _lenient("TEXT ...", _words)]
+NamesFlag = Annotated[Any, _lenient("TEXT ...", _split_words)]
 FilesFlag = Annotated[Any, _lenient("FILE ...", tuple)]
 PathFlag = Annotated[Any, _lenient("PATH", " ".join)]
 #: A flag without a value.

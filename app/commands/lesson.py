@@ -167,7 +167,7 @@ class LessonGrade:
         target = None if self.out is None else Target("out", self.out, ending=".csv")
         from app.lessons import catalogue, grading
         from app.lessons.lesson_runs import RunCache
-        read = [answers for file in self.files if (answers := _answers(file)) is not None]
+        read = [answers for file in self.files if (answers := _read_answers(file)) is not None]
         lessons = catalogue.load_lessons()
         with show_progress(self.quiet) as show, closing(RunCache(default_processes())) as outcomes:
             rows = []
@@ -197,12 +197,12 @@ class LessonScripts:
         from app.lessons import catalogue
         for path in sorted(path for part in ("scripts", "scripts/codes", "notebooks")
                            for path in catalogue.FOLDER.glob(f"{part}/*.py")):
-            folder.put(path.name, path.read_bytes())
+            folder.write_file(path.name, path.read_bytes())
         print_message(f"{folder.text}: begin with bar.py")
         return OK
 
 
-def _answers(file: str) -> "tuple[str, Progress] | None":
+def _read_answers(file: str) -> "tuple[str, Progress] | None":
     """Reads a file of answers; returns None, with a message, if that fails."""
     from app.lessons import catalogue, student_progress
     try:

@@ -164,7 +164,7 @@ class Folder:
             raise BadInput("out", self.text, "is not empty; give an empty or a new directory")
         Target("out", str(self.path / "try"))  # fails now instead of later
 
-    def put(self, name: str, content: bytes) -> None:
+    def write_file(self, name: str, content: bytes) -> None:
         """Writes a file into the directory, completely or not at all."""
         Target("out", str(self.path / name)).write(content)
 
@@ -197,9 +197,9 @@ def as_html(text: str, folder: Path) -> str:
 def put_report(folder: Folder, values: dict, pictured: Any, figures: Mapping[str, Callable[[Any], Any]],
                markdown: Callable[[list[str]], str]) -> int:
     """Writes a report as Markdown, JSON and HTML with its pictures; returns the exit status."""
-    drawn, status = draw_pictures(figures, pictured, folder.put, folder.text, "the rest is fine")
+    drawn, status = draw_pictures(figures, pictured, folder.write_file, folder.text, "the rest is fine")
     text = markdown(drawn)
-    folder.put("report.json", json_text(values, lines=True).encode())
-    folder.put("report.md", text.encode())
-    folder.put("report.html", as_html(text, folder.path).encode())
+    folder.write_file("report.json", json_text(values, lines=True).encode())
+    folder.write_file("report.md", text.encode())
+    folder.write_file("report.html", as_html(text, folder.path).encode())
     return status

@@ -47,14 +47,14 @@ def stdout_to_stderr() -> Iterator[None]:
 
 
 @contextlib.contextmanager
-def noted_interrupts() -> Iterator[Callable[[], None]]:
+def record_interrupts() -> Iterator[Callable[[], None]]:
     """Context manager: records Ctrl-C and yields a function that raises one that native code swallowed.
 
     An exception raised while Taichi compiles can get lost in its callbacks, or be replaced; during Taichi's import it
     would be reported as a broken installation, so it waits."""
     noted = False
 
-    def note(number: int, frame: object) -> None:
+    def on_interrupt(number: int, frame: object) -> None:
         nonlocal noted
         noted = True
         if not getattr(getattr(sys.modules.get("taichi"), "__spec__", None), "_initializing", False):
@@ -67,7 +67,7 @@ def noted_interrupts() -> Iterator[Callable[[], None]]:
     if threading.current_thread() is not threading.main_thread():  # other threads get no signals
         yield check
         return
-    before = signal.signal(signal.SIGINT, note)
+    before = signal.signal(signal.SIGINT, on_interrupt)
     try:
         yield check
     except Exception:
@@ -97,7 +97,7 @@ def show_progress(quiet: bool) -> Iterator[Callable[..., None]]:
         line = f"\r[{bar}] {100 * part:3.0f} %  {left:<14}{what:<{BAR_TEXT}.{BAR_TEXT}}"
         print(line, end="", file=sys.stderr, flush=True)
 
-    with stdout_to_stderr(), noted_interrupts() as check:
+    with stdout_to_stderr(), record_interrupts() as check:
         warnings.simplefilter("ignore", SyntaxWarning)  # Taichi's source, on its first import by Python 3.12 on
         try:
             yield show

@@ -40,7 +40,7 @@ def of_problem(command: type[SceneFlags], scene: type[Scene], **kinds: Any) -> t
               field(default=("none",) if f.default == () else f.default))
              for f in fields(scene) if f.name != "problem" and f.name not in command.LEFT_OUT]
     bases = (command, make_dataclass("Flags", flags, bases=(SceneFlags,), frozen=True, kw_only=True))
-    return _made(command, scene, bases)
+    return _make_command(command, scene, bases)
 
 
 def with_flags(command: type, scene: type[Scene], **kinds: Any) -> type:
@@ -48,7 +48,7 @@ def with_flags(command: type, scene: type[Scene], **kinds: Any) -> type:
     own = {f.name: f.default for f in fields(command)}
     flags = [(f.name, kinds[f.name], field(default=own[f.name])) if f.name in kinds
              else (f.name, describe_flag(scene, f), field(default=f.default)) for f in fields(scene) if f.name in own]
-    return _made(command, scene, (make_dataclass("Flags", flags, bases=(command,), frozen=True, kw_only=True),))
+    return _make_command(command, scene, (make_dataclass("Flags", flags, bases=(command,), frozen=True, kw_only=True),))
 
 
 def describe_flag(scene: type[Scene], f: Field, kind: Any = None) -> Any:
@@ -71,7 +71,7 @@ def _kind(scene: type[Scene], f: Field) -> Any:
     return bool if f.type == "bool" else NumberFlag if "int" in str(f.type) else RealFlag
 
 
-def _made(command: type[Any], scene: type[Scene], bases: tuple[type, ...]) -> type:
+def _make_command(command: type[Any], scene: type[Scene], bases: tuple[type, ...]) -> type:
     methods = " ".join(scene.choices("method")[1:3])
     text = command.HELP.format(title=scene.TITLE, setting=scene.SETTING, methods=methods)
     example = command.EXAMPLE.format(problem=scene.problem, methods=methods)

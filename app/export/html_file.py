@@ -36,17 +36,17 @@ def scene_page(text: str, processes: int, on_progress: Progress, counts: Mapping
     one = make_plan(shown, (), recorded_quantities(shown))
     one = make_plan(one.state, slider_grid.axes_around(one.scene, counts), one.quantities)
     recorded = record_plans([one], processes, on_progress)
-    return assemble_page(_titled(one), [one], recorded, None)
+    return assemble_page(_title(one), [one], recorded, None)
 
 
 def recorded_page(shown: state.State) -> str:
     """Returns the page of a state without further runs, recorded in this process."""
     one = make_plan(shown, (), recorded_quantities(shown))
     recorded = _each_once([one], lambda once: [record_scene(wanted) for wanted in once])
-    return assemble_page(_titled(one), [one], recorded, None)
+    return assemble_page(_title(one), [one], recorded, None)
 
 
-def _titled(one: Plan) -> str:
+def _title(one: Plan) -> str:
     title = tr(one.scene.title)
     return title[:1].upper() + title[1:]
 

@@ -78,7 +78,7 @@ def question_rules(lesson: Lesson, processes: int,
     found = []  # the scenes of all runs in questions
     for step in lesson.questions.values():
         for numbers in lesson.variants:
-            for expression in answer_check.answer_expressions(step.asked, numbers):
+            for expression in answer_check.answer_expressions(step.posed, numbers):
                 names = runs_needed(expression, lesson.runs, lesson.main_run(step)) - {""}
                 found += [fill_numbers(text, numbers) for name in names for text in lesson.runs[name].texts]
     with closing(RunCache(processes)) as outcomes:
@@ -98,29 +98,29 @@ def _rule(lesson: Lesson, step: Step, numbers: Numbers, outcomes: RunCache) -> d
     except (ClaimError, RunFailed):
         return None
     if asked.kind == CHOICE:
-        return {"options": list(found.options), "told": found.told}
-    return {"value": found.value, "tolerance": asked.tolerance, "told": found.told}
+        return {"options": list(found.options), "told": found.text}
+    return {"value": found.value, "tolerance": asked.tolerance, "told": found.text}
 
 
 def _data(lesson: Lesson, right: Mapping[str, list[Any]], stages: Mapping[tuple[str, int], int],
           bets: Mapping[str, list[Any]], core: bool) -> dict[str, Any]:
     """Returns the lesson's data for the player; what differs between variants is a list with an entry for each."""
     def each(text: str) -> list[str]:
-        return _alike([to_html(fill_numbers(text, numbers), catalogue.FOLDER) for numbers in lesson.variants])
+        return _dedup([to_html(fill_numbers(text, numbers), catalogue.FOLDER) for numbers in lesson.variants])
 
     known = catalogue.load_lessons()
     # A name's variant is drawn as in ``app.lessons.lesson``: with Unicode case folding and white space.
     letters = [chr(code) for code in range(sys.maxunicode + 1) if not 0xD800 <= code < 0xE000]
     steps = [{"kind": step.kind, "key": step.key, "core": step.core, "html": each(step.text),
-              "title": _alike([fill_numbers(step.title, numbers) for numbers in lesson.variants]),
+              "title": _dedup([fill_numbers(step.title, numbers) for numbers in lesson.variants]),
               "stage": [stages[step.key, k] for k in range(len(lesson.variants))] if step.stage else None,
-              "bets": step.bets, "judged": _alike(bets.get(step.key, [{}])),
+              "bets": step.bets, "judged": _dedup(bets.get(step.key, [{}])),
               "question": _question(lesson, step.question, right.get(step.key, []))} for step in lesson.steps]
     with use_language(lesson.language):
         asks = tr(QUESTION)
     return {
         "name": lesson.name, "title": lesson.title, "minutes": lesson.minutes, "core_minutes": lesson.core_minutes,
-        "begins_core": core and bool(lesson.deeper), "goals": lesson.goals,
+        "begins_core": core and bool(lesson.extra), "goals": lesson.goals,
         "needs": [known[name].title if name in known else name for name in lesson.prerequisites],
         "fingerprint": lesson.fingerprint, "variants": len(lesson.variants), "intro": each(lesson.intro),
         "elsewhere": [tr(name) for control, name in ELSEWHERE.items() if control in lesson.controls],
@@ -131,14 +131,14 @@ def _data(lesson: Lesson, right: Mapping[str, list[Any]], stages: Mapping[tuple[
         "spaces": "".join(letter for letter in letters if letter.isspace())}
 
 
-def _alike(each: Sequence[Any]) -> list[Any]:
+def _dedup(each: Sequence[Any]) -> list[Any]:
     return list(each[:1] if all(one == each[0] for one in each) else each)
 
 
 def _question(lesson: Lesson, asked: Question | None, right: list[Any]) -> dict[str, Any] | None:
     if asked is None:
         return None
-    options = _alike([[fill_numbers(option, numbers) for option in asked.options] for numbers in lesson.variants])
+    options = _dedup([[fill_numbers(option, numbers) for option in asked.options] for numbers in lesson.variants])
     made: dict[str, Any] = {"kind": asked.kind, "options": options, "unit": asked.unit, "rules": right,
                             "level": asked.level}
     if asked.kind == DRAG:

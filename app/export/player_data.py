@@ -60,19 +60,19 @@ def stage_data(stage: type[Stage]) -> dict[str, Any]:
     return {"mirrors": stage.MIRRORS, "outlined": stage.OUTLINED, "lines": stage.LINES,
             "plot": {"start": stage.PLOT.start, "end": stage.PLOT.end, "along": stage.PLOT.where is not None},
             "alike": tr(captions.ALIKE).format(tr(stage.HALVES)),
-            "rooms": {name: _laid_out(stage, room.settled()) for name, room in ROOMS.items()}}
+            "rooms": {name: _laid_out(stage, room.rounded()) for name, room in ROOMS.items()}}
 
 
 def _laid_out(stage: type[Stage], room: Bounds) -> dict[str, Any]:
     """Returns the layout of a stage in bounds."""
-    places = stage.places(room, RunSlot.ALONE)
+    places = stage.layout(room, RunSlot.ALONE)
     top = layout.colour_bar_box(room, room.high)
     halves = tr(captions.ESTIMATE[0]), tr(captions.TRUTH)
     said = StageLabels(halves, (LATER, LATER), (LATER, LATER), "", LATER, LATER, LATER)
     labels: list[Label] = [*stage.labels(said, places), *field_plot.plot_labels(
         places, stage.PLOT.ends, captions.FieldWords(LATER, LATER), 1, LATER, True)]
     of = [label for label in layout.bar_labels(top, room.gutter > 0, "x", []) if label.text]
-    own = {name: value for name, value in vars(places).items() if name not in ("room", "seat", "rectangle", "field")}
+    own = {name: value for name, value in vars(places).items() if name not in ("bounds", "slot", "rectangle", "field")}
     return {"pixels": room.pixels, "high": room.high, "gutter": room.gutter, "box": asdict(places.field), **own,
             "bar": asdict(top), "labels": [asdict(label) for label in (*of, *labels)]}
 
@@ -95,7 +95,7 @@ def missing_value_texts(scene: Scene, not_valid: Mapping[str, str], silent: Mapp
     component = VIEWS[scene.problem].stage.PLOT.component
     return {key: {"rows": captions.why_no_numbers(scene, not_valid, key, silent[key]),
                   "field": vars(captions.field_words(scene, component, key)),
-                  "by": {name: _by(scene, not_valid, key, name, silent[key], difference)
+                  "by": {name: _estimator_texts(scene, not_valid, key, name, silent[key], difference)
                          for name in scene.estimators or ("",)}} for key in silent}
 
 
@@ -105,8 +105,8 @@ def stage_notes(scene: Scene, every: int) -> dict[str, str]:
     return {"note": stage.note(scene), "marks": captions.marks_note(stage.MARKED, every)}
 
 
-def _by(scene: Scene, not_valid: Mapping[str, str], quantity: str, name: str, silent: Collection[str],
-        difference: bool) -> dict[str, Any]:
+def _estimator_texts(scene: Scene, not_valid: Mapping[str, str], quantity: str, name: str, silent: Collection[str],
+                     difference: bool) -> dict[str, Any]:
     estimator, no_truth = name or None, captions.why_no_truth(scene, quantity)
     no_estimate = captions.why_no_estimate(scene, not_valid, estimator, quantity) \
         or f"{name} {captions.not_estimated(quantity)}" * (name in silent)

@@ -58,14 +58,14 @@ def record_scenes(wanted: Sequence[RecordingRequest], processes: int,
     Raises :class:`~solvers.workers.worker_process.ProcessDied` if one cannot be made."""
     with closing(WorkerPool(f"{__name__}:work", processes)) as pool:
         # One of each kind of run first, so that processes compile different kernels.
-        asked = {one: pool.submit(asdict(one), kind=_compiled(one)) for one in one_of_each_first(wanted, _compiled)}
+        asked = {one: pool.submit(asdict(one), kind=_kernels(one)) for one in one_of_each_first(wanted, _kernels)}
         for done, recording in enumerate(as_completed(asked.values()), 1):
             recording.result()
             on_progress(done)
         return [asked[one].result() for one in wanted]
 
 
-def _compiled(wanted: RecordingRequest) -> tuple:
+def _kernels(wanted: RecordingRequest) -> tuple:
     """Returns the key of the kernels that it needs."""
     return kernel_key(state.parse_state(wanted.scene).scene)
 
@@ -80,10 +80,10 @@ def work(question: Mapping[str, Any], answer: Callable[[dict], None]) -> None:
 def record_scene(wanted: RecordingRequest) -> dict[str, Any]:
     """Returns the recording as a JSON object: ``head`` describes it, ``tracks`` the layout of ``data``, in base64."""
     with use_language(wanted.language):
-        return _recorded(wanted)
+        return _record(wanted)
 
 
-def _recorded(wanted: RecordingRequest) -> dict[str, Any]:
+def _record(wanted: RecordingRequest) -> dict[str, Any]:
     scene = state.parse_state(wanted.scene).scene
     solver = build(scene)
     solver.compile()
@@ -96,7 +96,7 @@ def _recorded(wanted: RecordingRequest) -> dict[str, Any]:
         shots.append({key: replace(shot, plotted=solver.plotted(key)) for key in wanted.quantities})
         if not solver.sound:
             break
-    kept = _shown(scene.DIMENSIONS, _count(shots), wanted.particles)
+    kept = _select_particles(scene.DIMENSIONS, _count(shots), wanted.particles)
     marked = kept[::one_in(len(kept), VIEWS[scene.problem].stage.MOST_MARKED)]
     tracks = _tracks(wanted, scene, kept, marked, shots)
     regular, pictures = (samples.read_rows(np.concatenate(some), scene, _count(shots), margin_unit(scene))
@@ -124,7 +124,7 @@ def _count(shots: list[dict[str, Snapshot]]) -> int:
     return len(_first(shots[0]).position)
 
 
-def _shown(dimensions: int, count: int, most: int) -> np.ndarray:
+def _select_particles(dimensions: int, count: int, most: int) -> np.ndarray:
     """Selects the particles to keep: every k-th along the bar, a random choice of a lattice in the plane."""
     if dimensions == 1:
         return np.arange(0, count, -(-count // most))
@@ -247,8 +247,8 @@ def _head(wanted: RecordingRequest, scene: Scene, solver: Solver, not_valid: dic
     return {"problem": scene.problem, "particles": _count(shots), "shown": shown,
             "spacing": scene.spacing, "first_line": stage.first_line(scene), "step": scene.time_step,
             "steps": solver.step, "period": scene.period,
-            "end": scene.end_time, "outermost": stage.outermost(scene), "ppc": scene.ppc,
-            "tile": stage.tile(scene), "known": scene.solution_known,
+            "end": scene.end_time, "outermost": stage.max_radius(scene), "ppc": scene.ppc,
+            "tile": stage.particle_shape(scene), "known": scene.solution_known,
             "moves_on": not scene.swings, "least": {} if scene.swings else {
                 key: [share * scene.size_of(key) for share in (LEAST_TOP, LEAST_REACH)] for key in wanted.quantities},
             "estimators": scene.active_estimators, "not_valid": not_valid, "quantities": wanted.quantities,

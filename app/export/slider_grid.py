@@ -58,7 +58,7 @@ def axis_through(scene: Scene, field: str, candidates: Sequence[Any], most: int)
     for value in candidates:
         if value not in values and len(values) < most:
             with suppress(SceneError):
-                if count_particle_steps(_changed(scene, {field: value})) <= max(MOST_WORK, count_particle_steps(scene)):
+                if count_particle_steps(_change(scene, {field: value})) <= max(MOST_WORK, count_particle_steps(scene)):
                     values.append(value)
     order = values if field == "method" else sorted(values)
     return SliderAxis(field, tuple(order), order.index(own))
@@ -88,12 +88,12 @@ def scene_texts(scene: Scene, axes: Sequence[SliderAxis]) -> Iterator[str]:
     for values in itertools.product(*(axis.values for axis in axes)):
         changes = dict(zip((axis.field for axis in axes), values, strict=True))
         try:
-            yield state.write_state(state.State(_changed(scene, changes)))
+            yield state.write_state(state.State(_change(scene, changes)))
         except SceneError as error:
             yield f"!{error.sentence}"
 
 
-def _changed(scene: Scene, changes: Mapping[str, Any]) -> Scene:
+def _change(scene: Scene, changes: Mapping[str, Any]) -> Scene:
     """Returns a changed scene; a Courant number replaces the step."""
     step: dict[str, Any] = {"dt": None} if "cfl" in changes else {}
     return replace(scene, **changes, **step)

@@ -38,11 +38,11 @@ class ColourScale:
         self.top, self._parts = 1.0, TOPS[1.0]
         self.exceeded = False  # whether an error is above the top
 
-    def forget(self) -> None:
+    def reset(self) -> None:
         """Restarts the scale for another quantity or run, unless held."""
         self._begun = self._begun and self.held
 
-    def follow(self, estimated: np.ndarray | None, true: np.ndarray | None, run: Hashable = None,
+    def update(self, estimated: np.ndarray | None, true: np.ndarray | None, run: Hashable = None,
                beside: tuple[np.ndarray | None, np.ndarray | None] = (None, None), least: float = 0.0) -> None:
         """Adjusts the top, unless held, to the errors of a ``run`` and one ``beside`` it, and to at least ``least``."""
         truth, estimate = (max(largest_finite(true), largest_finite(beside[1])),

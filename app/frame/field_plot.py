@@ -8,7 +8,7 @@ import numpy as np
 
 from app.frame.captions import CURVE, PARTICLES, FieldWords, add_unknown_count, field_words
 from app.frame.colour_scale import LEAST_REACH, SMALLEST, largest_finite, round_up
-from app.frame.layout import Places, RunSlot
+from app.frame.layout import RunSlot, StageLayout
 from app.frame.primitives import AWAY, Dots, Label, Lines, Mark, Role, Sign, Tone, in_plane, join_points
 from app.language.translation import tr
 from app.words import QUANTITIES, with_unit
@@ -38,11 +38,11 @@ class Axis:
     def __init__(self) -> None:
         self._peak, self.top = 0.0, 1.0
 
-    def forget(self) -> None:
+    def reset(self) -> None:
         """Restarts with the next frame."""
         self._peak = 0.0
 
-    def follow(self, largest: float, least: float) -> None:
+    def update(self, largest: float, least: float) -> None:
         """Adjusts the axis to the ``largest`` size of a frame's values, and to at least ``least``."""
         begun, need = self._peak > 0, max(largest, least)
         self._peak = max(need, FADE * self._peak)
@@ -71,17 +71,17 @@ class FieldPlot:
     def __init__(self, plotted: PlotSettings, beside: "FieldPlot | None" = None):
         self._plotted = plotted
         self.axis: Axis = beside.axis if beside else Axis()
-        self._drawn: tuple[Scene, str, int, Places] | None = None
-        self._said: tuple[int, float] | None = None  # as drawn: count of NaN values, and end of the axis
+        self._drawn: tuple[Scene, str, int, StageLayout] | None = None
+        self._labelled: tuple[int, float] | None = None  # as drawn: count of NaN values, and end of the axis
         self._time = 0.0
         self._dots = np.empty((0, 3), np.float32)
 
     @property
-    def outdated(self) -> bool:
+    def is_outdated(self) -> bool:
         """Whether another plot has changed the axis since this one was drawn."""
-        return self._said is not None and self._said[1] != self.axis.top
+        return self._labelled is not None and self._labelled[1] != self.axis.top
 
-    def draw(self, places: Places, scene: Scene, quantity: str, magnified: int, at: np.ndarray, field: np.ndarray,
+    def draw(self, places: StageLayout, scene: Scene, quantity: str, magnified: int, at: np.ndarray, field: np.ndarray,
              t: float, crossed: np.ndarray, shades: np.ndarray) -> Iterator[Mark]:
         """Yields the marks of a field.
 
@@ -106,21 +106,21 @@ class FieldPlot:
         """
         if (now := (scene, quantity, magnified, places)) != self._drawn or t < self._time:
             if self._drawn is None or now[:3] != self._drawn[:3] or t < self._time:
-                self.axis.forget()
-            self._said = None
+                self.axis.reset()
+            self._labelled = None
             self._begin(places, scene, quantity)
         self._drawn, self._time = now, t
         values = magnify_deviation(scene, field, magnified)
         known = np.isfinite(values)
-        self.axis.follow(largest_finite(np.abs(values)), self._reach)
+        self.axis.update(largest_finite(np.abs(values)), self._reach)
         unknown = len(values) - int(np.count_nonzero(known))
-        if (said := (unknown, self.axis.top)) != self._said:
-            self._said = said
+        if (said := (unknown, self.axis.top)) != self._labelled:
+            self._labelled = said
             yield from self._axes(places, scene, quantity, magnified, unknown)
         self._dots = self._points(at, values, known)
         yield from self._curve(places, scene, quantity, t)
         yield self._stems(scene, field, magnified, shades)
-        pixel = places.room.pixel
+        pixel = places.bounds.pixel
         yield Dots("field/particles", self._dots, self._ink[0], (DOT if len(values) <= MANY else MANY_DOTS) * pixel)
         over = self._dots[crossed]
         over[:, 2] = 0.016
@@ -128,15 +128,15 @@ class FieldPlot:
         yield Dots("field/around", over - BELOW, self._ink[1], crowd * HALO * pixel)
         yield Dots("field/crossed", over, self._ink[2], crowd * CROSSED * pixel)
 
-    def places(self, particles: slice, count: int) -> np.ndarray:
+    def dot_positions(self, particles: slice, count: int) -> np.ndarray:
         """Returns the points of the dots of ``count`` particles, (count, 3); out of view if none are drawn."""
         dots = self._dots[particles]
         return dots if len(dots) == count else np.full((count, 3), AWAY, np.float32)
 
-    def _begin(self, places: Places, scene: Scene, quantity: str) -> None:
+    def _begin(self, places: StageLayout, scene: Scene, quantity: str) -> None:
         """Prepares another scene or quantity: determines the range of the exact field."""
         self._at: np.ndarray | None = None
-        plotted, box, self._least = self._plotted, places.field, 0.5 * DOT * places.room.pixel
+        plotted, box, self._least = self._plotted, places.field, 0.5 * DOT * places.bounds.pixel
         self._box, self._per_metre = box, (box.right - box.left) / (plotted.end - plotted.start)
         self._line = np.linspace(plotted.start, plotted.end, CURVE_POINTS)
         level = in_plane(np.linspace(box.left, box.right, CURVE_POINTS), box.middle, 0.01)
@@ -148,9 +148,9 @@ class FieldPlot:
             times = scene.time_step + scene.period * np.arange(INSTANTS) / INSTANTS
             self._reach = max(largest_finite(np.abs(plotted.exact(scene, quantity, self._line, t))) for t in times)
 
-    def _axes(self, places: Places, scene: Scene, quantity: str, magnified: int, unknown: int) -> Iterator[Mark]:
+    def _axes(self, places: StageLayout, scene: Scene, quantity: str, magnified: int, unknown: int) -> Iterator[Mark]:
         """Yields the axes with their labels."""
-        box, colours = self._box, places.room.palette
+        box, colours = self._box, places.bounds.palette
         self._ink = [np.array(colour, np.uint8) for colour in (colours.dot, colours.ground, colours.crossing)]
         end = ROOM * box.half
         axes = in_plane(np.array([box.left, box.right, box.left, box.left]),
@@ -162,7 +162,7 @@ class FieldPlot:
                                FieldWords(words.name, add_unknown_count(words.remark, unknown)), magnified, number,
                                scene.solution_known)
 
-    def _curve(self, places: Places, scene: Scene, quantity: str, t: float) -> Iterator[Mark]:
+    def _curve(self, places: StageLayout, scene: Scene, quantity: str, t: float) -> Iterator[Mark]:
         """Yields the exact curve, if it is known."""
         curve = self._level[:0]
         if scene.solution_known:
@@ -172,9 +172,9 @@ class FieldPlot:
                 heights = self._heights(self._plotted.exact(scene, quantity, self._line, t))
                 curve[:, 0, 1], curve[:, 1, 1] = heights[:-1], heights[1:]
                 if self._plotted.where:
-                    along = self._along(self._plotted.where(scene, self._line, t))
+                    along = self._abscissae(self._plotted.where(scene, self._line, t))
                     curve[:, 0, 0], curve[:, 1, 0] = along[:-1], along[1:]
-        yield Lines("field/exact", curve, places.room.palette.exact, CURVE_WIDTH)
+        yield Lines("field/exact", curve, places.bounds.palette.exact, CURVE_WIDTH)
 
     def _stems(self, scene: Scene, field: np.ndarray, magnified: int, shades: np.ndarray) -> Lines:
         """Returns stems from exact values to the particles', where they are longer than a dot."""
@@ -195,24 +195,24 @@ class FieldPlot:
         """Returns points (n, 3) of the stage for values at positions (n,) along the axis; unknown ones are AWAY."""
         box, out = self._box, np.empty((len(values), 3), np.float32)
         if at is not self._at:  # constant in the plane
-            self._at, self._across = at, self._along(at)
-            self._there = np.abs(self._across - 0.5 * (box.left + box.right)) <= (0.5 + BEYOND) * (box.right - box.left)
+            self._at, self._across = at, self._abscissae(at)
+            self._near = np.abs(self._across - 0.5 * (box.left + box.right)) <= (0.5 + BEYOND) * (box.right - box.left)
         out[:, 0], out[:, 2] = self._across, 0.012
-        out[:, 1] = np.where(known & self._there, self._heights(values), AWAY)
+        out[:, 1] = np.where(known & self._near, self._heights(values), AWAY)
         return out
 
-    def _along(self, at: np.ndarray) -> np.ndarray:
+    def _abscissae(self, at: np.ndarray) -> np.ndarray:
         return self._box.left + self._per_metre * (at - self._plotted.start)
 
     def _heights(self, values: np.ndarray) -> np.ndarray:
         return self._box.middle + self._box.half / self.axis.top * values
 
 
-def plot_labels(places: Places, ends: tuple[str, str], words: FieldWords, magnified: int, number: str,
+def plot_labels(places: StageLayout, ends: tuple[str, str], words: FieldWords, magnified: int, number: str,
                 exact: bool) -> Iterator[Label]:
     """Yields the labels of a plot, always the same ones: the ``number`` at the end of its axis, ``ends`` at those of
     the other, its name, with keys of particles and the ``exact`` curve, the factor ``magnified``, and a remark."""
-    box, room = places.field, places.room
+    box, room = places.field, places.bounds
     beside = box.left > 0 or room.gutter > 0  # otherwise only the upper number fits, within the plot
     left = box.at is not None and box.at[0] < 0 and not box.keys  # the name stands beside the zero
     crowded = left and 1.2 * room.extent(words.name)[0] + room.extent(" 0")[0] > room.gutter
@@ -230,7 +230,7 @@ def plot_labels(places: Places, ends: tuple[str, str], words: FieldWords, magnif
     larger = tr("error × {magnified}", magnified=magnified) if box.magnified and exact else ""
     yield Label("field/magnified", larger, x, y, anchor, "caption")
     x, y, anchor = box.remark
-    named = words.name if box.at is None and places.seat == RunSlot.ALONE else ""  # beside another run the scale has it
+    named = words.name if box.at is None and places.slot == RunSlot.ALONE else ""  # beside another run the scale has it
     yield Label("field/remark", ": ".join(filter(None, (named, words.remark))), x, y, anchor, "caption")
     x, y = box.at or (0.0, 0.0)
     role: Role = "gutter" if x < 0 else "title"

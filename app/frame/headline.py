@@ -39,7 +39,7 @@ class Headline:
     moment: Hashable = None  # identifies the situation: a new one is read aloud
 
     @classmethod
-    def of(cls, headline: str, *facts: str, **places: str) -> "Headline":
+    def make(cls, headline: str, *facts: str, **places: str) -> "Headline":
         """Returns a headline with texts in its placeholders; empty facts are dropped."""
         return cls(tuple(to_spans(headline, places)), tuple(filter(None, facts)))
 
@@ -47,7 +47,7 @@ class Headline:
         return bool(self.headline)
 
     @property
-    def shown(self) -> list[Span]:
+    def spans(self) -> list[Span]:
         """The headline as a sentence."""
         if not self.headline:
             return []
@@ -61,7 +61,7 @@ class Headline:
         return [_capital(fact) + "." * (not fact.endswith(ENDS)) for fact in self.facts]
 
     def __str__(self) -> str:
-        return " ".join(["".join(text for _, text in self.shown), *self.sentences])
+        return " ".join(["".join(text for _, text in self.spans), *self.sentences])
 
 
 @dataclass(frozen=True)
@@ -119,14 +119,14 @@ def format_errors(words: ErrorWords, unit: str, true: float, estimate: float, in
         First words of the headline: the moment or time span.
     """
     if true <= words.least:
-        return Headline.of(before + words.still, words.trace.format(true=_size(true, unit) if true else tr("zero")))
+        return Headline.make(before + words.still, words.trace.format(true=_size(true, unit) if true else tr("zero")))
     norm = true if math.isfinite(true) else estimate
     if "{wrong}" not in words.told:
-        return Headline.of(words.told, words.why)
+        return Headline.make(words.told, words.why)
     if not math.isfinite(norm) or ("{found}" in words.told and not math.isfinite(index)):
-        return Headline.of(before + words.unmeasured, words.why)
-    return Headline.of(before + words.told.replace("{found}", over_or_underestimates(index)),
-                       words.of.format(true=_size(norm, unit)),
+        return Headline.make(before + words.unmeasured, words.why)
+    return Headline.make(before + words.told.replace("{found}", over_or_underestimates(index)),
+                         words.of.format(true=_size(norm, unit)),
                    words.why, wrong=per_cent(norm / words.size), share=per_cent(index), factor=format_ratio(index),
                    **words.names)
 

@@ -29,7 +29,7 @@ Spot = tuple[float, float, Anchor]  # position and anchor of a text
 
 
 @dataclass(frozen=True)
-class Box:
+class PlotBox:
     """Box of a plot: from x = ``left`` to ``right``, its zero at ``middle`` and the ends of its axis ``half`` above and
     below. Labels of the axis are ``below`` it; the factor ``magnified`` and a ``remark`` are at spots; its name begins
     at a point ``at``, followed by a legend if ``keys`` fit. None if something does not fit."""
@@ -46,13 +46,13 @@ class Box:
 
 
 @dataclass(frozen=True)
-class Places:
-    """Layout of a run: its ``rectangle`` in a settled ``room``, and the box of the field plot."""
+class StageLayout:
+    """Layout of a run: its ``rectangle`` in a settled ``bounds``, and the box of the field plot."""
 
-    room: Bounds
-    seat: RunSlot
+    bounds: Bounds
+    slot: RunSlot
     rectangle: Rectangle
-    field: Box
+    field: PlotBox
 
 
 @dataclass(frozen=True)
@@ -92,17 +92,17 @@ class ColourBar:
 
     def draw(self, quantity: str, high: float) -> None:
         """Draws the scale, with the key of the quantity whose error it measures, on a stage of height ``high``."""
-        scale, room = self._scale, self.sheet.room
+        scale, room = self._scale, self.sheet.bounds
         now = (room, high, quantity, scale.top, scale.logarithmic, scale.exceeded)
         if now == self._drawn:
             return
         if self._drawn is None or now[:2] != self._drawn[:2]:
-            place = colour_bar_box(room.settled(), high)
+            place = colour_bar_box(room.rounded(), high)
             ends = place.high / 2
             self.sheet.show(Dots("bar", in_plane(np.linspace(ends, 1 - ends, POINTS), place.middle),
                                  scale.gradient(POINTS), place.high, "square"))
         self._drawn = now
-        place, unit = colour_bar_box(room.settled(), high), QUANTITIES[quantity].unit
+        place, unit = colour_bar_box(room.rounded(), high), QUANTITIES[quantity].unit
         self.sheet.show(*bar_labels(place, room.gutter > 0, quantity, scale.ticks(unit)))
 
 

@@ -40,7 +40,7 @@ class PlanarStage(Stage[PlaneScene]):
 
     @staticmethod
     @abstractmethod
-    def outermost(scene: Any) -> float:
+    def max_radius(scene: Any) -> float:
         """Returns how far from the middle particles get, in m."""
 
     @staticmethod
@@ -48,31 +48,31 @@ class PlanarStage(Stage[PlaneScene]):
         """Returns half the edge vectors (P, 2, 2) of particles' domains, m, for deformation gradients F (P, 2, 2)."""
         return half_edges(scene, F, particle_layout(scene).edges)
 
-    places, labels = staticmethod(planar_places), staticmethod(planar_labels)
+    layout, labels = staticmethod(planar_places), staticmethod(planar_labels)
 
-    def region(self, low: tuple[float, float], high: tuple[float, float], arrays: FrameArrays) -> np.ndarray:
+    def particles_in(self, low: tuple[float, float], high: tuple[float, float], arrays: FrameArrays) -> np.ndarray:
         """Returns which particles (P,), or their images, lie in the rectangle from ``low`` to ``high`` of the stage."""
         images = self._images(arrays.position, self.MIRRORS).reshape(len(self.MIRRORS), -1, 3)[:, :, :2]
         return np.any(np.all((images >= low) & (images <= high), axis=2), axis=0)
 
-    def images(self, arrays: FrameArrays, particles: slice) -> np.ndarray:
+    def image_points(self, arrays: FrameArrays, particles: slice) -> np.ndarray:
         x = in_view(arrays.position[particles])
         return np.concatenate([self._images(x, self.MIRRORS).reshape(len(self.MIRRORS), -1, 3),
-                               self._field.places(particles, len(x))[None]])
+                               self._field.dot_positions(particles, len(x))[None]])
 
-    def _still(self, scene: PlaneScene, particles: int, at_rest: np.ndarray | None) -> Iterator[Mark]:
-        reach, places, colours = self.outermost(scene), self._places, self._places.room.palette
+    def _static_marks(self, scene: PlaneScene, particles: int, at_rest: np.ndarray | None) -> Iterator[Mark]:
+        reach, places, colours = self.max_radius(scene), self._layout, self._layout.bounds.palette
         self._middle, self._per_metre = places.middle, places.radius / reach
         end = AROUND * reach
         start = self.first_line(scene)
         at = np.arange(np.ceil((-end - start) / scene.spacing), np.floor((end - start) / scene.spacing) + 1)
         at = at * scene.spacing + start
         upright = np.stack([np.repeat(at, 2), np.tile([-end, end], len(at))], axis=1)
-        yield Lines("cells", self._place(np.concatenate([upright, upright[:, ::-1]]), -0.02).reshape(-1, 2, 3),
+        yield Lines("cells", self._to_stage(np.concatenate([upright, upright[:, ::-1]]), -0.02).reshape(-1, 2, 3),
                     colours.grid, 1.0)
         axes = np.array([[0, -end], [0, end]])
-        yield Lines("planes", self._place(axes, 0.012).reshape(1, 2, 3), colours.dot, 1.2)
-        self._shape, size = self.tile(scene)
+        yield Lines("planes", self._to_stage(axes, 0.012).reshape(1, 2, 3), colours.dot, 1.2)
+        self._shape, size = self.particle_shape(scene)
         self._width = size * self._per_metre
         self._ink = [np.array(colour, np.uint8) for colour in (colours.ground, colours.crossing)]
         self._edges = None
@@ -88,32 +88,32 @@ class PlanarStage(Stage[PlaneScene]):
         return 0.0 if scene.PLANES[0] else 0.5 * scene.spacing * (scene.cells % 2)
 
     @classmethod
-    def tile(cls, scene: Any) -> tuple[Literal["circle", "square"], float]:
+    def particle_shape(cls, scene: Any) -> tuple[Literal["circle", "square"], float]:
         shape, size = FILLED[scene.layout]
-        return shape, size * scene.spacing / scene.ppc * cls.stretched(scene)
+        return shape, size * scene.spacing / scene.ppc * cls.max_stretch(scene)
 
     @staticmethod
-    def stretched(scene: Any) -> float:
+    def max_stretch(scene: Any) -> float:
         """Returns about how much wider than at rest a particle's domain becomes."""
         return 1.0
 
-    def _along(self, arrays: FrameArrays) -> np.ndarray:
+    def _axis_positions(self, arrays: FrameArrays) -> np.ndarray:
         return self._radii
 
-    def _moving(self, scene: PlaneScene, arrays: FrameArrays, estimated: np.ndarray, true: np.ndarray, t: float,
-                crossed: np.ndarray, age: np.ndarray) -> Iterator[Mark]:
+    def _moving_marks(self, scene: PlaneScene, arrays: FrameArrays, estimated: np.ndarray, true: np.ndarray, t: float,
+                      crossed: np.ndarray, age: np.ndarray) -> Iterator[Mark]:
         x = in_view(arrays.position)
         yield from self._halves(x, estimated, true)
         marks = self._images(x[crossed], self.MIRRORS, 0.018)
-        pixel = self._places.room.pixel * min(1.0, self._places.radius / (ROOMY * self._places.room.pixel))
+        pixel = self._layout.bounds.pixel * min(1.0, self._layout.radius / (ROOMY * self._layout.bounds.pixel))
         yield Dots("around", marks - BELOW, self._ink[0], HALO * pixel)
         yield Dots("crossings", marks, self._ink[1], CROSSED * pixel)
         yield self._domains(scene, arrays, x)
 
-    def _worst(self, worst: tuple[Worst | None, Worst | None], arrays: FrameArrays) -> Iterator[Mark]:
+    def _worst_marks(self, worst: tuple[Worst | None, Worst | None], arrays: FrameArrays) -> Iterator[Mark]:
         """Yields a line from the worst region of each half to a label beside it."""
-        places, segments = self._places, [np.empty((0, 2, 3), np.float32)]
-        room, (x, y), wanted = places.room, places.middle, places.seat == RunSlot.ALONE and places.room.gutter > 0
+        places, segments = self._layout, [np.empty((0, 2, 3), np.float32)]
+        room, (x, y), wanted = places.bounds, places.middle, places.slot == RunSlot.ALONE and places.bounds.gutter > 0
         for found, name, sign in zip(worst, ("estimate", "truth"), (-1, 1), strict=True):
             text, edge = "", x + AROUND * places.radius + 4 * room.pixel if sign > 0 else -EDGE
             at = in_view(arrays.position)[found.particles] if found and wanted else np.empty((0, 2))
@@ -148,9 +148,9 @@ class PlanarStage(Stage[PlaneScene]):
             corners = [x - first - second, x + first - second, x + first + second, x - first + second]
             placed = [self._images(corner, self.OUTLINED, 0.01) for corner in corners]
             outlines = np.concatenate([join_points(placed[k - 1], placed[k]) for k in range(4)])
-        return Lines("domains", outlines, self._places.room.palette.outline, 1.2)
+        return Lines("domains", outlines, self._layout.bounds.palette.outline, 1.2)
 
-    def _place(self, x: np.ndarray, depth: float = 0.0) -> np.ndarray:
+    def _to_stage(self, x: np.ndarray, depth: float = 0.0) -> np.ndarray:
         """Returns points (n, 3) of the stage for positions (n, 2) in m."""
         return in_plane(self._middle[0] + self._per_metre * x[:, 0], self._middle[1] + self._per_metre * x[:, 1], depth)
 

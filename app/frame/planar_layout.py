@@ -4,7 +4,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 from app.frame.field_plot import ROOM
-from app.frame.layout import HALVES, Box, Places, RunSlot, Spot, colour_bar_box, drawing_rectangle
+from app.frame.layout import HALVES, PlotBox, RunSlot, Spot, StageLayout, colour_bar_box, drawing_rectangle
 from app.frame.primitives import Anchor, Bounds, Label, Role, Tone
 from app.frame.stage import StageLabels
 from app.language.translation import tr
@@ -20,7 +20,7 @@ GAP, NAMES, NUMBERS, HEADING, NAME = 12.0, 112.0, 62.0, 42.0, 236.0
 
 
 @dataclass(frozen=True)
-class PlanarPlaces(Places):
+class PlanarLayout(StageLayout):
     """Layout of a plane problem: ``middle`` and ``radius`` of the body, and the ``end`` below the colour bar."""
 
     middle: tuple[float, float]
@@ -28,7 +28,7 @@ class PlanarPlaces(Places):
     end: float
 
 
-def planar_places(room: Bounds, seat: RunSlot) -> PlanarPlaces:
+def planar_places(room: Bounds, seat: RunSlot) -> PlanarLayout:
     """Returns the layout in a settled room."""
     pixel, line, end, alone = room.pixel, room.line, colour_bar_box(room, room.high).end, seat == RunSlot.ALONE
     if 1 - FIELD - (NUMBERS + NAMES) * pixel < LEAST:  # large letters for a projector: names are above
@@ -51,21 +51,21 @@ def planar_places(room: Bounds, seat: RunSlot) -> PlanarPlaces:
     half = 0.5 * (high - low) / ROOM
     below, named = None if seat == RunSlot.FIRST else low - 2 * pixel, room.gutter > 0
     magnified: Spot = (1.0, name[1], "center-right") if room.gutter else (1.0, 0.0, "bottom-right")
-    box = Box(left, 1.0, 0.5 * (high + low), half, below, None if seat == RunSlot.SECOND else magnified,
-              (1.0, high if room.gutter else end, "top-right"), name if named else None)
-    return PlanarPlaces(room, seat, drawing_rectangle(room.high), box, middle, 0.5 * wide / AROUND, end)
+    box = PlotBox(left, 1.0, 0.5 * (high + low), half, below, None if seat == RunSlot.SECOND else magnified,
+                  (1.0, high if room.gutter else end, "top-right"), name if named else None)
+    return PlanarLayout(room, seat, drawing_rectangle(room.high), box, middle, 0.5 * wide / AROUND, end)
 
 
-def planar_labels(words: StageLabels, places: PlanarPlaces) -> Iterator[Label]:
+def planar_labels(words: StageLabels, places: PlanarLayout) -> Iterator[Label]:
     """Yields all labels except the scale's and the plot's numbers, and remarks."""
-    if places.seat != RunSlot.ALONE:
+    if places.slot != RunSlot.ALONE:
         return _of_pair(words, places)
-    return _beside(words, places) if places.room.gutter else _above(words, places)
+    return _labels_beside(words, places) if places.bounds.gutter else _labels_above(words, places)
 
 
-def _beside(words: StageLabels, places: PlanarPlaces) -> Iterator[Label]:
+def _labels_beside(words: StageLabels, places: PlanarLayout) -> Iterator[Label]:
     """Yields the estimate's names in the gutter, and the truth's and the rest right of the body."""
-    room, (x, y), left = places.room, places.middle, -places.room.gutter
+    room, (x, y), left = places.bounds, places.middle, -places.bounds.gutter
     right = x + AROUND * places.radius + GAP * room.pixel
     width = room.letters(NAMES * room.pixel)
     for name, title, by, silence, at in zip(HALVES, words.titles, words.by, words.silences, (left, right), strict=True):
@@ -78,42 +78,42 @@ def _beside(words: StageLabels, places: PlanarPlaces) -> Iterator[Label]:
     yield Label("alike", words.alike, right, y - 1.6 * room.line, "top-left", "note", width=width, tone="faint")
     yield Label("size-note", words.note, right, 2 * room.pixel, "bottom-left", "note", width=width, tone="faint")
     yield Label("run", "", right, y, "bottom-left", "name")
-    yield _crossings(words, places)
+    yield _crossing_label(words, places)
 
 
-def _above(words: StageLabels, places: PlanarPlaces) -> Iterator[Label]:
+def _labels_above(words: StageLabels, places: PlanarLayout) -> Iterator[Label]:
     """Yields all names above the body, if there is no space beside it."""
-    room, (x, y), reach = places.room, places.middle, AROUND * places.radius
+    room, (x, y), reach = places.bounds, places.middle, AROUND * places.radius
     up = y + reach + 2 * room.pixel
     for name, title, at, anchor in _sides(words.titles, x, reach, True):
         yield Label(f"{name}-title", title, at, up, anchor, "title", tone=name, bold=True)
     by = x - reach + 1.25 * room.extent(words.titles[0])[0] + 6 * room.pixel
     free = x + reach - by - 1.25 * room.extent(words.titles[1])[0] - room.extent(" ")[0]  # between the two titles
-    text, _ = room.fitting((words.by[0], words.by[0].rpartition(" ")[2]), free, room.line)
+    text, _ = room.fit((words.by[0], words.by[0].rpartition(" ")[2]), free, room.line)
     yield Label("estimate-by", text, by, up, "bottom-left", "note")
     yield Label("truth-by", "", x, up, "bottom-left", "title")
-    yield from _inside(words, places)
+    yield from _labels_inside(words, places)
     for other in ("alike", "size-note", "run"):
         yield Label(other, "", x, up, "bottom-left", "note")
-    yield _crossings(words, places)
+    yield _crossing_label(words, places)
 
 
-def _of_pair(words: StageLabels, places: PlanarPlaces) -> Iterator[Label]:
+def _of_pair(words: StageLabels, places: PlanarLayout) -> Iterator[Label]:
     """Yields the run's name above the body; the halves' names are in the corners around the round body."""
-    room, (x, y), reach, first = places.room, places.middle, AROUND * places.radius, places.seat == RunSlot.FIRST
+    room, (x, y), reach, first = places.bounds, places.middle, AROUND * places.radius, places.slot == RunSlot.FIRST
     for name, title, at, anchor in _sides((tr("estimate"), tr("truth")), x, reach, False):
         yield Label(f"{name}-title", title, at, y + reach, anchor, "title", 0.9, tone=name)
     by, gutter = words.by[0] if first else "", room.gutter > 0
     yield Label("estimate-by", by, -room.gutter if gutter else 0.6, y if gutter else 0.0,
                 "center-left" if gutter else "bottom-center", "gutter" if gutter else "note")
     yield Label("truth-by", "", x, y, "bottom-left", "note")
-    yield from _inside(words, places)
+    yield from _labels_inside(words, places)
     run = words.run[:1].upper() + words.run[1:]
     yield Label("run", run, x - reach, y + reach + 2 * room.pixel, "bottom-left", "name", 1.0,
                 room.letters(2 * reach, 1.2), "plain" if first else "faint", True)
     for other in ("alike", "size-note"):
         yield Label(other, "", x, y, "bottom-left", "note")
-    yield _crossings(words, places)
+    yield _crossing_label(words, places)
 
 
 def _sides(titles: tuple[str, str], x: float, reach: float, up: bool) -> Iterator[tuple[Tone, str, float, Anchor]]:
@@ -122,18 +122,18 @@ def _sides(titles: tuple[str, str], x: float, reach: float, up: bool) -> Iterato
     return zip(HALVES, titles, (x - reach, x + reach), anchors, strict=True)
 
 
-def _inside(words: StageLabels, places: PlanarPlaces) -> Iterator[Label]:
+def _labels_inside(words: StageLabels, places: PlanarLayout) -> Iterator[Label]:
     """Yields the reasons for empty halves, in the hole of a ring."""
-    room, (x, y) = places.room, places.middle
+    room, (x, y) = places.bounds, places.middle
     sides: tuple[Anchor, Anchor] = ("center-right", "center-left")
     for name, silence, anchor, apart in zip(HALVES, words.silences, sides, (-4, 4), strict=True):
-        text, width = room.fitting((silence, short_reason(silence)), 0.55 * places.radius, 1.1 * places.radius)
+        text, width = room.fit((silence, short_reason(silence)), 0.55 * places.radius, 1.1 * places.radius)
         yield Label(f"{name}-silence", text, x + apart * room.pixel, y, anchor, "silence", width=width)
 
 
-def _crossings(words: StageLabels, places: PlanarPlaces) -> Label:
+def _crossing_label(words: StageLabels, places: PlanarLayout) -> Label:
     """Returns the legend of crossing marks, in the gutter or below the body."""
-    room, note = places.room, words.crossings if places.seat != RunSlot.SECOND else ""
+    room, note = places.bounds, words.crossings if places.slot != RunSlot.SECOND else ""
     if room.gutter:
         return Label("crossings-note", note, -room.gutter, 2 * room.pixel, "bottom-left", "gutter",
                      width=max(1, room.letters(room.gutter) - 2), tone="crossing", sign="dot")

@@ -34,11 +34,11 @@ class Palette:
 
 
 def _palette(ground: str) -> Palette:
-    def of(name: str) -> Colour:
+    def colour_of(name: str) -> Colour:
         return rgb(getattr(PALETTE[name], ground))
 
-    return Palette(of("ground"), of("dot"), of("line2"), of("line"), of("cell"), of("cross"), of("cell"), of("truth"),
-                   of("ground"))
+    return Palette(colour_of("ground"), colour_of("dot"), colour_of("line2"), colour_of("line"), colour_of("cell"),
+                   colour_of("cross"), colour_of("cell"), colour_of("truth"), colour_of("ground"))
 
 
 LIGHT, DARK = _palette("light"), _palette("dark")
@@ -147,7 +147,7 @@ class Bounds:
         """Height of a line of text on the stage."""
         return LINE_HEIGHT * self.pixel
 
-    def settled(self) -> "Bounds":
+    def rounded(self) -> "Bounds":
         """Returns the bounds rounded to just visible steps, so that tiny changes cause no new layout."""
         return replace(self, pixels=max(8.0, 8 * round(self.pixels / 8)), high=round(self.high, 2),
                        gutter=round(self.gutter, 2))
@@ -156,7 +156,7 @@ class Bounds:
         """Returns how many letters of a size fit into a length of the stage."""
         return max(1, int(length * self.pixels / (LETTER_WIDTH * size * self.lettering)))
 
-    def fitting(self, texts: Iterable[str], width: float, height: float) -> tuple[str, int]:
+    def fit(self, texts: Iterable[str], width: float, height: float) -> tuple[str, int]:
         """Returns the first text that fits into a box, and the letters per line; "" if none fits."""
         letters = self.letters(width)
         for text in texts:
@@ -177,11 +177,11 @@ class Surface(Protocol):
     visible: bool
 
     @property
-    def room(self) -> Bounds: ...
+    def bounds(self) -> Bounds: ...
 
     def show(self, *marks: Mark) -> None: ...
 
-    def child(self, name: str) -> "Surface":
+    def add_child(self, name: str) -> "Surface":
         """Returns a surface that is visible only with this one."""
 
 

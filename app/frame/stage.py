@@ -81,7 +81,7 @@ class Stage(ABC, Generic[AnyScene]):
         self._foreign = False
         self._seat = RunSlot.SECOND if beside else RunSlot.ALONE
         self._second: Stage[AnyScene] | None = None
-        self._words, self._said = StageLabels(), (StageLabels(), None)
+        self._labels, self._shown = StageLabels(), (StageLabels(), None)
         self._captioned: tuple | None = None  # arguments of the present captions
         self._remarks: Annotations | None = None
         self._field: FieldPlot = FieldPlot(self.PLOT, beside._field if beside else None)
@@ -89,10 +89,10 @@ class Stage(ABC, Generic[AnyScene]):
 
     def _lay_out(self) -> None:
         """Computes the layout for the present bounds."""
-        self._room = self.sheet.room
-        room = self._room.settled()
+        self._bounds = self.sheet.bounds
+        room = self._bounds.rounded()
         low, high = self.HIGH
-        self._places = self.places(replace(room, high=min(max(room.high, low), high)), self._seat)
+        self._layout = self.layout(replace(room, high=min(max(room.high, low), high)), self._seat)
         self._drawn_scene, self._remarks = None, None
 
     def pair(self, wanted: bool) -> "Stage | None":
@@ -100,26 +100,26 @@ class Stage(ABC, Generic[AnyScene]):
         if wanted != (self._seat == RunSlot.FIRST):
             self._seat = RunSlot.FIRST if wanted else RunSlot.ALONE
             self._lay_out()
-            self._second = self._second or type(self)(self.sheet.child("pinned"), self._scale, self)
+            self._second = self._second or type(self)(self.sheet.add_child("pinned"), self._scale, self)
             self._second.sheet.visible = wanted
         return self._second if wanted else None
 
     @property
     def rectangle(self) -> Rectangle:
         """The rectangle of everything drawn, without names in the gutter."""
-        room = self.sheet.room
-        if room is not self._room and room != self._room:
+        room = self.sheet.bounds
+        if room is not self._bounds and room != self._bounds:
             self._lay_out()
-        return self._places.rectangle
+        return self._layout.rectangle
 
     @property
-    def outdated(self) -> bool:
+    def is_outdated(self) -> bool:
         """Whether it must be redrawn, because the run beside it has changed their common axis."""
-        return self._field.outdated
+        return self._field.is_outdated
 
     def name(self, text: str) -> None:
         """Shows the run's name, if there are two."""
-        self._say(run=text)
+        self._label(run=text)
 
     def caption(self, estimate: Half, truth: Half) -> None:
         """Shows the titles of the halves, and the reason in an empty one."""
@@ -127,41 +127,41 @@ class Stage(ABC, Generic[AnyScene]):
         if said == self._captioned:
             return
         self._captioned, alone = said, self._seat == RunSlot.ALONE
-        self._say(titles=(estimate.title, truth.title), by=(estimate.by, truth.by),
-                  silences=tuple(half.silence if alone else short_reason(half.silence) for half in (estimate, truth)))
+        self._label(titles=(estimate.title, truth.title), by=(estimate.by, truth.by),
+                    silences=tuple(half.silence if alone else short_reason(half.silence) for half in (estimate, truth)))
 
-    def remark(self, remarks: Annotations, arrays: FrameArrays) -> None:
+    def annotate(self, remarks: Annotations, arrays: FrameArrays) -> None:
         """Shows annotations in the frame; unchanged ones stay."""
         if remarks is self._remarks:
             return
         self._remarks = remarks
-        both = not any(self._words.silences)
+        both = not any(self._labels.silences)
         told = ALIKE if not remarks.lost else ALIKE_LOST if remarks.right else ""
-        self._say(alike=tr(told).format(tr(self.HALVES)) if both and told else "")
-        self.sheet.show(*self._worst(remarks.worst, arrays))
+        self._label(alike=tr(told).format(tr(self.HALVES)) if both and told else "")
+        self.sheet.show(*self._worst_marks(remarks.worst, arrays))
 
     def draw(self, scene: AnyScene, arrays: FrameArrays, estimated: np.ndarray | None, true: np.ndarray | None,
              t: float, speed: float, foreign: bool = False) -> None:
         """Draws a frame at t in s with sizes (P,) of errors or None, in one unit, and ``speed`` in simulated s/s."""
-        room = self.sheet.room
-        if room is not self._room and room != self._room:
+        room = self.sheet.bounds
+        if room is not self._bounds and room != self._bounds:
             self._lay_out()
         if scene != self._drawn_scene or foreign or self._foreign:
             self._drawn_scene, self._foreign = scene, foreign
             at_rest = arrays.position - arrays.displacement if foreign else None
-            self.sheet.show(*self._still(scene, len(arrays.position), at_rest))
+            self.sheet.show(*self._static_marks(scene, len(arrays.position), at_rest))
             self._mark(len(arrays.position))
-            self._say(note=self.note(scene))
-        unknown, count = self._places.room.palette.unknown, len(arrays.position)
+            self._label(note=self.note(scene))
+        unknown, count = self._layout.bounds.palette.unknown, len(arrays.position)
         since = arrays.steps_since_crossing
         with np.errstate(all="ignore"):  # a run gone bad holds anything
             halves = [error_colours(self._scale, sizes, count, unknown) for sizes in (estimated, true)]
             crossed = is_recent(since, scene, speed) & self._marked
-            marks = [*self._moving(scene, arrays, halves[0], halves[1], t, crossed,
-                                   crossing_ages(since[crossed], scene, speed))]
+            marks = [*self._moving_marks(scene, arrays, halves[0], halves[1], t, crossed,
+                                         crossing_ages(since[crossed], scene, speed))]
             if self.plotted:
-                at, shown = self._along(arrays), halves[1] if true is not None else halves[0]
-                marks += self._field.draw(self._places, scene, self.plotted, self.magnified, at, arrays.plotted, t,
+                at, shown = self._axis_positions(arrays), halves[1] if true is not None else halves[0]
+                marks += self._field.draw(self._layout, scene, self.plotted, self.magnified, at, arrays.plotted, t,
                                           crossed, shown)
             self.sheet.show(*marks)
 
@@ -169,20 +169,20 @@ class Stage(ABC, Generic[AnyScene]):
         """Selects the particles whose crossings are marked, few enough not to hide the rest, and shows the legend."""
         every = one_in(particles, self.MOST_MARKED)
         self._marked = np.arange(particles) % every == 0
-        self._say(crossings=marks_note(self.MARKED, every))
+        self._label(crossings=marks_note(self.MARKED, every))
 
-    def _say(self, **changes: Any) -> None:
+    def _label(self, **changes: Any) -> None:
         """Updates labels whose text or position has changed."""
-        if any(getattr(self._words, name) != value for name, value in changes.items()):
-            self._words = replace(self._words, **changes)
-        if (now := (self._words, self._places)) != self._said:
-            self._said = now
+        if any(getattr(self._labels, name) != value for name, value in changes.items()):
+            self._labels = replace(self._labels, **changes)
+        if (now := (self._labels, self._layout)) != self._shown:
+            self._shown = now
             self.sheet.show(*self.labels(*now))
 
     @staticmethod
     @abstractmethod
-    def places(room: Bounds, seat: RunSlot) -> Any:
-        """Returns the layout (:class:`~app.frame.layout.Places` or a subclass) in settled bounds."""
+    def layout(room: Bounds, seat: RunSlot) -> Any:
+        """Returns the layout (:class:`~app.frame.layout.StageLayout` or a subclass) in settled bounds."""
 
     @staticmethod
     @abstractmethod
@@ -190,7 +190,7 @@ class Stage(ABC, Generic[AnyScene]):
         """Yields all labels except the scale's and the plot's numbers, and remarks."""
 
     @staticmethod
-    def outermost(scene: AnyScene) -> float | None:
+    def max_radius(scene: AnyScene) -> float | None:
         """Returns how far from the middle particles get, in m; None in one dimension."""
         return None
 
@@ -200,7 +200,7 @@ class Stage(ABC, Generic[AnyScene]):
         return ""
 
     @classmethod
-    def tile(cls, scene: AnyScene) -> tuple[Literal["circle", "square"], float] | None:
+    def particle_shape(cls, scene: AnyScene) -> tuple[Literal["circle", "square"], float] | None:
         """Returns a particle's shape in a plane body and its size in m, so that particles tile the body."""
         return None
 
@@ -215,34 +215,34 @@ class Stage(ABC, Generic[AnyScene]):
         return np.empty((0, 0, 2))
 
     @abstractmethod
-    def region(self, low: tuple[float, float], high: tuple[float, float], arrays: FrameArrays) -> np.ndarray:
+    def particles_in(self, low: tuple[float, float], high: tuple[float, float], arrays: FrameArrays) -> np.ndarray:
         """Returns which particles (P,) lie in the rectangle from ``low`` to ``high`` of the stage."""
 
     def nearest(self, point: tuple[float, float], arrays: FrameArrays) -> int | None:
         """Returns the index of the particle drawn nearest to a point of the stage; None if none is near."""
-        apart = np.linalg.norm(self.images(arrays, slice(None))[:, :, :2] - point, axis=2)
+        apart = np.linalg.norm(self.image_points(arrays, slice(None))[:, :, :2] - point, axis=2)
         image, particle = np.unravel_index(np.argmin(np.nan_to_num(apart, nan=np.inf)), apart.shape)
         return int(particle) if apart[image, particle] < TOUCH else None
 
     @abstractmethod
-    def images(self, arrays: FrameArrays, particles: slice) -> np.ndarray:
+    def image_points(self, arrays: FrameArrays, particles: slice) -> np.ndarray:
         """Returns all points of the stage where n particles are drawn, (images, n, 3)."""
 
     @abstractmethod
-    def _still(self, scene: AnyScene, particles: int, at_rest: np.ndarray | None) -> Iterator[Mark]:
+    def _static_marks(self, scene: AnyScene, particles: int, at_rest: np.ndarray | None) -> Iterator[Mark]:
         """Yields marks that stay while a scene runs. Particles of a foreign one began ``at_rest`` (P, D)."""
 
     @abstractmethod
-    def _moving(self, scene: AnyScene, arrays: FrameArrays, estimated: np.ndarray, true: np.ndarray, t: float,
-                crossed: np.ndarray, age: np.ndarray) -> Iterator[Mark]:
+    def _moving_marks(self, scene: AnyScene, arrays: FrameArrays, estimated: np.ndarray, true: np.ndarray, t: float,
+                      crossed: np.ndarray, age: np.ndarray) -> Iterator[Mark]:
         """Yields marks that move, with colours (P, 3) of both errors, crossed particles (P,) and their ages (n,)."""
 
     @abstractmethod
-    def _along(self, arrays: FrameArrays) -> np.ndarray:
+    def _axis_positions(self, arrays: FrameArrays) -> np.ndarray:
         """Returns the particles' positions (P,) along the axis of the field plot, in m."""
 
     @abstractmethod
-    def _worst(self, worst: tuple[Worst | None, Worst | None], arrays: FrameArrays) -> Iterator[Mark]:
+    def _worst_marks(self, worst: tuple[Worst | None, Worst | None], arrays: FrameArrays) -> Iterator[Mark]:
         """Yields marks at the worst regions of estimate and truth, always the same number of marks."""
 
 

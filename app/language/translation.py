@@ -37,7 +37,7 @@ LANGUAGES = {ENGLISH: Language("English"), "de": Language("Deutsch", FOLDER / "d
 COOKIE = "mpm-lab-language"
 LONGEST = 1000  # characters of a request that are read
 
-_spoken: ContextVar[str] = ContextVar("language", default=ENGLISH)
+_current: ContextVar[str] = ContextVar("language", default=ENGLISH)
 
 
 class Catalogue:
@@ -47,10 +47,10 @@ class Catalogue:
         self._words = gettext.GNUTranslations(io.BytesIO(file.to_binary()))
         self._texts = {entry.msgid: (entry.msgstr, {place for place, _ in entry.occurrences}) for entry in file}
 
-    def one(self, text: str) -> str:
+    def singular(self, text: str) -> str:
         return self._words.gettext(text)
 
-    def several(self, one: str, many: str, count: float) -> str:
+    def plural(self, one: str, many: str, count: float) -> str:
         return self._words.ngettext(one, many, int(count) if count == int(count) else 2)  # 2.5 are several
 
     def of_files(self, places: str | tuple[str, ...]) -> dict[str, str]:
@@ -68,36 +68,36 @@ def load_catalogue(code: str) -> Catalogue:
 
 def current_language() -> str:
     """Returns the code of the current language."""
-    return _spoken.get()
+    return _current.get()
 
 
 @contextmanager
 def use_language(code: str) -> Iterator[None]:
     """Context manager: sets the current language."""
-    before = _spoken.set(code)
+    before = _current.set(code)
     try:
         yield
     finally:
-        _spoken.reset(before)
+        _current.reset(before)
 
 
 def with_language(work: Callable[P, T], code: str = "") -> Callable[P, T]:
     """Wraps a function to run, on any thread, in the present language or in that of ``code``."""
     code = code or current_language()
 
-    def spoken(*args: P.args, **options: P.kwargs) -> T:
-        before = _spoken.set(code)  # as in `use_language`, at half the cost, for every frame
+    def in_language(*args: P.args, **options: P.kwargs) -> T:
+        before = _current.set(code)  # as in `use_language`, at half the cost, for every frame
         try:
             return work(*args, **options)
         finally:
-            _spoken.reset(before)
+            _current.reset(before)
 
-    return spoken
+    return in_language
 
 
 def tr(text: str, /, **values: Any) -> str:
     """Translates a text of the code into the current language; ``values`` replace its placeholders ``{name}``."""
-    said = text if current_language() == ENGLISH else load_catalogue(current_language()).one(text)
+    said = text if current_language() == ENGLISH else load_catalogue(current_language()).singular(text)
     return said.format(**values) if values else said
 
 
@@ -105,7 +105,7 @@ def trn(one: str, many: str, count: float, **values: Any) -> str:
     """Translates the text that fits a count, which replaces ``{count}`` in both, into the current language."""
     if current_language() == ENGLISH:
         return (one if count == 1 else many).format(count=count, **values)
-    return load_catalogue(current_language()).several(one, many, count).format(count=count, **values)
+    return load_catalogue(current_language()).plural(one, many, count).format(count=count, **values)
 
 
 def translate_message(text: str) -> str:
@@ -122,14 +122,14 @@ def lazy(text: str) -> str:
 
 def language_cache(most: int) -> Callable[[Callable[..., T]], Callable[..., T]]:
     """Decorator like :func:`functools.lru_cache`, with separate results for each language."""
-    def keeping(work: Callable[..., T]) -> Callable[..., T]:
+    def decorate(work: Callable[..., T]) -> Callable[..., T]:
         @functools.lru_cache(most)
         def in_language(_: str, *args: Any, **options: Any) -> T:
             return work(*args, **options)
 
         return functools.wraps(work)(lambda *args, **options: in_language(current_language(), *args, **options))
 
-    return keeping
+    return decorate
 
 
 def localised_path(path: Path) -> Path:

@@ -34,10 +34,10 @@ class AnswerMark:
 
 
 @dataclass(frozen=True)
-class Right:
-    """Right answer, as text in ``told``: for a choice the ``options``, counted from 1, else the ``value``."""
+class RightAnswer:
+    """Right answer, as text in ``text``: for a choice the ``options``, counted from 1, else the ``value``."""
 
-    told: str
+    text: str
     options: tuple[int, ...] = ()
     value: float | str = 0.0
 
@@ -46,19 +46,19 @@ def mark_answer(lesson: Lesson, step: Step, answer: Any, numbers: Numbers, outco
     """Returns the mark of a valid answer; runs scenes as needed.
 
     Raises :class:`~app.lessons.lesson_runs.RunFailed` and :class:`~app.lessons.claims.ClaimError`."""
-    if step.asked.kind == TEXT:
+    if step.posed.kind == TEXT:
         return AnswerMark(None, "")
     found = right_answer(lesson, step, numbers, outcomes)
-    right_or_not = is_right(step.asked, answer, found)
-    if step.asked.kind != INTERVAL:
-        return AnswerMark(right_or_not, found.told)
+    right_or_not = is_right(step.posed, answer, found)
+    if step.posed.kind != INTERVAL:
+        return AnswerMark(right_or_not, found.text)
     low, high = map(float, answer)
-    return AnswerMark(right_or_not, found.told, Bet(low, high, float(found.value), step.asked.level))
+    return AnswerMark(right_or_not, found.text, Bet(low, high, float(found.value), step.posed.level))
 
 
-def right_answer(lesson: Lesson, step: Step, numbers: Numbers, outcomes: RunCache) -> Right:
+def right_answer(lesson: Lesson, step: Step, numbers: Numbers, outcomes: RunCache) -> RightAnswer:
     """Returns the right answer to a question other than free text; runs scenes, and raises as :func:`mark_answer`."""
-    asked = step.asked
+    asked = step.posed
     texts = answer_expressions(asked, numbers)
     scope = outcomes.scope(lesson, step, numbers, texts)
     if asked.kind == CHOICE:
@@ -66,14 +66,14 @@ def right_answer(lesson: Lesson, step: Step, numbers: Numbers, outcomes: RunCach
             tuple(k for k, claim in enumerate(texts, 1) if decide(claim, scope).holds)
         told = functools.reduce(lambda one, other: tr("{one} or {other}", one=one, other=other),
                                 [fill_numbers(asked.options[k - 1], numbers) for k in options] or [""])
-        return Right(told, options)
+        return RightAnswer(told, options)
     expected = evaluate(texts[-1], scope)
     if asked.kind == INTERVAL and (isinstance(expected, str) or expected <= 0):
         raise ClaimError(f"{texts[-1]} is {format_value(expected)}: intervals are bets on a size; ask for one above 0")
     told = in_unit(asked, expected)
     if asked.kind != INTERVAL and not isinstance(expected, str):
         told += f" (± {100 * asked.tolerance:g} %)"
-    return Right(told, value=expected)
+    return RightAnswer(told, value=expected)
 
 
 def answer_expressions(asked: Question, numbers: Numbers) -> list[str]:
@@ -88,7 +88,7 @@ def in_unit(asked: Question, found: float | str) -> str:
     return f"{format_value(found)} {asked.unit}".strip()
 
 
-def is_right(asked: Question, answer: Any, found: Right) -> bool:
+def is_right(asked: Question, answer: Any, found: RightAnswer) -> bool:
     """Whether an answer is right, or an interval contains the result."""
     if asked.kind == CHOICE:
         return answer in found.options
@@ -142,7 +142,7 @@ def bets_shown(lesson: Lesson, step: Step, given: Mapping[str, Sequence[float]],
     for name in step.bets if steps else ():
         ends = [given[other.key] if name in OWN else judge_ends(lesson, other, name, numbers, outcomes)
                 for other in steps]
-        bets = [None if pair is None else Bet(float(pair[0]), float(pair[1]), truth, other.asked.level)
+        bets = [None if pair is None else Bet(float(pair[0]), float(pair[1]), truth, other.posed.level)
                 for other, truth, pair in zip(steps, truths, ends, strict=True)]
         if name == BY_ROUND:  # a student's bets by rounds, each of which ends with an explanation
             explained = [sum(other.kind == lesson_format.EXPLAIN for other in lesson.steps[:lesson.steps.index(step)])
@@ -157,7 +157,7 @@ def bets_shown(lesson: Lesson, step: Step, given: Mapping[str, Sequence[float]],
 
 def judge_ends(lesson: Lesson, step: Step, judge: str, numbers: Numbers, outcomes: RunCache) -> Ends | None:
     """Returns a judge's bet on the answer to a step, or None."""
-    found = PATH.fullmatch(step.asked.expected)
+    found = PATH.fullmatch(step.posed.expected)
     assert found is not None  # has been checked
     run = lesson.runs[found["run"] or lesson.main_run(step)]
     return outcomes.bets(fill_numbers(run.texts[0], numbers))[found["quantity"]][judge]

@@ -23,17 +23,17 @@ class BettorLines:
     """A bettor's ``lines``: start and end of each bet in % of the width and whether it held, None for no bet."""
 
     name: str
-    told: str
+    result: str
     own: bool
     lines: tuple[tuple[float, float, bool] | None, ...]
 
 
 @dataclass(frozen=True)
 class BetChart:
-    """Chart of bets: ``reach`` is the powers of ten to either side, ``said`` the caption."""
+    """Chart of bets: ``reach`` is the powers of ten to either side, ``description`` the caption."""
 
     reach: int
-    said: str
+    description: str
     bettors: tuple[BettorLines, ...]
 
     @property
@@ -45,7 +45,7 @@ class BetChart:
 
 def draw_bets(bettors: Sequence[Bettor]) -> BetChart:
     """Returns the chart of bettors with the same questions."""
-    every = [bet for bettor in bettors for bet in bettor.made]
+    every = [bet for bettor in bettors for bet in bettor.placed]
     farthest = max((abs(decades_above(end, bet)) for bet in every for end in (bet.low, bet.high)), default=0.0)
     reach = min(max(math.ceil(farthest), 1), MOST)
     share = sum(bet.level for bet in every) / max(1, len(every))
@@ -70,8 +70,8 @@ def _lines(bettor: Bettor, reach: int) -> BettorLines:
     def place(end: float, bet: Bet) -> float:
         return min(max(50 + 50 * decades_above(end, bet) / reach, 0.0), 100.0)
 
-    made, left, score = len(bettor.made), len(bettor.bets) - len(bettor.made), bettor.score
-    told = tr(NONE) if score is None else tr(SOME if left else TOLD, held=bettor.held, made=made, left=left,
+    made, left, score = len(bettor.placed), len(bettor.bets) - len(bettor.placed), bettor.score
+    told = tr(NONE) if score is None else tr(SOME if left else TOLD, held=bettor.hits, made=made, left=left,
                                              score=score_text(score))
     name = tr(ROUND, number=bettor.round) if bettor.round else tr(YOUR_BETS) if bettor.name == YOURS else bettor.name
     return BettorLines(name, told, bettor.name in OWN, tuple(

@@ -67,17 +67,17 @@ class Bettor:
     round: int = 0
 
     @property
-    def made(self) -> list[Bet]:
+    def placed(self) -> list[Bet]:
         return [bet for bet in self.bets if bet is not None]
 
     @property
-    def held(self) -> int:
-        return sum(bet.holds for bet in self.made)
+    def hits(self) -> int:
+        return sum(bet.holds for bet in self.placed)
 
     @property
     def score(self) -> float | None:
         """The mean score; None without bets."""
-        return sum(bet.score for bet in self.made) / len(self.made) if self.made else None
+        return sum(bet.score for bet in self.placed) / len(self.placed) if self.placed else None
 
 
 def asked_before(lesson: Lesson, step: Step) -> list[Step]:

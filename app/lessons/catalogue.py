@@ -106,12 +106,12 @@ def _differences(original: Lesson, own: Lesson) -> Iterator[tuple[int, str]]:
         yield own.steps[0].line, "the kinds of the steps, or which are core,"
         return
     for step, other in zip(own.steps, original.steps, strict=True):
-        for name, mine, theirs in zip(("runs", "question", "claims"), _fixed(step), _fixed(other), strict=True):
+        for name, mine, theirs in zip(("runs", "question", "claims"), _invariant(step), _invariant(other), strict=True):
             if mine != theirs:
                 yield step.line, f"of this step the {name}"
 
 
-def _fixed(step: Step) -> tuple[Any, Any, Any]:
+def _invariant(step: Step) -> tuple[Any, Any, Any]:
     """Returns the parts of a step that are not words."""
     asked = step.question and replace(step.question, line=0, options=("",) * len(step.question.options))
     return ([replace(run, line=0) for run in step.runs], step.stage), asked, [claim.text for claim in step.claims]

@@ -96,12 +96,12 @@ class ClaimResult:
     """Whether a claim holds, and the values found, as text."""
 
     holds: bool
-    found: str
+    text: str
 
 
 def evaluate(text: str, scope: Scope) -> float | str:
     """Returns the value of an expression; raises :class:`ClaimError` if it has none."""
-    found = _evaluate(_parsed(text), scope)
+    found = _evaluate(_parse(text), scope)
     if isinstance(found, list):
         raise ClaimError(f"{text} has {len(found)} values; take order(), first(), last(), min() or max() of them")
     if isinstance(found, float) and not math.isfinite(found):
@@ -111,14 +111,14 @@ def evaluate(text: str, scope: Scope) -> float | str:
 
 def decide(claim: str, scope: Scope) -> ClaimResult:
     """Decides whether a claim holds; for several runs, whether it holds for each."""
-    parts = _split(claim)
-    found = _evaluate(_parsed(parts[0]), scope)
+    parts = _split_claim(claim)
+    found = _evaluate(_parse(parts[0]), scope)
     each = found if isinstance(found, list) else [evaluate(parts[0], scope)]
-    results = [_decided(claim, parts, one, scope) for one in each]
-    return ClaimResult(all(one.holds for one in results), ", ".join(one.found for one in results))
+    results = [_check_value(claim, parts, one, scope) for one in each]
+    return ClaimResult(all(one.holds for one in results), ", ".join(one.text for one in results))
 
 
-def _decided(claim: str, parts: tuple[str, ...], found: float | str, scope: Scope) -> ClaimResult:
+def _check_value(claim: str, parts: tuple[str, ...], found: float | str, scope: Scope) -> ClaimResult:
     """Decides a claim for one value of its left side."""
     if parts[1] in _COMPARISONS:
         other = evaluate(parts[2], scope)
@@ -134,19 +134,19 @@ def _decided(claim: str, parts: tuple[str, ...], found: float | str, scope: Scop
 
 def check_claim(claim: str, runs: Mapping[str, Any], main: str, vocabulary: Vocabulary | None = None) -> None:
     """Raises :class:`ClaimError` for a claim that no result can decide. ``runs`` are by name."""
-    parts = _split(claim)
+    parts = _split_claim(claim)
     for part in (parts[0], *(part for part in parts[1:] if part not in _COMPARISONS)):
         check_expression(part, runs, main, vocabulary)
 
 
 def check_expression(text: str, runs: Mapping[str, Any], main: str, vocabulary: Vocabulary | None = None) -> None:
     """Raises :class:`ClaimError` for an expression that can have no value, whatever the results."""
-    for node in ast.walk(_parsed(text)):
+    for node in ast.walk(_parse(text)):
         if isinstance(node, ast.Call) and (not isinstance(node.func, ast.Name) or node.func.id not in FUNCTIONS
                                            or len(node.args) != 1 or node.keywords):
             raise ClaimError(f"{ast.unparse(node)}: give {', '.join(f'{name}(…)' for name in FUNCTIONS)}")
     known = vocabulary or result_paths()
-    for path in _paths(_parsed(text)):
+    for path in _paths(_parse(text)):
         name, rest = _run_of(path, runs, main, known)
         _check_path(rest, known)
         if not name:
@@ -155,9 +155,9 @@ def check_expression(text: str, runs: Mapping[str, Any], main: str, vocabulary: 
 
 def runs_needed(text: str, runs: Mapping[str, Any], main: str) -> set[str]:
     """Returns the names of the runs in a claim or an expression."""
-    found = _split(text) if any(sign in text for sign in (" in ", "<", ">", "=")) else (text,)
+    found = _split_claim(text) if any(sign in text for sign in (" in ", "<", ">", "=")) else (text,)
     parts = [part for part in found if part not in _COMPARISONS]
-    return {_run_of(path, runs, main, result_paths())[0] for part in parts for path in _paths(_parsed(part))}
+    return {_run_of(path, runs, main, result_paths())[0] for part in parts for path in _paths(_parse(part))}
 
 
 def format_value(found: float | str) -> str:
@@ -165,7 +165,7 @@ def format_value(found: float | str) -> str:
     return found if isinstance(found, str) else f"{found:.4g}"
 
 
-def _split(claim: str) -> tuple[str, ...]:
+def _split_claim(claim: str) -> tuple[str, ...]:
     """Splits a claim into (left, operator, right) or (value, low, high)."""
     for pattern in (_RANGE, _COMPARED) if len(claim) <= LONGEST else ():
         if found := pattern.fullmatch(claim.strip()):
@@ -174,7 +174,7 @@ def _split(claim: str) -> tuple[str, ...]:
                      "order(x) in 1.9..2.1")
 
 
-def _parsed(text: str) -> ast.expr:
+def _parse(text: str) -> ast.expr:
     try:
         tree = ast.parse(text.strip() if len(text) <= LONGEST else "", mode="eval").body
     except (SyntaxError, ValueError, RecursionError, MemoryError):  # of what is nested too deep, the last two
@@ -234,9 +234,9 @@ def _evaluate(node: ast.expr, scope: Scope) -> Any:
     if isinstance(node, ast.Constant):
         return node.value
     if isinstance(node, ast.UnaryOp):
-        return -_number(_evaluate(node.operand, scope), node.operand)
+        return -_require_number(_evaluate(node.operand, scope), node.operand)
     if isinstance(node, ast.BinOp):
-        left, right = (_number(_evaluate(side, scope), side) for side in (node.left, node.right))
+        left, right = (_require_number(_evaluate(side, scope), side) for side in (node.left, node.right))
         try:
             return _OPERATORS[type(node.op)](left, right)
         except (ArithmeticError, ValueError):
@@ -290,7 +290,7 @@ def _lookup(result: Mapping[str, Any], path: tuple[str, ...]) -> float | str:
     return found
 
 
-def _number(found: Any, node: ast.expr) -> float:
+def _require_number(found: Any, node: ast.expr) -> float:
     if not _is_real(found):
         raise ClaimError(f"{ast.unparse(node)} is no number; give one, or first(…), last(…) of several")
     return float(found)

@@ -51,12 +51,12 @@ def with_minutes(lesson: Lesson) -> Lesson:
     """Returns the lesson with the minutes of all steps, and of the core."""
     opening = _reading(" ".join((lesson.intro, *lesson.goals))) + TURN_SECONDS
     return replace(lesson, minutes=_whole(opening + round_seconds(lesson.steps, lesson)),
-                   core_minutes=_whole(opening + round_seconds(lesson.walk(core=True), lesson)))
+                   core_minutes=_whole(opening + round_seconds(lesson.path(core=True), lesson)))
 
 
 def minutes_text(lesson: Lesson) -> str:
     """Returns a lesson's minutes as text, for a list of lessons."""
-    if not lesson.deeper:
+    if not lesson.extra:
         return tr("{minutes} min", minutes=lesson.minutes)
     return tr("{core} min core, {minutes} min in all", core=lesson.core_minutes, minutes=lesson.minutes)
 

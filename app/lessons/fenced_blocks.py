@@ -126,10 +126,10 @@ def parse_question(text: str, line: int) -> Question:
         if needed and key not in values:
             raise LessonError(line, f"{key} is missing: a {kind} needs {', '.join(k for k in keys if keys[k])}")
     asked = Question(kind, line, **{key: _READ[key](values, key, line_of(key, text, line)) for key in values})
-    return _consistent(asked) if kind == CHOICE else asked
+    return _check_options(asked) if kind == CHOICE else asked
 
 
-def _consistent(asked: Question) -> Question:
+def _check_options(asked: Question) -> Question:
     """Checks that a choice defines the right option in one of two ways."""
     if not 2 <= len(asked.options) <= MOST_OPTIONS:
         raise LessonError(asked.line, f"there are {len(asked.options)} options; give 2 to {MOST_OPTIONS}")
@@ -162,7 +162,7 @@ def parse_bettors(text: str, line: int) -> tuple[str, ...]:
     return tuple(dict.fromkeys(found))
 
 
-def _fitting(kind: Any, fits: Callable[[Any], bool], expected: str) -> Callable[[Mapping[str, Any], str, int], Any]:
+def _make_reader(kind: Any, fits: Callable[[Any], bool], expected: str) -> Callable[[Mapping[str, Any], str, int], Any]:
     """Returns a reader of a word, or of a number as float, that ``fits``; errors say what is ``expected``."""
     def read(values: Mapping[str, Any], key: str, line: int) -> Any:
         found = require(values, key, kind, expected, line)
@@ -175,10 +175,10 @@ def _fitting(kind: Any, fits: Callable[[Any], bool], expected: str) -> Callable[
 
 _READ: dict[str, Callable[[Mapping[str, Any], str, int], Any]] = {
     "options": require_texts, "holds": require_texts,
-    "control": _fitting(str, DRAGGED.__contains__, f"give one of {', '.join(DRAGGED)}"),
-    "level": _fitting((int, float), lambda level: 0 < level < 1, "give a chance above 0 and below 1, such as 0.8"),
-    "tolerance": _fitting((int, float), lambda part: 0 < part <= 1,
-                          "give a part of the expected value, above 0 and up to 1, such as 0.1"),
+    "control": _make_reader(str, DRAGGED.__contains__, f"give one of {', '.join(DRAGGED)}"),
+    "level": _make_reader((int, float), lambda level: 0 < level < 1, "give a chance above 0 and below 1, such as 0.8"),
+    "tolerance": _make_reader((int, float), lambda part: 0 < part <= 1,
+                              "give a part of the expected value, above 0 and up to 1, such as 0.1"),
     "expected": lambda values, key, line: str(require(values, key, (str, int, float), "give a number or an expression "
                                                       "such as \"error.x.max\"", line)),
     "correct": lambda values, key, line: require(values, key, int, "give the number of the right option", line),

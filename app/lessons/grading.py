@@ -18,16 +18,16 @@ BETS = ("intervals", "held", "mean score")  # columns of a table with bets
 
 @dataclass(frozen=True)
 class GradedFile:
-    """File of a student: answers as text and marks by the steps' keys, and the questions ``asked`` that count."""
+    """File of a student: answers as text and marks by the steps' keys, and the ``steps`` whose questions count."""
 
     file: str
     progress: Progress
     lesson: Lesson
-    asked: dict[str, Step]
+    steps: dict[str, Step]
     answers: dict[str, tuple[str, AnswerMark | None]]
 
     @property
-    def right(self) -> float:
+    def points(self) -> float:
         """Number of right answers; an interval counts by its score, from 1 down to 0."""
         return sum(mark.points for _, mark in self.answers.values() if mark is not None)
 
@@ -38,9 +38,9 @@ class GradedFile:
         return Bettor(YOURS, tuple(mark.bet for mark in marks if mark.bet))
 
     @property
-    def marked(self) -> int:
+    def maximum(self) -> int:
         """Number of questions that count and have a right answer, answered or not."""
-        return sum(step.asked.kind != TEXT for step in self.asked.values())
+        return sum(step.posed.kind != TEXT for step in self.steps.values())
 
     @property
     def minutes(self) -> float:
@@ -50,7 +50,7 @@ class GradedFile:
 def grade_file(file: str, progress: Progress, lesson: Lesson, outcomes: RunCache, core: bool = False) -> GradedFile:
     """Marks first answers to predictions, last ones to observations; with ``core`` only questions of the core."""
     numbers, asked = draw_numbers(lesson,
-                                  progress.name), {step.key: step for step in lesson.walk(core) if step.question}
+                                  progress.name), {step.key: step for step in lesson.path(core) if step.question}
     return GradedFile(file, progress, lesson, asked, {
         key: _answer(lesson, key, progress, numbers, outcomes) for key in progress.answers if key in asked})
 
@@ -59,9 +59,9 @@ def grades_csv(rows: Sequence[GradedFile]) -> str:
     """Returns the rows as CSV: for each question the answer and whether it is right, and an interval's score.
 
     "right" counts right answers; an interval counts 1 - score/2, but at least 0."""
-    questions = {(row.lesson.name, key): None for row in rows for key in row.asked}
+    questions = {(row.lesson.name, key): None for row in rows for key in row.steps}
     several = len({row.lesson.name for row in rows}) > 1
-    bets = {(row.lesson.name, key) for row in rows for key, step in row.asked.items() if step.asked.kind == INTERVAL}
+    bets = {(row.lesson.name, key) for row in rows for key, step in row.steps.items() if step.posed.kind == INTERVAL}
     heads = []
     for lesson, key in questions:
         head = f"{lesson}: {key}" if several else key
@@ -71,10 +71,10 @@ def grades_csv(rows: Sequence[GradedFile]) -> str:
     write.writerow(["name", "lesson", "right", "of", "minutes", "same lesson", "core only", "file",
                     *(BETS if bets else ()), *heads])
     for row in rows:
-        cells = [row.progress.name, row.lesson.name, f"{round(row.right, 2):g}", row.marked, f"{row.minutes:.1f}",
+        cells = [row.progress.name, row.lesson.name, f"{round(row.points, 2):g}", row.maximum, f"{row.minutes:.1f}",
                  _yes(row.progress.fingerprint == row.lesson.fingerprint), _yes(row.progress.core), row.file]
         if bets:
-            cells += [len(row.bettor.made), row.bettor.held, _score(row.bettor.score)]
+            cells += [len(row.bettor.placed), row.bettor.hits, _score(row.bettor.score)]
         for lesson, key in questions:
             said, found = row.answers.get(key, ("", None)) if lesson == row.lesson.name else ("", None)
             cells += [said, "" if found is None or found.right is None else _yes(found.right)]
@@ -91,17 +91,17 @@ def interval_coverage(rows: Sequence[GradedFile]) -> list[str]:
         for key, (_, answer) in row.answers.items():
             if answer is not None and answer.bet:
                 found.setdefault((row.lesson.name, key), []).append(answer.bet)
-    told = [_covered(f"{lesson}, {key}", bets) for (lesson, key), bets in found.items()]
+    told = [_coverage_text(f"{lesson}, {key}", bets) for (lesson, key), bets in found.items()]
     for lesson in dict.fromkeys(lesson for lesson, _ in found):
         questions = [bets for (name, _), bets in found.items() if name == lesson]
-        told += [_covered(lesson, [bet for bets in questions for bet in bets])] if len(questions) > 1 else []
+        told += [_coverage_text(lesson, [bet for bets in questions for bet in bets])] if len(questions) > 1 else []
     return told
 
 
-def _covered(what: str, bets: Sequence[Bet]) -> str:
+def _coverage_text(what: str, bets: Sequence[Bet]) -> str:
     """Returns the share of bets that contain the result, and their mean level."""
     bettor, said = Bettor(YOURS, tuple(bets)), sum(bet.level for bet in bets) / len(bets)
-    return f"{what}: {bettor.held} of {len(bets)} intervals hold what came out, {bettor.held / len(bets):.0%} where " \
+    return f"{what}: {bettor.hits} of {len(bets)} intervals hold what came out, {bettor.hits / len(bets):.0%} where " \
            f"{said:.0%} was said; their mean score is {_score(bettor.score)}, and less is better"
 
 
@@ -109,7 +109,7 @@ def _answer(lesson: Lesson, key: str, progress: Progress, numbers: Numbers,
             outcomes: RunCache) -> tuple[str, AnswerMark | None]:
     step, answer = lesson.questions[key], progress.answers[key]
     given = answer.first if step.kind == PREDICT else answer.last
-    said = fill_numbers(format_answer(step.asked, given), numbers)
+    said = fill_numbers(format_answer(step.posed, given), numbers)
     try:
         return said, mark_answer(lesson, step, given, numbers, outcomes)
     except (ClaimError, RunFailed):

@@ -106,7 +106,7 @@ class Step:
     bets: tuple[str, ...] = ()
 
     @property
-    def asked(self) -> Question:
+    def posed(self) -> Question:
         """The question of a step that has one."""
         assert self.question is not None
         return self.question
@@ -133,7 +133,7 @@ class Lesson:
     language: str = ENGLISH
 
     @property
-    def file(self) -> str:
+    def file_stem(self) -> str:
         """The name of its file without the suffix."""
         return self.name if self.language == ENGLISH else f"{self.name}.{self.language}"
 
@@ -142,15 +142,15 @@ class Lesson:
         return {step.key: step for step in self.steps if step.question}
 
     @property
-    def deeper(self) -> tuple[Step, ...]:
+    def extra(self) -> tuple[Step, ...]:
         """The optional steps, which are not of the core."""
         return tuple(step for step in self.steps if not step.core)
 
-    def walk(self, core: bool) -> tuple[Step, ...]:
+    def path(self, core: bool) -> tuple[Step, ...]:
         """Returns the steps to take, all or only the ``core``."""
         return tuple(step for step in self.steps if step.core or not core)
 
-    def beside(self, at: int, by: int, core: bool) -> int:
+    def offset(self, at: int, by: int, core: bool) -> int:
         """Returns the number of the step after ``at``, or before it if ``by`` < 0; 0 is the introduction."""
         end = len(self.steps) + 1
         places = [0, *(k for k, step in enumerate(self.steps, 1) if step.core or not core), end]

@@ -33,15 +33,15 @@ def check_lesson(lesson: Lesson, outcomes: RunCache, variants: int | None = None
                 text = fill_numbers(claim.text, numbers)
                 try:
                     result = decide(text, outcomes.scope(lesson, step, numbers, [text]))
-                    came = result.holds, f"found {result.found}"
+                    came = result.holds, f"found {result.text}"
                 except (ClaimError, RunFailed) as error:
                     came = False, str(error)
-                yield Check(lesson.file, step.title, claim.line, text, *came)
+                yield Check(lesson.file_stem, step.title, claim.line, text, *came)
             if step.question and answer_expressions(step.question, numbers):
                 asked = step.question
                 text = "one option is right" if asked.kind == CHOICE else \
                     f"{fill_numbers(asked.expected, numbers)} has a value"
-                yield Check(lesson.file, step.title, asked.line, text, *_question(lesson, step, numbers, outcomes))
+                yield Check(lesson.file_stem, step.title, asked.line, text, *_question(lesson, step, numbers, outcomes))
 
 
 def _question(lesson: Lesson, step: Step, numbers: Numbers, outcomes: RunCache) -> tuple[bool, str]:
@@ -49,6 +49,6 @@ def _question(lesson: Lesson, step: Step, numbers: Numbers, outcomes: RunCache) 
         answer = right_answer(lesson, step, numbers, outcomes)
     except (ClaimError, RunFailed) as error:
         return False, str(error)
-    if step.asked.kind == CHOICE:
+    if step.posed.kind == CHOICE:
         return len(answer.options) == 1, "right are " + (", ".join(map(str, answer.options)) or "none")
     return True, f"found {answer.value}"

@@ -36,13 +36,13 @@ class RunCache:
 
     def result(self, text: str) -> dict[str, Any]:
         """Returns the result's JSON object for the scene of a state; waits for it."""
-        return self._waited(text, False)
+        return self._await_result(text, False)
 
     def bets(self, text: str) -> dict[str, dict[str, Ends | None]]:
         """Returns the judges' bets on the final errors of a scene, by quantity and judge; waits for them."""
-        return self._waited(text, True)
+        return self._await_result(text, True)
 
-    def _waited(self, text: str, judged: bool) -> dict[str, Any]:
+    def _await_result(self, text: str, judged: bool) -> dict[str, Any]:
         try:
             return self._run(text, judged).result()
         except ProcessDied as error:
@@ -57,7 +57,7 @@ class RunCache:
                 if len(self._runs) >= KEPT:
                     self._runs.pop(next(iter(self._runs)))
                 run = self._runs[scene, judged] = self._pool.submit(
-                    {"scene": scene, "politeness": self._politeness, "judged": judged}, kind=_compiled(scene))
+                    {"scene": scene, "politeness": self._politeness, "judged": judged}, kind=_kernels(scene))
             return run
 
     def scope(self, lesson: Lesson, step: Step, numbers: Numbers, texts: Iterable[str]) -> Scope:
@@ -78,7 +78,7 @@ class RunCache:
         """Runs all of these scenes in parallel; failures are raised when a result is requested."""
         scenes = {text: state.parse_state(text).scene for text in texts}
         longest_first = sorted(scenes, key=lambda text: (-scenes[text].particles * scenes[text].steps, text))
-        runs = dict.fromkeys(map(self._run, one_of_each_first(longest_first, _compiled)))
+        runs = dict.fromkeys(map(self._run, one_of_each_first(longest_first, _kernels)))
         for done, _ in enumerate(as_completed(runs), 1):
             on_progress(done, len(runs))
 
@@ -88,7 +88,7 @@ def _scene(text: str) -> str:
     return state.write_state(state.State(state.parse_state(text).scene))
 
 
-def _compiled(text: str) -> tuple:
+def _kernels(text: str) -> tuple:
     """Returns the key of the kernels that a state's scene needs."""
     return kernel_key(state.parse_state(text).scene)
 

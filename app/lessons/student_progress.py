@@ -46,7 +46,7 @@ class Progress:
     answers: dict[str, Answer] = field(default_factory=dict)
     core: bool = False
 
-    def answer(self, key: str, given: Any, seconds: float) -> None:
+    def record(self, key: str, given: Any, seconds: float) -> None:
         """Records an answer; the first one stays."""
         before = self.answers.get(key)
         first, attempts = (before.first, before.attempts) if before else (given, 0)
@@ -79,11 +79,11 @@ def parse_progress(text: str, find: Callable[[str], Lesson | None]) -> Progress:
     answers = {}
     for key, given in values["answers"].items():
         if key in lesson.questions and given["attempts"] > 0 and 0 <= given["seconds"] < MOST_SECONDS and not any(
-                why_invalid(lesson.questions[key].asked, given[when]) for when in ("first", "last")):
+                why_invalid(lesson.questions[key].posed, given[when]) for when in ("first", "last")):
             answers[key] = Answer(**{name: given[name] for name in ANSWER})
     step = min(max(values["step"], 0), len(lesson.steps) + 1)
     return Progress(lesson.name, values["fingerprint"][:64], values["name"][:LONGEST_NAME], step, answers,
-                    values.get("core") is True and bool(lesson.deeper))
+                    values.get("core") is True and bool(lesson.extra))
 
 
 def of_lesson(text: str, lesson: Lesson) -> Progress | None:

@@ -35,9 +35,9 @@ def guide_markdown(lesson: Lesson, outcomes: RunCache, core: bool = False) -> st
     flag = " --core" if core else ""
     parts += [tr("Open the class on it: `mpm-lab serve --lesson {name}`. Handed-in files become one table by "
                  "`mpm-lab lesson grade {files}`.", name=f"{lesson.name}{flag}", files=f"FILES{flag}"),
-              variants, lesson.intro, _quoted(lesson.notes)]
-    numbers = {step.key: number for number, step in enumerate(lesson.walk(core), 1)}
-    for one in split_rounds(lesson.walk(core)):
+              variants, lesson.intro, _quote_notes(lesson.notes)]
+    numbers = {step.key: number for number, step in enumerate(lesson.path(core), 1)}
+    for one in split_rounds(lesson.path(core)):
         takes = round_minutes(one, lesson)
         begins = tr("*This round takes {minutes} min.*", minutes=takes) if one[0].core else \
             tr("*Deeper: this round is not part of the core and takes {minutes} min.*", minutes=takes)
@@ -45,7 +45,7 @@ def guide_markdown(lesson: Lesson, outcomes: RunCache, core: bool = False) -> st
             stage = tr("On the stage: `{scene}`", scene=step.stage) if step.stage else ""
             parts += [f"## {numbers[step.key]}. {tr(TITLES[step.kind])}: {step.title}",
                       begins if step is one[0] else "", step.text, stage,
-                      *_question(lesson, step, outcomes), _quoted(step.notes)]
+                      *_question(lesson, step, outcomes), _quote_notes(step.notes)]
     return "\n\n".join(part for part in parts if part.strip()) + "\n"
 
 
@@ -77,10 +77,10 @@ def _answer(lesson: Lesson, step: Step, numbers: Numbers, outcomes: RunCache) ->
         found = right_answer(lesson, step, numbers, outcomes)
     except (ClaimError, RunFailed) as error:
         return tr("could not be worked out: {why}", why=error)
-    return found.told if step.asked.kind == CHOICE else in_unit(step.asked, found.value)
+    return found.text if step.posed.kind == CHOICE else in_unit(step.posed, found.value)
 
 
-def _quoted(notes: str) -> str:
+def _quote_notes(notes: str) -> str:
     """Returns notes as a block quote."""
     return "\n".join(f"> {line}" for line in [tr("**Teacher**"), "", *notes.splitlines()]) if notes.strip() else ""
 

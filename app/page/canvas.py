@@ -10,8 +10,8 @@ from app.frame.colour_scale import ColourScale
 from app.frame.layout import ColourBar
 from app.frame.stage import Stage
 from app.page.display_source import Choice, Display, FrameView
-from app.page.stage.error_probe import FlatCamera, Probe, TraceRings
-from app.page.visit.particle_trace import Trace
+from app.page.stage.error_probe import ErrorProbe, FlatCamera, TraceRings
+from app.page.visit.particle_trace import Tracer
 from app.problems.views import VIEWS
 from app.renderers.viewer_renderer import Lettering, ViewerSurface
 from app.words import QUANTITIES
@@ -20,17 +20,17 @@ from app.words import QUANTITIES
 class Canvas:
     """Drawing area with a stage for each problem, one of them visible, a colour bar, trace rings and the probe."""
 
-    def __init__(self, client: viser.ClientHandle, scale: ColourScale, trace: Trace, problem: str):
+    def __init__(self, client: viser.ClientHandle, scale: ColourScale, trace: Tracer, problem: str):
         self._client, self._scale, self.lettering = client, scale, Lettering(client.gui)
         self.picture: FrameView | None = None  # the frame drawn last
         self._coloured: Hashable = None  # what the colour scale belongs to
         self._paint(False)
-        self._colour_bar = ColourBar(self.sheet("/colours"), scale)
-        self._stages = {problem: view.stage(self.sheet(f"/{problem}"), scale) for problem, view in VIEWS.items()}
+        self._colour_bar = ColourBar(self.add_surface("/colours"), scale)
+        self._stages = {problem: view.stage(self.add_surface(f"/{problem}"), scale) for problem, view in VIEWS.items()}
         self._show_stage(problem)
         self.camera = FlatCamera(client, self._stages[problem].rectangle)
-        self.probe = Probe(client, self.sheet("/probe"), self.camera)
-        self._rings = TraceRings(client, self.sheet("/trace"), trace)
+        self.probe = ErrorProbe(client, self.add_surface("/probe"), self.camera)
+        self._rings = TraceRings(client, self.add_surface("/trace"), trace)
 
     def draw(self, sight: Display, choice: Choice) -> None:
         """Draws a frame, and a second run beside it if there is one."""
@@ -45,25 +45,25 @@ class Canvas:
             if isinstance(beside, FrameView):
                 assert second is not None
                 _draw(second, beside, choice)
-                if stage.outdated:
+                if stage.is_outdated:
                     _draw(stage, picture, choice)
             elif second:
                 second.name(beside or "")
-            stage.remark(sight.remarks, arrays)
+            stage.annotate(sight.remarks, arrays)
             if picture.foreign:  # its particles cannot be traced
                 self._rings.hide()
             else:
-                self._rings.look(stage, arrays)
+                self._rings.update(stage, arrays)
             self._colour_bar.draw(choice.quantity, stage.rectangle[3])
             rectangle = sight.hidden or stage.rectangle
-            self.lettering.look(rectangle)
+            self.lettering.set_rectangle(rectangle)
             self.lettering.send()
             self._client.flush()  # otherwise viser buffers for a frame's time, and the next frame replaces this one
         self.camera.show(rectangle)
-        self.probe.look(stage, arrays, view.estimated, view.true, unit)
+        self.probe.measure(stage, arrays, view.estimated, view.true, unit)
         self.picture = picture
 
-    def shade(self, dark: bool) -> None:
+    def set_dark(self, dark: bool) -> None:
         """Switches to the dark or the light background."""
         self.lettering.dark = dark
         self._paint(dark)
@@ -72,18 +72,18 @@ class Canvas:
         ground = np.array(rgb(GROUNDS["ground"][dark]), np.uint8)
         self._client.scene.set_background_image(np.broadcast_to(ground, (2, 2, 3)).copy(), format="png")
 
-    def sheet(self, at: str) -> ViewerSurface:
+    def add_surface(self, at: str) -> ViewerSurface:
         """Returns a new drawing surface whose scene nodes are below the path ``at``."""
         return ViewerSurface(self._client, self.lettering, at)
 
     def _colour(self, sight: Display) -> None:
         """Updates the range of the colour scale; for an earlier frame it stays, so that frames can be compared."""
-        if changed := sight.of != self._coloured:
-            self._scale.forget()
-            self._coloured = sight.of
-        if changed or not sight.back:
+        if changed := sight.scale_key != self._coloured:
+            self._scale.reset()
+            self._coloured = sight.scale_key
+        if changed or not sight.is_past:
             beside = sight.beside.view if isinstance(sight.beside, FrameView) else None
-            self._scale.follow(*sight.sizes, (sight.picture.report.scene, sight.of),
+            self._scale.update(*sight.sizes, (sight.picture.report.scene, sight.scale_key),
                                (beside.left.sizes, beside.right.sizes) if beside else (None, None), sight.least)
 
     def _show_stage(self, problem: str | None) -> None:

@@ -13,9 +13,9 @@ from app.page.panels.browser_store import BrowserStore
 from app.page.panels.history_controls import DrawingOptions, HistoryControls
 from app.page.panels.page_header import add_anchor, anchor_html
 from app.page.panels.run_settings import RunWidgets
-from app.page.panels.scene_widgets import Answers, SceneWidgets
+from app.page.panels.scene_widgets import SceneWidgets, WidgetAnswers
 from app.page.panels.stage_choice import EstimatorCards, StageChoice
-from app.page.playback_controls import Transport
+from app.page.playback_controls import PlaybackControls
 from app.page.visit.session import Session, first_scene
 from app.problems.views import VIEWS
 from app.state import State
@@ -36,10 +36,10 @@ class Controls:
     def __init__(self, gui: viser.GuiApi, session: Session, scale: ColourScale, on_view: Callable[[], None],
                  looking: HistoryControls, store: BrowserStore):
         self._gui, self._session, self._scale, self._on_view = gui, session, scale, on_view
-        self._looking = looking
+        self._history = looking
         self._extensions: dict[str, Callable[[], Any]] = {}
         self._offered: tuple[str, ...] = ()  # the controls that a lesson shows; all if empty
-        self._answers = Answers(gui)
+        self._answers = WidgetAnswers(gui)
         self._turn = threading.RLock()  # widgets must not be removed while others are built or changed
         self._bound, self._lasting = (SceneWidgets(gui, session, self._answers, self._turn) for _ in range(2))
         problem_mark = gui.add_html("<i class='lab-at-problem'></i>")
@@ -47,13 +47,13 @@ class Controls:
                                          initial_value=tr(session.scene.TITLE),
                                          hint=tr("what moves; each has its own scene"))
         self.stage = StageChoice(gui, session, scale, on_view)
-        self._transport = Transport(gui, session, looking, self._lasting, on_view)
+        self._transport = PlaybackControls(gui, session, looking, self._lasting, on_view)
         self._parts: dict[str, tuple[Any, ...]] = {
             "problem": (problem_mark, self.problem), **self.stage.parts, **self._transport.parts}
-        self._drawn = DrawingOptions(session, scale, looking, on_view)
+        self._drawing = DrawingOptions(session, scale, looking, on_view)
         self._run = RunWidgets(session, self._bound, store)
         self.judges = EstimatorCards(gui, session, self.stage, self._bound, store)
-        store.heard["entered"] = self._enter
+        store.heard["entered"] = self._on_entered
 
     def extend(self, control: str, build: Callable[[], Any], *widgets: Any) -> None:
         """Adds what ``build`` creates to a control in the tab, and ``widgets`` elsewhere that lessons show too."""
@@ -71,14 +71,14 @@ class Controls:
     def build(self, tab: viser.GuiTabHandle) -> None:
         """Builds the widgets of the tab, within it."""
         self._home = tab
-        self._place: viser.GuiTabHandle | viser.GuiFolderHandle = tab
+        self._parent: viser.GuiTabHandle | viser.GuiFolderHandle = tab
         self._elsewhere = self._gui.add_html(f"<p class='lab-elsewhere'>{tr(ELSEWHERE)}</p>", visible=False)
         self._build()
 
-    def hear(self, report: FrameReport, arrays: FrameArrays) -> None:
+    def on_frame(self, report: FrameReport, arrays: FrameArrays) -> None:
         """Handles a new frame."""
         with self._turn:
-            self.stage.hear(report.scene, arrays)
+            self.stage.on_frame(report.scene, arrays)
 
     def usual_speed(self) -> None:
         """Resets the speed to the problem's default."""
@@ -100,16 +100,16 @@ class Controls:
         """Puts a scene on the stage and its values into the widgets."""
         with self._turn:
             if scene.problem != self._session.scene.problem:
-                self._drawn.domains = False
+                self._drawing.domains = False
                 self.stage.go_to(scene.problem)
             self._session.choose(scene)
             self._rebuild()
 
-    def offer(self, controls: tuple[str, ...], place: viser.GuiFolderHandle | None = None) -> None:
+    def show_only(self, controls: tuple[str, ...], place: viser.GuiFolderHandle | None = None) -> None:
         """Shows only these ``CONTROLS`` of lessons, or all if there are none, perhaps in another ``place``."""
         with self._turn:
-            if controls != self._offered or (place or self._home) is not self._place:
-                self._offered, self._place = controls, place or self._home
+            if controls != self._offered or (place or self._home) is not self._parent:
+                self._offered, self._parent = controls, place or self._home
                 self._elsewhere.visible = place is not None
                 for control, parts in self._parts.items():
                     for part in parts:
@@ -121,15 +121,15 @@ class Controls:
         session = self._session
         with self._turn:
             self.stage.show(state.quantity, state.estimator, state.magnified)
-            self._drawn.difference, self._drawn.domains = state.difference, state.domains
+            self._drawing.difference, self._drawing.domains = state.difference, state.domains
             self._scale.logarithmic = state.logarithmic
-            self._scale.forget()
+            self._scale.reset()
             session.unpin()
             session.choose(state.scene, state.speed, state.stops)
             if state.pinned is not None:
                 self._transport.pin(state.pinned)
             session.show(differences=state.difference, plotted=state.quantity)
-            self._looking.trace(state.traced)
+            self._history.trace(state.traced)
             self._rebuild()
         self._on_view()
 
@@ -148,13 +148,13 @@ class Controls:
             self._session.set(**{field: value}, **({"dt": None} if field == "cfl" else {}))
             self._rebuild()
 
-    def look(self, quantity: str = "", estimator: str = "") -> None:
+    def show_error(self, quantity: str = "", estimator: str = "") -> None:
         """Shows the error of a quantity, or the errors as estimated by an estimator that runs."""
         with self._turn:
             if quantity:
                 self.stage.measure(quantity)
             elif estimator in self._session.scene.estimators:
-                self.stage.put(estimator)
+                self.stage.show_estimator(estimator)
             else:
                 self._session.refuse(tr("{estimator} does not run here; press On the stage first", estimator=estimator))
 
@@ -176,9 +176,9 @@ class Controls:
     @property
     def choice(self) -> Choice:
         """The view options chosen by the visitor."""
-        stage, drawn = self.stage, self._drawn
+        stage, drawn = self.stage, self._drawing
         return Choice(stage.quantity, stage.estimator, drawn.difference, drawn.domains, stage.magnified,
-                      self._looking.latest)
+                      self._history.latest)
 
     @property
     def state(self) -> State:
@@ -186,9 +186,9 @@ class Controls:
         session, stage, first = self._session, self.stage, next(iter(self._session.scene.estimators), None)
         speed, pinned = VIEWS[session.scene.problem].speed, session.pinned
         return State(session.scene, stage.quantity, stage.estimator if stage.estimator != first else None,
-                     self._drawn.difference, stage.magnified, self._scale.logarithmic, self._drawn.domains,
-                     session.speed if session.speed != speed else None, self._looking.traced, session.ends,
-                     pinned.scene if pinned else None)
+                     self._drawing.difference, stage.magnified, self._scale.logarithmic, self._drawing.domains,
+                     session.speed if session.speed != speed else None, self._history.traced_particle,
+                     session.stops_at_end, pinned.scene if pinned else None)
 
     def _rebuild(self) -> None:
         """Rebuilds the widgets for the session's present scene."""
@@ -196,7 +196,7 @@ class Controls:
         self._transport.show()
         self._bound.forget()
         self._widgets.remove()
-        with self._place:
+        with self._parent:
             self._build()
 
     def _choose_problem(self) -> None:
@@ -211,23 +211,23 @@ class Controls:
         says = self._fold_words()
         view, scene = VIEWS[self._session.scene.problem], self._session.scene
         with self._widgets:
-            self._run.build(self._gui, self._part)
-            with self._part("estimators"):
+            self._run.build(self._gui, self._add_part)
+            with self._add_part("estimators"):
                 self.judges.build(self._gui)
                 self._extend("estimators")
-            with self._fold("drawn", tr("What is drawn"), "estimators", "colours", "trace", "domains"):
-                self._drawn.build(self._gui, self._part)
+            with self._add_folder("drawn", tr("What is drawn"), "estimators", "colours", "trace", "domains"):
+                self._drawing.build(self._gui, self._add_part)
             if view.motion or view.material:
-                with self._fold("motion", tr("Motion and material"), "motion", "modulus"):
-                    with self._part("motion"):
-                        self._bound.motions(self._move)
+                with self._add_folder("motion", tr("Motion and material"), "motion", "modulus"):
+                    with self._add_part("motion"):
+                        self._bound.motions(self._on_motion)
                         if view.formula and scene.swings:
                             self._bound.formula(*view.formula)
-                    with self._part("modulus"):
+                    with self._add_part("modulus"):
                         self._bound.sliders(view.material)
-            with self._part("slow-motion"):
+            with self._add_part("slow-motion"):
                 self._extend("slow-motion")
-            with self._part("details"):
+            with self._add_part("details"):
                 self._folds["details"] = add_anchor(self._gui, words=says["details"])
                 with self._gui.add_folder(tr("Method details and remedies"), expand_by_default=False):
                     for field, hint in view.details.items():
@@ -235,12 +235,12 @@ class Controls:
                             self._bound.field(field, hint)
                     self._gui.add_html(f"<div class='lab-group'>{tr('Remedies for long and large motions')}</div>")
                     self._bound.boxes("remedies", REMEDIES)
-            with self._part("effects"):
+            with self._add_part("effects"):
                 self._folds["effects"] = add_anchor(self._gui, words=says["effects"])
                 with self._gui.add_folder(tr("Effects: compute only what you need"), expand_by_default=False):
                     self._bound.boxes("effects", ALL)
 
-    def _enter(self, text: Any) -> None:
+    def _on_entered(self, text: Any) -> None:
         """Applies the text field of this id, in which the visitor has finished typing."""
         for bound in (self._bound, self._lasting):
             bound.enter(str(text))
@@ -249,11 +249,11 @@ class Controls:
         if build := self._extensions.get(control):
             build()
 
-    def _part(self, control: str) -> viser.GuiFolderHandle:
+    def _add_part(self, control: str) -> viser.GuiFolderHandle:
         """Returns a folder without a label for a control that a lesson may hide."""
         return self._gui.add_folder(None, visible=not self._offered or control in self._offered)
 
-    def _fold(self, name: str, label: str, *controls: str) -> viser.GuiFolderHandle:
+    def _add_folder(self, name: str, label: str, *controls: str) -> viser.GuiFolderHandle:
         """Returns a collapsible folder; without a label if a lesson shows only a few controls."""
         if self._offered:
             return self._gui.add_folder(None, visible=not {*controls}.isdisjoint(self._offered))
@@ -266,11 +266,11 @@ class Controls:
         values = scene.to_dict()
         motion = [choice_labels(type(scene), "motion")[values["motion"]]] if view.motion else []
         material = [f"{tr(slider[0]).split()[-1]} = {values[field]:g}" for field, slider in view.material.items()]
-        return {"drawn": self._drawn.words, "motion": ", ".join([*motion, *material]),
+        return {"drawn": self._drawing.summary, "motion": ", ".join([*motion, *material]),
                 "details": ", ".join(tr(REMEDIES[name].label) for name in scene.remedies) or tr("none"),
                 "effects": tr("{n} of {all}", n=len(scene.effects), all=len(scene.choices("effects")))}
 
-    def _move(self, changed: Scene, quantity: str | None, speed: float | None) -> None:
+    def _on_motion(self, changed: Scene, quantity: str | None, speed: float | None) -> None:
         """Shows another motion, which has other controls."""
         self.show(State(changed, quantity or self.stage.quantity, magnified=self.stage.magnified, speed=speed,
                         logarithmic=self._scale.logarithmic))
@@ -278,7 +278,7 @@ class Controls:
     def refresh(self) -> None:
         """Updates the widgets from the session, and the summaries beside the folders."""
         with self._turn:
-            self._looking.refresh()
+            self._history.refresh()
             self._transport.refresh()
             self._run.refresh()
             says = self._fold_words()

@@ -48,15 +48,15 @@ class FrameView:
 @dataclass(frozen=True)
 class Display:
     """Everything to draw: a picture, and a run ``beside`` it, or its name before its first frame. The colour scale
-    follows the ``sizes`` of errors and reaches at least ``least``; it is reset when ``of`` changes and kept when
-    looking ``back``. The picture is annotated by ``remarks``. The stage is ``hidden`` if something else is drawn in its
-    rectangle."""
+    follows the ``sizes`` of errors and reaches at least ``least``; it is reset when ``scale_key`` changes and kept when
+    looking ``is_past``. The picture is annotated by ``remarks``. The stage is ``hidden`` if something else is drawn in
+    its rectangle."""
 
     picture: FrameView
     sizes: Sizes
-    of: Hashable
+    scale_key: Hashable
     least: float = 0.0
-    back: bool = False
+    is_past: bool = False
     beside: FrameView | str | None = None
     remarks: Annotations = NOTHING
     hidden: Rectangle | None = None
@@ -66,14 +66,14 @@ class Source(Protocol):
     """Something that can be on the stage: the visitor's run, a step in slow motion, or an uploaded file."""
 
     @property
-    def on(self) -> bool:
+    def is_on(self) -> bool:
         """Whether it is on the stage now."""
 
     @property
     def at_once(self) -> bool:
         """Whether its headline answers a click and must appear without delay."""
 
-    def sight(self, choice: Choice) -> Display | None:
+    def display(self, choice: Choice) -> Display | None:
         """Returns what to draw now; None before there is anything."""
 
     def numbers(self, choice: Choice, picture: FrameView | None, probed: str | None) -> Numbers | None:

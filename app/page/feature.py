@@ -18,12 +18,12 @@ from solvers.engine.engine_messages import FrameReport
 @dataclass(frozen=True)
 class PageView:
     """What a visitor sees at a refresh: the ``choice`` of view, the ``numbers`` beside the stage if they have changed,
-    whether a lesson is open, and whether nothing but the run is on the stage (``alone``)."""
+    whether a lesson is open, and whether nothing but the run is on the stage (``has_stage``)."""
 
     choice: Choice
     numbers: Numbers | None
     in_lesson: bool
-    alone: bool
+    has_stage: bool
 
 
 class Feature:
@@ -41,7 +41,7 @@ class Feature:
         """Makes the feature for a page; None where that page has none of it."""
         return cls(page)
 
-    def follow(self, report: FrameReport) -> None:
+    def on_frame(self, report: FrameReport) -> None:
         """Handles a new frame of the run, on the thread that reads frames."""
 
     def refresh(self, view: PageView) -> None:

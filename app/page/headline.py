@@ -42,7 +42,7 @@ class HeadlinePanel:
             return
         self._next, self._aloud = now + SAY_SECONDS, self._aloud + (at_once or other)
         self._last = said
-        spans = escape(json.dumps([said.shown, said.sentences], ensure_ascii=False))
+        spans = escape(json.dumps([said.spans, said.sentences], ensure_ascii=False))
         self._html.content = f"<i class='lab-says' data-sentence=\"{escape(str(said))}\" data-spans=\"{spans}\" " \
                              f"data-aloud='{self._aloud}'></i>"
 
@@ -56,7 +56,7 @@ def frame_headline(report: FrameReport | None, arrays: FrameArrays | None, view:
     is a key, ``drawn`` the estimator on the stage, ``ago`` the periods since the frame, ``beside`` the comparison with
     a pinned run (:func:`compare_with_pinned`), ``speed`` the simulated seconds per second."""
     if report is None or arrays is None or view is None:
-        return Headline.of(tr(WAITING))
+        return Headline.make(tr(WAITING))
     series, when = series_until(series, report.time), format_number(report.time)
     moment = report.scene, report.playing, report.status, ago
     if report.status == soundness.UNSTABLE:

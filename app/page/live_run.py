@@ -9,11 +9,11 @@ from app.language.translation import tr
 from app.page.display_source import Choice, Display, FrameView
 from app.page.headline import compare_with_pinned, frame_headline
 from app.page.panels.readout import live_readout
-from app.page.panels.timeline import Now
+from app.page.panels.timeline import Clock
 from app.page.readout_panel import Numbers
 from app.page.stage.worst_region import WorstRegions
 from app.page.visit.frame_buffer import FrameBuffer
-from app.page.visit.particle_trace import Trace
+from app.page.visit.particle_trace import Tracer
 from app.page.visit.session import Session
 from app.page.visit.status_message import Notice
 from app.words import difference_text
@@ -25,15 +25,15 @@ from solvers.solver.soundness import UNSTABLE
 class LiveRun:
     """The default source of the stage; ``further`` returns a notice for when the session has none."""
 
-    on, at_once = True, False
+    is_on, at_once = True, False
 
-    def __init__(self, session: Session, recent: FrameBuffer, trace: Trace, further: Callable[[], Notice | None]):
+    def __init__(self, session: Session, recent: FrameBuffer, trace: Tracer, further: Callable[[], Notice | None]):
         self._session, self._recent, self._trace, self._further = session, recent, trace, further
         self._worst = WorstRegions()
 
-    def sight(self, choice: Choice) -> Display | None:
+    def display(self, choice: Choice) -> Display | None:
         """Returns the frame on view; None for one without the difference requested, as the next one is coming."""
-        if (last := self._recent.shown) is None:
+        if (last := self._recent.shown_frame) is None:
             return None
         (report, arrays), back = last, self._recent.back > 0
         scene, asked = report.scene, (choice.quantity, choice.estimator, choice.difference)
@@ -45,14 +45,14 @@ class LiveRun:
             pinned = None  # removed with the next frame
         said = difference_text(scene, pinned.scene) if pinned else ""
         name = tr("this run: {run}", run=said) if said else tr("this run") if pinned else ""
-        picture = self._picture(report, arrays, view_of_frame(report, arrays, *asked), name)
+        picture = self._frame_view(report, arrays, view_of_frame(report, arrays, *asked), name)
         if not report.playing:  # words that change with each frame could not be read
-            self._worst.look(report, arrays, picture.view, choice.quantity)
+            self._worst.find(report, arrays, picture.view, choice.quantity)
         beside: FrameView | str | None = None  # a pinned run, or its name before its first frame
         if pinned:
             run, view = difference_text(pinned.scene, scene) or tr("the same so far"), pinned.view(*asked)
             beside = tr("pinned: {run}, being prepared", run=run) if view is None or pinned.last is None else \
-                self._picture(*pinned.last, view, tr("pinned: {run}", run=run))
+                self._frame_view(*pinned.last, view, tr("pinned: {run}", run=run))
         return Display(picture, (picture.view.left.sizes, picture.view.right.sizes), asked,
                      0.0 if scene.swings else LEAST_TOP * scene.size_of(choice.quantity), back,
                      beside, self._worst.remarks(scene))
@@ -61,16 +61,16 @@ class LiveRun:
         """Returns the numbers of the frame on view, with plots of everything received."""
         session, recent, quantity = self._session, self._recent, choice.quantity
         if picture is not None and not picture.foreign:
-            self._worst.look(picture.report, picture.arrays, picture.view, quantity)
-        history, pinned, traced, shown = session.history, session.pinned, self._trace.traced, recent.shown
+            self._worst.find(picture.report, picture.arrays, picture.view, quantity)
+        history, pinned, traced, shown = session.history, session.pinned, self._trace.traced, recent.shown_frame
         if shown is None or shown[0].scene != history.scene:
             return None
         report = shown[0]
         scene, valid = report.scene, report.valid_estimators
-        text = live_readout(session, history, report, quantity, choice.estimator, probed, self._worst, recent.ago)
-        moves = session.playing and not session.ended and not recent.back and report.status != UNSTABLE
-        now = Now(report.time, recent.span, moves, report.since,
-                  report.status == UNSTABLE and (report.since or 0.0) >= report.time - scene.time_step)
+        text = live_readout(session, history, report, quantity, choice.estimator, probed, self._worst, recent.lag)
+        moves = session.playing and not session.is_over and not recent.back and report.status != UNSTABLE
+        now = Clock(report.time, recent.span, moves, report.since,
+                    report.status == UNSTABLE and (report.since or 0.0) >= report.time - scene.time_step)
         return Numbers(text, history, scene.active_estimators, valid, choice.estimator, now,
                        why_no_index(scene, valid, quantity), pinned, traced, scene)
 
@@ -82,11 +82,11 @@ class LiveRun:
         beside = "" if pinned is None else compare_with_pinned(history.series, pinned.history.series, choice.quantity,
                                                                (report.scene, pinned.scene))
         return frame_headline(report, picture.arrays, picture.view, self._worst, history.series, choice.quantity,
-                              choice.estimator, self._recent.ago, beside, picture.speed)
+                              choice.estimator, self._recent.lag, beside, picture.speed)
 
     def notice(self) -> Notice | None:
         """Returns the session's notice, or else a further one."""
         return self._session.notice() or self._further()
 
-    def _picture(self, report: FrameReport, arrays: FrameArrays, view: View, name: str) -> FrameView:
+    def _frame_view(self, report: FrameReport, arrays: FrameArrays, view: View, name: str) -> FrameView:
         return FrameView(report, arrays, view, self._session.speed * report.scene.period, name)

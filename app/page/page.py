@@ -94,7 +94,7 @@ class Page:
         if not report.playing:  # it is the last for now
             self._stands.set()
         for feature in self._features:
-            feature.follow(report)
+            feature.on_frame(report)
 
     def _refresh_loop(self) -> None:
         """Refreshes periodically, and soon after the stage stops, so that texts match the picture."""
@@ -117,7 +117,7 @@ class Page:
         choice, in_lesson, on_stage = controls.choice, bool(context.lesson_name), context.stage.source is context.run
         if numbers := context.stage.read(choice):
             controls.judges.show(numbers.readout.judged)
-        headline = next(filter(None, (feature.headline(context.recent.shown) for feature in self._features)),
+        headline = next(filter(None, (feature.headline(context.recent.shown_frame) for feature in self._features)),
                         Headline()) if on_stage else Headline()
         context.stage.refresh(choice, numbers, in_lesson, headline)
         view = PageView(choice, numbers, in_lesson, on_stage and not in_lesson)

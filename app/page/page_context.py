@@ -17,7 +17,7 @@ from app.page.panels.page_header import PresentationMode
 from app.page.stage_view import StageView
 from app.page.visit.engine_links import PageLinks
 from app.page.visit.frame_buffer import FrameBuffer
-from app.page.visit.particle_trace import Trace
+from app.page.visit.particle_trace import Tracer
 from app.page.visit.session import Session
 from app.page.visit.status_message import Notice
 from app.state import State
@@ -39,7 +39,7 @@ class OpenLesson(Protocol):
 
     def restore(self, name: str, text: str) -> None: ...
 
-    def turn(self, only: bool, step: int) -> None: ...
+    def limit(self, only: bool, step: int) -> None: ...
 
 
 class PageContext:
@@ -59,7 +59,7 @@ class PageContext:
         self.is_touring: Callable[[], bool] = lambda: False
         self._conditions: dict[str, bool] = {}  # for computing frames
         self.recent, self.scale = FrameBuffer(), ColourScale()
-        self.trace = Trace(self.recent)
+        self.trace = Tracer(self.recent)
         self.store = BrowserStore(self.gui)
         self.presenter = PresentationMode(self.gui)
         self.canvas = Canvas(client, self.scale, self.trace, opening.scene.problem)
@@ -101,17 +101,17 @@ class PageContext:
         """Stores a new frame of the run, and draws it."""
         self.links.frames.add()
         if report.fresh:
-            self.scale.forget()
+            self.scale.reset()
         self.recent.add(report, arrays)
-        self.trace.follow(report, arrays)
+        self.trace.on_frame(report, arrays)
         self.stage.draw()
         self._on_frame(report)
 
     def refresh(self, idle_seconds: float) -> None:
         """Updates the widgets from the session; pauses a run after ``idle_seconds`` without input."""
-        if self.session.playing and not self.presenter.on and self.session.untouched > idle_seconds:
+        if self.session.playing and not self.presenter.on and self.session.idle_seconds > idle_seconds:
             self.session.rest()
         self.presenter.name(self.session.scene)
         self.controls.refresh()
-        if shown := self.recent.shown:
-            self.controls.hear(*shown)
+        if shown := self.recent.shown_frame:
+            self.controls.on_frame(*shown)

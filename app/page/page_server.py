@@ -210,7 +210,7 @@ def _start_server(host: str, port: int, pool: EnginePool, max_sessions: int, add
     from app.viewer import viser_patches
     from app.viewer.index_page import Index
     from app.viewer.send_queue import batch_messages, patch_viser
-    from app.viewer.web_server import AccessControl, Lab
+    from app.viewer.web_server import AccessControl, LabServer
 
     patch_viser()
     pool.deliver_within(batch_messages)
@@ -220,13 +220,13 @@ def _start_server(host: str, port: int, pool: EnginePool, max_sessions: int, add
     code = codes[CLASS]
     doors = AccessControl(addresses, ClassCode(code, port, codes[TEACHER], codes[BOARD]) if code else None)
     # The viewer would print its own banner.
-    with contextlib.redirect_stdout(io.StringIO()), doors.guarding(Index(initial_html, ICON)):
-        server = Lab(host=host, port=port, verbose=False)
+    with contextlib.redirect_stdout(io.StringIO()), doors.guard_servers(Index(initial_html, ICON)):
+        server = LabServer(host=host, port=port, verbose=False)
     set_up(server.gui)
 
     def make_page(client: Any, links: PageLinks) -> Any:
-        whose, key = doors.guest(client.client_id) or AccessIdentity(CLASS)
-        seat = board.seat(key) if board and whose == CLASS else None
+        whose, key = doors.identify(client.client_id) or AccessIdentity(CLASS)
+        seat = board.add_seat(key) if board and whose == CLASS else None
         lectern = LecturerContext(board, JoinInfo(f"http://{_outside(host)}:{port}/", code)) \
             if board and whose == BOARD else None
         try:
@@ -239,7 +239,7 @@ def _start_server(host: str, port: int, pool: EnginePool, max_sessions: int, add
 
     def expects(client: Any) -> bool:
         """Whether it is the lecturer's page, which always has a place."""
-        return (doors.guest(client.client_id) or AccessIdentity(CLASS)).whose == BOARD
+        return (doors.identify(client.client_id) or AccessIdentity(CLASS)).role == BOARD
 
     visitors = Visitors(pool, max_sessions, make_page, _show, expects)
     doors.watch(server, visitors)

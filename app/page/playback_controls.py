@@ -17,7 +17,7 @@ PLAY, PAUSE, STEP, RESET = lazy("Play"), lazy("Pause"), lazy("Step"), lazy("Rese
 PIN, UNPIN = lazy("Pin this run"), lazy("Unpin")
 
 
-class Transport:
+class PlaybackControls:
     """Widgets of one visitor; ``on_view`` is called when only the drawing changes."""
 
     def __init__(self, gui: viser.GuiApi, session: Session, looking: HistoryControls, bound: SceneWidgets,
@@ -33,7 +33,7 @@ class Transport:
         pin_mark = gui.add_html("<i class='lab-at-pin'></i>")
         self._pin = gui.add_button(tr(PIN), hint=tr("keep this run on the stage for comparison: both runs start at t = "
                                                "0 and advance together, period by period"))
-        self._pin.on_click(lambda _: self._turn())
+        self._pin.on_click(lambda _: self._toggle_pin())
         back_mark = gui.add_html("<i class='lab-at-back'></i>")
         self._back = looking.build_slider(gui)
         # Removed with its widget, as it would otherwise mark the next one.
@@ -59,7 +59,7 @@ class Transport:
         return Size(tr("Speed"), "", view.reach.speed, view.speed,
                     tr("periods of the exact vibration in a second of yours"), place="lab-at-speed")
 
-    def _turn(self) -> None:
+    def _toggle_pin(self) -> None:
         if self._session.pinned is None:
             self.pin()
         else:

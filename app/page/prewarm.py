@@ -28,9 +28,9 @@ def usual_scenes(lessons: Mapping[str, Lesson], opened: str = "") -> list[Scene]
         return [scene for first in firsts for scene in change(first)]
 
     opening = [scene for scene in (OPENING.scene, OPENING.pinned) if scene]
-    asked = [scene for one in opening for scene in _divided(one)]
+    asked = [scene for one in opening for scene in _budget_scene(one)]
     return [*opening, *firsts, *taught.get(opened, ()), *asked, *of_each(_clicks),
-            *(scene for some in taught.values() for scene in some), *of_each(_alone), *of_each(_details),
+            *(scene for some in taught.values() for scene in some), *of_each(_single_estimators), *of_each(_details),
             *of_each(_effects)]
 
 
@@ -38,20 +38,20 @@ def _clicks(first: Scene) -> Iterator[Scene]:
     """Yields scenes one click away: an estimator more or fewer, another method or motion, the budget of each method."""
     names = first.choices("estimators")
     for name in names:
-        yield from _with(first, estimators=tuple(e for e in names if (e in first.estimators) != (e == name)))
-    methods = [scene for method in first.choices("method") for scene in _with(first, method=method)]
+        yield from _changed_scene(first, estimators=tuple(e for e in names if (e in first.estimators) != (e == name)))
+    methods = [scene for method in first.choices("method") for scene in _changed_scene(first, method=method)]
     yield from methods
     for scene in methods:
-        yield from _divided(scene)
+        yield from _budget_scene(scene)
     if motion := VIEWS[first.problem].motion:
         for choice in first.choices("motion"):
             yield motion.change(first, choice, first.estimators)
 
 
-def _divided(scene: Scene) -> Iterator[Scene]:
+def _budget_scene(scene: Scene) -> Iterator[Scene]:
     """Yields the scene with the error budget."""
     if EFFECT in scene.OWN_EFFECTS and EFFECT not in scene.effects:
-        yield from _with(scene, effects=(*scene.effects, EFFECT))
+        yield from _changed_scene(scene, effects=(*scene.effects, EFFECT))
 
 
 def _stages(lesson: Lesson) -> Iterator[Scene]:
@@ -64,28 +64,28 @@ def _stages(lesson: Lesson) -> Iterator[Scene]:
                 yield shown.pinned
 
 
-def _alone(first: Scene) -> Iterator[Scene]:
+def _single_estimators(first: Scene) -> Iterator[Scene]:
     """Yields the scene without estimators, and with each alone."""
     for chosen in ((), *((name,) for name in first.choices("estimators"))):
-        yield from _with(first, estimators=chosen)
+        yield from _changed_scene(first, estimators=chosen)
 
 
 def _details(first: Scene) -> Iterator[Scene]:
     """Yields scenes with one choice in the folder of details and remedies."""
     for remedy in first.choices("remedies"):
-        yield from _with(first, remedies=(remedy,))
+        yield from _changed_scene(first, remedies=(remedy,))
     for field in ("velocity", "body_force"):
         for choice in first.choices(field):
-            yield from _with(first, **{field: choice})
-    yield from _with(first, linearity_preserving=True)
+            yield from _changed_scene(first, **{field: choice})
+    yield from _changed_scene(first, linearity_preserving=True)
 
 
 def _effects(first: Scene) -> Iterator[Scene]:
     """Yields scenes with one effect switched off; last, since no lesson does that."""
     for effect in first.effects:
-        yield from _with(first, effects=tuple(e for e in first.effects if e != effect))
+        yield from _changed_scene(first, effects=tuple(e for e in first.effects if e != effect))
 
 
-def _with(first: Scene, **changes: Any) -> Iterator[Scene]:
+def _changed_scene(first: Scene, **changes: Any) -> Iterator[Scene]:
     with suppress(SceneError):  # invalid combinations are skipped
         yield replace(first, **changes)

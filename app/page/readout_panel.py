@@ -9,7 +9,7 @@ import viser
 from app.language.translation import tr
 from app.page.panels.plots import Plots
 from app.page.panels.readout import Readout
-from app.page.panels.timeline import Now, Timeline
+from app.page.panels.timeline import Clock, Timeline
 from app.page.visit.history import RunSeries
 from app.page.visit.particle_trace import TracedParticle
 from app.page.visit.pinned_run import PinnedRun
@@ -31,7 +31,7 @@ class Numbers:
     estimators: tuple[str, ...]
     valid: tuple[str, ...]
     drawn: str | None
-    now: Now
+    now: Clock
     no_index: str
     pinned: PinnedRun | None = None
     traced: TracedParticle | None = None
@@ -66,8 +66,8 @@ class Measurements:
             self._running.content = f"<i class='lab-scene' data-scene='{escape(json.dumps(asdict(scene)))}'></i>"
         self._readout.content = numbers.readout.html
         self._foot.content = numbers.readout.errors if self.reading else ""
-        self.timeline.have(numbers.estimators, numbers.pinned is not None)
-        self._plots.have(numbers.estimators, PLOT_HEIGHT, traced is not None, numbers.pinned is not None)
+        self.timeline.set_lines(numbers.estimators, numbers.pinned is not None)
+        self._plots.set_lines(numbers.estimators, PLOT_HEIGHT, traced is not None, numbers.pinned is not None)
         if past is None or len(past.series.get("time", ())) < 2:
             self.timeline.clear(numbers.now)
             self._plots.clear()

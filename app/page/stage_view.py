@@ -30,8 +30,8 @@ class StageView:
         """Builds the numbers; ``seek`` is called with the time in s that the visitor clicks in the plot over time."""
         self._seek = seek
         self._numbers.build(self._client.gui)
-        Window(store, self._fit, self._shade)
-        store.heard |= {"seek": self._seek_part, "read": self._point}
+        Window(store, self._on_resized, self._set_dark)
+        store.heard |= {"seek": self._seek_part, "read": self._on_pointed}
 
     def begin(self, choice: Callable[[], Choice], sources: tuple[Source, ...]) -> None:
         """Starts drawing."""
@@ -46,12 +46,12 @@ class StageView:
     @property
     def source(self) -> Source:
         """The source on the stage now."""
-        return next(source for source in self._sources if source.on)
+        return next(source for source in self._sources if source.is_on)
 
     def draw(self) -> None:
         """Draws the stage."""
         with self._drawing:
-            if self._choice is not None and (sight := self.source.sight(choice := self._choice())) is not None:
+            if self._choice is not None and (sight := self.source.display(choice := self._choice())) is not None:
                 self._canvas.draw(sight, choice)
 
     def read(self, choice: Choice) -> Numbers | None:
@@ -66,27 +66,27 @@ class StageView:
             self._numbers.show(numbers, choice.quantity, choice.latest)
         notice = None
         for each in self._sources:  # a file has notices before it is on the stage
-            if (notice := each.notice()) or each.on:
+            if (notice := each.notice()) or each.is_on:
                 break
         self._notice.content = "" if notice is None else notice.html
         if picture is not None:
             self._headline.say(headline or source.sentence(choice, picture), source.at_once)
         self._canvas.camera.settle()
 
-    def _fit(self, size: LayoutMetrics) -> None:
+    def _on_resized(self, size: LayoutMetrics) -> None:
         """Handles another size of the window."""
         self._numbers.timeline.height = max(20, round(size.plot_height))
         if self._canvas.lettering.fit(size.width, size.height, size.left, size.letters / LETTERS):
             self.draw()
 
-    def _shade(self, dark: bool) -> None:
+    def _set_dark(self, dark: bool) -> None:
         """Switches to the dark or the light theme."""
         set_up(self._client.gui, dark)
-        self._canvas.shade(dark)
-        self._numbers.timeline.shade(dark)
+        self._canvas.set_dark(dark)
+        self._numbers.timeline.set_dark(dark)
         self.draw()
 
-    def _point(self, said: object) -> None:
+    def _on_pointed(self, said: object) -> None:
         """Handles the pointer's position on the time axis, a fraction, or its leaving."""
         self._numbers.timeline.point(float(said) if is_number_between(said, 0, 1) else None)  # type: ignore[arg-type]
 

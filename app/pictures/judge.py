@@ -56,7 +56,7 @@ def _draw_norms(axes: Axes, g: GridJudgement, q: str, k: int, count: int) -> Non
     shade = 1.0 if count == 1 else 0.35 + 0.65 * (k + 1) / count
     mark = MARKS[k % len(MARKS)] if len(g.grid.times) <= 12 else None
     lines = [("truth", norm_series(g.true)[q], TRUTH, "-")] if g.true else []
-    lines.append(("companion", norm_series(g.estimated)[q], ESTIMATE, "--"))
+    lines.append(("companion", norm_series(g.companion_errors)[q], ESTIMATE, "--"))
     for label, values, colour, style in lines:
         moved = g.grid.times > 0  # the initial error is round-off, far below all others
         values, times = positive_or_gap(values[moved]), g.grid.times[moved]
@@ -75,7 +75,7 @@ def space_figure(judged: Judgement) -> Figure | None:
     size = sizes(errors["x"])
     few = np.union1d(subsample_indices(len(size)), [int(np.argmax(size))])
     X, x, shown = frame.material_position[few], frame.position[few], size[few]
-    alone = np.isin(few, g.apart.which) if g.apart and g.apart.frame.time == frame.time else np.zeros(len(few), bool)
+    alone = np.isin(few, g.gaps.which) if g.gaps and g.gaps.frame.time == frame.time else np.zeros(len(few), bool)
     figure = Figure(figsize=(10, 4) if X.shape[1] == 1 else (10, 8.5), layout="constrained")
     axes = figure.subplots()
     axes.set_title(f"Error of x at t = {frame.time:.4g} s, {g.grid.cells} cells")

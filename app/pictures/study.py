@@ -70,9 +70,9 @@ def error_spacing_figure(rows: Sequence[dict]) -> Figure:
     for panel, quantity in zip(axes[0], shown, strict=True):
         parts.draw_errors(panel, lines, quantity, lambda row: row["h"], joined=False)
         spacings = sorted({row["h"] for row in completed_rows(rows)})
-        _fits(panel, lines, quantity)
+        _draw_fits(panel, lines, quantity)
         if len(spacings) > 1:
-            _triangles(panel, [(row["h"], error_of(row, quantity)) for row in completed_rows(rows)])
+            _draw_triangles(panel, [(row["h"], error_of(row, quantity)) for row in completed_rows(rows)])
             panel.set_xlim(spacings[0] / 1.25, spacings[-1] * 1.25)
         else:
             panel.text(0.03, 0.03, "one h only: no order to fit", transform=panel.transAxes, color=INK3)
@@ -95,7 +95,7 @@ def estimate_truth_figure(rows: Sequence[dict]) -> Figure:
     figure, axes = parts.frame(title, len(names), len(shown), (WIDTH, 1.3 + 3.1 * len(names)))
     for line, name in zip(axes, names, strict=True):
         for panel, quantity in zip(line, shown, strict=True):
-            _agreement(panel, rows, name, quantity)
+            _draw_agreement(panel, rows, name, quantity)
     handles = [*parts.method_handles(rows), Line2D([], [], color=TRUTH, label="perfect"),
                Line2D([], [], color=TRUTH, linestyle=":", label="off by a factor of 2")]
     if any(row["status"] in BROKEN for row in rows):
@@ -112,8 +112,8 @@ def cost_figure(rows: Sequence[dict]) -> Figure:
         return parts.empty_figure(title, "no run stood to its end")
     prices = _extra_prices(rows)
     figure, axes = parts.frame(title, 1, 2, (WIDTH, max(4.6, 1.8 + 0.55 * len(prices))))
-    _steps(axes[0, 0], rows)
-    _extras(axes[0, 1], prices)
+    _draw_steps(axes[0, 0], rows)
+    _draw_extras(axes[0, 1], prices)
     handles = [*parts.method_handles(rows), Line2D([], [], color=INK3, marker="|", markersize=16, markeredgewidth=2.5,
                                              linestyle="none", label="median")]
     figure.legend(handles=handles, loc="outside lower center", ncols=len(handles))
@@ -132,7 +132,7 @@ def error_step_figure(rows: Sequence[dict]) -> Figure:
         return parts.empty_figure(title, NO_TRUTH)
     figure, axes = parts.frame(title, 1, len(shown), (WIDTH, 6.0))
     for panel, quantity in zip(axes[0], shown, strict=True):
-        _balances(panel, lines, quantity)
+        _draw_balances(panel, lines, quantity)
     balanced = "time error = space error: shorter steps gain at most half"
     star = Line2D([], [], color=LINE2, label=balanced, **BALANCE_LOOK)
     fit = Line2D([], [], color=INK3, linewidth=1, linestyle="-", label="fit: space + c dt^p")
@@ -140,7 +140,7 @@ def error_step_figure(rows: Sequence[dict]) -> Figure:
     return figure
 
 
-def _fits(axes: Axes, lines: Sequence[tuple[Series, dict]], quantity: str) -> None:
+def _draw_fits(axes: Axes, lines: Sequence[tuple[Series, dict]], quantity: str) -> None:
     """Draws fitted straight lines through each series, with the orders as text if there is space."""
     handles = []
     for line, look in lines:
@@ -155,7 +155,7 @@ def _fits(axes: Axes, lines: Sequence[tuple[Series, dict]], quantity: str) -> No
         axes.legend(handles=handles, loc="lower right", fontsize=9)
 
 
-def _triangles(axes: Axes, points: Sequence[tuple[float, float | None]]) -> None:
+def _draw_triangles(axes: Axes, points: Sequence[tuple[float, float | None]]) -> None:
     """Draws slopes 1 and 2 in the corner of small h and large errors; extends the axis if points are there."""
     spacings = [h for h, _ in points]
     left, ratio = min(spacings), (max(spacings) / min(spacings)) ** 0.3
@@ -170,7 +170,7 @@ def _triangles(axes: Axes, points: Sequence[tuple[float, float | None]]) -> None
         axes.text(right * 1.04, start * ratio ** (power - 0.5), str(power), color=INK3, fontsize=9.5, va="center")
 
 
-def _balances(axes: Axes, lines: Sequence[tuple[Series, Look]], quantity: str) -> None:
+def _draw_balances(axes: Axes, lines: Sequence[tuple[Series, Look]], quantity: str) -> None:
     parts.draw_errors(axes, lines, quantity, lambda row: row["scene"]["dt"], joined=False)
     notes = []
     for line, look in lines:
@@ -195,7 +195,7 @@ def _balances(axes: Axes, lines: Sequence[tuple[Series, Look]], quantity: str) -
     parts.set_log_axes(axes)
 
 
-def _agreement(axes: Axes, rows: Sequence[dict], estimator: str, quantity: str) -> None:
+def _draw_agreement(axes: Axes, rows: Sequence[dict], estimator: str, quantity: str) -> None:
     name = QUANTITIES[quantity]
     axes.set_title(f"{str(name).capitalize()} by {estimator}")
     axes.set_xlabel("true error", color=TRUTH_INK)
@@ -248,7 +248,7 @@ def _extra_prices(rows: Sequence[dict]) -> dict[str, list[tuple[str, float]]]:
     return prices
 
 
-def _steps(axes: Axes, rows: Sequence[dict]) -> None:
+def _draw_steps(axes: Axes, rows: Sequence[dict]) -> None:
     for method in METHODS:
         points = [(row["particles"], 1e-6 / row["rate"]) for row in rows if row["scene"]["method"] == method]
         if points:
@@ -262,7 +262,7 @@ def _steps(axes: Axes, rows: Sequence[dict]) -> None:
     parts.ticks_at(axes, sorted({row["particles"] for row in rows}))
 
 
-def _extras(axes: Axes, prices: dict[str, list[tuple[str, float]]]) -> None:
+def _draw_extras(axes: Axes, prices: dict[str, list[tuple[str, float]]]) -> None:
     axes.set_title("On top of it, as a part of the bare run's time")
     # The range of most prices, so that a disturbed run does not compress the others; outliers are at the edge.
     low, high = np.percentile([100 * part for points in prices.values() for _, part in points], (10, 90))

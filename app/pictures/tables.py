@@ -37,10 +37,10 @@ def table_figure(table: dict) -> Figure:
 
 def _bar_errors(figure: SubFigure, table: dict) -> None:
     """Draws a row of panels per case, with both variants of the force in each panel."""
-    cases = _by("modulus", table["rows"])
+    cases = _group("modulus", table["rows"])
     axes = figure.subplots(len(cases), 3, squeeze=False)
     for across, (modulus, rows) in zip(axes, cases.items(), strict=True):
-        forces, amplitude = _by("body_force", rows), rows[0]["inputs"]["amplitude"]
+        forces, amplitude = _group("body_force", rows), rows[0]["inputs"]["amplitude"]
         series = {"ours, force at nodes": forces["node"], "ours, force at material points": forces["material"]}
         for panel, key in zip(across, ("x", "v", "sigma_log"), strict=True):
             _draw_errors(panel, series, key)
@@ -51,10 +51,10 @@ def _bar_errors(figure: SubFigure, table: dict) -> None:
 
 def _ring_errors(figure: SubFigure, table: dict) -> None:
     """Draws a column of panels per method, with both set-ups in each panel."""
-    methods = _by("method", table["rows"])
+    methods = _group("method", table["rows"])
     axes = figure.subplots(3, len(methods), squeeze=False, sharey="row")
     for panels, method in zip(axes.T, methods, strict=True):
-        series = {part: _by("method", rows)[method] for part, rows in rows_by_part(table).items()}
+        series = {part: _group("method", rows)[method] for part, rows in rows_by_part(table).items()}
         for panel, key in zip(panels, ("x", "v", "a_nodes"), strict=True):
             _draw_errors(panel, series, key)
         panels[0].set_title(method_name(method))
@@ -69,7 +69,7 @@ def _indices(figure: SubFigure, table: dict) -> None:
         columns = {"\n".join(part.rsplit(", ", 1)): rows for part, rows in rows_by_part(table).items()}
     else:
         columns = {"\n".join([method_name(method), *part.partition(" (")[0].rsplit(", ", 1)]): rows
-                   for part, found in rows_by_part(table).items() for method, rows in _by("method", found).items()}
+                   for part, found in rows_by_part(table).items() for method, rows in _group("method", found).items()}
     known = [quantity for quantity in QUANTITIES if any(_has_index(row, quantity) for row in table["rows"])]
     if not known:
         write_note(figure.subplots(), "no estimator gives an index here")
@@ -99,7 +99,7 @@ def _has_index(row: dict, quantity: str) -> bool:
     return ours or bool(row["paper"].get(f"index_{quantity}"))
 
 
-def _by(name: str, rows: list[dict]) -> dict[Any, list[dict]]:
+def _group(name: str, rows: list[dict]) -> dict[Any, list[dict]]:
     """Groups rows by the value of an input, in order."""
     values = dict.fromkeys(row["inputs"][name] for row in rows)
     return {value: [row for row in rows if row["inputs"][name] == value] for value in values}

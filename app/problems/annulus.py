@@ -49,7 +49,7 @@ class AnnulusStage(PlanarStage[CircularScene]):
     """Stage of a quarter ring."""
 
     @staticmethod
-    def outermost(scene: CircularScene) -> float:
+    def max_radius(scene: CircularScene) -> float:
         return scene.OUTER + _swell(scene)
 
     @staticmethod
@@ -58,7 +58,7 @@ class AnnulusStage(PlanarStage[CircularScene]):
         return tr("outer radius {radius} at rest, {h}", radius=f"{scene.OUTER:g}{NO_BREAK}m", h=h)
 
     @staticmethod
-    def stretched(scene: CircularScene) -> float:
+    def max_stretch(scene: CircularScene) -> float:
         return 1 + 0.5 * _swell(scene) / scene.OUTER
 
 
@@ -80,13 +80,13 @@ class WholeStage(AnnulusStage):
         X = np.stack([R * np.cos(angles), R * np.sin(angles)], axis=2)
         return scene.EXACT.position(scene, X.reshape(-1, 2), t).reshape(X.shape)
 
-    def _moving(self, scene: CircularScene, arrays: FrameArrays, estimated: np.ndarray, true: np.ndarray, t: float,
-                crossed: np.ndarray, age: np.ndarray) -> Iterator[Mark]:
-        yield from super()._moving(scene, arrays, estimated, true, t, crossed, age)
+    def _moving_marks(self, scene: CircularScene, arrays: FrameArrays, estimated: np.ndarray, true: np.ndarray,
+                      t: float, crossed: np.ndarray, age: np.ndarray) -> Iterator[Mark]:
+        yield from super()._moving_marks(scene, arrays, estimated, true, t, crossed, age)
         lines = self.exact_lines(scene, t, SPOKES * scene.solution_known)
-        x = self._place(lines.reshape(-1, 2), 0.015).reshape(-1, SPOKE_POINTS, 3)
+        x = self._to_stage(lines.reshape(-1, 2), 0.015).reshape(-1, SPOKE_POINTS, 3)
         yield Lines("spokes", join_points(x[:, :-1].reshape(-1, 3), x[:, 1:].reshape(-1, 3)),
-                    self._places.room.palette.exact, 1.5)
+                    self._layout.bounds.palette.exact, 1.5)
 
 
 def body_of(kind: type[Any]) -> Body:

@@ -32,7 +32,7 @@ class BoxStage(PlanarStage[BoxScene]):
         quantity, np.stack([X, np.full_like(X, plotted_row(scene))], axis=1), t))
 
     @staticmethod
-    def outermost(scene: BoxScene) -> float:
+    def max_radius(scene: BoxScene) -> float:
         return scene.SIDE
 
     @staticmethod
@@ -40,11 +40,11 @@ class BoxStage(PlanarStage[BoxScene]):
         return tr("side {side}, h = {h}", side=f"{scene.SIDE:g}{NO_BREAK}m", h=f"{scene.spacing:.3g}{NO_BREAK}m")
 
     @staticmethod
-    def stretched(scene: BoxScene) -> float:
+    def max_stretch(scene: BoxScene) -> float:
         return 1 + 0.5 * scene.STRAIN_PER_AMPLITUDE * scene.amplitude
 
-    def _still(self, scene: BoxScene, particles: int, at_rest: np.ndarray | None) -> Iterator[Mark]:
-        yield from super()._still(scene, particles, at_rest)
+    def _static_marks(self, scene: BoxScene, particles: int, at_rest: np.ndarray | None) -> Iterator[Mark]:
+        yield from super()._static_marks(scene, particles, at_rest)
         X = particle_layout(scene).position if at_rest is None else at_rest
         half = 0.5 * scene.spacing / scene.ppc
         self._radii = np.where(np.abs(X[:, 1] - plotted_row(scene)) < half, X[:, 0], np.nan)

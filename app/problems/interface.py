@@ -80,7 +80,7 @@ class ProblemView:
     beside the modulus, ``formula`` is a text field with label and hint; ``motion`` is None if the scene has one motion
     only.
 
-    ``estimators`` are the initial ones if not the scene's own, the first of them drawn. ``sparks`` returns the
+    ``estimators`` are the initial ones if not the scene's own, the first of them drawn. ``suggestions`` returns the
     suggestions for a state (:mod:`app.problems.suggestion`). ``prices`` are the estimators' shares of the run time in
     the usual scene, each alone on one thread, as ``mpm-lab run`` reports them (median of three)."""
 
@@ -100,7 +100,7 @@ class ProblemView:
     modulus_hint: str = lazy("Young's modulus: a stiffer body vibrates faster")
     material: Mapping[str, LinearSlider] = field(default_factory=dict)
     estimators: tuple[str, ...] = ()
-    sparks: Callable[[State], tuple[Suggestion, ...]] = lambda _: ()
+    suggestions: Callable[[State], tuple[Suggestion, ...]] = lambda _: ()
     prices: Mapping[str, float] = field(default_factory=dict)
 
     @property

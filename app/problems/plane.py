@@ -27,4 +27,4 @@ def view_of(problem: PlanarProblem) -> ProblemView:
         amplitude_hint=showing.amplitude_hint, modulus_hint=showing.modulus_hint, prices=showing.prices,
         details={**showing.details, "velocity": lazy("the velocity that moves the particles")},
         material={"poisson_ratio": poisson} if "poisson_ratio" in fields else {},
-        formula=FORMULA if FORMULA[0] in fields else None, estimators=showing.estimators, sparks=lambda _: asks)
+        formula=FORMULA if FORMULA[0] in fields else None, estimators=showing.estimators, suggestions=lambda _: asks)

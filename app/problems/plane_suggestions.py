@@ -4,7 +4,7 @@ from dataclasses import replace
 
 from app.language.translation import lazy, tr, translate_message
 from app.problems import suggestion
-from app.problems.suggestion import Answer, NotNow, Offer, Ran, Suggestion, changed_state, suggest_breaking, work_ratio
+from app.problems.suggestion import Answer, NotNow, Offer, Run, Suggestion, changed_state, suggest_breaking, work_ratio
 from app.state import State
 from app.words import format_factor, format_ratio, per_cent
 from solvers.problems.planar.problem import ViewSettings
@@ -27,7 +27,7 @@ def _ask_transport(state: State) -> Offer:
     return Offer(tr("Ask transport, too"), tr("the method's own equations"), replace(changed, estimator="transport"))
 
 
-def _says(ran: Ran) -> Answer:
+def _transport_answer(ran: Run) -> Answer:
     if "transport" in ran.not_valid:
         return tr("Transport: {reason}.", reason=translate_message(ran.not_valid["transport"])), \
             tr("It is not valid here and reports this.")
@@ -42,7 +42,7 @@ def _says(ran: Ran) -> Answer:
     return said, tr("Which one would you trust without the true error?")
 
 
-TRANSPORT = Suggestion("transport", "judge", lazy("Ask transport, too"), _ask_transport, _says, 0.5)
+TRANSPORT = Suggestion("transport", "judge", lazy("Ask transport, too"), _ask_transport, _transport_answer, 0.5)
 
 
 def _widening(fewest: int) -> Suggestion:
@@ -53,10 +53,10 @@ def _widening(fewest: int) -> Suggestion:
         return Offer(tr("Double the cells' width"), tr("theory: 4 times the error"),
                      changed_state(state, {"cells": state.scene.cells // 2}))
 
-    return Suggestion("widen", "halve", lazy("Double the cells' width"), offer, _widened, 0.2)
+    return Suggestion("widen", "halve", lazy("Double the cells' width"), offer, _widening_answer, 0.2)
 
 
-def _widened(ran: Ran) -> Answer:
+def _widening_answer(ran: Run) -> Answer:
     return tr("Its error is {factor} times as large; theory: 4 times.", factor=format_factor(ran.ratio)), \
         tr("It takes {factor} of the particle steps: fewer particles, and fewer steps.",
            factor=format_factor(work_ratio(ran)))
@@ -70,12 +70,12 @@ def _staircase(state: State) -> Offer:
                  changed_state(state, {"layout": "cartesian"}))
 
 
-def _stepped(ran: Ran) -> Answer:
+def _staircase_answer(ran: Run) -> Answer:
     return tr("Its error is {factor} times as large.", factor=format_factor(ran.ratio)), \
         tr("Only the particles' initial positions differ: see the rims.")
 
 
-STAIRCASE = Suggestion("staircase", "stairs", lazy("Rims like a staircase"), _staircase, _stepped, 0.2)
+STAIRCASE = Suggestion("staircase", "stairs", lazy("Rims like a staircase"), _staircase, _staircase_answer, 0.2)
 
 
 def _untile(state: State) -> Offer:
@@ -85,11 +85,11 @@ def _untile(state: State) -> Offer:
                  changed_state(state, {"method": "ugimp"}))
 
 
-def _untiled(ran: Ran) -> Answer:
+def _untiling_answer(ran: Run) -> Answer:
     said = tr("Its error is {factor} times as large.", factor=format_factor(ran.ratio))
     if ran.state.scene.method == "ugimp":
         return said, tr("Boxes that keep their size leave gaps where the material stretches. Would smaller cells help?")
     return said, tr("Parallelograms follow the material and leave no gap.")
 
 
-TILE = Suggestion("tile", "tile", lazy("Boxes that do not tile"), _untile, _untiled)
+TILE = Suggestion("tile", "tile", lazy("Boxes that do not tile"), _untile, _untiling_answer)

@@ -92,7 +92,7 @@ def write_note(axes: Axes, sentence: str) -> None:
 
 def write_places(axes: Axes, stage: type[Stage], in_axes: Callable[[Label], tuple[float, float]]) -> None:
     """Writes a stage's labels at points of the body; ``in_axes`` returns their positions in the axes."""
-    for label in stage.labels(StageLabels(), stage.places(PAPER, RunSlot.ALONE)):
+    for label in stage.labels(StageLabels(), stage.layout(PAPER, RunSlot.ALONE)):
         if label.role == "place":
             up, across = label.anchor.split("-")
             axes.text(*in_axes(label), label.text, va=up, ha=across, fontsize=9 * label.size, clip_on=True, bbox=GROUND,

@@ -136,8 +136,8 @@ def _frame(axes: Axes, scene: Scene, stage: type[PlanarStage], reach: float, lin
     axes.grid(visible=False)
     in_sizes(axes.xaxis, "m", few=False)
     in_sizes(axes.yaxis, "m")
-    places = stage.places(panel_style.PAPER, RunSlot.ALONE)
-    (x, y), metres = places.middle, stage.outermost(scene) / places.radius
+    places = stage.layout(panel_style.PAPER, RunSlot.ALONE)
+    (x, y), metres = places.middle, stage.max_radius(scene) / places.radius
     panel_style.write_places(axes, stage, lambda label: (metres * (label.x - x), metres * (label.y - y)))
 
 

@@ -28,17 +28,17 @@ class Lettering:
         self._hidden: set[str] = set()
         self._changed = True
         self._box, self._letters, self.dark = USUAL, 1.0, False
-        self._of: tuple | None = None  # box, letters and theme of the present bounds
+        self._bounds_key: tuple | None = None  # box, letters and theme of the present bounds
         self._rectangle = (-EDGE, 1 + EDGE, 0.0, 0.5)
 
     @property
-    def room(self) -> Bounds:
+    def bounds(self) -> Bounds:
         """The bounds of the browser's free box; cached, as it is needed several times per frame."""
         now = self._box, self._letters, self.dark
-        if now != self._of:
-            (width, height, gutter), self._of = self._box, now
-            self._room = Bounds(width, self._letters, height / width, gutter / width, self.dark)
-        return self._room
+        if now != self._bounds_key:
+            (width, height, gutter), self._bounds_key = self._box, now
+            self._bounds = Bounds(width, self._letters, height / width, gutter / width, self.dark)
+        return self._bounds
 
     def fit(self, width: float, height: float, gutter: float, letters: float = 1.0) -> bool:
         """Sets the browser's pixels for x from 0 to 1 and in the gutter; returns whether they have changed."""
@@ -46,7 +46,7 @@ class Lettering:
         self._box, self._letters = (max(120.0, width), max(60.0, height), max(0.0, gutter)), max(0.5, letters)
         return before != (self._box, self._letters)
 
-    def look(self, rectangle: tuple[float, float, float, float]) -> None:
+    def set_rectangle(self, rectangle: tuple[float, float, float, float]) -> None:
         """Sets the rectangle of the plane that is visible."""
         if rectangle != self._rectangle:
             self._rectangle, self._changed = rectangle, True
@@ -70,7 +70,7 @@ class Lettering:
                 self._changed = True
 
     @property
-    def written(self) -> list[tuple[str, Label]]:
+    def visible(self) -> list[tuple[str, Label]]:
         """All visible labels, each with the name of its surface."""
         return [(sheet, label) for sheet, labels in self._labels.items()
                 if not any(sheet == hidden or sheet.startswith(f"{hidden}/") for hidden in self._hidden)
@@ -83,12 +83,12 @@ class Lettering:
                 return
             self._changed = False
             x0, x1, y0, y1 = self._rectangle
-            labels = [self._placed(sheet, label, x0, y1, x1 - x0, y1 - y0) for sheet, label in self.written]
+            labels = [self._encode(sheet, label, x0, y1, x1 - x0, y1 - y0) for sheet, label in self.visible]
             high = round((1 + 2 * EDGE) * (y1 - y0) / (x1 - x0), 4)
             said = json.dumps({"high": high, "labels": labels}, separators=(",", ":"))
         self._html.content = f"<i class='lab-stage' data-said='{escape(said)}'></i>"
 
-    def _placed(self, sheet: str, label: Label, left: float, top: float, width: float, height: float) -> dict:
+    def _encode(self, sheet: str, label: Label, left: float, top: float, width: float, height: float) -> dict:
         """Returns a label's data for the page, with its position relative to the stage's box."""
         said = {"name": f"{sheet}/{label.name}", "text": wrap_text(label.text, label.width), "role": label.role,
                 "x": round((label.x - left) / width, 4), "y": round((top - label.y) / height, 4),
@@ -117,10 +117,10 @@ class ViewerSurface:
             self._lettering.show(self._at, visible)
 
     @property
-    def room(self) -> Bounds:
-        return self._lettering.room
+    def bounds(self) -> Bounds:
+        return self._lettering.bounds
 
-    def child(self, name: str) -> "ViewerSurface":
+    def add_child(self, name: str) -> "ViewerSurface":
         return ViewerSurface(self._client, self._lettering, f"{self._at}/{name}")
 
     def show(self, *marks: Mark) -> None:
@@ -132,7 +132,7 @@ class ViewerSurface:
             handle, before = self._drawn.get(mark.name, (None, None))
             seen = len(mark) > 0
             if seen and mark is not before:
-                handle = handle or self._made(mark)
+                handle = handle or self._add_handle(mark)
                 changed.append((handle, self._arrays(handle, mark, before)))
                 self._drawn[mark.name] = handle, mark
             if handle is not None and handle.visible != seen:
@@ -142,7 +142,7 @@ class ViewerSurface:
         for handle, seen in turned:
             handle.visible = seen
 
-    def _made(self, mark: Dots | Lines) -> Any:
+    def _add_handle(self, mark: Dots | Lines) -> Any:
         s, name = self._client.scene, f"{self._at}/{mark.name}"
         match mark:
             case Lines():

@@ -33,18 +33,18 @@ class BrowserConnections:
         self.trusts_proxy = trusts_proxy
         self.new, self.silent = (PendingConnections["BrowserConnection"](*LINES),
                                  PendingConnections["BrowserConnection"](*SOCKETS))
-        self.there = WeakSet["BrowserConnection"]()
+        self.open_ones = WeakSet["BrowserConnection"]()
 
-    def come(self, line: "BrowserConnection", remote: object) -> None:
+    def accept(self, line: "BrowserConnection", remote: object) -> None:
         """Registers a connection from this address and port."""
         who = str(remote[0]) if isinstance(remote, tuple) else "somewhere"
-        self.there.add(line)
-        if gone := self.new.enter(line, str(remote) if self.trusts_proxy and is_loopback(who) else network_of(who)):
+        self.open_ones.add(line)
+        if gone := self.new.add(line, str(remote) if self.trusts_proxy and is_loopback(who) else network_of(who)):
             gone.transport.abort()
 
-    def cut(self) -> None:
+    def close_all(self) -> None:
         """Aborts all connections without a handshake."""
-        for line in list(self.there):
+        for line in list(self.open_ones):
             line.transport.abort()
 
 
@@ -58,7 +58,7 @@ class BrowserConnection(ServerConnection):
 
     def connection_made(self, transport: asyncio.BaseTransport) -> None:
         super().connection_made(transport)
-        self._lines.come(self, transport.get_extra_info("peername"))
+        self._lines.accept(self, transport.get_extra_info("peername"))
 
     def data_received(self, data: bytes) -> None:
         if self.request is None:
@@ -68,13 +68,13 @@ class BrowserConnection(ServerConnection):
                 return
         super().data_received(data)
 
-    def answered(self) -> None:
+    def on_answered(self) -> None:
         """Releases its place among the new connections: its request is answered."""
-        self._lines.new.leave(self)
+        self._lines.new.discard(self)
         self.head = b""
 
     def connection_lost(self, exc: Exception | None) -> None:
-        self._lines.new.leave(self)
+        self._lines.new.discard(self)
         super().connection_lost(exc)
 
     async def ping_until_closed(self) -> None:

@@ -12,7 +12,7 @@ import msgspec
 from websockets.exceptions import ConnectionClosed
 from websockets.frames import CloseCode
 
-from app.access.log_limit import Refusals
+from app.access.log_limit import RefusalLog
 from app.access.network_limits import TokenBucket
 from app.viewer import upload, widgets
 from app.viewer.connection import send_away
@@ -108,7 +108,7 @@ def why_refused(message: bytes | str, find: Callable[[str], Any], who: str = "")
         return None if _pointer(said) else "a place that nobody can point at"
     if part_of_file:
         box = upload.upload_of_button(find(said["source_component_uuid"]))
-        return "a file that nobody has asked for" if box is None else box.take(part_of_file, said, who)
+        return "a file that nobody has asked for" if box is None else box.handle(part_of_file, said, who)
     if kind == "GuiUpdateMessage":
         widget = find(said["uuid"])
         return "a widget that is not there" if widget is None else \
@@ -129,9 +129,9 @@ class IncomingLimiter:
     ``who`` is the IP address, ``find`` returns a widget by its id, ``parts`` limits parts of files of its network, and
     ``keep_away`` is called with the address of a misbehaving client."""
 
-    def __init__(self, connection: Any, who: str, refusals: Refusals, parts: TokenBucket, find: Callable[[str], Any],
+    def __init__(self, connection: Any, who: str, refusals: RefusalLog, parts: TokenBucket, find: Callable[[str], Any],
                  keep_away: Callable[[str], None]):
-        self._connection, self._who, self._refusals = connection, who, refusals
+        self._connection, self._address, self._refusals = connection, who, refusals
         self._parts, self._find, self._keep_away = parts, find, keep_away
         self._receive, self._rate, self._calm = connection.recv, TokenBucket(MESSAGES, A_SECOND), monotonic()
         self._first: bytes | None = None
@@ -146,36 +146,36 @@ class IncomingLimiter:
             first, self._first = self._first, None
             return first
         while True:
-            message = await self._received(*args, **options)
-            why = why_refused(message, self._find, self._who)
+            message = await self._receive_checked(*args, **options)
+            why = why_refused(message, self._find, self._address)
             of_file = why is None and upload.kind_of(message)
-            self._rate.pay(PART_AS if of_file else 1 + len(message) / BYTES_AS_ONE + (REFUSED_AS if why else 0))
+            self._rate.spend(PART_AS if of_file else 1 + len(message) / BYTES_AS_ONE + (REFUSED_AS if why else 0))
             await self._keep_pace()
             if of_file:
-                self._parts.pay()
-                await asyncio.sleep(self._parts.wait(0))
+                self._parts.spend()
+                await asyncio.sleep(self._parts.delay(0))
             if why is not None:
-                self._refusals.note(why, self._who)
+                self._refusals.record(why, self._address)
             elif not of_file:
                 return message
 
-    async def _received(self, *args: Any, **options: Any) -> Any:
+    async def _receive_checked(self, *args: Any, **options: Any) -> Any:
         try:
             return await self._receive(*args, **options)
         except ConnectionClosed as closed:
             if closed.sent and closed.sent.code == CloseCode.MESSAGE_TOO_BIG:
-                self._refusals.note("a message above 1 MB", self._who)
-                self._keep_away(self._who)
+                self._refusals.record("a message above 1 MB", self._address)
+                self._keep_away(self._address)
             raise
 
     async def _keep_pace(self) -> None:
         """Delays further messages above the rate limit; closes the connection if that continues."""
-        if self._rate.left > 0.25 * self._rate.most:
+        if self._rate.tokens > 0.25 * self._rate.most:
             self._calm = monotonic()
         elif monotonic() - self._calm > PATIENCE:
-            self._refusals.note(TOO_MUCH, self._who)
-            self._keep_away(self._who)
+            self._refusals.record(TOO_MUCH, self._address)
+            self._keep_away(self._address)
             await send_away(self._connection, TOO_MUCH)
             raise self._connection.protocol.close_exc
-        if self._rate.left < 0:
-            await asyncio.sleep(self._rate.wait(0))
+        if self._rate.tokens < 0:
+            await asyncio.sleep(self._rate.delay(0))

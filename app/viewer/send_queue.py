@@ -22,27 +22,27 @@ PROTOCOL = f"viser-v{viser.__version__}"  # ensures that page and server have th
 
 
 class SendEvent(asyncio.Event):
-    """Event that wakes the present waiters on a loop, no later ones. Any thread may call :meth:`ring`; the viewer also
-    calls :meth:`set`, from the sending thread, where it does nothing, and then from the loop."""
+    """Event that wakes the present waiters on a loop, no later ones. Any thread may call :meth:`notify`; the viewer
+    also calls :meth:`set`, from the sending thread, where it does nothing, and then from the loop."""
 
     def __init__(self) -> None:
         super().__init__()
-        self._rung = False  # set and not handled yet
+        self._is_pending = False  # set and not handled yet
 
     def set(self) -> None:
         with suppress(RuntimeError):  # no loop runs in this thread
             asyncio.get_running_loop()
-            self._rung = False
+            self._is_pending = False
             super().set()
             self.clear()
 
-    def ring(self, tower: "SendNotifier") -> None:
+    def notify(self, tower: "SendNotifier") -> None:
         """Schedules one wake-up for all calls until it is handled."""
-        if not self._rung:
-            self._rung = True
-            tower.ring(self)
+        if not self._is_pending:
+            self._is_pending = True
+            tower.notify(self)
 
-    async def heard(self, seconds: float | None = None) -> None:
+    async def wait_for(self, seconds: float | None = None) -> None:
         """Waits for the event, at most so many seconds."""
         timer = None if seconds is None else asyncio.get_running_loop().call_later(seconds, self.set)
         await self.wait()
@@ -50,23 +50,23 @@ class SendEvent(asyncio.Event):
             timer.cancel()
 
 
-class _Here(threading.local):
+class _ThreadBatch(threading.local):
     """Thread-local set of notifiers to wake at the end of a batch."""
 
-    rung: "set[SendNotifier] | None" = None
+    notifiers: "set[SendNotifier] | None" = None
 
 
-_here = _Here()
+_batch = _ThreadBatch()
 
 
 @contextmanager
 def batch_messages() -> Iterator[None]:
     """Context manager: delays this thread's messages to several browsers, so that the loop is woken once."""
-    rung = _here.rung = set()
+    rung = _batch.notifiers = set()
     try:
         yield
     finally:
-        _here.rung = None
+        _batch.notifiers = None
         for tower in rung:
             tower.wake()
 
@@ -76,27 +76,28 @@ class SendNotifier:
 
     def __init__(self, loop: asyncio.AbstractEventLoop):
         self._soon = loop.call_soon_threadsafe
-        self._ringing, self._woken = deque[SendEvent](), False
+        self._events, self._is_awake = deque[SendEvent](), False
 
-    def ring(self, bell: SendEvent) -> None:
-        """Adds an event from any thread. The order matters: an event that :meth:`_hear` misses wakes the loop again."""
-        self._ringing.append(bell)
-        if _here.rung is None:
+    def notify(self, bell: SendEvent) -> None:
+        """Adds an event from any thread. The order matters: an event that :meth:`_drain` misses wakes the loop
+        again."""
+        self._events.append(bell)
+        if _batch.notifiers is None:
             self.wake()
         else:
-            _here.rung.add(self)
+            _batch.notifiers.add(self)
 
     def wake(self) -> None:
         """Wakes the loop to handle pending events."""
-        if not self._woken:
-            self._woken = True
+        if not self._is_awake:
+            self._is_awake = True
             with suppress(RuntimeError):  # the loop is closed: nobody waits
-                self._soon(self._hear)
+                self._soon(self._drain)
 
-    def _hear(self) -> None:
-        self._woken = False
-        while self._ringing:
-            self._ringing.popleft().set()
+    def _drain(self) -> None:
+        self._is_awake = False
+        while self._events:
+            self._events.popleft().set()
 
 
 _TOWERS = WeakKeyDictionary[asyncio.AbstractEventLoop, SendNotifier]()
@@ -147,16 +148,16 @@ class SendBuffer(AsyncMessageBuffer):
                 if entity is not None:
                     self.ids_from_entity_state_key.setdefault(entity, set()).add(number)
             self.message_counter += len(messages)
-        self._ring()
+        self._notify()
 
     def atomic_end(self) -> None:
         with self.buffer_lock:
             self.atomic_counter -= 1
-        self._ring()
+        self._notify()
 
     def flush(self) -> None:
         self._flushed = True
-        self._ring()
+        self._notify()
 
     async def _window_loop(self, client_id: int, backlog_last_id: int,
                            backlog_done_message: Message | None) -> AsyncGenerator[Sequence[Message], None]:
@@ -168,7 +169,7 @@ class SendBuffer(AsyncMessageBuffer):
                 newest = self.message_counter - 1
                 if self.atomic_counter:
                     newest = last
-                window, last = self._taken(last, newest if marker is None else min(newest, backlog_last_id), client_id)
+                window, last = self._take(last, newest if marker is None else min(newest, backlog_last_id), client_id)
                 self.generator_cursors[client_id] = last
                 if marker is not None and last >= backlog_last_id and not self.atomic_counter:
                     window, marker = [*window, marker], None
@@ -178,15 +179,15 @@ class SendBuffer(AsyncMessageBuffer):
                     self._given = None
                 self._sent = last
                 if self.message_counter - 1 == last or self.atomic_counter:
-                    await self._more(last)
+                    await self._wait_for_more(last)
         finally:
             self.generator_cursors.pop(client_id, None)
 
-    def _ring(self) -> None:
+    def _notify(self) -> None:
         if not self.atomic_counter:  # otherwise at the end of the block
-            self.message_event.ring(self._tower)
+            self.message_event.notify(self._tower)
 
-    def _taken(self, last: int, newest: int, client_id: int) -> tuple[list[Message], int]:
+    def _take(self, last: int, newest: int, client_id: int) -> tuple[list[Message], int]:
         """Returns messages after number ``last`` up to ``newest``, not too many, and the last number examined."""
         window: list[Message] = []
         if not self.persistent_messages and newest - last <= self.max_window_size:
@@ -208,14 +209,14 @@ class SendBuffer(AsyncMessageBuffer):
                 window.append(message)
         return window, last
 
-    async def _more(self, last: int) -> None:
+    async def _wait_for_more(self, last: int) -> None:
         """Waits for messages after number ``last``, and then until a flush or the end of the window's duration."""
         while not self.done and (self.message_counter - 1 == last or self.atomic_counter):
-            await self.message_event.heard()
+            await self.message_event.wait_for()
         loop = asyncio.get_running_loop()
         end = loop.time() + self.window_duration_sec
         while not (self.done or self._flushed) and (left := end - loop.time()) > 0:
-            await self.message_event.heard(left)
+            await self.message_event.wait_for(left)
         self._flushed = False
 
 

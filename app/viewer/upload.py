@@ -41,7 +41,7 @@ def kind_of(message: bytes | str) -> str | None:
 
 
 @dataclass
-class _ComingFile:
+class _IncomingFile:
     """A file being received."""
 
     transfer: str
@@ -52,7 +52,7 @@ class _ComingFile:
     since: float = field(default_factory=monotonic)  # time of the last part
 
     @property
-    def received(self) -> int:
+    def received_bytes(self) -> int:
         return min(self.size, self.parts * PART_BYTES)
 
 
@@ -64,8 +64,9 @@ class Upload:
                  on_refusal: Callable[[str], None]):
         self._gui, self._button, self._on_file, self._on_refusal = gui, button, on_file, on_refusal
         self._folder: Path | None = None  # made for the first one
-        self._coming_file: _ComingFile | None = None
-        self._taken: list[tuple[str, int]] = []  # address and bytes of the present file and of the one being received
+        self._coming_file: _IncomingFile | None = None
+        self._reserved: list[tuple[str,
+                                   int]] = []  # address and bytes of the present file and of the one being received
         self._open, self._lock = False, threading.Lock()
         object.__setattr__(button, _OWN, self)  # the viewer's own setter accepts its properties only
 
@@ -78,11 +79,11 @@ class Upload:
         return self._folder
 
     @property
-    def coming(self) -> str:
+    def progress_text(self) -> str:
         """The progress of the present upload in words, or ""."""
         file = self._coming_file
         return "" if file is None else tr("The file is coming: {received:.1f} of {size:.1f} MB are here",
-                                          received=file.received / 1e6, size=file.size / 1e6)
+                                          received=file.received_bytes / 1e6, size=file.size / 1e6)
 
     def open(self) -> None:
         """Accepts files from now on."""
@@ -103,7 +104,7 @@ class Upload:
         with self._lock:
             self._give_back(0)
 
-    def take(self, kind: str, said: dict[str, Any], who: str = "") -> str | None:
+    def handle(self, kind: str, said: dict[str, Any], who: str = "") -> str | None:
         """Handles a valid message from an IP address; returns why it is refused, or None."""
         with self._lock:
             if not self._open:
@@ -126,29 +127,29 @@ class Upload:
             return "a file in parts that it cannot have"
         if not ROOM.take(who, said["size_bytes"]):
             return self._no_room()
-        self._taken.append((who, said["size_bytes"]))
+        self._reserved.append((who, said["size_bytes"]))
         into = open(self.folder / "coming", "wb")  # closed with its last part
-        self._coming_file = _ComingFile(said["transfer_uuid"], said["filename"], said["size_bytes"], into)
-        self._follow(self._coming_file)
+        self._coming_file = _IncomingFile(said["transfer_uuid"], said["filename"], said["size_bytes"], into)
+        self._report(self._coming_file)
         return None
 
     def _add(self, said: dict[str, Any]) -> str | None:
         file = self._coming_file
         if file is None or said["transfer_uuid"] != file.transfer:
             return "a part of no file"
-        expected = min(PART_BYTES, file.size - file.received)
+        expected = min(PART_BYTES, file.size - file.received_bytes)
         if said["part_index"] != file.parts or len(said["content"]) != expected:
             return "a part of a file that is not the next one"
         file.into.write(said["content"])
         file.parts, file.since = file.parts + 1, monotonic()
-        self._follow(file)
+        self._report(file)
         return None
 
-    def _follow(self, file: _ComingFile) -> None:
+    def _report(self, file: _IncomingFile) -> None:
         """Acknowledges the received bytes to the browser; passes on a complete file."""
         self._gui._websock_interface.queue_message(FileTransferPartAck(
-            self._button._impl.uuid, file.transfer, file.received, file.size))
-        if file.received == file.size:
+            self._button._impl.uuid, file.transfer, file.received_bytes, file.size))
+        if file.received_bytes == file.size:
             file.into.close()
             self._coming_file = None
             self._give_back(1)  # the previous file is replaced
@@ -164,13 +165,13 @@ class Upload:
             self._coming_file.into.close()
             self._coming_file = None
             (self.folder / "coming").unlink(missing_ok=True)
-            who, size = self._taken.pop()
-            ROOM.give_back(who, size)
+            who, size = self._reserved.pop()
+            ROOM.release(who, size)
 
     def _give_back(self, but: int) -> None:
         """Releases the quota of all files but the last ``but``."""
-        while len(self._taken) > but:
-            ROOM.give_back(*self._taken.pop(0))
+        while len(self._reserved) > but:
+            ROOM.release(*self._reserved.pop(0))
 
 
 def upload_of_button(button: Any) -> Upload | None:

@@ -64,7 +64,7 @@ def of_loop(loop: asyncio.AbstractEventLoop, context: dict[str, Any]) -> None:
         log_failure(MESSAGE, error)
 
 
-class _Carrying(Executor):
+class _LanguageExecutor(Executor):
     """Executor that runs work in another one, in the language current at its creation."""
 
     def __init__(self, executor: Executor):
@@ -77,4 +77,4 @@ class _Carrying(Executor):
 def run_in_language(client: Any) -> None:
     """Makes callbacks of this visitor's widgets and stage run in the current language."""
     for part in (client.gui, client.scene):
-        part._thread_executor = _Carrying(part._thread_executor)
+        part._thread_executor = _LanguageExecutor(part._thread_executor)

@@ -21,7 +21,7 @@ from websockets.http11 import Request, Response
 
 from app.access.allowed_hosts import FOREIGN_PAGE, Addresses, has_stray_whitespace
 from app.access.class_code import TEACHER, AccessIdentity, ClassCode
-from app.access.log_limit import Refusals, log_failure
+from app.access.log_limit import RefusalLog, log_failure
 from app.access.network_limits import TokenBucket, TokenBuckets, network_of
 from app.language import translation
 from app.language.translation import ENGLISH, current_language, language_cache, lazy, tr, with_language
@@ -54,11 +54,11 @@ def _code_page() -> str:
     return render_template(_CODE_PAGE, language=current_language())
 
 
-class Lab(viser.ViserServer):
-    """The viewer's server without its tunnel; its ``visitors`` have passed its access control, ``doors``."""
+class LabServer(viser.ViserServer):
+    """The viewer's server without its tunnel; its ``visitors`` have passed its access control, ``access``."""
 
     visitors: Any = None
-    doors: "AccessControl"
+    access: "AccessControl"
 
     def wait_until_told(self, seconds: float) -> None:
         """Waits until every browser has been sent the last messages, at most so many seconds."""
@@ -73,7 +73,7 @@ class Lab(viser.ViserServer):
         loop = self._websock_server._background_event_loop
         if loop is not None:
             with suppress(RuntimeError):  # it has ended
-                loop.call_soon_threadsafe(loop.call_later, STOPPING, self.doors.cut)
+                loop.call_soon_threadsafe(loop.call_later, STOPPING, self.access.close_all)
         super().stop()
 
     def request_share_url(self, verbose: bool = True) -> None:
@@ -84,10 +84,10 @@ class Lab(viser.ViserServer):
 
 
 class AccessControl:
-    """Access control of one server. All but :meth:`guarding` is called on the web server's loop."""
+    """Access control of one server. All but :meth:`guard_servers` is called on the web server's loop."""
 
     def __init__(self, addresses: Addresses, code: ClassCode | None):
-        self._addresses, self._code, self._refusals = addresses, code, Refusals()
+        self._addresses, self._code, self._refusals = addresses, code, RefusalLog()
         self._handshakes = TokenBuckets(lambda: TokenBucket(HANDSHAKES, HANDSHAKES_A_SECOND))
         self._parts = TokenBuckets(lambda: TokenBucket(PARTS, PARTS_A_SECOND))
         self._lines = BrowserConnections(trusts_proxy=bool(addresses.names))
@@ -96,17 +96,17 @@ class AccessControl:
         self._server: viser.ViserServer | None = None
         self._visitors: Any = None  # admitted visitors
 
-    def watch(self, server: Lab, visitors: Any) -> None:
+    def watch(self, server: LabServer, visitors: Any) -> None:
         """Sets the server, whose widgets messages refer to, and its visitors."""
         self._server, self._visitors = server, visitors
-        server.doors, server.visitors = self, visitors
+        server.access, server.visitors = self, visitors
 
-    def cut(self) -> None:
+    def close_all(self) -> None:
         """Aborts all connections."""
-        self._lines.cut()
+        self._lines.close_all()
 
     @contextmanager
-    def guarding(self, index: Index) -> Iterator[None]:
+    def guard_servers(self, index: Index) -> Iterator[None]:
         """Context manager: web servers started within use this access control and this ``index``."""
         serve = websockets.asyncio.server.serve
 
@@ -114,7 +114,7 @@ class AccessControl:
                     **options: Any) -> Any:
             def answer(connection: BrowserConnection, request: Request) -> Response | None:
                 answer = self._answer(connection, request, index)
-                connection.answered()
+                connection.on_answered()
                 return answer
 
             asyncio.get_running_loop().set_exception_handler(viser_patches.of_loop)
@@ -140,19 +140,19 @@ class AccessControl:
             return not isinstance(error, Exception)
         if not isinstance(error, InvalidMessage) or isinstance(error.__cause__, (EOFError, OSError)):
             return False
-        self._refusals.note("a connection that does not speak HTTP")
+        self._refusals.record("a connection that does not speak HTTP")
         return False
 
     async def _handle(self, handler: Callable[[Any], Awaitable[None]], connection: Any) -> None:
         """Handles a websocket. The viewer gets it after its first message; before, nothing is built for it."""
-        who = self._who(connection)
+        who = self._address_of(connection)
         if connection.subprotocol != PROTOCOL:
-            self._refusals.note("a page of another version", who)
+            self._refusals.record("a page of another version", who)
             await connection.close(1002, f"Version mismatch. Server: {viser.__version__}")
             return
-        hearing = IncomingLimiter(connection, who, self._refusals, self._parts.of(network_of(who)),
+        hearing = IncomingLimiter(connection, who, self._refusals, self._parts.get(network_of(who)),
                           partial(self._widget, connection), self._keep_away)
-        if gone := self._lines.silent.enter(connection, network_of(who)):
+        if gone := self._lines.silent.add(connection, network_of(who)):
             self._close(gone, CROWDED)
         silent = asyncio.get_running_loop().call_later(SILENT, self._close, connection, NOTHING_SAID)
         try:
@@ -161,7 +161,7 @@ class AccessControl:
             return
         finally:
             silent.cancel()
-            self._lines.silent.leave(connection)
+            self._lines.silent.discard(connection)
         pulse = asyncio.create_task(connection.ping_until_closed())
         try:
             await handler(connection)
@@ -172,27 +172,27 @@ class AccessControl:
         """Returns the response to a request; None for one that opens a websocket."""
         path, _, query = request.path.partition("?")
         code = translation.preferred_language(query, ",".join(request.headers.get_all("Accept-Language")))
-        return with_language(self._answered, code)(connection, request, index, path)
+        return with_language(self._respond, code)(connection, request, index, path)
 
-    def _answered(self, connection: BrowserConnection, request: Request, index: Index, path: str) -> Response | None:
+    def _respond(self, connection: BrowserConnection, request: Request, index: Index, path: str) -> Response | None:
         """Returns the response to a request in the visitor's language; None for one that opens a websocket."""
-        who, headers = self._who(connection), request.headers
+        who, headers = self._address_of(connection), request.headers
         opens_socket = "websocket" in ",".join(headers.get_all("Upgrade")).lower()
         refusal = FOREIGN_PAGE if has_stray_whitespace(connection.head) else \
             self._addresses.refusal(headers, opens_socket)
         if refusal:
-            self._refusals.note(refusal, who)
+            self._refusals.record(refusal, who)
             return make_response(HTTPStatus.FORBIDDEN, refusal)
-        known = not self._code or self._code.knows(headers)
+        known = not self._code or self._code.is_authorised(headers)
         if path == "/health" and self._visitors and not opens_socket:
             health = self._visitors.health()
             shown = health if known else {"ready": health["ready"]}
             return make_response(HTTPStatus.OK, json.dumps(shown), "application/json")
         if self._code and not opens_socket and path.endswith("/enter"):
-            return self._enter(self._code, headers, who)
+            return self._log_in(self._code, headers, who)
         if not known:
             if opens_socket:
-                self._refusals.note(NO_CODE, who)
+                self._refusals.record(NO_CODE, who)
                 return make_response(HTTPStatus.FORBIDDEN, tr(NO_CODE))
             return make_response(HTTPStatus.OK if has_page(path) else HTTPStatus.FORBIDDEN, _code_page(), "text/html")
         if opens_socket:
@@ -202,12 +202,12 @@ class AccessControl:
         there = self._visitors is not None and self._visitors.attend(looks[2], looks[1] == "here")
         return make_response(HTTPStatus.NO_CONTENT if there else HTTPStatus.NOT_FOUND, "")
 
-    def guest(self, visitor: int) -> AccessIdentity | None:
+    def identify(self, visitor: int) -> AccessIdentity | None:
         """Returns whose code a visitor has used, the teacher's if none is required; None if the visitor has left."""
         if self._code is None:
             return AccessIdentity(TEACHER)
         connection = self._connection(visitor)
-        return None if connection is None else self._code.guest(connection.request.headers)
+        return None if connection is None else self._code.identify(connection.request.headers)
 
     def language(self, visitor: int) -> str:
         """Returns the code of the language of a present visitor's page."""
@@ -221,41 +221,41 @@ class AccessControl:
 
     def _wait(self, who: str) -> Response | None:
         """Returns a refusal for websockets after many of their network, or after being sent away; else None."""
-        now, handshakes = monotonic(), self._handshakes.of(network_of(who))
+        now, handshakes = monotonic(), self._handshakes.get(network_of(who))
         self._away = {other: until for other, until in self._away.items() if until > now}
-        wait = max(handshakes.wait(), self._away.get(who, now) - now)
+        wait = max(handshakes.delay(), self._away.get(who, now) - now)
         if wait:
-            self._refusals.note("a visitor, because there were too many at once", who)
+            self._refusals.record("a visitor, because there were too many at once", who)
             return make_response(HTTPStatus.SERVICE_UNAVAILABLE, tr("Too many come at once. Try again in a moment."),
                                  wait=wait)
-        handshakes.pay()
+        handshakes.spend()
         return None
 
     def _keep_away(self, who: str) -> None:
         """Makes a misbehaving address wait."""
         self._away[who] = monotonic() + AWAY
-        handshakes = self._handshakes.of(network_of(who))
-        handshakes.pay(min(MISDEED, max(0.0, handshakes.left)))
+        handshakes = self._handshakes.get(network_of(who))
+        handshakes.spend(min(MISDEED, max(0.0, handshakes.tokens)))
 
-    def _enter(self, code: ClassCode, headers: Headers, who: str) -> Response:
+    def _log_in(self, code: ClassCode, headers: Headers, who: str) -> Response:
         guesses = headers.get_all("X-Class-Code")
-        entry = code.enter(unquote(guesses[0][:1000]) if guesses else "", who)
-        if entry.cookie and code.knows(headers) and not entry.more:
+        entry = code.log_in(unquote(guesses[0][:1000]) if guesses else "", who)
+        if entry.cookie and code.is_authorised(headers) and not entry.more:
             return make_response(HTTPStatus.NO_CONTENT, "")  # already admitted
         if entry.cookie:
             return make_response(HTTPStatus.OK, "", cookie=entry.cookie)
-        self._refusals.note("a wrong class code" if not entry.wait else "a class code after too many wrong ones", who)
-        return make_response(HTTPStatus.TOO_MANY_REQUESTS if entry.wait else HTTPStatus.FORBIDDEN, entry.sentence,
+        self._refusals.record("a wrong class code" if not entry.wait else "a class code after too many wrong ones", who)
+        return make_response(HTTPStatus.TOO_MANY_REQUESTS if entry.wait else HTTPStatus.FORBIDDEN, entry.refusal,
                              wait=entry.wait)
 
     def _close(self, connection: Any, why: str) -> None:
         """Closes a silent websocket."""
-        self._refusals.note("a connection that says nothing", self._who(connection))
+        self._refusals.record("a connection that says nothing", self._address_of(connection))
         going = asyncio.ensure_future(send_away(connection, why))
         self._going.add(going)  # keeps a reference, so that it is not garbage-collected
         going.add_done_callback(self._going.discard)
 
-    def _who(self, connection: Any) -> str:
+    def _address_of(self, connection: Any) -> str:
         return address_of(connection, trusts_proxy=self._lines.trusts_proxy)
 
     def _widget(self, connection: Any, widget: str) -> Any:

@@ -53,7 +53,7 @@ def is_removed(widget: Any) -> bool:
     return widget._impl.removed
 
 
-def _ranged(widget: Any, value: Any) -> bool:
+def _is_in_range(widget: Any, value: Any) -> bool:
     """Whether a number is in range, up to half the last digit, as a browser rounds to the digits it shows."""
     half = 0.5 * 10.0**-widget.precision * (1 + 1e-9) if type(widget.value) is float else 0.0
     low = -math.inf if widget.min is None else widget.min - half
@@ -61,15 +61,15 @@ def _ranged(widget: Any, value: Any) -> bool:
     return is_number_between(value, low, high) and (type(widget.value) is float or value == int(value))
 
 
-def _truth(widget: Any, value: Any) -> bool:
+def _is_bool(widget: Any, value: Any) -> bool:
     return type(value) is bool
 
 
-def _option(widget: Any, value: Any) -> bool:
+def _is_option(widget: Any, value: Any) -> bool:
     return type(value) is str and value in widget.options
 
 
 RULES: dict[type, Callable[[Any, Any], bool]] = {
-    viser.GuiSliderHandle: _ranged, viser.GuiNumberHandle: _ranged, viser.GuiCheckboxHandle: _truth,
-    viser.GuiButtonHandle: _truth, viser.GuiDropdownHandle: _option, viser.GuiButtonGroupHandle: _option,
+    viser.GuiSliderHandle: _is_in_range, viser.GuiNumberHandle: _is_in_range, viser.GuiCheckboxHandle: _is_bool,
+    viser.GuiButtonHandle: _is_bool, viser.GuiDropdownHandle: _is_option, viser.GuiButtonGroupHandle: _is_option,
     viser.GuiTextHandle: lambda text, value: type(value) is str and len(value) <= getattr(text, _OWN, LONGEST_TEXT)}

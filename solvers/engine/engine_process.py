@@ -116,12 +116,12 @@ class EngineProcess:
         """Stops the process, after ``patience`` s by force."""
         self.request_stop()
         end = monotonic() + patience
-        while self._unreaped() and monotonic() < end:
+        while self._reap() and monotonic() < end:
             sleep(0.01)
         for process_id in self._leaving:
             with suppress(OSError):  # it has ended
                 os.kill(process_id, worker_process.KILL_SIGNAL)
-        while self._unreaped() and monotonic() < end + REAP_SECONDS:
+        while self._reap() and monotonic() < end + REAP_SECONDS:
             sleep(0.01)
 
     def _read(self) -> None:
@@ -193,10 +193,10 @@ class EngineProcess:
         for link in list(self.links.values()):
             _notify(link.listener.on_error, CANNOT_START)
 
-    def _unreaped(self) -> list[int]:
+    def _reap(self) -> list[int]:
         """Returns processes that were stopped and still exist. Children become those of the page's process once the
         engine that forked them has ended, where the system supports that."""
-        def here(process_id: int) -> bool:
+        def is_running(process_id: int) -> bool:
             if process_id == self._process.pid:
                 return self._process.is_alive()
             try:
@@ -204,14 +204,14 @@ class EngineProcess:
             except ChildProcessError:  # its parent has not quite ended, or buries it
                 return os.path.exists(f"/proc/{process_id}")
 
-        self._leaving = [process_id for process_id in self._leaving if here(process_id)]
+        self._leaving = [process_id for process_id in self._leaving if is_running(process_id)]
         return self._leaving
 
     def _dispatch(self,
                   message: engine_messages.FrameBatch | engine_messages.CompilePending | engine_messages.ForkStarted
                   | engine_messages.EngineReplaced | engine_messages.EngineError | engine_messages.EngineReady) -> None:
         if self._leaving:
-            self._unreaped()
+            self._reap()
         if isinstance(message, engine_messages.FrameBatch):
             with self.together():
                 for report in message.reports:

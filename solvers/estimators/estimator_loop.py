@@ -4,11 +4,11 @@ import taichi as ti
 
 from solvers.estimators.estimator_memory import packing
 from solvers.kernels.packing import MemoryView
-from solvers.kernels.scalar_hoisting import untranslated
+from solvers.kernels.scalar_hoisting import mark_untranslated
 from solvers.scene.estimator_hooks import NEVER
 
 
-@untranslated
+@mark_untranslated
 def with_memory(state, estimators, name):
     """Returns the state with an estimator's packed memory as attributes, while kernels are compiled."""
     return MemoryView(state, packing(estimators), estimators[name].memory)

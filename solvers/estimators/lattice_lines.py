@@ -85,14 +85,14 @@ class Line:
         index, value, slope = self._recovery(self.particles(), width, degree)
         index, sign = self._fold(index, self.points)
         weights = sign[..., None] * np.stack([value, slope * self.per_point], axis=-1)[:, :, None]
-        return self._banded(np.arange(self.points)[:, None], index, weights, self.points, self.points)
+        return self._sum_rows(np.arange(self.points)[:, None], index, weights, self.points, self.points)
 
     def spread(self) -> Rows:
         """Returns value and slope (1/length) of the B-splines at every particle: weights (points, 3, components, 2)."""
         index, value, slope = self._splines(self.particles())
         index, sign = self._fold_nodes(index)
         weights = sign[..., None] * np.stack([value, slope * self.per_element], axis=-1)[:, :, None]
-        return self._banded(np.arange(self.points)[:, None], index, weights, self.points, self.nodes)
+        return self._sum_rows(np.arange(self.points)[:, None], index, weights, self.points, self.nodes)
 
     def gather(self, width: int, degree: int, measure: np.ndarray | float = 1.0) -> Rows:
         """Returns integrals of N f, N' f and N f without measure over the line, over the integral of N (with measure).
@@ -111,7 +111,7 @@ class Line:
         signs = np.stack([sign, sign[..., ::-1], sign], -1)  # (Q, k, components, 3)
         found = (signs * value[:, :, None, None])[:, None]
         values = node_sign[:, :, None, :, None] * kinds[:, :, None, None, :] * found
-        banded = self._banded(node[:, :, None], particle[:, None, :], values, self.nodes, self.points)
+        banded = self._sum_rows(node[:, :, None], particle[:, None, :], values, self.nodes, self.points)
         return Rows(banded.first, banded.weights / self.mass(measure)[:, None, None, None])
 
     def mass(self, measure: np.ndarray | float = 1.0) -> np.ndarray:
@@ -131,7 +131,7 @@ class Line:
         node, N, _ = self._splines(q)
         node, sign = self._fold_nodes(node)
         values = (sign * (N * (weight * measure)[:, None])[..., None])[:, :, None] * (sign * N[..., None])[:, None]
-        banded = self._banded(node[:, :, None], node[:, None, :], values, self.nodes, self.nodes)
+        banded = self._sum_rows(node[:, :, None], node[:, None, :], values, self.nodes, self.nodes)
         weights = banded.weights / self.mass(measure)[:, None, None]
         return Rows(banded.first, np.stack([weights, np.zeros_like(weights)], axis=-1))
 
@@ -179,8 +179,8 @@ class Line:
             return inside, np.stack([1.0 - 2 * out for out in odd], axis=-1)
         return index % count, np.ones((*index.shape, 1))
 
-    def _banded(self, rows: np.ndarray, columns: np.ndarray, values: np.ndarray, row_count: int,
-                column_count: int) -> Rows:
+    def _sum_rows(self, rows: np.ndarray, columns: np.ndarray, values: np.ndarray, row_count: int,
+                  column_count: int) -> Rows:
         """Adds up entries with equal row and column into rows of consecutive columns."""
         rows, columns = np.broadcast_arrays(rows, columns)
         tail = values.shape[rows.ndim:]

@@ -53,20 +53,20 @@ class Companions:
     times: tuple[float, ...]
 
     @functools.cached_property
-    def _solved(self) -> list[tuple[ElasticBody, list[tuple[np.ndarray, np.ndarray]]]]:
+    def _solutions(self) -> list[tuple[ElasticBody, list[tuple[np.ndarray, np.ndarray]]]]:
         return [solve_companion(self.scene, fine, self.times) for fine in (True, False)]
 
     def errors(self, frame: Frame, fine: bool = True) -> Errors:
         """Returns the errors of a frame against the companion."""
         return _errors_against(self.scene, frame, *self._fields(frame, fine))
 
-    def doubt(self, frame: Frame) -> dict[str, float]:
+    def mesh_difference(self, frame: Frame) -> dict[str, float]:
         """Returns the RMS difference of the companion's two meshes at the frame's particles."""
         return {q: rms(one - other) for q, one, other in zip(QUANTITIES, self._fields(frame, True),
                                                              self._fields(frame, False), strict=True)}
 
     def _fields(self, frame: Frame, fine: bool) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        body, solved = self._solved[0 if fine else 1]
+        body, solved = self._solutions[0 if fine else 1]
         motion = solved[self.times.index(frame.time)]
         u, v, _, sigma = fields_at_points(self.scene, body, motion, frame.material_position)
         return u, v, sigma

@@ -126,9 +126,9 @@ def _judge_file(asked: ShowRequest, tell: Callable[[dict], None]) -> None:
     tell({"frames": asdict(FileSummary(task_of(shown).to_dict(), grid.times.tolist(), counts, table.crossed,
                                        as_json(norm_series(true)) if true else None, missing))})
     if true:
-        table.put_errors("difference", differences(judged.estimated, true))
-    table.put_errors("estimate", judged.estimated)
-    tell({"estimate": as_json(norm_series(judged.estimated))})
+        table.put_errors("difference", differences(judged.companion_errors, true))
+    table.put_errors("estimate", judged.companion_errors)
+    tell({"estimate": as_json(norm_series(judged.companion_errors))})
     tell({"verdict": judged.to_dict()})
 
 

@@ -48,12 +48,12 @@ class GridJudgement:
                                         frame) for frame in self.grid.frames] if self.scene.solution_known else []
 
     @functools.cached_property
-    def estimated(self) -> list[Errors]:
+    def companion_errors(self) -> list[Errors]:
         """Errors against the companion."""
         return [self.companions.errors(frame) for frame in self.grid.frames]
 
     @functools.cached_property
-    def _found(self) -> tuple[list[Finding], Deviation | None]:
+    def _findings(self) -> tuple[list[Finding], Deviation | None]:
         again = functools.partial(error_norms.true_errors, self.scene) if self.true else self.companions.errors
         return find_in_run(Evidence(self.scene, self.grid.frames, self.best, again,
                                     self.grid.step or self.scene.time_step))
@@ -61,17 +61,17 @@ class GridJudgement:
     @property
     def checks(self) -> list[Finding]:
         """Findings of all comparisons beside the errors, with their tolerances."""
-        return self._found[0]
+        return self._findings[0]
 
     @property
-    def apart(self) -> Deviation | None:
+    def gaps(self) -> Deviation | None:
         """Frame in which most particles are not where their neighbours are, with these particles; or None."""
-        return self._found[1]
+        return self._findings[1]
 
     @property
     def best(self) -> list[Errors]:
         """Errors against the best reference: the truth, or the companion."""
-        return self.true or self.estimated
+        return self.true or self.companion_errors
 
     @property
     def norms(self) -> dict[str, np.ndarray]:
@@ -87,9 +87,9 @@ class GridJudgement:
 
     def to_dict(self) -> dict:
         times, frames = self.grid.times, self.grid.frames
-        estimates = error_norms.norm_series(self.estimated)
+        estimates = error_norms.norm_series(self.companion_errors)
         true = error_norms.norm_series(self.true) if self.true else None
-        doubts = [self.companions.doubt(frame) for frame in frames]
+        doubts = [self.companions.mesh_difference(frame) for frame in frames]
         return {"cells": self.grid.cells, "h": self.scene.spacing, "files": list(dict.fromkeys(f.file for f in frames)),
                 "particles": len(frames[-1].number), "times": times.tolist(), "notes": self.notes(),
                 "checks": [one.to_judge_dict() for one in self.checks],
@@ -99,9 +99,9 @@ class GridJudgement:
                     "companion": error_norms.summarise_norms(times, estimates), "norms": error_norms.as_json(estimates),
                     "own_error": {q: finite(float(np.max([doubt[q] for doubt in doubts]))) for q in QUANTITIES},
                     "index": None if true is None else error_norms.effectivity(estimates, true, self.scene),
-                    "distance": None if true is None else error_norms.distances(self.estimated, self.true)},
+                    "distance": None if true is None else error_norms.distances(self.companion_errors, self.true)},
                 "worst": {q: None if (found := self.worst(q)) is None else found.to_dict() for q in QUANTITIES},
-                "neighbour_gap": None if self.apart is None else self.apart.to_dict(self.scene),
+                "neighbour_gap": None if self.gaps is None else self.gaps.to_dict(self.scene),
                 "crossings_at_least": error_norms.count_crossings(self.scene, frames),
                 "ours": [run.to_dict() for run in self.ours]}
 
@@ -200,7 +200,7 @@ def judge(scene: Scene, files: Particles | Sequence[Particles], *, cells: Sequen
         one = GridJudgement(replace(scene, cells=grid.cells), grid, companions)
         on_progress(k / len(found), f"{grid.cells} cells: companion")
         one.check()
-        assert one.estimated  # worked out here, where it may fail and is waited for
+        assert one.companion_errors  # worked out here, where it may fail and is waited for
         if compare:
             one.ours.extend(_run_methods(one, lambda part, what: on_progress((len(judged) + part) / len(found), what)))
         judged.append(one)

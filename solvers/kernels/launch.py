@@ -30,7 +30,7 @@ class Launch:
             return
         if self._kept is None:
             self._kernel(*numbers, *self._arguments)
-            self._kept = self._compiled(impl.get_runtime().prog, numbers)
+            self._kept = self._compile_kernel(impl.get_runtime().prog, numbers)
             return
         program, compiled, context = self._kept
         for k, number in enumerate(numbers):
@@ -68,7 +68,7 @@ class Launch:
         return [(pack[name], kind) for name, kind in pack._ArgPack__annotations.items()
                 if isinstance(kind, ndarray_type.NdarrayType)]
 
-    def _compiled(self, program: Any, numbers: tuple[int, ...]) -> tuple[Any, Any, Any]:
+    def _compile_kernel(self, program: Any, numbers: tuple[int, ...]) -> tuple[Any, Any, Any]:
         """Returns the program, the compiled kernel, and a context with the pack."""
         primal, pack, at = self._kernel._primal, self._arguments[0], len(numbers)
         own = primal.compiled_kernels[primal.ensure_compiled(*numbers, *self._arguments)]

@@ -14,7 +14,7 @@ import numpy as np
 import taichi as ti
 
 from solvers.kernels import dtypes
-from solvers.kernels.scalar_hoisting import subscript, untranslated, variable
+from solvers.kernels.scalar_hoisting import mark_untranslated, subscript, variable
 
 PREFIX = "memory_"  # of the arrays that hold the others, unless a packing has one of its own
 #: Types of arrays that can be packed, by name, with the shape of an entry.
@@ -109,7 +109,7 @@ class _ArraySlice:
         return subscript(self._array, self._begin + index)
 
 
-@untranslated
+@mark_untranslated
 def prefix_view(state: object, prefix: str) -> _PrefixView:
     """Returns, for kernels, the members whose names begin with ``prefix``, as attributes by the rest of their names."""
     return _PrefixView(state, prefix)

@@ -16,7 +16,7 @@ class _Members:
         vars(self).update(members)
 
 
-def untranslated(function: Any) -> Any:
+def mark_untranslated(function: Any) -> Any:
     """Marks a function that Taichi must not translate, so that it does not warn about calls."""
     function.__dict__["_is_taichi_function"] = False
     return function
@@ -32,7 +32,7 @@ def subscript(array: object, index: object) -> object:
     return ti.lang.impl.subscript(None, array, index)
 
 
-@untranslated
+@mark_untranslated
 def hoist_scalars(state: Any) -> _Members:
     """Returns, for kernels, the state, an argument pack, with its numbers read here."""
     return _Members({name: variable(value) if isinstance(value, ti.lang.expr.Expr) else value

@@ -56,7 +56,7 @@ class Candidate:
         return replace(self.family.scene, cells=self.cells)
 
     @property
-    def measured(self) -> bool:
+    def is_measured(self) -> bool:
         return any(point.cells == self.cells for point in self.family.points)
 
 
@@ -112,7 +112,7 @@ def advise(choices: list[Family], goal: Goal,
     search.measure_scouts()
     search.measure_all()
     best = search.measure_until_cheapest()
-    met = best.measured and best.error <= goal.tolerance
+    met = best.is_measured and best.error <= goal.tolerance
     others = [family for family in choices if _method_name(family.scene) != _method_name(best.scene)]
     search.measure_runner_up(others)
     runner_up, why = _runner_up(others, best, goal, met)
@@ -140,7 +140,7 @@ class _Search:
             while True:
                 ranking, met = _ranking(followed, self._goal)
                 best = _accepted_candidate(ranking, met, 0.0)
-                if not met or best.measured or best.family.seconds(_next_cells(best)) > SCOUTED_SECONDS:
+                if not met or best.is_measured or best.family.seconds(_next_cells(best)) > SCOUTED_SECONDS:
                     break
                 self._certain += 1
                 self._measure_member(best.family, _next_cells(best))
@@ -161,12 +161,12 @@ class _Search:
             ranking, met = _ranking(self._choices, goal)
             spent = time.process_time() - begun
             best = _accepted_candidate(ranking, met, spent)
-            if best.measured and met and spent <= PATIENCE + best.seconds:
+            if best.is_measured and met and spent <= PATIENCE + best.seconds:
                 # If families converged at full order from now on: coarse grids often show less.
                 hopes = (_cheapest(family, goal, HIGHEST_ORDER) for family in self._choices)
-                best = min((c for c in hopes if c and not c.measured and CLOSE_ENOUGH * c.seconds < best.seconds),
+                best = min((c for c in hopes if c and not c.is_measured and CLOSE_ENOUGH * c.seconds < best.seconds),
                            key=lambda c: c.seconds, default=best)
-            if best.measured or self.looks >= coarse + MOST_LOOKS:
+            if best.is_measured or self.looks >= coarse + MOST_LOOKS:
                 return best
             if not met and self._is_too_expensive(best):
                 return best
@@ -176,7 +176,7 @@ class _Search:
         """Measures a second member of the best family of other methods, because one is not enough."""
         for _ in range(RUNNER_UP_LOOKS if others else 0):
             (other, *_), others_meet = _ranking(others, self._goal)
-            if other.measured or len(other.family.points) > 1 or not others_meet or self._is_too_expensive(other):
+            if other.is_measured or len(other.family.points) > 1 or not others_meet or self._is_too_expensive(other):
                 return
             self._measure_member(other.family, _next_cells(other))
 
@@ -207,7 +207,7 @@ def scout_families(choices: Iterable[Family]) -> list[Family]:
 def _accepted_candidate(ranking: list[Candidate], met: bool, spent: float) -> Candidate:
     """Returns the best candidate that has been run, unless another promises to be clearly better and is worth a try:
     while the search has taken less time than the run that it may replace."""
-    measured = next((c for c in ranking if c.measured), None)
+    measured = next((c for c in ranking if c.is_measured), None)
     if measured is None:
         return ranking[0]
     price = "seconds" if met else "error"

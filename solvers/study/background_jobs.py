@@ -89,7 +89,7 @@ def search(fields: dict, tell: Callable[[dict], None]) -> None:
 
     advice = advise(choices, Goal(job.quantity, job.tolerance, job.budget), look, keep, recall)
     chosen = advice.chosen
-    tell({"advice": {"met": advice.met, "task": task_to_watch(chosen.scene).to_dict(), "measured": chosen.measured,
+    tell({"advice": {"met": advice.met, "task": task_to_watch(chosen.scene).to_dict(), "measured": chosen.is_measured,
                      "error": finite(chosen.error), "seconds": chosen.seconds, "why": advice.why,
                      "looks": advice.looks}})
 

@@ -32,10 +32,10 @@ class RecordingSurface:
     """Keeps what was shown last under each name."""
 
     def __init__(self):
-        self.marks, self.visible, self.room = {}, True, Bounds(600.0)
+        self.marks, self.visible, self.bounds = {}, True, Bounds(600.0)
 
     def show(self, *marks):
         self.marks.update((mark.name, mark) for mark in marks)
 
-    def child(self, name):
+    def add_child(self, name):
         return RecordingSurface()

@@ -41,7 +41,7 @@ ON_ITS_WAY = 0.25  # seconds after a choice within which an earlier frame may st
 
 
 @dataclass(frozen=True)
-class Load:
+class ClassLoad:
     """Number of visitors and length of the test in s, once all are connected and receive frames."""
 
     visitors: int
@@ -67,23 +67,23 @@ class Visitor:
     """Simulated visitor of the page at ``address`` (host:port). Times are of ``time.monotonic``."""
 
     address: str
-    asked: float = 0.0  # time of the connection request
+    asked_at: float = 0.0  # time of the connection request
     frames: list[float] = field(default_factory=list)  # times of arrival
     choices: list[float] = field(default_factory=list)  # times when it has set a control
     broken: set[int] = field(default_factory=set)  # indices of frames before which the run had broken down
     notice: str = ""  # id of the text that shows so now
     controls: dict[str, Control] = field(default_factory=dict)  # by id
 
-    async def stay(self) -> None:
+    async def receive_messages(self) -> None:
         """Connects, and stays until the connection is closed by either side."""
-        self.asked = monotonic()
+        self.asked_at = monotonic()
         async with connect(self.address) as connection:
             self._connection = connection
             await connection.send(CAMERA)
             async for messages in connection:
-                self._take(messages)
+                self._handle(messages)
 
-    async def move(self, control: str, value: Any) -> None:
+    async def set_control(self, control: str, value: Any) -> None:
         """Sets the control with this id."""
         self.choices.append(monotonic())
         await self._connection.send({"type": "GuiUpdateMessage", "uuid": control, "updates": {"value": value}})
@@ -98,7 +98,7 @@ class Visitor:
         if number := self.find(label, "Slider"):
             low, high, step = (self.controls[number].props[name] for name in ("min", "max", "step"))
             steps = max(1, round((high - low) / step))
-            await self.move(number, round(low + step * dice.randint(0, steps), 9))
+            await self.set_control(number, round(low + step * dice.randint(0, steps), 9))
 
     def rate(self, begin: float, end: float) -> float | None:
         """Returns frames per second between two times, without pauses after broken runs; None if nothing is left."""
@@ -106,13 +106,13 @@ class Visitor:
         seen = sum(begin <= at < end for k, at in enumerate(self.frames) if k not in self.broken)
         return seen / seconds if seconds else None
 
-    def standstill(self, begin: float, end: float, own: bool = False) -> float:
+    def max_freeze(self, begin: float, end: float, own: bool = False) -> float:
         """Returns the longest time without a frame, in s, within a span: after an ``own`` choice, or any other."""
-        def chosen(since: float, until: float) -> bool:  # by bisection: an hour has 100,000 frames and 1,000 choices
+        def is_own(since: float, until: float) -> bool:  # by bisection: an hour has 100,000 frames and 1,000 choices
             following = bisect_right(self.choices, since - ON_ITS_WAY)
             return following < len(self.choices) and self.choices[following] < until
 
-        return max((until - since for since, until in self._pauses(begin, end) if own == chosen(since, until)),
+        return max((until - since for since, until in self._pauses(begin, end) if own == is_own(since, until)),
                    default=0.0)
 
     def _pauses(self, begin: float, end: float) -> list[tuple[float, float]]:
@@ -122,7 +122,7 @@ class Visitor:
         return [(max(earlier, begin), min(later, end)) for k, (earlier, later) in enumerate(pairwise(times))
                 if later > begin and earlier < end and k not in broken]
 
-    def _take(self, messages: list[dict[str, Any]]) -> None:
+    def _handle(self, messages: list[dict[str, Any]]) -> None:
         framed = False
         for message in messages:
             match message["type"]:
@@ -170,13 +170,13 @@ def start_server(*arguments: str) -> Iterator[tuple[str, int]]:
         process.kill()
 
 
-def class_load(load: Load, on_progress: Callable[[float], None]) -> dict[str, Any]:
+def class_load(load: ClassLoad, on_progress: Callable[[float], None]) -> dict[str, Any]:
     """Runs the load test; returns the service that its visitors got."""
     with start_server("--max-sessions", str(load.visitors)) as (address, server):
         return asyncio.run(_attend(address, server, load, on_progress))
 
 
-async def _attend(address: str, server: int, load: Load, on_progress: Callable[[float], None]) -> dict[str, Any]:
+async def _attend(address: str, server: int, load: ClassLoad, on_progress: Callable[[float], None]) -> dict[str, Any]:
     dice = random.Random(load.seed)
     visitors = [Visitor(address) for _ in range(load.visitors)]
     visits = [asyncio.create_task(_visit(visitor, random.Random(dice.random()))) for visitor in visitors]
@@ -208,12 +208,12 @@ async def _attend(address: str, server: int, load: Load, on_progress: Callable[[
 async def _visit(visitor: Visitor, dice: random.Random) -> None:
     """Connects within a few seconds by a link to a run without end, then moves a slider now and then."""
     await asyncio.sleep(JOINING * dice.random())
-    stay = asyncio.create_task(visitor.stay())
+    stay = asyncio.create_task(visitor.receive_messages())
     try:
         while not (store := visitor.find(STORE)) and not stay.done():
             await asyncio.wait([stay], timeout=0.05)
         if store:
-            await visitor.move(store, json.dumps({"link": SCENE}))
+            await visitor.set_control(store, json.dumps({"link": SCENE}))
         while not stay.done():
             await asyncio.wait([stay], timeout=dice.uniform(*PAUSES))
             if visitor.frames and not stay.done():
@@ -235,15 +235,15 @@ def memory_held(server: int) -> dict[str, int] | None:
 def load_report(visitors: list[Visitor], begin: float, end: float, lost: list[str]) -> dict[str, Any]:
     """Returns the service between two times; ``lost`` has a reason for each visit that ended by itself."""
     rates = sorted(rate for visitor in visitors if (rate := visitor.rate(begin, end)) is not None) or [0.0]
-    joined = sorted(visitor.frames[0] - visitor.asked for visitor in visitors if visitor.frames)
+    joined = sorted(visitor.frames[0] - visitor.asked_at for visitor in visitors if visitor.frames)
     load = os.getloadavg()[0] if hasattr(os, "getloadavg") else None
     return {"schema": SCHEMA, "visitors": len(visitors), "seconds": end - begin, "cores": os.cpu_count(), "load": load,
             "moving": len(joined), "joined_median": statistics.median(joined) if joined else None,
             "joined_95": joined[max(0, round(0.95 * len(joined)) - 1)] if joined else None,
             "frames_median": statistics.median(rates), "frames_slowest": rates[0],
             "slowest_of_median": rates[0] / statistics.median(rates) if rates[-1] else None,
-            "standstill_longest": max(visitor.standstill(begin, end) for visitor in visitors),
-            "standstill_own_longest": max(visitor.standstill(begin, end, own=True) for visitor in visitors),
+            "standstill_longest": max(visitor.max_freeze(begin, end) for visitor in visitors),
+            "standstill_own_longest": max(visitor.max_freeze(begin, end, own=True) for visitor in visitors),
             "lost": lost}
 
 

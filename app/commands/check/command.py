@@ -61,7 +61,7 @@ class Check:
         if target:
             target.write(json_text(values, lines=not target.is_stdout).encode())
         if self.expect:
-            return max(status, EXPECTABLE.told(self.expect, [claims_outcome(values)]))
+            return max(status, EXPECTABLE.report(self.expect, [claims_outcome(values)]))
         return status or (CONTRADICTED if checked.contradictions else 0)
 
     def _write(self, folder: Folder | None, checked: Any, values: dict) -> int:
@@ -89,7 +89,7 @@ NO_CONTRADICTION = "No contradiction was found. That is not to say that the run 
 def verdict_text(values: dict) -> str:
     """Returns the verdict, the contradictions, and what could not be checked."""
     lines = [*map(escape_markdown, values["not_told"]), *values["never_told"]]
-    return "\n\n".join([_verdict(values), *([_wrong(values)] if _wrong(values) else []),
+    return "\n\n".join([_verdict(values), *([_findings_list(values)] if _findings_list(values) else []),
                         "What could not be told:\n\n" + "\n".join(f"* {line}" for line in lines)])
 
 
@@ -117,7 +117,7 @@ def _verdict(values: dict) -> str:
     return f"**Verdict: {values['verdict']}.** {said} ({what}.)"
 
 
-def _wrong(values: dict) -> str:
+def _findings_list(values: dict) -> str:
     order = {"broken": 0, "suspicious": 1}
     found = sorted((one for one in values["findings"] if one["verdict"] in order),
                    key=lambda one: order[one["verdict"]])

@@ -97,7 +97,7 @@ class Judge(SceneFlags):
             from app.pictures.judge import FIGURES
             status = put_report(folder, values, judged, FIGURES, lambda drawn: as_markdown(values, judged, drawn))
         grids = claims_outcomes(values)
-        return max(status, EXPECTABLE.told(self.expect, grids, "cells" if len(grids) > 1 else ""))
+        return max(status, EXPECTABLE.report(self.expect, grids, "cells" if len(grids) > 1 else ""))
 
 
 def claims_outcomes(values: Mapping[str, Any]) -> list[Mapping[str, Any]]:
@@ -183,13 +183,13 @@ def _verdict(g: dict, values: dict) -> str:
         sentences.append(f"**{found['count']:,} particle{'s' * (found['count'] != 1)} ({100 * found['share']:.2g} %) "
                          f"{'are' if found['count'] != 1 else 'is'} not where the neighbours are**, by up to "
                          f"{found['farthest_over_h']:.2g} h, at t = {found['t']:.4g} s: the farthest is particle "
-                         f"{found['particle']} at {_place(found['X'])}, {_region(values['problem'], found['X'])} "
+                         f"{found['particle']} at {_point(found['X'])}, {_region(values['problem'], found['X'])} "
                          f"({escape_markdown(file_name(found['file']))}).")
     return " ".join(sentences)
 
 
 def _grid(g: dict, values: dict, several: bool) -> str:
-    rows = [[str(QUANTITIES[q]), _size(found["size"], q), str(found["particle"]), _place(found["X"]),
+    rows = [[str(QUANTITIES[q]), _size(found["size"], q), str(found["particle"]), _point(found["X"]),
              _region(values["problem"], found["X"]), f"{found['t']:.4g} s", code_span(file_name(found['file']))]
             for q, found in g["worst"].items() if found]
     parts = [f"## {g['cells']} cells" if several else "## Errors", _error_table(g),
@@ -203,7 +203,7 @@ def _grid(g: dict, values: dict, several: bool) -> str:
         ["compared", "measured", "tolerance", "in", "verdict", "remark"], rows,
         words=("compared", "in", "verdict", "remark")))
     if g["ours"]:
-        parts += ["Our own methods on the same grid, at the same times:", _ours(g)]
+        parts += ["Our own methods on the same grid, at the same times:", _reference_table(g)]
     told = {check["says"] for check in g["checks"]}  # shown in the table and above
     if notes := [note for note in g["notes"] if note not in told]:
         parts.append("\n".join(f"* {escape_markdown(note)}" for note in notes))
@@ -223,7 +223,7 @@ def _error_table(g: dict) -> str:
     return markdown_table(heads, rows, words=("error of",))
 
 
-def _ours(g: dict) -> str:
+def _reference_table(g: dict) -> str:
     here = _errors(g)
     heads = ["method", *(f"largest {QUANTITIES[q].symbol}" for q in JUDGED),
              *(f"these over ours, {QUANTITIES[q].symbol}" for q in JUDGED), "ran"]
@@ -252,7 +252,7 @@ def _method(run: dict) -> str:
     return method_name(run["method"]) + (", linearity preserving" if run["linearity_preserving"] else "")
 
 
-def _place(X: list[float]) -> str:
+def _point(X: list[float]) -> str:
     return "X = " + ", ".join(f"{c:.4f}" for c in X)
 
 

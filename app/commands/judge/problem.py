@@ -53,7 +53,7 @@ class ProblemCommand(SceneFlags):
                            f"{LIMITS.rows:,} are allowed, of at most {LIMITS.times:,} times")
         folder = Folder(self.out)
         for name, content in _files(scene, times).items():
-            folder.put(name, content)
+            folder.write_file(name, content)
         print_message(f"{folder.text}: begin with problem.md")
         return 0
 

@@ -44,7 +44,7 @@ class ParticleWriter:
         self._target, self._scene = Target("particles", text), scene
         self._frames: list[Frame] = []
 
-    def keep(self, shot: Snapshot) -> None:
+    def add(self, shot: Snapshot) -> None:
         """Keeps a sample, unless it has non-finite values."""
         from solvers.judging.reference_runs import frame_of_snapshot
         frame = frame_of_snapshot(shot, self._scene)
@@ -143,7 +143,7 @@ class RunText(Output):
 def _run(scene: Scene, quiet: bool, writer: ParticleWriter | None, goals: Sequence[str]) -> Result:
     with show_progress(quiet) as show:
         from solvers.running.run import run  # here: bad input and --help must not wait for Taichi
-        return run(scene, on_progress=show, prices=True, on_sample=writer.keep if writer else None, goals=goals)
+        return run(scene, on_progress=show, prices=True, on_sample=writer.add if writer else None, goals=goals)
 
 
 def _draw(result: Result, target: Target) -> bool:

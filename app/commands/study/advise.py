@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 from app.commands import flags
 from app.commands.flags import BadInput, PathFlag, RealFlag, Switch, choices_of, default_hint, parse_float, several_of
 from app.commands.output import json_target, print_message, put_result
-from app.commands.progress import noted_interrupts, stdout_to_stderr
+from app.commands.progress import record_interrupts, stdout_to_stderr
 from app.words import command_line, per_cell
 from solvers.scene.scene import Scene
 from solvers.scene.validation import require_choice, require_number
@@ -72,7 +72,7 @@ class Advise:
         tolerance = self.tolerance * (base.size_of(quantity) if self.relative else 1.0)  # in the quantity's unit
         target = json_target(self.json)
         begun = time.monotonic()
-        with stdout_to_stderr(), noted_interrupts() as check_interrupts:
+        with stdout_to_stderr(), record_interrupts() as check_interrupts:
             advice = self._search(base, quantity, tolerance, check_interrupts)
         values = as_dict(advice, base, self.tolerance, self.relative, time.monotonic() - begun)
         put_result(values, target, as_text)
@@ -83,7 +83,7 @@ class Advise:
     def _search(self, base: Scene, quantity: str, tolerance: float, check_interrupts) -> Advice:
         from solvers.study.advise import Goal, advise, families
 
-        def told(looks: int, certain: int, scene: Scene) -> None:
+        def report_run(looks: int, certain: int, scene: Scene) -> None:
             check_interrupts()
             if not self.quiet and sys.stderr.isatty():
                 print_message(f"run {looks}: {scene.method}, {scene.cells} cells, {per_cell(scene.problem, scene.ppc)} "
@@ -94,7 +94,7 @@ class Advise:
         methods = [pair for pair in self.SCENE.candidates() if not self.method or pair[0] in self.method]
         choices = families(base, methods, self._numbers("ppc", self.ppc, PARTICLES_PER_CELL),
                            self._numbers("cfl", self.cfl, COURANT_NUMBERS), quantity)
-        return advise(choices, Goal(quantity, tolerance, self.budget), told)
+        return advise(choices, Goal(quantity, tolerance, self.budget), report_run)
 
     def _numbers(self, flag: str, words: tuple[str, ...], default: tuple[Any, ...]) -> tuple[Any, ...]:
         """Returns the words of a flag as numbers, validated by a scene."""
@@ -108,12 +108,12 @@ def search_flags(scene: type[Scene]) -> dict[str, Any]:
     """Returns flags with several values to choose from, instead of one."""
     preserving = "; uGIMP with and without linearity preservation" * (("ugimp", True) in scene.candidates())
     return {"method": choices_of(scene.choices("method"), "all", f"Methods to choose from{preserving}."),
-            "ppc": choices_of(("N",), _listed(PARTICLES_PER_CELL),
+            "ppc": choices_of(("N",), _join(PARTICLES_PER_CELL),
                               f"{scene.__dataclass_fields__['ppc'].metadata['help']} to choose from."),
-            "cfl": choices_of(("X",), _listed(COURANT_NUMBERS), "Lengths of the time step, dt c/h, to choose from.")}
+            "cfl": choices_of(("X",), _join(COURANT_NUMBERS), "Lengths of the time step, dt c/h, to choose from.")}
 
 
-def _listed(numbers: tuple[float, ...]) -> str:
+def _join(numbers: tuple[float, ...]) -> str:
     return " ".join(f"{number:g}" for number in numbers)
 
 
@@ -128,12 +128,12 @@ def as_dict(advice: Advice, base: Scene, tolerance: float, relative: bool, spent
         "schema": SCHEMA, "status": "ok" if advice.met else "unreachable",
         "reason": None if advice.met else
         f"nothing that runs within {goal.budget:g} s is expected to meet {tolerance:g}{' of the size' * relative}: the "
-        f"best within reach is {chosen.error:.3g} ({'measured' if chosen.measured else 'expected'}) in "
+        f"best within reach is {chosen.error:.3g} ({'measured' if chosen.is_measured else 'expected'}) in "
         f"{chosen.seconds:.2g} s",
         "problem": base.problem, "quantity": goal.quantity, "tolerance": tolerance, "relative": relative,
         "budget": goal.budget, "recommended": _inputs(chosen.scene), "command": command_line(chosen.scene),
         "predicted": {**errors(advice.predicted_error), "seconds": chosen.seconds},
-        "verified": errors(chosen.error) if chosen.measured else None,
+        "verified": errors(chosen.error) if chosen.is_measured else None,
         "runner_up": other and {**_inputs(other.scene), **errors(other.error), "seconds": finite(other.seconds)},
         "why": advice.why, "runs": advice.looks, "seconds": spent}
 

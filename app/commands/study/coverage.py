@@ -49,7 +49,7 @@ class Coverage(StudyFlags):
         self.check_place(self.runs)
         return [RandomRun(self.SCENE.problem, self.seed, number) for number in range(self.runs)]
 
-    def document(self, rows: list[dict]) -> int:
+    def write_tables(self, rows: list[dict]) -> int:
         from app.pictures.study_parts import coverage_figure
 
         counted = tally(self.SCENE.problem, self.seed, rows[:self.runs])
@@ -60,8 +60,8 @@ class Coverage(StudyFlags):
     def given_up(self, task: RandomRun, reason: str) -> dict:
         return failed_row(task, reason)
 
-    def told(self, row: dict, tasks: Sequence[RandomRun]) -> str:
+    def describe_row(self, row: dict, tasks: Sequence[RandomRun]) -> str:
         return f"run {row['number']}: {row['status']}" + (f": {row['reason']}" if row["status"] == FAILED else "")
 
-    def beside(self, row: dict) -> dict:
+    def with_timing(self, row: dict) -> dict:
         return row

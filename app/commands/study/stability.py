@@ -50,7 +50,7 @@ class Stability(StudyFlags):
         self.check_place(len(inputs) * len(TREATMENTS))
         return map_tasks(self.SCENE.problem, inputs, self.treatment or offered_treatments(self.SCENE), __version__)
 
-    def document(self, rows: list[dict]) -> int:
+    def write_tables(self, rows: list[dict]) -> int:
         from app.pictures.study_parts import stability_figure
 
         values = as_dict(self.SCENE.problem, rows, measure_prices(self.SCENE, rows))

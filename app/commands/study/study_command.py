@@ -42,13 +42,13 @@ class Study:
         """Returns all rows to measure, in order; rejects bad input."""
         raise NotImplementedError
 
-    def document(self, rows: list[dict]) -> int:
+    def write_tables(self, rows: list[dict]) -> int:
         """Writes tables of the rows, those of the plan first; returns the exit status."""
         raise NotImplementedError
 
     def execute(self) -> int:
-        rows = self._rows(self.questions())
-        return INCOMPLETE if rows is None else self.document(rows)
+        rows = self._run_missing(self.questions())
+        return INCOMPLETE if rows is None else self.write_tables(rows)
 
     @property
     def only_problem(self) -> str | None:
@@ -59,9 +59,9 @@ class Study:
         """Returns the row for a question that was lost."""
         return failed_row(task, reason)
 
-    def told(self, row: dict, tasks: Sequence[Any]) -> str:
+    def describe_row(self, row: dict, tasks: Sequence[Any]) -> str:
         """Returns a short text on a row for the console."""
-        inputs = ", ".join(f"{name.replace('_', '-')} {_words(value)}" for name, value in row["asked"].items()
+        inputs = ", ".join(f"{name.replace('_', '-')} {_format_value(value)}" for name, value in row["asked"].items()
                            if len({str(task.inputs.get(name)) for task in tasks}) > 1)
         if row["status"] in (OK, UNSTABLE, LOST):
             error = row["error"]["x"]["max"]
@@ -73,7 +73,7 @@ class Study:
         """Returns the rows to measure in groups, each run in parallel, one after the other."""
         return [tasks]
 
-    def beside(self, row: dict) -> dict:
+    def with_timing(self, row: dict) -> dict:
         """Returns a row with the conditions of its times."""
         return {**row, "side_by_side": None if self.scheduler else self._workers()}
 
@@ -94,24 +94,24 @@ class Study:
     def write(self, figures: Mapping[str, Callable], values: Any, files: Callable[[list[str]], Mapping[str, str]],
               printed: str = "") -> int:
         """Draws ``values``, writes the ``files``, of which one may be ``printed``, and returns the exit status."""
-        drawn, status = draw_pictures(figures, values, self._put, self.out, "the rows are fine")
+        drawn, status = draw_pictures(figures, values, self._write_file, self.out, "the rows are fine")
         for name, text in (texts := files(drawn)).items():
-            self._put(name, text.encode())
+            self._write_file(name, text.encode())
         if printed:
             put_text(texts[printed].partition("\n\n![")[0] + "\n")
         return status
 
-    def _put(self, name: str, content: bytes) -> None:
+    def _write_file(self, name: str, content: bytes) -> None:
         Target("out", f"{self.out.rstrip('/')}/{name}").write(content)
 
     def _workers(self) -> int:
         """Returns the number of local processes: the one given, or the default."""
         return self.workers or (1 if self.TIMED else default_processes())
 
-    def _rows(self, tasks: Sequence["MeasurementTask"]) -> list[dict] | None:
+    def _run_missing(self, tasks: Sequence["MeasurementTask"]) -> list[dict] | None:
         """Runs the rows that are missing; returns all rows, the tasks' first, or None if the executor was lost."""
         with contextlib.ExitStack() as stack:
-            place = stack.enter_context(contextlib.closing(self._place()))
+            place = stack.enter_context(contextlib.closing(self._executor()))
             try:
                 store = stack.enter_context(contextlib.closing(RowStore(
                     self.out, self.only_problem, self.resume,
@@ -124,7 +124,7 @@ class Study:
         order = {task.key: k for k, task in enumerate(tasks)}
         return sorted(store.rows.values(), key=lambda row: order.get(row["key"], len(order)))
 
-    def _place(self) -> "LocalExecutor | Cluster":
+    def _executor(self) -> "LocalExecutor | Cluster":
         """Returns the executor of rows."""
         from solvers.study.executors import Cluster, ClusterUnavailable, LocalExecutor
         try:
@@ -154,9 +154,9 @@ class Study:
             nonlocal done
             done += 1
             with report_write_errors(f"--out {quote(self.out)}"):
-                store.append(self.beside(row))
+                store.append(self.with_timing(row))
             if not self.quiet and row["status"] != REFUSED:  # already reported
-                print_message(f"{done}/{len(tasks)} {self.told(row, tasks)}")
+                print_message(f"{done}/{len(tasks)} {self.describe_row(row, tasks)}")
 
         try:
             for group in self.stages(todo):
@@ -183,5 +183,5 @@ class StudyFlags(Study):
     """Nothing on standard error but what goes wrong."""
 
 
-def _words(value: Any) -> str:
+def _format_value(value: Any) -> str:
     return (" ".join(map(str, value)) or "none") if isinstance(value, list) else str(value)

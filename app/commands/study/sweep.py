@@ -41,7 +41,7 @@ class Sweep(StudyFlags, SceneFlags):
         return plan_tasks(self.SCENE.problem, axes, repeats=self.repeats, price_effects=self.each_effect,
                           version=__version__)
 
-    def document(self, rows: list[dict]) -> int:
+    def write_tables(self, rows: list[dict]) -> int:
         from app.pictures.study import FIGURES
 
         problem = self.SCENE.problem

@@ -70,17 +70,17 @@ class Tables(Study):
     def stages(self, tasks: Sequence[Task]) -> Iterable[Sequence[Task]]:
         return [[task for task in tasks if not task.repeats], *([task] for task in tasks if task.repeats)]
 
-    def told(self, row: dict, tasks: Sequence[Task]) -> str:
+    def describe_row(self, row: dict, tasks: Sequence[Task]) -> str:
         asked = row["asked"]
         return f"{row['problem']}, {asked['method']}, {asked['cells']} cells: {row['status']}"
 
-    def beside(self, row: dict) -> dict:
+    def with_timing(self, row: dict) -> dict:
         return row
 
     def _workers(self) -> int:
         return side_by_side(self.processes)
 
-    def document(self, rows: list[dict]) -> int:
+    def write_tables(self, rows: list[dict]) -> int:
         from app.pictures.tables import table_figure
 
         wanted = self._tables()
@@ -122,7 +122,7 @@ def table_markdown(table: dict) -> str:
     return "\n\n".join([*blocks, *(f"[^{number}]: {sentence}" for sentence, number in notes.items())]) + "\n"
 
 
-def _mark(sentence: str, notes: Footnotes) -> str:
+def _footnote_mark(sentence: str, notes: Footnotes) -> str:
     """Returns the mark of a footnote, which is added if it is new."""
     return f"[^{notes.setdefault(sentence, len(notes) + 1)}]"
 
@@ -145,7 +145,7 @@ def _comparison(number: str, rows: list[dict], notes: Footnotes) -> str:
                 cells += map(_count, (row["ours"][key], row["ours"]["grid_crossings_short"]))
             else:
                 cells.append(NOTHING if row["ours"][key] is None else format_digits(row["ours"][key], 3))
-            cells += [_printed(key, row["paper"][key]), _factor(row["ratio"][key])]
+            cells += [_format_printed(key, row["paper"][key]), _factor(row["ratio"][key])]
         lines.append([*cells, *(_index_of_x(row, name, notes) for name in others)])
     return markdown_table(heads, lines, words=("method",))
 
@@ -157,34 +157,34 @@ def _estimators(table: dict, rows: list[dict], notes: Footnotes) -> str:
     lines = []
     for row in rows:
         if number == "1":
-            printed = [_printed(f"index_{q}", row["paper"].get(f"index_{q}")) for q in QUANTITIES]
+            printed = [_format_printed(f"index_{q}", row["paper"].get(f"index_{q}")) for q in QUANTITIES]
             lines.append([*_row_cells(number, row, notes), "the paper's, printed", *printed, *[NOTHING] * 5])
         for name, said in row["estimators"].items():
             values = [_factor(said[kind][q]) for kind in ("index", "distance") for q in QUANTITIES]
             cost = NOTHING if said["cost"] is None else f"{100 * said['cost']:.0f} %"
-            lines.append([*_row_cells(number, row, notes), name + _why(name, said, notes), *values, cost])
+            lines.append([*_row_cells(number, row, notes), name + _reason_mark(name, said, notes), *values, cost])
     return markdown_table(heads, lines, words=("method", "estimator"))
 
 
 def _index_of_x(row: dict, name: str, notes: Footnotes) -> str:
     """Returns an estimator's index; if it is not valid, a dash and the footnote's mark."""
     said = row["estimators"].get(name)
-    return _factor(said["index"]["x"]) + _why(name, said, notes) if said else NOTHING
+    return _factor(said["index"]["x"]) + _reason_mark(name, said, notes) if said else NOTHING
 
 
-def _why(name: str, said: dict, notes: Footnotes) -> str:
+def _reason_mark(name: str, said: dict, notes: Footnotes) -> str:
     """Returns the mark of the footnote why an estimator is not valid, or ""."""
-    return _mark(f"{name}: {said['not_valid']}", notes) if said["not_valid"] else ""
+    return _footnote_mark(f"{name}: {said['not_valid']}", notes) if said["not_valid"] else ""
 
 
 def _row_cells(number: str, row: dict, notes: Footnotes) -> list[str]:
     scene = row["inputs"]
     words = {"method": method_name(scene["method"]),
-             "cells": str(scene["cells"]) + (_mark(row["unstable"], notes) if row["unstable"] else "")}
+             "cells": str(scene["cells"]) + (_footnote_mark(row["unstable"], notes) if row["unstable"] else "")}
     return [words[name] for name in INPUTS[number]]
 
 
-def _printed(key: str, value: float | None) -> str:
+def _format_printed(key: str, value: float | None) -> str:
     """Formats a number of the paper with its printed digits."""
     if value is None:
         return NOTHING

@@ -20,7 +20,7 @@ class PlanarSlowStage(SlowStage):
 
     _above, _aside = 0.02, np.array([0.0, 0.0])
 
-    def _divided(self, room: Bounds) -> tuple[float, Rectangle]:
+    def _split_bounds(self, room: Bounds) -> tuple[float, Rectangle]:
         return BESIDE, (BESIDE + 0.03, 1.0, 0.0, room.high)
 
     def _look_at(self, a: StepBreakdown) -> None:
@@ -30,18 +30,18 @@ class PlanarSlowStage(SlowStage):
         self._per_metre = float(min((x1 - x0) / (high[0] - low[0]), (y1 - y0) / (high[1] - low[1])))
         self._middle, self._low, self._high = 0.5 * (low + high), low, high
 
-    def _place(self, x: np.ndarray) -> np.ndarray:
+    def _to_stage(self, x: np.ndarray) -> np.ndarray:
         x0, x1, y0, y1 = self._picture
         return np.array([0.5 * (x0 + x1), 0.5 * (y0 + y1)]) + self._per_metre * (x - self._middle)
 
-    _particle_spots = _node_spots = _place
+    _particle_spots = _node_spots = _to_stage
 
     def _aim(self, vectors: np.ndarray) -> np.ndarray:
         return vectors
 
     def _outline(self, x: np.ndarray, edges: np.ndarray, colour: Colour, thickness: float) -> None:
         corners = x[:, None] + np.einsum("ce,ked->kcd", 2 * np.array(CORNERS), edges)
-        self._sketch.outline(self._place(corners), colour, thickness)
+        self._sketch.outline(self._to_stage(corners), colour, thickness)
 
     def _ground(self, a: StepBreakdown) -> None:
         for axis in range(2):
@@ -50,7 +50,7 @@ class PlanarSlowStage(SlowStage):
             ends = np.empty((2, len(at), 2))
             ends[:, :, axis] = at
             ends[0, :, 1 - axis], ends[1, :, 1 - axis] = self._low[1 - axis], self._high[1 - axis]
-            starts, stops = self._place(ends)
+            starts, stops = self._to_stage(ends)
             self._sketch.line(starts, stops, DOMAINS)
 
     def _functions(self, scene: Scene, a: StepBreakdown, s: float) -> None:
@@ -60,12 +60,12 @@ class PlanarSlowStage(SlowStage):
         for axis in range(2):
             reach = 0.0 if cpdi else float(a.edges[0, axis, axis]) / a.spacing
             x = np.linspace(self._low[axis], self._high[axis], POINTS)
-            base = self._place(self._low)[1 - axis]
+            base = self._to_stage(self._low)[1 - axis]
 
             def beside(along: np.ndarray, value: np.ndarray, axis: int = axis, base: float = base) -> np.ndarray:
                 """Returns points of the stage for a function's values at positions along the axis."""
                 out = np.empty((len(along), 2))
-                out[:, axis] = self._place(np.stack([along, along], axis=1))[:, axis]
+                out[:, axis] = self._to_stage(np.stack([along, along], axis=1))[:, axis]
                 out[:, 1 - axis] = base + s * HEIGHT * (self._picture[3] - self._picture[2]) * value
                 return out
 
@@ -74,6 +74,6 @@ class PlanarSlowStage(SlowStage):
                 self._sketch.line(curve[:-1], curve[1:], OTHERS, 2.0)
                 read = beside(feet[:, axis], averaged_hat((feet[:, axis] - node) / a.spacing, reach))
                 self._sketch.dots(read, FRONT, 0)
-            self._sketch.line(beside(feet[:, axis], np.zeros(len(feet))), self._place(feet), FRONT)
+            self._sketch.line(beside(feet[:, axis], np.zeros(len(feet))), self._to_stage(feet), FRONT)
         if cpdi:
-            self._sketch.dots(self._place(feet), FRONT, 0)
+            self._sketch.dots(self._to_stage(feet), FRONT, 0)

@@ -33,22 +33,22 @@ class SlowStage(ABC):
 
     def __init__(self, sheet: Surface):
         self.sheet, self._sketch = sheet, Sketch()
-        self._divide()
+        self._lay_out()
 
     @property
     def rectangle(self) -> Rectangle:
         """The rectangle of everything drawn."""
-        return drawing_rectangle(self._room.high)
+        return drawing_rectangle(self._bounds.high)
 
-    def _divide(self) -> None:
+    def _lay_out(self) -> None:
         """Divides the present bounds between text and picture."""
-        room = self.sheet.room.settled()
-        self._room = replace(room, high=min(max(room.high, HIGH[0]), HIGH[1]))
-        self._words, self._picture = self._divided(self._room)
+        room = self.sheet.bounds.rounded()
+        self._bounds = replace(room, high=min(max(room.high, HIGH[0]), HIGH[1]))
+        self._words, self._picture = self._split_bounds(self._bounds)
 
     def draw(self, scene: Scene, a: StepBreakdown, phase: int, s: float) -> None:
         """Draws a phase at ``s``, from 0 at its beginning to 1 at its end."""
-        self._divide()
+        self._lay_out()
         self._look_at(a)
         self._nodes = self._node_spots(a.nodes)
         self._scale = self._per_metre * a.spacing  # a cell, on the stage
@@ -60,20 +60,20 @@ class SlowStage(ABC):
         self._spots = self._particle_spots(self._places)
         self._ground(a)
         if phase < 5:
-            seen = self._seen(self._spots, self._per_metre * float(np.abs(a.edges).sum(axis=1).max()))
+            seen = self._is_inside(self._spots, self._per_metre * float(np.abs(a.edges).sum(axis=1).max()))
             self._outline(self._places[seen], a.edges[seen], DOMAINS, 1.0)
             self._outline(self._places[:1], a.edges[:1], FRONT, 2.0)
         (self._functions_phase, self._gather, self._forces, self._velocities, self._scatter, self._strain)[phase](
             scene, a, s)
         if phase >= 4 and moved > 1:
             self._legend.append(tr("particles' way drawn × {factor:g}", factor=moved))
-        self._sketch.dots(self._spots[1:][self._seen(self._spots[1:])], OTHERS, 1)
+        self._sketch.dots(self._spots[1:][self._is_inside(self._spots[1:])], OTHERS, 1)
         self._sketch.dots(self._spots[:1], FRONT, 2)
         self._sketch.dots(self._nodes, NODE, 0)
         self._numbers(a, phase)
         which = tr("Particle {particle} in step {step}", particle=a.particle, step=a.step)
         caption = "\n".join(wrap_text(line, self.width) for line in [which, *PHASES[phase].front(scene, a)])
-        self._sketch.text(0.0, self._room.high, wrap_text("; ".join(self._legend), self.width), "top-left", CAPTION)
+        self._sketch.text(0.0, self._bounds.high, wrap_text("; ".join(self._legend), self.width), "top-left", CAPTION)
         self._sketch.text(0.0, 0.0, caption, "bottom-left", CAPTION)
         self.sheet.show(*self._sketch.marks())
 
@@ -91,7 +91,7 @@ class SlowStage(ABC):
             half = 0.5 * WIDEST * self._scale * np.sqrt(s * np.maximum(mass, 0) / most)
             corners = self._nodes[:, None] + half[:, None, None] * np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]])
             self._sketch.outline(corners, colour, thickness)
-        seen = self._seen(self._spots)
+        seen = self._is_inside(self._spots)
         self._arrows(self._spots[seen], a.before.velocity[seen], OTHERS)
         self._arrows(self._nodes, s * a.momentum, NODE, a.momentum)
         self._legend.append(tr("squares: mass of the nodes (green: from the particle); arrows: v of particles, "
@@ -121,7 +121,7 @@ class SlowStage(ABC):
             self._parcels(a, 1 - 2 * s, slice(0, 1))
         else:
             start = self._particle_spots(a.place)
-            seen = self._seen(start) & self._seen(self._spots)
+            seen = self._is_inside(start) & self._is_inside(self._spots)
             self._sketch.line(start[seen], self._spots[seen], OTHERS, 2.0)
             self._sketch.dots(start[seen], DOMAINS, 1)
         self._legend.append(tr("black: new v of the nodes"))
@@ -187,7 +187,7 @@ class SlowStage(ABC):
         """Returns the index in ``SIDES`` for a node's numbers: never over the selected particle, away from arrows,
         which extend by ``taken`` to each side, and off labels ``written`` so far (middles and half sizes; adds this
         one)."""
-        half = 0.5 * self._room.extent(text, NUMBERS)
+        half = 0.5 * self._bounds.extent(text, NUMBERS)
         middles = spot + np.array([side for _, side in SIDES]) * (away + half)
         front = np.all(np.abs(self._spots[0] - middles) < half + 0.5 * SIZES[2], axis=1)
         others = sum((np.all(np.abs(at - middles) < half + size, axis=1) for at, size in written), np.zeros(len(SIDES)))
@@ -198,9 +198,9 @@ class SlowStage(ABC):
     @property
     def width(self) -> int:
         """Number of letters in a line of the captions."""
-        return self._room.letters(self._words, CAPTION)
+        return self._bounds.letters(self._words, CAPTION)
 
-    def _seen(self, spots: np.ndarray, reach: float = 0.0) -> np.ndarray:
+    def _is_inside(self, spots: np.ndarray, reach: float = 0.0) -> np.ndarray:
         """Returns which points (m, 2) of the stage lie in the picture, with a margin of ``reach``."""
         x0, x1, y0, y1 = self._picture
         return np.all((spots - reach >= (x0, y0)) & (spots + reach <= (x1, y1)), axis=1)
@@ -219,7 +219,7 @@ class SlowStage(ABC):
     _per_metre: float
 
     @abstractmethod
-    def _divided(self, room: Bounds) -> tuple[float, Rectangle]:
+    def _split_bounds(self, room: Bounds) -> tuple[float, Rectangle]:
         """Returns the width of lines of text, beside or around the picture, and the picture's x0, x1, y0, y1."""
 
     @abstractmethod

@@ -90,29 +90,29 @@ def _of_stress(scene: Scene) -> str:
     return tr("F grows by time step × sum of slope × new v of the nodes × F; stress follows from the new F")
 
 
-def _carried(_: Scene, a: StepBreakdown) -> list[str]:
+def _state_lines(_: Scene, a: StepBreakdown) -> list[str]:
     here = a.before
     return [f"x = {format_amount(here.position[0], 'm')}, v = {format_amount(here.velocity[0], 'm/s')}",
             tr("mass {mass}, stress {stress}", mass=format_amount(1000 * a.mass[:1], "g"),
-               stress=_tensor(here.stress[0]))]
+               stress=_format_tensor(here.stress[0]))]
 
 
-def _given(_: Scene, a: StepBreakdown) -> list[str]:
+def _gather_lines(_: Scene, a: StepBreakdown) -> list[str]:
     momentum = a.mass[0] * a.before.velocity[0]
     return [tr("each node gets its weight × mass {mass}, and × momentum {momentum}",
                mass=format_amount(1000 * a.mass[:1], "g"), momentum=format_amount(momentum, "N s"))]
 
 
-def _pulled(scene: Scene, a: StepBreakdown) -> list[str]:
+def _force_lines(scene: Scene, a: StepBreakdown) -> list[str]:
     if PIECES in scene.remedies:
-        return [tr("stress {stress}, the same in the whole piece", stress=_tensor(a.before.stress[0]))]
+        return [tr("stress {stress}, the same in the whole piece", stress=_format_tensor(a.before.stress[0]))]
     if scene.frozen:
-        return [tr("volume × stress at rest {tension}", tension=_tensor(a.tension[0], "N m", True)),
+        return [tr("volume × stress at rest {tension}", tension=_format_tensor(a.tension[0], "N m", True)),
                 tr("the weights stay those of the particle at rest")]
-    return [tr("volume × stress {tension}", tension=_tensor(a.tension[0], "N m"))]
+    return [tr("volume × stress {tension}", tension=_format_tensor(a.tension[0], "N m"))]
 
 
-def _moved(_: Scene, a: StepBreakdown) -> list[str]:
+def _scatter_lines(_: Scene, a: StepBreakdown) -> list[str]:
     before, after = a.before, a.after
     lines = [f"v = {format_change(before.velocity[0], after.velocity[0], 'm/s')}",
              f"x = {format_change(before.position[0], after.position[0], 'm')}"]
@@ -121,26 +121,26 @@ def _moved(_: Scene, a: StepBreakdown) -> list[str]:
     return lines
 
 
-def _strained(_: Scene, a: StepBreakdown) -> list[str]:
+def _strain_lines(_: Scene, a: StepBreakdown) -> list[str]:
     before, after = a.before, a.after
-    return [f"F {_tensor(before.deformation_gradient[0], '', True, after.deformation_gradient[0])}",
-            tr("stress {stress}", stress=_tensor(before.stress[0], "Pa", False, after.stress[0]))]
+    return [f"F {_format_tensor(before.deformation_gradient[0], '', True, after.deformation_gradient[0])}",
+            tr("stress {stress}", stress=_format_tensor(before.stress[0], "Pa", False, after.stress[0]))]
 
 
 PHASES = (
     Phase(lazy("A particle and its nodes"), lambda scene: tr(WEIGHT.get(scene.method, AVERAGED)),
-          (WEIGHTS, SLOPES), 1, _carried),
+          (WEIGHTS, SLOPES), 1, _state_lines),
     Phase(lazy("Mass and momentum go to the nodes"),
           lambda _: tr("mass of a node = sum of weight × mass of the particles; its momentum likewise"),
-          (MASS, MOMENTUM, WEIGHTS), 2, _given),
-    Phase(lazy("Forces at the nodes"), _of_force, (INTERNAL, BODY, SLOPES), 2, _pulled),
+          (MASS, MOMENTUM, WEIGHTS), 2, _gather_lines),
+    Phase(lazy("Forces at the nodes"), _of_force, (INTERNAL, BODY, SLOPES), 2, _force_lines),
     Phase(lazy("New velocities of the nodes"),
           lambda _: tr("new v of a node = momentum / mass + time step × a, with a = force / mass"),
           (OLD, NEW, ACCELERATION), 2,
           lambda scene, a: [tr("time step {size}", size=format_amount(np.array([a.time_step]), "s"))]),
     Phase(lazy("Velocities come back, the particles move"),
-          lambda scene: tr(MOTION.get(scene.velocity, MOTION[""])), (NEW, ACCELERATION, WEIGHTS), 1, _moved),
-    Phase(lazy("Stress last"), _of_stress, (NEW, SLOPES), 1, _strained))
+          lambda scene: tr(MOTION.get(scene.velocity, MOTION[""])), (NEW, ACCELERATION, WEIGHTS), 1, _scatter_lines),
+    Phase(lazy("Stress last"), _of_stress, (NEW, SLOPES), 1, _strain_lines))
 
 
 def format_scaled(values: np.ndarray, unit: str, digits: int) -> tuple[list[str], str]:
@@ -166,7 +166,7 @@ def format_change(before: np.ndarray, after: np.ndarray | None, unit: str, digit
     return " → ".join(f"({text})" if len(before) > 1 else text for text in texts) + f" {unit}".rstrip()
 
 
-def _tensor(values: np.ndarray, unit: str = "Pa", full: bool = False, after: np.ndarray | None = None) -> str:
+def _format_tensor(values: np.ndarray, unit: str = "Pa", full: bool = False, after: np.ndarray | None = None) -> str:
     """Formats a number or a tensor (D, D), with all components if ``full``; with ``after``, as a change."""
     which = [0] if values.size == 1 else [0, 1, 2, 3] if full else [0, 1, 3]
     name = {1: "", 3: "(xx, xy, yy) ", 4: "(xx, xy, yx, yy) "}[len(which)]

@@ -40,7 +40,7 @@ class Background(ABC, Generic[S]):
         self.status = idle
 
     @property
-    def others(self) -> bool:
+    def others_busy(self) -> bool:
         """Whether jobs of other visitors run on this server."""
         return self.slots.taken > self.status.running
 
@@ -70,14 +70,14 @@ class Background(ABC, Generic[S]):
         self.cancel()
 
     @abstractmethod
-    def heard(self, before: S, message: dict[str, Any]) -> S:
+    def update_status(self, before: S, message: dict[str, Any]) -> S:
         """Returns the status after a message of the running job."""
 
     def _process(self, kind: str) -> WorkerPool:
         """Returns the worker process for a job of this kind; called with the lock held."""
         return WorkerPool(f"{self.WORK}:{kind}")
 
-    def _keeps(self, pool: WorkerPool) -> bool:
+    def _keeps_worker(self, pool: WorkerPool) -> bool:
         """Whether the process of a finished job is kept for the next one."""
         return False
 
@@ -91,19 +91,19 @@ class Background(ABC, Generic[S]):
                 return
             self.status = replace(status, running=True)
             self._pool = self._process(status.kind)
-            job = self._pool.submit(question, with_language(self._hear), patience)
+            job = self._pool.submit(question, with_language(self._on_message), patience)
         job.add_done_callback(with_language(self._end))
 
-    def _hear(self, message: dict[str, Any]) -> None:
+    def _on_message(self, message: dict[str, Any]) -> None:
         """Handles a message of the running job; no other job sends any, because the next waits for this one's end."""
         if trouble := message.get("trouble"):
             message = message | {"trouble": translate_message(trouble)}
         with self._lock:
-            self.status = self.heard(self.status, message)
+            self.status = self.update_status(self.status, message)
 
     def _end(self, job: Future[dict]) -> None:
         """Releases the slot and records the outcome when a job has ended or could not start."""
-        if self._pool is not None and not (job.exception() is None and self._keeps(self._pool)):
+        if self._pool is not None and not (job.exception() is None and self._keeps_worker(self._pool)):
             self._pool.close()
         with self._lock:
             trouble = None if self.status.cancelled else self.status.trouble

@@ -42,7 +42,7 @@ class OpeningTour(Feature):
                  clock: Callable[[], float] = monotonic):
         self._session, self._open_on, self._hurry, self._clock = session, open_on, hurry, clock
         self._mark = gui.add_html("")
-        self.messages = {"story": self.hear}
+        self.messages = {"story": self.on_message}
         self._opened, self._restarts = True, 0  # whether the opening is on the stage before its end; number of restarts
         self.beat = 0  # 1 to LAST during the tour
         self._since = 0.0
@@ -62,10 +62,10 @@ class OpeningTour(Feature):
             replay = page.gui.add_button(tr("Replay the "
                                             "introduction"), hint=tr("the introduction to this page, in four "
                                                                          "steps"))
-        replay.on_click(lambda _: tour.hear("play"))
+        replay.on_click(lambda _: tour.on_message("play"))
         return tour
 
-    def hear(self, said: Any) -> None:
+    def on_message(self, said: Any) -> None:
         """Starts or ends the tour at the browser's request."""
         if said == "play":
             self._open_on()
@@ -76,8 +76,8 @@ class OpeningTour(Feature):
     def refresh(self, view: PageView) -> None:
         """Advances the tour; it ends if a lesson opens or anything else is on the stage."""
         session, report = self._session, self._session.report
-        pinned, restarts = session.pinned.scene if session.pinned else None, session.moves[1]
-        if (session.scene, pinned) != (OPENING.scene, OPENING.pinned) or not view.alone:
+        pinned, restarts = session.pinned.scene if session.pinned else None, session.motion_key[1]
+        if (session.scene, pinned) != (OPENING.scene, OPENING.pinned) or not view.has_stage:
             if self._opened and restarts == self._restarts:  # changed, not replaced
                 session.open_end()
             self._opened = False
@@ -86,7 +86,7 @@ class OpeningTour(Feature):
             return
         self._restarts, periods = restarts, report.time / report.scene.period
         # A pinned run that is compiled late restarts both; they would stay at t = 0 if the first were paused.
-        if self._opened and session.ended and ((other := session.pinned) is None or other.shortfall() or (
+        if self._opened and session.is_over and ((other := session.pinned) is None or other.shortfall() or (
                 other.last is not None and other.last[0].step >= other.scene.steps)):
             self._opened = False
             session.open_end()
@@ -104,7 +104,7 @@ class OpeningTour(Feature):
         if not self.beat or frame is None or frame[0].scene != OPENING.scene:
             return Headline()
         headline, facts, places = _beat(self.beat, *frame, self._session.pinned)
-        said = Headline.of(headline, *facts, **places)
+        said = Headline.make(headline, *facts, **places)
         return Headline(said.headline, said.facts, ("beat", self.beat))
 
     def _go(self, beat: int) -> None:

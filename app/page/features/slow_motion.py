@@ -37,7 +37,7 @@ class SlowMotion(Feature):
         self._client, self._canvas, self._session, self._on_view = (
             page.client, page.canvas, page.session, page.stage.draw)
         self.source = SlowStep(self, page.run)
-        self.shortcuts = {"phase": self.forward, "phase back": self.back}
+        self.shortcuts = {"phase": self.go_forward, "phase back": self.go_back}
         self._lock = threading.RLock()
         self._over = threading.Event()  # stops the thread that draws while the mode is on
         self._stages: dict[str, SlowStage] = {}  # made when they are first needed
@@ -49,11 +49,11 @@ class SlowMotion(Feature):
 
         mark = page.gui.add_html("<i class='lab-at-slow'></i>")
         self._button = page.gui.add_button(tr(SLOW), hint=tr("pause, and walk through one time step phase by phase"))
-        self._button.on_click(lambda _: self.leave_stage() if self.on else self.forward())
+        self._button.on_click(lambda _: self.leave_stage() if self.on else self.go_forward())
         page.controls.extend("slow-motion", lambda: self._build_fold(page.gui), mark, self._button)
 
     @property
-    def showing(self) -> bool:
+    def is_showing(self) -> bool:
         """Whether a step is on the stage."""
         return self._step is not None
 
@@ -71,8 +71,8 @@ class SlowMotion(Feature):
             self._box = gui.add_checkbox(tr("Slow motion"), self.on, hint=tr(
                 "pause, take one time step and show its phases on the stage, around one particle; every number is the "
                 "solver's own"))
-            acts = {tr("Back"): self.back, tr("Forward"): self.forward, tr("Walk"): lambda: self._walk(True),
-                    tr("Hold"): lambda: self._walk(False)}
+            acts = {tr("Back"): self.go_back, tr("Forward"): self.go_forward,
+                    tr("Walk"): lambda: self._set_walking(True), tr("Hold"): lambda: self._set_walking(False)}
             gui.add_html(BARE)
             buttons = gui.add_button_group(tr("Phase"), tuple(acts))
             seconds = gui.add_slider(tr("Seconds a phase"), least, most, 0.5, self._seconds,
@@ -86,7 +86,7 @@ class SlowMotion(Feature):
         seconds.on_update(lambda event: setattr(self, "_seconds", event.target.value))
         self._particle.on_update(lambda event: self._again() if event.client else None)
 
-    def follow(self, report: FrameReport) -> None:
+    def on_frame(self, report: FrameReport) -> None:
         """Handles a new frame: shows its step, or ends the mode if the run has been advanced."""
         with self._lock:
             if not self.on or report.number < self._asked:
@@ -94,18 +94,18 @@ class SlowMotion(Feature):
             if report.breakdown is not None:
                 problem = report.scene.problem
                 if problem not in self._stages:
-                    self._stages[problem] = VIEWS[problem].slow(self._canvas.sheet(f"/slow-{problem}"))
+                    self._stages[problem] = VIEWS[problem].slow(self._canvas.add_surface(f"/slow-{problem}"))
                 before, self._step, self._drawn = self._step, (report.scene, report.breakdown), None
                 if before is None or (before[0], before[1].step) != (report.scene, report.step):
                     self._phase, self._s = 0, 0.0
                 if before is None:
                     self._on_view()
             elif report.fresh and not report.playing:  # another scene, or a restart
-                self._take()
+                self._request()
             else:
                 self._leave()
 
-    def forward(self) -> None:
+    def go_forward(self) -> None:
         """Shows the next phase, or the next step."""
         with self._lock:
             if not self.on:
@@ -113,9 +113,9 @@ class SlowMotion(Feature):
             elif self._phase < LAST:
                 self._phase, self._s = self._phase + 1, 0.0
             elif self._step is not None:
-                self._take()
+                self._request()
 
-    def back(self) -> None:
+    def go_back(self) -> None:
         """Shows the phase before, as it ended."""
         with self._lock:
             self._walking = False
@@ -139,7 +139,7 @@ class SlowMotion(Feature):
             elif not on and self.on:
                 self._leave()
 
-    def _walk(self, walking: bool) -> None:
+    def _set_walking(self, walking: bool) -> None:
         with self._lock:
             self._walking = walking
             if walking and not self.on:
@@ -149,11 +149,11 @@ class SlowMotion(Feature):
         """Takes the same step apart around another particle."""
         with self._lock:
             if self.on:
-                self._take(step=self._step is None)
+                self._request(step=self._step is None)
 
     def _enter(self) -> None:
         self.on, self._box.value, self._over = True, True, threading.Event()  # type: ignore[misc]
-        self._take()
+        self._request()
         threading.Thread(target=with_language(self._draw_loop), args=(self._over,), name="slow-motion",
                          daemon=True).start()
 
@@ -167,7 +167,7 @@ class SlowMotion(Feature):
         self._session.break_down(None)
         self._on_view()
 
-    def _take(self, step: bool = True) -> None:
+    def _request(self, step: bool = True) -> None:
         """Requests the next step, or the last one again; the present one stays on view until the answer comes."""
         particle = max(0, min(int(self._particle.value), self._session.scene.particles - 1))
         self._asked = self._session.break_down(particle, step)
@@ -184,12 +184,12 @@ class SlowMotion(Feature):
     def _go_on(self, scene: Scene, step: StepBreakdown) -> None:
         """Draws the step after another tick."""
         stage = self._stages[scene.problem]
-        now = self._phase, self._s, stage.sheet.room
+        now = self._phase, self._s, stage.sheet.bounds
         if now != self._drawn:
             if self._drawn is None or self._phase != self._drawn[0]:
                 self._text.content = _table(scene, step, self._phase)
                 phase = PHASES[self._phase]  # for the text above the stage
-                self.sentence = Headline.of(tr("{n} of {all}: {title}.", n=self._phase + 1, all=len(PHASES),
+                self.sentence = Headline.make(tr("{n} of {all}: {title}.", n=self._phase + 1, all=len(PHASES),
                                            title=tr(phase.title)), phase.words(scene))
             along = min(1.0, self._s / MOVING)
             with self._client.atomic():
@@ -202,7 +202,7 @@ class SlowMotion(Feature):
         if self._s < 1:
             self._s = min(1.0, self._s + TICK / self._seconds)
         elif self._walking and (report := self._session.report) is not None and self._asked <= report.number:
-            self.forward()
+            self.go_forward()
 
 
 class SlowStep:
@@ -213,15 +213,15 @@ class SlowStep:
         self.numbers, self.notice = run.numbers, run.notice
 
     @property
-    def on(self) -> bool:
-        return self._slow.showing
+    def is_on(self) -> bool:
+        return self._slow.is_showing
 
     @property
     def at_once(self) -> bool:
         return bool(self._slow.sentence)
 
-    def sight(self, choice: Choice) -> Display | None:
-        sight = self._run.sight(choice)
+    def display(self, choice: Choice) -> Display | None:
+        sight = self._run.display(choice)
         return sight and replace(sight, hidden=self._slow.rectangle)
 
     def sentence(self, choice: Choice, picture: FrameView) -> Headline:

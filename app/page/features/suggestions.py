@@ -15,7 +15,7 @@ from app.page.headline import in_common, periods_of
 from app.page.page_context import PageContext
 from app.page.visit.history import series_until
 from app.page.visit.session import Session
-from app.problems.suggestion import Answer, NotNow, Ran, Suggestion, changed_state
+from app.problems.suggestion import Answer, NotNow, Run, Suggestion, changed_state
 from app.problems.views import VIEWS
 from app.state import State
 from app.words import METHODS, format_number
@@ -50,20 +50,20 @@ def what_now(state: State, report: FrameReport, seek: Callable[[float], bool], s
     scene = report.scene
     back = max(scene.time_step, (report.since or report.time) - BEFORE * scene.period)
 
-    def look() -> None:
+    def look_back() -> None:
         if not seek(back):  # not stored: run again until then
             show(replace(state, scene=replace(scene, periods=None, t_end=back), speed=None, stops=True))
 
     other = next(name for name in OTHERS if name in scene.choices("method") and name != scene.method)
     hint = tr("back to t = {time} s, paused", time=format_number(back))
-    return [(Card("back", "back", tr("See the moment it broke"), hint), look),
-            _changed("cure", "filter", state, show, *_cure(scene)),
-            _changed("other", "halve", state, show, tr("Take {method} instead", method=METHODS[other].name),
-                     tr(OTHERS[other], problem=scene.problem), {"method": other})]
+    return [(Card("back", "back", tr("See the moment it broke"), hint), look_back),
+            _restart_card("cure", "filter", state, show, *_cure(scene)),
+            _restart_card("other", "halve", state, show, tr("Take {method} instead", method=METHODS[other].name),
+                          tr(OTHERS[other], problem=scene.problem), {"method": other})]
 
 
-def _changed(key: str, icon: str, state: State, show: Callable[[State], None], title: str, hint: str,
-             changes: dict[str, object]) -> tuple[Card, Callable[[], None]]:
+def _restart_card(key: str, icon: str, state: State, show: Callable[[State], None], title: str, hint: str,
+                  changes: dict[str, object]) -> tuple[Card, Callable[[], None]]:
     """Returns a button that restarts the scene with changes; disabled if they are invalid."""
     try:
         wanted = changed_state(state, changes, pinned=False)
@@ -98,7 +98,7 @@ class Suggestions(Feature):
         self._html = gui.add_html("")
         self._done: set[str] = set()
         # The suggestion, the state before it, and the state it has put on the stage.
-        self._asked: tuple[Suggestion, State, State] | None = None
+        self._running: tuple[Suggestion, State, State] | None = None
         self._answers: dict[str, Answer] = {}  # by quantity
         self._ways: dict[str, Callable[[], None]] = {}  # ways on from a lost run
 
@@ -112,11 +112,11 @@ class Suggestions(Feature):
     def press(self, key: object) -> None:
         """Handles the click on a button."""
         if isinstance(key, str) and key in self._ways:
-            self._asked, ways, self._ways = None, self._ways, {}
+            self._running, ways, self._ways = None, self._ways, {}
             ways[key]()
             return
         base = self._base()
-        spark = next((spark for spark in VIEWS[base.scene.problem].sparks(base) if spark.key == key), None)
+        spark = next((spark for spark in VIEWS[base.scene.problem].suggestions(base) if spark.key == key), None)
         if spark is None:
             return
         try:
@@ -124,23 +124,23 @@ class Suggestions(Feature):
         except NotNow:
             return
         self._done.add(f"{base.scene.problem} {spark.key}")
-        self._asked, self._answers = None, {}
+        self._running, self._answers = None, {}
         self._show(state)
-        self._asked = spark, base, state  # only now: meanwhile another state was on the stage
+        self._running = spark, base, state  # only now: meanwhile another state was on the stage
 
     def refresh(self, view: PageView) -> None:
         """Shows the present buttons or answer; nothing during a lesson or the tour."""
         content = ""
-        if view.alone and not self._is_touring() and self._session.report is not None:
-            label, answer, cards = self._now()
+        if view.has_stage and not self._is_touring() and self._session.report is not None:
+            label, answer, cards = self._current()
             said = json.dumps({"label": tr(label), "answer": answer, "cards": [asdict(card) for card in cards]},
                               ensure_ascii=False)
             content = f"<i class='lab-sparks' data-sparks=\"{escape(said)}\"></i>"
         self._html.content = content
 
-    def _now(self) -> tuple[str, Answer | None, list[Card]]:
+    def _current(self) -> tuple[str, Answer | None, list[Card]]:
         self._forget()
-        report, asked = self._session.report, self._asked
+        report, asked = self._session.report, self._running
         assert report is not None
         here = report.scene == self._session.scene
         lost = here and report.status != OK
@@ -163,7 +163,7 @@ class Suggestions(Feature):
 
     def _cards(self, base: State) -> list[Card]:
         cards = []
-        for spark in VIEWS[base.scene.problem].sparks(base):
+        for spark in VIEWS[base.scene.problem].suggestions(base):
             done = f"{base.scene.problem} {spark.key}" in self._done
             try:
                 offer = spark.offer(base)
@@ -176,25 +176,25 @@ class Suggestions(Feature):
     def _base(self) -> State:
         """Returns the state that a suggestion changes: the one on the stage, or before the last suggestion."""
         self._forget()
-        return self._state() if self._asked is None else self._asked[1]
+        return self._state() if self._running is None else self._running[1]
 
     def _forget(self) -> None:
         """Discards the suggestion when anything else is on the stage."""
-        if self._asked:
-            shown, pinned = self._asked[2], self._session.pinned
+        if self._running:
+            shown, pinned = self._running[2], self._session.pinned
             if shown.scene != self._session.scene or shown.pinned != (pinned and pinned.scene):
-                self._asked = None
+                self._running = None
 
     def _answer(self) -> Answer | None:
         """Returns the answer for the quantity on the stage, once both runs have come far enough."""
-        assert self._asked is not None
-        spark, _, state = self._asked
+        assert self._running is not None
+        spark, _, state = self._running
         quantity = self._state().quantity
-        if quantity not in self._answers and (ran := self._ran(spark, replace(state, quantity=quantity))):
+        if quantity not in self._answers and (ran := self._result(spark, replace(state, quantity=quantity))):
             self._answers[quantity] = spark.answer(ran)
         return self._answers.get(quantity)
 
-    def _ran(self, spark: Suggestion, state: State) -> Ran | None:
+    def _result(self, spark: Suggestion, state: State) -> Run | None:
         session = self._session
         report, pinned, scene = session.report, session.pinned, state.scene
         histories = [session.history, *([pinned.history] if pinned else [])]
@@ -208,4 +208,4 @@ class Suggestions(Feature):
                   its in zip(series, scenes, strict=True)]
         ratio = math.nan if pinned is None or state.pinned is None else \
             in_common(series[0], series[1], f"error_{state.quantity}", (scene, state.pinned))
-        return Ran(state, series[0], series[1] if pinned else {}, ratio, report.not_valid)
+        return Run(state, series[0], series[1] if pinned else {}, ratio, report.not_valid)

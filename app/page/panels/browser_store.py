@@ -25,8 +25,8 @@ class BrowserStore:
     def __init__(self, gui: viser.GuiApi):
         self.here = ""  # the address at which this browser has opened the lab
         self._listening = False
-        self._kept = ""  # the state in the address
-        self._held: tuple[str, str, str] | None = None  # what to store when a change is complete
+        self._link = ""  # the state in the address
+        self._pending: tuple[str, str, str] | None = None  # what to store when a change is complete
         self._changing = False
         self.heard: dict[str, Callable[[Any], None]] = {}  # handlers of further messages by key
         self._early: dict[str, Any] = {}  # received before :meth:`listen`, the latest of each kind
@@ -36,13 +36,13 @@ class BrowserStore:
         self._mark = gui.add_html("")
         self._waiting: deque[str] = deque(maxlen=MOST_KINDS)  # messages not handled yet
         self._hearing = threading.Lock()
-        self._text.on_update(self._take)
+        self._text.on_update(self._receive)
         self._text.on_update(lambda _: self._hear_all())
 
     def listen(self, on_link: Callable[[str], None], on_answers: Callable[[str, str], None]) -> None:
         """Handles messages from now on, and earlier ones: the address's state, a lesson's name and stored answers."""
         self._on_link, self._on_answers, self._listening = on_link, on_answers, True
-        self._act(self._early)
+        self._dispatch(self._early)
 
     @contextmanager
     def keep_after(self) -> Iterator[None]:
@@ -51,21 +51,21 @@ class BrowserStore:
         try:
             yield
         finally:
-            self._changing, held, self._held = False, self._held, None
+            self._changing, held, self._pending = False, self._pending, None
             if held:
                 self.keep(*held)
 
     def keep(self, link: str, lesson: str = "", answers: str = "") -> None:
         """Makes the browser store a state and the answers to a lesson; without answers it sends the stored ones."""
         if self._changing:
-            self._held = link, lesson, answers
+            self._pending = link, lesson, answers
             return
         content = f"<i class='lab-kept' data-link='{escape(link)}' data-lesson='{escape(lesson)}' " \
                   f"data-answers='{escape(answers)}'></i>"
         if self._mark.content != content:
-            self._mark.content, self._kept = content, link
+            self._mark.content, self._link = content, link
 
-    async def _take(self, _: viser.GuiEvent) -> None:
+    async def _receive(self, _: viser.GuiEvent) -> None:
         """Queues a message at once, before the next one overwrites it in the text widget."""
         self._waiting.append(self._text.value)
 
@@ -74,11 +74,11 @@ class BrowserStore:
         while self._waiting and self._hearing.acquire(blocking=False):
             try:
                 with suppress(IndexError):
-                    self._hear(self._waiting.popleft())
+                    self._on_text(self._waiting.popleft())
             finally:
                 self._hearing.release()
 
-    def _hear(self, text: str) -> None:
+    def _on_text(self, text: str) -> None:
         try:
             said = json.loads(text)
         except (ValueError, RecursionError):
@@ -86,15 +86,15 @@ class BrowserStore:
         if not isinstance(said, dict):
             return
         if self._listening:
-            self._act(said)
+            self._dispatch(said)
         elif len(self._early) < MOST_KINDS:
             self._early |= said
 
-    def _act(self, said: dict[str, Any]) -> None:
+    def _dispatch(self, said: dict[str, Any]) -> None:
         if isinstance(here := said.get("here"), str) and here.startswith(("http://", "https://")):
             self.here = here
         # A browser that rebuilds its widgets sends what it was given to store; that state is already on the stage.
-        if isinstance(link := said.get("link"), str) and link and link != self._kept:
+        if isinstance(link := said.get("link"), str) and link and link != self._link:
             self._on_link(link)
         for name in self.heard.keys() & said.keys():
             self.heard[name](said[name])
@@ -124,10 +124,10 @@ class Window:
     def __init__(self, store: BrowserStore, on_change: Callable[[LayoutMetrics], None],
                  on_dark: Callable[[bool], None]):
         self.size, self._dark, self._on_change, self._on_dark = LayoutMetrics(), False, on_change, on_dark
-        store.heard["room"] = self._hear
-        store.heard["dark"] = self._shade
+        store.heard["room"] = self._on_size
+        store.heard["dark"] = self._set_dark
 
-    def _hear(self, said: Any) -> None:
+    def _on_size(self, said: Any) -> None:
         if not (isinstance(said, list) and len(said) == 6 and all(is_number_between(part, 0, WIDEST) for part in said)):
             return
         size = LayoutMetrics(*map(float, said))
@@ -135,7 +135,7 @@ class Window:
             self.size = size
             self._on_change(size)
 
-    def _shade(self, dark: Any) -> None:
+    def _set_dark(self, dark: Any) -> None:
         if isinstance(dark, bool) and dark != self._dark:
             self._dark = dark
             self._on_dark(dark)

@@ -9,7 +9,7 @@ from app.frame.colour_scale import ColourScale
 from app.language.translation import lazy, tr
 from app.page.visit.frame_buffer import FrameBuffer
 from app.page.visit.history import LAST_PERIODS
-from app.page.visit.particle_trace import Trace
+from app.page.visit.particle_trace import Tracer
 from app.page.visit.session import Session
 from app.problems.views import VIEWS
 from solvers.untrusted import number_parsing, quoting
@@ -21,7 +21,7 @@ LINEAR, LOGARITHMIC = lazy("linear"), lazy("logarithmic")
 class HistoryControls:
     """One visitor's widgets for past frames; ``on_view`` is called when another frame or particle is shown."""
 
-    def __init__(self, session: Session, recent: FrameBuffer, trace: Trace, on_view: Callable[[], None]):
+    def __init__(self, session: Session, recent: FrameBuffer, trace: Tracer, on_view: Callable[[], None]):
         self._session, self._recent, self._trace, self._on_view = session, recent, trace, on_view
         self.latest = False  # whether plots show the last periods only
         self._refused = False
@@ -29,7 +29,7 @@ class HistoryControls:
     def build_slider(self, gui: viser.GuiApi) -> viser.GuiSliderHandle[int]:
         """Builds the slider through past frames, the newest at the right."""
         self._slider = gui.add_slider(tr("Look back"), -1, 0, 1, 0, disabled=True, hint=_hint(0, 0.0))
-        self._slider.on_update(self._moved)
+        self._slider.on_update(self._on_slider_moved)
         self._at = 0
         return self._slider
 
@@ -44,12 +44,12 @@ class HistoryControls:
         self._end = gui.add_button(tr("Stop tracing"), visible=False, color="gray",
                                    hint=tr("take its mark and its plot away"))
         show.on_update(lambda _: setattr(self, "latest", show.value == shown[True]))
-        self._number.on_update(self._typed)
+        self._number.on_update(self._on_number_typed)
         self._end.on_click(lambda _: self._choose(None))
         self._followed: int | None = None
 
     @property
-    def traced(self) -> int | None:
+    def traced_particle(self) -> int | None:
         """The number of the traced particle, or None."""
         return None if self._trace.traced is None else self._trace.traced.particle
 
@@ -86,13 +86,13 @@ class HistoryControls:
             self.seek(time)
         return kept
 
-    def _moved(self, event: viser.GuiEvent) -> None:
+    def _on_slider_moved(self, event: viser.GuiEvent) -> None:
         if event.client is not None:  # otherwise the page has set it
             self._at = -round(event.target.value)
             self._recent.go_back(self._at)
             self._on_view()
 
-    def _typed(self, event: viser.GuiEvent) -> None:
+    def _on_number_typed(self, event: viser.GuiEvent) -> None:
         if event.client is None or self._session.report is None:
             return
         text, particles = self._number.value.strip(), self._session.report.particles
@@ -126,9 +126,9 @@ class DrawingOptions:
         self.difference = self.domains = False
 
     @property
-    def words(self) -> str:
+    def summary(self) -> str:
         """The options that differ from the defaults, or what there is to set."""
-        traced = self._looking.traced
+        traced = self._looking.traced_particle
         said = [tr("difference")] * self.difference + [tr(LOGARITHMIC)] * self._scale.logarithmic \
             + [tr("colours held")] * self._scale.held + [tr("domains")] * self.domains \
             + [tr("particle {particle}", particle=traced)] * (traced is not None)
@@ -155,22 +155,22 @@ class DrawingOptions:
             with part("domains"):
                 domains = gui.add_checkbox(tr("Show domains"), self.domains, hint=tr(hint))
 
-            def outlined(_: viser.GuiEvent) -> None:
+            def on_domains(_: viser.GuiEvent) -> None:
                 self.domains = domains.value
                 self._on_view()
 
-            domains.on_update(outlined)
+            domains.on_update(on_domains)
 
-        def compared(_: viser.GuiEvent) -> None:
+        def on_difference(_: viser.GuiEvent) -> None:
             self.difference = compare.value == tr(DIFFERENCE)
             self._session.show(differences=self.difference)
             self._on_view()
 
-        def coloured(_: viser.GuiEvent) -> None:
+        def on_colours(_: viser.GuiEvent) -> None:
             scale.logarithmic, scale.held = kind.value == tr(LOGARITHMIC), hold.value
-            scale.forget()
+            scale.reset()
             self._on_view()
 
         for widget in (kind, hold):
-            widget.on_update(coloured)
-        compare.on_update(compared)
+            widget.on_update(on_colours)
+        compare.on_update(on_difference)

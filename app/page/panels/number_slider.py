@@ -47,14 +47,14 @@ class SizeControl:
         self._slider = gui.add_slider(size.name, low, high, STEP, float(np.log10(value)), hint=size.hint)
         marks.append(add_anchor(gui, "lab-typed", *filter(None, [size.place])))
         self._text = gui.add_text(
-            tr("{name}, typed", name=size.name), self._shown(value),
-            hint=tr(TYPE_SIZE if size.unit else TYPE, unit=size.unit, example=self._shown(size.default)))
+            tr("{name}, typed", name=size.name), self._format(value),
+            hint=tr(TYPE_SIZE if size.unit else TYPE, unit=size.unit, example=self._format(size.default)))
         # Removed with its widget, as it would otherwise mark the next one.
         self._parts: tuple[Any, ...] = (*marks, self._slider, self._text)
         self._read_in_turn = bound.in_turn(self._read)
-        bound.heed(self._slider, self._moved)
-        bound.heed(self._text, self._keyed)
-        bound.on_enter(self._text, self._entered)
+        bound.on_change(self._slider, self._on_slider_moved)
+        bound.on_change(self._text, self._on_typing)
+        bound.on_enter(self._text, self._on_entered)
 
     def begin(self, size: Size, value: float) -> None:
         """Shows a number with another range."""
@@ -65,8 +65,8 @@ class SizeControl:
     def show(self, value: float) -> None:
         """Shows a value that was not set by the visitor."""
         self._value = value
-        self._place(value)
-        self._text.value = self._shown(value)  # type: ignore[misc]
+        self._set_slider(value)
+        self._text.value = self._format(value)  # type: ignore[misc]
 
     @property
     def visible(self) -> bool:
@@ -77,25 +77,25 @@ class SizeControl:
         for part in self._parts:
             part.visible = visible
 
-    def _place(self, value: float) -> None:
+    def _set_slider(self, value: float) -> None:
         self._slider.value = float(  # type: ignore[misc]
             np.clip(np.log10(value), self._slider.min, self._slider.max))
 
-    def _shown(self, value: float) -> str:
+    def _format(self, value: float) -> str:
         return with_unit(value, self._size.unit, DIGITS) if self._size.unit else f"{value:.{DIGITS}g}"
 
-    def _moved(self, logarithm: float) -> None:
+    def _on_slider_moved(self, logarithm: float) -> None:
         default = self._size.default
         near = abs(logarithm - np.log10(default)) < 0.5 * STEP
         value = default if near else float(f"{10**logarithm:.3g}")
-        self._text.value = self._shown(value)  # type: ignore[misc]
+        self._text.value = self._format(value)  # type: ignore[misc]
         self._try(value)
 
     def _try(self, value: float) -> None:
         if self._bound.ask(self._slider, lambda: self._act(value), lambda: self.show(self._value)):
             self._value = value
 
-    def _keyed(self, text: str) -> None:
+    def _on_typing(self, text: str) -> None:
         """Waits for the rest of the input: half a number is another number."""
         if self._typed:
             self._typed.cancel()
@@ -103,12 +103,12 @@ class SizeControl:
         self._typed.daemon = True
         self._typed.start()
 
-    def _entered(self) -> None:
+    def _on_entered(self) -> None:
         """Applies the finished input at once, and formats the number."""
         if self._typed and self._typed.is_alive():
             self._typed.cancel()
             self._read(self._text.value)
-        self._text.value = self._shown(self._value)  # type: ignore[misc]
+        self._text.value = self._format(self._value)  # type: ignore[misc]
 
     def _read(self, text: str) -> None:
         if self._text.value != text:  # the slider has been moved since
@@ -118,10 +118,10 @@ class SizeControl:
         except ValueError:
             size = self._size
             refusal = tr(NO_SIZE if size.unit else NO_NUMBER, name=size.name, typed=quoting.quote(text, 20),
-                         unit=size.unit, example=self._shown(size.default))
+                         unit=size.unit, example=self._format(size.default))
             self._bound.ask(self._slider, lambda: self._bound.refuse(refusal), lambda: self.show(self._value))
             return
-        self._place(value)
+        self._set_slider(value)
         self._try(value)
 
 

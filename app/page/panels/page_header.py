@@ -84,7 +84,7 @@ class PresentationMode:
         self._mark = gui.add_html(_BUTTON)
         self._button = gui.add_button(
             tr(PRESENT), hint=tr("for a projector: stage and one plot, large text; ? lists the keys"))
-        self._button.on_click(lambda _: self._turn())
+        self._button.on_click(lambda _: self._toggle())
 
     def name(self, scene: Scene) -> None:
         """Shows the scene's name in the presenter's view."""
@@ -95,9 +95,9 @@ class PresentationMode:
     def begin(self) -> None:
         """Starts the view, if it is not on."""
         if not self.on:
-            self._turn()
+            self._toggle()
 
-    def _turn(self) -> None:
+    def _toggle(self) -> None:
         self.on = not self.on
         self._mark.content = _ON if self.on else _BUTTON
         self._button.label = tr(END if self.on else PRESENT)
@@ -111,7 +111,7 @@ class ProblemButtons:
 
     def __init__(self, gui: viser.GuiApi, store: BrowserStore, choose: Callable[[str], None]):
         self._html, self._choose = gui.add_html(""), choose
-        store.heard["problem"] = self._hear
+        store.heard["problem"] = self._on_message
 
     def show(self, chosen: str, offered: bool) -> None:
         """Marks the chosen problem; offers none if a lesson hides the choice."""
@@ -119,6 +119,6 @@ class ProblemButtons:
         said = json.dumps({"titles": titles, "chosen": chosen})
         self._html.content = f"<i class='lab-problems' data-said='{escape(said)}'></i>"
 
-    def _hear(self, said: Any) -> None:
+    def _on_message(self, said: Any) -> None:
         if isinstance(said, str) and said in TITLES:
             self._choose(said)

@@ -55,9 +55,9 @@ class Plots:
         self._gui, self._tab = client.gui, tab
         self._sets: dict[tuple[tuple[str, ...], bool], PlotSet] = {}
         self._estimators: tuple[str, ...] = ()
-        self.have((), LEAST_HEIGHT, False, False)
+        self.set_lines((), LEAST_HEIGHT, False, False)
 
-    def have(self, estimators: tuple[str, ...], height: int, traced: bool, pinned: bool) -> None:
+    def set_lines(self, estimators: tuple[str, ...], height: int, traced: bool, pinned: bool) -> None:
         """Shows plots of this height in px with a line for each estimator and a pinned run, and one of a trace."""
         wanted = estimators, pinned
         if wanted not in self._sets:
@@ -111,7 +111,7 @@ class Plots:
             set_series(plot, finite_series(EMPTY, *(np.full(2, np.nan) for _ in plot.data[1:])))
             return
         first = next((values for values in errors if np.isfinite(values).any()), np.zeros(len(time)))
-        crossed = np.where(traced.crossed(time), first, np.nan)
+        crossed = np.where(traced.crossing_marks(time), first, np.nan)
         at = np.where(np.arange(len(time)) == np.argmin(np.abs(time - shown)), first, np.nan)
         error = tr("error of {symbol} / {unit}", symbol=QUANTITIES[quantity].symbol, unit=unit)
         heading.content = _heading(f"{traced.title}<br>{error}", TRACE,
@@ -122,7 +122,7 @@ class Plots:
                 grey: Sequence[np.ndarray] = ()) -> tuple[list[np.ndarray], str]:
         """Returns the errors, ``grey``, true and estimated, divided by a power of ten, and the unit with that power."""
         true = series[f"error_{quantity}"]
-        estimated = [bounded(series[f"{name}/estimate_{quantity}"], true) if name in valid
+        estimated = [clip_estimate(series[f"{name}/estimate_{quantity}"], true) if name in valid
                      else np.full(len(true), np.nan) for name in self._estimators]
         errors = [*grey, true, *estimated]
         power = power_of_ten(max(largest_finite(values) for values in errors))
@@ -188,7 +188,7 @@ def grey_curves(pinned: PinnedRun | None, history: RunSeries, series: dict[str, 
         ended = times > stretch * own[-1] + APART * history.scene.period
         return np.where(ended, np.nan, np.interp(times, stretch * own, values))
 
-    estimated = bounded(theirs.get(f"{estimator}/estimate_{quantity}", np.full(len(true), np.nan)), true)
+    estimated = clip_estimate(theirs.get(f"{estimator}/estimate_{quantity}", np.full(len(true), np.nan)), true)
     time = series["time"]
     return [[on_axis(time, own, true), on_axis(time, own, estimated)],
             [on_axis(time, own, theirs.get(f"{estimator}/index_{quantity}", none))],
@@ -211,7 +211,7 @@ def _marks(label: str, colour: str, size: float) -> uplot.Series:
             "points": {"show": True, "size": size, "fill": colour, "stroke": colour}}
 
 
-def bounded(estimated: np.ndarray, true: np.ndarray) -> np.ndarray:
+def clip_estimate(estimated: np.ndarray, true: np.ndarray) -> np.ndarray:
     """Caps a diverged estimate at the edge of the plot, so that it does not flatten the truth."""
     truth = largest_finite(true)
     return np.minimum(estimated, BEYOND * truth) if truth > 0 else estimated

@@ -12,7 +12,7 @@ from app.colours import ESTIMATE, PINNED, TRUTH
 from app.frame.captions import ESTIMATED, TRUE, why_no_numbers
 from app.language.translation import lazy, tr, translate_message
 from app.page.stage.worst_region import WorstRegion, WorstRegions
-from app.page.visit.history import History, last_value, series_until
+from app.page.visit.history import NormHistory, last_value, series_until
 from app.page.visit.pinned_run import PinnedRun
 from app.page.visit.session import Session
 from app.words import NOTHING, QUANTITIES, difference_text, format_ratio, with_unit
@@ -68,13 +68,13 @@ class Readout:
         return f"<div class='lab-readout'>{self.errors}{self.beside}</div>"
 
 
-def live_readout(session: Session, history: History, report: FrameReport, quantity: str, drawn: str | None,
+def live_readout(session: Session, history: NormHistory, report: FrameReport, quantity: str, drawn: str | None,
                  probed: str | None, worst: WorstRegions, ago: float = 0.0) -> Readout:
     """Returns the numbers of a run and of its ``quantity`` (a key), with the estimator ``drawn`` on the stage, for a
     frame ``ago`` periods before the newest. The ``history`` is that of the frame's run, not of a later one."""
     series = series_until(history.series, report.time)
     return Readout(_estimates(session, report, series, quantity, drawn),
-                   _worst(worst, drawn, quantity) + _run(session, history, report, series, drawn, probed, ago),
+                   _worst_rows(worst, drawn, quantity) + _run(session, history, report, series, drawn, probed, ago),
                    estimator_cards(report, series, quantity, drawn))
 
 
@@ -108,14 +108,14 @@ def gauge_position(index: float) -> float | None:
     return round(min(1.0, max(0.0, 0.5 + 0.5 * math.log10(index))), 2) if index > 0 else 0.0
 
 
-def _run(session: Session, history: History, report: FrameReport, series: dict[str, np.ndarray], drawn: str | None,
+def _run(session: Session, history: NormHistory, report: FrameReport, series: dict[str, np.ndarray], drawn: str | None,
          probed: str | None, ago: float) -> str:
     scene = report.scene
     speed = report.real_speed / scene.period if report.playing and report.real_speed is not None else None
     slow = speed is not None and speed < CAPPED_BELOW * session.speed
     moves = tr("{speed} of {asked:.3g} periods/s", speed=NOTHING if speed is None else f"{speed:.2g}",
                asked=session.speed) + f" <span class='lab-capped'>{tr('CAPPED')}</span>" * slow
-    rests = tr("stopped") if report.status == UNSTABLE else tr("at its end") if session.ended else tr("paused")
+    rests = tr("stopped") if report.status == UNSTABLE else tr("at its end") if session.is_over else tr("paused")
     margin = history.margin
     if ago:
         known = series.get("margin", np.zeros(0))
@@ -126,7 +126,7 @@ def _run(session: Session, history: History, report: FrameReport, series: dict[s
              tr("<b>{rests}</b>, {speed:.3g} periods/s asked", rests=rests, speed=session.speed))]
     lines = effect_lines(lambda effect: effect.readout)
     rows += [(line.name, text) for name, line in lines.items()
-             if scene.has(name) and (text := _found(name, line, series))]
+             if scene.has(name) and (text := _effect_html(name, line, series))]
     if scene.has("margin"):
         text = tr("{margin} of its bound", margin=format_ratio(margin))
         rows.append(("step", NOTHING if math.isnan(margin) else  # no node has mass before the first step
@@ -157,7 +157,7 @@ def _goals(report: FrameReport, drawn: str | None) -> Iterator[tuple[str, str]]:
         yield GOALS[name], html.escape(text)
 
 
-def _found(name: str, line: Line, series: dict[str, np.ndarray]) -> str:
+def _effect_html(name: str, line: Line, series: dict[str, np.ndarray]) -> str:
     """Returns an effect's numbers so far as html, bounded ones after their lights; "" if unknown."""
     numbers, values = ALL[name].numbers, ALL[name].values(series) if len(series.get("time", ())) else {}
     if all(value is None for value in values.values()):
@@ -211,11 +211,11 @@ def _estimates(session: Session, report: FrameReport, series: dict[str, np.ndarr
         # How it differs: the stage shows it, but not to screen readers.
         said = "" if session.pinned.scene.problem != report.scene.problem else \
             difference_text(session.pinned.scene, report.scene) or tr("the same so far")
-        rows.append(_pinned(session.pinned, said, key, drawn))
+        rows.append(_pinned_rows(session.pinned, said, key, drawn))
     return table_html("".join(rows), "lab-numbers lab-estimates")
 
 
-def _pinned(run: PinnedRun, said: str, key: str, drawn: str | None) -> str:
+def _pinned_rows(run: PinnedRun, said: str, key: str, drawn: str | None) -> str:
     """Returns a pinned run's row: true error, index and distance of the estimator drawn; or why it has stopped."""
     estimator, series = run.estimator(drawn), run.history.series
     what = tr("norm: its true error; index and distance: its estimate by {estimator}", estimator=estimator) \
@@ -239,7 +239,7 @@ def missing_reasons(report: FrameReport, series: dict[str, np.ndarray], quantity
     return reasons
 
 
-def _worst(worst: WorstRegions, drawn: str | None, quantity: str) -> str:
+def _worst_rows(worst: WorstRegions, drawn: str | None, quantity: str) -> str:
     """Returns a table of the regions with the worst error, by the estimate drawn and by the truth."""
     by = [(drawn, worst.by_estimate)] if drawn else []
     heads = "".join(f"<td>{head}</td>" for head in (tr("estim."), tr(TRUE)))

@@ -103,11 +103,11 @@ class RunWidgets:
         cells = gui.add_slider(label(scene.cells), low, high, step, scene.cells,
                                hint=tr("grid cells across {across:g} m", across=across))
 
-        def changed(count: int) -> None:
+        def on_cells(count: int) -> None:
             cells.label, words_beside.content = label(count), anchor_html(words=size(count))
             self._session.set(cells=count)
 
-        self._bound.follow(cells, changed)
+        self._bound.follow(cells, on_cells)
 
     def _step(self, gui: viser.GuiApi) -> None:
         """Builds the step's widgets: a number, or "auto", whose step the slider shows too."""

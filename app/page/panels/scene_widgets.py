@@ -27,7 +27,7 @@ REST = 0.7  # seconds without another refusal after which the control is reset: 
 TO_BE_READ = 8.0  # seconds that a refusal is shown
 
 
-class Answers:
+class WidgetAnswers:
     """Message below the widget changed last (``js/answers.js``). Call :meth:`refresh` a few times a second."""
 
     def __init__(self, gui: viser.GuiApi, clock: Callable[[], float] = monotonic):
@@ -37,7 +37,7 @@ class Answers:
         self._refusal: tuple[float, str] | None = None
         self._back: Callable[[], None] | None = None
 
-    def changed(self, widget: Any) -> None:
+    def on_changed(self, widget: Any) -> None:
         """Notes that the visitor has changed a widget."""
         with self._lock:
             self._last, self._refusal, self._back = widget, None, None
@@ -59,22 +59,22 @@ class Answers:
         if widget is None or is_removed(widget):
             content = ""
         elif self._refusal:
-            content = _said(widget, "refused", f"{sentence[:1].upper()}{sentence[1:]}.")
+            content = _answer_html(widget, "refused", f"{sentence[:1].upper()}{sentence[1:]}.")
         else:
-            content = _said(widget, "compiling", tr("compiling …")) if compiling else ""
+            content = _answer_html(widget, "compiling", tr("compiling …")) if compiling else ""
         self._html.content = content
         if back and not is_removed(widget):
             back()
 
 
-def _said(widget: Any, kind: str, sentence: str) -> str:
+def _answer_html(widget: Any, kind: str, sentence: str) -> str:
     return f"<i class='lab-answer' data-of='{widget_id(widget)}' data-kind='{kind}' data-says='{escape(sentence)}'></i>"
 
 
 class SceneWidgets:
     """Factory of one visitor's widgets; their callbacks take the lock ``turn``, so that the last change wins."""
 
-    def __init__(self, gui: viser.GuiApi, session: Session, answers: Answers, turn: threading.RLock):
+    def __init__(self, gui: viser.GuiApi, session: Session, answers: WidgetAnswers, turn: threading.RLock):
         self._gui, self._session, self._answers = gui, session, answers
         self.turn, self._made = turn, object()
         self._enters: dict[str, Callable[[], None]] = {}
@@ -97,12 +97,12 @@ class SceneWidgets:
         """Returns ``act`` as a callback that takes the lock and does nothing once its widget is removed."""
         made = self._made
 
-        def acted(*arguments: Any) -> None:
+        def run_in_turn(*arguments: Any) -> None:
             with self.turn:
                 if made is self._made:
                     act(*arguments)
 
-        return acted
+        return run_in_turn
 
     def boxes(self, field: str, kinds: Mapping[str, Effect] | Mapping[str, Remedy]) -> None:
         """Adds a checkbox for each value that the scene's field may contain."""
@@ -118,23 +118,23 @@ class SceneWidgets:
         """Calls ``act`` with each value that the visitor sets; a refused value is reset to the one before."""
         met = [widget.value]
 
-        def wish(value: Any) -> None:
+        def apply(value: Any) -> None:
             if self.ask(widget, lambda: act(value), lambda: setattr(widget, "value", met[0])):
                 met[0] = value
 
-        self.heed(widget, wish)
+        self.on_change(widget, apply)
         widget.on_update(lambda event: met.__setitem__(0, widget.value) if event.client is None else None)
 
-    def heed(self, widget: Any, act: Callable[[Any], None]) -> None:
+    def on_change(self, widget: Any, act: Callable[[Any], None]) -> None:
         """Calls ``act`` with the widget's value whenever the visitor changes it, one widget at a time."""
         asked = self.in_turn(lambda: act(widget.value))
 
-        def changed(event: viser.GuiEvent) -> None:
+        def on_update(event: viser.GuiEvent) -> None:
             if event.client is not None:  # otherwise the page has set the value
-                self._answers.changed(widget)
+                self._answers.on_changed(widget)
                 asked()
 
-        widget.on_update(changed)
+        widget.on_update(on_update)
 
     def ask(self, widget: Any, act: Callable[[], None], back: Callable[[], None]) -> bool:
         """Calls ``act`` for a widget; returns False and resets the widget with ``back`` if it is refused."""
@@ -171,11 +171,11 @@ class SceneWidgets:
                 sentence = translate_message(error.sentence)
                 said.content = f"<p class='lab-formula-says'>{escape(sentence[:1].upper() + sentence[1:])}.</p>"
 
-        def wish() -> None:
+        def apply() -> None:
             self.ask(text, lambda: self._session.set(**{field: text.value}), lambda: None)
 
-        self.heed(text, check)
-        self.on_enter(text, wish)
+        self.on_change(text, check)
+        self.on_enter(text, apply)
 
     def sliders(self, sliders: Mapping[str, LinearSlider]) -> None:
         """Adds a slider for each of these fields."""
@@ -198,13 +198,13 @@ class SceneWidgets:
         shown = self._gui.add_dropdown(tr("Motion"), tuple(names.values()), hint=tr(motion.hint),
                                        initial_value=names[scene.to_dict()["motion"]])
 
-        def chosen(_: viser.GuiEvent) -> None:
+        def on_chosen(_: viser.GuiEvent) -> None:
             now = self._session.scene
             code = next(code for code, name in names.items() if name == shown.value)
             changed = motion.change(now, code, first_scene(now.problem).estimators)
             move(changed, *((None, None) if changed.swings else (motion.quantity, motion.speed)))
 
-        shown.on_update(chosen)
+        shown.on_update(on_chosen)
 
     def refuse(self, sentence: str) -> None:
         """Refuses an invalid input."""

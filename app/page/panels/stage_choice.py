@@ -37,7 +37,7 @@ class StageChoice:
         self.quantity = next(iter(words.QUANTITIES))  # key of the one whose error is shown
         self.estimator = next(iter(session.scene.estimators), None)  # the one on the stage, if any
         self.magnified = 1
-        self._kept: dict[str, str] = {}  # by problem, the estimator last chosen for the stage
+        self._by_problem: dict[str, str] = {}  # by problem, the estimator last chosen for the stage
         self._silent = False  # whether an estimator without values may be replaced: it was not chosen by name
         quantity_mark = gui.add_html("<i class='lab-at-quantity'></i>")
         self._quantity = gui.add_dropdown(
@@ -58,7 +58,7 @@ class StageChoice:
             "magnify": (magnify_mark, self._magnify)}
         self._quantity.on_update(
             lambda event: self.measure(self._quantities[event.target.value]) if event.client else None)
-        self._estimator.on_update(lambda event: self.put(
+        self._estimator.on_update(lambda event: self.show_estimator(
             None if event.target.value == tr(NONE) else event.target.value) if event.client else None)
         self._magnify.on_update(lambda event: self._choose_factor() if event.client else None)
 
@@ -70,9 +70,9 @@ class StageChoice:
 
     def go_to(self, problem: str) -> None:
         """Restores the estimator last shown of a problem that is put on the stage."""
-        self.estimator, self._silent = self._kept.get(problem), True
+        self.estimator, self._silent = self._by_problem.get(problem), True
 
-    def hear(self, scene: Scene, arrays: FrameArrays) -> None:
+    def on_frame(self, scene: Scene, arrays: FrameArrays) -> None:
         """Handles a new frame: replaces an estimator without values of a newly chosen quantity by one that has some."""
         if not self._silent or scene != self._session.scene:
             return
@@ -94,12 +94,12 @@ class StageChoice:
         if self.estimator != before:
             self._on_view()
 
-    def put(self, estimator: str | None) -> None:
+    def show_estimator(self, estimator: str | None) -> None:
         """Puts an estimator that runs on the stage, or none."""
         self.estimator, self._silent = estimator, False
         self._estimator.value = estimator or tr(NONE)  # type: ignore[misc]
         if estimator:
-            self._kept[self._session.scene.problem] = estimator
+            self._by_problem[self._session.scene.problem] = estimator
         self._on_view()
 
     def next_judge(self) -> None:
@@ -107,7 +107,7 @@ class StageChoice:
         running = [name for name in self._estimator.options if name != tr(NONE)]
         if running:
             at = running.index(self.estimator) if self.estimator in running else -1
-            self.put(running[(at + 1) % len(running)])
+            self.show_estimator(running[(at + 1) % len(running)])
 
     def next_factor(self) -> None:
         """Switches to the next magnification."""
@@ -121,7 +121,7 @@ class StageChoice:
         self.quantity, self._silent = quantity, True
         self._quantity.value = self._shown_quantity  # type: ignore[misc]
         self._session.show(plotted=quantity)
-        self._scale.forget()
+        self._scale.reset()
         self._on_view()
 
     @property
@@ -147,11 +147,11 @@ class EstimatorCards:
                  store: BrowserStore):
         self._session, self._stage, self._bound = session, stage, bound
         self._boxes: dict[str, viser.GuiCheckboxHandle] = {}
-        self._said = gui.add_html("")
-        store.heard["judge"] = self._put
+        self._html = gui.add_html("")
+        store.heard["judge"] = self._show_estimator
 
     @property
-    def chosen(self) -> tuple[str, ...]:
+    def chosen_names(self) -> tuple[str, ...]:
         offered = PROBLEMS[self._session.scene.problem].estimators
         return tuple(name for name in offered if name in self._boxes and self._boxes[name].value)
 
@@ -173,22 +173,22 @@ class EstimatorCards:
 
     def show(self, judged: str) -> None:
         """Fills the cards with data of :func:`app.page.panels.readout.estimator_cards`; clears them if it is ""."""
-        self._said.content = f"<i class='lab-judged' data-said='{escape(judged)}'></i>"
+        self._html.content = f"<i class='lab-judged' data-said='{escape(judged)}'></i>"
 
     def _choose(self) -> None:
-        self._stage.judge_by(self.chosen)
-        self._session.set(estimators=self.chosen)
+        self._stage.judge_by(self.chosen_names)
+        self._session.set(estimators=self.chosen_names)
 
-    def _put(self, name: Any) -> None:
+    def _show_estimator(self, name: Any) -> None:
         """Shows the errors by an estimator, and switches it on if it is off."""
         with self._bound.turn:
             if not isinstance(name, str) or (box := self._boxes.get(name)) is None or not box.visible:
                 return
             if not box.value:
                 box.value = True  # type: ignore[misc]
-                self._session.set(estimators=self.chosen)
-                self._stage.judge_by(self.chosen)
-            self._stage.put(name)
+                self._session.set(estimators=self.chosen_names)
+                self._stage.judge_by(self.chosen_names)
+            self._stage.show_estimator(name)
 
 
 def _card(name: str, problem: str) -> str:

@@ -13,7 +13,7 @@ from app.colours import LINES, PINNED
 from app.frame.captions import TRUE
 from app.frame.colour_scale import largest_finite, round_up
 from app.language.translation import lazy, tr
-from app.page.panels.plots import EMPTY, bounded, finite_series, grey_curves, series_options, set_series
+from app.page.panels.plots import EMPTY, clip_estimate, finite_series, grey_curves, series_options, set_series
 from app.page.visit.history import RunSeries
 from app.page.visit.pinned_run import PinnedRun
 from app.words import QUANTITIES, in_periods, with_unit
@@ -30,7 +30,7 @@ UNSTABLE, LOST = lazy("unstable from {time} on"), lazy("lost from {time} on")
 
 
 @dataclass(frozen=True)
-class Now:
+class Clock:
     """The ``time`` in s, the ``reach`` of stored frames in s, whether it plays, and the time when it was ``lost``."""
 
     time: float
@@ -50,18 +50,18 @@ class Timeline:
         self._plots: dict[tuple[tuple[str, ...], bool], viser.GuiUplotHandle] = {}
         self._estimators: tuple[str, ...] = ()
         self._ends: tuple[float, float, float] | None = None  # of the axes: times, and the error
-        self._of: object = None
+        self._scale_key: object = None
         self.height, self._dark = 62, False
         self._pointed: float | None = None  # fraction of the axis at the pointer
         self._read: tuple[np.ndarray, dict[str, np.ndarray]] = EMPTY, {}  # times, and the curves' values by name
 
-    def shade(self, dark: bool) -> None:
+    def set_dark(self, dark: bool) -> None:
         """Switches to the dark or the light background."""
         self._dark = dark
         for (estimators, pinned), plot in self._plots.items():
             plot.series = self._series(estimators, pinned)
 
-    def have(self, estimators: tuple[str, ...], pinned: bool) -> None:
+    def set_lines(self, estimators: tuple[str, ...], pinned: bool) -> None:
         """Shows a plot with a line for each estimator, and for a pinned run."""
         wanted = estimators, pinned
         if wanted not in self._plots:
@@ -73,15 +73,15 @@ class Timeline:
         self._plot.height = self.height
 
     def show(self, past: RunSeries, valid: tuple[str, ...], quantity: str, latest: bool, pinned: PinnedRun | None,
-             drawn: str | None, now: Now) -> None:
+             drawn: str | None, now: Clock) -> None:
         """Draws a run's error norms up to now, or those of its ``latest`` periods, and a ``pinned`` run's in grey."""
         series = past.latest if latest else past.series
         time = series["time"]
         grey = grey_curves(pinned, past, series, quantity, drawn, latest)[0]
         true = series[f"error_{quantity}"]
-        estimated = [bounded(series[f"{name}/estimate_{quantity}"], true) if name in valid
+        estimated = [clip_estimate(series[f"{name}/estimate_{quantity}"], true) if name in valid
                      else np.full(len(time), np.nan) for name in self._estimators]
-        top = self._scaled(past, (quantity, latest), time, [*grey, true, *estimated])
+        top = self._grow_axes(past, (quantity, latest), time, [*grey, true, *estimated])
         start, end, _ = self._ends or (0.0, 1.0, 1.0)
         set_series(self._plot, finite_series(time - start, *grey, true, *estimated))
         self._read = time, {tr(TRUE): true, **dict(zip(self._estimators, estimated, strict=True))}
@@ -96,21 +96,21 @@ class Timeline:
         start, end, _ = self._ends or (0.0, 1.0, 1.0)
         return start + part * (end - start)
 
-    def clear(self, now: Now) -> None:
+    def clear(self, now: Clock) -> None:
         """Clears the curves, at t = 0."""
         set_series(self._plot, finite_series(EMPTY, *(np.full(2, np.nan) for _ in self._plot.data[1:])))
         self._tell({"symbol": "", "top": [0, ""], "start": "", "ticks": [], "now": 0, "reach": [0, 0], "strip": "",
                     "clock": with_unit(now.time, "s"), "playing": now.playing, "read": [], "lost": None, "says": ""})
 
-    def _scaled(self, past: RunSeries, of: object, time: np.ndarray, curves: Sequence[np.ndarray]) -> float:
+    def _grow_axes(self, past: RunSeries, of: object, time: np.ndarray, curves: Sequence[np.ndarray]) -> float:
         """Sets the axes, which only grow within one run, and returns the top of the error axis."""
         most = max(map(largest_finite, curves))
         start, of_time = float(time[0]) if time[0] > past.scene.period else 0.0, unit_of_time(past.scene)
         end = round_up((float(time[-1]) - start) / of_time, ENDS)[0] * of_time
         top, _ = round_up(HEADROOM * most, ENDS) if most > 0 else (1.0, 0)
-        if self._ends and self._of == (past.scene, of) and not start:
+        if self._ends and self._scale_key == (past.scene, of) and not start:
             end, top = max(end, self._ends[1]), max(top, self._ends[2])
-        self._of = past.scene, of
+        self._scale_key = past.scene, of
         ends = start, start + end if start else end, top
         if ends != self._ends:
             self._ends = ends
@@ -118,7 +118,7 @@ class Timeline:
         return top
 
     def _say(self, past: RunSeries, series: dict[str, np.ndarray], quantity: str, start: float, end: float, top: float,
-             now: Now) -> None:
+             now: Clock) -> None:
         def part(time: float) -> float:
             return round(min(1.0, max(0.0, (time - start) / (end - start))), 4)
 

@@ -17,7 +17,7 @@ from app.frame.layout import Rectangle
 from app.frame.primitives import Lines, in_plane, join_points
 from app.frame.stage import Stage
 from app.language.translation import lazy, tr
-from app.page.visit.particle_trace import Trace
+from app.page.visit.particle_trace import Tracer
 from app.renderers.viewer_renderer import ViewerSurface
 from app.words import with_unit
 from solvers.engine.shared_frames import FrameArrays
@@ -73,9 +73,9 @@ class FlatCamera:
             astray = self._target is None or not np.allclose(camera.position, self._target, rtol=1e-3, atol=1e-3)
             if force or size != self._size or turned or astray:
                 self._size = size
-                self._look()
+                self._set_camera()
 
-    def _look(self) -> None:
+    def _set_camera(self) -> None:
         x0, x1, y0, y1 = self._rectangle
         self._hair = (self._hair + 1) % 7
         distance = 0.5 * (y1 - y0) * (1 + 1e-5 * self._hair) / math.tan(FIELD_OF_VIEW / 2)
@@ -98,7 +98,7 @@ _ANGLES = np.linspace(0, 2 * np.pi, 25)
 _RING = RADIUS * np.stack([np.cos(_ANGLES), np.sin(_ANGLES), 0 * _ANGLES], axis=1).astype(np.float32)
 
 
-class Probe:
+class ErrorProbe:
     """One visitor's selected region and the errors read in it, as ``text``."""
 
     def __init__(self, client: viser.ClientHandle, sheet: ViewerSurface, camera: FlatCamera):
@@ -108,14 +108,14 @@ class Probe:
         # Rectangle selection also takes the left drag, which would otherwise rotate the view.
         client.scene.on_rect_select()(lambda event: self._select(camera, event))
 
-    def look(self, stage: Stage, arrays: FrameArrays, estimated: np.ndarray | None, true: np.ndarray | None,
-             unit: str) -> None:
+    def measure(self, stage: Stage, arrays: FrameArrays, estimated: np.ndarray | None, true: np.ndarray | None,
+                unit: str) -> None:
         """Reads mean and worst error, estimated and true (P,) in a ``unit``, of the particles in the region."""
         rectangle = self._rectangle
         if rectangle is None:
             self.text = None
             return
-        inside = stage.region(*rectangle, arrays)
+        inside = stage.particles_in(*rectangle, arrays)
         if not inside.any():
             self._rectangle, self.text = None, None
             self._show(np.empty((0, 2, 3), np.float32))
@@ -135,44 +135,44 @@ class Probe:
         self._show(join_points(corners, np.roll(corners, -1, axis=0)))
 
     def _show(self, frame: np.ndarray) -> None:
-        self._sheet.show(Lines("rectangle", frame, self._sheet.room.palette.dot, 1.5))
+        self._sheet.show(Lines("rectangle", frame, self._sheet.bounds.palette.dot, 1.5))
 
 
 class TraceRings:
     """Rings around one visitor's traced particle. A click on it, or into an empty place, ends the trace."""
 
-    def __init__(self, client: viser.ClientHandle, sheet: ViewerSurface, trace: Trace):
+    def __init__(self, client: viser.ClientHandle, sheet: ViewerSurface, trace: Tracer):
         self._trace = trace
-        self._seen: tuple[Stage, FrameArrays] | None = None
+        self._last_drawn: tuple[Stage, FrameArrays] | None = None
         self._sheet = sheet
         client.scene.on_click()(lambda event: self._click(_on_stage(event)))
 
-    def look(self, stage: Stage, arrays: FrameArrays) -> None:
+    def update(self, stage: Stage, arrays: FrameArrays) -> None:
         """Draws the ring around the traced particle, if any."""
-        self._seen, traced = (stage, arrays), self._trace.traced
+        self._last_drawn, traced = (stage, arrays), self._trace.traced
         if traced is None or traced.particle >= len(arrays.position):
             self._sheet.visible = False
             return
-        middles = stage.images(arrays, slice(traced.particle, traced.particle + 1))[:, 0]
+        middles = stage.image_points(arrays, slice(traced.particle, traced.particle + 1))[:, 0]
         around = middles[:, None] + _RING  # (images, angles, 3)
         for name, width, height in RINGS:
             around[:, :, 2] = height
             self._sheet.show(Lines(name, join_points(around[:, :-1].reshape(-1, 3), around[:, 1:].reshape(-1, 3)),
-                                   getattr(self._sheet.room.palette, name), width))
+                                   getattr(self._sheet.bounds.palette, name), width))
         self._sheet.visible = True
 
     def hide(self) -> None:
         """Hides the ring, because the stage shows something without traced particles."""
-        self._seen = None
+        self._last_drawn = None
         self._sheet.visible = False
 
     def _click(self, point: tuple[float, float]) -> None:
-        if self._seen is None:
+        if self._last_drawn is None:
             return
-        stage, arrays = self._seen
+        stage, arrays = self._last_drawn
         particle, traced = stage.nearest(point, arrays), self._trace.traced
         self._trace.choose(None if traced is not None and particle == traced.particle else particle)
-        self.look(stage, arrays)
+        self.update(stage, arrays)
 
 
 def _on_stage(event: viser.SceneClickEvent) -> tuple[float, float]:

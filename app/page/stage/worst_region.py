@@ -28,7 +28,7 @@ class SteadyMaximum:
     def __init__(self) -> None:
         self._last: int | None = None
 
-    def of(self, errors: np.ndarray) -> int | None:
+    def find(self, errors: np.ndarray) -> int | None:
         """Returns the index of the largest of the errors (regions,), with hysteresis; None if none is above 0."""
         known = np.where(np.isfinite(errors), errors, 0.0)
         worst = int(np.argmax(known))
@@ -64,12 +64,12 @@ class WorstRegions:
         whose, remarks = self._remarks
         return remarks if scene == whose else NOTHING
 
-    def look(self, report: FrameReport, arrays: FrameArrays, view: View, quantity: str) -> None:
+    def find(self, report: FrameReport, arrays: FrameArrays, view: View, quantity: str) -> None:
         """Finds both regions in a frame, for a quantity by its key."""
         with self._lock, np.errstate(all="ignore"):  # a run gone bad holds anything
-            self._look(report, arrays, view, quantity)
+            self._find(report, arrays, view, quantity)
 
-    def _look(self, report: FrameReport, arrays: FrameArrays, view: View, quantity: str) -> None:
+    def _find(self, report: FrameReport, arrays: FrameArrays, view: View, quantity: str) -> None:
         if report.scene != self.scene:
             self.by_estimate = self.by_truth = None
             self.scene, self._worst = report.scene, (SteadyMaximum(), SteadyMaximum())
@@ -87,7 +87,7 @@ class WorstRegions:
         least = 0.0 if scene.swings else max(ROUND_OFF * scene.size_of(quantity),
                                              rounding(scene, quantity, scene.steps))
 
-        def told(region: WorstRegion | None, estimated: bool) -> Worst | None:
+        def describe(region: WorstRegion | None, estimated: bool) -> Worst | None:
             size = (region.estimated if estimated else region.true) if region else None
             return Worst(region.particles, with_unit(size, unit, 2)) if region and size and size > least else None
 
@@ -97,12 +97,12 @@ class WorstRegions:
             index = float(np.linalg.norm(view.estimated[known]) / np.linalg.norm(view.true[known]))
             alike = ALIKE[0] <= index <= ALIKE[1]
         self._remarks = scene, Annotations(
-            (told(estimate, True) if view.left.sizes is view.estimated else None,
-             told(truth, False)), report.status != soundness.OK, alike)
+            (describe(estimate, True) if view.left.sizes is view.estimated else None,
+             describe(truth, False)), report.status != soundness.OK, alike)
 
     def _region(self, worst: SteadyMaximum, own: np.ndarray | None,
                 errors: list[np.ndarray | None]) -> WorstRegion | None:
-        at = None if own is None else worst.of(own)
+        at = None if own is None else worst.find(own)
         if at is None:
             return None
         return WorstRegion(self._regions.names[at], self._regions.number == at,

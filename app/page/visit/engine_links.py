@@ -25,16 +25,16 @@ class SessionCount:
 
     def add(self) -> None:
         with self._lock:
-            self._turn()
+            self._begin_second()
             self._count += 1
 
     @property
     def a_second(self) -> int:
         with self._lock:
-            self._turn()
+            self._begin_second()
             return self._last
 
-    def _turn(self) -> None:
+    def _begin_second(self) -> None:
         """Begins a new second, if it is time."""
         now = int(monotonic())
         if now != self._second:
@@ -48,7 +48,7 @@ def too_many(scene: Scene) -> str:
               particles=scene.particles, most=MOST_WATCHED) if scene.particles > MOST_WATCHED else ""
 
 
-class _Told:
+class _ListenerInLanguage:
     """A listener whose callbacks, from the engine's thread, use the language in which the link was opened."""
 
     def __init__(self, listener: SessionListener):
@@ -69,7 +69,7 @@ class PageLinks:
 
     def open(self, listener: SessionListener, beside: SessionLink | None = None) -> SessionLink:
         """Opens a link; if the page is closed already, the link is closed at once."""
-        link = self._pool.open(cast(SessionListener, _Told(listener)), beside)
+        link = self._pool.open(cast(SessionListener, _ListenerInLanguage(listener)), beside)
         with self._opening:
             self._links.add(link)
             closed = self._closed

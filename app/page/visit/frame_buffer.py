@@ -23,7 +23,7 @@ class FrameBuffer:
         self._lock = threading.Lock()
         self._frames: deque[Frame] = deque()
         self._bytes = self.back = 0
-        self._wanted: float | None = None  # the time in s to show as soon as the run stands still
+        self._target_time: float | None = None  # the time in s to show as soon as the run stands still
 
     def add(self, report: FrameReport, arrays: FrameArrays) -> None:
         """Stores the run's newest frame, and shows it if the run has moved; a fresh one begins another run."""
@@ -42,8 +42,8 @@ class FrameBuffer:
             while len(self._frames) > MOST_FRAMES or (self._bytes > MOST_BYTES and len(self._frames) > 1):
                 self._bytes -= frame_bytes(self._frames.popleft()[1])
             self.back = 0 if report.playing else min(self.back, len(self._frames) - 1)
-            if self._wanted is not None and not report.playing:
-                self.back, self._wanted = self._back_to(self._wanted), None
+            if self._target_time is not None and not report.playing:
+                self.back, self._target_time = self._back_to(self._target_time), None
 
     def go_back(self, count: int) -> None:
         """Shows the frame so many before the newest, if the run is paused."""
@@ -57,7 +57,7 @@ class FrameBuffer:
             if still := bool(self._frames) and not self._frames[-1][0].playing:
                 self.back = self._back_to(time)
             else:
-                self._wanted = time
+                self._target_time = time
             return still
 
     @property
@@ -73,7 +73,7 @@ class FrameBuffer:
             return list(self._frames)
 
     @property
-    def shown(self) -> Frame | None:
+    def shown_frame(self) -> Frame | None:
         """The frame to draw, not playing if it is an earlier one; None before the first."""
         with self._lock:
             if not self._frames:
@@ -82,7 +82,7 @@ class FrameBuffer:
             return (replace(report, playing=False) if self.back else report), arrays
 
     @property
-    def ago(self) -> float:
+    def lag(self) -> float:
         """Number of periods from the frame shown to the newest one."""
         return self._periods(self.back)
 

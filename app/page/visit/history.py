@@ -25,37 +25,37 @@ class DownsampledSeries:
     """Keeps every n-th row, or those of the ``last`` seconds. One thread adds, any may read :attr:`series`."""
 
     def __init__(self, last: float = math.inf):
-        self._last, self._seen, self._stride = last, 0, 1
+        self._last, self._row_count, self._stride = last, 0, 1
         #: A table (names, rows) and which of its rows count. Replaced at once, and rows that count are never written
         #: again, so that a plot always has series of equal length.
         self._names: tuple[str, ...] = ()
-        self._held = (np.empty((0, 0)), 0, 0)
+        self._table = (np.empty((0, 0)), 0, 0)
 
     @property
     def series(self) -> dict[str, np.ndarray]:
         """Each series by name; none before the first row."""
-        table, start, end = self._held
+        table, start, end = self._table
         return dict(zip(self._names, table[:, start:end], strict=False))  # names may come before the first table
 
     def add(self, new: Mapping[str, np.ndarray]) -> None:
         """Appends rows: series of equal length, ``time`` among them, under the same names every time."""
-        kept = slice(-self._seen % self._stride, None, self._stride)  # row 0, stride, 2 stride, ... of the run
-        self._seen += len(new["time"])
+        kept = slice(-self._row_count % self._stride, None, self._stride)  # row 0, stride, 2 stride, ... of the run
+        self._row_count += len(new["time"])
         rows = np.array([values[kept] for values in new.values()])
         if not rows.shape[1]:
             return
-        table, start, end = self._held if self._names else (np.empty((len(new), 0)), 0, 0)
+        table, start, end = self._table if self._names else (np.empty((len(new), 0)), 0, 0)
         self._names = tuple(new)
         if end + rows.shape[1] > table.shape[1]:
-            table, start, end = _moved(table[:, start:end], rows.shape[1])
+            table, start, end = _with_room(table[:, start:end], rows.shape[1])
         table[:, end:end + rows.shape[1]] = rows
         end += rows.shape[1]
         time = table[self._names.index("time"), start:end]
         start += int(np.searchsorted(time, time[-1] - self._last))
         while end - start > MOST_ROWS:
-            table, start, end = _moved(table[:, start:end:2], 0)
+            table, start, end = _with_room(table[:, start:end:2], 0)
             self._stride *= 2
-        self._held = table, start, end
+        self._table = table, start, end
 
 
 class RunSeries:
@@ -95,7 +95,7 @@ class RunSeries:
         return time[lag:], (count[lag:] - count[:-lag]) / (time[lag:] - time[:-lag])
 
 
-def _moved(values: np.ndarray, more: int) -> tuple[np.ndarray, int, int]:
+def _with_room(values: np.ndarray, more: int) -> tuple[np.ndarray, int, int]:
     """Copies values (names, rows) to a new table with room for more rows; returns it with start and end."""
     names, rows = values.shape
     table = np.empty((names, max(ROOM, rows + more)))
@@ -120,7 +120,7 @@ def last_value(series: Mapping[str, np.ndarray], name: str) -> float:
 MOST_WAITING = 500  # frames' samples that may wait for a reader
 
 
-class History(RunSeries):
+class NormHistory(RunSeries):
     """Sampled norms and the running error index of one run. One thread adds, any may read.
 
     Series are named as in ``solvers.solver.samples.read_rows``, with the error index so far (eq 35) and the pointwise

@@ -42,7 +42,7 @@ class TracedParticle(RunSeries):
         if crossed > max(self._crossings, default=-1):
             self._crossings = (*self._crossings, crossed)[-MOST_ROWS:]
 
-    def crossed(self, times: np.ndarray) -> np.ndarray:
+    def crossing_marks(self, times: np.ndarray) -> np.ndarray:
         """Returns whether each of the times (n,) of a series is the first after a crossing, (n,) of bool."""
         crossings = np.array(self._crossings) * self.scene.time_step
         after = np.searchsorted(times, crossings[crossings >= times[0]] - 0.5 * self.scene.time_step)
@@ -58,7 +58,7 @@ class TracedParticle(RunSeries):
                   place=f"({place})" if len(self.at_rest) > 1 else place)
 
 
-class Trace:
+class Tracer:
     """The particle that one visitor traces, if any. Frames come on one thread, choices on any."""
 
     def __init__(self, recent: FrameBuffer):
@@ -75,7 +75,7 @@ class Trace:
             if particle is not None and frames and particle < frames[-1][0].particles:
                 self.traced = TracedParticle(particle, frames)
 
-    def follow(self, report: FrameReport, arrays: FrameArrays) -> None:
+    def on_frame(self, report: FrameReport, arrays: FrameArrays) -> None:
         """Adds the newest frame. Another run goes on with the particle whose rest position is nearest."""
         with self._lock:
             if report.fresh and self._next is not None and self._next < report.particles:

@@ -5,7 +5,7 @@ from dataclasses import replace
 
 from app.frame.captions import View, view_of_frame
 from app.language.translation import tr, translate_message
-from app.page.visit.history import History
+from app.page.visit.history import NormHistory
 from solvers.engine.engine_messages import FrameReport, Pace
 from solvers.engine.engine_pool import SessionLink, SessionListener
 from solvers.engine.shared_frames import FrameArrays, FrameOptions
@@ -18,14 +18,14 @@ class PinnedRun:
 
     def __init__(self, open_link: Callable[[SessionListener], SessionLink], scene: Scene, on_frame: Callable[[], None]):
         self.scene, self._on_frame = scene, on_frame
-        self.history = History(scene, scene.particles)
+        self.history = NormHistory(scene, scene.particles)
         self.last: tuple[FrameReport, FrameArrays] | None = None
-        self._trouble: str | None = None
+        self._error: str | None = None
         self._link = open_link(self)
 
-    def follow(self, pace: Pace, frame: FrameOptions) -> None:
+    def set_pace(self, pace: Pace, frame: FrameOptions) -> None:
         """Applies the session's pace and options, but takes no steps apart."""
-        self._trouble = None
+        self._error = None
         self._link.ask(self.scene, replace(pace, restarts=0), replace(frame, broken_down=None))
 
     def close(self) -> None:
@@ -45,8 +45,8 @@ class PinnedRun:
 
     def shortfall(self) -> str | None:
         """Returns why the run has stopped, in few words; None while it goes on."""
-        if self._trouble:
-            return translate_message(self._trouble)
+        if self._error:
+            return translate_message(self._error)
         report = self.last[0] if self.last else None
         if report is None or report.status != UNSTABLE:
             return None
@@ -55,7 +55,7 @@ class PinnedRun:
     def on_frame(self, report: FrameReport, arrays: FrameArrays) -> None:
         """Handles a frame, on the engine's reader thread, as the three methods below."""
         if report.fresh:
-            self.history = History(report.scene, report.particles)
+            self.history = NormHistory(report.scene, report.particles)
         self.history.add(report.rows)
         self.last = report, arrays
         self._on_frame()
@@ -64,7 +64,7 @@ class PinnedRun:
         """Does nothing: the run is drawn as soon as it is compiled."""
 
     def on_error(self, sentence: str) -> None:
-        self._trouble = sentence
+        self._error = sentence
 
     def on_engine_lost(self) -> None:
         """Does nothing: the link reconnects by itself."""

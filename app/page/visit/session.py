@@ -9,7 +9,7 @@ from typing import Any
 
 from app.language.translation import lazy, tr, translate_message
 from app.page.visit.engine_links import FASTEST, PageLinks, too_many
-from app.page.visit.history import History
+from app.page.visit.history import NormHistory
 from app.page.visit.pinned_run import PinnedRun
 from app.page.visit.status_message import Notice, doubt_notice
 from app.problems.views import VIEWS
@@ -52,25 +52,25 @@ class Session:
         #: The field of the last refused request ("" for none), and the reason without a full stop;
         #: None after another request.
         self.refused: tuple[str, str] | None = None
-        self._trouble: str | None = None
+        self._error: str | None = None
         self._engine_lost = False
-        self._wished: dict[str, Any] = {}
+        self._requested: dict[str, Any] = {}
         self._news = (-math.inf, "")  # time and text of the last event
         self._crowded_at = -math.inf
         self.watched, self._rests = True, False
         self._number = self._compiled_for = 0
         self._pace, self._frame = Pace(), FrameOptions(plotted=QUANTITIES[0])
         self._start(scene, speed, ends)
-        self.history = History(scene, scene.particles)
+        self.history = NormHistory(scene, scene.particles)
         self.report: FrameReport | None = None
         self.pinned: PinnedRun | None = None
         self._pool, self._link = pool, pool.open(self)
-        self._ask()
+        self._send_request()
 
     def set(self, **fields: object) -> None:
         """Requests some fields of the scene; a refused request leaves the present scene running (:attr:`refused`)."""
         with self._lock:
-            wished = self._wished | fields
+            wished = self._requested | fields
             try:
                 scene = PROBLEMS[wished["problem"]].scene(**wished)
             except SceneError as refusal:
@@ -79,8 +79,8 @@ class Session:
             if crowd := too_many(scene):
                 self.refuse(crowd, next(iter(fields)))
                 return
-            self._wished, self.scene, self._beyond = wished, scene, False
-            self._ask()
+            self._requested, self.scene, self._beyond = wished, scene, False
+            self._send_request()
 
     def choose(self, scene: Scene, speed: float | None = None, ends: bool = False) -> None:
         """Requests a whole scene, at so many periods per second, to its end or further; drops earlier requests."""
@@ -92,30 +92,30 @@ class Session:
                 self.unpin()
                 self._news = monotonic(), tr("Unpinned: only runs of the same problem can be compared.")
             self._start(scene, speed, ends)
-            self._ask(restarts=self._pace.restarts + 1)  # also if it is the present scene
+            self._send_request(restarts=self._pace.restarts + 1)  # also if it is the present scene
 
     def play(self, playing: bool, single_steps: int = 0) -> None:
         """Plays or pauses, and takes so many time steps. A run that has reached its end goes on beyond it."""
         with self._lock:
             self._rests = False
-            self._beyond = self._beyond or (self.ended and (playing or single_steps > 0))
-            self._ask(playing=playing, single_steps=self._pace.single_steps + single_steps)
+            self._beyond = self._beyond or (self.is_over and (playing or single_steps > 0))
+            self._send_request(playing=playing, single_steps=self._pace.single_steps + single_steps)
 
     def rest(self) -> None:
         """Pauses until the visitor comes back."""
         with self._lock:
             self._rests = True
-            self._ask(playing=False)
+            self._send_request(playing=False)
 
     def attend(self, watched: bool) -> None:
         """Pauses the run while nobody watches; later it goes on as if no time had passed."""
         with self._lock:
             if watched != self.watched:
                 self.watched = watched
-                self._ask()
+                self._send_request()
 
     @property
-    def untouched(self) -> float:
+    def idle_seconds(self) -> float:
         """Seconds since the visitor's last request."""
         return monotonic() - self._asked_at
 
@@ -124,10 +124,10 @@ class Session:
         with self._lock:
             self._frame = replace(self._frame, broken_down=particle)
             if particle is None:
-                self._ask()
+                self._send_request()
             else:
-                self._beyond = self._beyond or self.ended
-                self._ask(playing=False, single_steps=self._pace.single_steps + step)
+                self._beyond = self._beyond or self.is_over
+                self._send_request(playing=False, single_steps=self._pace.single_steps + step)
             return self._number
 
     @property
@@ -141,31 +141,31 @@ class Session:
         return self._pace.speed
 
     @property
-    def ends(self) -> bool:
+    def stops_at_end(self) -> bool:
         """Whether the run stops at the end of its scene."""
         return self._pace.ends
 
     @property
-    def moves(self) -> tuple:
+    def motion_key(self) -> tuple:
         """The requests that advance the run: a change since the last time is the visitor's."""
         return self.scene, self._pace.restarts, self._pace.single_steps, self.playing
 
     @property
-    def ended(self) -> bool:
+    def is_over(self) -> bool:
         """Whether the run has reached the end at which it stops."""
-        return self.ends and not self._beyond and self.report is not None \
+        return self.stops_at_end and not self._beyond and self.report is not None \
             and self.report.step >= self.report.scene.steps
 
     def reset(self) -> None:
         """Restarts the scene from t = 0."""
         with self._lock:
             self._beyond = False
-            self._ask(restarts=self._pace.restarts + 1)
+            self._send_request(restarts=self._pace.restarts + 1)
 
     def open_end(self) -> None:
         """Lets the run go on beyond the end of its scene."""
         with self._lock:
-            self._ask(playing=self.playing and not self.ended, ends=False)
+            self._send_request(playing=self.playing and not self.is_over, ends=False)
 
     def refuse(self, sentence: str, field: str = "") -> None:
         """Records an invalid request, of a ``field`` or of none; the present scene runs on."""
@@ -179,13 +179,13 @@ class Session:
                 self.refuse(tr("Speed: {speed:g} periods a second are too many; at most {most:g} can be asked for",
                                speed=speed, most=FASTEST), "speed")
                 return
-            self._ask(speed=speed)
+            self._send_request(speed=speed)
 
     def show(self, **options: object) -> None:
         """Sets what frames contain (:class:`~solvers.engine.shared_frames.FrameOptions`)."""
         with self._lock:
             self._frame = replace(self._frame, **options)  # type: ignore[arg-type]
-            self._ask()
+            self._send_request()
 
     def pin(self, on_frame: Callable[[], None], scene: Scene | None = None) -> None:
         """Pins a scene, or the one on the stage, beside later requests; both begin at t = 0."""
@@ -194,7 +194,7 @@ class Session:
             scene = scene or (shown if shown.problem == self.scene.problem else self.scene)
             self.unpin()
             self.pinned = PinnedRun(lambda run: self._pool.open(run, self._link), scene, on_frame)
-            self._ask()
+            self._send_request()
 
     def unpin(self) -> None:
         with self._lock:
@@ -225,15 +225,15 @@ class Session:
         """Returns the most important message for the visitor, if any."""
         with self._lock:
             waiting = self.report is None or self.report.number < self._number
-            urgent, history = self._urgent(waiting), self.history
+            urgent, history = self._urgent_notice(waiting), self.history
             valid = self.report.valid_estimators if self.report else ()
         # Outside the lock: the bound of a large ring's step takes seconds, and frames must go on.
-        return urgent or (None if waiting else doubt_notice(history, valid) or self._crowd())
+        return urgent or (None if waiting else doubt_notice(history, valid) or self._watch_speed())
 
-    def _urgent(self, waiting: bool) -> Notice | None:
+    def _urgent_notice(self, waiting: bool) -> Notice | None:
         """Returns a message with priority over doubts; ``waiting`` is set while the last request has no frame yet."""
-        if self._trouble:
-            return Notice("trouble", translate_message(self._trouble))
+        if self._error:
+            return Notice("trouble", translate_message(self._error))
         if self._engine_lost and waiting:
             return Notice("wait", tr("The simulation process ended unexpectedly; it is being restarted and the scene "
                                      "begins again."))
@@ -251,7 +251,7 @@ class Session:
         happened, sentence = self._news
         return Notice("wait", sentence) if monotonic() < happened + TO_BE_READ else None
 
-    def _crowd(self) -> Notice | None:
+    def _watch_speed(self) -> Notice | None:
         """Returns the message that other runs slow this one down; it stays a while, as real speeds fluctuate."""
         report, others = self.report, self._others
         if report and report.playing and report.real_speed is not None and others \
@@ -266,9 +266,9 @@ class Session:
         """Handles a frame, on the engine's reader thread, as the methods below."""
         with self._lock:
             if report.fresh:
-                self.history = History(report.scene, report.particles)
+                self.history = NormHistory(report.scene, report.particles)
             self.history.add(report.rows)
-            self.report, self._engine_lost, self._trouble = report, False, None
+            self.report, self._engine_lost, self._error = report, False, None
         self._on_frame(report, arrays)
 
     def on_compiling(self, number: int) -> None:
@@ -277,7 +277,7 @@ class Session:
 
     def on_error(self, sentence: str) -> None:
         with self._lock:
-            self._trouble = sentence
+            self._error = sentence
 
     def on_engine_lost(self) -> None:
         with self._lock:
@@ -287,16 +287,16 @@ class Session:
             self._number += 1  # the link asks again under the next number
 
     def _start(self, scene: Scene, speed: float | None = None, ends: bool = False) -> None:
-        self._wished, self.scene = asdict(scene), scene
+        self._requested, self.scene = asdict(scene), scene
         self._beyond = False  # playing beyond the end was requested
         self._pace = replace(self._pace, playing=True, ends=ends,
                              speed=VIEWS[scene.problem].speed if speed is None else speed)
 
-    def _ask(self, **pace: float) -> None:
+    def _send_request(self, **pace: float) -> None:
         """Sends all that is requested now, with changes to the ``pace``."""
         self._pace = replace(self._pace, **pace)  # type: ignore[arg-type]
-        self._trouble, self.refused, self._asked_at = None, None, monotonic()
-        now = replace(self._pace, playing=self.playing and self.watched, ends=self.ends and not self._beyond)
+        self._error, self.refused, self._asked_at = None, None, monotonic()
+        now = replace(self._pace, playing=self.playing and self.watched, ends=self.stops_at_end and not self._beyond)
         self._number = self._link.ask(self.scene, now, self._frame)
         if self.pinned:
-            self.pinned.follow(now, self._frame)
+            self.pinned.set_pace(now, self._frame)

@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 
 from app.language.translation import tr
-from app.page.visit.history import History
+from app.page.visit.history import NormHistory
 from app.words import format_ratio, on_page
 from solvers.untrusted.quoting import escape_html
 
@@ -26,7 +26,7 @@ class Notice:
                 f"{escape_html(self.sentence[:1].upper() + self.sentence[1:], LONGEST)}</div>")
 
 
-def doubt_notice(history: History, valid: tuple[str, ...]) -> Notice | None:
+def doubt_notice(history: NormHistory, valid: tuple[str, ...]) -> Notice | None:
     """Returns a warning about a failed estimate or the scene of a sound run, or None."""
     series, scene = history.series, history.scene
     if not len(series.get("error_x", ())):

@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 
 from app.frame.field_plot import ROOM
-from app.frame.layout import Box, Places, RunSlot, Spot, colour_bar_box, drawing_rectangle
+from app.frame.layout import PlotBox, RunSlot, Spot, StageLayout, colour_bar_box, drawing_rectangle
 from app.frame.primitives import Bounds
 
 #: In pixels: space above the upper and below the lower lane; least lane and gap, height of a strip, distance between
@@ -13,7 +13,7 @@ LANE, MOST_LANE, GAP = 0.155, 96.0, 0.62  # of the height below the numbers; in 
 
 
 @dataclass(frozen=True)
-class BarPlaces(Places):
+class BarLayout(StageLayout):
     """Layout of the bar: middles and height of both lanes, heights of crossings, if any, and of a heading."""
 
     estimate: float
@@ -23,12 +23,12 @@ class BarPlaces(Places):
     heading: float
 
 
-def bar_places(room: Bounds, seat: RunSlot) -> BarPlaces:
+def bar_places(room: Bounds, seat: RunSlot) -> BarLayout:
     """Returns the layout in settled bounds."""
-    return _alone(room) if seat == RunSlot.ALONE else _paired(room, seat)
+    return _single_layout(room) if seat == RunSlot.ALONE else _paired_layout(room, seat)
 
 
-def _alone(room: Bounds) -> BarPlaces:
+def _single_layout(room: Bounds) -> BarLayout:
     pixel, end = room.pixel, colour_bar_box(room, room.high).end
     lane = min(max(LANE * end, LEAST_LANE * pixel), MOST_LANE * pixel)
     gap = max(GAP * lane, LEAST_GAP * pixel)
@@ -42,12 +42,12 @@ def _alone(room: Bounds) -> BarPlaces:
     at = (-room.gutter, middle + 1.55 * room.line * keys) if room.gutter else None
     below = low - 2 * pixel
     remark: Spot = (0.78, below, "top-center") if room.gutter else (1 - END * pixel, below, "top-right")
-    box = Box(0.0, 1.0, middle, half, below, (0.5, below, "top-center"), remark, at, keys)
-    return BarPlaces(room, RunSlot.ALONE, drawing_rectangle(room.high), box, estimate, truth, lane,
+    box = PlotBox(0.0, 1.0, middle, half, below, (0.5, below, "top-center"), remark, at, keys)
+    return BarLayout(room, RunSlot.ALONE, drawing_rectangle(room.high), box, estimate, truth, lane,
                      0.5 * (estimate + truth), end - room.line)
 
 
-def _paired(room: Bounds, seat: RunSlot) -> BarPlaces:
+def _paired_layout(room: Bounds, seat: RunSlot) -> BarLayout:
     """Returns the layout of one of two runs, half as high: a heading, its plot, and two adjacent strips."""
     pixel, end, second = room.pixel, colour_bar_box(room, room.high).end, seat == RunSlot.SECOND
     low = 1.2 * room.line  # for the numbers below both
@@ -61,6 +61,6 @@ def _paired(room: Bounds, seat: RunSlot) -> BarPlaces:
     middle = heading - ROOM * half - 2 * pixel
     at = -room.gutter, middle + 0.5 * half
     below = low - 6 * pixel if second else None
-    box = Box(0.0, 1.0, middle, half, below, (0.5, below, "top-center") if below else None,
-              (1.0, middle + ROOM * half, "top-right"), at if room.gutter else None)
-    return BarPlaces(room, seat, drawing_rectangle(room.high), box, estimate, truth, strip, None, heading)
+    box = PlotBox(0.0, 1.0, middle, half, below, (0.5, below, "top-center") if below else None,
+                  (1.0, middle + ROOM * half, "top-right"), at if room.gutter else None)
+    return BarLayout(room, seat, drawing_rectangle(room.high), box, estimate, truth, strip, None, heading)

@@ -64,7 +64,7 @@ def _draw_lanes(figure: Figure, axes: Axes, result: Result) -> None:
     if lined:
         axes.vlines(np.arange(cells + 1) / cells, -0.5, len(lanes) - 0.5, color=LINE2,
                     linewidth=min(0.8, 60 / cells), zorder=1)
-    places = BarStage.places(panel_style.PAPER, RunSlot.ALONE)
+    places = BarStage.layout(panel_style.PAPER, RunSlot.ALONE)
     panel_style.write_places(axes, BarStage,
                          lambda label: (label.x, (label.y - places.truth) / (places.estimate - places.truth)))
     axes.set_yticks(range(len(lanes)), [label for label, _, _ in lanes])

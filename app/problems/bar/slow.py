@@ -19,7 +19,7 @@ class BarSlowStage(SlowStage):
 
     _above, _aside = 0.03, np.array([0.0, 1.0])
 
-    def _divided(self, room: Bounds) -> tuple[float, Rectangle]:
+    def _split_bounds(self, room: Bounds) -> tuple[float, Rectangle]:
         above, below = (CAPTION * room.line * (1 + letters // room.letters(1.0, CAPTION)) for letters in LETTERS)
         return 1.0, (0.0, 1.0, below + room.line, room.high - above)
 

@@ -10,7 +10,7 @@ from app.frame.layout import HALVES, RunSlot
 from app.frame.primitives import Anchor, Bounds, Dots, Label, Lines, Mark, Tone, fade_colours, in_plane, join_points
 from app.frame.stage import TOUCH, Stage, StageLabels, Worst
 from app.language.translation import lazy, tr
-from app.problems.bar.layout import BarPlaces, bar_places
+from app.problems.bar.layout import BarLayout, bar_places
 from app.words import short_reason
 from solvers.engine.shared_frames import FrameArrays
 from solvers.problems.bar import exact_solution
@@ -37,46 +37,46 @@ class BarStage(Stage[BarScene]):
     MOST_MARKED, HALVES = 200, lazy("Lanes")
 
     @staticmethod
-    def places(room: Bounds, seat: RunSlot) -> BarPlaces:
+    def layout(room: Bounds, seat: RunSlot) -> BarLayout:
         return bar_places(room, seat)
 
     @staticmethod
-    def labels(words: StageLabels, places: BarPlaces) -> Iterator[Label]:
+    def labels(words: StageLabels, places: BarLayout) -> Iterator[Label]:
         for name, silence, lane in zip(HALVES, words.silences, (places.estimate, places.truth), strict=True):
-            text, width = places.room.fitting((silence, short_reason(silence)), LONGEST, places.lane)
+            text, width = places.bounds.fit((silence, short_reason(silence)), LONGEST, places.lane)
             yield Label(f"{name}-silence", text, 0.5, lane, "center-center", "silence", width=min(width, WIDEST_LINE))
-        yield from (_names if places.seat == RunSlot.ALONE else _pair_names)(words, places)
+        yield from (_names if places.slot == RunSlot.ALONE else _pair_names)(words, places)
 
-    def region(self, low: tuple[float, float], high: tuple[float, float], arrays: FrameArrays) -> np.ndarray:
+    def particles_in(self, low: tuple[float, float], high: tuple[float, float], arrays: FrameArrays) -> np.ndarray:
         """Returns which particles (P,) lie in the rectangle from ``low`` to ``high`` of the stage, at any height."""
-        x = self._across(arrays)
+        x = self._stage_x(arrays)
         return (x >= low[0]) & (x <= high[0])
 
     def nearest(self, point: tuple[float, float], arrays: FrameArrays) -> int | None:
         """Returns the nearest particle: in the lanes by x alone, below by its dot in the field plot."""
-        (x, y), places = point, self._places
+        (x, y), places = point, self._layout
         if abs(y - 0.5 * (places.truth + places.estimate)) < 0.5 * (places.estimate - places.truth) + places.lane:
-            return int(np.argmin(np.abs(self._across(arrays) - x))) if -TOUCH < x < 1 + TOUCH else None
+            return int(np.argmin(np.abs(self._stage_x(arrays) - x))) if -TOUCH < x < 1 + TOUCH else None
         return super().nearest(point, arrays)
 
-    def images(self, arrays: FrameArrays, particles: slice) -> np.ndarray:
-        x = self._across(arrays)[particles]
-        lanes = [in_plane(x, lane) for lane in (self._places.estimate, self._places.truth)]
-        return np.stack([*lanes, self._field.places(particles, len(x))])
+    def image_points(self, arrays: FrameArrays, particles: slice) -> np.ndarray:
+        x = self._stage_x(arrays)[particles]
+        lanes = [in_plane(x, lane) for lane in (self._layout.estimate, self._layout.truth)]
+        return np.stack([*lanes, self._field.dot_positions(particles, len(x))])
 
-    def _across(self, arrays: FrameArrays) -> np.ndarray:
+    def _stage_x(self, arrays: FrameArrays) -> np.ndarray:
         """Returns the particles' positions (P,) along the stage; off the stage for a broken run."""
         x = arrays.position[:, 0]
         if self._drawn_scene is not None:
             x = self._drawn_scene.wrap_into_period(x)
         return np.fmin(np.fmax(x, -0.5), 1.5)  # fmax ignores NaN
 
-    def _along(self, arrays: FrameArrays) -> np.ndarray:
+    def _axis_positions(self, arrays: FrameArrays) -> np.ndarray:
         return self._now
 
-    def _still(self, scene: BarScene, particles: int, at_rest: np.ndarray | None) -> Iterator[Mark]:
-        edges, places, colours = np.arange(scene.cells + 1) * scene.spacing, self._places, self._places.room.palette
-        box, over = places.field, 6 * places.room.pixel
+    def _static_marks(self, scene: BarScene, particles: int, at_rest: np.ndarray | None) -> Iterator[Mark]:
+        edges, places, colours = np.arange(scene.cells + 1) * scene.spacing, self._layout, self._layout.bounds.palette
+        box, over = places.field, 6 * places.bounds.pixel
         for name, low, high, colour, depth in (
                 ("cells", places.truth - 0.5 * places.lane - over, places.estimate + 0.5 * places.lane + over,
                  colours.cell, -0.01),
@@ -84,10 +84,10 @@ class BarStage(Stage[BarScene]):
             yield Lines(name, join_points(*(in_plane(edges, y, depth) for y in (low, high))), colour, 1.0)
         self._lanes = _Lanes(particles, places)
 
-    def _moving(self, scene: BarScene, arrays: FrameArrays, estimated: np.ndarray, true: np.ndarray, t: float,
-                crossed: np.ndarray, age: np.ndarray) -> Iterator[Mark]:
-        self._now = x = self._across(arrays)
-        room, between = self._places.room, self._places.crossings
+    def _moving_marks(self, scene: BarScene, arrays: FrameArrays, estimated: np.ndarray, true: np.ndarray, t: float,
+                      crossed: np.ndarray, age: np.ndarray) -> Iterator[Mark]:
+        self._now = x = self._stage_x(arrays)
+        room, between = self._layout.bounds, self._layout.crossings
         yield self._lanes.dots(x, estimated, true)
         if between is None:
             yield Dots("crossings", NONE, NONE, 1.0)
@@ -95,12 +95,12 @@ class BarStage(Stage[BarScene]):
             yield Dots("crossings", in_plane(x[crossed], between, 0.02), fade_colours(age, room.palette),
                        CROSSING * room.pixel)
 
-    def _worst(self, worst: tuple[Worst | None, Worst | None], arrays: FrameArrays) -> Iterator[Mark]:
+    def _worst_marks(self, worst: tuple[Worst | None, Worst | None], arrays: FrameArrays) -> Iterator[Mark]:
         """Yields a bracket above the estimate's lane and one below the truth's, if labels leave space."""
-        places, segments = self._places, [np.empty((0, 2, 3), np.float32)]
-        room, wanted = places.room, places.room.gutter > 0 and places.seat == RunSlot.ALONE
+        places, segments = self._layout, [np.empty((0, 2, 3), np.float32)]
+        room, wanted = places.bounds, places.bounds.gutter > 0 and places.slot == RunSlot.ALONE
         for found, name, lane, up in zip(worst, HALVES, (places.estimate, places.truth), (1, -1), strict=True):
-            at = self._across(arrays)[found.particles] if found and wanted else np.empty(0)
+            at = self._stage_x(arrays)[found.particles] if found and wanted else np.empty(0)
             at = at[(at >= 0) & (at <= 1)]
             at = at[np.abs(at - np.median(at)) < NEAR] if len(at) else at  # without those at the other end, or lost
             text, x, y = "", 0.5, lane
@@ -114,14 +114,14 @@ class BarStage(Stage[BarScene]):
                 x = float(np.clip(ends.mean(), 0.5 * beside, 1 - 0.5 * beside))
             yield Label(f"{name}-worst", text, x, y, "bottom-center" if up > 0 else "top-center", "note", bold=True)
             taken = (x - 0.5 * beside, x + 0.5 * beside) if text else (0.0, 0.0)
-        if places.seat == RunSlot.ALONE:
-            yield _alike(self._words.alike, places, taken)  # where the truth's bracket leaves space
+        if places.slot == RunSlot.ALONE:
+            yield _alike_label(self._labels.alike, places, taken)  # where the truth's bracket leaves space
         yield Lines("worst", np.concatenate(segments), room.palette.dot, 1.5)
 
 
-def _alike(text: str, places: BarPlaces, taken: tuple[float, float] = (0.0, 0.0)) -> Label:
+def _alike_label(text: str, places: BarLayout, taken: tuple[float, float] = (0.0, 0.0)) -> Label:
     """Returns the hint about equal lanes, below the lower one: right, or left if ``taken`` (from, to) is occupied."""
-    room, below = places.room, places.truth - 0.5 * places.lane - 8 * places.room.pixel
+    room, below = places.bounds, places.truth - 0.5 * places.lane - 8 * places.bounds.pixel
     wide = room.extent(text + "  ")[0]
     right = taken[1] < 1 - wide
     fits = room.gutter > 0 and (right or taken[0] > wide)
@@ -130,9 +130,9 @@ def _alike(text: str, places: BarPlaces, taken: tuple[float, float] = (0.0, 0.0)
     return Label("alike", text if fits else "", x, below, anchor, "note", tone="faint")
 
 
-def _names(words: StageLabels, places: BarPlaces) -> Iterator[Label]:
+def _names(words: StageLabels, places: BarLayout) -> Iterator[Label]:
     """Yields names in the gutter beside the lanes, or above and below them."""
-    room, half = places.room, 0.5 * places.lane
+    room, half = places.bounds, 0.5 * places.lane
     below = places.truth - half - 8 * room.pixel
     if room.gutter:
         left = -room.gutter
@@ -140,8 +140,8 @@ def _names(words: StageLabels, places: BarPlaces) -> Iterator[Label]:
             yield Label(f"{name}-title", title, left, y + 0.1 * room.line, "bottom-left", "gutter", 1.1, tone=name,
                         bold=True)
             yield Label(f"{name}-by", by, left, y - 0.1 * room.line, "top-left", "gutter")
-        note, _ = room.fitting((words.crossings, words.crossings.partition(" ")[0]),
-                               room.gutter - room.extent("key")[0], room.line)
+        note, _ = room.fit((words.crossings, words.crossings.partition(" ")[0]),
+                           room.gutter - room.extent("key")[0], room.line)
         yield Label("crossings-note", note, left, places.crossings or 0.0, "center-left", "gutter", tone="crossing",
                     sign="dot")
     else:
@@ -152,13 +152,13 @@ def _names(words: StageLabels, places: BarPlaces) -> Iterator[Label]:
             yield Label(f"{name}-by", by, 1.25 * room.extent(title)[0] + 6 * room.pixel, y + up, anchor, "note")
         yield Label("crossings-note", words.crossings, 1.0, below + 4 * room.pixel, "top-right", "note",
                     tone="crossing", sign="dot")
-    yield _alike(words.alike, places)
+    yield _alike_label(words.alike, places)
     yield Label("run", "", 0.0, places.heading, "bottom-left", "name")
 
 
-def _pair_names(words: StageLabels, places: BarPlaces) -> Iterator[Label]:
+def _pair_names(words: StageLabels, places: BarLayout) -> Iterator[Label]:
     """Yields a heading above the plot, and names beside the strips."""
-    room, first = places.room, places.seat == RunSlot.FIRST
+    room, first = places.bounds, places.slot == RunSlot.FIRST
     for name, _, _, y in _halves(words, places):
         yield Label(f"{name}-title", tr(name) if room.gutter else "", -0.01, y, "center-right", "number", tone=name)
         by = words.by[0] if first and name == "estimate" else ""
@@ -169,7 +169,7 @@ def _pair_names(words: StageLabels, places: BarPlaces) -> Iterator[Label]:
             yield Label(f"{name}-by", by, 1.0, places.heading, "bottom-right", "note")
     parts = (words.run[:1].upper() + words.run[1:]).split(", ")
     beside = 0.0 if room.gutter else 1.3 * room.extent(words.by[0] + "  ")[0]
-    run, _ = room.fitting((", ".join(parts[:k]) for k in range(len(parts), 0, -1)), (1 - beside) / 1.2, room.line)
+    run, _ = room.fit((", ".join(parts[:k]) for k in range(len(parts), 0, -1)), (1 - beside) / 1.2, room.line)
     yield Label("run", run, 0.0, places.heading, "bottom-left", "name", 1.1, tone="plain" if first else "faint",
                 bold=True)
     note = words.crossings if first else ""
@@ -178,7 +178,7 @@ def _pair_names(words: StageLabels, places: BarPlaces) -> Iterator[Label]:
     yield Label("alike", "", 1.0, places.heading, "bottom-right", "note", tone="faint")
 
 
-def _halves(words: StageLabels, places: BarPlaces) -> Iterator[tuple[Tone, str, str, float]]:
+def _halves(words: StageLabels, places: BarLayout) -> Iterator[tuple[Tone, str, str, float]]:
     """Returns name, title, source and middle of the lane of estimate and truth."""
     return zip(HALVES, words.titles, words.by, (places.estimate, places.truth), strict=True)
 
@@ -191,7 +191,7 @@ class _Lanes:
     of their width puts the visible part in place. Points are relative to the middle between the lanes, so that half
     precision, with half the bytes, is a tenth of a pixel."""
 
-    def __init__(self, particles: int, places: BarPlaces):
+    def __init__(self, particles: int, places: BarLayout):
         column, middle = 1 / particles, 0.5 * (places.estimate + places.truth)
         self.origin = 0.5, middle
         rows = max(math.ceil(places.lane / WIDEST), min(int(places.lane / (1.5 * column)), LANE_POINTS // particles))

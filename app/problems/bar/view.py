@@ -11,7 +11,7 @@ from app.problems import suggestion
 from app.problems.bar.slow import BarSlowStage
 from app.problems.bar.stage import BarStage
 from app.problems.interface import Motion, ProblemView, Reach, Regions
-from app.problems.suggestion import Answer, NotNow, Offer, Ran, Suggestion, changed_state, suggest_breaking
+from app.problems.suggestion import Answer, NotNow, Offer, Run, Suggestion, changed_state, suggest_breaking
 from app.state import State
 from app.words import format_factor, per_cent
 from solvers.problems.bar.patch_test import PATCH
@@ -31,7 +31,7 @@ def _cross(state: State) -> Offer:
                  changed_state(state, {"method": "mpm"}, quantity="sigma"))
 
 
-def _crossed(ran: Ran) -> Answer:
+def _crossing_answer(ran: Run) -> Answer:
     own, other = (series["crossings"][-1] if len(series.get("crossings", ())) else math.nan
                   for series in (ran.series, ran.pinned))
     if ran.ratio >= 1:
@@ -45,7 +45,7 @@ def _crossed(ran: Ran) -> Answer:
 
 
 VIBRATING = (suggestion.suggest_halving_cells(MOST_CELLS),
-             Suggestion("cross", "cross", lazy("Let particles cross"), _cross, _crossed),
+             Suggestion("cross", "cross", lazy("Let particles cross"), _cross, _crossing_answer),
              suggest_breaking(lazy("A = 100 mm: which method fails first?"),
                               {"method": "mpm", "amplitude": BREAKING, "displacement": ""}, 1.5))
 
@@ -58,10 +58,10 @@ def _misfit(title: str, hint: str, method: str) -> Suggestion:
                      changed_state(state, {"method": method, "ppc": MISFITS}, pinned=False, quantity="sigma"))
 
     icon = {"mpm": "break", "bspline": "cross", "ugimp": "halve"}[method]
-    return Suggestion(f"misfit-{method}", icon, title, offer, _wrong, 0.5)
+    return Suggestion(f"misfit-{method}", icon, title, offer, _misfit_answer, 0.5)
 
 
-def _wrong(ran: Ran) -> Answer:
+def _misfit_answer(ran: Run) -> Answer:
     values = ran.series.get("error_sigma", ())
     wrong = float(sum(values) / len(values)) / ran.state.scene.size_of("sigma") if len(values) else math.nan
     if wrong < PASSED:
@@ -125,7 +125,7 @@ BAR = ProblemView(
     prices={"transport": 0.09, "recovered": 0.09, "companion": 0.06, "two-grid": 0.18},  # two-grid: of 80 cells
     formula=("displacement", lazy("Displacement u"),
              lazy("a formula of X, t, w and A in metres; empty for the built-in one")),
-    motion=MOTION, estimators=("recovered", "transport"), sparks=bar_suggestions,
+    motion=MOTION, estimators=("recovered", "transport"), suggestions=bar_suggestions,
     details={"linearity_preserving": lazy("correct the gradient so that linear stress gives the exact force"),
              "body_force": lazy("where the force is evaluated"),
              "velocity": lazy("the velocity that moves the particles")})

@@ -140,7 +140,7 @@ class Motion:
 
 
 @dataclass(frozen=True)
-class _Moment:
+class _FileTime:
     """Rows of one file at one time, by key."""
 
     file: str
@@ -174,7 +174,7 @@ def read_motion(files: Sequence[RawTable], times: Sequence[float]) -> tuple[Moti
     return _motion(files, sound, who, common), findings
 
 
-def _read_moments(files: Sequence[RawTable], times: Sequence[float]) -> list[_Moment]:
+def _read_moments(files: Sequence[RawTable], times: Sequence[float]) -> list[_FileTime]:
     found = []
     if len({raw.cells for raw in files if raw.cells is not None}) > 1:
         raise FileError(files[-1].file, "is of another grid than the others; give the files of one run")
@@ -183,12 +183,12 @@ def _read_moments(files: Sequence[RawTable], times: Sequence[float]) -> list[_Mo
             raise FileError(raw.file, f"has no positions ({describe_columns('x', 3)} or position); its columns are "
                                       f"{', '.join(quote(name, 20) for name in raw.names[:12])}")
         every = row_times(raw, times[k] if times else None)
-        found += [_Moment(raw.file, float(every[at][0]), {key: values[at] for key, values in raw.columns.items()
+        found += [_FileTime(raw.file, float(every[at][0]), {key: values[at] for key, values in raw.columns.items()
                                                          if key != "t"}) for at in group_rows_by_time(every)]
     return found
 
 
-def _check_moments(moments: list[_Moment]) -> None:
+def _check_moments(moments: list[_FileTime]) -> None:
     if len(moments) < 2:
         raise FileError(moments[0].file, "has one moment, and nothing within one contradicts a motion; give two or "
                                          "more")
@@ -203,7 +203,7 @@ def _check_moments(moments: list[_Moment]) -> None:
                                           "files of one run")
 
 
-def _numbers(moments: list[_Moment]) -> Finding:
+def _numbers(moments: list[_FileTime]) -> Finding:
     """Checks that all numbers are finite, and reports the first that is not."""
     for one in moments:
         for key, values in one.rows.items():
@@ -218,7 +218,7 @@ def _numbers(moments: list[_Moment]) -> Finding:
     return Finding(NUMBERS, HOLDS)
 
 
-def _identify_rows(moments: list[_Moment]) -> list[np.ndarray]:
+def _identify_rows(moments: list[_FileTime]) -> list[np.ndarray]:
     """Returns the identity of each row at each time: its id, or the number of its reference position, or of its row."""
     if all("id" in one.rows for one in moments):
         for one in moments:
@@ -242,7 +242,7 @@ def _identify_rows(moments: list[_Moment]) -> list[np.ndarray]:
     return [np.arange(counts[0])] * len(moments)
 
 
-def _check_identities(moments: list[_Moment], who: list[np.ndarray]) -> tuple[Finding, np.ndarray]:
+def _check_identities(moments: list[_FileTime], who: list[np.ndarray]) -> tuple[Finding, np.ndarray]:
     """Checks for duplicate and missing particles; returns the finding and the particles that always exist."""
     common = np.unique(who[0])
     for one, now in zip(moments, who, strict=True):
@@ -268,7 +268,7 @@ def _always_present(who: list[np.ndarray]) -> np.ndarray:
     return functools.reduce(np.intersect1d, who[1:], np.unique(who[0]))
 
 
-def _motion(files: Sequence[RawTable], moments: list[_Moment], who: list[np.ndarray], common: np.ndarray) -> Motion:
+def _motion(files: Sequence[RawTable], moments: list[_FileTime], who: list[np.ndarray], common: np.ndarray) -> Motion:
     """Returns the motion of the particles that always exist, in order, in the directions in which they extend."""
     rows: list[Any] = []
     for now in who:

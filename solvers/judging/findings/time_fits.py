@@ -45,12 +45,12 @@ def fit_parts(target: np.ndarray, parts: Sequence[np.ndarray]) -> tuple[np.ndarr
     if not (np.isfinite(matrix).all() and np.isfinite(right).all()):
         return np.full((2, len(parts)), np.nan), np.full(len(parts), np.nan)
 
-    def solved(kept: np.ndarray) -> np.ndarray:
+    def solve(kept: np.ndarray) -> np.ndarray:
         return np.linalg.lstsq(matrix[:, :, kept].sum(axis=2), right[:, kept].sum(axis=1), rcond=1e-12)[0]
 
     every = np.arange(T)
-    left_out = [solved(np.setdiff1d(every, group)) for group in np.array_split(every, min(T, GROUPS))]
-    found = np.array([solved(every), *left_out]) / np.array(scale)
+    left_out = [solve(np.setdiff1d(every, group)) for group in np.array_split(every, min(T, GROUPS))]
+    found = np.array([solve(every), *left_out]) / np.array(scale)
     return found, np.array([jackknife_error(column) for column in found.T])
 
 

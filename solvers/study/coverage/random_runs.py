@@ -197,7 +197,7 @@ def _measure_run(draw: RandomRun) -> dict:
 
     begun, scene = time.perf_counter(), draw.scene()
     goals = {DISPLACEMENT: draw.point(), STRESS: STRESS, ENERGY: ENERGY}
-    result = run(unrefused(scene), mid_run=False, goals=list(goals.values()))
+    result = run(allow_refused(scene), mid_run=False, goals=list(goals.values()))
     others = [run(coarsen(scene, 2**k), mid_run=False, goals=list(goals.values())) for k in range(1, GRIDS)] \
         if result.status == OK else []
     numbers = {kind: [one.goals[name]["value"] for one in (result, *others)] for kind, name in goals.items()}
@@ -210,7 +210,7 @@ def _measure_run(draw: RandomRun) -> dict:
 
 
 def refusal_kind(name: str, scene: Scene, result: Result) -> str:
-    """Returns how an estimator was refused in the ``result`` of a scene's :func:`unrefused` version; "" if not."""
+    """Returns how an estimator was refused in the ``result`` of a scene's :func:`allow_refused` version; "" if not."""
     if name not in result.scene.active_estimators:
         return IMPOSSIBLE
     return BEFORE if name in scene.not_valid else AFTER if name in result.not_valid else ""
@@ -239,7 +239,7 @@ def _unrefused_kind(kind: type[Scene]) -> type[Scene]:
     return type(kind.__name__, (kind,), {"active_estimators": property(active)})
 
 
-def unrefused(scene: Scene) -> Scene:
+def allow_refused(scene: Scene) -> Scene:
     """Returns the scene with estimators that run although they are refused, if possible."""
     return _unrefused_kind(type(scene))(**{one.name: getattr(scene, one.name) for one in fields(scene)})
 

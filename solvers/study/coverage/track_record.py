@@ -22,7 +22,7 @@ from typing import Any
 from solvers.running.quantities_of_interest import DISPLACEMENT, SAFETY
 from solvers.scene.scene import Scene
 from solvers.study.coverage.coverage_counts import CENTRAL, FACTORS, NORMAL, TWO_GRIDS, regime
-from solvers.study.coverage.random_runs import QUANTITIES, refusal_kind, unrefused
+from solvers.study.coverage.random_runs import QUANTITIES, allow_refused, refusal_kind
 
 FOLDER = Path(__file__).parents[3] / "assets" / "coverage"
 FEWEST = 20  # runs: no statement for fewer
@@ -83,7 +83,7 @@ def bets(scene: Scene) -> dict[str, dict[str, Ends | None]]:
     from solvers.running.run import run  # here: what a judge is called can be known without Taichi
 
     asked = replace(scene, estimators=scene.choices("estimators"), effects=EFFECTS)
-    result = run(unrefused(asked), mid_run=False, prices=False)
+    result = run(allow_refused(asked), mid_run=False, prices=False)
 
     def said(name: str, quantity: str) -> float | None:
         """Returns an estimator's value, refused or not; None where it is not positive and finite."""

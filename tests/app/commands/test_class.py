@@ -4,7 +4,7 @@ import json
 
 import pytest
 
-from app.commands.bench.class_load import BROKEN, SCHEMA, Control, Load, Visitor, class_load, class_table
+from app.commands.bench.class_load import BROKEN, SCHEMA, ClassLoad, Control, Visitor, class_load, class_table
 from solvers.workers.worker_process import LINUX
 
 VISITORS, SECONDS = 3, 4.0
@@ -14,7 +14,7 @@ VISITORS, SECONDS = 3, 4.0
 def found():
     """What a small class got within a few seconds."""
     parts = []
-    yield class_load(Load(VISITORS, SECONDS), parts.append)
+    yield class_load(ClassLoad(VISITORS, SECONDS), parts.append)
     assert parts == sorted(parts) and parts[-1] == 1.0
 
 
@@ -46,14 +46,14 @@ def test_a_table_for_a_person(found):
 
 def test_frames_are_counted_between_two_times():
     visitor = Visitor("nowhere", frames=[0.0, 1.0, 1.5, 2.0, 4.0])
-    assert visitor.rate(1.0, 3.0) == 1.5 and visitor.standstill(1.0, 3.0) == 1.0 and visitor.standstill(0.0, 8.0) == 4.0
+    assert visitor.rate(1.0, 3.0) == 1.5 and visitor.max_freeze(1.0, 3.0) == 1.0 and visitor.max_freeze(0.0, 8.0) == 4.0
     visitor.broken.add(2)  # after 1.0 and until 1.5 there was nothing to see
-    assert visitor.rate(1.0, 3.0) == 2 / 1.5 and visitor.standstill(1.0, 2.0) == 0.5
+    assert visitor.rate(1.0, 3.0) == 2 / 1.5 and visitor.max_freeze(1.0, 2.0) == 0.5
     visitor.notice = "9"  # and not after the last one
-    assert visitor.standstill(0.0, 8.0) == 2.0
+    assert visitor.max_freeze(0.0, 8.0) == 2.0
     visitor._read("9", "")  # said before the first frame of the run that was asked for came
     visitor.frames.append(7.0)
-    assert visitor.standstill(0.0, 8.0) == 2.0
+    assert visitor.max_freeze(0.0, 8.0) == 2.0
     visitor.controls["7"] = Control("GuiSliderMessage", {"label": "Cells, h = 1/40"})
     visitor.controls["8"] = Control("GuiTextMessage", {"label": "Cells, typed"})
     assert (visitor.find("Cells", "Slider"), visitor.find("Cells", "Text"), visitor.find("Cells", "Button")) == \
@@ -67,12 +67,12 @@ def test_a_notice_between_two_frames_tells_why_they_are_apart():
     visitor.frames.append(4.0)
     visitor._read("9", "")
     visitor.frames += [5.0, 9.0]
-    assert visitor.standstill(0.0, 9.0) == 4.0 and visitor.broken == {1, 2}
+    assert visitor.max_freeze(0.0, 9.0) == 4.0 and visitor.broken == {1, 2}
 
 
 def test_whose_choice_it_was_that_a_stage_stood_still_for():
     """Its visitor's own, if the standstill contains that or begins with a frame that was on its way meanwhile."""
     visitor = Visitor("nowhere", frames=[0.0, 0.5, 1.0, 3.0, 3.5, 5.0, 6.1], choices=[0.9])
-    assert visitor.standstill(0.0, 6.1, own=True) == 2.0 and visitor.standstill(0.0, 6.1) == 1.5
+    assert visitor.max_freeze(0.0, 6.1, own=True) == 2.0 and visitor.max_freeze(0.0, 6.1) == 1.5
     visitor.choices.append(4.0)
-    assert visitor.standstill(0.0, 6.1) == pytest.approx(1.1) and visitor.standstill(0.0, 3.0) == 0.5
+    assert visitor.max_freeze(0.0, 6.1) == pytest.approx(1.1) and visitor.max_freeze(0.0, 3.0) == 0.5

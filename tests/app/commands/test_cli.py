@@ -13,7 +13,7 @@ from app import __version__
 from app.cli import main
 from app.commands import commands
 from app.commands.output import NotWritten, Target
-from app.commands.progress import noted_interrupts
+from app.commands.progress import record_interrupts
 from solvers.problems import PROBLEMS
 from solvers.problems.bar.scene import BarScene
 from solvers.problems.ring import RingScene
@@ -140,7 +140,7 @@ def test_a_failed_write_leaves_the_old_file(tmp_path, monkeypatch):
 
 
 def test_an_interrupt_that_native_code_swallows_is_raised_later():
-    with noted_interrupts() as check:
+    with record_interrupts() as check:
         check()
         with pytest.raises(KeyboardInterrupt):
             signal.raise_signal(signal.SIGINT)

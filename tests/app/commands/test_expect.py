@@ -7,7 +7,7 @@ from app.cli import main
 from app.commands.judge.command import EXPECTABLE
 from solvers import BarScene
 from solvers.judging.problem_handout import exact_frame
-from tests.support.altered import as_files
+from tests.support.faults import as_files
 
 
 @pytest.fixture(scope="module")

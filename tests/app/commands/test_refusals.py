@@ -33,7 +33,7 @@ SLOW = ("app.page.page_server.serve", "app.commands.run.command._run", "app.comm
         "app.commands.bench.command.show_progress", "app.commands.lesson.show_progress",
         "app.commands.export.show_progress", "app.commands.judge.command.show_progress",
         "app.commands.check.command.show_progress", "app.commands.judge.problem._files",
-        "app.commands.study.study_command.Study._place", "app.commands.study.advise.Advise._search")
+        "app.commands.study.study_command.Study._executor", "app.commands.study.advise.Advise._search")
 
 
 class Begun(BaseException):

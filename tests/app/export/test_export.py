@@ -18,7 +18,7 @@ import pytest
 from app import state
 from app.cli import main
 from app.export import export_plan, slider_grid
-from app.export.html_file import _titled, scene_page
+from app.export.html_file import _title, scene_page
 from app.export.lesson_data import lesson_page, manifest, package_lessons, question_rules
 from app.export.quantise import NONE, NUMBER, PLACE, SIGNED, SIZE, TOPS, Track, pack_tracks
 from app.export.recording import RecordingRequest, record_scene
@@ -99,7 +99,7 @@ def test_a_track_of_a_run_gone_bad_is_written(kind):
     ("bar motion=patch cells=10 periods=0.1", "Patch test of the bar"), ("bar cells=10 periods=0.1", "Vibrating bar"),
     ("ring cells=12 periods=0.02", "Expanding ring")])
 def test_a_file_is_titled_by_what_it_shows(text, heading):
-    assert _titled(export_plan.make_plan(state.parse_state(text), (), ("x",))) == heading
+    assert _title(export_plan.make_plan(state.parse_state(text), (), ("x",))) == heading
 
 
 def test_zeros_and_nothing_stay_what_they_are():

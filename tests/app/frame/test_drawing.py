@@ -38,7 +38,7 @@ class Gui:
 def sheet_of(gui, at="/stage"):
     scene = SimpleNamespace(add_frame=lambda name, **options: SimpleNamespace(visible=True))
     lettering = Lettering(gui)
-    lettering.look((-0.015, 1.015, 0.0, 0.5))
+    lettering.set_rectangle((-0.015, 1.015, 0.0, 0.5))
     return ViewerSurface(SimpleNamespace(scene=scene), lettering, at), lettering
 
 
@@ -75,7 +75,7 @@ def test_only_changes_are_sent_and_a_label_without_text_is_none():
 def test_labels_are_seen_with_their_sheet_and_those_it_belongs_to():
     gui = Gui()
     sheet, lettering = sheet_of(gui)
-    sheet.child("pinned").show(NOTE)
+    sheet.add_child("pinned").show(NOTE)
     sheet.visible = False
     lettering.send()
     assert not gui.labels
@@ -87,7 +87,7 @@ def test_labels_are_seen_with_their_sheet_and_those_it_belongs_to():
 def test_the_room_is_what_the_browser_has_free():
     _, lettering = sheet_of(Gui())
     assert lettering.fit(600.0, 300.0, 120.0) and not lettering.fit(600.0, 300.0, 120.0)
-    room = lettering.room
+    room = lettering.bounds
     assert (room.pixels, room.high, room.gutter) == (600.0, 0.5, 0.2)
 
 

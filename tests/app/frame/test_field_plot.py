@@ -86,7 +86,7 @@ def test_axis_ends_at_round_numbers_and_holds_everything():
     """For 1,000 random peaks one after the other, in either direction."""
     axis = Axis()
     for peak in 10 ** np.random.default_rng(0).uniform(-12, 12, 1000):
-        axis.follow(peak, 0.0)
+        axis.update(peak, 0.0)
         assert peak <= ROOM * axis.top * (1 + 1e-12)
         assert float(f"{axis.top:.2g}") == pytest.approx(axis.top, rel=1e-12)
 
@@ -95,23 +95,23 @@ def test_axis_is_calm():
     """A vibration, and a peak that comes and goes by a hair around a round number, do not move it after the first."""
     axis, tops = Axis(), []
     for frame in range(600):
-        axis.follow(abs(np.sin(0.05 * frame)) * (1 + 0.002 * np.sin(0.3 * frame)), 0.0)
+        axis.update(abs(np.sin(0.05 * frame)) * (1 + 0.002 * np.sin(0.3 * frame)), 0.0)
         tops.append(axis.top)
     assert len(set(tops[60:])) == 1
-    axis.forget()
-    axis.follow(1e-6, 2.0)
+    axis.reset()
+    axis.update(1e-6, 2.0)
     assert axis.top == 2
 
 
 def test_axis_comes_back_once_a_peak_is_gone():
     axis = Axis()
-    axis.follow(1000.0, 1.0)
+    axis.update(1000.0, 1.0)
     for _ in range(600):
-        axis.follow(0.5, 1.0)
+        axis.update(0.5, 1.0)
     assert 1 / ROOM <= axis.top < 3
 
 
-PLACES = BarStage.places(Bounds(720.0, high=0.5, gutter=0.16), RunSlot.ALONE)
+PLACES = BarStage.layout(Bounds(720.0, high=0.5, gutter=0.16), RunSlot.ALONE)
 BOX = PLACES.field
 AT, UNCROSSED = (np.arange(20) + 0.5) / 20, np.zeros(20, bool)
 
@@ -187,7 +187,7 @@ def test_a_plot_says_what_is_drawn():
 
 
 def test_where_a_name_has_no_room_the_remark_says_it():
-    places = BarStage.places(Bounds(358.0, high=0.84), RunSlot.ALONE)
+    places = BarStage.layout(Bounds(358.0, high=0.84), RunSlot.ALONE)
     draw, made = plot(places)
     draw(BAR, "x", 10, AT, np.zeros((20, 2), np.float32), 0.1, UNCROSSED)
     assert made["remark"].text == "Displacement" and not made["name"].text
@@ -226,6 +226,6 @@ def test_two_plots_share_an_axis():
     field = np.zeros((20, 2), np.float32)
     draw(BAR, "x", 1, AT, field, 0.1, UNCROSSED)
     beside(BAR, "x", 1, AT, field + 1, 0.1, UNCROSSED)
-    assert made["plot"].outdated and made["high"].text == "+30 mm"
+    assert made["plot"].is_outdated and made["high"].text == "+30 mm"
     draw(BAR, "x", 1, AT, field, 0.1, UNCROSSED)
-    assert not made["plot"].outdated and made["high"].text == other["high"].text == "+1 m"
+    assert not made["plot"].is_outdated and made["high"].text == other["high"].text == "+1 m"

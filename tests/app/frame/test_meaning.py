@@ -13,7 +13,7 @@ from app.frame.stage import StageLabels
 from app.problems.views import VIEWS
 from solvers.problems import PROBLEMS
 from solvers.running.run import build
-from tests.app.page.test_recent import engine_frame
+from tests.app.page.test_frame_buffer import engine_frame
 from tests.support.recording_scene import RecordingSurface
 
 TRUE, ESTIMATED = (255, 0, 0), (0, 0, 255)
@@ -44,7 +44,7 @@ def test_each_error_is_shown_where_its_name_stands(problem):
     """The estimate is above the truth along the bar and left of it in the plane, and its title is at its own lane or on
     its own side; every dot has the colour of its half."""
     stage, points, colours = drawn(problem)
-    places = stage._places
+    places = stage._layout
     named = {label.name: label for label in stage.labels(StageLabels(("Estimate", "Truth")), places)}
     estimate, truth = (named[f"{name}-title"] for name in ("estimate", "truth"))
     if hasattr(places, "lane"):
@@ -65,12 +65,12 @@ def test_a_rectangle_on_any_quarter_of_the_ring_holds_the_particles_that_are_dra
     arrays, stage = engine_frame(build(scene)), VIEWS["ring"].stage(RecordingSurface(), TwoColours())
     sizes = np.zeros(len(arrays.position))
     stage.draw(scene, arrays, sizes, sizes, 0.0, 1.0)
-    middle, far = np.array(stage._places.middle), np.array([10.0, 10.0])
-    for image, side in zip(stage.images(arrays, slice(5, 6))[:4, 0, :2], stage.MIRRORS, strict=True):
+    middle, far = np.array(stage._layout.middle), np.array([10.0, 10.0])
+    for image, side in zip(stage.image_points(arrays, slice(5, 6))[:4, 0, :2], stage.MIRRORS, strict=True):
         assert (np.sign(image - middle) == side).all()
-        assert np.flatnonzero(stage.region(tuple(image - 1e-4), tuple(image + 1e-4), arrays)).tolist() == [5]
+        assert np.flatnonzero(stage.particles_in(tuple(image - 1e-4), tuple(image + 1e-4), arrays)).tolist() == [5]
         ends = np.sort([middle, middle + side * far], axis=0)
-        assert stage.region(tuple(ends[0]), tuple(ends[1]), arrays).all()
+        assert stage.particles_in(tuple(ends[0]), tuple(ends[1]), arrays).all()
 
 
 @pytest.mark.parametrize("problem", PROBLEMS)
@@ -98,6 +98,6 @@ def test_the_colour_at_a_tick_is_that_of_its_number(size, logarithmic):
     """To one of 256 shades, or two on a logarithmic scale, where numbers of three digits are so far apart."""
     scale = ColourScale()
     scale.logarithmic = logarithmic
-    scale.follow(None, np.array([size]))
+    scale.update(None, np.array([size]))
     table = [tuple(shade) for shade in scale.gradient(256)]
     assert_shades(scale.ticks("m"), logarithmic, lambda value: table.index(tuple(scale.colours(np.array([value]))[0])))

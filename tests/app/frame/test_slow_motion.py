@@ -174,7 +174,7 @@ def test_words_stay_on_a_small_stage(name):
         lettering.fit(width, 340.0, 0.0)
         for phase in range(len(PHASES)):
             stage.draw(SCENES[name], breakdown, phase, 1.0)
-            lines = [line for _, label in lettering.written for line in label.text.split("\n")]
+            lines = [line for _, label in lettering.visible for line in label.text.split("\n")]
             assert max(map(len, lines)) <= stage.width
         longest.append(stage.width)
     assert longest[1] < 0.65 * longest[0]
@@ -193,9 +193,9 @@ def test_numbers_lie_neither_over_the_particle_in_front_nor_over_each_other(name
         for phase in range(len(PHASES)):
             stage.draw(scene, breakdown, phase, 1.0)
             front = drawn.made["dots2"].points[-1, :2]
-            numbers = [label for _, label in lettering.written if label.anchor in sides]
+            numbers = [label for _, label in lettering.visible if label.anchor in sides]
             assert len(numbers) == len(breakdown.nodes)
-            halves = [0.5 * stage.sheet.room.extent(label.text, NUMBERS) for label in numbers]
+            halves = [0.5 * stage.sheet.bounds.extent(label.text, NUMBERS) for label in numbers]
             middles = [np.array((label.x, label.y)) + half * sides[label.anchor]
                        for label, half in zip(numbers, halves, strict=True)]
             for k, (half, middle) in enumerate(zip(halves, middles, strict=True)):

@@ -111,12 +111,12 @@ class Clock:
 def test_scale_says_when_something_exceeds_it():
     clock = Clock()
     scale = ColourScale(clock)
-    scale.follow(np.full(3, 5.0), np.full(3, 1.0))
+    scale.update(np.full(3, 5.0), np.full(3, 1.0))
     clock.now = 1.0
     assert scale.top == 5 and scale.ticks("m")[-1][1] == "5 m"
-    scale.follow(np.full(3, 50.0), np.full(3, 1.0))  # an estimate that has lost its way
+    scale.update(np.full(3, 50.0), np.full(3, 1.0))  # an estimate that has lost its way
     assert scale.top == 10 and scale.ticks("m")[-1][1] == "≥ 10 m"
-    scale.follow(None, None)
+    scale.update(None, None)
     assert not scale.exceeded
 
 
@@ -128,7 +128,7 @@ def test_two_runs_share_one_scale():
                         ((large, small), (small, small)), ((small, small), (large, small)),
                         ((None, small), (None, large)), ((small, None), (large, None)), ((large, None), (small, None))):
         scale = ColourScale()
-        scale.follow(*own, None, beside)
+        scale.update(*own, None, beside)
         assert scale.top == 5, (own, beside)
         assert not scale.exceeded
 
@@ -139,7 +139,7 @@ def test_scale_is_used_and_its_numbers_are_round(logarithmic):
     for value in np.geomspace(1e-7, 1e6, 500):
         scale = ColourScale()
         scale.logarithmic = logarithmic
-        scale.follow(np.array([value]), None)
+        scale.update(np.array([value]), None)
         assert 0.75 - 1e-12 <= value / scale.top <= 1
         ticks = scale.ticks("m")
         assert len(ticks) <= MOST_TICKS and ticks[-1][0] == 1 and ticks[-1][1] == with_unit(scale.top, "m")
@@ -158,13 +158,13 @@ def test_scale_keeps_still_while_errors_come_and_go():
     scale = ColourScale(clock)
     for k in range(400):
         clock.now = k / 25
-        scale.follow(None, np.array([2.2 * abs(np.sin(2 * np.pi * k / 100)) + 0.1]))
+        scale.update(None, np.array([2.2 * abs(np.sin(2 * np.pi * k / 100)) + 0.1]))
         tops.append(scale.top)
     assert tops[-1] == 2.5 == max(tops) and tops == sorted(tops)
-    scale.follow(None, np.array([0.1]))
+    scale.update(None, np.array([0.1]))
     assert scale.top == 2.5
-    scale.forget()
-    scale.follow(None, np.array([0.1]))
+    scale.reset()
+    scale.update(None, np.array([0.1]))
     assert scale.top == 0.1
 
 
@@ -175,29 +175,29 @@ def test_scale_grows_once_a_second():
     changes, before = [], None
     for k in range(500):
         clock.now = k / 25
-        scale.follow(None, np.array([1 + 0.01 * k]))
+        scale.update(None, np.array([1 + 0.01 * k]))
         if scale.top != before:
             changes.append((clock.now, scale.top))
         before = scale.top
     assert all(later - sooner >= 1 and top > least for (sooner, least), (later, top) in pairwise(changes))
     assert 5 < len(changes) < 12
-    scale.follow(None, np.array([100 * scale.top]))
+    scale.update(None, np.array([100 * scale.top]))
     assert scale.top >= 100
 
 
 def test_a_run_that_is_shown_again_begins_with_what_it_has_come_to():
     scale = ColourScale()
     for size in (0.1, 7.3, 0.2):
-        scale.follow(None, np.array([size]), "this run")
-    scale.forget()
-    scale.follow(None, np.array([0.1]), "another")
+        scale.update(None, np.array([size]), "this run")
+    scale.reset()
+    scale.update(None, np.array([0.1]), "another")
     assert scale.top == 0.1
-    scale.forget()
-    scale.follow(None, np.array([0.1]), "this run")
+    scale.reset()
+    scale.update(None, np.array([0.1]), "this run")
     assert scale.top == 8
     scale.held = True
-    scale.forget()
-    scale.follow(None, np.array([50.0]), "another")
+    scale.reset()
+    scale.update(None, np.array([50.0]), "another")
     assert scale.top == 8 and scale.exceeded
 
 
@@ -210,7 +210,7 @@ def test_margin_of_the_step_is_read(margin, shown):
 
 
 def readout_of(scene, margin):
-    session = SimpleNamespace(history=SimpleNamespace(series={}, margin=margin), speed=1.0, pinned=None, ended=False)
+    session = SimpleNamespace(history=SimpleNamespace(series={}, margin=margin), speed=1.0, pinned=None, is_over=False)
     return live_readout(session, session.history, report_of(scene), "x", "transport", None, WorstRegions()).html
 
 
@@ -258,22 +258,22 @@ def test_a_known_place_of_the_ring_has_the_name_it_should():
 
 def test_worst_region_does_not_flicker():
     worst = SteadyMaximum()
-    assert worst.of(np.array([np.nan, 0.0])) is None
-    assert worst.of(np.array([1.0, 0.9])) == 0
-    assert worst.of(np.array([1.0, 1.04])) == 0
-    assert worst.of(np.array([1.0, 1.1])) == 1
+    assert worst.find(np.array([np.nan, 0.0])) is None
+    assert worst.find(np.array([1.0, 0.9])) == 0
+    assert worst.find(np.array([1.0, 1.04])) == 0
+    assert worst.find(np.array([1.0, 1.1])) == 1
 
 
 def test_worst_places_by_estimate_and_by_truth():
     places, estimate, error = WorstRegions(), np.full(20, 0.1), np.full(20, 0.2)
     estimate[3], error[7] = 1.0, -2.0
     arrays, report = arrays_of(estimate, error), report_of(BAR)
-    places.look(report, arrays, view_of_frame(report, arrays, "x", "transport", False), "x")
+    places.find(report, arrays, view_of_frame(report, arrays, "x", "transport", False), "x")
     assert (places.by_estimate.name, places.by_truth.name) == ("X = 0.15–0.20 m", "X = 0.35–0.40 m")
     assert (places.by_estimate.estimated, places.by_estimate.true) == (1.0, 0.2)
     assert (places.by_truth.estimated, places.by_truth.true) == (0.1, 2.0)
     report = report_of(replace(BAR, body_force="two-tone"))
-    places.look(report, arrays, view_of_frame(report, arrays, "x", "transport", False), "x")
+    places.find(report, arrays, view_of_frame(report, arrays, "x", "transport", False), "x")
     assert places.by_truth is None and places.by_estimate.true is None
 
 

@@ -70,7 +70,7 @@ def test_what_a_problem_says_of_itself_and_asks(problem):
                 captions.marks_note(view.stage.MARKED, 3), *words.choice_labels(kind, "body_force").values()]
         for scene in scenes(kind):
             state = State(scene)
-            for spark in view.sparks(state):
+            for spark in view.suggestions(state):
                 said.append(tr(spark.title))
                 try:
                     offer = spark.offer(state)

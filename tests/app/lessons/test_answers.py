@@ -33,22 +33,22 @@ def test_where_a_control_is_left_is_what_the_stage_has(gui, dragged):
     lesson, step = dragged
     on_stage = ["bar;method=mpm;amplitude=0.0032"]
     widgets = AnswerWidgets(gui, step, {}, None, False, lambda: state.parse_state(on_stage[0]).scene)
-    assert widgets.value == 0.0032 and "The stage has Amplitude A = <b>3.2 mm</b>" in widgets._said.content
+    assert widgets.value == 0.0032 and "The stage has Amplitude A = <b>3.2 mm</b>" in widgets._note.content
     assert mark_answer(lesson, step, widgets.value, {}, RunCache()).right is True
     on_stage[0] = "bar;amplitude=0.002"
     widgets.refresh()
-    assert widgets.value == 0.002 and "<b>2 mm</b>" in widgets._said.content
+    assert widgets.value == 0.002 and "<b>2 mm</b>" in widgets._note.content
     assert mark_answer(lesson, step, widgets.value, {}, RunCache()).right is False
     on_stage[0] = "bar;motion=patch"
     widgets.refresh()
-    assert why_invalid(step.asked, widgets.value) and "put the run there first" in widgets._said.content
+    assert why_invalid(step.posed, widgets.value) and "put the run there first" in widgets._note.content
 
 
 def test_a_prediction_of_a_control_is_a_slider(gui, dragged):
     step = replace(dragged[1], kind=PREDICT)
     widgets = AnswerWidgets(gui, step, {}, 0.01, False, lambda: state.parse_state("bar").scene)
     assert widgets.value == pytest.approx(0.01, rel=0.02)
-    assert "Your value: Amplitude A = <b>10 mm</b>" in widgets._said.content
+    assert "Your value: Amplitude A = <b>10 mm</b>" in widgets._note.content
 
 
 def test_only_an_option_that_there_is_can_be_chosen(gui):

@@ -101,10 +101,10 @@ def test_bets_are_drawn_as_multiples_of_the_truth():
     assert picture.reach == 1 and [text for _, text in picture.ticks] == ["÷ 10", "truth", "× 10"]
     assert own.lines[0] == (0, 100, True)
     assert own.lines[1][:2] == pytest.approx((50 + 50 * np.log10(2), 50 + 50 * np.log10(3)))
-    assert own.told == "1 of 2 contain the truth, mean score 2.59" and (own.name, own.own) == ("Your bets", True)
-    assert gci.told == "1 of 1 contain the truth, 1 without a bet, mean score 0.00" and gci.lines[1] is None
+    assert own.result == "1 of 2 contain the truth, mean score 2.59" and (own.name, own.own) == ("Your bets", True)
+    assert gci.result == "1 of 1 contain the truth, 1 without a bet, mean score 0.00" and gci.lines[1] is None
     assert draw_bets([Bettor(YOURS, (Bet(1e-12, 1e12, 1),))]).bettors[0].lines == ((0, 100, True),)
-    assert draw_bets([Bettor("transport", (None,))]).bettors[0].told == "does not bet on these"
+    assert draw_bets([Bettor("transport", (None,))]).bettors[0].result == "does not bet on these"
 
 
 def test_bets_are_laid_beside_those_of_judges():
@@ -116,9 +116,9 @@ def test_bets_are_laid_beside_those_of_judges():
         [yours] = bets_shown(lesson, lesson.steps[2], given, {}, outcomes)
         assert yours == Bettor(YOURS, (Bet(truths[0] / 2, truths[0] * 2, truths[0]),))
         one, two, companion, *others = bets_shown(lesson, lesson.steps[-1], given, {}, outcomes)
-        assert [(bettor.round, bettor.held, len(bettor.made)) for bettor in (one, two)] == [(1, 1, 1), (2, 0, 1)]
+        assert [(bettor.round, bettor.hits, len(bettor.placed)) for bettor in (one, two)] == [(1, 1, 1), (2, 0, 1)]
         assert companion.score < 0.01  # it may miss by as little: the grids are coarser than any that was drawn
-        assert [bettor.name for bettor in others] == [*JUDGES[1:]] and others[-1].made
+        assert [bettor.name for bettor in others] == [*JUDGES[1:]] and others[-1].placed
         assert bets_shown(lesson, lesson.steps[-1], {}, {}, outcomes) == []
         scope = outcomes.scope(lesson, lesson.steps[-1], {}, ["first.bet.companion.x.score"])
         said = scope.outcomes["first"].results[0]["bet"]["companion"]["x"]
@@ -172,7 +172,7 @@ def test_the_eight_runs_of_lesson_ten_are_those_that_were_drawn():
                 scene.linearity_preserving, scene.velocity)
 
     lesson = catalogue.load_lesson("10-how-sure-are-you")
-    bets = [step.asked.expected.split(".")[0] for step in lesson.questions.values() if step.asked.kind == "interval"]
+    bets = [step.posed.expected.split(".")[0] for step in lesson.questions.values() if step.posed.kind == "interval"]
     runs = {rounded(state.parse_state(lesson.runs[name].texts[0]).scene) for name in bets}
     assert rounded(state.parse_state(lesson.runs["broken"].texts[0]).scene) == rounded(RandomRun("bar", 10, 0).scene())
     drawn_runs = [RandomRun(problem, 10, number).scene() for problem,

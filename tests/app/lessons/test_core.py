@@ -57,9 +57,9 @@ def two():
 def test_a_round_is_of_the_core_as_its_first_step_says(two):
     assert [step.core for step in two.steps] == [True] * 4 + [False] * 3
     assert [len(one) for one in split_rounds(two.steps)] == [4, 3]
-    assert two.deeper == two.steps[4:] and two.walk(core=True) == two.steps[:4] and two.walk(core=False) == two.steps
+    assert two.extra == two.steps[4:] and two.path(core=True) == two.steps[:4] and two.path(core=False) == two.steps
     plain = parse_lesson(ROUND + DEEPER, "plain")
-    assert plain.deeper == () and plain.walk(core=True) == plain.steps
+    assert plain.extra == () and plain.path(core=True) == plain.steps
     assert [step.key for step in two.steps] == [step.key for step in plain.steps]  # a mark is not part of the title
 
 
@@ -73,17 +73,17 @@ def test_the_core_needs_no_run_of_a_deeper_step(old, new, where):
 
 
 def test_a_deeper_step_may_need_a_run_of_the_core():
-    assert parse_lesson(TWO.replace("fine.error.x.final", "first(grids.error.x.final)"), "two").deeper
+    assert parse_lesson(TWO.replace("fine.error.x.final", "first(grids.error.x.final)"), "two").extra
 
 
 def test_who_takes_the_core_goes_past_what_is_deeper(two):
     """Forwards and backwards, from anywhere; the introduction and the end are there for all."""
     first = replace(two, steps=two.steps[4:] + two.steps[:4])  # the deeper round first
     end = len(two.steps) + 1
-    assert [two.beside(at, 1, core=True) for at in (0, 3, 4, 6, end)] == [1, 4, end, end, end]
-    assert [two.beside(at, -1, core=True) for at in (end, 6, 1, 0)] == [4, 4, 0, 0]
-    assert [first.beside(0, 1, core=True), first.beside(4, -1, core=True)] == [4, 0]
-    assert [two.beside(at, by, core=False) for at, by in ((0, 1), (4, 1), (end, -1), (1, -1))] == [1, 5, 7, 0]
+    assert [two.offset(at, 1, core=True) for at in (0, 3, 4, 6, end)] == [1, 4, end, end, end]
+    assert [two.offset(at, -1, core=True) for at in (end, 6, 1, 0)] == [4, 4, 0, 0]
+    assert [first.offset(0, 1, core=True), first.offset(4, -1, core=True)] == [4, 0]
+    assert [two.offset(at, by, core=False) for at, by in ((0, 1), (4, 1), (end, -1), (1, -1))] == [1, 5, 7, 0]
 
 
 def lesson(*steps: Step, intro: str = "") -> Lesson:
@@ -139,12 +139,12 @@ def test_the_core_of_our_lessons_is_some_twenty_minutes_and_stands_by_itself(nam
     """It looks back upon nothing that is deeper by its title; and no text of a lesson says minutes of its own."""
     found = catalogue.load_lesson(name)
     assert 15 <= found.core_minutes <= 25 and found.core_minutes <= found.minutes
-    core = "\n".join((found.intro, *(f"{step.title}\n{step.text}" for step in found.walk(core=True))))
-    assert not any(step.title in core for step in found.deeper if len(step.title) > 20)
+    core = "\n".join((found.intro, *(f"{step.title}\n{step.text}" for step in found.path(core=True))))
+    assert not any(step.title in core for step in found.extra if len(step.title) > 20)
     assert not re.search(r"\b(last|first|second|third|fourth) (round|part) of this lesson|deeper", core)
     notes = "\n".join((found.notes, *(step.notes for step in found.steps)))
     assert not re.search(r"\b(\d+|ten|twenty) min(utes)?\b", notes)
-    assert draw_numbers(found, "Ada") == draw_numbers(replace(found, steps=found.walk(core=True)),
+    assert draw_numbers(found, "Ada") == draw_numbers(replace(found, steps=found.path(core=True)),
                                                       "Ada")  # a student's numbers
 
 
@@ -175,9 +175,9 @@ def test_of_the_core_alone_its_questions_count(two):
     asked = replace(two, steps=(said, replace(said, key="more", core=False), *two.steps[4:]))
     progress = Progress("two", two.fingerprint, "Ada", core=True)
     for key in ("said", "more"):
-        progress.answer(key, "words", 1.0)
+        progress.record(key, "words", 1.0)
     core, every = (grading.grade_file("file", progress, asked, NoRuns(), core) for core in (True, False))
-    assert (core.marked, every.marked) == (0, 1)
+    assert (core.maximum, every.maximum) == (0, 1)
     assert list(core.answers) == ["said"] and list(every.answers) == ["said", "more"]
     head, row = grading.grades_csv([core]).splitlines()
     assert head.endswith("core only,file,said,said: right") and row.endswith("yes,file,words,")
@@ -187,7 +187,7 @@ def test_the_guide_says_what_is_deeper_or_leaves_it_out(monkeypatch, capsys):
     """Of lesson 6, which has two deeper rounds; the right answers are not run here."""
     monkeypatch.setattr("app.lessons.teacher_guide._answer", lambda *_: "42")
     found = catalogue.load_lesson("06-ring")
-    title = found.deeper[0].title
+    title = found.extra[0].title
     assert main(["lesson", "guide", "6", "--quiet"]) == 0
     text = capsys.readouterr().out
     assert title in text and text.count("*Deeper: this round is not part of the core and takes") == 2

@@ -62,7 +62,7 @@ def outcomes():
 def answers(lesson, name="Ada", **given) -> Progress:
     progress = Progress(lesson.name, lesson.fingerprint, name)
     for key, value in given.items():
-        progress.answer(key.replace("_", "-"), value, 1.5)
+        progress.record(key.replace("_", "-"), value, 1.5)
     return progress
 
 
@@ -160,7 +160,7 @@ def test_answers_that_no_question_can_have_are_left_out():
     progress.answers["no-such-step"] = progress.answers["drag"]
     assert parse_progress(progress.text(), {"01-test": lesson}.get).answers == {}
     progress = answers(lesson, drag=20.0)
-    progress.answer("drag", 30.0, 2.0)
+    progress.record("drag", 30.0, 2.0)
     kept = parse_progress(progress.text(), {"01-test": lesson}.get).answers["drag"]
     assert (kept.first, kept.last, kept.attempts, kept.seconds) == (20.0, 30.0, 2, 3.5)
 
@@ -185,6 +185,6 @@ def test_answers_in_words():
 def test_a_prediction_counts_as_it_was_first_made(outcomes):
     lesson = parse_lesson(SAVED, "01-test")
     progress = answers(lesson, what_happens=1)
-    progress.answer("what-happens", 2, 1.0)
+    progress.record("what-happens", 2, 1.0)
     row = grading.grade_file("file", progress, lesson, outcomes)
-    assert row.answers["what-happens"][0] == "nothing" and row.right == 0
+    assert row.answers["what-happens"][0] == "nothing" and row.points == 0

@@ -111,7 +111,7 @@ def test_every_claim_of_a_lesson_holds(name, outcomes):
     asked = {key: right_answer(lesson, step, numbers, outcomes).value for key, step in lesson.questions.items()
              if step.question.kind != CHOICE and answer_expressions(step.question, numbers)}
     assert asked == pytest.approx(RIGHT[name], rel=0.02, abs=0)
-    assert {key: right_answer(lesson, step, numbers, outcomes).told for key, step in lesson.questions.items()
+    assert {key: right_answer(lesson, step, numbers, outcomes).text for key, step in lesson.questions.items()
             if step.question.kind == CHOICE} == CHOSEN[name]
 
 

@@ -79,7 +79,7 @@ def test_a_translation_is_no_lesson_of_its_own(folder):
     with use_language("de"):
         assert catalogue.load_lessons(folder)["01-test"].title == "Ein Test"
     assert catalogue.load_lessons(folder)["01-test"].title == "A test"
-    assert [lesson.file for lesson in catalogue.in_every_language("01-test", folder)] == ["01-test", "01-test.de"]
+    assert [lesson.file_stem for lesson in catalogue.in_every_language("01-test", folder)] == ["01-test", "01-test.de"]
 
 
 @pytest.mark.parametrize("written, graded_in", [("de", "en"), ("en", "de")])
@@ -87,11 +87,11 @@ def test_what_is_handed_in_is_graded_in_any_language(written, graded_in):
     """By a question that needs no run."""
     lesson, key = in_language(GRID, written), "where-does-the-trouble-begin"
     handed = Progress(lesson.name, lesson.fingerprint, "Ada")
-    handed.answer(key, 3.125, 1.0)
+    handed.record(key, 3.125, 1.0)
     with use_language(graded_in), closing(RunCache()) as outcomes:
         found = parse_progress(handed.text(), catalogue.load_lessons().get)
         row = grade_file("ada.json", found, catalogue.load_lessons()[GRID], outcomes)
-    assert row.right == 1 and row.progress.fingerprint == row.lesson.fingerprint
+    assert row.points == 1 and row.progress.fingerprint == row.lesson.fingerprint
     assert draw_numbers(lesson, "Ada") == draw_numbers(row.lesson, "Ada")
 
 

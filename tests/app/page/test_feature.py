@@ -5,7 +5,7 @@ import json
 from app.page.feature import Feature
 from app.page.features import all_features
 from app.page.features.opening_tour import OPENING
-from tests.app.page.test_story import frame
+from tests.app.page.test_opening_tour import frame
 from tests.support.page_server import start_server
 from tests.support.processes import wait_until
 from tests.support.raw_client import RawClient
@@ -26,11 +26,11 @@ class Counter(Feature):
         cls.last = cls(page)
         return cls.last
 
-    def follow(self, report):
+    def on_frame(self, report):
         self.calls.append(f"frame of {report.scene.problem}")
 
     def refresh(self, view):
-        self.calls.append(f"alone {view.alone}")
+        self.calls.append(f"alone {view.has_stage}")
 
     def leave_stage(self):
         self.calls.append("left")

@@ -19,7 +19,7 @@ from app.page.visit.session import Session, first_scene
 from app.viewer.upload import TOO_LARGE
 from solvers.workers.worker_pool import Slots
 from solvers.workers.worker_process import ProcessDied
-from tests.app.page.features.test_own_file import Sender
+from tests.app.page.features.test_upload import Sender
 from tests.support import page_server
 from tests.support.processes import wait_until
 from tests.support.raw_client import RawClient

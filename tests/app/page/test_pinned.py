@@ -153,7 +153,7 @@ def test_a_pinned_run_stays_while_the_session_changes(visit):
     visit.choose(page.first_scene("ring"))
     assert visit.pinned is None
     visit.report = replace(visit.report, number=visit._number)  # as if the ring were there
-    assert visit._urgent(False).sentence.startswith("Unpinned: ")
+    assert visit._urgent_notice(False).sentence.startswith("Unpinned: ")
     link = run._link
     assert link.ask(SCENE) == link.wish.number  # closed: nothing is asked any more
 

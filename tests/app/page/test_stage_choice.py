@@ -16,7 +16,7 @@ BAR, RING = BarScene(estimators=("recovered", "transport")), RingScene(estimator
 @pytest.fixture
 def choice():
     session = SimpleNamespace(scene=BAR, show=lambda **_: None)
-    made = StageChoice(Gui(), session, SimpleNamespace(forget=lambda: None), lambda: None)
+    made = StageChoice(Gui(), session, SimpleNamespace(reset=lambda: None), lambda: None)
     made.judge_by(BAR.estimators)
 
     def put(scene):
@@ -38,10 +38,10 @@ def test_each_problem_keeps_its_own(choice):
     made, put = choice
     assert made.estimator == "recovered"
     put(RING)
-    made.put("companion")
+    made.show_estimator("companion")
     put(BAR)
     assert made.estimator == "recovered"
-    made.put("transport")
+    made.show_estimator("transport")
     put(RING)
     assert made.estimator == "companion"
     put(BAR)
@@ -53,13 +53,13 @@ def test_one_that_says_nothing_gives_way_unless_it_was_asked_for(choice):
     put(RING)
     assert made.estimator == "transport"
     made.measure("sigma")
-    made.hear(BAR, frame(2))  # of the problem before
+    made.on_frame(BAR, frame(2))  # of the problem before
     assert made.estimator == "transport"
-    made.hear(RING, frame(2))
+    made.on_frame(RING, frame(2))
     assert made.estimator == "companion"
-    made.put("transport")
-    made.hear(RING, frame(2))
+    made.show_estimator("transport")
+    made.on_frame(RING, frame(2))
     assert made.estimator == "transport"  # its silence is what is to be seen
     made.measure("x")
-    made.hear(RING, frame(2))
+    made.on_frame(RING, frame(2))
     assert made.estimator == "transport"

@@ -9,11 +9,11 @@ import numpy as np
 import pytest
 
 from app.page.panels.browser_store import LayoutMetrics, Window
-from app.page.panels.timeline import BINS, Now, Timeline
+from app.page.panels.timeline import BINS, Clock, Timeline
 from solvers.problems.bar.scene import BarScene
 from solvers.problems.ring import RingScene
 from tests.app.page.panel import Gui
-from tests.app.page.test_recent import frame, recent_of, shown
+from tests.app.page.test_frame_buffer import frame, recent_of, shown
 
 SCENE = BarScene()
 
@@ -33,7 +33,7 @@ class Past:
 @pytest.fixture
 def line():
     line = Timeline(Gui())
-    line.have(("transport",), False)
+    line.set_lines(("transport",), False)
     return line
 
 
@@ -47,7 +47,8 @@ def ends(line):
 
 
 def show(line, end, now=None, scene=SCENE):
-    line.show(Past(end, scene), ("transport",), "x", False, None, "transport", now or Now(end, (0.5 * end, end), True))
+    line.show(Past(end, scene), ("transport",), "x", False, None, "transport",
+              now or Clock(end, (0.5 * end, end), True))
     return said(line)
 
 
@@ -85,15 +86,15 @@ def test_times_are_counted_in_periods_where_something_swings(line):
 
 
 def test_a_lost_run_says_since_when(line):
-    at = show(line, 0.9, Now(0.9, (0.0, 0.9), False, 0.6))
+    at = show(line, 0.9, Clock(0.9, (0.0, 0.9), False, 0.6))
     assert (at["lost"], at["says"], at["playing"]) == (0.6, "lost from 600 ms on", False)
-    at = show(line, 0.9, Now(0.9, (0.0, 0.9), False, 0.6, unstable=True))
+    at = show(line, 0.9, Clock(0.9, (0.0, 0.9), False, 0.6, unstable=True))
     assert at["says"] == "unstable from 600 ms on"
 
 
 def test_a_frame_is_found_by_its_time():
     recent = recent_of(20)
-    step = recent.shown[0].scene.time_step
+    step = recent.shown_frame[0].scene.time_step
     assert recent.seek(7.4 * step) and shown(recent) == 7
     assert recent.seek(0.0) and shown(recent) == 0
     assert recent.seek(1e9) and shown(recent) == 20
@@ -103,7 +104,7 @@ def test_a_frame_is_found_by_its_time():
 def test_while_it_moves_a_frame_is_shown_as_soon_as_the_run_stands():
     recent = recent_of(20)
     recent.add(*frame(21))
-    step = recent.shown[0].scene.time_step
+    step = recent.shown_frame[0].scene.time_step
     assert not recent.seek(7 * step) and shown(recent) == 21
     recent.add(*frame(22, playing=False))
     assert shown(recent) == 7

@@ -8,10 +8,10 @@ import pytest
 
 from app.frame.colour_scale import ColourScale
 from app.frame.layout import RunSlot
-from app.page.stage.error_probe import RADIUS, Probe, TraceRings
+from app.page.stage.error_probe import RADIUS, ErrorProbe, TraceRings
 from app.page.visit.frame_buffer import FrameBuffer
 from app.page.visit.history import LAST_PERIODS, MOST_ROWS
-from app.page.visit.particle_trace import Trace
+from app.page.visit.particle_trace import Tracer
 from app.problems.bar.stage import BarStage
 from app.problems.views import VIEWS
 from app.renderers import viewer_renderer
@@ -21,7 +21,7 @@ from solvers.problems.ring import RingScene
 from solvers.running.run import build
 from solvers.solver.samples import QUANTITIES
 from tests.app.frame.test_view import report_of
-from tests.app.page.test_recent import engine_frame
+from tests.app.page.test_frame_buffer import engine_frame
 from tests.support.recording_scene import RecordingScene, RecordingSurface
 
 BAR = BarScene(cells=10, ppc=2, periods=1, amplitude=0.1, estimators=("transport",))
@@ -46,10 +46,10 @@ def run(request):
 def traced_after(frames, particle, chosen_after=FRAMES // 2):
     """What is traced when the particle is chosen in the middle of a run."""
     recent = FrameBuffer()
-    trace = Trace(recent)
+    trace = Tracer(recent)
     for k, frame in enumerate(frames):
         recent.add(*frame)
-        trace.follow(*frame)
+        trace.on_frame(*frame)
         if k == chosen_after:
             trace.choose(particle)
     return trace
@@ -75,7 +75,7 @@ def test_crossings_are_marked_where_they_are_first_seen(run):
         traced = traced_after(run, particle).traced
         since = np.array([arrays.steps_since_crossing[particle] for _, arrays in run])
         fresh = (since >= 0) & (since < STEPS) & (np.arange(FRAMES) > 0)
-        np.testing.assert_array_equal(traced.crossed(traced.series["time"])[1:], fresh[1:])
+        np.testing.assert_array_equal(traced.crossing_marks(traced.series["time"])[1:], fresh[1:])
         marked += fresh.sum()
     assert marked > 3
 
@@ -87,7 +87,7 @@ def test_a_long_trace_is_bounded():
     trace = traced_after([(report, arrays)], 3, chosen_after=0)
     steps = range(5, 4 * MOST_ROWS * 5, 5)
     for step in steps:
-        trace.follow(replace(report, fresh=False, step=step, time=step * BAR.time_step), arrays)
+        trace.on_frame(replace(report, fresh=False, step=step, time=step * BAR.time_step), arrays)
     for series in (trace.traced.series, trace.traced.latest):
         assert MOST_ROWS // 10 < len(series["time"]) <= MOST_ROWS
         assert series["time"][-1] == pytest.approx(steps[-1] * BAR.time_step, rel=1e-2)
@@ -100,11 +100,11 @@ def test_another_run_goes_on_with_the_same_place():
     """With finer particles the nearest one; another problem has no such place."""
     trace = traced_after([frame_of(BAR)], 7, chosen_after=0)
     finer = replace(BAR, ppc=6)
-    trace.follow(*frame_of(finer))
+    trace.on_frame(*frame_of(finer))
     traced = trace.traced
     assert traced.scene == finer and traced.at_rest[0] == pytest.approx(7.5 / 20, abs=0.5 / 60 + 1e-6)
     assert traced.particle in (22, 23) and len(traced.series["time"]) == 1
-    trace.follow(*frame_of(RING))
+    trace.on_frame(*frame_of(RING))
     assert trace.traced is None
 
 
@@ -124,7 +124,7 @@ def stage(run):
 def test_every_image_is_found_by_a_click(run, stage):
     """The bar's in both lanes, the ring's mirror images, and the dots of the bar's field plot; beside them nothing."""
     arrays = run[-1][1]
-    images = stage.images(arrays, slice(None))
+    images = stage.image_points(arrays, slice(None))
     halves = 2 if isinstance(stage, BarStage) else len(stage.MIRRORS)
     assert images.shape == (halves + 1, len(arrays.position), 3)
     assert (np.ptp(images[:halves, :, :2], axis=0) > 0).any()
@@ -132,7 +132,7 @@ def test_every_image_is_found_by_a_click(run, stage):
         for particle in range(0, len(arrays.position), 5):
             x, y, _ = image[particle]
             assert stage.nearest((x, y), arrays) == particle
-    places = stage.places(stage.sheet.room.settled(), RunSlot.ALONE)
+    places = stage.layout(stage.sheet.bounds.rounded(), RunSlot.ALONE)
     assert stage.nearest(places.middle if halves > 2 else (0.5, 1.0), arrays) is None  # the ring's hole, above the bar
 
 
@@ -141,7 +141,7 @@ def test_height_in_the_lanes_does_not_count():
     report, arrays = frame_of(BAR)
     stage = BarStage(RecordingSurface(), ColourScale())
     stage.draw(report.scene, arrays, None, arrays.error[:, 0], 0.0, 1.0)
-    places = stage.places(stage.sheet.room.settled(), RunSlot.ALONE)
+    places = stage.layout(stage.sheet.bounds.rounded(), RunSlot.ALONE)
     for y in (places.estimate + 0.04, places.crossings, places.truth - 0.04):
         assert [stage.nearest((x, y), arrays) for x in (0.001, 0.374, 0.424, 0.999)] == [0, 7, 8, 19]
     assert stage.nearest((1.2, places.truth), arrays) is None
@@ -154,11 +154,11 @@ def test_a_click_marks_and_another_ends_it(run, stage):
     recent.add(report, arrays)
     clicks, scene = [], RecordingScene()
     scene.on_click = lambda: clicks.append
-    trace, client = Trace(recent), SimpleNamespace(scene=scene)
+    trace, client = Tracer(recent), SimpleNamespace(scene=scene)
     mark = TraceRings(client, viewer_renderer.ViewerSurface(client, Lettering(GUI), "/trace"), trace)
-    mark.look(stage, arrays)
+    mark.update(stage, arrays)
     assert not scene.made["trace"].visible
-    images = stage.images(arrays, slice(5, 6))[:, 0, :2]
+    images = stage.image_points(arrays, slice(5, 6))[:, 0, :2]
 
     def click(x, y):
         eye = np.array([0.4, 0.6, 20.0])
@@ -181,16 +181,16 @@ def test_mean_and_worst_are_of_the_particles_in_the_rectangle_alone():
     client = SimpleNamespace(scene=SimpleNamespace(on_rect_select=lambda: acts.append))
     camera = SimpleNamespace(on_stage=lambda place: place)
     x = np.array([0.1, 0.2, 0.3, 0.9])
-    stage = SimpleNamespace(region=lambda low, high, arrays: (x >= low[0]) & (x <= high[0]))
-    probe = Probe(client, RecordingSurface(), camera)
+    stage = SimpleNamespace(particles_in=lambda low, high, arrays: (x >= low[0]) & (x <= high[0]))
+    probe = ErrorProbe(client, RecordingSurface(), camera)
     estimated, true = np.array([1e-3, np.nan, 5e-3, 1.0]), np.array([2e-3, 3e-3, 10e-3, 1.0])
-    probe.look(stage, None, estimated, true, "m")
+    probe.measure(stage, None, estimated, true, "m")
     assert probe.text is None
     acts[0](SimpleNamespace(screen_min=(0.5, -0.1), screen_max=(0.0, 0.2)))
-    probe.look(stage, None, estimated, true, "m")
+    probe.measure(stage, None, estimated, true, "m")
     assert probe.text == "3 particles; estimated mean 3 mm, worst 5 mm; true mean 5 mm, worst 10 mm"
-    probe.look(stage, None, None, true, "m")
+    probe.measure(stage, None, None, true, "m")
     assert probe.text == "3 particles; true mean 5 mm, worst 10 mm"
     acts[0](SimpleNamespace(screen_min=(0.4, 0.0), screen_max=(0.5, 1.0)))
-    probe.look(stage, None, estimated, true, "m")
+    probe.measure(stage, None, estimated, true, "m")
     assert probe.text is None

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from app.frame.colour_scale import BEYOND
-from app.page.panels.plots import _time_unit, bounded
+from app.page.panels.plots import _time_unit, clip_estimate
 from app.words import power_of_ten
 from solvers.problems.bar.scene import BarScene
 from solvers.problems.ring import RingScene
@@ -13,13 +13,13 @@ from solvers.problems.ring import RingScene
 def test_a_lost_estimate_is_drawn_at_the_edge():
     """Left out, its low moments would be joined by lines through where it was high."""
     true, estimated = np.array([1.0, 2.0, 1.0]), np.array([0.5, 5000.0, 3.0])
-    assert bounded(estimated, true).tolist() == [0.5, BEYOND * 2.0, 3.0]
-    assert np.array_equal(bounded(estimated, np.zeros(3)), estimated)
+    assert clip_estimate(estimated, true).tolist() == [0.5, BEYOND * 2.0, 3.0]
+    assert np.array_equal(clip_estimate(estimated, np.zeros(3)), estimated)
 
 
 def test_what_is_not_known_stays_so():
     """Not a number is nowhere, also beside a lost one."""
-    assert np.array_equal(bounded(np.array([np.nan, np.inf]), np.ones(2)), [np.nan, BEYOND], equal_nan=True)
+    assert np.array_equal(clip_estimate(np.array([np.nan, np.inf]), np.ones(2)), [np.nan, BEYOND], equal_nan=True)
 
 
 @pytest.mark.parametrize(("largest", "power"), [(0.0, 0), (0.02, -2), (0.25, 0), (999.0, 0), (6000.0, 3), (2e5, 5)])

@@ -12,7 +12,7 @@ from app.page.visit import engine_links
 from app.page.visit import session as page
 from app.page.visit.engine_links import SessionCount
 from app.viewer import upload
-from tests.app.page.features.test_own_file import Sender
+from tests.app.page.features.test_upload import Sender
 from tests.browser.conftest import serving
 from tests.support.page_server import http_get
 from tests.support.processes import children, has_ended, wait_until
@@ -119,7 +119,7 @@ def test_a_tally_counts_whole_seconds(monkeypatch):
 def test_a_run_that_nobody_touches_rests(pool):
     """And says so; Play wakes it."""
     one = page.Session(page.PageLinks(pool), SCENE, lambda report, arrays: None)
-    wait_until(lambda: one.report is not None and one.untouched < 60, "a frame", PATIENCE)
+    wait_until(lambda: one.report is not None and one.idle_seconds < 60, "a frame", PATIENCE)
     one.rest()
     wait_until(lambda: not one.report.playing, "at rest", PATIENCE)
     assert one.notice().sentence.startswith("The run is paused") and one.notice().sentence.endswith("to continue.")

@@ -85,10 +85,10 @@ def test_codes_and_cookies_are_compared_in_constant_time(monkeypatch):
     monkeypatch.setattr(hmac, "compare_digest", lambda a, b: compared.append((len(a), len(b))) or real(a, b))
     door = ClassCode(CODE, 8080, NOTES)
     for guess in ("", "w", CODE, NOTES, "x" * 1000, "\ud800"):
-        assert bool(door.enter(guess, "::1").cookie) == (guess in (CODE, NOTES))
-    cookie = door.enter(CODE, "::1").cookie.partition(";")[0]
-    assert door.guest(Headers({"Cookie": cookie})).whose == CLASS
-    assert not door.knows(Headers({"Cookie": "mpm-lab-8080=x"})) and not door.knows(Headers())
+        assert bool(door.log_in(guess, "::1").cookie) == (guess in (CODE, NOTES))
+    cookie = door.log_in(CODE, "::1").cookie.partition(";")[0]
+    assert door.identify(Headers({"Cookie": cookie})).role == CLASS
+    assert not door.is_authorised(Headers({"Cookie": "mpm-lab-8080=x"})) and not door.is_authorised(Headers())
     assert compared == [(32, 32)] * 18
 
 
@@ -100,19 +100,19 @@ def test_wrong_guesses_are_limited_for_one_network_and_for_all_and_a_right_one_o
     door = ClassCode(CODE, 8080)
     most, all_of_them = int(ONE[0]), int(ALL[0])
     for k in range(most):
-        assert door.enter(f"wrong{k}", f"10.0.0.{k}").sentence == class_code.WRONG
-    limited = door.enter("wrong", "10.0.0.99")
-    assert not limited.cookie and limited.wait == 6 and "Wait 6 s" in limited.sentence
-    assert door.enter(CODE, "10.0.0.1").cookie and door.enter(CODE, "10.0.1.2").cookie
-    assert door.enter("wrong", "10.0.1.2").sentence == class_code.WRONG  # of another network
+        assert door.log_in(f"wrong{k}", f"10.0.0.{k}").refusal == class_code.WRONG
+    limited = door.log_in("wrong", "10.0.0.99")
+    assert not limited.cookie and limited.wait == 6 and "Wait 6 s" in limited.refusal
+    assert door.log_in(CODE, "10.0.0.1").cookie and door.log_in(CODE, "10.0.1.2").cookie
+    assert door.log_in("wrong", "10.0.1.2").refusal == class_code.WRONG  # of another network
     now[0] += limited.wait
-    assert door.enter("wrong", "10.0.0.1").sentence == class_code.WRONG
-    made = sum(door.enter("wrong", f"10.1.{k // 250}.{k % 250}").sentence == class_code.WRONG for k in range(2000))
+    assert door.log_in("wrong", "10.0.0.1").refusal == class_code.WRONG
+    made = sum(door.log_in("wrong", f"10.1.{k // 250}.{k % 250}").refusal == class_code.WRONG for k in range(2000))
     assert made <= all_of_them - most + 6 * ALL[1] + 1
-    assert door.enter("wrong", "10.9.9.9").wait and door.enter(CODE, "10.9.9.9").cookie  # all together had too many
+    assert door.log_in("wrong", "10.9.9.9").wait and door.log_in(CODE, "10.9.9.9").cookie  # all together had too many
     assert len(door._of) <= REMEMBERED
     now[0] += 1000
-    same = [door.enter("wrong", f"2001:db8::{k:x}").wait for k in range(1, most + 2)]
+    same = [door.log_in("wrong", f"2001:db8::{k:x}").wait for k in range(1, most + 2)]
     assert same[:-1] == [0] * most and same[-1] > 0  # one house of IPv6 is one address
 
 
@@ -139,21 +139,21 @@ def test_the_teachers_code_opens_the_notes_and_the_class_code_does_not():
 
         assert (status(CODE, NOTES), status(CODE, CODE), status(NOTES, CODE)) == (204, 204, 200)
     another = ClassCode(CODE, int(address.rpartition(":")[2]))  # a lab that has come in the place of this one
-    assert not another.knows(Headers({"Cookie": cookies[CODE]}))
+    assert not another.is_authorised(Headers({"Cookie": cookies[CODE]}))
 
 
 def test_a_cookie_is_one_browsers_and_made_by_this_lab():
     """Each who comes has a key of his own; one who makes up a key, or takes another's proof for his own, has none."""
     door = ClassCode(CODE, 8080, NOTES, BOARD)
-    first, second = (door.enter(CODE, "::1").cookie.partition(";")[0] for _ in range(2))
-    guests = [door.guest(Headers({"Cookie": cookie})) for cookie in (first, second)]
-    assert guests[0].key != guests[1].key and {guest.whose for guest in guests} == {CLASS}
+    first, second = (door.log_in(CODE, "::1").cookie.partition(";")[0] for _ in range(2))
+    guests = [door.identify(Headers({"Cookie": cookie})) for cookie in (first, second)]
+    assert guests[0].key != guests[1].key and {guest.role for guest in guests} == {CLASS}
     name, _, value = first.partition("=")
     key, _, proof = value.partition(".")
     made_up = [f"{name}=x.{proof}", f"{name}={key}", f"{name}={key}.", f"{name}={key}.{proof[:-1]}", f"{name}=.{proof}",
                f"{name}={key}x.{proof}", f"mpm-lab-8081={value}"]
-    assert [door.guest(Headers({"Cookie": cookie})) for cookie in made_up] == [None] * len(made_up)
-    assert door.guest(Headers({"Cookie": door.enter(BOARD, "::1").cookie.partition(";")[0]})).whose == "board"
+    assert [door.identify(Headers({"Cookie": cookie})) for cookie in made_up] == [None] * len(made_up)
+    assert door.identify(Headers({"Cookie": door.log_in(BOARD, "::1").cookie.partition(";")[0]})).role == "board"
 
 
 def test_strangers_learn_no_more_of_a_lab_than_that_it_is_ready(locked):

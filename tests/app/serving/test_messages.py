@@ -265,7 +265,7 @@ def test_what_is_refused_is_wished_no_longer():
                              (lambda: session.refuse("no number", "modulus"), "modulus", "no number"),
                              (lambda: session.choose(replace(fits, cells=MOST_WATCHED)), "", many)):
         ask()
-        assert session.refused[0] == field and session.untouched < 1
+        assert session.refused[0] == field and session.idle_seconds < 1
         notice = session.notice()
         assert notice.seen == bool(field) and said in notice.sentence.lower()  # under its control, else over the stage
         assert session.scene == fits and session.speed < FASTEST

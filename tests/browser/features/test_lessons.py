@@ -97,18 +97,18 @@ def test_a_lesson_from_start_to_hand_in(lesson_page, chromium, tmp_path, capfd):
 def test_the_core_is_taken_alone(class_room, chromium):
     """From a deeper step one goes past all that is deeper; it outlives a reload."""
     lesson = catalogue.load_lesson(NAME)
-    deeper = lesson.steps.index(lesson.deeper[0]) + 1
+    deeper = lesson.steps.index(lesson.extra[0]) + 1
     begun = Progress(NAME, lesson.fingerprint, step=deeper).text()
     keep = f"localStorage['mpm-lab/{NAME}'] ||= {json.dumps(begun)};"
     with visit(chromium, class_room[0], script=keep) as page:
-        head, count = page.locator(".lab-lesson-head"), len(lesson.walk(core=True))
+        head, count = page.locator(".lab-lesson-head"), len(lesson.path(core=True))
 
         def at(said):
             until(lambda: head.is_visible() and said in head.inner_text(), said)
 
         at(f"step {deeper} of {len(lesson.steps)}")
         assert page.locator(".lab-kind-deeper").inner_text() == "deeper"
-        assert page.locator(".lab-segments .lab-deep").count() == len(lesson.deeper)
+        assert page.locator(".lab-segments .lab-deep").count() == len(lesson.extra)
         click(page, "Core only: skip what is deeper")
         at(f"step {deeper} of {count} of the core")
         until(lambda: page.locator(".lab-kind-deeper").count() == 0, "a step of the core")

@@ -110,16 +110,16 @@ def test_bets_are_scored_and_drawn_as_in_python(player):
     for some in (bettors, bettors[2:3], bettors[:1]):
         picture, seen = draw_bets(some), player.evaluate(f"(told) => picture({again})", [
             told[bettors.index(one)] for one in some])
-        assert (seen["reach"], seen["said"]) == (picture.reach, picture.said)
+        assert (seen["reach"], seen["said"]) == (picture.reach, picture.description)
         assert [tuple(tick) for tick in seen["ticks"]] == picture.ticks
         for lines, one in zip(seen["bettors"], picture.bettors, strict=True):
-            assert (lines["name"], lines["told"], lines["own"]) == (one.name, one.told, one.own)
+            assert (lines["name"], lines["told"], lines["own"]) == (one.name, one.result, one.own)
             assert [line and line[2] for line in lines["lines"]] == [line and line[2] for line in one.lines]
             for line, drawn_line in zip(lines["lines"], one.lines, strict=True):
                 assert line is None or line[:2] == pytest.approx(drawn_line[:2], abs=1e-9)
     labels = player.evaluate(f"(told) => [...figure({again}).querySelectorAll('svg')].map((one) => "
                              "one.getAttribute('aria-label'))", told)
-    assert labels == [f"{one.name}: {one.told}" for one in draw_bets(bettors).bettors]
+    assert labels == [f"{one.name}: {one.result}" for one in draw_bets(bettors).bettors]
 
 
 def test_an_answer_is_read_as_on_the_page(player):

@@ -1,5 +1,5 @@
 """A newcomer's first minute: nothing half made, then a picture; the opening and its story, three sparks by keyboard
-alone, and a run that is lost. The numbers are those of ``tests/app/page/test_story.py`` and ``test_sparks.py``."""
+alone, and a run that is lost. Numbers: ``tests/app/page/test_opening_tour.py``, ``test_suggestions.py``."""
 
 import re
 from contextlib import closing

@@ -6,7 +6,7 @@ from app.words import in_a_line
 from solvers.problems import PROBLEMS
 from tests.browser.conftest import visit
 from tests.browser.driving import click, row, scene, stage_box, until
-from tests.browser.page.test_room import LAPTOP, LARGE, SMALL, UPRIGHT, cut_off, fitted, none_in, resize, written_over
+from tests.browser.page.test_sizes import LAPTOP, LARGE, SMALL, UPRIGHT, cut_off, fitted, none_in, resize, written_over
 
 #: Words that are seen, with how high their letters are on the screen in pixels.
 SIZES = """() => {

@@ -69,7 +69,7 @@ def test_a_redraw_is_cheap(frame):
     true, estimated = arrays.error[:, 0], arrays.estimate["transport"][:, 0]
 
     def draw():
-        scale.follow(estimated, true)
+        scale.update(estimated, true)
         stage.draw(SCENE, arrays, estimated, true, 0.0, 0.004)
 
     assert units(draw) < 40

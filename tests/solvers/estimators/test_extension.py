@@ -1,4 +1,4 @@
-"""Estimators and an effect from outside, each an object and a registration (``tests/outside.py``).
+"""Estimators and an effect from outside, each an object and a registration (``tests/extension_example.py``).
 
 Everything that knows estimators and effects must take them as its own: command line, JSON, text, readout, rows, tables
 and claims; the page makes its boxes from the registry, as ``tests/app/page/test_controls.py`` sees, and a picture its
@@ -17,7 +17,7 @@ from solvers.problems.ring import RingScene
 from solvers.scene.extensions import EXTENSIONS
 from tests.support.processes import run_python
 
-ENVIRONMENT = {EXTENSIONS: "tests.outside"}
+ENVIRONMENT = {EXTENSIONS: "tests.extension_example"}
 FIVE = [*BarScene.ESTIMATORS, "zero"]
 #: What a person types who has the extension; all in one process and of few kinds, for they need the same compiled.
 SHORT = ["--cells", "16", "--ppc", "2", "--periods", "0.05", "--effects", "truth,acceleration,estimate,strain"]

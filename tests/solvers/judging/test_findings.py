@@ -18,7 +18,7 @@ from solvers.judging.findings.time_fits import fit_parts, interpolate_before, ti
 from solvers.judging.judgement import judge
 from solvers.problems import PROBLEMS
 from tests.findings import FORMS, drawn, honest, judged, judgement
-from tests.support.altered import ALL, ALTERATIONS, as_files, files, record, scene_of
+from tests.support.faults import ALL, ALTERATIONS, as_files, files, record, scene_of
 
 #: What is said of each alteration, in words that no other cause has; None where nothing can be told, which is right.
 SAID = {
@@ -242,7 +242,7 @@ def test_one_that_is_stuck_on_the_ring_is_blamed_alone(particle):
     arrays["x"] = arrays["x"].copy()
     arrays["x"][:, particle] = arrays["X"][particle]
     found = judgement(run.scene, arrays)
-    assert found.apart is not None and found.apart.which.tolist() == [particle] and not found.notes()
+    assert found.gaps is not None and found.gaps.which.tolist() == [particle] and not found.notes()
 
 
 CELLS = {"bar": 20, "ring": 12, "vortex": 16}

@@ -95,7 +95,7 @@ def test_moved_particles_are_found_with_their_place(problem):
     x[moved] += 0.1 * scene.spacing * turn / np.linalg.norm(turn, axis=1)[:, None]
     judged = judge(scene, {"t": frame.time, "x": x, "X": X, "cells": 24})
     [grid] = judged.to_dict()["grids"]
-    assert set(judged.grids[0].apart.which) == set(moved)
+    assert set(judged.grids[0].gaps.which) == set(moved)
     assert grid["neighbour_gap"]["farthest_over_h"] == pytest.approx(0.1, rel=0.2)
     assert grid["neighbour_gap"]["particle"] in moved and grid["worst"]["x"]["particle"] in moved
     assert grid["worst"]["x"]["X"] in X[moved].tolist()
@@ -196,7 +196,7 @@ def test_the_companions_own_error_is_the_difference_of_its_two_meshes(problem):
     scene = PROBLEMS[problem].scene(cells=12, periods=0.3)
     times = (0.1 * scene.period, 0.3 * scene.period)
     companions, frame = Companions(scene, times), problem_handout.exact_frame(scene, times[1])
-    doubt = companions.doubt(frame)
+    doubt = companions.mesh_difference(frame)
     X, found = frame.material_position, []
     for fine in (True, False):
         body, solved = problem_handout.solve_companion(scene, fine, times)

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from app.commands.run.text import run_table
-from app.page.visit.history import History
+from app.page.visit.history import NormHistory
 from app.pictures.run import run_figure
 from solvers.problems.bar.scene import BarScene
 from solvers.problems.vortex import VortexScene
@@ -45,7 +45,7 @@ def test_a_motion_has_however_small(scene, simulate):
 
 def test_a_run_that_goes_on_has_none_either():
     solver = build(PATCH)
-    history = History(PATCH, PATCH.particles)
+    history = NormHistory(PATCH, PATCH.particles)
     history.add(np.concatenate([solver.measure(), solver.advance(1000)]))
     series = history.series
     assert len(series["time"]) > 20 and np.isnan(series["companion/index_x"]).all()

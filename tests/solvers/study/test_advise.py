@@ -131,7 +131,7 @@ def test_no_run_is_cheaper_by_a_quarter(base, methods, quantity, part, most, rat
     choices = families(base, methods or base.candidates(), PARTICLES_PER_CELL, COURANT_NUMBERS, quantity)
     goal = Goal(quantity, part * base.size_of(quantity), budget=20.0)
     advice = advise([Family(c.scene, c.quantity, c.multiple) for c in choices], goal)
-    assert advice.met and advice.chosen.measured and advice.chosen.error <= goal.tolerance
+    assert advice.met and advice.chosen.is_measured and advice.chosen.error <= goal.tolerance
     assert advice.chosen.seconds <= 1.25 * brute_force(choices, goal, most)
     truth = run(replace(advice.chosen.scene, estimators=(), effects=("truth", "acceleration")), prices=False)
     assert truth.error[quantity]["max"] <= 1.01 * goal.tolerance

@@ -11,7 +11,7 @@ from string import ascii_lowercase
 from typing import Any
 
 from app.language.translation import tr
-from app.lessons.answer_check import Right, in_unit, is_right
+from app.lessons.answer_check import RightAnswer, in_unit, is_right
 from app.lessons.lesson import CHOICE, INTERVAL, Numbers, Question, fill_numbers
 
 COLUMNS = 36  # of dots, along the axis
@@ -84,7 +84,7 @@ def answer_options(asked: Question, numbers: Numbers) -> str:
     return f"<ol class='lab-bars'>{rows}</ol>" if rows else ""
 
 
-def answer_chart(asked: Question, answers: Sequence[Any], numbers: Numbers, found: Right | None) -> str:
+def answer_chart(asked: Question, answers: Sequence[Any], numbers: Numbers, found: RightAnswer | None) -> str:
     """Returns the answers to a question that is not free text, with the right answer ``found`` once it is revealed."""
     if asked.kind == CHOICE:
         return _bars(asked, answers, numbers, found)
@@ -109,12 +109,12 @@ def answer_chart(asked: Question, answers: Sequence[Any], numbers: Numbers, foun
            f"{_truth(asked, axis, found)}{ticks}</div>{_beyond(ends, axis)}"
 
 
-def right_among(asked: Question, answers: Sequence[Any], found: Right) -> int:
+def right_among(asked: Question, answers: Sequence[Any], found: RightAnswer) -> int:
     """Counts the answers that are right, or the intervals that contain the result."""
     return sum(is_right(asked, answer, found) for answer in answers)
 
 
-def _bars(asked: Question, answers: Sequence[int], numbers: Numbers, found: Right | None) -> str:
+def _bars(asked: Question, answers: Sequence[int], numbers: Numbers, found: RightAnswer | None) -> str:
     counts, rows, says = Counter(answers), [], tr("this came out")
     for k, (letter, option) in enumerate(zip(ascii_lowercase, asked.options, strict=False), 1):
         came = found is not None and k in found.options
@@ -125,7 +125,7 @@ def _bars(asked: Question, answers: Sequence[int], numbers: Numbers, found: Righ
     return f"<ol class='lab-bars lab-counted'>{''.join(rows)}</ol>"
 
 
-def _lines(asked: Question, answers: Sequence[Sequence[float]], axis: Axis, found: Right | None) -> str:
+def _lines(asked: Question, answers: Sequence[Sequence[float]], axis: Axis, found: RightAnswer | None) -> str:
     rows = []
     for low, high in answers:
         left, right = 100 * axis.place(low), 100 * axis.place(high)
@@ -135,7 +135,7 @@ def _lines(asked: Question, answers: Sequence[Sequence[float]], axis: Axis, foun
     return f"<div class='lab-lines' style='--most: {max(1, len(answers))}'>{''.join(rows)}</div>"
 
 
-def _band(asked: Question, found: Right | None) -> tuple[float, float]:
+def _band(asked: Question, found: RightAnswer | None) -> tuple[float, float]:
     """Returns the lower and upper limit between which an answer is right."""
     if found is None or isinstance(found.value, str):
         return 0.0, 0.0
@@ -143,7 +143,7 @@ def _band(asked: Question, found: Right | None) -> tuple[float, float]:
     return found.value - reach, found.value + reach
 
 
-def _truth(asked: Question, axis: Axis, found: Right | None) -> str:
+def _truth(asked: Question, axis: Axis, found: RightAnswer | None) -> str:
     if found is None or isinstance(found.value, str):
         return ""
     low, high = (100 * axis.place(end) for end in _band(asked, found))

@@ -10,7 +10,7 @@ from app.access.log_limit import log_failure
 from app.classroom.board import BACK, NEXT, REVEALED, Board, has_chart
 from app.classroom.class_context import LecturerContext
 from app.language.translation import with_language
-from app.lessons.answer_check import Right
+from app.lessons.answer_check import RightAnswer
 from app.lessons.lesson import fill_numbers
 from app.page.feature import Feature
 from app.page.features.board.chart import right_among
@@ -30,7 +30,7 @@ class BoardPanel(Feature):
         self._board = board = lecturer.board
         self._covers, self._at, self._closed = True, "", threading.Event()
         page.attend(uncovered=False)
-        self.messages = {"board": self._hear}
+        self.messages = {"board": self._on_message}
         self._drawing, self._news = threading.Lock(), threading.Event()
         self._says = page.gui.add_html("")
         board.watch(self._news.set)
@@ -50,11 +50,11 @@ class BoardPanel(Feature):
     def draw(self) -> None:
         """Draws the board's present state."""
         with self._drawing:
-            place = self._board.place
+            place = self._board.position
             self._says.content = (
                 f"<template class='lab-board' data-turn='{place.turn}' data-covers='{'yes' * self._covers}' "
                 f"data-next='{escape(says_next(self._board, place))}' data-back='{'yes' * (place.at > 0)}'>"
-                f"{slide_html(self._board, place, self._lecturer.seen_from(self._page.store.here))}</template>")
+                f"{slide_html(self._board, place, self._lecturer.join_info_for(self._page.store.here))}</template>")
 
     def _cover(self, step: int) -> None:
         """Covers the stage, which pauses it, or uncovers it at this step of the lesson."""
@@ -63,7 +63,7 @@ class BoardPanel(Feature):
         if not self._covers:
             page.presenter.begin()
             if page.lesson:
-                page.lesson.turn(self._board.core, step)
+                page.lesson.limit(self._board.core, step)
             if (stage := stage_of(self._board, step)) != self._at:
                 self._at = stage
                 page.controls.show(state.parse_state(stage))
@@ -79,7 +79,7 @@ class BoardPanel(Feature):
                     log_failure("the board could not be drawn", error)
             self._closed.wait(AGAIN)
 
-    def _hear(self, said: Any) -> None:
+    def _on_message(self, said: Any) -> None:
         """Handles a button press and the turn it refers to, or a toggle of the stage; validates the input."""
         if not (isinstance(said, list) and len(said) == 2 and type(said[1]) is int):
             return
@@ -88,7 +88,7 @@ class BoardPanel(Feature):
             self._board.press(what, turn)
         elif what == STAGE:
             self._covers = turn == 0
-            self._cover(self._board.place.at)
+            self._cover(self._board.position.at)
         elif what == SAVE:
             self._page.client.send_file_download(
                 f"{self._board.lesson.name}-class.json", answers_json(self._board).encode(), save_immediately=True)
@@ -107,14 +107,14 @@ def answers_json(board: Board) -> str:
     for at, step in enumerate(board.lesson.steps, 1):
         if step.question is None:
             continue
-        answers, came = board.tally.answers(step.key), board.came_out(step)
-        revealed = came if board.stage(at) == REVEALED and isinstance(came, Right) else None
+        answers, came = board.tally.answers(step.key), board.outcome_of(step)
+        revealed = came if board.reveal_stage(at) == REVEALED and isinstance(came, RightAnswer) else None
         questions.append({
             "key": step.key, "step": step.kind, "title": fill_numbers(step.title, board.numbers),
-            "kind": step.asked.kind, "unit": step.asked.unit,
-            "options": [fill_numbers(option, board.numbers) for option in step.asked.options],
-            "count": len(answers), "late": board.tally.late(step.key),
-            "answers": answers if has_chart(step) else None, "came_out": revealed and revealed.told,
-            "right": None if revealed is None else right_among(step.asked, answers, revealed)})
+            "kind": step.posed.kind, "unit": step.posed.unit,
+            "options": [fill_numbers(option, board.numbers) for option in step.posed.options],
+            "count": len(answers), "late": board.tally.count_late(step.key),
+            "answers": answers if has_chart(step) else None, "came_out": revealed and revealed.text,
+            "right": None if revealed is None else right_among(step.posed, answers, revealed)})
     return json.dumps({"schema": SCHEMA, "lesson": board.lesson.name, "fingerprint": board.lesson.fingerprint,
                        "numbers": dict(board.numbers), "questions": questions}, ensure_ascii=False, indent=1) + "\n"

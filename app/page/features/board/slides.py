@@ -5,11 +5,11 @@ from html import escape
 
 import segno
 
-from app.classroom.board import COUNTED, REVEALED, Board, Place, has_chart
+from app.classroom.board import COUNTED, REVEALED, Board, BoardPosition, has_chart
 from app.classroom.class_context import JoinInfo
 from app.language.translation import lazy, tr, trn
 from app.lessons import catalogue
-from app.lessons.answer_check import Right
+from app.lessons.answer_check import RightAnswer
 from app.lessons.lesson import CHOICE, INTERVAL, PREDICT, TITLES, Step, fill_numbers
 from app.lessons.markdown_html import to_html
 from app.page.features.board import chart
@@ -31,14 +31,14 @@ class QuestionScore:
     answers: int
 
 
-def slide_html(board: Board, place: Place, door: JoinInfo) -> str:
+def slide_html(board: Board, place: BoardPosition, door: JoinInfo) -> str:
     """Returns a slide of the board without its buttons."""
     step = board.step(place.at)
-    where = tr("step {at} of {total}", at=board.number(place.at), total=board.total) if step else \
+    where = tr("step {at} of {total}", at=board.step_number(place.at), total=board.step_count) if step else \
         tr("the beginning") if place.at == 0 else tr("the end")
-    now = tr("you look back; the class is at step {at}", at=board.number(place.opened))
-    past = "" if place.now else f"<b class='lab-looks-back'>{now}</b>"
-    here = board.tally.here
+    now = tr("you look back; the class is at step {at}", at=board.step_number(place.last_open))
+    past = "" if place.is_current else f"<b class='lab-looks-back'>{now}</b>"
+    here = board.tally.present_count
     here_said = trn("{count} is here", "{count} are here", here) if here else tr("nobody is here")
     count = f"<span>{here_said}</span>" if place.at else ""  # the first slide has it below
     top = f"<header><span>{where}</span>{past}{count}</header>"
@@ -46,16 +46,16 @@ def slide_html(board: Board, place: Place, door: JoinInfo) -> str:
     return f"{top}{body}"
 
 
-def says_next(board: Board, place: Place) -> str:
+def says_next(board: Board, place: BoardPosition) -> str:
     """Returns the label of the button that goes on; "" at the end."""
-    step, following = board.step(place.at), board.after(place.at)
-    if not place.now:
+    step, following = board.step(place.at), board.next_position(place.at)
+    if not place.is_current:
         return tr("Show how the class did") if following == board.end else \
-            tr("Go forward to step {at}", at=board.number(following))
-    if step and has_chart(step) and place.stage < REVEALED:
-        return tr("Show the answers") if place.stage == COUNTED else tr("Reveal what came out")
+            tr("Go forward to step {at}", at=board.step_number(following))
+    if step and has_chart(step) and place.reveal_stage < REVEALED:
+        return tr("Show the answers") if place.reveal_stage == COUNTED else tr("Reveal what came out")
     if following < board.end:
-        return tr("Open step {at} for all", at=board.number(following))
+        return tr("Open step {at} for all", at=board.step_number(following))
     return tr("Show how the class did") if place.at < board.end else ""
 
 
@@ -63,17 +63,17 @@ def question_scores(board: Board) -> list[QuestionScore]:
     """Returns the scores of all revealed questions."""
     found = []
     for at, step in enumerate(board.lesson.steps, 1):
-        came = board.came_out(step)
-        if board.stage(at) == REVEALED and isinstance(came, Right):
+        came = board.outcome_of(step)
+        if board.reveal_stage(at) == REVEALED and isinstance(came, RightAnswer):
             answers = board.tally.answers(step.key)
-            found.append(QuestionScore(step, chart.right_among(step.asked, answers, came), len(answers)))
+            found.append(QuestionScore(step, chart.right_among(step.posed, answers, came), len(answers)))
     return found
 
 
 def _beginning(board: Board, door: JoinInfo) -> str:
-    picture = segno.make(door.whole, error="l", micro=False).svg_inline(border=2, omitsize=True)
+    picture = segno.make(door.full_link, error="l", micro=False).svg_inline(border=2, omitsize=True)
     warning = f"<p class='lab-warns'>{escape(door.warning)}</p>" if door.warning else ""
-    here = board.tally.here
+    here = board.tally.present_count
     count = trn("{count} is here.", "{count} are here.", here) if here else tr(NOBODY)
     first, then = tr("Open"), tr("and type the class code")
     return f"<h2>{escape(board.lesson.title)}</h2><div class='lab-door'><div><p>{first}</p>" \
@@ -82,35 +82,35 @@ def _beginning(board: Board, door: JoinInfo) -> str:
            f"<figure role='img' aria-label='{tr('the link with the code, for phones')}'>{picture}</figure></div>"
 
 
-def _step(board: Board, place: Place, step: Step) -> str:
+def _step(board: Board, place: BoardPosition, step: Step) -> str:
     title = escape(fill_numbers(step.title, board.numbers))
     head = f"<h2><span class='lab-kind lab-kind-{step.kind}'>{tr(TITLES[step.kind])}</span> {title}</h2>"
     if step.question is None:
-        here, come = board.tally.here, board.tally.reached(place.at)
-        following = board.step(board.after(place.at))
+        here, come = board.tally.present_count, board.tally.count_reached(place.at)
+        following = board.step(board.next_position(place.at))
         onward = tr("Next: {kind}: {title}", kind=tr(TITLES[following.kind]),
                     title=fill_numbers(following.title, board.numbers)) if following else \
             tr("Next: the end, and how the class did")
         said = tr("{come} of {here} have come to this step", come=come, here=here) if here else tr(NOBODY)
         return f"{head}<div class='lab-waits'>{_meter(said, come, here)}<p>{escape(onward)}</p></div>"
-    if place.stage == COUNTED:
+    if place.reveal_stage == COUNTED:
         text, name = to_html(fill_numbers(step.text, board.numbers), catalogue.FOLDER), tr("the question")
         return f"{head}<div class='lab-asked' tabindex='0' role='region' aria-label='{name}'>{text}</div>" \
-               f"{chart.answer_options(step.asked, board.numbers)}{_counted(board, step, place.at)}"
+               f"{chart.answer_options(step.posed, board.numbers)}{_count_html(board, step, place.at)}"
     answers = board.tally.answers(step.key)
-    came = board.came_out(step) if place.stage == REVEALED else None
-    drawn = chart.answer_chart(step.asked, answers, board.numbers, came if isinstance(came, Right) else None)
-    after = board.tally.late(step.key)
+    came = board.outcome_of(step) if place.reveal_stage == REVEALED else None
+    drawn = chart.answer_chart(step.posed, answers, board.numbers, came if isinstance(came, RightAnswer) else None)
+    after = board.tally.count_late(step.key)
     late = trn("{count} came later and is not counted.", "{count} came later and are not counted.",
                after) if after else ""
     return f"{head}<div class='lab-chart'>{drawn}</div><p class='lab-said' role='status'>" \
-           f"{_said(step, len(answers))} {late} {_outcome(place, step, answers, came)}</p>"
+           f"{_count_text(step, len(answers))} {late} {_outcome(place, step, answers, came)}</p>"
 
 
-def _counted(board: Board, step: Step, at: int) -> str:
+def _count_html(board: Board, step: Step, at: int) -> str:
     tally = board.tally
-    said, asked = len(tally.answers(step.key)), tally.asked(step.key)
-    behind = tally.here - tally.reached(at)
+    said, asked = len(tally.answers(step.key)), tally.count_asked(step.key)
+    behind = tally.present_count - tally.count_reached(at)
     if not asked:
         told = tr(NOBODY)
     elif step.kind == PREDICT:
@@ -128,25 +128,25 @@ def _meter(told: str, part: int, whole: int) -> str:
            f"<div class='lab-meter' aria-hidden='true'><i style='--part: {part / max(1, whole):.4f}'></i></div>"
 
 
-def _said(step: Step, count: int) -> str:
-    if step.asked.kind == INTERVAL:
+def _count_text(step: Step, count: int) -> str:
+    if step.posed.kind == INTERVAL:
         return trn("{count} interval.", "{count} intervals.", count) if count else tr("No interval was given.")
     return trn("{count} answer.", "{count} answers.", count) if count else tr("Nobody has answered.")
 
 
-def _outcome(place: Place, step: Step, answers: list, came: Right | str | None) -> str:
+def _outcome(place: BoardPosition, step: Step, answers: list, came: RightAnswer | str | None) -> str:
     """Returns the sentence on the result of a step, once it is revealed; else ""."""
-    if place.stage != REVEALED:
+    if place.reveal_stage != REVEALED:
         return ""
     if came is None or isinstance(came, str):
         return tr(came or WORKING)
-    count = chart.right_among(step.asked, answers, came)
-    if step.asked.kind == INTERVAL:
+    count = chart.right_among(step.posed, answers, came)
+    if step.posed.kind == INTERVAL:
         told = tr("{right} of {of} contain the result ({level} % expected): {told}.", right=count,
-                  of=len(answers), level=f"{100 * step.asked.level:g}", told=escape(came.told))
-    elif step.asked.kind != CHOICE:
+                  of=len(answers), level=f"{100 * step.posed.level:g}", told=escape(came.text))
+    elif step.posed.kind != CHOICE:
         told = trn("{count} of {of} was right: {told}.", "{count} of {of} were right: {told}.", count, of=len(answers),
-                   told=escape(came.told))
+                   told=escape(came.text))
     elif came.options:  # the bars show which
         told = trn("{count} of {of} was right.", "{count} of {of} were right.", count, of=len(answers))
     else:
@@ -158,7 +158,7 @@ def _end(board: Board) -> str:
     found = question_scores(board)
     rows = "".join(f"<li><span>{escape(fill_numbers(one.step.title, board.numbers))}</span>"
                    f"<i style='--part: {one.right / max(1, one.answers):.4f}'></i>"
-                   f"<b>{tr(HELD if one.step.asked.kind == INTERVAL else RIGHT, right=one.right, of=one.answers)}</b>"
+                   f"<b>{tr(HELD if one.step.posed.kind == INTERVAL else RIGHT, right=one.right, of=one.answers)}</b>"
                    "</li>" for one in found)
     sums = "".join(f"<p class='lab-many'>{told}</p>" for told in calibration(found))
     none, name = tr("No question has been revealed."), tr("question by question")
@@ -171,13 +171,13 @@ def _end(board: Board) -> str:
 def calibration(found: list[QuestionScore]) -> list[str]:
     """Returns a sentence each on the class's predictions, observations and intervals, with the share that is right."""
     said = []
-    intervals = [one for one in found if one.step.asked.kind == INTERVAL]
+    intervals = [one for one in found if one.step.posed.kind == INTERVAL]
     for sentence, some in (
             (PREDICTIONS, [one for one in found if one not in intervals and one.step.kind == PREDICT]),
             (OBSERVATIONS, [one for one in found if one not in intervals and one.step.kind != PREDICT]),
             (INTERVALS, intervals)):
         right, of = sum(one.right for one in some), sum(one.answers for one in some)
         if of:
-            level = sum(one.step.asked.level * one.answers for one in some) / of  # not shown for predictions
+            level = sum(one.step.posed.level * one.answers for one in some) / of  # not shown for predictions
             said.append(tr(sentence, right=right, of=of, share=f"{100 * right / of:.0f}", level=f"{100 * level:.0f}"))
     return said

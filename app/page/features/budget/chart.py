@@ -49,7 +49,7 @@ class _Axes:
     low: float
     top: float
 
-    def places(self, run: BudgetData, values: np.ndarray) -> list[str]:
+    def path_points(self, run: BudgetData, values: np.ndarray) -> list[str]:
         """Returns the points "x y" of a curve in the chart's units, for an svg path."""
         time = run.plotted["time"] / run.scene.period
         kept = np.unique(np.r_[np.arange(0, len(time), -(-len(time) // MOST)), len(time) - 1])
@@ -77,8 +77,8 @@ def budget_chart(runs: Sequence[BudgetData], field: str) -> str:
     drawn = [run for run in runs if not run.not_valid]
     axes = _axes(drawn, field) if drawn else None
     figures = "".join(_figure(run, field, axes) if axes and not run.not_valid else
-                      _titled(run,
-                              f"<p class='lab-no-budget'>{escape(as_sentence(run.not_valid))}</p>") for run in runs)
+                      _panel(run,
+                             f"<p class='lab-no-budget'>{escape(as_sentence(run.not_valid))}</p>") for run in runs)
     caption = f"<p class='lab-caption'>{tr(CAPTION)}</p>" if drawn else ""
     return f"<div class='lab-budget-chart'>{figures}{_shares(drawn, field) if drawn else ''}{caption}</div>"
 
@@ -103,28 +103,28 @@ def _figure(run: BudgetData, field: str, axes: _Axes) -> str:
         colour = f"style='fill:var(--{cause_token(layer.cause)})'"
         for inner, outer in (layer.above, layer.below):
             if np.max(np.abs(outer - inner)) > 0.5 * axes.unit:
-                around = [*axes.places(run, outer), *axes.places(run, inner)[::-1]]
+                around = [*axes.path_points(run, outer), *axes.path_points(run, inner)[::-1]]
                 paths.append(f"<path {colour} d='M{'L'.join(around)}Z'/>")
-    line, zero = axes.places(run, error_rms(run.plotted, field)), axes.part(0.0)
+    line, zero = axes.path_points(run, error_rms(run.plotted, field)), axes.part(0.0)
     tick = round_up(0.5 * axes.top, TICKS)[0]
     period, unit = run.scene.period, UNITS[field]
     size = with_unit(tick, unit) if unit else format_number(tick)
     begins = with_unit(axes.start * period, "s") if axes.start else "0"
     svg = f"<svg viewBox='0 0 {WIDTH} {HEIGHT}' preserveAspectRatio='none' role='img' " \
-          f"aria-label='{_said(run, field)}'>" \
+          f"aria-label='{_chart_text(run, field)}'>" \
           f"{''.join(paths)}<path class='lab-whole' d='M{'L'.join(line)}'/></svg>"
-    return _titled(run, f"<div class='lab-made'>{svg}<i style='top:{axes.part(tick)}'></i><i style='top:{zero}'></i>"
+    return _panel(run, f"<div class='lab-made'>{svg}<i style='top:{axes.part(tick)}'></i><i style='top:{zero}'></i>"
                         f"<span style='top:{axes.part(tick)}'>{size}</span><span style='top:{zero}'>0</span></div>"
                         f"<div class='lab-made-times'><span>{begins}</span><span>t</span>"
                         f"<span>{with_unit(axes.end * period, 's')}</span></div>")
 
 
-def _titled(run: BudgetData, inside: str) -> str:
+def _panel(run: BudgetData, inside: str) -> str:
     title = f"<b>{escape(run.name)}</b>" if run.name else ""
     return f"<figure>{title}{inside}</figure>"
 
 
-def _said(run: BudgetData, field: str) -> str:
+def _chart_text(run: BudgetData, field: str) -> str:
     """Returns a description of the chart for screen readers."""
     shares = budget.shares(run.series, field)
     parts = ", ".join(f"{tr(CAUSES[cause])} {format_percent(share)}" for cause, share in shares.items())

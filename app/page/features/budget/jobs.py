@@ -56,7 +56,7 @@ class BudgetJobs(Background[BudgetProgress]):
                     {"task": task_of(scene).to_dict(), "cause": cause}, PATIENCE)
         self.give_way()
 
-    def heard(self, before: BudgetProgress, message: dict[str, Any]) -> BudgetProgress:
+    def update_status(self, before: BudgetProgress, message: dict[str, Any]) -> BudgetProgress:
         given: dict[str, Any] = message | {
             name: columns and {key: np.array(values, float) for key, values in columns.items()}
             for name, columns in message.items() if name in ("series", "again")}

@@ -72,7 +72,7 @@ class BudgetFold(Feature):
         self._find.on_click(lambda _: self.find_out())
         self._again.on_click(lambda _: self._take_away())
         self._back.on_click(lambda _: self._show(replace(
-            state := self._state(), scene=_without(NOTHING, state.scene), pinned=None)))
+            state := self._state(), scene=_scene_without(NOTHING, state.scene), pinned=None)))
         self._field.on_update(lambda _: setattr(self, "_drawn_at", -math.inf))
 
     @classmethod
@@ -106,29 +106,29 @@ class BudgetFold(Feature):
         scene = self._session.scene if numbers.scene is not None else None
         own = scene is not None and EFFECT in scene.OWN_EFFECTS
         on = scene is not None and EFFECT in scene.effects
-        found = self._found(scene)
-        _see(scene is not None and (on or not view.in_lesson), self._mark, self._fold)
+        found = self._current_status(scene)
+        _set_visible(scene is not None and (on or not view.in_lesson), self._mark, self._fold)
         if scene is None or not self._fold.visible:
             return
         runs = _runs_found(found) if not own else self._runs(numbers, scene, choice.latest) if on else []
-        _see(not on and not runs and not found.running, self._find)
-        _see(not own and found.running, self._cancel)
-        _see(not runs or (not own and (found.running or bool(found.trouble))), self._offer)
-        _see(on or bool(runs), self._field)
-        _see(bool(runs), self._chart)
-        _see(bool(runs) and not found.running, self._cause, self._again)
-        _see(own and taken_away(scene) != NOTHING, self._back)
+        _set_visible(not on and not runs and not found.running, self._find)
+        _set_visible(not own and found.running, self._cancel)
+        _set_visible(not runs or (not own and (found.running or bool(found.trouble))), self._offer)
+        _set_visible(on or bool(runs), self._field)
+        _set_visible(bool(runs), self._chart)
+        _set_visible(bool(runs) and not found.running, self._cause, self._again)
+        _set_visible(own and taken_away(scene) != NOTHING, self._back)
         # The reason why there is no chart.
         reason = next((text for text in scene.warnings() if text.startswith("error budget")), "") if own and on else ""
         why = f"<p class='lab-budget-offer'>{escape(as_sentence(translate_message(reason).partition(': ')[2]))}</p>" \
             if reason else ""
-        self._offer.content = why or _offer(WAITING if on else OFFER) if own else _going(found) or _offer(ON_DEMAND)
+        self._offer.content = why or _offer(WAITING if on else OFFER) if own else _status(found) or _offer(ON_DEMAND)
         if choice.quantity != self._followed:  # show the budget of its field
             self._followed, self._drawn_at = choice.quantity, -math.inf
             self._field.value = tr(_NAMES[field_of(choice.quantity)])  # type: ignore[misc]
         self._draw(runs, self._cause_between(runs) if own else found.cause, on, numbers.now.playing)
 
-    def _found(self, scene: Scene | None) -> BudgetProgress:
+    def _current_status(self, scene: Scene | None) -> BudgetProgress:
         """Returns the progress of the jobs for a scene; cancels a job for another scene."""
         status = self.jobs.status
         if status.scene == scene:
@@ -158,7 +158,7 @@ class BudgetFold(Feature):
         if len(runs) < 2:
             return NOTHING
         before, again = (run.scene for run in runs)
-        return taken_away(again) if before == _without(NOTHING, again) else NOTHING
+        return taken_away(again) if before == _scene_without(NOTHING, again) else NOTHING
 
     def _runs(self, numbers: Numbers, scene: Scene, latest: bool) -> list[BudgetData]:
         """Returns the pinned run, if it has a budget, and the one on the stage, if it has one yet."""
@@ -167,9 +167,9 @@ class BudgetFold(Feature):
             return []
         both = []
         if pinned is not None and has_budget(pinned.history.series) and has_budget(pinned.history.latest):
-            both = [BudgetData(_named(PINNED, pinned.scene, scene), pinned.scene, pinned.history.series,
+            both = [BudgetData(_run_name(PINNED, pinned.scene, scene), pinned.scene, pinned.history.series,
                                pinned.history.latest if latest else pinned.history.series)]
-        name = "" if pinned is None or not both else _named(THIS, scene, pinned.scene)
+        name = "" if pinned is None or not both else _run_name(THIS, scene, pinned.scene)
         return [*both, BudgetData(name, scene, past.series, past.latest if latest else past.series)]
 
     def _take_away(self) -> None:
@@ -178,9 +178,9 @@ class BudgetFold(Feature):
         if EFFECT not in state.scene.OWN_EFFECTS:
             self.jobs.budget(state.scene, suspect)
             return
-        before = _without(NOTHING, state.scene)
+        before = _scene_without(NOTHING, state.scene)
         try:
-            after = _without(suspect, before)
+            after = _scene_without(suspect, before)
         except SceneError as error:
             self._session.refuse(tr("Take it away: {reason}", reason=translate_message(str(error))))
         else:
@@ -196,7 +196,7 @@ def _runs_found(found: BudgetProgress) -> list[BudgetData]:
     return [BudgetData(name, found.scene, series, series) for name, series in runs.items()]
 
 
-def _going(found: BudgetProgress) -> str:
+def _status(found: BudgetProgress) -> str:
     """Returns the progress or the failure of a job as html; "" if there is neither."""
     if found.running:
         return f"<p class='lab-budget-offer' role='status'>" \
@@ -209,13 +209,13 @@ def _with_budget(scene: Scene) -> Scene:
     return replace(scene, effects=(*scene.effects, EFFECT)) if EFFECT not in scene.effects else scene
 
 
-def _without(cause: str, scene: Scene) -> Scene:
+def _scene_without(cause: str, scene: Scene) -> Scene:
     """Returns the scene with this cause removed."""
     change: dict[str, Any] = {"take_away": cause}
     return replace(scene, **change) if taken_away(scene) != cause else scene
 
 
-def _named(name: tuple[str, str], scene: Scene, other: Scene) -> str:
+def _run_name(name: tuple[str, str], scene: Scene, other: Scene) -> str:
     said = difference_text(scene, other)
     return tr(name[bool(said)], run=said)
 
@@ -224,6 +224,6 @@ def _offer(text: str) -> str:
     return f"<p class='lab-budget-offer'>{tr(text)}</p>"
 
 
-def _see(visible: bool, *widgets: Any) -> None:
+def _set_visible(visible: bool, *widgets: Any) -> None:
     for widget in widgets:
         widget.visible = visible  # viser sends nothing if the value is unchanged

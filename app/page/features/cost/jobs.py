@@ -34,7 +34,7 @@ RESTS = 300.0  # seconds after which an unused one ends
 class _Point:
     """Cached result of one run, with its rates and when they were measured, by whether undisturbed."""
 
-    told: dict
+    values: dict
     rates: dict[bool, tuple[float | None, float]] = field(default_factory=dict)
 
 
@@ -45,7 +45,7 @@ class SearchCache:
         self._lock, self._now = threading.Lock(), now
         self._questions: OrderedDict[str, dict[str, _Point]] = OrderedDict()
 
-    def keep(self, question: str, key: str, told: dict, quiet: bool) -> None:
+    def add(self, question: str, key: str, told: dict, quiet: bool) -> None:
         """Stores a search's result for a run, and whether its time was measured undisturbed (``quiet``)."""
         with self._lock:
             points = self._questions.setdefault(question, {})
@@ -57,13 +57,13 @@ class SearchCache:
             if len(self._questions) > MOST_QUESTIONS:
                 self._questions.popitem(last=False)
 
-    def known(self, question: str, quiet: bool) -> dict[str, dict]:
+    def recent_points(self, question: str, quiet: bool) -> dict[str, dict]:
         """Returns the cached points of a question, with the recent rates measured under the same load (``quiet``)."""
         with self._lock:
             since = self._now() - HOLDS
             found = self._questions.get(question, {})
             rates = {key: point.rates.get(quiet, (None, since)) for key, point in found.items()}
-            return {key: point.told | ({"rate": rates[key][0]} if rates[key][1] > since else {})
+            return {key: point.values | ({"rate": rates[key][0]} if rates[key][1] > since else {})
                     for key, point in found.items()}
 
 
@@ -82,12 +82,12 @@ class WarmWorker:
     def prepare(self, question: Mapping, gives_way: bool) -> None:
         """Starts a process that compiles for a question, if a place is free; at low priority if it ``gives_way``."""
         pool = WorkerPool(self._work)
-        if self.keep(pool):
+        if self.keep_worker(pool):
             pool.submit(question)
             if gives_way:
                 pool.lower_priority()
 
-    def keep(self, pool: WorkerPool) -> bool:
+    def keep_worker(self, pool: WorkerPool) -> bool:
         """Keeps an idle process for the next question; False if there is one already or no free place."""
         with self._lock:
             if self._pool is not None or not self._places.acquire():
@@ -158,7 +158,7 @@ class CostStatus(JobStatus):
     advice: dict | None = None
 
 
-class Jobs(Background[CostStatus]):
+class CostJobs(Background[CostStatus]):
     """Jobs of one visitor, which add rows to ``runs``; results of searches are cached in ``kept`` for all visitors."""
 
     WORK = "solvers.study.background_jobs"
@@ -188,9 +188,9 @@ class Jobs(Background[CostStatus]):
         self._ready.end()
         return super()._process(kind)
 
-    def _keeps(self, pool: WorkerPool) -> bool:
+    def _keeps_worker(self, pool: WorkerPool) -> bool:
         """Keeps a search's process, which has compiled kernels, unless its priority was lowered, which is permanent."""
-        kept = self.status.kind == "search" and self._quiet and not self._closed and self._ready.keep(pool)
+        kept = self.status.kind == "search" and self._quiet and not self._closed and self._ready.keep_worker(pool)
         if self._closed:  # meanwhile
             self._ready.end()
         return kept
@@ -202,17 +202,17 @@ class Jobs(Background[CostStatus]):
         """Starts a search; it is ``quiet`` if nothing else runs on this server."""
         if not self.status.running:
             self._quiet, self._about = quiet, json.dumps(advice_key(Task(**job.base).scene()), sort_keys=True)
-        self._start(CostStatus("search"), asdict(replace(job, known=self._kept.known(self._about, quiet))))
+        self._start(CostStatus("search"), asdict(replace(job, known=self._kept.recent_points(self._about, quiet))))
 
-    def beside(self) -> None:
+    def share_cpu(self) -> None:
         """Lowers the job's priority because something else runs; that of a search only after its first run."""
         self._quiet = False
         if self.status.kind != "search" or self.status.done:
             self.give_way()
 
-    def heard(self, before: CostStatus, message: dict) -> CostStatus:
+    def update_status(self, before: CostStatus, message: dict) -> CostStatus:
         if "point" in message:
-            self._kept.keep(self._about, message["row"]["key"], message["point"], self._quiet)
+            self._kept.add(self._about, message["row"]["key"], message["point"], self._quiet)
         if "row" in message:
             self.runs.add(message["row"], SWEEP if before.kind == "sweep" else SEARCH)
             return replace(before, done=before.done + 1, known=before.known + bool(message.get("known")))
@@ -228,7 +228,7 @@ class QuietStage:
         self._session, self._running, self._lock = session, False, threading.Lock()
         self.paused = False  # by this class, not by the visitor
 
-    def follow(self, running: bool) -> None:
+    def set_running(self, running: bool) -> None:
         """Pauses or resumes the stage when a job of the visitor starts or ends; idempotent and thread-safe."""
         with self._lock:
             begins, ends, self._running = running and not self._running, self._running and not running, running

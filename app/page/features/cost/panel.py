@@ -12,7 +12,7 @@ from app.language.translation import tr
 from app.page.feature import Feature, PageView
 from app.page.features.cost import cost_texts, visitor_runs
 from app.page.features.cost.cost_chart import Axes, answer_headline, axes_for, draw_runs, tolerance_line
-from app.page.features.cost.jobs import CostStatus, Jobs, QuietStage, scenes_to_time, search_job, small_sweep
+from app.page.features.cost.jobs import CostJobs, CostStatus, QuietStage, scenes_to_time, search_job, small_sweep
 from app.page.features.cost.visitor_runs import LIVE, LiveRows, Runs, advice_key, comparable_runs, csv_bytes
 from app.page.page_context import PageContext
 from app.page.panels.page_header import BESIDE
@@ -38,18 +38,18 @@ class CostTab(Feature):
     def __init__(self, client: viser.ClientHandle, session: Session, load: Callable[[Scene], None]):
         self._client, self._session, self._load = client, session, load
         self.runs = Runs()
-        self.jobs = Jobs(self.runs)
+        self.jobs = CostJobs(self.runs)
         self.messages = {"cost": self.open}
         self._live, self._quiet = LiveRows(), QuietStage(session)
         self._refreshing = Lock()
-        self._of: tuple | None = None  # the runs and the scene at the last refresh,
+        self._chart_key: tuple | None = None  # the runs and the scene at the last refresh,
         self._chartable: tuple | None = None  # what the chart depends on of those,
         self._charted: tuple | None = None  # and the same when it was drawn
-        self._told: tuple | None = None
+        self._written: tuple | None = None
         self._axes: dict[str, Axes] = {}  # by problem that has runs
         self._inside: Axes | None = None  # those of the chart that is drawn
         self._next = 0.0  # time of the next chart while a job runs
-        self._asked: tuple | None = None  # input of the last search
+        self._last_query: tuple | None = None  # input of the last search
         self._remark = ""
         self._remarked_on: tuple | None = None
         self._build(client.gui)
@@ -62,30 +62,30 @@ class CostTab(Feature):
     def close(self) -> None:
         self.jobs.close()
 
-    def follow(self, report: FrameReport) -> None:
+    def on_frame(self, report: FrameReport) -> None:
         """Handles a new frame: adds the run's row when it is complete."""
-        if row := self._live.follow(report, self._session.history):
+        if row := self._live.take_row(report, self._session.history):
             self.runs.add(row, LIVE)
 
     def open(self, _: object) -> None:
         """Handles the opening of the tab: prepares a process for a search."""
         scene = self._session.scene
         if scene.swings:
-            self.jobs.prepare(search_job(scene, float(TOLERANCE), float(BUDGET)), self._alone())
+            self.jobs.prepare(search_job(scene, float(TOLERANCE), float(BUDGET)), self._is_alone())
 
-    def _alone(self) -> bool:
+    def _is_alone(self) -> bool:
         """Whether nothing of other visitors runs on this server."""
-        return not (self.jobs.others or self._session.others_playing)
+        return not (self.jobs.others_busy or self._session.others_playing)
 
     def refresh(self, view: PageView | None = None) -> None:
         """Refreshes the tab; called periodically, and when the line of the tolerance has been moved."""
         with self._refreshing:
             status = self.jobs.status  # read once: a job may start before its stage is paused
-            self._quiet.follow(status.running)
+            self._quiet.set_running(status.running)
             self._drop_what_is_old()
             scene, stage = self._session.scene, self._stage_word(status)
-            if self._of != (self.runs.version, scene):  # rarely: for many runs it takes a millisecond
-                self._of = self.runs.version, scene
+            if self._chart_key != (self.runs.version, scene):  # rarely: for many runs it takes a millisecond
+                self._chart_key = self.runs.version, scene
                 self._chartable = (self.runs.version, advice_key(scene),
                                    visitor_runs.run_of_scene(self.runs.all(), scene))
             charted = self._chartable
@@ -93,8 +93,8 @@ class CostTab(Feature):
                 self._charted, self._next = charted, monotonic() + STREAM_SECONDS
                 self._show_runs(scene)
             told = (charted, self._tolerance.value, status, self._remark, stage)
-            if told != self._told:
-                self._told = told
+            if told != self._written:
+                self._written = told
                 self._show_answer(scene, status, stage)
                 self._show_status(status, stage)
 
@@ -106,23 +106,23 @@ class CostTab(Feature):
         """Returns a note on what disturbs the running job, and lowers its priority while any stage runs."""
         if not status.running:
             return ""
-        others = self.jobs.others or self._session.others_playing
+        others = self.jobs.others_busy or self._session.others_playing
         if others or self._session.playing:
-            self.jobs.beside()
+            self.jobs.share_cpu()
         return cost_texts.timing_note(self._quiet.paused, self._session.playing, others)
 
     def _drop_what_is_old(self) -> None:
         """Removes a remark and cancels a search whose input has changed."""
         if self._remark and self._remarked_on != self._input():
             self._remark = ""
-        if self._asked is None or self._asked == (asked := self._question()):
+        if self._last_query is None or self._last_query == (asked := self._question()):
             return
         if self.jobs.status.running:
-            self._asked = asked
+            self._last_query = asked
             self.jobs.cancel()
             self._say(tr("The goal of the search has changed."))
         else:
-            self._asked = None
+            self._last_query = None
             self.jobs.forget()
 
     def _input(self) -> tuple:
@@ -176,7 +176,7 @@ class CostTab(Feature):
         """Updates the chart and the table."""
         runs = self.runs.all()
         of_problem = [run for run in runs if run.row["problem"] == scene.problem]
-        inside = self._inside = axes_for(of_problem, self._wanted()[0], self._axes.get(scene.problem))
+        inside = self._inside = axes_for(of_problem, self._read_tolerance()[0], self._axes.get(scene.problem))
         if of_problem:  # an empty chart's axes are not kept
             self._axes[scene.problem] = inside
         drawing = draw_runs(of_problem, comparable_runs(of_problem, scene), scene, inside)
@@ -189,7 +189,7 @@ class CostTab(Feature):
     def _show_answer(self, scene: Scene, status: CostStatus, stage: str) -> None:
         """Updates the headline above the chart, and the line of the tolerance."""
         like = comparable_runs(self.runs.all(), scene)
-        tolerance, trouble = self._wanted()
+        tolerance, trouble = self._read_tolerance()
         if axes_for(like, tolerance, self._inside) != self._inside:
             self._show_runs(scene)
         says, more = answer_headline(like, scene, tolerance, trouble, len(small_sweep(scene)), status.running)
@@ -202,7 +202,7 @@ class CostTab(Feature):
         self._line.content = (f"<template class='lab-cost-says'><h2>{says}</h2><p>{more}</p></template>"
                               f"{tolerance_line(like, scene, tolerance, self._inside)}")
 
-    def _wanted(self) -> tuple[float, str]:
+    def _read_tolerance(self) -> tuple[float, str]:
         """Returns the tolerance typed, or NaN and an error message."""
         try:
             return cost_texts.parse_positive(tr("Tolerance"), self._tolerance.value), ""
@@ -225,12 +225,12 @@ class CostTab(Feature):
         number = number_parsing.parse_count(text.partition(" ")[0])
         run = None if number is None else self.runs.find(number)
         if run:
-            self._put(run.scene, tr("Run {number} is on the stage.", number=run.number))
+            self._load_scene(run.scene, tr("Run {number} is on the stage.", number=run.number))
 
     def _start_sweep(self, tasks: list[Task]) -> None:
-        self._remark, self._asked = "", None
+        self._remark, self._last_query = "", None
         self.jobs.sweep(tasks)
-        self._quiet.follow(self.jobs.status.running)  # at once: else the first times are disturbed
+        self._quiet.set_running(self.jobs.status.running)  # at once: else the first times are disturbed
 
     def _start_search(self) -> None:
         if not self._session.scene.swings:
@@ -243,15 +243,15 @@ class CostTab(Feature):
         except cost_texts.NoNumber as refusal:
             self._say(str(refusal))
             return
-        self._remark, self._asked = "", self._question()
-        self.jobs.search(job, quiet=self._alone())
-        self._quiet.follow(self.jobs.status.running)  # at once: else the first times are disturbed
+        self._remark, self._last_query = "", self._question()
+        self.jobs.search(job, quiet=self._is_alone())
+        self._quiet.set_running(self.jobs.status.running)  # at once: else the first times are disturbed
 
     def _load_advice(self) -> None:
         if advice := self.jobs.status.advice:
-            self._put(Task(**advice["task"]).scene(), tr("The advice is on the stage."))
+            self._load_scene(Task(**advice["task"]).scene(), tr("The advice is on the stage."))
 
-    def _put(self, scene: Scene, done: str) -> None:
+    def _load_scene(self, scene: Scene, done: str) -> None:
         """Puts a scene on the stage and shows the remark ``done``, if a browser can show it; else the reason."""
         if refusal := too_many(scene):
             self._say(tr("{refusal}. Run it in a terminal: {command}", refusal=refusal, command=command_line(scene)))

@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from app import __version__
-from app.page.visit.history import History
+from app.page.visit.history import NormHistory
 from solvers.engine.engine_messages import FrameReport
 from solvers.scene.scene import Scene
 from solvers.solver.error_norms import RATIOS, summary
@@ -66,7 +66,7 @@ class NumberedRun:
         return seconds.get("min") or seconds.get("full") or math.nan
 
     @property
-    def alone(self) -> bool:
+    def solo(self) -> bool:
         """Whether it was timed by itself, not on a stage with drawing, estimates and other visitors."""
         return self.source != LIVE
 
@@ -135,7 +135,7 @@ class LiveRows:
     def __init__(self) -> None:
         self._done = False
 
-    def follow(self, report: FrameReport, history: History) -> dict | None:
+    def take_row(self, report: FrameReport, history: NormHistory) -> dict | None:
         """Returns the run's row, once, when this frame completes it or it has stopped; None otherwise."""
         if report.fresh:
             self._done = False
@@ -149,7 +149,7 @@ class LiveRows:
         return live_row(report, history)
 
 
-def live_row(report: FrameReport, history: History) -> dict:
+def live_row(report: FrameReport, history: NormHistory) -> dict:
     """Returns a row as in ``solvers.study.row`` up to the scene's end, with the seconds of all computations."""
     scene, series = report.scene, history.series
     status = report.status
@@ -200,18 +200,18 @@ def comparable_runs(runs: Sequence[NumberedRun], scene: Scene) -> list[NumberedR
 
 def run_of_scene(runs: Sequence[NumberedRun], scene: Scene) -> NumberedRun | None:
     """Returns the run that computes exactly this scene, preferably one that was timed alone."""
-    own = [run for run in runs if run.drawable and _computed(run.scene) == _computed(scene)]
-    return next((run for run in own if run.alone), own[0] if own else None)
+    own = [run for run in runs if run.drawable and _run_key(run.scene) == _run_key(scene)]
+    return next((run for run in own if run.solo), own[0] if own else None)
 
 
 @functools.lru_cache(maxsize=1000)
-def _computed(scene: Scene) -> tuple[Scene, float]:
+def _run_key(scene: Scene) -> tuple[Scene, float]:
     return replace(scene, estimators=(), effects=(), dt=None, cfl=None, sample_every=None), scene.time_step
 
 
 def measured_runs(runs: Sequence[NumberedRun]) -> list[NumberedRun]:
     """Returns the runs that have an error or an estimate, and a time that was measured alone."""
-    return [run for run in runs if run.alone and run.drawable and not run.broken]
+    return [run for run in runs if run.solo and run.drawable and not run.broken]
 
 
 def pareto_front(runs: Sequence[NumberedRun]) -> list[NumberedRun]:

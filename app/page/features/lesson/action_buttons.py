@@ -28,13 +28,13 @@ class AllowedControls(Protocol):
     def show(self, state: State) -> None:
         """Puts a state on the stage."""
 
-    def offer(self, controls: tuple[str, ...], place: viser.GuiFolderHandle | None = None) -> None:
+    def show_only(self, controls: tuple[str, ...], place: viser.GuiFolderHandle | None = None) -> None:
         """Shows only these controls, in ``place``; without arguments all controls in their own tab."""
 
     def change(self, field: str, said: str, meant: Callable[[Scene], object]) -> None:
         """Sets a field of the scene to the value in the lesson's text ``said``."""
 
-    def look(self, quantity: str = "", estimator: str = "") -> None:
+    def show_error(self, quantity: str = "", estimator: str = "") -> None:
         """Shows the error of a quantity, or the errors as estimated by an estimator."""
 
     def press(self, name: str) -> None:
@@ -57,7 +57,7 @@ class Act:
     language: str = ENGLISH
 
     @property
-    def known(self) -> bool:
+    def has_button(self) -> bool:
         """Whether a button can carry it out; otherwise the reader must."""
         if self.verb == "Press":
             return self.name in PRESSED
@@ -76,7 +76,7 @@ def cause_button() -> str:
 
 def find_actions(html: str) -> list[Act]:
     """Returns the instructions in a step's html that a button can carry out, in order."""
-    return [act for act in map(_act, _lines().finditer(html)) if act.known]
+    return [act for act in map(_act, _lines().finditer(html)) if act.has_button]
 
 
 def with_buttons(html: str) -> str:
@@ -89,7 +89,7 @@ def with_buttons(html: str) -> str:
             return f"<li class='lab-to-do'>{stage_button()}</li>"
         if (act.verb, act.name) == ("Press", ASKED):
             return f"<li class='lab-to-do'>{cause_button()}</li>"
-        if not act.known:
+        if not act.has_button:
             return line[0]
         name, value = (f"<b>{part}</b>" for part in _parts(line))
         return f"<li class='lab-to-do'><button type='button' class='lab-act' data-act='{next(count)}'>" \
@@ -137,22 +137,22 @@ def perform(act: Act, controls: AllowedControls) -> None:
         with use_language(act.language):
             quantities = {str(quantity): key for key, quantity in words.QUANTITIES.items()}
         if act.name == "Error of":
-            controls.look(quantity=quantities[act.value])
+            controls.show_error(quantity=quantities[act.value])
         else:
-            controls.look(estimator=act.value)
+            controls.show_error(estimator=act.value)
     else:
-        controls.change(FIELDS[act.name], f"{tr(act.name)} {act.value}", with_language(_meant(act), act.language))
+        controls.change(FIELDS[act.name], f"{tr(act.name)} {act.value}", with_language(_field_value(act), act.language))
 
 
-def _meant(act: Act) -> Callable[[Scene], object]:
+def _field_value(act: Act) -> Callable[[Scene], object]:
     """Returns a function from a scene to the field's value; it raises ValueError if the field has no such value."""
     field = FIELDS[act.name]
 
-    def of(scene: Scene) -> object:
+    def read_value(scene: Scene) -> object:
         names = words.choice_labels(type(scene), field)
         if names:
             return next((code for code, name in names.items() if name == act.value), act.value)
         number = size_in(act.value, unit_of(type(scene), field))
         return int(number) if number.is_integer() and field in ("cells", "ppc") else number
 
-    return of
+    return read_value

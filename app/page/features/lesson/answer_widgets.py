@@ -25,63 +25,63 @@ class AnswerWidgets:
 
     def __init__(self, gui: viser.GuiApi, step: Step, numbers: Numbers, answer: Any, fixed: bool,
                  stage: Callable[[], Scene], lang: str = ""):
-        self._asked, self._stage = step.asked, stage
-        self._chosen: int | None = answer if self._asked.kind == lesson.CHOICE else None
+        self._question, self._stage = step.posed, stage
+        self._chosen: int | None = answer if self._question.kind == lesson.CHOICE else None
         self.texts: list[viser.GuiTextHandle] = []
-        self._said: viser.GuiHtmlHandle | None = None
+        self._note: viser.GuiHtmlHandle | None = None
         self._slider: Any = None
-        asked = self._asked
+        asked = self._question
         if asked.kind == lesson.CHOICE:
             options = [fill_numbers(option, numbers) for option in asked.options]
             gui.add_html(page.choices_html(options, answer, fixed, step.key, lang))
         elif asked.kind == lesson.DRAG:
-            self._said = gui.add_html("")
+            self._note = gui.add_html("")
             if step.kind == lesson.PREDICT:  # about a run to come
                 self._build_slider(gui, answer, fixed)
             self.refresh()
         elif asked.kind == lesson.INTERVAL:
             ends = answer or ("", "")
-            self.texts = [gui.add_text(f"{side}{f', {asked.unit}' * bool(asked.unit)}", _shown(end), disabled=fixed,
-                                       hint=_hint(asked))
+            self.texts = [gui.add_text(f"{side}{f', {asked.unit}' * bool(asked.unit)}", _format_answer(end),
+                                       disabled=fixed, hint=_hint(asked))
                           for side, end in zip((tr("At least"), tr("At most")), ends, strict=True)]
         else:
             label = tr("Answer, {unit}", unit=asked.unit) if asked.unit else tr("Answer")
-            self.texts = [gui.add_text(label, _shown(answer), multiline=asked.kind == lesson.TEXT, disabled=fixed,
-                                       hint=_hint(asked))]
+            self.texts = [gui.add_text(label, _format_answer(answer), multiline=asked.kind == lesson.TEXT,
+                                       disabled=fixed, hint=_hint(asked))]
 
     @property
     def value(self) -> Any:
-        asked = self._asked
+        asked = self._question
         if asked.kind == lesson.CHOICE:
             return self._chosen
         if asked.kind == lesson.DRAG:
-            return self._there
+            return self._control_value
         found = [text.value if asked.kind == lesson.TEXT else parse_number(text.value, asked.unit)
                  for text in self.texts]
         return found if asked.kind == lesson.INTERVAL else found[0]
 
     def choose(self, option: Any) -> None:
         """Selects an option, counted from 1; ignores invalid input."""
-        if self._asked.kind == lesson.CHOICE and type(option) is int and 1 <= option <= len(self._asked.options):
+        if self._question.kind == lesson.CHOICE and type(option) is int and 1 <= option <= len(self._question.options):
             self._chosen = option
 
     def refresh(self) -> None:
         """Updates the display of the stage's value."""
-        if self._said is None:
+        if self._note is None:
             return
-        there, name = self._there, _called(self._asked.control)
+        there, name = self._control_value, _control_label(self._question.control)
         if there is None:
             told = tr("The stage has no {name}: put the run there first.", name=name)
         else:
-            value = in_unit(there, self._asked.unit)
+            value = in_unit(there, self._question.unit)
             told = tr("Your value: {name} = <b>{value}</b>", name=name, value=value) if self._slider else \
                 tr("The stage has {name} = <b>{value}</b>", name=name, value=value)
-        self._said.content = f"<div class='lab-lesson lab-there'>{told}</div>"
+        self._note.content = f"<div class='lab-lesson lab-there'>{told}</div>"
 
     @property
-    def _there(self) -> float | None:
+    def _control_value(self) -> float | None:
         """The control's value in the question's unit, which is the scene's."""
-        control = self._asked.control
+        control = self._question.control
         if self._slider is not None:
             at = float(self._slider.value)
             return float(f"{10**at:.3g}") if control in lesson.POWERS else round(at)
@@ -92,13 +92,13 @@ class AnswerWidgets:
         return None if found is None else float(found)
 
     def _build_slider(self, gui: viser.GuiApi, answer: Any, fixed: bool) -> None:
-        control = self._asked.control
+        control = self._question.control
         low, high, step = lesson.REACH[control]
         start = 0.5 * (low + high) if answer is None else math.log10(answer) if control in lesson.POWERS else answer
         start = low + step * round((start - low) / step)
         if control in lesson.POWERS:
             gui.add_html(LOGARITHMIC)
-        self._slider = gui.add_slider(_called(control), low, high, step, start, disabled=fixed)
+        self._slider = gui.add_slider(_control_label(control), low, high, step, start, disabled=fixed)
         self._slider.on_update(lambda _: self.refresh())
 
 
@@ -118,7 +118,7 @@ def parse_number(text: str, unit: str) -> float | None:
     return None
 
 
-def _shown(answer: Any) -> str:
+def _format_answer(answer: Any) -> str:
     return "" if answer is None else answer if isinstance(answer, str) else f"{answer:g}"
 
 
@@ -127,6 +127,6 @@ def _hint(asked: Question) -> str | None:
         else None
 
 
-def _called(control: str) -> str:
+def _control_label(control: str) -> str:
     """Returns the name of the control with its symbol."""
     return f"{tr(lesson.NAMES[control])} {SYMBOLS.get(control, '')}".strip()

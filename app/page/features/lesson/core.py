@@ -29,7 +29,7 @@ def optional_step_mark() -> str:
 
 def duration_text(lesson: Lesson) -> str:
     """Returns how long the lesson takes, as the first words of its introduction."""
-    if not lesson.deeper:
+    if not lesson.extra:
         return tr("{minutes} minutes. Afterwards you can", minutes=lesson.minutes)
     return tr("{core} minutes for the core, {minutes} in all. Afterwards you can", core=lesson.core_minutes,
               minutes=lesson.minutes)
@@ -63,7 +63,7 @@ def core_end_note(lesson: Lesson) -> str:
     """Returns the note at the end of the core."""
     minutes = max(1, lesson.minutes - lesson.core_minutes)
     told = tr("This was the core. The lesson has {steps} deeper steps, some {minutes} minutes.",
-              steps=len(lesson.deeper), minutes=minutes)
+              steps=len(lesson.extra), minutes=minutes)
     return f"<p>{told}</p>"
 
 
@@ -95,20 +95,20 @@ class StepNavigation:
     def __init__(self, gui: viser.GuiApi, back: bool, done: bool, main: bool, first: bool, waits: Callable[[], bool],
                  kept: str, go: Callable[[int], None], leave: Callable[[], None], skip: Callable[[], None],
                  deeper: bool):
-        self._done, self._first, self._waits, self._kept = done, first, waits, kept
+        self._done, self._first, self._waits, self._saved_note = done, first, waits, kept
         gui.add_html(BESIDE)
         gui.add_button(tr("Back"), icon=viser.Icon.ARROW_LEFT, disabled=not back).on_click(lambda _: go(-1))
         gui.add_html(BESIDE_MAIN if main else BESIDE)
         self._following = gui.add_button(tr("Next"), icon=viser.Icon.CHEVRON_RIGHT, disabled=waits() or not done)
         self._following.on_click(lambda _: go(1))
-        self._below = gui.add_html(self._said)
+        self._below = gui.add_html(self._html)
         if deeper:
             gui.add_html(LINK)
             gui.add_button(tr(SKIP)).on_click(lambda _: skip())
         gui.add_html(LINK)
         gui.add_button(tr("Close the lesson")).on_click(lambda _: leave())
 
-    def answered(self) -> None:
+    def mark_answered(self) -> None:
         """Enables Next after an answer."""
         self._done = True
         self.refresh()
@@ -117,10 +117,10 @@ class StepNavigation:
         """Updates Next, unless it was removed: the lecturer may have opened the next step."""
         if not is_removed(self._following):
             self._following.disabled = self._waits() or not self._done
-            self._below.content = self._said
+            self._below.content = self._html
 
     @property
-    def _said(self) -> str:
+    def _html(self) -> str:
         said = [tr(FIRST_PREDICT)] * (self._first and not self._done)
         said += [f"<b role='status'>{tr(WAITS)}</b>"] * self._waits()
-        return f"<p class='lab-lesson lab-kept-here'>{' '.join([*said, self._kept])}</p>"
+        return f"<p class='lab-lesson lab-kept-here'>{' '.join([*said, self._saved_note])}</p>"

@@ -35,7 +35,7 @@ class Marker:
     def check(self, lesson: Lesson, step: Step, progress: Progress, tell: Callable[[AnswerMark | str], None]) -> None:
         """Marks the last answer to a step, and passes the mark to ``tell``."""
         answer = progress.answers[step.key].last
-        self._later(lambda: tell(self._marked(lesson, step, progress, answer)))
+        self._submit(lambda: tell(self._mark(lesson, step, progress, answer)))
 
     def mark_first(self, lesson: Lesson, steps: list[Step], progress: Progress, tell: Callable[[], None]) -> None:
         """Marks the first answers to these steps, and calls ``tell`` when done."""
@@ -44,12 +44,12 @@ class Marker:
         def work() -> None:
             for step in steps:
                 if step.key in answers and step.key not in marks:
-                    marks[step.key] = self._marked(lesson, step, progress, answers[step.key].first)
+                    marks[step.key] = self._mark(lesson, step, progress, answers[step.key].first)
             tell()
 
-        self._later(work)
+        self._submit(work)
 
-    def lay(self, lesson: Lesson, step: Step, progress: Progress, tell: Callable[[], None]) -> None:
+    def find_bets(self, lesson: Lesson, step: Step, progress: Progress, tell: Callable[[], None]) -> None:
         """Computes the bets that a step shows, and calls ``tell`` when done."""
         bets, given = self.bets, {key: answer.first for key, answer in progress.answers.items()}
 
@@ -60,15 +60,15 @@ class Marker:
                 bets[step.key] = LATER
             tell()
 
-        self._later(work)
+        self._submit(work)
 
-    def _marked(self, lesson: Lesson, step: Step, progress: Progress, answer: Any) -> AnswerMark | str:
+    def _mark(self, lesson: Lesson, step: Step, progress: Progress, answer: Any) -> AnswerMark | str:
         try:
             return mark_answer(lesson, step, answer, draw_numbers(lesson, progress.name), self._outcomes)
         except (RunFailed, ClaimError):
             return tr(LATER)
 
-    def _later(self, work: Callable[[], None]) -> None:
+    def _submit(self, work: Callable[[], None]) -> None:
         def safely() -> None:
             try:
                 work()

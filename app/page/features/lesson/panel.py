@@ -24,11 +24,11 @@ from app.viewer.widgets import is_removed, set_max_length
 FIRST = -1e9  # order within the tab: a step, and then the controls that it needs
 
 
-class Player(Feature):
+class LessonPlayer(Feature):
     """One visitor's lessons, in a tab, above the controls that a lesson needs."""
 
     def __init__(self, page: PageContext):
-        page.lesson, self._client, self._gui, self._room = self, page.client, page.gui, page.classroom
+        page.lesson, self._client, self._gui, self._classroom = self, page.client, page.gui, page.classroom
         self._tab, self._on_change = page.tabs["lessons"], lambda: page.keep()
         self._controls: action_buttons.AllowedControls = page.controls
         self._lock = threading.RLock()
@@ -39,9 +39,9 @@ class Player(Feature):
         self._restored = False  # whether the browser has sent its stored answers
         self._answer: AnswerWidgets | None = None  # for the question that is shown
         self._acts: list[action_buttons.Act] = []  # with buttons in the step's text
-        self._way: StepNavigation | None = None  # from the step that is shown
-        if self._room.seat:
-            self._room.seat.listen(with_language(self._step_opened))
+        self._navigation: StepNavigation | None = None  # from the step that is shown
+        if self._classroom.seat:
+            self._classroom.seat.listen(with_language(self._step_opened))
         with self._tab:
             self._widgets = self._gui.add_folder(None, order=FIRST)
             self._below = self._gui.add_folder(None)  # for the controls: only one thread may fill a container at a time
@@ -60,8 +60,8 @@ class Player(Feature):
 
     def close(self) -> None:
         """Leaves the class and stops the marker when the visitor leaves."""
-        if self._room.seat:
-            self._room.seat.leave()
+        if self._classroom.seat:
+            self._classroom.seat.leave()
         self._marker.close()
 
     def open(self, name: object) -> None:
@@ -70,9 +70,9 @@ class Player(Feature):
         if lesson is None or lesson is self._lesson:
             return
         with self._lock:
-            self._lesson, self._restored, self._progress = lesson, False, self._room.begun(lesson)
+            self._lesson, self._restored, self._progress = lesson, False, self._classroom.start_progress(lesson)
             self._marker.forget()
-        self._controls.offer(lesson.controls, self._below)
+        self._controls.show_only(lesson.controls, self._below)
         self._rebuild()
         self._on_change()
 
@@ -86,7 +86,7 @@ class Player(Feature):
         """Restores the progress that the browser has stored for a lesson, if any."""
         with self._lock:
             lesson = self._lesson
-            if lesson is None or name != lesson.name or self._restored or self._paced:
+            if lesson is None or name != lesson.name or self._restored or self._paced_seat:
                 return
             self._restored = True
             if (found := kept.of_lesson(text, lesson)) is None:
@@ -98,16 +98,16 @@ class Player(Feature):
     def _leave(self) -> None:
         with self._lock:
             self._lesson = None
-        self._controls.offer(())
+        self._controls.show_only(())
         self._rebuild()
         self._on_change()
 
-    def _go(self, by: int) -> None:
+    def _move_by(self, by: int) -> None:
         with self._lock:
             if self._lesson is None:
                 return
-            at = self._lesson.beside(self._progress.step, by, self._progress.core)
-            self._progress.step = min(at, self._paced.opened) if self._paced else at
+            at = self._lesson.offset(self._progress.step, by, self._progress.core)
+            self._progress.step = min(at, self._paced_seat.last_open) if self._paced_seat else at
         self._on_change()  # first, so that a visible step is stored
         self._rebuild()
 
@@ -119,9 +119,9 @@ class Player(Feature):
                 self._build()
 
     def _build(self) -> None:
-        self._shown_at, self._answer, self._acts, self._way = monotonic(), None, [], None
-        if self._paced:
-            self._paced.shows(self._progress.step)
+        self._shown_at, self._answer, self._acts, self._navigation = monotonic(), None, [], None
+        if self._paced_seat:
+            self._paced_seat.report_step(self._progress.step)
         with self._widgets:
             if self._lesson is None:
                 self._gui.add_html(step_html.shelf_html(catalogue.load_lessons()))
@@ -135,14 +135,14 @@ class Player(Feature):
                 self._build_end(self._lesson)
 
     def _build_intro(self, lesson: Lesson, head: viser.GuiHtmlHandle) -> None:
-        self._gui.add_html(step_html.intro_html(lesson, self._numbers, self._room.teacher))
-        if self._paced:  # all have the same numbers
+        self._gui.add_html(step_html.intro_html(lesson, self._numbers, self._classroom.teacher))
+        if self._paced_seat:  # all have the same numbers
             self._buttons(back=False, onward=True)
             return
         hint = tr("for your own numbers in this lesson, and on the file that you hand in; it is sent to nobody")
         name = self._gui.add_text(tr("Your name"), self._progress.name, hint=hint)
         name.on_update(lambda _: self._call(name.value))
-        if lesson.deeper:
+        if lesson.extra:
             only = core.core_checkbox(self._gui, lesson, self._progress.core)
             only.on_update(lambda _: self._choose_core(lesson, only.value, head))
         self._buttons(back=False, onward=True)
@@ -152,7 +152,7 @@ class Player(Feature):
         self._on_change()
         self._show(head, lambda: step_html.head_html(lesson, self._progress))
 
-    def turn(self, only: bool, step: int) -> None:
+    def limit(self, only: bool, step: int) -> None:
         """Restricts the lesson to its core, or not, and goes on with the step of this number."""
         with self._lock:
             self._progress.core, self._progress.step = only, step
@@ -167,12 +167,12 @@ class Player(Feature):
         self._on_change()
 
     def _build_step(self, lesson: Lesson, step: Step) -> None:
-        text = self._gui.add_html(self._explained(lesson, step))
+        text = self._gui.add_html(self._text_html(lesson, step))
         if step.kind != PREDICT:  # early, so that marks are ready at the explanation
             self._mark_all(lesson, step, text)
         if (ahead := bets_ahead(lesson, step)) is not None:
-            self._marker.lay(lesson, ahead, self._progress,
-                             lambda: self._show(text, lambda: self._explained(lesson, step)))
+            self._marker.find_bets(lesson, ahead, self._progress,
+                                   lambda: self._show(text, lambda: self._text_html(lesson, step)))
         with use_language(lesson.language):
             self._acts = action_buttons.find_actions(step_html.text_html(step.text, self._numbers))
         if step.question is not None:
@@ -187,20 +187,20 @@ class Player(Feature):
         self._answer = None if fixed else widgets
         for text in widgets.texts:
             set_max_length(text, LONGEST)
-        said = self._gui.add_html("" if answered is None else self._taken(step, None))
+        said = self._gui.add_html("" if answered is None else self._reply(step, None))
         self._gui.add_html(MAIN)
         does = tr("Record my prediction") if step.kind == PREDICT else tr("Check my answer")
         record = self._gui.add_button(does, disabled=fixed)
         self._buttons(back=True, onward=answered is not None, main=answered is not None)
 
         def take(_: viser.GuiEvent) -> None:
-            if why := why_invalid(step.asked, answer := widgets.value):
+            if why := why_invalid(step.posed, answer := widgets.value):
                 return self._show(said, lambda: f"<div class='lab-lesson lab-recorded' role='alert'>{why}</div>")
             with self._lock:
                 if step.kind != PREDICT or step.key not in self._progress.answers:  # not meanwhile on another page
-                    self._progress.answer(step.key, answer, monotonic() - self._shown_at)
-                    if self._paced:
-                        self._paced.answered(step, answer)
+                    self._progress.record(step.key, answer, monotonic() - self._shown_at)
+                    if self._paced_seat:
+                        self._paced_seat.report_answer(step, answer)
                 self._shown_at = monotonic()
             self._on_change()
             if step.kind == PREDICT:
@@ -232,7 +232,7 @@ class Player(Feature):
         """The step that is shown."""
         return dict(enumerate(self._lesson.steps if self._lesson else (), 1)).get(self._progress.step)
 
-    def _taken(self, step: Step, found: AnswerMark | str | None) -> str:
+    def _reply(self, step: Step, found: AnswerMark | str | None) -> str:
         """Returns the recorded answer of the step, with a comment, as html."""
         assert self._lesson is not None
         answer = self._progress.answers[step.key]
@@ -243,24 +243,24 @@ class Player(Feature):
         with self._lock:
             if is_removed(said):
                 return
-            if self._way is not None:
-                self._way.answered()
-            said.content = self._taken(step, "" if step.asked.kind == TEXT else tr("Being checked against the run …"))
+            if self._navigation is not None:
+                self._navigation.mark_answered()
+            said.content = self._reply(step, "" if step.posed.kind == TEXT else tr("Being checked against the run …"))
         self._marker.check(lesson, step, self._progress,
-                           lambda found: self._show(said, lambda: self._taken(step, found)))
+                           lambda found: self._show(said, lambda: self._reply(step, found)))
 
-    def _explained(self, lesson: Lesson, step: Step) -> str:
+    def _text_html(self, lesson: Lesson, step: Step) -> str:
         """Returns the step's text as html; an explanation is preceded by the answers and results so far."""
         before = step_html.compared_html(lesson, asked_since(lesson, step), self._progress.answers, self._marker.marks,
                                     self._numbers) if step.kind == EXPLAIN else ""
         before += step_html.bets_html(self._marker.bets.get(step.key, step_html.WAITED_FOR)) if step.bets else ""
-        return step_html.step_html(lesson, step, self._numbers, before, self._room.teacher)
+        return step_html.step_html(lesson, step, self._numbers, before, self._classroom.teacher)
 
     def _mark_all(self, lesson: Lesson, step: Step | None, text: viser.GuiHtmlHandle) -> None:
         """Marks the questions that a step looks back on, or all at the end, and shows the marks in ``text``."""
         steps = asked_since(lesson, step) if step else list(lesson.questions.values())
         self._marker.mark_first(lesson, steps, self._progress, lambda: self._show(
-            text, lambda: self._explained(lesson, step) if step else self._end(lesson)))
+            text, lambda: self._text_html(lesson, step) if step else self._end(lesson)))
 
     def _show(self, text: viser.GuiHtmlHandle, content: Callable[[], str]) -> None:
         """Sets the content of a text, unless it was removed meanwhile."""
@@ -275,15 +275,15 @@ class Player(Feature):
             self._gui.add_html(MAIN)
             onward = self._gui.add_button(tr("Next lesson: {title}", title=following.title))
             onward.on_click(lambda _: self.open(following.name))
-        if self._progress.core and not self._paced:
+        if self._progress.core and not self._paced_seat:
             self._gui.add_button(tr(core.GO_DEEPER)).on_click(
-                lambda _: self.turn(False, lesson.steps.index(lesson.deeper[0]) + 1))
+                lambda _: self.limit(False, lesson.steps.index(lesson.extra[0]) + 1))
         hint = tr("save your answers as a file")
         self._gui.add_button(tr("Hand in"), icon=viser.Icon.DOWNLOAD, hint=hint).on_click(lambda _: self._hand_in())
         self._buttons(back=True, onward=False)
 
     def _end(self, lesson: Lesson) -> str:
-        return step_html.end_html(lesson, self._progress, self._marker.marks, self._numbers, bool(self._paced))
+        return step_html.end_html(lesson, self._progress, self._marker.marks, self._numbers, bool(self._paced_seat))
 
     def _hand_in(self) -> None:
         with self._lock:
@@ -292,24 +292,24 @@ class Player(Feature):
 
     def _buttons(self, back: bool, onward: bool, main: bool = True) -> None:
         """Adds the buttons Back, Next and Close; Next is the ``main`` one if no answer is required."""
-        lesson, step, at, paced = self._lesson, self._step, self._progress.step, self._paced
+        lesson, step, at, paced = self._lesson, self._step, self._progress.step, self._paced_seat
         assert lesson is not None
-        self._way = StepNavigation(
+        self._navigation = StepNavigation(
             self._gui, back, onward, main, step is not None and step.kind == PREDICT,
-            lambda: paced is not None and paced.opened <= at <= len(lesson.steps),
-            tr(PACED if paced else KEPT), self._go, self._leave,
-            lambda: self.turn(True, lesson.beside(at, 1, core=True)), step is not None and not step.core and not paced)
+            lambda: paced is not None and paced.last_open <= at <= len(lesson.steps),
+            tr(PACED if paced else KEPT), self._move_by, self._leave,
+            lambda: self.limit(True, lesson.offset(at, 1, core=True)), step is not None and not step.core and not paced)
 
     def _step_opened(self) -> None:
         """Updates Next when the lecturer opens a further step; everything else stays as it is."""
         with self._lock:
-            if self._way is not None:
-                self._way.refresh()
+            if self._navigation is not None:
+                self._navigation.refresh()
 
     @property
-    def _paced(self) -> BoardSeat | None:
+    def _paced_seat(self) -> BoardSeat | None:
         """The visitor's seat in the class, while the open lesson is the one that the board paces."""
-        return self._room.seat if self._room.seat and self._room.seat.lesson == self.name else None
+        return self._classroom.seat if self._classroom.seat and self._classroom.seat.lesson == self.name else None
 
     @property
     def _numbers(self) -> Numbers:

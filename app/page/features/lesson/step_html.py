@@ -58,7 +58,7 @@ def intro_html(lesson: Lesson, numbers: Numbers, teacher: bool) -> str:
     only = f"<p>{tr('This lesson is in English.')}</p>" if lang_attribute(lesson) else ""
     return f"<div class='lab-lesson'>{only}<p>{core.duration_text(lesson)}</p>" \
         f"<ul{lang_attribute(lesson)}>{goals}</ul>{needs}" \
-        f"{_own(lesson, text_html(lesson.intro, numbers))}{_notes(lesson, lesson.notes, teacher)}</div>"
+        f"{_in_lang(lesson, text_html(lesson.intro, numbers))}{_notes(lesson, lesson.notes, teacher)}</div>"
 
 
 def step_html(lesson: Lesson, step: Step, numbers: Numbers, before: str, teacher: bool) -> str:
@@ -71,7 +71,7 @@ def step_html(lesson: Lesson, step: Step, numbers: Numbers, before: str, teacher
         if step.stage and action_buttons.stage_button() not in text:
             text += f"<p>{tr('The run that this is about:')}</p>{action_buttons.stage_button()}"
     return f"<div class='lab-lesson' data-step='{lesson.steps.index(step) + 1}'>{kind}{deeper}{title}" \
-           f"{before}{_own(lesson, text)}{_notes(lesson, step.notes, teacher)}</div>"
+           f"{before}{_in_lang(lesson, text)}{_notes(lesson, step.notes, teacher)}</div>"
 
 
 def choices_html(options: Sequence[str], chosen: int | None, fixed: bool, key: str, lang: str = "") -> str:
@@ -113,8 +113,8 @@ def compared_html(lesson: Lesson, steps: Sequence[Step], answers: Mapping[str, A
 
 def taken_html(lesson: Lesson, step: Step, answer: Answer, numbers: Numbers, comment: str, right: bool | None) -> str:
     """Returns a recorded answer and a comment on it, which ``js/lesson_aloud.js`` reads aloud."""
-    said, own = fill_numbers(format_answer(step.asked, answer.last),
-                             numbers), lang_attribute(lesson) if step.asked.kind == CHOICE else ""
+    said, own = fill_numbers(format_answer(step.posed, answer.last),
+                             numbers), lang_attribute(lesson) if step.posed.kind == CHOICE else ""
     kind, sign, word = SIGNS[right]
     mark = f" <span class='lab-{kind}'>{sign} {tr(word)}</span>" if sign else ""
     return f"<div class='lab-lesson lab-recorded'>{tr('Your answer:')} <b{own}>{escape(said)}</b>{mark} " \
@@ -125,7 +125,7 @@ def end_html(lesson: Lesson, progress: Progress, marks: Mapping[str, AnswerMark 
              paced: bool) -> str:
     """Returns the last page: all answers, what to do with them (``paced`` by a board or not), and links to more."""
     table = compared_html(lesson, list(lesson.questions.values()), progress.answers, marks, numbers)
-    missing = sum(step.question is not None and step.key not in progress.answers for step in lesson.walk(progress.core))
+    missing = sum(step.question is not None and step.key not in progress.answers for step in lesson.path(progress.core))
     open_ones = trn("{count} question is still open; go back to answer.",
                     "{count} questions are still open; go back to answer.", missing)
     left = f"<p>{open_ones}</p>" if missing else ""
@@ -149,10 +149,12 @@ def text_html(markdown: str, numbers: Numbers) -> str:
 def _notes(lesson: Lesson, notes: str, teacher: bool) -> str:
     if not (notes and teacher):
         return ""
-    return f"<aside class='lab-teacher'><b>{tr('Teacher')}</b>{_own(lesson, to_html(notes, catalogue.FOLDER))}</aside>"
+    return (
+        f"<aside class='lab-teacher'><b>{tr('Teacher')}</b>{_in_lang(lesson, to_html(notes, catalogue.FOLDER))}</aside>"
+    )
 
 
-def _own(lesson: Lesson, words: str) -> str:
+def _in_lang(lesson: Lesson, words: str) -> str:
     """Returns a lesson's words as html with their language, for browsers."""
     return f"<div{lang_attribute(lesson)}>{words}</div>" if lang_attribute(lesson) else words
 
@@ -170,7 +172,7 @@ def bets_html(bettors: Sequence[Bettor] | str) -> str:
     picture = draw_bets(bettors)
     rows = "".join(map(_row, picture.bettors))
     axis = "".join(f"<span>{text}</span>" for _, text in picture.ticks)
-    return f"<figure class='lab-bets'><figcaption>{picture.said}</figcaption>{rows}" \
+    return f"<figure class='lab-bets'><figcaption>{picture.description}</figcaption>{rows}" \
            f"<div class='lab-bets-axis' aria-hidden='true'>{axis}</div></figure>"
 
 
@@ -180,7 +182,7 @@ def _row(bettor: BettorLines) -> str:
     lines = "".join(
         f"<line class='{'lab-held' if line[2] else 'lab-missed'}' x1='{line[0]:.2f}%' x2='{line[1]:.2f}%' "
         f"y1='{(k + 0.5) * high:g}' y2='{(k + 0.5) * high:g}'/>" for k, line in enumerate(bettor.lines) if line)
-    label = escape(f"{bettor.name}: {bettor.told}", quote=True)
-    return f"<div class='lab-bettor'><b>{escape(bettor.name)}</b> <span>{escape(bettor.told)}</span>" \
+    label = escape(f"{bettor.name}: {bettor.result}", quote=True)
+    return f"<div class='lab-bettor'><b>{escape(bettor.name)}</b> <span>{escape(bettor.result)}</span>" \
            f"<svg role='img' aria-label='{label}' height='{high * len(bettor.lines)}'>" \
            f"<line class='lab-bets-truth' x1='50%' x2='50%' y1='0' y2='100%'/>{lines}</svg></div>"

@@ -34,11 +34,11 @@ FIRST = -1e9  # order within the panel
 ASKED, NEITHER = lazy("Which problem is your file of?"), lazy("None of these")
 
 
-class Judging:
+class JudgeJob:
     """File being judged. ``on_message`` receives the messages of the process (``solvers.judging.file_view``) on another
     thread, and a refusal if the process dies, but none after :meth:`cancel`. A ``chosen`` scene overrides its own."""
 
-    def __init__(self, name: str, file: Path, scene: Scene, on_message: Callable[["Judging", dict], None],
+    def __init__(self, name: str, file: Path, scene: Scene, on_message: Callable[["JudgeJob", dict], None],
                  slots: Slots = SLOTS, chosen: bool = False):
         self.name, self._on_message, self._slots = file_name(name), on_message, slots
         kind = Path(name).suffix.lower()
@@ -108,7 +108,7 @@ class ProblemQuestion:
         neither.on_click(lambda _: on_choice(None))
 
     @property
-    def asked(self) -> bool:
+    def is_open(self) -> bool:
         return self._folder.visible
 
     def ask(self, sentence: str, problems: tuple[str, ...]) -> None:

@@ -15,11 +15,11 @@ from app.language.translation import lazy, tr, with_language
 from app.page.display_source import Choice, Display, FrameView
 from app.page.feature import Feature
 from app.page.features.upload import uploaded_run
-from app.page.features.upload.judging_process import FIRST, Judging, ProblemQuestion, question_sentence
+from app.page.features.upload.judging_process import FIRST, JudgeJob, ProblemQuestion, question_sentence
 from app.page.features.upload.uploaded_run import JUDGE, UploadedRun, file_readout, loaded_notice, scene_of
 from app.page.page_context import PageContext
 from app.page.panels.page_header import BARE
-from app.page.panels.timeline import Now
+from app.page.panels.timeline import Clock
 from app.page.readout_panel import Numbers
 from app.page.stage.worst_region import WorstRegions
 from app.page.visit.session import Session, first_scene
@@ -44,7 +44,7 @@ WHAT = lazy("Drop a file of particles anywhere on this page, or choose it ({kind
 
 class UploadPanel(Feature):
     """Upload panel of one visitor. ``on_view`` redraws, ``on_begin`` is called before a file takes the stage,
-    ``on_scene`` with the scene of a file of another problem. While a file is :attr:`shown`
+    ``on_scene`` with the scene of a file of another problem. While a file is :attr:`shown_frame`
     (:class:`~app.page.display_source.Source`), in a colour scale common to all its times, the run pauses; that ends
     when something advances the run."""
 
@@ -54,7 +54,7 @@ class UploadPanel(Feature):
         self._session, self._on_view, self._on_begin, self._on_scene = session, on_view, on_begin, on_scene
         self.source = self
         self._lock = threading.RLock()
-        self._judging: Judging | None = None
+        self._judging: JudgeJob | None = None
         self._run: UploadedRun | None = None
         self._k, self.playing, self._resumes = 0, False, False
         self._moves: tuple = ()  # of the run, which pauses meanwhile
@@ -64,7 +64,7 @@ class UploadPanel(Feature):
         gui.add_html(f"<i class='lab-upload' data-largest='{LARGEST}' data-too-large='{large}.' data-busy='{busy}' "
                      f"data-one='{one}'></i>")
         button = gui.add_upload_button(tr("file of particles"), mime_type=",".join(KINDS))
-        self._upload = Upload(gui, button, with_language(self._arrived),
+        self._upload = Upload(gui, button, with_language(self._on_file),
                               with_language(lambda text: self._refuse(tr(text))))
 
     @classmethod
@@ -99,26 +99,26 @@ class UploadPanel(Feature):
         self._upload.open()
 
     @property
-    def shown(self) -> tuple[UploadedRun, int] | None:
+    def shown_frame(self) -> tuple[UploadedRun, int] | None:
         """The file on the stage and the index of its frame shown."""
         run = self._run
         return None if run is None else (run, min(self._k, len(run) - 1))
 
-    def follow(self, report: FrameReport) -> None:
+    def on_frame(self, report: FrameReport) -> None:
         """Handles a new frame of the run: shows the run again if the visitor has advanced it."""
         with self._lock:
-            if self._run is not None and self._session.moves != self._moves:
+            if self._run is not None and self._session.motion_key != self._moves:
                 self._resumes = False
                 self.leave()
 
     def notice(self) -> Notice | None:
         """Returns a message about a file, if there is one."""
         judging, news = self._judging, self._news
-        if coming := self._upload.coming:
+        if coming := self._upload.progress_text:
             return Notice("wait", f"{coming}.")
-        if judging is not None and self._run is None and not self._question.asked:
+        if judging is not None and self._run is None and not self._question.is_open:
             return Notice("wait", tr("The file {file} is being read and judged.", file=judging.name))
-        if news is None or (age := monotonic() - news[0]) > TO_BE_READ or self._session.untouched < age:
+        if news is None or (age := monotonic() - news[0]) > TO_BE_READ or self._session.idle_seconds < age:
             return None  # the visitor has done something since, which has its own message
         return news[1]
 
@@ -154,15 +154,15 @@ class UploadPanel(Feature):
                 self._judging.table.unlink()
         self._judging = None
 
-    def _arrived(self, name: str, file: Path) -> None:
+    def _on_file(self, name: str, file: Path) -> None:
         with self._lock:
             self._forget()
             self._question.end()
             self._news = None
-            self._judging = Judging(name, file, self._session.scene, self._hear)
+            self._judging = JudgeJob(name, file, self._session.scene, self._on_message)
             self._say(tr("The file {file} is being read and judged …", file=self._judging.name))
 
-    def _hear(self, judging: Judging, message: dict) -> None:
+    def _on_message(self, judging: JudgeJob, message: dict) -> None:
         if "frames" in message and judging is self._judging:
             # A file of another problem switches the page to that problem.
             own = Task(**FileSummary(**message["frames"]).task).scene()
@@ -182,7 +182,7 @@ class UploadPanel(Feature):
             elif "frames" in message:
                 self._show(UploadedRun(judging.name, FileSummary(**message["frames"]), judging.table))
             elif self._run is not None and "estimate" in message:
-                self._run.estimated(message["estimate"])
+                self._run.add_estimate(message["estimate"])
             elif self._run is not None:
                 self._run.verdict = message["verdict"]
         self._on_view()
@@ -205,14 +205,14 @@ class UploadPanel(Feature):
                 return
         self._on_scene(first_scene(problem))  # its controls show the settings of the judgement
         with self._lock:
-            self._judging = Judging(waiting.name, waiting.file, self._session.scene, self._hear, chosen=True)
+            self._judging = JudgeJob(waiting.name, waiting.file, self._session.scene, self._on_message, chosen=True)
 
     def _show(self, run: UploadedRun) -> None:
         if self._run is None:
             self._on_begin()
             self._resumes = self._session.playing
             self._session.play(False)
-            self._moves = self._session.moves
+            self._moves = self._session.motion_key
         self._run, self._k = run, 0
         self._say(loaded_notice(run, self._session.scene))
         self._slider.max, self._slider.value = max(2, len(run)), 1  # type: ignore[misc]
@@ -267,15 +267,15 @@ class UploadPanel(Feature):
         return float(min(most, max(least, ahead / (self._session.speed * run.scene.period))))
 
     @property
-    def on(self) -> bool:
-        return self.shown is not None
+    def is_on(self) -> bool:
+        return self.shown_frame is not None
 
     @property
     def at_once(self) -> bool:
         return not self.playing
 
-    def sight(self, choice: Choice) -> Display | None:
-        if (shown := self.shown) is None:
+    def display(self, choice: Choice) -> Display | None:
+        if (shown := self.shown_frame) is None:
             return None
         run, k = shown
         report, arrays = run.frame(k, choice.quantity, self.playing)
@@ -283,17 +283,17 @@ class UploadPanel(Feature):
         return Display(picture, run.largest(choice.quantity), (run.name, choice.quantity))
 
     def numbers(self, choice: Choice, picture: FrameView | None, probed: str | None) -> Numbers | None:
-        if (shown := self.shown) is None:
+        if (shown := self.shown_frame) is None:
             return None
         run, k = shown
         return Numbers(file_readout(run, k, choice.quantity, probed), None if run.estimate is None else run,
-                       (JUDGE,), (JUDGE,), JUDGE, Now(run.times[k], (run.times[0], run.times[-1]), self.playing),
+                       (JUDGE,), (JUDGE,), JUDGE, Clock(run.times[k], (run.times[0], run.times[-1]), self.playing),
                        "" if run.true is not None else tr(NO_INDEX))
 
     def sentence(self, choice: Choice, picture: FrameView) -> Headline:
-        shown = self.shown
+        shown = self.shown_frame
         if shown is None or not picture.foreign or picture.report.scene != shown[0].scene:
             return Headline()
         worst = WorstRegions()  # of this frame: at another time a file may have other particles
-        worst.look(picture.report, picture.arrays, picture.view, choice.quantity)
+        worst.find(picture.report, picture.arrays, picture.view, choice.quantity)
         return uploaded_run.file_headline(*shown, picture.view, worst, choice.quantity)

@@ -52,7 +52,7 @@ class UploadedRun(RunSeries):
     def __len__(self) -> int:
         return len(self.times)
 
-    def estimated(self, norms: Mapping[str, Sequence[float | None]]) -> None:
+    def add_estimate(self, norms: Mapping[str, Sequence[float | None]]) -> None:
         """Takes over the norms of the companion's estimate, which is now in the table."""
         estimate, none = _arrays(norms), np.full(len(self), np.nan)
         new = {"time": self.times}
@@ -150,7 +150,7 @@ def file_readout(run: UploadedRun, k: int, quantity: str, probed: str | None) ->
             *([(tr("crossings"), tr("{n:,} at least", n=verdict["crossings_at_least"]))] if verdict else []),
             (tr("region"), escape(probed or tr(DRAG)))]
     run_of = table_html("".join(f"<tr><td>{name}</td>\n<td>{text}</td></tr>\n" for name, text in rows))
-    found = "".join(f"<p>{escape(text)}</p>" for text in _found(run, quantity))
+    found = "".join(f"<p>{escape(text)}</p>" for text in _verdict_lines(run, quantity))
     return Readout(f"{_errors(run, k, quantity)}<div class='lab-own'>{found}</div>", run_of)
 
 
@@ -174,7 +174,7 @@ def _errors(run: UploadedRun, k: int, quantity: str) -> str:
     return table_html("".join(rows), "lab-numbers lab-estimates")
 
 
-def _found(run: UploadedRun, quantity: str) -> list[str]:
+def _verdict_lines(run: UploadedRun, quantity: str) -> list[str]:
     """Returns the judge's findings, a sentence each."""
     if run.verdict is None:
         return [tr("There is no verdict: {reason}", reason=run.trouble) if run.trouble else
@@ -183,17 +183,17 @@ def _found(run: UploadedRun, quantity: str) -> list[str]:
     if worst:
         size = with_unit(worst["size"], QUANTITIES[quantity].unit)
         found.append(tr("Worst of all: {size}, particle {particle} at {place}, t = {time} s.", size=size,
-                        particle=worst["particle"], place=_place(worst["X"]), time=format_number(worst["t"])))
+                        particle=worst["particle"], place=_format_position(worst["X"]), time=format_number(worst["t"])))
     if gap := run.verdict["neighbour_gap"]:
         found.append(tr("{count:,} particles ({share:.2g} %) are not where their neighbours are, by up to {apart:.2g} "
                         "h, at t = {time} s: the farthest is particle {particle} at {place}.", count=gap["count"],
                         share=100 * gap["share"], apart=gap["farthest_over_h"], time=format_number(gap["t"]),
-                        particle=gap["particle"], place=_place(gap["X"])))
+                        particle=gap["particle"], place=_format_position(gap["X"])))
     notes = map(translate_message, run.verdict["notes"])
     return [*found, *(f"{note[:1].upper()}{note[1:]}." for note in notes)]
 
 
-def _place(X: list[float]) -> str:
+def _format_position(X: list[float]) -> str:
     place = ", ".join(f"{c:.3g}" for c in X)
     return f"X = ({place}) m" if len(X) > 1 else f"X = {place} m"
 

@@ -7,7 +7,7 @@ import taichi as ti
 
 from solvers.kernels.dtypes import quads, reals
 from solvers.kernels.packing import MemoryView, Packing
-from solvers.kernels.scalar_hoisting import untranslated
+from solvers.kernels.scalar_hoisting import mark_untranslated
 from solvers.motion.line_solution import motion_table
 from solvers.problems.bar import exact_solution
 from solvers.problems.bar.estimators.companion import mesh
@@ -43,7 +43,7 @@ def stores_reference(on: KernelOptions) -> bool:
     return not on.truth or on.motion == TYPED
 
 
-@untranslated
+@mark_untranslated
 def with_budget(state: Any) -> MemoryView:
     """Returns the state with the budget's members as attributes, for kernels."""
     return MemoryView(state, BUDGET, MEMBERS)

@@ -20,7 +20,7 @@ the last digit and is not better: over 100 periods both lose the same, and F dev
 
 import taichi as ti
 
-from solvers.kernels.scalar_hoisting import untranslated
+from solvers.kernels.scalar_hoisting import mark_untranslated
 from solvers.kernels.shape_functions import bspline, hat
 
 
@@ -64,7 +64,7 @@ def corner_stencil(bar: ti.template(), x, on: ti.template()):
     return ti.cast(ti.min(ti.max(first, -1.0), bar.cells), ti.i32) + 1, B  # within the arrays, whatever x is
 
 
-@untranslated
+@mark_untranslated
 def nodes_per_corner(on) -> int:
     """Returns the number of nodes in a corner's stencil."""
     return 3 if on.method == "bspline" else 2

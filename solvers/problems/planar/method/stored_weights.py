@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import taichi as ti
 
-from solvers.kernels.scalar_hoisting import subscript, untranslated, variable
+from solvers.kernels.scalar_hoisting import mark_untranslated, subscript, variable
 
 BLOCK, NUMBERS = 4, 8  # particles of a block, and numbers of each
 PARTS_PER_PARTICLE = {"cpdi": 2}  # how many times eight numbers there are of a particle, by method
@@ -32,7 +32,7 @@ def weights_by_particle(kept: np.ndarray, method: str, particles: int) -> np.nda
     return kept.reshape(-1, numbers, BLOCK).transpose(0, 2, 1).reshape(-1, numbers)[:particles]
 
 
-@untranslated
+@mark_untranslated
 def concatenate(numbers: Any) -> Any:
     """Returns one vector of several. Each becomes a variable first, or it would be recomputed for every entry."""
     variables = [variable(number) for number in numbers]
@@ -61,7 +61,7 @@ class _Stored:
         return subscript(subscript(self._array, entry), self._lane + k % NUMBERS * BLOCK)
 
 
-@untranslated
+@mark_untranslated
 def stored_numbers(body: Any, p: Any, on: Any) -> _Stored:
     """Returns the stored numbers of particle p, for kernels with constant indices; computes their address once."""
     return _Stored(body.weights, variable((p >> SHIFT) * parts_per_particle(on.method)), variable(p & (BLOCK - 1)))

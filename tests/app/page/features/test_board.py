@@ -37,9 +37,9 @@ def lesson():
     """Two predictions that need no run, a step without a question, a free text and an interval."""
     four = catalogue.load_lesson("04-grid-crossing")
     number = next(step for step in four.steps if step.key == "where-does-the-trouble-begin")
-    choice = replace(four.steps[0], question=replace(four.steps[0].asked, holds=("1 < 0", "1 < 2", "2 < 1")))
-    text = replace(number, key="why", title="Why?", question=replace(number.asked, kind=TEXT, expected=""))
-    wide = replace(number, key="how-much", title="How much?", question=replace(number.asked, kind=INTERVAL))
+    choice = replace(four.steps[0], question=replace(four.steps[0].posed, holds=("1 < 0", "1 < 2", "2 < 1")))
+    text = replace(number, key="why", title="Why?", question=replace(number.posed, kind=TEXT, expected=""))
+    wide = replace(number, key="how-much", title="How much?", question=replace(number.posed, kind=INTERVAL))
     return replace(four, steps=(choice, four.steps[1], number, text, wide))
 
 
@@ -52,11 +52,11 @@ def board(lesson):
 
 def press(board, *whats):
     for what in whats:
-        board.press(what, board.place.turn)
+        board.press(what, board.position.turn)
 
 
 def shown(board):
-    return slide_html(board, board.place, DOOR)
+    return slide_html(board, board.position, DOOR)
 
 
 def revealed(board):
@@ -69,17 +69,17 @@ def revealed(board):
 def test_the_one_next_thing_is_what_the_button_says(board):
     """From the beginning to the end, and no further."""
     said = []
-    while following := says_next(board, board.place):
-        said.append((following, board.place.at, board.place.stage))
+    while following := says_next(board, board.position):
+        said.append((following, board.position.at, board.position.reveal_stage))
         press(board, NEXT)
     assert said == [
         ("Open step 1 for all", 0, COUNTED), ("Show the answers", 1, COUNTED), ("Reveal what came out", 1, SHOWN),
         ("Open step 2 for all", 1, REVEALED), ("Open step 3 for all", 2, COUNTED), ("Show the answers", 3, COUNTED),
         ("Reveal what came out", 3, SHOWN), ("Open step 4 for all", 3, REVEALED), ("Open step 5 for all", 4, COUNTED),
         ("Show the answers", 5, COUNTED), ("Reveal what came out", 5, SHOWN), ("Show how the class did", 5, REVEALED)]
-    end = board.place
+    end = board.position
     press(board, NEXT)
-    assert board.place == end and end.at == board.end == board.opened
+    assert board.position == end and end.at == board.end == board.last_open
 
 
 def test_the_core_alone_is_opened_where_that_is_asked_for(lesson):
@@ -88,97 +88,97 @@ def test_the_core_alone_is_opened_where_that_is_asked_for(lesson):
                                        for step in lesson.steps))
     board = Board(deep, RunCache(), core=True)
     press(board, *[NEXT] * 4)
-    assert (board.place.at, board.opened, board.total) == (3, 3, 3) and "step 2 of 3" in shown(board)
-    assert board.seat("a").progress().core
+    assert (board.position.at, board.last_open, board.step_count) == (3, 3, 3) and "step 2 of 3" in shown(board)
+    assert board.add_seat("a").progress().core
     press(board, BACK)
-    assert board.place.at == 1 and says_next(board, board.place) == "Go forward to step 2"
+    assert board.position.at == 1 and says_next(board, board.position) == "Go forward to step 2"
     board.close()
 
 
 def test_looking_back_closes_nothing_and_opens_nothing(board):
     press(board, *[NEXT] * 4, BACK)
-    assert (board.place.at, board.opened, board.place.now) == (1, 2, False)
-    assert "the class is at step 2" in shown(board) and says_next(board, board.place) == "Go forward to step 2"
+    assert (board.position.at, board.last_open, board.position.is_current) == (1, 2, False)
+    assert "the class is at step 2" in shown(board) and says_next(board, board.position) == "Go forward to step 2"
     press(board, *[BACK] * 5)
-    assert board.place.at == 0 and board.opened == 2
+    assert board.position.at == 0 and board.last_open == 2
     press(board, NEXT, NEXT)
-    assert board.place.now and board.opened == 2
+    assert board.position.is_current and board.last_open == 2
 
 
 def test_a_press_counts_only_for_the_board_that_it_was_meant_for(board):
     """Two lecturers who press at once, or one press that comes twice."""
-    turn = board.place.turn
+    turn = board.position.turn
     for _ in range(3):
         board.press(NEXT, turn)
-    assert board.opened == 1
+    assert board.last_open == 1
     for what in ("", "reveal", "stage"):
         press(board, what)
-    assert board.place.turn == 1
+    assert board.position.turn == 1
 
 
 def test_seats_are_told_when_a_step_is_open_and_of_nothing_else(board):
-    told, seat = [], board.seat("a")
-    gone = board.seat("b")
-    seat.listen(lambda: told.append(seat.opened))
+    told, seat = [], board.add_seat("a")
+    gone = board.add_seat("b")
+    seat.listen(lambda: told.append(seat.last_open))
     gone.listen(lambda: told.append("gone"))
     gone.leave()
-    board.seat("c").listen(lambda: 1 / 0)
-    last = board.seat("d")
+    board.add_seat("c").listen(lambda: 1 / 0)
+    last = board.add_seat("d")
     last.listen(lambda: told.append("and the last"))
     press(board, NEXT, NEXT, NEXT, NEXT, BACK, NEXT)
     assert told == [1, "and the last", 2, "and the last"]
 
 
 def test_how_many_first_then_what_and_then_what_came_out(board):
-    seats = [board.seat(key) for key in "abc"]
+    seats = [board.add_seat(key) for key in "abc"]
     first = board.step(1)
     assert "3 are here" in shown(board) and "wave-4711" in shown(board) and "http://lab/" in shown(board)
     press(board, NEXT)
     for seat in seats:
-        seat.shows(1)
-    seats[0].answered(first, 3)
+        seat.report_step(1)
+    seats[0].report_answer(first, 3)
     assert "1 of 3 has predicted" in shown(board)
-    seats[1].answered(first, 2)
+    seats[1].report_answer(first, 2)
     assert "2 of 3 have predicted" in shown(board) and "--part: 0.3333" not in shown(board)
     assert not re.search(r"<b>\d</b></li>", shown(board)) and "came out" not in shown(board)
     press(board, NEXT)
     assert re.findall(r"<b>(\d)</b></li>", shown(board)) == ["0", "1", "1"] and "came out" not in shown(board)
     assert json.loads(answers_json(board))["questions"][0]["came_out"] is None
-    for late in (seats[2], board.seat("d")):  # also one who comes only then
+    for late in (seats[2], board.add_seat("d")):  # also one who comes only then
         for _ in range(2):
-            late.answered(first, 2)
-    seats[0].answered(first, 2)
+            late.report_answer(first, 2)
+    seats[0].report_answer(first, 2)
     assert re.findall(r"<b>(\d)</b></li>", shown(board)) == ["0", "1", "1"]
     assert "2 came later and are not counted" in shown(board)
     assert "1 of 2 was right" in revealed(board) and "✓ this came out" in shown(board)
 
 
 def test_a_step_without_a_question_says_who_has_come_and_what_comes_next(board):
-    seats = [board.seat(key) for key in "ab"]
+    seats = [board.add_seat(key) for key in "ab"]
     press(board, *[NEXT] * 4)
-    seats[0].shows(2)
+    seats[0].report_step(2)
     assert "1 of 2 have come to this step" in shown(board)
     assert "Next: Predict: Where does the trouble begin?" in shown(board)
 
 
 def test_free_texts_are_counted_and_never_shown_or_saved(board):
-    seat = board.seat("a")
+    seat = board.add_seat("a")
     press(board, *[NEXT] * 8)
-    seat.answered(board.step(4), "my name is Ada")
+    seat.report_answer(board.step(4), "my name is Ada")
     assert "1 of 1 has predicted" in shown(board)
     press(board, NEXT)
-    assert "Ada" not in answers_json(board) + shown(board) and board.place.at == 5
+    assert "Ada" not in answers_json(board) + shown(board) and board.position.at == 5
     assert board.tally.answers("why") == [""]
 
 
 def test_the_end_says_how_well_the_class_has_known(board):
-    seats = [board.seat(key) for key in "abc"]
+    seats = [board.add_seat(key) for key in "abc"]
     given = {CHOICE: (2, 2, 1), "number": (3.125, 3.0, 10.0), INTERVAL: ([3, 4], [1, 2], [0, 9])}
-    while board.place.at < board.end:
-        step = board.step(board.place.at)
-        if step and step.question and step.asked.kind != TEXT and board.place.stage == COUNTED:
-            for seat, answer in zip(seats, given[step.asked.kind], strict=True):
-                seat.answered(step, answer)
+    while board.position.at < board.end:
+        step = board.step(board.position.at)
+        if step and step.question and step.posed.kind != TEXT and board.position.reveal_stage == COUNTED:
+            for seat, answer in zip(seats, given[step.posed.kind], strict=True):
+                seat.report_answer(step, answer)
         press(board, NEXT)
     wait_until(lambda: len(question_scores(board)) == 3, "what came out")
     assert calibration(question_scores(board)) == ["4 of 6 predictions were right: 67 %",
@@ -197,10 +197,10 @@ def test_the_end_says_how_well_the_class_has_known(board):
     ("https://lab.school.example/", "https://lab.school.example/")])
 def test_the_board_shows_the_address_by_which_a_class_comes_in(board, here, link):
     """That of the lecturer's browser, unless only this machine can mean it."""
-    door = LecturerContext(board, JoinInfo("http://10.0.0.5:8080/", "wave 4711")).seen_from(here)
-    assert (door.link, door.warning, door.whole) == (link, "", f"{link}#code=wave%204711")
-    door = LecturerContext(board, JoinInfo("http://127.0.0.1:8080/", "wave-4711")).seen_from("http://localhost:8080/")
-    assert "Only this computer" in slide_html(board, board.place, door)  # which nobody else can open
+    door = LecturerContext(board, JoinInfo("http://10.0.0.5:8080/", "wave 4711")).join_info_for(here)
+    assert (door.link, door.warning, door.full_link) == (link, "", f"{link}#code=wave%204711")
+    door = LecturerContext(board, JoinInfo("http://127.0.0.1:8080/", "wave-4711")).join_info_for("http://localhost:8080/")
+    assert "Only this computer" in slide_html(board, board.position, door)  # which nobody else can open
 
 
 def test_what_cannot_be_worked_out_is_said_and_ends_nothing():
@@ -211,43 +211,43 @@ def test_what_cannot_be_worked_out_is_said_and_ends_nothing():
     outcomes.go.set()
     wait_until(lambda: "could not be computed" in shown(board), "the sentence")
     press(board, NEXT)
-    assert board.opened == 2
+    assert board.last_open == 2
     board.close()
 
 
 def test_a_visitor_who_comes_back_finds_his_answers_and_his_place(board):
     """By his key; another finds nothing of them."""
-    seat = board.seat("a")
+    seat = board.add_seat("a")
     press(board, NEXT)
-    seat.shows(1)
-    seat.progress().answer("a-gentle-test", 2, 1.0)
+    seat.report_step(1)
+    seat.progress().record("a-gentle-test", 2, 1.0)
     seat.leave()
-    again = board.seat("a").progress()
+    again = board.add_seat("a").progress()
     assert again.step == 1 and again.answers["a-gentle-test"].first == 2
-    assert board.seat("b").progress().answers == {} and board.seat("b").progress().step == 0
+    assert board.add_seat("b").progress().answers == {} and board.add_seat("b").progress().step == 0
 
 
 def test_a_visitor_is_one_however_many_pages_he_has():
     tally = ClassAnswers()
-    first, again = tally.come("a"), tally.come("a")
-    assert first is again and tally.here == 1
+    first, again = tally.join("a"), tally.join("a")
+    assert first is again and tally.present_count == 1
     tally.leave("a")
-    assert tally.here == 1
+    assert tally.present_count == 1
     tally.leave("a")
-    assert tally.here == 0
+    assert tally.present_count == 0
 
 
 def test_who_leaves_leaves_his_answers():
     """He is still one of those who were asked; one who has left without an answer is not."""
     tally = ClassAnswers()
     for key in "abc":
-        tally.come(key)
-    tally.say("a", "how-much", 1)
+        tally.join(key)
+    tally.record("a", "how-much", 1)
     tally.leave("a")
     tally.leave("b")
-    assert (tally.here, tally.asked("how-much"), tally.answers("how-much")) == (1, 2, [1])
-    entry = tally.come("a")
-    assert tally.asked("how-much") == 2 and entry.said == {"how-much": 1}
+    assert (tally.present_count, tally.count_asked("how-much"), tally.answers("how-much")) == (1, 2, [1])
+    entry = tally.join("a")
+    assert tally.count_asked("how-much") == 2 and entry.valid == {"how-much": 1}
 
 
 def test_memory_ends_somewhere(monkeypatch):
@@ -256,24 +256,24 @@ def test_memory_ends_somewhere(monkeypatch):
     monkeypatch.setattr(tally_module, "MOST", 3)
     tally = ClassAnswers()
     for key in "abc":
-        tally.come(key)
+        tally.join(key)
     tally.leave("a")
-    tally.come("b").answers["how-much"] = Answer(1, 1, 1, 1.0)
-    assert tally.come("d").pages == 1 and tally.here == 3  # in the place of a
-    late = tally.come("e")
-    tally.say("e", "how-much", 1)
-    assert late.pages == 1 and tally.here == 3 and tally.answers("how-much") == []
+    tally.join("b").answers["how-much"] = Answer(1, 1, 1, 1.0)
+    assert tally.join("d").pages == 1 and tally.present_count == 3  # in the place of a
+    late = tally.join("e")
+    tally.record("e", "how-much", 1)
+    assert late.pages == 1 and tally.present_count == 3 and tally.answers("how-much") == []
 
 
 def test_thirty_at_once_are_thirty():
     """Each from a thread of its own; whoever listens hears of it, and may ask the tally then."""
     heard = []
-    tally = ClassAnswers(lambda: heard.append(tally.asked("how-much")))
+    tally = ClassAnswers(lambda: heard.append(tally.count_asked("how-much")))
 
     def visit(k):
-        tally.come(str(k))
+        tally.join(str(k))
         for answer in (k, k + 1):
-            tally.say(str(k), "how-much", answer)
+            tally.record(str(k), "how-much", answer)
 
     threads = [threading.Thread(target=visit, args=(k,)) for k in range(30)]
     for thread in threads:

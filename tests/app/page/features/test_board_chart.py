@@ -4,7 +4,7 @@ import re
 
 import pytest
 
-from app.lessons.answer_check import Right
+from app.lessons.answer_check import RightAnswer
 from app.lessons.lesson import CHOICE, DRAG, INTERVAL, NUMBER, Question
 from app.page.features.board.chart import answer_chart, answer_options, axis_for, right_among
 
@@ -48,7 +48,7 @@ def test_bars_have_their_counts_and_what_came_out_a_sign():
     assert re.findall(r"<b>(\d)</b>", before) == ["2", "1", "0"] and "came out" not in before
     assert "It &lt;grows&gt;" in before and "It falls to 7" in before
     assert [round(float(part), 2) for part in re.findall(r"--part: ([\d.]+)", before)] == [0.67, 0.33, 0]
-    after = answer_chart(asked(CHOICE, options=OPTIONS), [1, 1, 2], {"A": 7}, Right("It falls to 7", (2,)))
+    after = answer_chart(asked(CHOICE, options=OPTIONS), [1, 1, 2], {"A": 7}, RightAnswer("It falls to 7", (2,)))
     assert after.count("✓ this came out") == 1
     assert after.index("falls to 7") < after.index("came out") < after.index("Neither")
     assert "<i" not in answer_options(asked(CHOICE, options=OPTIONS), {"A": 7})
@@ -60,12 +60,12 @@ def test_numbers_are_dots_and_what_is_right_a_band(kind):
     question = asked(kind, unit="m", tolerance=0.1)
     before = answer_chart(question, [0.001, 0.001, 0.002], {}, None)
     assert before.count("<i></i>") == 3 and "--most: 2" in before and "came out" not in before
-    after = answer_chart(question, [0.001, 0.001, 0.002], {}, Right("", value=0.002))
+    after = answer_chart(question, [0.001, 0.001, 0.002], {}, RightAnswer("", value=0.002))
     band = re.search(r"lab-band' style='left: ([\d.]+)%; width: ([\d.]+)%", after)
     dots = [float(left) for left in re.findall(r"<div style='left: ([\d.]+)%", after)]
     assert "2 mm came out" in after and dots[0] < float(band[1]) < dots[1] + 3 < sum(map(float, band.groups())) + 6
     assert "1 mm; 1 mm; 2 mm" in after  # for those who hear it
-    assert right_among(question, [0.001, 0.0019, 0.0021], Right("", value=0.002)) == 2
+    assert right_among(question, [0.001, 0.0019, 0.0021], RightAnswer("", value=0.002)) == 2
 
 
 def test_intervals_are_lines_and_those_that_hold_what_came_out_look_different():
@@ -74,7 +74,7 @@ def test_intervals_are_lines_and_those_that_hold_what_came_out_look_different():
     spans = [tuple(map(float, span)) for span in re.findall(r"margin-left: ([\d.]+)%; width: ([\d.]+)%", before)]
     assert len(spans) == 3 and spans[0][0] < spans[1][0] < spans[2][0] and spans[1][1] > spans[0][1] > 0
     assert "lab-holds" not in before and "came out" not in before
-    found = Right("", value=3.5)
+    found = RightAnswer("", value=3.5)
     after = answer_chart(question, given, {}, found)
     assert after.count("lab-holds") == 2 == right_among(question, given, found) and after.count("lab-misses") == 1
     assert "3.5 µm came out" in after
@@ -84,4 +84,4 @@ def test_intervals_are_lines_and_those_that_hold_what_came_out_look_different():
 def test_no_answer_at_all_is_no_fault(kind):
     question = asked(kind, options=OPTIONS)
     answer_chart(question, [], {"A": 1}, None)
-    assert "came out" in answer_chart(question, [], {"A": 1}, Right("", (1,), 2.0))
+    assert "came out" in answer_chart(question, [], {"A": 1}, RightAnswer("", (1,), 2.0))

@@ -16,7 +16,7 @@ from app.page.display_source import Choice
 from app.page.feature import PageView
 from app.page.features.budget.chart import HEIGHT, MOST, WIDTH, BudgetData, budget_chart
 from app.page.features.budget.panel import BudgetFold
-from app.page.panels.timeline import Now
+from app.page.panels.timeline import Clock
 from app.page.readout_panel import Numbers
 from app.state import State
 from app.words import difference_text, per_cent, with_unit
@@ -66,7 +66,7 @@ class Stage:
 
     def look(self, history=None, pinned=None, quantity="x", studying=False, scene=HATS, playing=False):
         """What is read in the fold after another refresh."""
-        now = Now(0.0, (0.0, 0.0), playing)
+        now = Clock(0.0, (0.0, 0.0), playing)
         numbers = Numbers(SimpleNamespace(), history, (), (), None, now, "", pinned, scene=scene)
         self.fold.refresh(PageView(Choice(quantity, None, False, False, 1, False), numbers, studying, True))
         fold = self.fold
@@ -170,7 +170,7 @@ def at_once(monkeypatch, jobs, said):
     """The function that a process would be asked for is called here, and what it says goes the same way."""
     def hear(message):
         said.append(message)
-        jobs._hear(json.loads(json.dumps(message)))
+        jobs._on_message(json.loads(json.dumps(message)))
 
     def start(status, question, patience):
         jobs.status = replace(status, running=True)

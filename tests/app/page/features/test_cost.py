@@ -10,7 +10,7 @@ from app.page.features.cost import cost_texts
 from app.page.features.cost.jobs import scenes_to_time
 from app.page.features.cost.panel import CostTab
 from app.page.features.cost.visitor_runs import LIVE, SEARCH, SWEEP, LiveRows, Runs, csv_bytes, live_row
-from app.page.visit.history import History
+from app.page.visit.history import NormHistory
 from solvers.engine.engine_messages import FrameReport
 from solvers.engine.soundness_watch import SoundnessWatch
 from solvers.problems.bar.scene import BarScene
@@ -28,7 +28,7 @@ def frames(scene, steps=100):
     """A live run's frames as the page hears them: report and history."""
     solver = build(scene)
     solver.compile()
-    watch, history, fresh, rows = SoundnessWatch(scene), History(scene, scene.particles), True, solver.measure()
+    watch, history, fresh, rows = SoundnessWatch(scene), NormHistory(scene, scene.particles), True, solver.measure()
     while True:
         history.add(rows)
         watch.check_samples(rows, scene.particles)
@@ -52,7 +52,7 @@ def test_live_row_holds_the_errors_of_the_scene(scene, simulate):
     rows = []
     while len(rows) < 10:
         report, history = next(live)
-        row = follower.follow(report, history)
+        row = follower.take_row(report, history)
         assert (row is None) or (report.time > scene.end_time - scene.time_step)
         rows += [row] if row or report.time > scene.end_time else []
     row = rows[0]
@@ -64,14 +64,14 @@ def test_live_row_holds_the_errors_of_the_scene(scene, simulate):
     assert row["seconds"]["full"] == pytest.approx(scene.steps * scene.particles * 1e-7)
     assert row["status"] == "ok" and row["key"] == task_of(scene).key
     report, history = next(frames(scene))
-    assert follower.follow(report, history) is None  # begun anew
+    assert follower.take_row(report, history) is None  # begun anew
     assert not follower._done
 
 
 def run_of(scene, steps=100):
     """What a live run of a scene becomes in the table."""
     follower, runs = LiveRows(), Runs()
-    runs.add(next(row for report, history in frames(scene, steps) if (row := follower.follow(report, history))), LIVE)
+    runs.add(next(row for report, history in frames(scene, steps) if (row := follower.take_row(report, history))), LIVE)
     return runs.all()[0]
 
 
@@ -128,9 +128,9 @@ def test_scene_too_large_to_watch_is_not_loaded():
     """It would freeze the visitor's browser: the page gives the command instead."""
     loaded, tab = [], CostTab.__new__(CostTab)
     tab._load, tab._input = loaded.append, tuple
-    tab._put(RingScene(cells=396, periods=1), "The advice is on the stage.")
+    tab._load_scene(RingScene(cells=396, periods=1), "The advice is on the stage.")
     assert not loaded and "too many to watch" in tab._remark and "mpm-lab run ring" in tab._remark
-    tab._put(SCENE, "Run 1 is on the stage.")
+    tab._load_scene(SCENE, "Run 1 is on the stage.")
     assert loaded == [SCENE] and tab._remark == "Run 1 is on the stage."
 
 

@@ -13,7 +13,7 @@ import pytest
 from app.page.features import background_job
 from app.page.features.cost import cost_texts
 from app.page.features.cost import jobs as cost_jobs
-from app.page.features.cost.jobs import CostStatus, Jobs, SearchCache, WarmWorker, search_job, small_sweep
+from app.page.features.cost.jobs import CostJobs, CostStatus, SearchCache, WarmWorker, search_job, small_sweep
 from app.page.features.cost.panel import CostTab
 from app.page.features.cost.visitor_runs import Runs, advice_key, cheapest_run
 from solvers.problems.bar.scene import BarScene
@@ -69,7 +69,7 @@ def pools(monkeypatch):
 
 @pytest.fixture
 def jobs():
-    jobs = Jobs(Runs(), Slots(1), SearchCache())
+    jobs = CostJobs(Runs(), Slots(1), SearchCache())
     yield jobs
     jobs.close()
 
@@ -101,7 +101,7 @@ def test_a_sweep_and_a_search_in_processes_of_their_own(jobs):
     wait_until(lambda: not jobs.status.running, "the end of a sweep")
     [run] = jobs.runs.all()
     assert jobs.status == CostStatus("sweep", done=1, total=1) and run.row["seconds"]["min"] > 0
-    searcher, other = (Jobs(Runs(), jobs.slots, jobs._kept) for _ in range(2))
+    searcher, other = (CostJobs(Runs(), jobs.slots, jobs._kept) for _ in range(2))
     for one in (searcher, other):
         one.search(few(1e-2))
         wait_until(lambda one=one: not one.status.running, "the end of a search")
@@ -128,9 +128,9 @@ def test_a_job_is_told_of_and_makes_room(jobs, pools):
     jobs.sweep(small_sweep(SCENE))
     jobs.search(few(1e-2))
     assert len(pools) == 1 and pools[0].work == "solvers.study.background_jobs:sweep" and len(pools[0].question) == 16
-    other = Jobs(Runs(), jobs.slots)
+    other = CostJobs(Runs(), jobs.slots)
     other.sweep(small_sweep(SCENE))
-    assert "server busy" in cost_texts.job_text(other.status) and not other.status.running and other.others
+    assert "server busy" in cost_texts.job_text(other.status) and not other.status.running and other.others_busy
     pools[0].hear({"row": fake_row()})
     assert cost_texts.job_text(jobs.status) == "Sweep: 1 of 16 runs."
     jobs.cancel()
@@ -193,7 +193,7 @@ def test_a_search_takes_the_process_that_is_ready(jobs, ready, pools):
     assert ready._pool is first and not first.closed
     jobs.search(few(3e-3))
     first.hear({"row": fake_row()})
-    jobs.beside()
+    jobs.share_cpu()
     first.end()
     assert first.ways == 1 and ready._pool is None and first.closed
     jobs.prepare(few(1e-2), quiet=True)
@@ -205,7 +205,7 @@ def test_a_search_takes_the_process_that_is_ready(jobs, ready, pools):
 
 def test_few_processes_are_ready_and_none_for_ever(ready, pools):
     """A second visitor gets none while the first one's is there; who leaves, or takes too long, takes it along."""
-    first, second = (Jobs(Runs(), Slots(1), SearchCache()) for _ in range(2))
+    first, second = (CostJobs(Runs(), Slots(1), SearchCache()) for _ in range(2))
     first._ready, second._ready = ready, WarmWorker("solvers.study.background_jobs:search", ready._places, rests=0.1)
     first.prepare(few(1e-2), quiet=False)
     mine = ready._pool
@@ -236,16 +236,16 @@ def test_what_is_kept_is_bounded_and_times_hold_for_an_hour():
     kept = SearchCache(lambda: now[0])
     point = {"error": 1e-3, "rate": 1e-8, "status": "ok", "reason": None}
     for k in range(cost_jobs.MOST_POINTS + 1):
-        kept.keep("a", f"{k}", point, True)
-    assert len(kept.known("a", True)) == cost_jobs.MOST_POINTS and "0" not in kept.known("a", True)
-    assert kept.known("a", True)["1"] == point
+        kept.add("a", f"{k}", point, True)
+    assert len(kept.recent_points("a", True)) == cost_jobs.MOST_POINTS and "0" not in kept.recent_points("a", True)
+    assert kept.recent_points("a", True)["1"] == point
     now[0] = cost_jobs.HOLDS
-    kept.keep("a", "2", {**point, "rate": None}, True)  # a run that goes bad when it is timed
-    known = kept.known("a", True)
+    kept.add("a", "2", {**point, "rate": None}, True)  # a run that goes bad when it is timed
+    known = kept.recent_points("a", True)
     assert "rate" not in known["1"] and known["1"]["error"] == 1e-3 and known["2"]["rate"] is None
     for k in range(cost_jobs.MOST_QUESTIONS):
-        kept.keep(f"question {k}", "1", point, True)
-    assert kept.known("a", True) == {} and kept.known("question 0", True)
+        kept.add(f"question {k}", "1", point, True)
+    assert kept.recent_points("a", True) == {} and kept.recent_points("question 0", True)
 
 
 class Stage:
@@ -263,17 +263,17 @@ def test_stage_stands_still_while_a_job_runs():
     stage = Stage()
     quiet = cost_jobs.QuietStage(stage)
     for running, playing in [(False, True), (True, False), (True, False), (False, True)]:
-        quiet.follow(running)
+        quiet.set_running(running)
         assert stage.playing == playing and quiet.paused == (running and not playing)
-    quiet.follow(True)
+    quiet.set_running(True)
     stage.play(True)  # by the visitor
-    quiet.follow(True)
+    quiet.set_running(True)
     assert stage.playing and not quiet.paused
     stage.play(False)
-    quiet.follow(False)
+    quiet.set_running(False)
     assert not stage.playing
-    quiet.follow(True)
-    quiet.follow(False)
+    quiet.set_running(True)
+    quiet.set_running(False)
     assert not stage.playing  # it did not move before
 
 
@@ -310,7 +310,7 @@ def test_a_search_gives_way_once_it_has_shown_a_run(jobs):
     jobs.give_way = lambda: ways.append(jobs.status.kind)
     for status in (CostStatus("search"), CostStatus("search", done=1), CostStatus("sweep")):
         jobs.status = status
-        jobs.beside()
+        jobs.share_cpu()
     assert ways == ["search", "sweep"]
 
 

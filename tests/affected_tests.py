@@ -1,5 +1,5 @@
-"""Which tests belong to a change: ``uv run python -m tests.which [FILE ...]``, by default the files that git sees
-changed.
+"""Which tests belong to a change: ``uv run python -m tests.affected_tests [FILE ...]``, by default the files that git
+sees changed.
 
 Prints the test files that import a changed module, or a module that does, nearest first. Files of a package that is
 imported as a whole and texts have none; ``uv run pytest`` is short.

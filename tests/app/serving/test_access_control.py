@@ -6,7 +6,7 @@ import pytest
 from websockets.datastructures import Headers
 
 from app.access.allowed_hosts import Addresses
-from app.access.log_limit import Refusals
+from app.access.log_limit import RefusalLog
 from app.viewer.send_queue import PROTOCOL
 from tests.support.page_server import http_get
 from tests.support.processes import wait_until
@@ -124,12 +124,12 @@ def test_stale_page_is_told_and_fills_no_log(here, capfd, caplog):
 
 def test_log_has_few_lines_however_much_is_refused(caplog):
     """A line each, then one that says how many more; after a minute, here a moment, it begins anew."""
-    refusals = Refusals(lines=3, seconds=0.2)
+    refusals = RefusalLog(lines=3, seconds=0.2)
     for k in range(1000):
-        refusals.note(f"a message {k % 2}", "10.0.0.1")
+        refusals.record(f"a message {k % 2}", "10.0.0.1")
     wait_until(lambda: "more" in caplog.text, "the sum")
     assert [record.getMessage() for record in caplog.records[:2]] == [
         "refused from 10.0.0.1: a message 0", "refused from 10.0.0.1: a message 1"]
     assert len(caplog.records) == 4 and "refused 997 more" in caplog.records[3].getMessage()
-    refusals.note("again")
+    refusals.record("again")
     assert caplog.records[4].getMessage() == "refused: again"

@@ -47,7 +47,7 @@ def room():
 
 def press(board, times=1):
     for _ in range(times):
-        board.press(NEXT, board.place.turn)
+        board.press(NEXT, board.position.turn)
 
 
 def boards(page):
@@ -72,7 +72,7 @@ def test_a_pupil_opens_no_step(room):
     wait_until(lambda: pupil.at is None or pupil.set(pupil.find("Close the lesson"), True), "the shelf", pause=1.0)
     pupil.tell(open=LESSON.name)
     pupil.find("Next")
-    assert board.place.turn == board.opened == pupil.at == 0 and pupil.kinds["FileTransferStartDownload"] == 0
+    assert board.position.turn == board.last_open == pupil.at == 0 and pupil.kinds["FileTransferStartDownload"] == 0
     press(board)
     pupil.go_on()
     assert pupil.at == 1 and board.tally.answers(STEPS[0].key) == [] and pupil.off("Next")
@@ -81,7 +81,7 @@ def test_a_pupil_opens_no_step(room):
 def test_no_pupil_is_told_what_another_has_said(room):
     """Not by any message, whatever he sends, from the beginning until all is shown."""
     board, address, come = room
-    while board.opened < NUMBER:
+    while board.last_open < NUMBER:
         press(board)
     given = {"31.4159": None, "27.1828": None}
     for number in given:
@@ -116,6 +116,6 @@ def test_the_lecturer_has_a_place_when_all_are_taken(room):
     lecturer = come(cookie_of(address, OWN))
     wait_until(lambda: any("step 1 of" in told and "3 are here" in told for told in boards(lecturer)), "the board")
     another = come(cookie_of(address, OWN))
-    another.tell(board=["next", board.place.turn])
+    another.tell(board=["next", board.position.turn])
     wait_until(lambda: any("Reveal what came out" in told for told in boards(lecturer)), "the same on both")
-    assert boards(teacher) == [] and board.tally.here == 3
+    assert boards(teacher) == [] and board.tally.present_count == 3

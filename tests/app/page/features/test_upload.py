@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 from app.cli import main
-from app.page.features.upload.judging_process import BUSY, Judging
+from app.page.features.upload.judging_process import BUSY, JudgeJob
 from app.page.features.upload.judging_process import question_sentence as question
 from app.page.features.upload.panel import TO_BE_READ, UploadPanel
 from app.page.features.upload.uploaded_run import UploadedRun, loaded_notice
@@ -60,7 +60,7 @@ def run_of(process, file, scene, folder, name="mine"):
     """The run on the stage that comes of a file, estimated; and all that the process says of it."""
     answers, table = shown_of(process, file, scene, folder, name)
     run = UploadedRun(name, FileSummary(**answers["frames"]), table)
-    run.estimated(answers["estimate"])
+    run.add_estimate(answers["estimate"])
     return run, answers
 
 
@@ -216,11 +216,11 @@ def test_a_file_that_takes_too_long_or_is_not_wanted_any_more_ends_its_process(t
     heard = []
     file = tmp_path / "coming"
     file.write_bytes(b"x")
-    judging = Judging("a.csv", file, PROBLEMS["bar"].scene(), lambda _, message: heard.append(message))
+    judging = JudgeJob("a.csv", file, PROBLEMS["bar"].scene(), lambda _, message: heard.append(message))
     wait_until(lambda: heard, "a sentence")
     assert heard[0]["refused"].startswith("The file a.csv takes more than")
     file.write_bytes(b"x")
-    cancelled = Judging("a.csv", file, PROBLEMS["bar"].scene(), lambda _, message: heard.append(message))
+    cancelled = JudgeJob("a.csv", file, PROBLEMS["bar"].scene(), lambda _, message: heard.append(message))
     cancelled.cancel()
     wait_until(lambda: judging.process_id is None and cancelled.process_id is None, "both processes have ended")
     assert len(heard) == 1
@@ -232,11 +232,11 @@ def test_a_server_that_judges_enough_says_so(tmp_path):
     assert slots.acquire()
     file = tmp_path / "coming"
     file.write_bytes(b"id,x\n")
-    Judging("a.csv", file, PROBLEMS["bar"].scene(), lambda _, message: heard.append(message), slots)
+    JudgeJob("a.csv", file, PROBLEMS["bar"].scene(), lambda _, message: heard.append(message), slots)
     wait_until(lambda: heard == [{"refused": BUSY}], "a sentence")
     slots.release()
     file.write_bytes(b"id,x\n")
-    Judging("a.csv", file, PROBLEMS["bar"].scene(), lambda _, message: heard.append(message), slots)
+    JudgeJob("a.csv", file, PROBLEMS["bar"].scene(), lambda _, message: heard.append(message), slots)
     wait_until(lambda: "holds no particles" in heard[-1]["refused"] and slots.taken == 0, "another, and a free place")
 
 
@@ -251,7 +251,7 @@ def test_names_of_files_are_shown_plainly(name, said):
 def arrived(monkeypatch):
     """What comes through the doors: name and content of each file; and what is refused in words."""
     files, refused = [], []
-    monkeypatch.setattr(UploadPanel, "_arrived", lambda _, name, file: files.append((name, file.read_bytes())))
+    monkeypatch.setattr(UploadPanel, "_on_file", lambda _, name, file: files.append((name, file.read_bytes())))
     monkeypatch.setattr(UploadPanel, "_refuse", lambda _, sentence: refused.append(sentence))
     return files, refused
 
@@ -361,6 +361,6 @@ def test_nothing_of_a_file_stays_when_its_visitor_has_gone(here, arrived):
 def test_what_is_said_of_a_file_ends_with_the_next_act(age, untouched, shown):
     """A refusal of something else, or that a run is lost, is not hidden behind it."""
     said = Notice("refused", "A file that is none.")
-    panel = SimpleNamespace(_judging=None, _news=(monotonic() - age, said), _upload=SimpleNamespace(coming=""),
-                            _session=SimpleNamespace(untouched=untouched))
+    panel = SimpleNamespace(_judging=None, _news=(monotonic() - age, said), _upload=SimpleNamespace(progress_text=""),
+                            _session=SimpleNamespace(idle_seconds=untouched))
     assert UploadPanel.notice(panel) is (said if shown else None)

@@ -25,9 +25,9 @@ SAID = StageLabels(("Estimate", "Truth"), ("by recovered", "exact solution"), ("
 def test_everything_stands_in_the_rectangle_below_the_scale(problem, seat, room):
     """But for names in the gutter, which are as high as the rest."""
     stage = VIEWS[problem].stage
-    places = stage.places(room.settled(), seat)
+    places = stage.layout(room.rounded(), seat)
     (x0, x1, y0, y1), box = places.rectangle, places.field
-    end = colour_bar_box(places.room, room.high).end
+    end = colour_bar_box(places.bounds, room.high).end
     assert y0 == 0 and y1 == pytest.approx(room.high)
     assert 0 <= box.left < box.right <= 1 and box.half * room.pixels > 15
     assert y0 < box.middle - ROOM * box.half and box.middle + ROOM * box.half < end
@@ -50,6 +50,6 @@ def test_a_crossing_is_shown_for_a_part_of_a_period_and_long_enough_to_be_seen()
 @pytest.mark.parametrize("letters", (1.0, 1.7, 2.5))
 def test_a_body_keeps_its_room_beside_letters_of_any_size(letters):
     """On a projector they are large: names stand above the body then, and none gets a line of no length."""
-    places = planar_places(Bounds(593.0, letters, 0.72, 0.26).settled(), RunSlot.ALONE)
+    places = planar_places(Bounds(593.0, letters, 0.72, 0.26).rounded(), RunSlot.ALONE)
     assert 2 * AROUND * places.radius >= 0.29
     assert all(label.width >= 0 for label in planar_labels(StageLabels(crossings="crosses an edge"), places))

@@ -13,7 +13,7 @@ import pytest
 from app.frame.captions import UNKNOWN
 from app.page.panels.readout import ROUNDED, estimator_cards, gauge_position, live_readout
 from app.page.stage.worst_region import WorstRegions
-from app.page.visit.history import History
+from app.page.visit.history import NormHistory
 from app.page.visit.status_message import doubt_notice
 from app.problems.views import VIEWS
 from solvers.problems import PROBLEMS
@@ -38,7 +38,7 @@ def test_an_index_has_a_place_on_the_gauge():
 def test_cards_say_what_the_run_has():
     """The numbers are the run's; who does not hold, or was not asked, has a sentence or nothing."""
     scene = BarScene(cells=10, ppc=2, periods=1, estimators=("transport", "recovered"))
-    solver, history = build(scene), History(scene, 20)
+    solver, history = build(scene), NormHistory(scene, 20)
     history.add(solver.advance(200))
     report = replace(report_of(scene), time=solver.time, not_valid={"recovered": "not valid here: why"})
     cards = json.loads(estimator_cards(report, history.series, "x", "transport"))
@@ -81,12 +81,12 @@ def test_a_click_puts_a_judge_on_the_stage_and_takes_a_method(here):
                    "its picture")
 
 
-def watched(scene: BarScene) -> tuple[History, SimpleNamespace]:
+def watched(scene: BarScene) -> tuple[NormHistory, SimpleNamespace]:
     """A history of some hundred steps, and a session that has it."""
-    solver, history = build(scene), History(scene, scene.particles)
+    solver, history = build(scene), NormHistory(scene, scene.particles)
     history.add(solver.measure())
     history.add(solver.advance(300))
-    return history, SimpleNamespace(pinned=None, history=history, speed=1.0, ended=False)
+    return history, SimpleNamespace(pinned=None, history=history, speed=1.0, is_over=False)
 
 
 def test_a_run_that_is_ok_for_positions_alone_says_so_in_its_readout():
@@ -137,7 +137,7 @@ def test_an_error_that_is_nothing_but_rounding_has_no_index_on_the_page():
     (BarScene(modulus=64.0), "1.2 of 1.25 periods/s"), (BarScene(modulus=0.25), "0.075 of 1.25 periods/s")])
 def test_the_speed_is_read_in_periods(scene, said):
     """0.3 simulated seconds a second are 1.2 periods of 1/4 s, or 0.075 of 4 s, and only that is too slow."""
-    session = SimpleNamespace(history=SimpleNamespace(series={}, margin=np.nan), speed=1.25, pinned=None, ended=False)
+    session = SimpleNamespace(history=SimpleNamespace(series={}, margin=np.nan), speed=1.25, pinned=None, is_over=False)
     report = replace(report_of(scene), real_speed=0.3, playing=True)
     html = live_readout(session, session.history, report, "x", "transport", None, WorstRegions()).html
     assert f"<td>speed</td>\n<td>{said}" in html

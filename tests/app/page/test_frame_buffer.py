@@ -13,7 +13,7 @@ from app.page.headline import frame_headline
 from app.page.panels.readout import live_readout
 from app.page.stage.worst_region import WorstRegions
 from app.page.visit.frame_buffer import MOST_BYTES, MOST_FRAMES, FrameBuffer, frame_bytes
-from app.page.visit.history import LAST_PERIODS, MOST_ROWS, DownsampledSeries, History, series_until
+from app.page.visit.history import LAST_PERIODS, MOST_ROWS, DownsampledSeries, NormHistory, series_until
 from solvers.engine.shared_frames import FrameOptions, block_bytes, read_frame, write_frame
 from solvers.problems.bar.scene import BarScene
 from solvers.running.run import build
@@ -41,7 +41,7 @@ def recent_of(steps, **last):
 
 
 def shown(recent):
-    report, arrays = recent.shown
+    report, arrays = recent.shown_frame
     assert arrays.position[0, 0] == report.step
     return report.step
 
@@ -76,15 +76,15 @@ def engine_frame(solver):
 def test_looking_back_needs_a_pause_and_ends_when_the_run_moves_or_begins_anew():
     """A frame that only holds something else, of the same step, changes nothing but itself."""
     recent = FrameBuffer()
-    assert recent.shown is None and recent.reach == (0, 0.0)
+    assert recent.shown_frame is None and recent.reach == (0, 0.0)
     for step in range(10):
         recent.add(*frame(step, fresh=step == 0))
     recent.go_back(3)
-    assert shown(recent) == 9 and recent.ago == 0
+    assert shown(recent) == 9 and recent.lag == 0
     recent.add(*frame(9, playing=False))
     recent.go_back(3)
-    assert shown(recent) == 6 and not recent.shown[0].playing
-    assert recent.ago == pytest.approx(3 * BAR.time_step / BAR.period)
+    assert shown(recent) == 6 and not recent.shown_frame[0].playing
+    assert recent.lag == pytest.approx(3 * BAR.time_step / BAR.period)
     recent.add(*frame(9, playing=False))
     assert shown(recent) == 6 and len(recent.frames) == 10
     recent.add(*frame(10, playing=False))  # a single step
@@ -101,8 +101,8 @@ def test_looking_back_needs_a_pause_and_ends_when_the_run_moves_or_begins_anew()
 def test_numbers_are_those_of_the_frame():
     """The readout of an earlier frame is that of the live run when it was there, but for how the page goes."""
     scene = BarScene(cells=10, ppc=2, periods=1, estimators=("transport",))
-    solver, history, seen = build(scene), History(scene, 20), []
-    session = SimpleNamespace(pinned=None, history=history, speed=1.0, ended=False)
+    solver, history, seen = build(scene), NormHistory(scene, 20), []
+    session = SimpleNamespace(pinned=None, history=history, speed=1.0, is_over=False)
     for step in range(12):
         history.add(solver.measure() if step == 0 else solver.advance(40))
         report = replace(report_of(scene), step=solver.step, time=solver.time, playing=False)
@@ -139,7 +139,7 @@ def test_a_course_is_thinned_evenly_and_bounded():
 def test_the_latest_periods_stay_fine_however_long_the_run():
     """Each sample of two periods in a run whose whole course has become eight times as coarse."""
     scene, each = BAR, 100  # samples in a period
-    history, columns = History(scene, 20), len(columns_of(scene.active_estimators, scene.active_effects))
+    history, columns = NormHistory(scene, 20), len(columns_of(scene.active_estimators, scene.active_effects))
     steps = np.arange(8 * MOST_ROWS) * scene.period / scene.time_step / each
     for few in np.split(steps, len(steps) // 8):
         history.add(np.pad(few[:, None], ((0, 0), (0, columns - 1))))
@@ -161,7 +161,7 @@ def test_a_rate_of_crossings_is_per_second(scene):
     """A history made up: 40 crossings a second, then none, then 120; looked at a hundred times a period, and seldom.
     The rate is there a window later, whatever the period is: a number by the period would be wrong by as much."""
     T = scene.period
-    history = History(scene, scene.particles)
+    history = NormHistory(scene, scene.particles)
     for steps in (300, 15):
         time = np.linspace(0, 3 * T, steps + 1)
         count = np.interp(time, [0, T, 2 * T, 3 * T], np.cumsum([0, 40 * T, 0, 120 * T]))

@@ -9,7 +9,7 @@ from websockets.exceptions import ConnectionClosed, InvalidStatus
 
 from app.access.network_limits import PendingConnections, TokenBucket, TokenBuckets, network_of
 from app.viewer import connection, upload, web_server
-from tests.app.page.features.test_own_file import Sender
+from tests.app.page.features.test_upload import Sender
 from tests.support.page_server import start_server
 from tests.support.processes import measure_starvation, wait_until
 from tests.support.raw_client import RawClient
@@ -30,19 +30,19 @@ def test_networks(address, network):
 def test_a_bucket_for_each_network_and_only_for_the_latest():
     buckets = TokenBuckets(lambda: TokenBucket(1, 0.1), remembered=3)
     for network in "abc":
-        buckets.of(network).pay()
-    assert buckets.of("a").wait() > 9 and buckets.of("d").wait() == 0 and len(buckets) == 3
-    assert buckets.of("a").wait() > 9 and buckets.of("b").wait() == 0  # b was the one that had not been met for longest
+        buckets.get(network).spend()
+    assert buckets.get("a").delay() > 9 and buckets.get("d").delay() == 0 and len(buckets) == 3
+    assert buckets.get("a").delay() > 9 and buckets.get("b").delay() == 0  # b had not been met for longest
 
 
 def test_whoever_has_waited_longest_makes_room_in_his_own_network():
     room = PendingConnections[str](of_one=2, of_all=5)
-    assert [room.enter(who, who[0]) for who in ("a1", "a2", "b1", "a3")] == [None, None, None, "a1"]
-    room.leave("a2")
-    room.leave("a2")
-    assert [room.enter(who, who[0]) for who in ("a4", "c1", "b2")] == [None, None, None] and len(room) == 5
-    assert room.enter("d1", "d") == "a3"  # all places are taken: one of a network that has most
-    assert room.enter("b3", "b") == "b1" and len(room) == 5
+    assert [room.add(who, who[0]) for who in ("a1", "a2", "b1", "a3")] == [None, None, None, "a1"]
+    room.discard("a2")
+    room.discard("a2")
+    assert [room.add(who, who[0]) for who in ("a4", "c1", "b2")] == [None, None, None] and len(room) == 5
+    assert room.add("d1", "d") == "a3"  # all places are taken: one of a network that has most
+    assert room.add("b3", "b") == "b1" and len(room) == 5
 
 
 @pytest.fixture(scope="module")

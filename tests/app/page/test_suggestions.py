@@ -7,7 +7,7 @@ import pytest
 
 from app import state
 from app.page.features.suggestions import Suggestions, what_now
-from app.page.visit.history import History
+from app.page.visit.history import NormHistory
 from app.page.visit.session import first_scene
 from app.problems.suggestion import NotNow
 from app.problems.views import VIEWS
@@ -25,7 +25,7 @@ BASES = [*map(first_scene, PROBLEMS),
 
 def ran(scene, periods):
     """A run's history, as long as that."""
-    solver, history = build(scene), History(scene, scene.particles)
+    solver, history = build(scene), NormHistory(scene, scene.particles)
     history.add(solver.measure())
     while solver.time < periods * scene.period:
         history.add(solver.advance(scene.sample_interval))
@@ -35,7 +35,7 @@ def ran(scene, periods):
 @pytest.mark.parametrize("base", BASES, ids=lambda scene: scene.problem)
 def test_three_a_problem_each_of_which_can_be_asked(base):
     """And has a link; what it compares with is what was on the stage."""
-    sparks = VIEWS[base.problem].sparks(State(base))
+    sparks = VIEWS[base.problem].suggestions(State(base))
     assert len({spark.key for spark in sparks}) == 3
     for spark in sparks:
         asked = spark.offer(State(base)).state
@@ -46,12 +46,12 @@ def test_three_a_problem_each_of_which_can_be_asked(base):
 def test_what_cannot_be_asked_says_why():
     bar = replace(first_scene("bar"), cells=100)
     with pytest.raises(NotNow, match="160 cells are the most here"):
-        VIEWS["bar"].sparks(State(bar))[0].offer(State(bar))
-    broken = VIEWS["bar"].sparks(State(bar))[2].offer(State(bar)).state
+        VIEWS["bar"].suggestions(State(bar))[0].offer(State(bar))
+    broken = VIEWS["bar"].suggestions(State(bar))[2].offer(State(bar)).state
     with pytest.raises(NotNow, match="it is on the stage"):
-        VIEWS["bar"].sparks(broken)[2].offer(broken)
+        VIEWS["bar"].suggestions(broken)[2].offer(broken)
     crossing = replace(bar, method="mpm")
-    assert VIEWS["bar"].sparks(State(crossing))[1].offer(State(crossing)).title == "Smooth the crossing"
+    assert VIEWS["bar"].suggestions(State(crossing))[1].offer(State(crossing)).title == "Smooth the crossing"
 
 
 class Stage:

@@ -83,9 +83,9 @@ def test_room_is_shared_out():
     """A network has its part and no more, all together have no more than there is; what is given back is there."""
     room = DiskQuota(of_one=10, of_all=25)
     assert room.take("10.0.0.1", 6) and not room.take("10.0.0.2", 6) and room.take("10.0.0.2", 4)
-    assert room.take("10.0.1.1", 10) and not room.take("10.0.2.1", 6) and room.take("10.0.2.1", 5) and room.taken == 25
-    room.give_back("10.0.0.9", 6)
-    assert room.taken == 19 and room.take("10.0.0.1", 6) and not room.take("10.0.0.1", 1)
+    assert room.take("10.0.1.1", 10) and not room.take("10.0.2.1", 6) and room.take("10.0.2.1", 5) and room.used == 25
+    room.release("10.0.0.9", 6)
+    assert room.used == 19 and room.take("10.0.0.1", 6) and not room.take("10.0.0.1", 1)
 
 
 def an_upload(arrived, refused):
@@ -98,12 +98,12 @@ def an_upload(arrived, refused):
 
 
 def start(one, size, transfer="t", who="10.0.0.1"):
-    return one.take(upload.START, {"transfer_uuid": transfer, "filename": "mine.csv", "size_bytes": size,
-                                   "part_count": -(-size // upload.PART_BYTES)}, who)
+    return one.handle(upload.START, {"transfer_uuid": transfer, "filename": "mine.csv", "size_bytes": size,
+                                     "part_count": -(-size // upload.PART_BYTES)}, who)
 
 
 def part(one, content, index=0, transfer="t"):
-    return one.take(upload.PART, {"transfer_uuid": transfer, "part_index": index, "content": content})
+    return one.handle(upload.PART, {"transfer_uuid": transfer, "part_index": index, "content": content})
 
 
 def test_files_take_room_until_their_visitor_goes(monkeypatch):
@@ -111,14 +111,14 @@ def test_files_take_room_until_their_visitor_goes(monkeypatch):
     room, arrived, refused = DiskQuota(3_000_000, 5_000_000), [], []
     monkeypatch.setattr(upload, "ROOM", room)
     one, other = an_upload(arrived, refused), an_upload(arrived, refused)
-    assert start(one, 3) is None and part(one, b"abc") is None and arrived and room.taken == 3
-    assert start(one, 2_000_000, "t2") is None and room.taken == 2_000_003
+    assert start(one, 3) is None and part(one, b"abc") is None and arrived and room.used == 3
+    assert start(one, 2_000_000, "t2") is None and room.used == 2_000_003
     assert "no room" in start(other, 2_000_000) and refused == [upload.NO_ROOM]
     assert start(other, 2_000_000, who="10.9.9.9") is None  # of another network
     assert "on its way" in start(one, 5, "t3")
     monkeypatch.setattr(upload, "STUCK", 0.0)
-    assert start(one, 5, "t3") is None and room.taken == 2_000_008 and part(one, b"abcde", 0, "t3") is None
-    assert room.taken == 2_000_005  # the newer file is there in place of the older one
+    assert start(one, 5, "t3") is None and room.used == 2_000_008 and part(one, b"abcde", 0, "t3") is None
+    assert room.used == 2_000_005  # the newer file is there in place of the older one
     folders, over = [one.folder, other.folder], threading.Event()
 
     def write():
@@ -136,7 +136,7 @@ def test_files_take_room_until_their_visitor_goes(monkeypatch):
     other.clear()
     writer.join()
     one.clear()
-    assert not any(folder.exists() for folder in folders) and room.taken == 0
+    assert not any(folder.exists() for folder in folders) and room.used == 0
 
 
 def test_a_run_gone_bad_is_no_warning():
@@ -147,7 +147,7 @@ def test_a_run_gone_bad_is_no_warning():
     arrays = SimpleNamespace(position=bad, displacement=bad)
     with warnings.catch_warnings():
         warnings.simplefilter("error")
-        WorstRegions().look(SimpleNamespace(scene=scene, status=soundness.UNSTABLE), arrays, view, "x")
+        WorstRegions().find(SimpleNamespace(scene=scene, status=soundness.UNSTABLE), arrays, view, "x")
 
 
 def test_nothing_is_asked_for_while_the_browser_takes_nothing(here, monkeypatch):

@@ -12,7 +12,7 @@ from app.words import per_cent
 from solvers.running.run import build
 from tests.app.frame.test_view import report_of
 from tests.app.page.panel import page_view
-from tests.app.page.test_recent import engine_frame
+from tests.app.page.test_frame_buffer import engine_frame
 
 
 def frame(scene, periods):
@@ -74,7 +74,7 @@ def test_four_beats_in_the_runs_own_numbers(quarter):
     assert splines < 0.1 * wrong and (other.steps_since_crossing >= 0).sum() == crossed.sum() == 10
 
     visit = Visit()
-    visit.story.hear("play")
+    visit.story.on_message("play")
     assert visit.asked == ["open"] and "exact stress" in visit.at(0.01) and "data-beat='1'" in visit.html.content
     assert "No particle has changed its cell yet" in visit.at(0.15) and "data-beat='2'" in visit.html.content
     visit.pinned.last = quarter[1]
@@ -94,17 +94,17 @@ def test_four_beats_in_the_runs_own_numbers(quarter):
 def test_it_can_be_left_and_anything_else_ends_it():
     """Left, it hurries to the quarter; with another scene it does nothing more. Over a lesson it is not told."""
     visit = Visit()
-    visit.story.hear("skip")
+    visit.story.on_message("skip")
     assert visit.asked == []
-    visit.story.hear("play")
+    visit.story.on_message("play")
     visit.at(0.01)
-    visit.story.hear("skip")
+    visit.story.on_message("skip")
     assert visit.story.beat == 0 and visit.asked == ["open", "hurry"]
     visit.at(QUARTER)
     assert visit.asked[2:] == ["no end", "hurry"]
     for change in (lambda v: setattr(v, "scene", replace(v.scene, cells=20)), lambda v: setattr(v, "pinned", None)):
         other = Visit()
-        other.story.hear("play")
+        other.story.on_message("play")
         other.at(0.01)
         change(other)
         other.at(0.02)
@@ -115,19 +115,19 @@ def test_it_can_be_left_and_anything_else_ends_it():
     chosen.at(0.02)
     assert chosen.asked == []
     lesson = Visit()
-    lesson.story.hear("play")
+    lesson.story.on_message("play")
     lesson.story.refresh(page_view(alone=False))
     assert lesson.story.beat == 0
-    lesson.story.hear({"no": "word"})
+    lesson.story.on_message({"no": "word"})
 
 
 def test_it_does_not_pause_before_the_pinned_run_is_there():
     """That begins both anew once it is compiled: paused before, they would stand at t = 0 for good."""
     visit = Visit()
     visit.compiled = False
-    visit.story.hear("play")
+    visit.story.on_message("play")
     visit.at(0.01)
-    visit.story.hear("skip")
+    visit.story.on_message("skip")
     visit.at(QUARTER)
     assert visit.asked == ["open", "hurry"]
     visit.compiled = True

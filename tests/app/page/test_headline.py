@@ -33,7 +33,7 @@ def told(scene=BAR, drawn="transport", series=SERIES, crossed=(), ago=0.0, **cha
     report, arrays = replace(report_of(scene), time=0.35, **changes), arrays_of(ERROR / 2, ERROR)
     arrays.steps_since_crossing[:len(crossed)] = crossed
     view, worst = view_of_frame(report, arrays, "x", drawn, False), WorstRegions()
-    worst.look(report, arrays, view, "x")
+    worst.find(report, arrays, view, "x")
     return frame_headline(report, arrays, view, worst, {name: np.array(v) for name, v in series.items()}, "x", drawn,
                           ago)
 
@@ -57,7 +57,7 @@ def test_no_place_of_a_run_is_marked_in_another_one(monkeypatch):
 
     def found(scene):
         report, arrays = replace(report_of(scene), time=0.35), arrays_of(ERROR / 2, ERROR)
-        worst.look(report, arrays, view_of_frame(report, arrays, "x", "transport", False), "x")
+        worst.find(report, arrays, view_of_frame(report, arrays, "x", "transport", False), "x")
 
     found(BAR)
     assert worst.remarks(BAR).worst[1] is not None and worst.remarks(other) == NOTHING
@@ -74,7 +74,7 @@ def test_where_it_is_worst_is_looked_for_in_each_of_the_two():
     estimated[17] = 0.002
     arrays = arrays_of(estimated, ERROR)
     view, worst = view_of_frame(report, arrays, "x", "transport", False), WorstRegions()
-    worst.look(report, arrays, view, "x")
+    worst.find(report, arrays, view, "x")
     assert worst.by_estimate.particles[17] and not worst.by_estimate.particles[6]
     assert worst.by_truth.particles[6] and not worst.by_truth.particles[17]
     drawn = worst.remarks(BAR).worst
@@ -84,12 +84,12 @@ def test_where_it_is_worst_is_looked_for_in_each_of_the_two():
 
 def test_the_eye_gets_the_same_in_spans():
     """The number is marked, what is true and what is estimated, and that a run is lost."""
-    assert {text: kind for kind, text in told().shown if kind} == {
+    assert {text: kind for kind, text in told().spans if kind} == {
         "10 %": "number", "wrong": "truth", "transport": "estimate", "44 %": "figure"}
-    assert told(status=LOST, since=0.2).shown[0] == ("bad", "The run is lost from t = 0.2 s on")
+    assert told(status=LOST, since=0.2).spans[0] == ("bad", "The run is lost from t = 0.2 s on")
     assert said(status=UNSTABLE, playing=False) == \
         "The run went unstable and has stopped at t = 0.35 s. This is its last picture."
-    assert " ".join(["".join(text for _, text in told().shown), *told().sentences]) == said()
+    assert " ".join(["".join(text for _, text in told().spans), *told().sentences]) == said()
 
 
 @pytest.mark.parametrize(("beyond", "who"), [(1, "2 particles"), (0, "3 particles")])
@@ -120,7 +120,7 @@ def test_crossings_are_those_of_the_last_twentieth_of_a_period(beyond, who):
 def test_a_run_that_stands_is_told_of_its_moment_and_what_is_not_known_is_not_told(begins, given, changes):
     """That it is lost or unstable comes first. Without truth the worst place is that of the estimate."""
     assert said(replace(BAR, **given), **changes).startswith(begins)
-    assert frame_headline(None, None, None, WorstRegions(), {}, "x", None) == Headline.of(WAITING)
+    assert frame_headline(None, None, None, WorstRegions(), {}, "x", None) == Headline.make(WAITING)
 
 
 def test_sentences_come_calmly():
@@ -133,7 +133,7 @@ def test_sentences_come_calmly():
     speaker = HeadlinePanel(SimpleNamespace(add_html=lambda _: Html()), lambda: now)
     for sentence, now in (("one", 5.0), ("two", 5.0 + 0.9 * SAY_SECONDS), ("three", 5.0 + SAY_SECONDS),  # noqa: B007
                           ("three", 5.0 + 3 * SAY_SECONDS)):
-        speaker.say(Headline.of(sentence))
+        speaker.say(Headline.make(sentence))
     assert heard == [("One.", 0), ("Three.", 0)]
     speaker.say(Headline((("", "paused"),), moment="another"))  # said at once, and read aloud
     assert heard[2:] == [("Paused.", 1)]
