@@ -67,3 +67,27 @@ def test_only_its_own_room_touches_private_parts_of_the_viewer():
 def test_no_file_is_too_long():
     lengths = {str(path.relative_to(ROOT)): path.read_text(encoding="utf-8").count("\n") for path in SOURCES}
     assert {path: n for path, n in lengths.items() if n > LONGEST_FILE} == {}
+
+
+#: Names that meant several things here, or nothing to a stranger, and what to take instead.
+VAGUE = {
+    "told said says shown drawn spoken": "what it makes: format_..., to_json, draw_...",
+    "found known looked look": "what it looks for: find_..., probe_..., or the quantity",
+    "heard hearing asked wish wanted": "the event: on_..., a request, a message",
+    "kept held taken laid given made carried": "store_..., load_..., or the quantity",
+    "of here there ours alone apart back beside who why": "a noun or a verb",
+    "bell tower": "event, notifier", "door doors anteroom": "access control", "spark sparks": "suggestion",
+    "lectern": "lecturer's panel", "shelf": "catalogue", "hands": "controls", "room": "bounds, quota", "seat": "slot",
+    "sight": "display", "trouble": "error", "doubt": "why_not_trusted", "goodbye": "close", "pulse": "ping",
+    "wire": "queue"}
+
+
+def test_vague_names_do_not_come_back():
+    """Of modules, classes and functions; names that are longer say more."""
+    instead, vague = {word: term for words, term in VAGUE.items() for word in words.split()}, {}
+    for path in SOURCES:
+        names = [(path.stem, 1), *((node.name, node.lineno) for node in ast.walk(ast.parse(path.read_text("utf-8")))
+                                   if isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef | ast.ClassDef))]
+        vague |= {f"{path.relative_to(ROOT)}:{line} {name}": instead[word] for name, line in names
+                  if (word := name.strip("_").lower()) in instead}
+    assert vague == {}, "take the term instead"

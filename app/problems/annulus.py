@@ -121,7 +121,7 @@ def _draw(stage: type[AnnulusStage], look: AnnulusRegions, figure: Any, space: A
     from app.renderers.panel_style import drawable_or_gap, robust_size
     from app.renderers.plane_panels import draw_halves, draw_profile
 
-    scene, shown, mirrored = result.scene, result.shown, stage.MIRRORS != WHOLE
+    scene, shown, mirrored = result.scene, result.picture_snapshot, stage.MIRRORS != WHOLE
     angles = np.linspace(0, scene.ANGLE, RIM_POINTS)
     rims = [R * np.stack([np.cos(angles), np.sin(angles)], axis=1) for R in (scene.INNER, scene.OUTER)]
     moved = [rim + scene.EXACT.displacement(scene, rim, shown.time) for rim in rims]

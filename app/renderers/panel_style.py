@@ -42,7 +42,7 @@ def estimator_styles(result: Result) -> list[tuple[str, str, Any]]:
 def when_text(result: Result) -> str:
     """Returns the time at which the particles are shown, as text."""
     why = "" if result.mid_run is None else " (last peak of the motion)"
-    return f"at t = {result.shown.time:.4g} s{why}"
+    return f"at t = {result.picture_snapshot.time:.4g} s{why}"
 
 
 def subsample_indices(count: int) -> np.ndarray:

@@ -38,7 +38,7 @@ OVER_WIDTH = Profile(lambda X: X[:, 0], "the width", "X", "material coordinate X
 
 def draw_profile(axes: Axes, result: Result, stage: type[PlanarStage], over: Profile = OVER_RADIUS) -> None:
     """Draws the error along a coordinate: each particle, and the RMS over thin shells."""
-    at, inner, outer = result.shown, stage.PLOT.start, stage.PLOT.end
+    at, inner, outer = result.picture_snapshot, stage.PLOT.start, stage.PLOT.end
     radius = over.coordinate(at.material_position)
     lines = [] if at.error is None else [("true", at.error[:, 0], TRUTH, "-")]
     lines += [(name, at.estimate[name][:, 0], *look) for name, *look in panel_style.estimator_styles(result)]
@@ -91,7 +91,7 @@ def draw_halves(figure: Figure, place: SubplotSpec, result: Result, stage: type[
 
     For a body mirrored at x = 0 the estimate is the left image and the truth the right one; else each half has its own
     particles. ``lines`` (n, 2) in metres are exact, ``told`` is their name; a metre is ``per_metre`` points."""
-    shown, mirrored = result.shown, (-1, 1) in stage.MIRRORS
+    shown, mirrored = result.picture_snapshot, (-1, 1) in stage.MIRRORS
     few = panel_style.subsample_indices(len(shown.position))
     few = few[np.isfinite(shown.position[few]).all(axis=1)]  # an unstable run leaves NaN
     x, y = panel_style.drawable_or_gap(shown.position[few]).T

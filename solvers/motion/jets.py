@@ -102,13 +102,13 @@ def _product(a: Component, b: Component) -> Component:
 
 def _elementary(function: Callable[[Any], Any], slopes: Callable[[Any, Any], tuple[Any, Any]]) -> Callable[[Any], Any]:
     """Returns a function of numbers and jets; ``slopes`` gives slope and curvature from argument and value."""
-    def of(x: Any) -> Any:
+    def extended(x: Any) -> Any:
         if not isinstance(x, Jet):
             return function(x)
         value = function(x.value)
         return x.compose(value, *slopes(x.value, value))
 
-    return of
+    return extended
 
 
 sin = _elementary(np.sin, lambda x, value: (np.cos(x), -value))

@@ -108,9 +108,9 @@ def evaluate(goal: Goal, fields: Fields, scene: Scene, steps: int) -> dict[str, 
 
 def mask_refused(goals: Mapping[str, dict], refused: Mapping[str, str]) -> dict[str, dict]:
     """Returns the goals with None for estimators that do not hold."""
-    def said(of: dict) -> dict:
+    def mask(of: dict) -> dict:
         return {name: None if name in refused else value for name, value in of.items()}
-    return {name: {**goal, "estimated_error": said(goal["estimated_error"]), "bar": said(goal["bar"])}
+    return {name: {**goal, "estimated_error": mask(goal["estimated_error"]), "bar": mask(goal["bar"])}
             for name, goal in goals.items()}
 
 

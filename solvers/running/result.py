@@ -144,7 +144,7 @@ class Result:
         return None
 
     @property
-    def shown(self) -> Snapshot:
+    def picture_snapshot(self) -> Snapshot:
         """Particles at the time that a picture shows."""
         return self.mid_run or self.final
 
@@ -208,28 +208,28 @@ class Result:
         return {q: nothing_but(limit) for q, limit in limits.items()
                 if error_norms.is_only_rounding(self.series[f"error_{q}"], limit)}
 
-    def found(self, effect: str) -> Any:
+    def effect_numbers(self, effect: str) -> Any:
         """Returns the numbers of an effect (``solvers.scene.effects``), as in the JSON object; None where it is off."""
-        return ALL[effect].found(self.series) if self.scene.has(effect) else None
+        return ALL[effect].json_value(self.series) if self.scene.has(effect) else None
 
     def __getattr__(self, name: str) -> Any:
         """Returns the numbers of an effect without a property of its own, by its key in the JSON object."""
         for effect in ALL.values():
             if effect.numbers and effect.json_key == name:
-                return self.found(effect.name)
+                return self.effect_numbers(effect.name)
         raise AttributeError(f"a result has no {name}")
 
     @property
     def energy(self) -> dict | None:
         """Kinetic plus strain energy E in J (``initial``, ``final``) and its ``drift`` (E - W - E0)/E0, W the work of
         the body force; None where the effect is off."""
-        return self.found("energy")
+        return self.effect_numbers("energy")
 
     @property
     def angular_momentum(self) -> dict | None:
         """Angular momentum; its gain beyond the torque of the body force ("drift") and beyond the exact solution
         ("error"), over the initial value. None where the effect is off."""
-        return self.found("spin")
+        return self.effect_numbers("spin")
 
     @property
     def budget(self) -> dict | None:
@@ -266,7 +266,7 @@ class Result:
     @property
     def grid_crossings(self) -> int | None:
         """Number of times that a particle entered another cell; None where the effect is off."""
-        return self.found("crossings")
+        return self.effect_numbers("crossings")
 
     @property
     def soundness(self) -> dict:
@@ -280,7 +280,7 @@ class Result:
             **self.verdict, "t": self.time, "steps": self.steps, "particles": self.particles,
             "error": self.error, "estimate": self.estimate, "index": self.index, "rounding": self.rounding,
             "distance": self.distance, "goals": self.goals,
-            **{effect.json_key: self.found(name) for name, effect in ALL.items() if effect.numbers},
+            **{effect.json_key: self.effect_numbers(name) for name, effect in ALL.items() if effect.numbers},
             "budget": self.budget, "soundness": self.soundness, "step": self.step, "life": self.life,
             "effects": self.effects, "bytes": self.bytes, "not_valid": self.not_valid,
             "seconds": {"setup": self.seconds.setup, "compile": self.seconds.compile, "run": self.seconds.run,

@@ -116,7 +116,7 @@ class Effect:
         made = {number.key: (number.kind, number.of(series)) for number in self.numbers}
         return {key: kind(value) if math.isfinite(value) else None for key, (kind, value) in made.items()}
 
-    def found(self, series: Series) -> Any:
+    def json_value(self, series: Series) -> Any:
         """Returns its numbers as in JSON objects: a mapping by key, or the only number itself."""
         values = self.values(series)
         return values.get("", values)

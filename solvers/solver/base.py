@@ -116,7 +116,7 @@ class Solver(ABC):
 
     def measure(self) -> np.ndarray:
         """Checks and samples the state: returns one row (1, columns)."""
-        self._stepping.look(self.step, MEASURE)
+        self._stepping.inspect_state(self.step, MEASURE)
         return self._with_margin(self._arrays.samples[:1].copy())
 
     def _with_margin(self, rows: np.ndarray) -> np.ndarray:

@@ -77,7 +77,7 @@ class SerialStepper:
         """Takes steps after ``before`` of them, or until a check finds the run unstable."""
         self._advance(before, steps, STEP)
 
-    def look(self, step: int, purpose: int) -> None:
+    def inspect_state(self, step: int, purpose: int) -> None:
         """Samples the state after ``step`` steps into row 0, or only updates the estimates."""
         self._advance(step, 1, purpose)
 

@@ -75,7 +75,7 @@ def search(fields: dict, tell: Callable[[dict], None]) -> None:
         return Point(cells, math.inf if found["error"] is None else found["error"],
                      math.inf if rate is None else rate, found["status"], found["reason"])
 
-    def look(looks: int, certain: int, scene: Scene) -> None:
+    def report_look(looks: int, certain: int, scene: Scene) -> None:
         tell({"look": looks, "certain": certain, "task": task_of(scene).to_dict()})
 
     def keep(family: Family, point: Point) -> None:
@@ -87,7 +87,7 @@ def search(fields: dict, tell: Callable[[dict], None]) -> None:
                                 "status": point.status, "reason": point.reason}
         tell(message)
 
-    advice = advise(choices, Goal(job.quantity, job.tolerance, job.budget), look, keep, recall)
+    advice = advise(choices, Goal(job.quantity, job.tolerance, job.budget), report_look, keep, recall)
     chosen = advice.chosen
     tell({"advice": {"met": advice.met, "task": task_to_watch(chosen.scene).to_dict(), "measured": chosen.is_measured,
                      "error": finite(chosen.error), "seconds": chosen.seconds, "why": advice.why,

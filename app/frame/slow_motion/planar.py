@@ -1,4 +1,4 @@
-"""Slow motion of a plane problem's step: the cells around one particle, with shape functions beside them."""
+"""Slow motion of a plane problem's step: the cells around one particle, with shape functions graph_points them."""
 
 import numpy as np
 
@@ -11,7 +11,7 @@ from solvers.solver.step_breakdown import StepBreakdown
 
 AROUND = 0.75  # cells shown around the nodes
 HEIGHT = 0.13  # height of a shape function of one, as a share of the picture
-BESIDE = 0.36  # width of the text beside the picture
+BESIDE = 0.36  # width of the text graph_points the picture
 POINTS = 121  # of a curve
 
 
@@ -62,7 +62,7 @@ class PlanarSlowStage(SlowStage):
             x = np.linspace(self._low[axis], self._high[axis], POINTS)
             base = self._to_stage(self._low)[1 - axis]
 
-            def beside(along: np.ndarray, value: np.ndarray, axis: int = axis, base: float = base) -> np.ndarray:
+            def graph_points(along: np.ndarray, value: np.ndarray, axis: int = axis, base: float = base) -> np.ndarray:
                 """Returns points of the stage for a function's values at positions along the axis."""
                 out = np.empty((len(along), 2))
                 out[:, axis] = self._to_stage(np.stack([along, along], axis=1))[:, axis]
@@ -70,10 +70,10 @@ class PlanarSlowStage(SlowStage):
                 return out
 
             for node in np.unique(a.nodes[:, axis].round(12)):
-                curve = beside(x, averaged_hat((x - node) / a.spacing, reach))
+                curve = graph_points(x, averaged_hat((x - node) / a.spacing, reach))
                 self._sketch.line(curve[:-1], curve[1:], OTHERS, 2.0)
-                read = beside(feet[:, axis], averaged_hat((feet[:, axis] - node) / a.spacing, reach))
+                read = graph_points(feet[:, axis], averaged_hat((feet[:, axis] - node) / a.spacing, reach))
                 self._sketch.dots(read, FRONT, 0)
-            self._sketch.line(beside(feet[:, axis], np.zeros(len(feet))), self._to_stage(feet), FRONT)
+            self._sketch.line(graph_points(feet[:, axis], np.zeros(len(feet))), self._to_stage(feet), FRONT)
         if cpdi:
             self._sketch.dots(self._to_stage(feet), FRONT, 0)

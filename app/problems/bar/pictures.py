@@ -24,7 +24,7 @@ def draw(figure: Figure, space: Axes, particles: SubplotSpec, result: Result) ->
 
 def _draw_curve(axes: Axes, result: Result) -> None:
     """Draws the particles' displacements and the exact curve."""
-    shown, scene = result.shown, cast(BarScene, result.scene)
+    shown, scene = result.picture_snapshot, cast(BarScene, result.scene)
     fine = np.linspace(0, 1, 801)
     even = scene.initial_velocity * shown.time if scene.is_patch else 0.0  # which would hide the rest
     curve = exact_solution.displacement(scene, fine, shown.time) - even
@@ -43,7 +43,7 @@ def _draw_curve(axes: Axes, result: Result) -> None:
 
 def _draw_lanes(figure: Figure, axes: Axes, result: Result) -> None:
     """Draws a lane for each estimate and one for the truth, on one colour scale."""
-    shown, cells = result.shown, result.scene.cells
+    shown, cells = result.picture_snapshot, result.scene.cells
     position = cast(BarScene, result.scene).wrap_into_period(shown.position)
     lanes = [("truth", None if shown.error is None else np.abs(shown.error[:, 0]), TRUTH_INK)]
     lanes += [(f"estimate\n({name})", np.abs(shown.estimate[name][:, 0]), ESTIMATE_INK)

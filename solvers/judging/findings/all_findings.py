@@ -22,18 +22,18 @@ class FindingGroup:
     ``needs`` beside positions."""
 
     names: tuple[str, ...]
-    look: Callable[[Motion], list[Finding]]
+    check: Callable[[Motion], list[Finding]]
     needs: str = "x"
 
     def find_in(self, motion: Motion) -> list[Finding]:
         if motion.get(self.needs) is None:
             what = "F" if self.needs == "gradient" else self.needs
             return [unknown(name, f"no {what} in the files (or not always a number)") for name in self.names]
-        return self.look(motion)
+        return self.check(motion)
 
 
-def _for_quantity(look: Callable[[Motion, str], Finding], key: str) -> Callable[[Motion], list[Finding]]:
-    return lambda motion: [look(motion, key)]
+def _for_quantity(check: Callable[[Motion, str], Finding], key: str) -> Callable[[Motion], list[Finding]]:
+    return lambda motion: [check(motion, key)]
 
 
 INSIDE_OUT = FindingGroup((deformation.INSIDE_OUT,), lambda motion: [deformation.check_inverted(motion)], "F")

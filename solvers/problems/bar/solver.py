@@ -36,7 +36,7 @@ class BarSolver(Solver):
         self.setup_seconds = time.perf_counter() - begun
 
     def snapshot(self, differences: bool = False, plotted: str | None = None) -> Snapshot:
-        self._stepping.look(self.step, REPORT)
+        self._stepping.inspect_state(self.step, REPORT)
         a, scene, t = self._arrays, self.scene, self.time
         X, F = a.material_position, a.deformation_gradient / a.unstretched
         errors = None

@@ -26,7 +26,7 @@ class DiagnosticKernels(NamedTuple):
 
     node_acceleration_error: Callable  # (body, on): mean squared error of the nodes' acceleration
     strain_energy: Callable  # (body, p, on): of a particle, in J
-    look: Callable  # (body, row): for contradictions
+    record_contradictions: Callable  # (body, row): for contradictions
     samplers: dict[str, Callable]  # what fills the columns of effects: see ``solvers.scene.effects.samplers``
 
 

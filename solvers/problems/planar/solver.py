@@ -75,7 +75,7 @@ class PlanarSolver(Solver):
 
     def snapshot(self, differences: bool = False, plotted: str | None = None) -> Snapshot:
         a, on = self._arrays, self._switches
-        self._stepping.look(self.step, REPORT)
+        self._stepping.inspect_state(self.step, REPORT)
         self._stepping.fetch()
         F = a.deformation_gradient.reshape(-1, 2, 2)
         true = true_fields(self.scene, a, self.step) if on.truth else None
@@ -94,7 +94,7 @@ class PlanarSolver(Solver):
 
     def fields(self) -> Fields:
         a, on = self._arrays, self._switches
-        self._stepping.look(self.step, REPORT)
+        self._stepping.inspect_state(self.step, REPORT)
         self._stepping.fetch()
         said = {TRUTH: true_fields(self.scene, a, self.step)} if on.truth else {}
         said |= {name: estimated_fields(a, k) for k, name in enumerate(on.estimators)}

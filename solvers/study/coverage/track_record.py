@@ -85,7 +85,7 @@ def bets(scene: Scene) -> dict[str, dict[str, Ends | None]]:
     asked = replace(scene, estimators=scene.choices("estimators"), effects=EFFECTS)
     result = run(allow_refused(asked), mid_run=False, prices=False)
 
-    def said(name: str, quantity: str) -> float | None:
+    def positive_estimate(name: str, quantity: str) -> float | None:
         """Returns an estimator's value, refused or not; None where it is not positive and finite."""
         series = result.series.get(f"{name}/estimate_{quantity}")
         found = math.nan if series is None else float(series[-1])
@@ -93,10 +93,10 @@ def bets(scene: Scene) -> dict[str, dict[str, Ends | None]]:
 
     found: dict[str, dict[str, Ends | None]] = {}
     for q in QUANTITIES:
-        by_record = {name: bet_by_record(scene.problem, name, q, said(name, q))
+        by_record = {name: bet_by_record(scene.problem, name, q, positive_estimate(name, q))
                      if name in asked.estimators and not refusal_kind(name, asked,
                                                                       result) else None for name in ESTIMATORS}
-        found[q] = {**by_record, GCI: bet_by_grid_index(said(RICHARDSON, q))}
+        found[q] = {**by_record, GCI: bet_by_grid_index(positive_estimate(RICHARDSON, q))}
     return found
 
 

@@ -7,7 +7,7 @@ from solvers.problems.planar.method.material import cauchy_stress, cauchy_stress
 from solvers.problems.planar.method.node_errors import make_circular_node_error, make_node_error
 from solvers.problems.planar.method.phases import TOTALS
 from solvers.problems.planar.method.rotation import rotate_tensor, rotate_vector
-from solvers.problems.planar.method.soundness import make_circle_look, record_mode_moments
+from solvers.problems.planar.method.soundness import make_circle_contradictions, record_mode_moments
 from solvers.problems.planar.scene import PlanarScene
 from solvers.scene.effects import samplers
 from solvers.solver.field_tables import GRID, MODES, MOTION, PRESENT, RANK, find_functions, size_of
@@ -74,6 +74,7 @@ def make_diagnostic_kernels(kind: type[PlanarScene], first: int) -> DiagnosticKe
     """Returns the diagnostics of a problem with this scene class; nodes before ``first`` lie beyond a symmetry
     plane."""
     nodes = make_circular_node_error(kind, first) if kind.CIRCULAR else make_node_error(first if kind.PLANES[1] else 0)
-    look = make_circle_look(kind.INNER, kind.OUTER, kind.PLOTTED == "angular") if kind.CIRCULAR else record_mode_moments
+    record_contradictions = make_circle_contradictions(kind.INNER, kind.OUTER, kind.PLOTTED == "angular") \
+        if kind.CIRCULAR else record_mode_moments
     spin = {"spin": sample_angular_momentum} if "spin" in kind.OWN_EFFECTS else {}
-    return DiagnosticKernels(nodes, strain_energy, look, samplers(kind.problem, spin))
+    return DiagnosticKernels(nodes, strain_energy, record_contradictions, samplers(kind.problem, spin))

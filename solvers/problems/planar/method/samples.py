@@ -33,7 +33,7 @@ def sample(body: ti.template(), row, step, looks, measures: ti.template(), on: t
     sample_sums(body, row, step, measures, on)
     if ti.static(on.soundness):
         if looks:
-            measures.look(body, row)
+            measures.record_contradictions(body, row)
 
 
 @ti.func

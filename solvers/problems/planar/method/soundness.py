@@ -19,7 +19,7 @@ from solvers.solver.samples import column_index
 SAME = 1e-12  # relative difference of a distance computed twice, in loops compiled differently
 
 
-def make_circle_look(inner: float, outer: float, turns: bool) -> Callable:
+def make_circle_contradictions(inner: float, outer: float, turns: bool) -> Callable:
     """Returns the check for contradictions within a body between these radii, in m. Circles move along the radius only,
     so that motion around the centre is an error too, unless each ``turns`` as a whole.
 
@@ -27,7 +27,7 @@ def make_circle_look(inner: float, outer: float, turns: bool) -> Callable:
     bound of the error. A cartesian layout has next to no two particles on a circle, and shows little of it.
     """
     @ti.func
-    def look(body: ti.template(), row):
+    def record_contradictions(body: ti.template(), row):
         """Samples the gaps between neighbours and the distortion of circles, in m."""
         record_neighbour_gaps(body, row)
         turning = 0.0
@@ -57,7 +57,7 @@ def make_circle_look(inner: float, outer: float, turns: bool) -> Callable:
             body.samples[row, ti.static(column_index("motion_0")) + n] = motion[n]
         body.samples[row, ti.static(column_index("out_of_shape"))] = ti.sqrt((turning + scatter) / body.particles)
 
-    return look
+    return record_contradictions
 
 
 @ti.func

@@ -14,7 +14,7 @@ def symmetry_planes(low: bool, high: bool) -> dict[str, Any]:
     ghosts = tuple((side, k) for k in range(G) for side in ((0, 1) if high else (0,)))  # the lower end, and the upper
 
     @ti.func
-    def beside(body: ti.template(), side: ti.template(), k):
+    def row_from_end(body: ti.template(), side: ti.template(), k):
         """Returns the index of the k-th row or column from an end."""
         return k if ti.static(side == 0) else body.row - 1 - k
 
@@ -28,11 +28,11 @@ def symmetry_planes(low: bool, high: bool) -> dict[str, Any]:
         if ti.static(low):
             for j in range(body.active):
                 for side, k in ti.static(ghosts):
-                    ghost, image = beside(body, side, k), beside(body, side, 2 * G - k)
+                    ghost, image = row_from_end(body, side, k), row_from_end(body, side, 2 * G - k)
                     fold_pair(body, j * body.row + ghost, j * body.row + image, -1.0, 1.0)
             for i in range(body.active):
                 for side, k in ti.static(ghosts):
-                    ghost, image = beside(body, side, k), beside(body, side, 2 * G - k)
+                    ghost, image = row_from_end(body, side, k), row_from_end(body, side, 2 * G - k)
                     fold_pair(body, ghost * body.row + i, image * body.row + i, 1.0, -1.0)
 
     @ti.func
@@ -52,11 +52,11 @@ def symmetry_planes(low: bool, high: bool) -> dict[str, Any]:
         if ti.static(low):
             for j in range(G, body.active):
                 for side, k in ti.static(ghosts):
-                    ghost, image = beside(body, side, k), beside(body, side, 2 * G - k)
+                    ghost, image = row_from_end(body, side, k), row_from_end(body, side, 2 * G - k)
                     values[j * body.row + ghost] = ti.Vector([-1.0, 1.0, -1.0, 1.0]) * values[j * body.row + image]
             for i in range(body.active):
                 for side, k in ti.static(ghosts):
-                    ghost, image = beside(body, side, k), beside(body, side, 2 * G - k)
+                    ghost, image = row_from_end(body, side, k), row_from_end(body, side, 2 * G - k)
                     values[ghost * body.row + i] = ti.Vector([1.0, -1.0, 1.0, -1.0]) * values[image * body.row + i]
 
     @ti.func

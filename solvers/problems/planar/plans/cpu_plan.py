@@ -142,8 +142,8 @@ class CpuStepper(SerialStepper):
             if self._arrays.verdict[0] != SOUND:
                 break
 
-    def look(self, step: int, purpose: int) -> None:
+    def inspect_state(self, step: int, purpose: int) -> None:
         if self._parallel:
             self._inspect(step, 0, purpose)
         else:
-            super().look(step, purpose)
+            super().inspect_state(step, purpose)

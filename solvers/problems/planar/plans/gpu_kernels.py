@@ -28,7 +28,7 @@ class GpuKernels(NamedTuple):
     end_remedies: Any  # (state, on)
     check: Any  # (step, state, on)
     sample: Any  # (step, line, state, on)
-    look: Any  # (line, state, on)
+    contradictions: Any  # (line, state, on)
     report: Any  # (step, state, on)
     freeze: Any  # (state, on)
     find_margin: Any  # (state, on)
@@ -118,9 +118,9 @@ def make_gpu_kernels(State: Any, parts: PlanarParts) -> GpuKernels:
         sample_sums(body, line, step, MEASURES, on)
 
     @ti.kernel
-    def look(line: ti.i32, body: State, on: ti.template()):
+    def contradictions(line: ti.i32, body: State, on: ti.template()):
         """Samples contradictions into ``line``."""
-        MEASURES.look(body, line)
+        MEASURES.record_contradictions(body, line)
 
     @ti.kernel
     def report(step: ti.i32, body: State, on: ti.template()):
@@ -136,5 +136,5 @@ def make_gpu_kernels(State: Any, parts: PlanarParts) -> GpuKernels:
     def find_margin(body: State, on: ti.template()):
         stability_margin.step_margin(body, TRAITS, on)
 
-    return GpuKernels(to_nodes, to_particles, begin_remedies, sharpen, end_remedies, check, sample, look, report,
-                      freeze, find_margin)
+    return GpuKernels(to_nodes, to_particles, begin_remedies, sharpen, end_remedies, check, sample, contradictions,
+                      report, freeze, find_margin)

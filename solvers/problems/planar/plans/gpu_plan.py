@@ -128,7 +128,7 @@ class GpuStepper:
             launch.compile(0)
         kernels.sample.compile(0, 0)
         if on.soundness:
-            kernels.look.compile(0)
+            kernels.contradictions.compile(0)
         if on.filtered or on.coupled:
             kernels.begin_remedies.compile()
             kernels.sharpen.compile(0)
@@ -154,7 +154,7 @@ class GpuStepper:
                 line += 1
         self._device_arrays.fetch(*FETCHED)
 
-    def look(self, step: int, purpose: int) -> None:
+    def inspect_state(self, step: int, purpose: int) -> None:
         """Samples the state after ``step`` steps into row 0, or only updates the estimates."""
         if purpose == MEASURE:
             self._kernels.check(step)
@@ -180,7 +180,7 @@ class GpuStepper:
         self._report(step)
         self._kernels.sample(step, line)
         if looks and self._on.soundness:
-            self._kernels.look(line)
+            self._kernels.contradictions(line)
 
     def _report(self, step: int) -> None:
         """Updates the estimates. The CPU advances its part while the GPU has work in its queue."""
