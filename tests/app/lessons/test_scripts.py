@@ -65,7 +65,7 @@ from app.problems.views import VIEWS
 assert main(["sweep", "breathing", "--cells", "8", "--cfl", "0.2", "--repeats", "1", "--out", "sweep"]) == 0
 assert main(["problem", "breathing", "--cells", "8", "--out", "files"]) == 0
 assert main(["judge", "breathing", "files/exact.csv", "--cells", "8", "--out", "judged", "--quiet"]) in (0, 3)
-assert VIEWS["breathing"].sparks(None) and len(VIEWS["breathing"].prices) == 0
+assert VIEWS["breathing"].suggestions(None) and len(VIEWS["breathing"].prices) == 0
 assert VIEWS["square"].formula and VIEWS["breathing"].formula is None  # which has no displacement to type
 """
 
