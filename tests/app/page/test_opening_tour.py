@@ -29,8 +29,8 @@ class Visit:
     """A session that does what it is asked to, and the story told there."""
 
     def __init__(self):
-        self.now, self.asked, self.report, self.ended = 0.0, [], None, False
-        self.moves = None, 0
+        self.now, self.asked, self.report, self.is_over = 0.0, [], None, False
+        self.motion_key = None, 0
         self.compiled = True  # the pinned run
         self.scene = OPENING.scene
         self.pinned = SimpleNamespace(scene=OPENING.pinned, last=None, shortfall=lambda: None)
@@ -45,7 +45,7 @@ class Visit:
     def at(self, periods):
         """The frame after so many periods."""
         shown = frame(self.scene, periods)
-        self.report, self.ended = shown[0], periods >= QUARTER
+        self.report, self.is_over = shown[0], periods >= QUARTER
         if self.pinned and self.compiled:
             step, last = round(periods / QUARTER * OPENING.pinned.steps), self.pinned.last
             self.pinned.last = replace(shown[0], step=step), last and last[1]
@@ -111,7 +111,7 @@ def test_it_can_be_left_and_anything_else_ends_it():
         assert other.story.beat == 0 and other.asked == ["open", "no end"]  # a slider was moved, or the run unpinned
     chosen = Visit()
     chosen.at(0.01)
-    chosen.scene, chosen.moves = replace(chosen.scene, cells=20), (None, 1)  # whole, and with an end of its own
+    chosen.scene, chosen.motion_key = replace(chosen.scene, cells=20), (None, 1)  # whole, and with an end of its own
     chosen.at(0.02)
     assert chosen.asked == []
     lesson = Visit()
@@ -132,7 +132,7 @@ def test_it_does_not_pause_before_the_pinned_run_is_there():
     assert visit.asked == ["open", "hurry"]
     visit.compiled = True
     visit.at(0.01)
-    visit.ended = True  # as the frame before said
+    visit.is_over = True  # as the frame before said
     visit.story.refresh(page_view())
     assert visit.asked == ["open", "hurry"]
     visit.at(QUARTER)

@@ -321,7 +321,7 @@ FOUND = {"met": True, "task": task_of(SCENE).to_dict(), "error": None, "measured
 
 def test_advice_goes_when_what_was_asked_changes(tab):
     """What the search itself chooses, as when its advice is loaded, changes nothing; a remark goes with its input."""
-    tab.jobs.search_job = lambda job, quiet: None
+    tab.jobs.search = lambda job, quiet: None
     tab.widgets.by_label[SEARCH].click()
     tab.jobs.status = CostStatus("search", advice=FOUND)
     tab.widgets.by_label["Load this scene"].click()
