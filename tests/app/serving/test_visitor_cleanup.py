@@ -48,7 +48,7 @@ def test_what_fails_in_a_callback_is_one_line(capfd, caplog, monkeypatch):
     except ValueError as error:
         viser_patches.of_loop(None, {"message": SECRET, "exception": error})
     lines = [record.getMessage() for record in caplog.records]
-    place = f"ValueError in test_left_behind.py, line {fail.__code__.co_firstlineno + 1}"
+    place = f"ValueError in test_visitor_cleanup.py, line {fail.__code__.co_firstlineno + 1}"
     assert len(lines) == 2 and all(line.endswith(place) for line in lines), lines
     assert place_of(KeyError(SECRET)) == "KeyError"  # without a trace
     assert SECRET not in caplog.text and "Traceback" not in caplog.text and capfd.readouterr() == ("", "")
