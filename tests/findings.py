@@ -20,7 +20,7 @@ import numpy as np
 
 from solvers.judging.check import CONSISTENT, check
 from solvers.judging.column_names import table_from_arrays
-from solvers.judging.error_norms import Companions, summarise_norms
+from solvers.judging.error_norms import TwoMeshCompanion, summarise_norms
 from solvers.judging.judgement import GridJudgement
 from solvers.judging.particle_matching import match_files
 from solvers.judging.reference_runs import frame_of_snapshot
@@ -76,7 +76,7 @@ def judgement(scene: Scene, arrays: Files) -> GridJudgement:
     settled, [found] = match_files([table_from_arrays("files", arrays)], replace(scene, cells=type(scene)().cells), [],
                                    [])
     own = replace(settled, cells=found.cells)
-    return GridJudgement(own, found, Companions(own, tuple(found.times.tolist())))
+    return GridJudgement(own, found, TwoMeshCompanion(own, tuple(found.times.tolist())))
 
 
 def drawn(seed: int) -> Iterator[Scene]:

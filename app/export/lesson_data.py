@@ -19,8 +19,8 @@ from app.frame.budget_chart import QUESTION
 from app.language.translation import lazy, tr, use_language
 from app.lessons import answer_check, bet_chart, catalogue, student_progress
 from app.lessons.answer_check import BARE, DIGITS, LONGEST, MOST, TOLD_AFTER, judge_ends, right_answer
-from app.lessons.bets import BY_ROUND, OWN, YOURS, asked_before
 from app.lessons.claims import ClaimError, runs_needed
+from app.lessons.interval_bets import BY_ROUND, OWN, YOURS, asked_before
 from app.lessons.lesson import CHOICE, DRAG, NAMES, POWERS, REACH, TEXT, Lesson, Numbers, Question, Step, fill_numbers
 from app.lessons.lesson_runs import RunCache, RunFailed
 from app.lessons.markdown_html import to_html

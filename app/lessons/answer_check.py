@@ -7,8 +7,8 @@ from typing import Any
 
 from app.language.translation import tr
 from app.lessons import lesson as lesson_format
-from app.lessons.bets import BY_ROUND, OWN, PATH, Bet, Bettor, Ends, asked_before
 from app.lessons.claims import ClaimError, decide, evaluate, format_value
+from app.lessons.interval_bets import BY_ROUND, OWN, PATH, Bet, Bettor, Ends, asked_before
 from app.lessons.lesson import CHOICE, DRAG, INTERVAL, NUMBER, TEXT, Lesson, Numbers, Question, Step, fill_numbers
 from app.lessons.lesson_runs import RunCache
 from app.words import with_unit

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 from app.language.translation import lazy, tr
 from app.lessons.answer_check import AnswerMark
-from app.lessons.bets import OWN, YOURS, Bet, Bettor
+from app.lessons.interval_bets import OWN, YOURS, Bet, Bettor
 
 MOST = 4  # powers of ten to either side; longer lines are clipped
 YOUR_BETS, ROUND = lazy("Your bets"), lazy("Your round {number}")  # judges keep their names

@@ -23,7 +23,7 @@ from typing import Any
 
 import numpy as np
 
-from app.lessons import bets
+from app.lessons import interval_bets
 from app.words import EXTRA_NORMS, QUANTITIES
 from solvers.scene.effects import ALL
 from solvers.scene.error_causes import CAUSES, FIELDS
@@ -56,10 +56,10 @@ def result_paths() -> Vocabulary:
         "error": ((*QUANTITIES, *EXTRA_NORMS), NORMS), "estimate": (estimators, tuple(QUANTITIES), NORMS),
         "index": (estimators, tuple(QUANTITIES)), "distance": (estimators, tuple(QUANTITIES)),
         "budget": (FIELDS, tuple(CAUSES)), "rms": (FIELDS,), "predicted": (FIELDS, tuple(CAUSES)),
-        "bet": (tuple(map(bets.claim_name, bets.JUDGES)), random_runs.QUANTITIES, ("low", "high", "score")),
+        "bet": (tuple(map(interval_bets.claim_name, interval_bets.JUDGES)), random_runs.QUANTITIES,
+                ("low", "high", "score")),
         "valid": (estimators,), "status": (), "steps": (), "particles": (), "t": (), **found,
         "step": (("dt", "bound", "margin"),), "life": (("accurate", "sound", "first_period"),),
-        "seconds": (("run", "estimate"),),
         "scene": (("amplitude", "cells", "ppc", "modulus", "density", "dt", "cfl", "periods", "t_end", "method"),)}
 
 

@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping
 from typing import Any
 
 from app import state
-from app.lessons.bets import BETTORS
+from app.lessons.interval_bets import BETTORS
 from app.lessons.lesson import CHOICE, QUESTIONS, REACH, Claim, LessonError, LessonRun, Numbers, Question, fill_numbers
 from solvers.untrusted import quoting
 

@@ -6,8 +6,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from app.lessons.answer_check import AnswerMark, format_answer, mark_answer
-from app.lessons.bets import YOURS, Bet, Bettor
 from app.lessons.claims import ClaimError
+from app.lessons.interval_bets import YOURS, Bet, Bettor
 from app.lessons.lesson import INTERVAL, PREDICT, TEXT, Lesson, Numbers, Step, draw_numbers, fill_numbers
 from app.lessons.lesson_runs import RunCache, RunFailed
 from app.lessons.student_progress import Progress

@@ -65,7 +65,7 @@ class Question:
     """Question of a step. A number is right within the relative ``tolerance`` of ``expected``; of the ``options`` the
     one is right whose claim in ``holds`` holds, or the ``correct`` one, counted from 1. ``control`` is the scene's
     field to drag, ``unit`` that of the number. An interval is a bet that should contain the result with probability
-    ``level`` (``app.lessons.bets``). Free text is not marked."""
+    ``level`` (``app.lessons.interval_bets``). Free text is not marked."""
 
     kind: str
     line: int

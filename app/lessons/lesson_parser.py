@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, TypeVar
 
-from app.lessons import bets, claims, duration, fenced_blocks, rounds
+from app.lessons import claims, duration, fenced_blocks, interval_bets, rounds
 from app.lessons.lesson import ALLOWED, CONTROLS, KINDS, NEEDED, PLACE, Lesson, LessonError, Numbers, Step, fill_numbers
 from app.lessons.markdown_html import RenderError, to_html
 from solvers.untrusted import quoting
@@ -238,14 +238,15 @@ def check_claims(lesson: Lesson) -> None:
 def _check_bets(lesson: Lesson) -> None:
     """Checks that bets to compare exist, and that judges can bet on them."""
     for step in lesson.steps:
-        asked = bets.asked_before(lesson, step) if step.bets else []
+        asked = interval_bets.asked_before(lesson, step) if step.bets else []
         if step.bets and not asked:
             raise LessonError(step.line, "bets are shown, and no interval is asked before; ask one, or leave them out")
-        for question in (other.posed for other in asked if set(step.bets) - {*bets.OWN}):
-            if not bets.PATH.fullmatch(question.expected) or question.level != bets.LEVEL:
+        for question in (other.posed for other in asked if set(step.bets) - {*interval_bets.OWN}):
+            if not interval_bets.PATH.fullmatch(question.expected) or question.level != interval_bets.LEVEL:
                 raise LessonError(question.line, "judges bet on errors at the end, at a level of "
-                                                 f"{bets.LEVEL:g}; give expected = \"fine.error.x.final\", or of v or "
-                                                 f"sigma, and that level, or leave the judges out in line {step.line}")
+                                                 f"{interval_bets.LEVEL:g}; give expected = \"fine.error.x.final\", or "
+                                                 f"of v or sigma, and that level, or leave the judges out in line "
+                                                 f"{step.line}")
 
 
 def _check_text(part: LessonSection, lesson: Lesson, folder: Path | None) -> None:

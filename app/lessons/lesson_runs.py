@@ -7,8 +7,8 @@ from concurrent.futures import Future, as_completed
 from typing import Any
 
 from app import state
-from app.lessons.bets import Ends, about_bets, bets_by_judge
 from app.lessons.claims import Outcome, Scope, runs_needed
+from app.lessons.interval_bets import Ends, about_bets, bets_by_judge
 from app.lessons.lesson import Lesson, Numbers, Step, fill_numbers
 from solvers.scene.kernel_options import kernel_key
 from solvers.workers.worker_pool import WorkerPool, one_of_each_first

@@ -8,8 +8,8 @@ from app.frame.headline import Headline
 from app.language.translation import tr
 from app.page.display_source import Choice, Display, FrameView
 from app.page.headline import compare_with_pinned, frame_headline
+from app.page.panels.error_timeline import Clock
 from app.page.panels.readout import live_readout
-from app.page.panels.timeline import Clock
 from app.page.readout_panel import Numbers
 from app.page.stage.worst_region import WorstRegions
 from app.page.visit.frame_buffer import FrameBuffer

@@ -78,7 +78,7 @@ class PageContext:
     def shortcuts(self) -> dict[str, Callable[[], None]]:
         """Actions of keys independent of features, by the names that ``js/keys.js`` sends."""
         controls = self.controls
-        return {"judge": controls.stage.next_judge, "magnify": controls.stage.next_factor,
+        return {"judge": controls.stage.next_judge, "magnify": controls.stage.next_magnification,
                 "method": controls.next_method, "present": self.presenter.begin}
 
     @property

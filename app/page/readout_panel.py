@@ -7,9 +7,9 @@ from html import escape
 import viser
 
 from app.language.translation import tr
+from app.page.panels.error_timeline import Clock, Timeline
 from app.page.panels.plots import Plots
 from app.page.panels.readout import Readout
-from app.page.panels.timeline import Clock, Timeline
 from app.page.visit.history import RunSeries
 from app.page.visit.particle_trace import TracedParticle
 from app.page.visit.pinned_run import PinnedRun

@@ -10,7 +10,7 @@ from app.frame.field_plot import PlotSettings
 from app.frame.planar import WHOLE, PlanarStage
 from app.frame.primitives import Lines, Mark, join_points
 from app.language.translation import lazy, tr
-from app.problems.interface import Body, Regions
+from app.problems.interface import BodyView, Regions
 from solvers.engine.shared_frames import FrameArrays
 from solvers.problems.planar.circular import CircularScene
 
@@ -89,7 +89,7 @@ class WholeStage(AnnulusStage):
                     self._layout.bounds.palette.exact, 1.5)
 
 
-def body_of(kind: type[Any]) -> Body:
+def body_of(kind: type[Any]) -> BodyView:
     """Returns the view of the body of a class of scenes."""
     whole = kind.ANGLE >= FULL
     look = LOOKS["whole" if whole else "quarter"]
@@ -97,7 +97,7 @@ def body_of(kind: type[Any]) -> Body:
     plotted = PlotSettings(kind.INNER, kind.OUTER, (f"R = {kind.INNER:g} m", f"{kind.OUTER:g} m"), kind.exact_along,
                            kind.PLOTTED)
     stage = type(base.__name__, (base,), {"PLOT": plotted})
-    return Body(stage, partial(_draw, stage, look), partial(_regions, kind, look), look.division, look.picture)
+    return BodyView(stage, partial(_draw, stage, look), partial(_regions, kind, look), look.division, look.picture)
 
 
 def _swell(scene: CircularScene) -> float:

@@ -9,7 +9,7 @@ from app.frame.field_plot import PlotSettings
 from app.frame.planar import PlanarStage
 from app.frame.primitives import Mark
 from app.language.translation import lazy, tr
-from app.problems.interface import Body, Regions
+from app.problems.interface import BodyView, Regions
 from solvers.problems.planar.box import BoxScene
 from solvers.problems.planar.layout import particle_layout
 
@@ -65,4 +65,4 @@ def draw(figure: Any, space: Any, particles: Any, result: Any) -> None:
                 POINTS_PER_METRE)
 
 
-BODY = Body(BoxStage, draw, regions, lazy("the square into 16 squares"), (13.5, 0.85))
+BODY = BodyView(BoxStage, draw, regions, lazy("the square into 16 squares"), (13.5, 0.85))

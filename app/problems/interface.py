@@ -58,7 +58,7 @@ class Motion:
     quantity: str
 
 
-class Body(NamedTuple):
+class BodyView(NamedTuple):
     """View common to all plane problems of one kind of body; :class:`ProblemView` has the details."""
 
     stage: type[PlanarStage[Any]]

@@ -8,7 +8,7 @@ from collections.abc import Callable, Sequence
 from functools import partial
 from typing import Any
 
-from solvers.bench import benchmarks
+from solvers.bench import solver_benchmarks
 from solvers.bench.cpp_reference import measure_ratios
 from solvers.bench.gpu import measure_gpu
 from solvers.bench.start_up import start_times
@@ -21,14 +21,14 @@ CPP_PROBLEMS = ("bar", "ring")  # problems whose step there is in C++; that of t
 
 def run_benchmarks(quick: bool, command: Sequence[str], on_progress: Callable[[float], None]) -> dict:
     """Measures everything. ``command`` is a command of the user that exits at once; ``on_progress`` gets 0 to 1."""
-    begun, effort = time.perf_counter(), benchmarks.QUICK if quick else benchmarks.FULL
+    begun, effort = time.perf_counter(), solver_benchmarks.QUICK if quick else solver_benchmarks.FULL
     tasks: list[tuple[str, Callable[[], Any]]] = [
         ("start", partial(start_times, command, tuple(PROBLEMS))), ("gpu", partial(measure_gpu, quick)),
-        *(("rates", partial(benchmarks.measure_rates, name, method, effort))
+        *(("rates", partial(solver_benchmarks.measure_rates, name, method, effort))
           for name, problem in PROBLEMS.items() for method in problem.scene.choices("method")),
-        *(("estimators", partial(benchmarks.estimator_prices, name, effort)) for name in PROBLEMS),
-        *(("effects", partial(benchmarks.effect_prices, name, effort)) for name in PROBLEMS),
-        *(("off", partial(benchmarks.measure_options_overhead, name, effort)) for name in PROBLEMS),
+        *(("estimators", partial(solver_benchmarks.estimator_prices, name, effort)) for name in PROBLEMS),
+        *(("effects", partial(solver_benchmarks.effect_prices, name, effort)) for name in PROBLEMS),
+        *(("off", partial(solver_benchmarks.measure_options_overhead, name, effort)) for name in PROBLEMS),
         *(("limit", partial(measure_ratios, name, quick)) for name in (CPP_PROBLEMS[:1] if quick else CPP_PROBLEMS))]
     found: dict[str, list] = {name: [] for name, _ in tasks}
     for done, (name, task) in enumerate(tasks):

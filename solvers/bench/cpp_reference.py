@@ -13,7 +13,7 @@ from pathlib import Path
 
 import numpy as np
 
-from solvers.bench.benchmarks import bare_scene
+from solvers.bench.solver_benchmarks import bare_scene
 from solvers.problems import PROBLEMS
 from solvers.running.run import build
 from solvers.running.timing import TimedSteps

@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 import taichi as ti
 
-from solvers.bench.benchmarks import bare_scene
+from solvers.bench.solver_benchmarks import bare_scene
 from solvers.kernels import runtime
 from solvers.kernels.dtypes import quads
 from solvers.running.run import build

@@ -46,7 +46,7 @@ def rms(error: np.ndarray) -> float:
 
 
 @dataclass(frozen=True)
-class Companions:
+class TwoMeshCompanion:
     """A companion at some times, on two meshes, whose difference estimates its own error."""
 
     scene: Scene

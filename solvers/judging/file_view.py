@@ -21,7 +21,16 @@ from typing import Any
 
 import numpy as np
 
-from solvers.judging.error_norms import Companions, Errors, as_json, crossed, differences, norm_series, sizes, stress
+from solvers.judging.error_norms import (
+    Errors,
+    TwoMeshCompanion,
+    as_json,
+    crossed,
+    differences,
+    norm_series,
+    sizes,
+    stress,
+)
 from solvers.judging.frames import Frame, GridRun, ParticleMismatch
 from solvers.judging.judgement import GridJudgement
 from solvers.judging.particle_matching import match_files, scene_of_file
@@ -110,7 +119,7 @@ def _judge_file(asked: ShowRequest, tell: Callable[[dict], None]) -> None:
     if most > asked.most:
         raise FileError(asked.name, "belongs to {most:,} particles, too many to watch; give at most {most2:,} at a "
                         "time, or judge it with `mpm-lab judge`", most, asked.most)
-    judged = GridJudgement(own, grid, Companions(own, tuple(grid.times.tolist())))
+    judged = GridJudgement(own, grid, TwoMeshCompanion(own, tuple(grid.times.tolist())))
     judged.check()  # without a known truth only the companion can check the origin
     true = judged.true
     table = _ParticleTable(own, grid, asked.table)

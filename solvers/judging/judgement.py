@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from solvers.judging import error_norms
-from solvers.judging.error_norms import QUANTITIES, Companions, Errors, WorstParticle
+from solvers.judging.error_norms import QUANTITIES, Errors, TwoMeshCompanion, WorstParticle
 from solvers.judging.findings import outliers
 from solvers.judging.findings.all_findings import find_in_run
 from solvers.judging.findings.evidence import Evidence
@@ -38,7 +38,7 @@ class GridJudgement:
 
     scene: Scene
     grid: GridRun
-    companions: Companions
+    companions: TwoMeshCompanion
     ours: list[ReferenceRun] = field(default_factory=list)
 
     @functools.cached_property
@@ -194,7 +194,7 @@ def judge(scene: Scene, files: Particles | Sequence[Particles], *, cells: Sequen
             raise SceneError(name, " ".join(map(str, given)), "is {given} numbers for {sources} files; give one for "
                              "each", len(given), len(sources))
     scene, found = match_files(read_all(sources), scene, cells or [scene.cells], times)
-    companions = Companions(scene, tuple(sorted({frame.time for grid in found for frame in grid.frames})))
+    companions = TwoMeshCompanion(scene, tuple(sorted({frame.time for grid in found for frame in grid.frames})))
     judged: list[GridJudgement] = []
     for k, grid in enumerate(found):
         one = GridJudgement(replace(scene, cells=grid.cells), grid, companions)

@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from solvers.judging.error_norms import Companions, Errors, norm_series, summarise_norms, true_errors
+from solvers.judging.error_norms import Errors, TwoMeshCompanion, norm_series, summarise_norms, true_errors
 from solvers.judging.frames import Frame
 from solvers.running.run import build
 from solvers.scene.scene import Scene
@@ -38,7 +38,7 @@ def reference_scenes(scene: Scene) -> list[Scene]:
             for method, lp in scene.candidates()]
 
 
-def run_reference(scene: Scene, times: Sequence[float], companions: Companions | None = None,
+def run_reference(scene: Scene, times: Sequence[float], companions: TwoMeshCompanion | None = None,
                   on_progress: Callable[[float], None] | None = None) -> ReferenceRun:
     """Runs a scene and computes its norms at the times: against the truth, or a companion where there is none."""
     steps = [round(t / scene.time_step) for t in times]

@@ -11,7 +11,7 @@ from solvers.judging.frames import ParticleMismatch, RawTable, SceneMetadata
 from solvers.message import Message, join
 from solvers.problems import PROBLEMS
 from solvers.problems.reference import METHOD_FIELDS
-from solvers.running.scene_text import FAMILY, HINT, parse_line, scene_from_inputs
+from solvers.running.scene_json_line import FAMILY, HINT, parse_line, scene_from_inputs
 from solvers.scene.scene import Scene
 from solvers.scene.validation import SceneError, field_flag, field_label, key_field
 from solvers.untrusted.quoting import FileError, quote

@@ -51,7 +51,7 @@ class PointData:
         self._limits.check_numbers(self.path, self._numbers)
         return True
 
-    def wants_field(self, name: str, numbers: int) -> bool:
+    def wants_data_array(self, name: str, numbers: int) -> bool:
         """Returns whether an array that does not belong to points is needed."""
         return self.wants(name, 1, 0 if numbers > MOST_FIELD else numbers) and 0 < numbers <= MOST_FIELD
 

@@ -107,7 +107,7 @@ class XmlReader:
             wants = self._found.wants(name, self._rows, width)
         elif where == "FieldData":
             width = _parse_size(said.get("NumberOfTuples") or "1") * width
-            wants = self._found.wants_field(name, width)
+            wants = self._found.wants_data_array(name, width)
         else:
             return
         if wants:

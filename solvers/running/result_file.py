@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from solvers.running.scene_text import parse_line, scene_from_inputs, scene_line
+from solvers.running.scene_json_line import parse_line, scene_from_inputs, scene_line
 from solvers.scene.scene import Scene
 from solvers.solver import samples
 from solvers.solver.snapshot import Seconds, Snapshot

@@ -8,7 +8,7 @@ from dataclasses import asdict, dataclass
 from typing import Any
 
 from solvers.problems import PROBLEMS
-from solvers.running import scene_text
+from solvers.running import scene_json_line
 from solvers.scene.kernel_options import kernel_key
 from solvers.scene.scene import Scene
 from solvers.scene.validation import SceneError, key_field
@@ -76,7 +76,7 @@ class Task:
 
 def task_of(scene: Scene, **options) -> Task:
     """Returns the task of a scene; ``options`` as in :func:`plan_tasks`."""
-    return Task(scene.problem, scene_text.scene_inputs(scene), **options)
+    return Task(scene.problem, scene_json_line.scene_inputs(scene), **options)
 
 
 def combinations(axes: Mapping[str, Sequence]) -> list[dict]:
@@ -102,7 +102,7 @@ def plan_tasks(problem: str, axes: Mapping[str, Sequence], **options) -> list[Ta
     """
     tasks: dict[str, Task] = {}
     for given in combinations(axes):
-        task = Task(problem, {name: scene_text.to_json_value(value) for name, value in given.items()}, **options)
+        task = Task(problem, {name: scene_json_line.to_json_value(value) for name, value in given.items()}, **options)
         tasks.setdefault(task.key, task)
     refusals = [task.refusal() for task in tasks.values()]
     if refusals and refusals[0] and all(refusals):

@@ -53,7 +53,7 @@ class ParticleWriter:
 
     def write(self, result: Result) -> None:
         from solvers.judging import particle_writers
-        from solvers.running.scene_text import scene_line
+        from solvers.running.scene_json_line import scene_line
         if self._target.path.lower().endswith(".npz"):
             content = particle_writers.npz_bytes(self._frames, self._scene, result.arrays())
         else:

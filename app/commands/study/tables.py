@@ -81,7 +81,7 @@ class Tables(Study):
         return side_by_side(self.processes)
 
     def write_tables(self, rows: list[dict]) -> int:
-        from app.pictures.tables import table_figure
+        from app.pictures.paper_tables import table_figure
 
         wanted = self._tables()
         keys = {task.key for task in all_runs(wanted)}

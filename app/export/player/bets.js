@@ -1,4 +1,4 @@
-// Bets beside the truth: their scores and their picture, as app/lessons/bets.py and bet_lines.py have them.
+// Bets beside the truth: their scores and their picture, as app/lessons/interval_bets.py and bet_lines.py have them.
 
 const BETS = LESSON?.bets;
 

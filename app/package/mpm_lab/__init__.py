@@ -18,7 +18,7 @@ HERE = Path(__file__).resolve().parent
 HOME = next(folder for folder in (HERE / "packages", *HERE.parents) if (folder / "solvers" / "__init__.py").is_file())
 
 
-def take(name: str) -> None:
+def import_own_package(name: str) -> None:
     """Imports one of the four folders from its place; ImportError if another package has its name already."""
     sys.path.insert(0, str(HOME))
     try:
@@ -31,7 +31,7 @@ def take(name: str) -> None:
                           "room for one: leave the other out, or start the command mpm-lab beside it")
 
 
-take("solvers")
+import_own_package("solvers")
 
 if TYPE_CHECKING:
     from app.notebook import show as show
@@ -46,7 +46,7 @@ else:  # names are imported on first use
             return importlib.metadata.version("mpm-lab")
         if name != "show":
             return solvers.__getattr__(name)
-        take("app")
+        import_own_package("app")
         from app.notebook import show
 
         return show

@@ -75,10 +75,10 @@ def live_readout(session: Session, history: NormHistory, report: FrameReport, qu
     series = series_until(history.series, report.time)
     return Readout(_estimates(session, report, series, quantity, drawn),
                    _worst_rows(worst, drawn, quantity) + _run(session, history, report, series, drawn, probed, ago),
-                   estimator_cards(report, series, quantity, drawn))
+                   estimator_cards_json(report, series, quantity, drawn))
 
 
-def estimator_cards(report: FrameReport, series: dict[str, np.ndarray], quantity: str, drawn: str | None) -> str:
+def estimator_cards_json(report: FrameReport, series: dict[str, np.ndarray], quantity: str, drawn: str | None) -> str:
     """Returns the data of the estimators' cards for a run up to a time, as JSON.
 
     Keys: the ``problem``; the ``true`` error's norm, or why it is not ``known``; the estimator on the ``stage``; and

@@ -109,7 +109,7 @@ class StageChoice:
             at = running.index(self.estimator) if self.estimator in running else -1
             self.show_estimator(running[(at + 1) % len(running)])
 
-    def next_factor(self) -> None:
+    def next_magnification(self) -> None:
         """Switches to the next magnification."""
         factors = words.MAGNIFICATIONS
         self.magnified = factors[(factors.index(self.magnified) + 1) % len(factors)]
@@ -172,7 +172,7 @@ class EstimatorCards:
         self._stage.judge_by(wished)
 
     def show(self, judged: str) -> None:
-        """Fills the cards with data of :func:`app.page.panels.readout.estimator_cards`; clears them if it is ""."""
+        """Fills the cards with :func:`app.page.panels.readout.estimator_cards_json`; clears them if that is ""."""
         self._html.content = f"<i class='lab-judged' data-said='{escape(judged)}'></i>"
 
     def _choose(self) -> None:

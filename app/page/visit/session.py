@@ -209,10 +209,10 @@ class Session:
     @property
     def others_playing(self) -> bool:
         """Whether other visitors' stages play on this server."""
-        return self._others > 0
+        return self._other_playing_count > 0
 
     @property
-    def _others(self) -> int:
+    def _other_playing_count(self) -> int:
         return self._pool.playing - self.playing * (1 + bool(self.pinned))
 
     @property
@@ -253,7 +253,7 @@ class Session:
 
     def _watch_speed(self) -> Notice | None:
         """Returns the message that other runs slow this one down; it stays a while, as real speeds fluctuate."""
-        report, others = self.report, self._others
+        report, others = self.report, self._other_playing_count
         if report and report.playing and report.real_speed is not None and others \
                 and report.real_speed < CROWDED_BELOW * self.speed * report.scene.period:
             self._crowded_at = monotonic()

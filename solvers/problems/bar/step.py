@@ -61,7 +61,7 @@ def sample_all(bar: ti.template(), row, step, looks, on: ti.template()):
     sample(bar, row, step, looks, on)
     sample_effects(bar, row, step, SAMPLERS, on)
     if ti.static(on.budget):
-        error_propagation.sample(with_budget(bar), row, step, on)
+        error_propagation.sample_budget_sums(with_budget(bar), row, step, on)
 
 
 PHASES = Phases(one_step, check_state, sample_all, HOOKS, find_weights, step_margin)

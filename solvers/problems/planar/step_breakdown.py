@@ -6,7 +6,7 @@ from solvers.problems.planar.layout import half_edges
 from solvers.problems.planar.method.body import InstrumentedBody
 from solvers.problems.planar.scene import GHOSTS, PlanarScene
 from solvers.problems.planar.snapshot import body_force, cauchy_stress_of
-from solvers.problems.planar.weights import Grid, nodes_of, weights_of
+from solvers.problems.planar.weights import SymmetricNodeGrid, nodes_of, weights_of
 from solvers.solver.step_breakdown import Image, ParticleState, StepBreakdown, find_links, mirror_tensors
 
 
@@ -23,7 +23,7 @@ def breakdown(scene: PlanarScene, a: InstrumentedBody, particle: int, step: int,
     """Returns the breakdown of the last step, number ``step``, around a particle; ``before`` is the state before."""
     ghosts = GHOSTS if scene.PLANES[0] else 0  # rows of nodes beyond a symmetry plane
     edges, row = half_edges(scene, before.deformation_gradient, a.edges), a.row
-    grid = Grid(row, ghosts, scene.PLANES[1])
+    grid = SymmetricNodeGrid(row, ghosts, scene.PLANES[1])
     links = find_links(particle, nodes_of(scene, a), lambda some: weights_of(scene, a, edges, some),
                        lambda node: _images(node, row, ghosts, grid.last))
     seen, k, ij = before.mirror(links), links.members, np.stack([links.nodes % row, links.nodes // row], axis=1)

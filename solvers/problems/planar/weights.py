@@ -15,7 +15,7 @@ from solvers.problems.planar.method.stored_weights import weights_by_particle
 from solvers.scene.scene import Scene
 
 
-class Grid:
+class SymmetricNodeGrid:
     """Nodes row by row, the first ``ghosts`` rows and columns beyond symmetry planes."""
 
     def __init__(self, row: int, ghosts: int, far: bool = False):
@@ -48,7 +48,7 @@ class Grid:
 class StepWeights:
     """Weights of a solver's last step, which began with ``F`` (P, 2, 2)."""
 
-    def __init__(self, scene: Scene, a: InstrumentedBody, F: np.ndarray, grid: Grid):
+    def __init__(self, scene: Scene, a: InstrumentedBody, F: np.ndarray, grid: SymmetricNodeGrid):
         self.grid = grid
         self.node_numbers, signs = grid.resolve_images(nodes_of(scene, a))
         S, dS = weights_of(scene, a, half_edges(scene, F, a.edges), np.arange(a.particles))

@@ -13,8 +13,8 @@ import pytest
 
 from app.cli import main
 from app.commands.bench.command import bench_table
-from solvers.bench import bench, benchmarks, cpp_reference, start_up
-from solvers.bench.benchmarks import QUICK, bare_scene, optional_inputs
+from solvers.bench import bench, cpp_reference, solver_benchmarks, start_up
+from solvers.bench.solver_benchmarks import QUICK, bare_scene, optional_inputs
 from solvers.kernels import runtime
 from solvers.problems import PROBLEMS
 from solvers.problems.bar.scene import BarScene
@@ -48,10 +48,10 @@ def printed(monkeypatch, capsys) -> dict:
     monkeypatch.setattr(bench, "measure_gpu", lambda quick: {"missing": "no GPU was found"})
     monkeypatch.setattr(bench, "measure_ratios", lambda problem, quick: {
         "problem": problem, "missing": None, "cases": [CASE]})
-    monkeypatch.setattr(benchmarks, "build", lambda scene: scene)
-    monkeypatch.setattr(benchmarks, "particle_step_rate", lambda scene, turns: 100.0)
-    monkeypatch.setattr(benchmarks, "time_ratios", lambda pairs, turns: dict.fromkeys(pairs, 1.0))
-    monkeypatch.setattr(benchmarks, "measure_options_overhead", lambda problem, effort: {
+    monkeypatch.setattr(solver_benchmarks, "build", lambda scene: scene)
+    monkeypatch.setattr(solver_benchmarks, "particle_step_rate", lambda scene, turns: 100.0)
+    monkeypatch.setattr(solver_benchmarks, "time_ratios", lambda pairs, turns: dict.fromkeys(pairs, 1.0))
+    monkeypatch.setattr(solver_benchmarks, "measure_options_overhead", lambda problem, effort: {
         "problem": problem, "method": "ugimp", "cells": 40, "ratio": 1.01, "low": 1.0, "high": 1.02, "same": 1.0,
         "call": 1e-4, "call_stripped": 1e-4})
     return object_of(capsys)

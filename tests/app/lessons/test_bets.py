@@ -11,8 +11,8 @@ from app import state
 from app.lessons import catalogue
 from app.lessons.answer_check import bets_shown, right_answer
 from app.lessons.bet_chart import draw_bets
-from app.lessons.bets import BY_ROUND, JUDGES, YOURS, Bet, Bettor, interval_score
 from app.lessons.claims import ClaimError, check_claim, decide
+from app.lessons.interval_bets import BY_ROUND, JUDGES, YOURS, Bet, Bettor, interval_score
 from app.lessons.lesson import LessonError
 from app.lessons.lesson_parser import parse_lesson
 from app.lessons.lesson_runs import RunCache, work

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from app.frame.captions import UNKNOWN
-from app.page.panels.readout import ROUNDED, estimator_cards, gauge_position, live_readout
+from app.page.panels.readout import ROUNDED, estimator_cards_json, gauge_position, live_readout
 from app.page.stage.worst_region import WorstRegions
 from app.page.visit.history import NormHistory
 from app.page.visit.status_message import doubt_notice
@@ -41,7 +41,7 @@ def test_cards_say_what_the_run_has():
     solver, history = build(scene), NormHistory(scene, 20)
     history.add(solver.advance(200))
     report = replace(report_of(scene), time=solver.time, not_valid={"recovered": "not valid here: why"})
-    cards = json.loads(estimator_cards(report, history.series, "x", "transport"))
+    cards = json.loads(estimator_cards_json(report, history.series, "x", "transport"))
     assert (cards["problem"], cards["stage"], cards["known"]) == ("bar", "transport", True)
     assert set(cards["judges"]) == {"transport", "recovered"}
     index = history.series["transport/index_x"][-1]
@@ -50,7 +50,7 @@ def test_cards_say_what_the_run_has():
     trust = cards["judges"]["transport"]["trust"]
     assert trust == f"right within 10\N{NO-BREAK SPACE}% in {held} of {of} runs like this"
     assert cards["judges"]["recovered"] == {"says": "Not valid here: why"}
-    unknown = json.loads(estimator_cards(report_of(replace(scene, body_force="two-tone")), {}, "x", None))
+    unknown = json.loads(estimator_cards_json(report_of(replace(scene, body_force="two-tone")), {}, "x", None))
     assert (unknown["true"], unknown["known"]) == (UNKNOWN, False)
 
 
@@ -128,7 +128,7 @@ def test_an_error_that_is_nothing_but_rounding_has_no_index_on_the_page():
         history, session = watched(scene)
         report = replace(report_of(scene), step=300, time=300 * scene.time_step)
         html = live_readout(session, history, report, "v", "companion", None, WorstRegions()).html
-        card = json.loads(estimator_cards(report, history.series, "v", "companion"))["judges"]["companion"]
+        card = json.loads(estimator_cards_json(report, history.series, "v", "companion"))["judges"]["companion"]
         assert (ROUNDED in html) == rounded
         assert ("index" not in card and card["says"] == "Nothing but rounding") == rounded
 

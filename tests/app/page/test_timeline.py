@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from app.page.panels.browser_store import LayoutMetrics, Window
-from app.page.panels.timeline import BINS, Clock, Timeline
+from app.page.panels.error_timeline import BINS, Clock, Timeline
 from solvers.problems.bar.scene import BarScene
 from solvers.problems.ring import RingScene
 from tests.app.page.panel import Gui

@@ -13,7 +13,7 @@ from app.export.lesson_data import bet_words
 from app.export.player_data import vocabulary
 from app.frame.colour_scale import TOPS
 from app.lessons.bet_chart import draw_bets
-from app.lessons.bets import BY_ROUND, YOURS, Bet, Bettor
+from app.lessons.interval_bets import BY_ROUND, YOURS, Bet, Bettor
 from app.page.features.lesson.answer_widgets import parse_number
 from solvers.problems import PROBLEMS
 from tests.app.frame.test_meaning import assert_shades

@@ -35,7 +35,7 @@ from io import BytesIO, TextIOWrapper
 from app.cli import main
 from app.lessons import claims
 from app.page.panels.readout import _found
-from app.pictures import tables
+from app.pictures import paper_tables
 from app.pictures.run import png_bytes
 from app.pictures.study import FIGURES
 from solvers import BarScene, run

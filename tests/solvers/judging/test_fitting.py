@@ -15,7 +15,7 @@ from solvers.judging.particle_readers import read_file
 from solvers.judging.problem_handout import exact_frame
 from solvers.problems import PROBLEMS
 from solvers.problems.bar.scene import BarScene
-from solvers.running.scene_text import MAX_LINE, SCHEMA, scene_line
+from solvers.running.scene_json_line import MAX_LINE, SCHEMA, scene_line
 from solvers.untrusted.quoting import FileError
 
 

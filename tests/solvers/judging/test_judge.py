@@ -10,7 +10,7 @@ import pytest
 
 from app.cli import main
 from solvers.judging import particle_writers, problem_handout
-from solvers.judging.error_norms import QUANTITIES, Companions, count_crossings, rms
+from solvers.judging.error_norms import QUANTITIES, TwoMeshCompanion, count_crossings, rms
 from solvers.judging.frames import Frame
 from solvers.judging.judgement import Judgement, judge
 from solvers.judging.particle_readers import read_file
@@ -195,7 +195,7 @@ def test_the_companions_own_error_is_the_difference_of_its_two_meshes(problem):
     """Of exact particles, and not nothing: the two meshes are two, and differ by about the error of the coarser one."""
     scene = PROBLEMS[problem].scene(cells=12, periods=0.3)
     times = (0.1 * scene.period, 0.3 * scene.period)
-    companions, frame = Companions(scene, times), problem_handout.exact_frame(scene, times[1])
+    companions, frame = TwoMeshCompanion(scene, times), problem_handout.exact_frame(scene, times[1])
     doubt = companions.mesh_difference(frame)
     X, found = frame.material_position, []
     for fine in (True, False):

@@ -10,8 +10,8 @@ import pytest
 
 from solvers.problems.bar.scene import BarScene
 from solvers.problems.planar.budget.on_demand import BudgetRun
-from solvers.problems.planar.budget.pieces import PieceLattice, Pieces
-from solvers.problems.planar.weights import Grid
+from solvers.problems.planar.budget.pieces import MovedBodyPieces, PieceLattice
+from solvers.problems.planar.weights import SymmetricNodeGrid
 from solvers.problems.ring import RingScene
 from solvers.problems.vortex import VortexScene
 from solvers.running.budget import run_budget
@@ -70,10 +70,10 @@ def test_pieces_leave_no_gap(scene):
     solver = build(scene)
     solver.advance(scene.steps)
     a, lattice = solver._arrays, PieceLattice(scene)
-    grid = Grid(a.row, 0)
+    grid = SymmetricNodeGrid(a.row, 0)
     F = a.deformation_gradient.reshape(-1, 2, 2)
     for corners in (lattice.place, lattice.corners(a.position_velocity[:, :2] - a.material_position, F)):
-        pieces = Pieces(lattice, corners, grid, corners * a.cells_per_length + a.origin)
+        pieces = MovedBodyPieces(lattice, corners, grid, corners * a.cells_per_length + a.origin)
         force = pieces.force(np.broadcast_to(np.array([[3.0, 1.0], [1.0, -2.0]]), F.shape))
         total = np.bincount(pieces.node_numbers.ravel(), pieces.weight.ravel(), grid.nodes)
         inside = (total > 0) & (np.bincount(_rim(lattice, pieces).ravel(), minlength=grid.nodes) == 0)
@@ -89,7 +89,7 @@ def test_pieces_leave_no_gap(scene):
             np.testing.assert_allclose(pieces.area, a.mass / a.density, rtol=arcs)
 
 
-def _rim(lattice: PieceLattice, pieces: Pieces) -> np.ndarray:
+def _rim(lattice: PieceLattice, pieces: MovedBodyPieces) -> np.ndarray:
     """The nodes (E, M) that edges of a single piece touch."""
     return pieces.node_numbers[np.bincount(lattice.edge.ravel()) == 1]
 

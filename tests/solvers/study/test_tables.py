@@ -6,7 +6,7 @@ import pytest
 
 from app.cli import main
 from app.commands.study.tables import Tables, table_markdown
-from app.pictures.tables import table_figure
+from app.pictures.paper_tables import table_figure
 from app.words import QUANTITIES
 from solvers.problems import PROBLEMS
 from solvers.scene.estimator_registry import ESTIMATORS

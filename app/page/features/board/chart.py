@@ -106,7 +106,7 @@ def answer_chart(asked: Question, answers: Sequence[Any], numbers: Numbers, foun
     ticks = "".join(f"<span style='left: {100 * axis.place(tick):.2f}%'>{escape(in_unit(asked, tick))}</span>"
                     for tick in axis.ticks)
     return f"<div class='lab-scale' role='img' aria-label='{escape('; '.join(words))}'>{drawn}" \
-           f"{_truth(asked, axis, found)}{ticks}</div>{_beyond(ends, axis)}"
+           f"{_truth_mark_html(asked, axis, found)}{ticks}</div>{_beyond(ends, axis)}"
 
 
 def right_among(asked: Question, answers: Sequence[Any], found: RightAnswer) -> int:
@@ -143,7 +143,7 @@ def _band(asked: Question, found: RightAnswer | None) -> tuple[float, float]:
     return found.value - reach, found.value + reach
 
 
-def _truth(asked: Question, axis: Axis, found: RightAnswer | None) -> str:
+def _truth_mark_html(asked: Question, axis: Axis, found: RightAnswer | None) -> str:
     if found is None or isinstance(found.value, str):
         return ""
     low, high = (100 * axis.place(end) for end in _band(asked, found))

@@ -31,7 +31,7 @@ RESTS = 300.0  # seconds after which an unused one ends
 
 
 @dataclass
-class _Point:
+class _CachedRun:
     """Cached result of one run, with its rates and when they were measured, by whether undisturbed."""
 
     values: dict
@@ -43,14 +43,14 @@ class SearchCache:
 
     def __init__(self, now: Callable[[], float] = time.monotonic):
         self._lock, self._now = threading.Lock(), now
-        self._questions: OrderedDict[str, dict[str, _Point]] = OrderedDict()
+        self._questions: OrderedDict[str, dict[str, _CachedRun]] = OrderedDict()
 
     def add(self, question: str, key: str, told: dict, quiet: bool) -> None:
         """Stores a search's result for a run, and whether its time was measured undisturbed (``quiet``)."""
         with self._lock:
             points = self._questions.setdefault(question, {})
             self._questions.move_to_end(question)
-            point = points.setdefault(key, _Point({name: told[name] for name in ("error", "status", "reason")}))
+            point = points.setdefault(key, _CachedRun({name: told[name] for name in ("error", "status", "reason")}))
             point.rates[quiet] = told["rate"], self._now()
             if len(points) > MOST_POINTS:
                 del points[next(iter(points))]

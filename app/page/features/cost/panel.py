@@ -138,7 +138,7 @@ class CostTab(Feature):
         self._chart, self._line = gui.add_html(""), gui.add_html("")
         gui.add_html(PICKED)
         picked = gui.add_text(tr("Run to load"), "")
-        picked.on_update(lambda event: self._pick(event.target.value))
+        picked.on_update(lambda event: self._load_picked_run(event.target.value))
         gui.add_html(f"<h2 class='lab-h2'>{tr('How accurate must it be?')}</h2>" + WANTED)
         self._tolerance = gui.add_text(tr("Tolerance / A"), TOLERANCE, hint=tr(
             "largest RMS error of x that is allowed at any time of one period, as a part of the amplitude A"))
@@ -221,7 +221,7 @@ class CostTab(Feature):
                                                                    (self._remark, "")) if text]
         self._sentence.content = f"<div class='lab-cost' role='status'>{''.join(texts)}</div>" if texts else ""
 
-    def _pick(self, text: str) -> None:
+    def _load_picked_run(self, text: str) -> None:
         number = number_parsing.parse_count(text.partition(" ")[0])
         run = None if number is None else self.runs.find(number)
         if run:

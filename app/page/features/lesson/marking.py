@@ -7,8 +7,8 @@ from typing import Any
 
 from app.language.translation import lazy, tr, with_language
 from app.lessons.answer_check import TOLD_AFTER, AnswerMark, bets_shown, mark_answer
-from app.lessons.bets import Bettor
 from app.lessons.claims import ClaimError
+from app.lessons.interval_bets import Bettor
 from app.lessons.lesson import EXPLAIN, PREDICT, Lesson, Step, draw_numbers
 from app.lessons.lesson_runs import RunCache, RunFailed
 from app.lessons.student_progress import Answer, Progress

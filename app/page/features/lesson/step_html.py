@@ -9,8 +9,8 @@ from app.language.translation import current_language, lazy, tr, trn, use_langua
 from app.lessons import catalogue
 from app.lessons.answer_check import AnswerMark, format_answer
 from app.lessons.bet_chart import BettorLines, draw_bets, format_score
-from app.lessons.bets import Bettor
 from app.lessons.duration import minutes_text
+from app.lessons.interval_bets import Bettor
 from app.lessons.lesson import CHOICE, TEXT, TITLES, Lesson, Numbers, Step, fill_numbers
 from app.lessons.markdown_html import to_html
 from app.lessons.student_progress import Answer, Progress

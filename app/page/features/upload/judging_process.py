@@ -117,5 +117,5 @@ class ProblemQuestion:
             button.visible = problem in problems
         self._folder.visible = True
 
-    def end(self) -> None:
+    def hide(self) -> None:
         self._folder.visible = False

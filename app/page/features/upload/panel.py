@@ -18,8 +18,8 @@ from app.page.features.upload import uploaded_run
 from app.page.features.upload.judging_process import FIRST, JudgeJob, ProblemQuestion, question_sentence
 from app.page.features.upload.uploaded_run import JUDGE, UploadedRun, file_readout, loaded_notice, scene_of
 from app.page.page_context import PageContext
+from app.page.panels.error_timeline import Clock
 from app.page.panels.page_header import BARE
-from app.page.panels.timeline import Clock
 from app.page.readout_panel import Numbers
 from app.page.stage.worst_region import WorstRegions
 from app.page.visit.session import Session, first_scene
@@ -157,7 +157,7 @@ class UploadPanel(Feature):
     def _on_file(self, name: str, file: Path) -> None:
         with self._lock:
             self._forget()
-            self._question.end()
+            self._question.hide()
             self._news = None
             self._judging = JudgeJob(name, file, self._session.scene, self._on_message)
             self._say(tr("The file {file} is being read and judged …", file=self._judging.name))
@@ -198,7 +198,7 @@ class UploadPanel(Feature):
         """Judges the waiting file for the problem chosen; discards it for None."""
         with self._lock:
             waiting, self._news = self._judging, None
-            self._question.end()
+            self._question.hide()
             self._say("")
             self._forget()
             if waiting is None or problem is None:

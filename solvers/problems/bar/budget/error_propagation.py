@@ -221,7 +221,7 @@ def subtract_nodal_part(bar: ti.template()):
 
 
 @ti.func
-def sample(bar: ti.template(), row, step, on: ti.template()):
+def sample_budget_sums(bar: ti.template(), row, step, on: ti.template()):
     """Samples the budget's errors; F is relative to the bar at rest."""
     out = ti.static(bar.samples)
     P = bar.particles

@@ -15,7 +15,7 @@ from solvers.problems.bar.budget.budget_arrays import FORCE, PIECES, REFERENCE, 
 from solvers.problems.bar.budget.reference import motion, slopes
 from solvers.problems.bar.method.forces import force_on_particle, tone_amplitudes
 from solvers.problems.bar.method.nodes import DEGENERATE, EMPTY, GHOSTS, divergence_form, fold, stencil_of, unfold
-from solvers.problems.bar.method.pieces import corner_of, find_corners, nodes_per_corner, periodic_position
+from solvers.problems.bar.method.pieces import corner_of, nodes_per_corner, periodic_position, store_piece_corners
 
 
 @ti.func
@@ -26,7 +26,7 @@ def particles_to_nodes(bar: ti.template(), t, now, on: ti.template()):
         bar.budget_nodes[i] = ti.Vector([0.0, 0.0, 0.0, 0.0])
     size = tone_amplitudes(bar, t, on)
     if ti.static(not on.pieces):
-        find_corners(bar, on)
+        store_piece_corners(bar, on)
     last = periodic_position(bar, -1, on)
     stress_before = bar.modulus * (slopes(bar, P - 1, now, on)[0] - bar.unstretched)
     for p in range(P):

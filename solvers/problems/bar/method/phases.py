@@ -19,7 +19,7 @@ def update_grid(bar: ti.template(), t, on: ti.template()):
     if ti.static(not on.frozen):
         find_weights(bar, on)
     if ti.static(on.pieces):
-        pieces.find_corners(bar, on)
+        pieces.store_piece_corners(bar, on)
     particles_to_nodes(bar, t, on)
     update_nodes(bar, t, on)
 

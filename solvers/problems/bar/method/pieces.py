@@ -71,7 +71,7 @@ def nodes_per_corner(on) -> int:
 
 
 @ti.func
-def find_corners(bar: ti.template(), on: ti.template()):
+def store_piece_corners(bar: ti.template(), on: ti.template()):
     """Stores the left corner of every piece with its base functions.
 
     Those near the ends have neighbours a period away and come first, so that the loop over all others has no choices in

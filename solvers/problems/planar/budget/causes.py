@@ -18,7 +18,7 @@ import numpy as np
 
 from solvers.motion.laws.secant import StressDifference
 from solvers.problems.planar.budget.exact_state import ExactState
-from solvers.problems.planar.budget.pieces import Pieces
+from solvers.problems.planar.budget.pieces import MovedBodyPieces
 from solvers.problems.planar.weights import StepWeights
 
 #: The causes of ``solvers.scene.error_causes`` that exist here: a body force at material points makes no error.
@@ -36,7 +36,7 @@ class Sources(NamedTuple):
     velocity_gradient: np.ndarray
 
 
-def sources(weights: StepWeights, pieces: Pieces, now: ExactState, then: ExactState, stress: np.ndarray,
+def sources(weights: StepWeights, pieces: MovedBodyPieces, now: ExactState, then: ExactState, stress: np.ndarray,
             volume: np.ndarray, dt: float, with_particle: bool, frozen: bool) -> Sources:
     """Returns the sources of the step from ``now`` to ``then``.
 

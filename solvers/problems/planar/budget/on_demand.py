@@ -10,9 +10,9 @@ from solvers.message import Message
 from solvers.motion.laws.secant import StressDifference
 from solvers.problems.planar.budget.causes import LOCAL_CAUSES, TIME_STEP, CauseErrors, Sources, sources
 from solvers.problems.planar.budget.exact_state import ExactState, exact_state_at
-from solvers.problems.planar.budget.pieces import PieceLattice, Pieces
+from solvers.problems.planar.budget.pieces import MovedBodyPieces, PieceLattice
 from solvers.problems.planar.solver import PlanarSolver
-from solvers.problems.planar.weights import Grid, StepWeights
+from solvers.problems.planar.weights import StepWeights, SymmetricNodeGrid
 from solvers.scene.error_causes import CAUSES, FIELDS, NOTHING
 from solvers.scene.remedies import FROZEN
 from solvers.scene.validation import SceneError, require_choice
@@ -70,7 +70,7 @@ class BudgetRun:
         scene = solver.scene
         a = solver._arrays
         self._X, self._volume = a.material_position, a.mass / a.density
-        self._grid = Grid(a.row, solver.PARTS.traits.first, scene.PLANES[1])
+        self._grid = SymmetricNodeGrid(a.row, solver.PARTS.traits.first, scene.PLANES[1])
         self._lattice = PieceLattice(scene)
         self._material = StressDifference(scene.material, at_rest=scene.frozen)
         self._now: ExactState = exact_state_at(scene, a, 0.0)
@@ -101,7 +101,7 @@ class BudgetRun:
             return False
         then = exact_state_at(scene, a, self.solver.time)
         weights = StepWeights(scene, a, F, self._grid)
-        pieces = Pieces(self._lattice, corners, self._grid, place)
+        pieces = MovedBodyPieces(self._lattice, corners, self._grid, place)
         particle = scene.velocity == "particle"
         given = sources(weights, pieces, now, then, self._material.stress(now.deformation_gradient), self._volume,
                         scene.time_step, particle, scene.frozen)

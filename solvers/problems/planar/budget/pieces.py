@@ -9,7 +9,7 @@ import numpy as np
 
 from solvers.problems.planar.layout import particle_layout
 from solvers.problems.planar.scene import PlanarScene
-from solvers.problems.planar.weights import Grid
+from solvers.problems.planar.weights import SymmetricNodeGrid
 
 GAUSS = 0.5 / np.sqrt(3.0)  # of two points, in lengths from the middle: exact for the hats' products along a line
 CELL_CORNERS = ((0, 0), (1, 0), (1, 1), (0, 1))  # the corners of a lattice's cell, anticlockwise
@@ -50,11 +50,11 @@ class PieceLattice:
         return self.place + self.free * self.share * total
 
 
-class Pieces:
+class MovedBodyPieces:
     """Pieces at one time, and their maps to a grid's nodes. ``corners`` (K, 2) are in m, ``place`` has them in cells
     from the first node."""
 
-    def __init__(self, lattice: PieceLattice, corners: np.ndarray, grid: Grid, place: np.ndarray):
+    def __init__(self, lattice: PieceLattice, corners: np.ndarray, grid: SymmetricNodeGrid, place: np.ndarray):
         self.lattice, self.grid = lattice, grid
         a, b = (corners[lattice.ends[:, k]] for k in range(2))
         self.normal = np.stack([(b - a)[:, 1], (a - b)[:, 0]], axis=1)  # times the edge's length

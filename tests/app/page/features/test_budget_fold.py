@@ -16,7 +16,7 @@ from app.page.display_source import Choice
 from app.page.feature import PageView
 from app.page.features.budget.chart import HEIGHT, MOST, WIDTH, BudgetData, budget_chart
 from app.page.features.budget.panel import BudgetFold
-from app.page.panels.timeline import Clock
+from app.page.panels.error_timeline import Clock
 from app.page.readout_panel import Numbers
 from app.state import State
 from app.words import difference_text, per_cent, with_unit

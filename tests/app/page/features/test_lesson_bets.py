@@ -6,7 +6,7 @@ import re
 
 from app.lessons import catalogue
 from app.lessons.answer_check import AnswerMark
-from app.lessons.bets import YOURS, Bet, Bettor
+from app.lessons.interval_bets import YOURS, Bet, Bettor
 from app.lessons.lesson import EXPLAIN, PREDICT, Step
 from app.lessons.student_progress import Answer
 from app.page.features.lesson.marking import bets_ahead
