@@ -48,7 +48,7 @@ class Quantity:
 
     @property
     def noun(self) -> str:
-        """Its name in the current language."""
+        """The name in the current language."""
         return tr(self.name)
 
     def __str__(self) -> str:

@@ -82,6 +82,17 @@ VAGUE = {
     "wire": "queue"}
 
 
+FRAGMENT = re.compile(r"(Of|One (?!visitor)|Those|By|That|These|As|Its|Their|Whose|Meanwhile|And|The same|Again) ")
+
+
+def test_docstrings_say_their_subject():
+    """An editor shows them alone: a verb in the third person, or a noun phrase."""
+    documented = (ast.Module, ast.ClassDef, ast.FunctionDef, ast.AsyncFunctionDef)
+    texts = {f"{path.relative_to(ROOT)}:{getattr(node, 'lineno', 1)}": ast.get_docstring(node) or "" for path in SOURCES
+             for node in ast.walk(ast.parse(path.read_text("utf-8"))) if isinstance(node, documented)}
+    assert {place: text[:60] for place, text in texts.items() if FRAGMENT.match(text)} == {}
+
+
 def test_vague_names_do_not_come_back():
     """Of modules, classes and functions; names that are longer say more."""
     instead, vague = {word: term for words, term in VAGUE.items() for word in words.split()}, {}

@@ -55,7 +55,7 @@ def _split_words(words: list[str]) -> tuple[str, ...]:
 
 
 def one_of(choices: Iterable[str]) -> Any:
-    """Returns the type of a flag with one of the choices: ``Annotated[Any, one_of(...)]``."""
+    """Returns the metadata for ``Annotated[Any, ...]`` that makes a flag take one of the choices."""
     return _lenient("{" + ",".join(choices) + "}", " ".join)
 
 

@@ -46,7 +46,7 @@ def within_reach(scene: Scene) -> str | None:
 
 
 def axes_around(scene: Scene, counts: Mapping[str, int]) -> list[SliderAxis]:
-    """Returns axes through a scene with so many values of each field, without those of a single value."""
+    """Returns axes through a scene with at most so many values of each field, without axes of a single value."""
     axes = [axis_through(scene, field, _candidates(scene, field), most) for field, most in counts.items()]
     return [axis for axis in axes if len(axis.values) > 1]
 

@@ -186,7 +186,7 @@ class Surface(Protocol):
 
 
 def error_colours(scale: ColourScale, sizes: np.ndarray | None, count: int, unknown: Colour) -> np.ndarray:
-    """Returns colours (P, 3) of error sizes; grey if none is known."""
+    """Returns colours (P, 3), uint8, of error sizes (P,); ``unknown`` for all ``count`` of them if none is finite."""
     if sizes is None or not any_finite(sizes):
         return np.full((count, 3), unknown, np.uint8)
     return scale.colours(sizes)

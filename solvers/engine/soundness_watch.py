@@ -25,9 +25,9 @@ class SoundnessWatch:
         self._doubts: dict[str, tuple[float, str]] = {}  # the time in s at which an estimator last failed, and why
 
     def check_samples(self, rows: np.ndarray, particles: int, goes_on: bool = False) -> None:
-        """Judges new samples of so many particles, until a finding is final because no earlier one can follow.
+        """Checks new rows of samples of so many particles, and stores the first finding, until none earlier can follow.
 
-        Judging a few costs as much as many: in a run that ``goes_on`` they wait for one with a check for
+        Checking a few costs as much as many: in a run that ``goes_on`` they wait for one with a check for
         contradictions, or until they are many.
         """
         scene = self._scene

@@ -40,7 +40,7 @@ def to_json_value(value: object) -> object:
 
 
 def parse_line(file: str, text: str) -> tuple[str, dict[str, Any]]:
-    """Returns problem and inputs of a line, not yet validated. Raises :class:`FileError` where it is malformed."""
+    """Returns the problem and the unvalidated inputs of a JSON line. Raises :class:`FileError` if it is malformed."""
     try:
         values = json.loads(text[:MAX_LINE + 1])
         schema, problem, given = values["schema"], values["problem"], dict(values["inputs"])

@@ -37,8 +37,8 @@ FAILED_FROM = 0.1  # of the stress: an error beyond which a patch test counts as
 
 
 def normalise_inputs(cells: object, ppc: object, body_force: object) -> dict[str, Any]:
-    """Returns a patch test's inputs in normal form: no body force by default; 2.3333333 particles in each of 30 cells
-    become 70/30, and 4.0 becomes 4."""
+    """Returns those inputs of a patch test that change in normal form: no body force by default; 2.3333333 particles in
+    each of 30 cells become 70/30, and 4.0 becomes 4."""
     meant: dict[str, Any] = {"body_force": "none"} if body_force == "material" else {}
     if isinstance(ppc, float) and math.isfinite(ppc) and type(cells) is int and cells > 0:
         count = round(cells * ppc)

@@ -14,6 +14,8 @@ if TYPE_CHECKING:
 
 
 class BarProblem(Problem):
+    """The vibrating bar."""
+
     scene = BarScene
 
     @property

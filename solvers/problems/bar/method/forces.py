@@ -46,7 +46,7 @@ def force_at(tables: ti.template(), sizes: ti.template(), place, sine, cosine, s
 
 @ti.func
 def force_on_particle(bar: ti.template(), p, size, on: ti.template()):
-    """Returns the force at particle p, with tones of these amplitudes; the cosine is stored only where it is needed."""
+    """Returns the body force at particle p, in the unit of ``size``, the amplitudes of its tones at this time."""
     cosine = 0.0
     if ti.static(on.body_force == "two-tone"):
         cosine = bar.cosine[p]

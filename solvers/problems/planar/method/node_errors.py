@@ -38,8 +38,8 @@ def make_node_error(ghosts: int) -> Callable:
 
 
 def make_circular_node_error(kind: type[PlanarScene], first: int) -> Callable:
-    """Returns the function that measures it, for bodies with rotational symmetry, whose grid table has the displacement
-    as polynomials of the radius; nodes before ``first`` in a row lie beyond a symmetry plane."""
+    """Returns the Taichi function of the nodes' mean squared acceleration error, m^2/s^4, of bodies between circles;
+    the exact motion is a polynomial of the radius, and nodes before ``first`` in a row lie beyond a symmetry plane."""
     beyond, inner, outer = kind.BEYOND_RIMS, kind.INNER, kind.OUTER
     nearest, middle, half = MIN_RADIUS * inner, 0.5 * (outer + inner), 0.5 * (outer - inner)
 
