@@ -70,7 +70,7 @@ class Source(Protocol):
         """Whether it is on the stage now."""
 
     @property
-    def at_once(self) -> bool:
+    def is_immediate(self) -> bool:
         """Whether its headline answers a click and must appear without delay."""
 
     def display(self, choice: Choice) -> Display | None:

@@ -35,12 +35,12 @@ class HeadlinePanel:
         self._html, self._clock = gui.add_html(""), clock
         self._last, self._next, self._aloud = Headline(), 0.0, 0
 
-    def say(self, said: Headline, at_once: bool = False) -> None:
-        """Shows a headline if it is new and due; ``at_once`` for the answer to a click."""
+    def say(self, said: Headline, is_immediate: bool = False) -> None:
+        """Shows a headline if it is new and due; ``is_immediate`` for the answer to a click."""
         now, other = self._clock(), said.moment != self._last.moment
-        if not said or str(said) == str(self._last) or (now < self._next and not at_once and not other):
+        if not said or str(said) == str(self._last) or (now < self._next and not is_immediate and not other):
             return
-        self._next, self._aloud = now + SAY_SECONDS, self._aloud + (at_once or other)
+        self._next, self._aloud = now + SAY_SECONDS, self._aloud + (is_immediate or other)
         self._last = said
         spans = escape(json.dumps([said.spans, said.sentences], ensure_ascii=False))
         self._html.content = f"<i class='lab-says' data-sentence=\"{escape(str(said))}\" data-spans=\"{spans}\" " \

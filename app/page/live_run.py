@@ -25,7 +25,7 @@ from solvers.solver.soundness import UNSTABLE
 class LiveRun:
     """The default source of the stage; ``further`` returns a notice for when the session has none."""
 
-    is_on, at_once = True, False
+    is_on, is_immediate = True, False
 
     def __init__(self, session: Session, recent: FrameBuffer, trace: Tracer, further: Callable[[], Notice | None]):
         self._session, self._recent, self._trace, self._further = session, recent, trace, further

@@ -70,7 +70,7 @@ class StageView:
                 break
         self._notice.content = "" if notice is None else notice.html
         if picture is not None:
-            self._headline.say(headline or source.sentence(choice, picture), source.at_once)
+            self._headline.say(headline or source.sentence(choice, picture), source.is_immediate)
         self._canvas.camera.settle()
 
     def _on_resized(self, size: LayoutMetrics) -> None:
@@ -92,6 +92,6 @@ class StageView:
 
     def _seek_part(self, said: object) -> None:
         """Handles a click on the time axis."""
-        if is_number_between(said, 0, 1) and self.source.at_once is False:
+        if is_number_between(said, 0, 1) and self.source.is_immediate is False:
             assert isinstance(said, float | int)
             self._seek(self._numbers.timeline.time_at(said))

@@ -63,8 +63,9 @@ class SlowStage(ABC):
             seen = self._is_inside(self._spots, self._per_metre * float(np.abs(a.edges).sum(axis=1).max()))
             self._outline(self._places[seen], a.edges[seen], DOMAINS, 1.0)
             self._outline(self._places[:1], a.edges[:1], FRONT, 2.0)
-        (self._functions_phase, self._gather, self._forces, self._velocities, self._scatter, self._strain)[phase](
-            scene, a, s)
+        draw = (self._functions_phase, self._draw_particles_to_nodes, self._forces, self._velocities,
+                self._draw_nodes_to_particles, self._strain)[phase]
+        draw(scene, a, s)
         if phase >= 4 and moved > 1:
             self._legend.append(tr("particles' way drawn × {factor:g}", factor=moved))
         self._sketch.dots(self._spots[1:][self._is_inside(self._spots[1:])], OTHERS, 1)
@@ -82,7 +83,7 @@ class SlowStage(ABC):
         self._weights(a, FRONT, s)
         self._legend.append(tr("green: the particle; its lines to nodes are as thick as the weight"))
 
-    def _gather(self, _: Scene, a: StepBreakdown, s: float) -> None:
+    def _draw_particles_to_nodes(self, _: Scene, a: StepBreakdown, s: float) -> None:
         """Moves parcels from particles to nodes, whose squares grow; the selected particle's share is green."""
         self._weights(a, FRONT, 1.0)
         self._parcels(a, s, slice(None))
@@ -113,7 +114,7 @@ class SlowStage(ABC):
         self._arrows(self._nodes - 0.07 * self._scale * self._aside, s * gained, STRESS, gained, 3.5)
         self._legend.append(tr("grey: old v; black: new v; orange: what is gained, drawn × {factor:g}", factor=factor))
 
-    def _scatter(self, _: Scene, a: StepBreakdown, s: float) -> None:
+    def _draw_nodes_to_particles(self, _: Scene, a: StepBreakdown, s: float) -> None:
         """Moves parcels back in the first half, the particles in the second."""
         self._weights(a, FRONT, 1.0)
         self._arrows(self._nodes, a.velocity, NODE)

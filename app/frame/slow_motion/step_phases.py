@@ -97,7 +97,7 @@ def _state_lines(_: Scene, a: StepBreakdown) -> list[str]:
                stress=_format_tensor(here.stress[0]))]
 
 
-def _gather_lines(_: Scene, a: StepBreakdown) -> list[str]:
+def _to_nodes_lines(_: Scene, a: StepBreakdown) -> list[str]:
     momentum = a.mass[0] * a.before.velocity[0]
     return [tr("each node gets its weight × mass {mass}, and × momentum {momentum}",
                mass=format_amount(1000 * a.mass[:1], "g"), momentum=format_amount(momentum, "N s"))]
@@ -112,7 +112,7 @@ def _force_lines(scene: Scene, a: StepBreakdown) -> list[str]:
     return [tr("volume × stress {tension}", tension=_format_tensor(a.tension[0], "N m"))]
 
 
-def _scatter_lines(_: Scene, a: StepBreakdown) -> list[str]:
+def _to_particles_lines(_: Scene, a: StepBreakdown) -> list[str]:
     before, after = a.before, a.after
     lines = [f"v = {format_change(before.velocity[0], after.velocity[0], 'm/s')}",
              f"x = {format_change(before.position[0], after.position[0], 'm')}"]
@@ -132,14 +132,15 @@ PHASES = (
           (WEIGHTS, SLOPES), 1, _state_lines),
     Phase(lazy("Mass and momentum go to the nodes"),
           lambda _: tr("mass of a node = sum of weight × mass of the particles; its momentum likewise"),
-          (MASS, MOMENTUM, WEIGHTS), 2, _gather_lines),
+          (MASS, MOMENTUM, WEIGHTS), 2, _to_nodes_lines),
     Phase(lazy("Forces at the nodes"), _of_force, (INTERNAL, BODY, SLOPES), 2, _force_lines),
     Phase(lazy("New velocities of the nodes"),
           lambda _: tr("new v of a node = momentum / mass + time step × a, with a = force / mass"),
           (OLD, NEW, ACCELERATION), 2,
           lambda scene, a: [tr("time step {size}", size=format_amount(np.array([a.time_step]), "s"))]),
     Phase(lazy("Velocities come back, the particles move"),
-          lambda scene: tr(MOTION.get(scene.velocity, MOTION[""])), (NEW, ACCELERATION, WEIGHTS), 1, _scatter_lines),
+          lambda scene: tr(MOTION.get(scene.velocity, MOTION[""])), (NEW, ACCELERATION, WEIGHTS), 1,
+          _to_particles_lines),
     Phase(lazy("Stress last"), _of_stress, (NEW, SLOPES), 1, _strain_lines))
 
 

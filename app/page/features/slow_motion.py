@@ -217,7 +217,7 @@ class SlowStep:
         return self._slow.is_showing
 
     @property
-    def at_once(self) -> bool:
+    def is_immediate(self) -> bool:
         return bool(self._slow.sentence)
 
     def display(self, choice: Choice) -> Display | None:

@@ -137,7 +137,7 @@ def test_sentences_come_calmly():
     assert heard == [("One.", 0), ("Three.", 0)]
     speaker.say(Headline((("", "paused"),), moment="another"))  # said at once, and read aloud
     assert heard[2:] == [("Paused.", 1)]
-    speaker.say(Headline((("", "a click's answer"),), moment="another"), at_once=True)
+    speaker.say(Headline((("", "a click's answer"),), moment="another"), is_immediate=True)
     assert heard[3:] == [("A click&#x27;s answer.", 2)]
 
 

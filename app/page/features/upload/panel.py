@@ -271,7 +271,7 @@ class UploadPanel(Feature):
         return self.shown_frame is not None
 
     @property
-    def at_once(self) -> bool:
+    def is_immediate(self) -> bool:
         return not self.playing
 
     def display(self, choice: Choice) -> Display | None:
