@@ -27,7 +27,7 @@ from solvers.engine.shared_frames import FrameArrays
 
 class OpenLesson(Protocol):
     """The lesson that a visitor has open: its name for links and its answers for the browser to store, both "" if none
-    is open. ``turn`` shows a step by its number, of the core ``only`` or of all."""
+    is open. ``show_step`` shows one by its number, of the core ``only`` or of all."""
 
     @property
     def name(self) -> str: ...
@@ -39,7 +39,7 @@ class OpenLesson(Protocol):
 
     def restore(self, name: str, text: str) -> None: ...
 
-    def limit(self, only: bool, step: int) -> None: ...
+    def show_step(self, only: bool, step: int) -> None: ...
 
 
 class PageContext:

@@ -63,7 +63,7 @@ class BoardPanel(Feature):
         if not self._covers:
             page.presenter.begin()
             if page.lesson:
-                page.lesson.limit(self._board.core, step)
+                page.lesson.show_step(self._board.core, step)
             if (stage := stage_of(self._board, step)) != self._at:
                 self._at = stage
                 page.controls.show(state.parse_state(stage))

@@ -152,7 +152,7 @@ class LessonPlayer(Feature):
         self._on_change()
         self._show(head, lambda: step_html.head_html(lesson, self._progress))
 
-    def limit(self, only: bool, step: int) -> None:
+    def show_step(self, only: bool, step: int) -> None:
         """Restricts the lesson to its core, or not, and goes on with the step of this number."""
         with self._lock:
             self._progress.core, self._progress.step = only, step
@@ -277,7 +277,7 @@ class LessonPlayer(Feature):
             onward.on_click(lambda _: self.open(following.name))
         if self._progress.core and not self._paced_seat:
             self._gui.add_button(tr(core.GO_DEEPER)).on_click(
-                lambda _: self.limit(False, lesson.steps.index(lesson.extra[0]) + 1))
+                lambda _: self.show_step(False, lesson.steps.index(lesson.extra[0]) + 1))
         hint = tr("save your answers as a file")
         self._gui.add_button(tr("Hand in"), icon=viser.Icon.DOWNLOAD, hint=hint).on_click(lambda _: self._hand_in())
         self._buttons(back=True, onward=False)
@@ -298,7 +298,8 @@ class LessonPlayer(Feature):
             self._gui, back, onward, main, step is not None and step.kind == PREDICT,
             lambda: paced is not None and paced.last_open <= at <= len(lesson.steps),
             tr(PACED if paced else KEPT), self._move_by, self._leave,
-            lambda: self.limit(True, lesson.offset(at, 1, core=True)), step is not None and not step.core and not paced)
+            lambda: self.show_step(True, lesson.offset(at, 1, core=True)),
+            step is not None and not step.core and not paced)
 
     def _step_opened(self) -> None:
         """Updates Next when the lecturer opens a further step; everything else stays as it is."""
