@@ -75,7 +75,7 @@ def test_what_is_not_there_is_not_drawn_and_said(changes, colours, named, ring_s
                          ids=["bar", "ring"])
 def test_an_unstable_run_is_drawn_at_its_end_and_with_its_reason(scene):
     unstable = run(scene, prices=False)
-    assert unstable.status == "unstable" and unstable.shown is unstable.final
+    assert unstable.status == "unstable" and unstable.picture_snapshot is unstable.final
     figure = run_figure(unstable)
     assert " ".join(unstable.reason.split()) == " ".join(" ".join(figure.get_suptitle().split("\n")[2:]).split())
     low, high = panels(figure)["norms"][0].get_ylim()
@@ -208,10 +208,11 @@ def test_the_moment_changes_no_bit_of_the_result():
         np.testing.assert_array_equal(values, kept.series[name])
     np.testing.assert_array_equal(kept.final.estimate["transport"], without.final.estimate["transport"])
     np.testing.assert_array_equal(kept.final.position, without.final.position)
-    assert without.shown is without.final and kept.shown.step == shown_step(scene) < kept.final.step
-    ended = run(replace(scene, periods=None, t_end=kept.shown.time, sample_every=scene.sample_interval), prices=False)
-    assert ended.steps == kept.shown.step
-    np.testing.assert_array_equal(kept.shown.position, ended.final.position)
+    pictured = kept.picture_snapshot
+    assert without.picture_snapshot is without.final and pictured.step == shown_step(scene) < kept.final.step
+    ended = run(replace(scene, periods=None, t_end=pictured.time, sample_every=scene.sample_interval), prices=False)
+    assert ended.steps == pictured.step
+    np.testing.assert_array_equal(pictured.position, ended.final.position)
     figure = run_figure(kept)
-    at = f"at t = {kept.shown.time:.4g} s (last peak of the motion)"
+    at = f"at t = {pictured.time:.4g} s (last peak of the motion)"
     assert sum(at in axes.get_title("left") for axes in figure.axes) == 2

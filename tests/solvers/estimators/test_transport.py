@@ -79,6 +79,6 @@ def test_it_says_where_its_terms_vanish_or_outgrow_the_motion():
     solver.advance(200)
     assert solver.not_valid() == {}
     nodes = unpack_arrays(HOOKS, solver._arrays.memory)["transport_errors"]
-    for size, word in ((0.0, "vanish"), (1e12, "outgrown"), (math.nan, "outgrown")):
+    for size, word in ((0.0, "vanish"), (1e12, "amplifies"), (math.nan, "amplifies")):
         nodes[:, 1] = size
         assert word in solver.not_valid()["transport"]

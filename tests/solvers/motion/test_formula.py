@@ -78,7 +78,7 @@ NO_MOTION = {
 #: And none of a bar.
 NO_LINE = {text: why for text, why in NO_MOTION.items() if "sides" not in why and "," not in text} | {
     "1e-3*sin(2*pi*X)*(sin(2*pi*t)+sin(8000*pi*t))": "changes too fast", "X, 0": "more than one component",
-    "0.01*Y*sin(w*t)": "the name Y", "0.01*sin(pi*X)*sin(w*t)": "does not go on", "0.01*X*sin(w*t)": "does not go on",
+    "0.01*Y*sin(w*t)": "the name Y", "0.01*sin(pi*X)*sin(w*t)": "is not periodic", "0.01*X*sin(w*t)": "is not periodic",
     "0.01*sin(w*t)": "without deforming", "(0.3+0.01*sin(2*pi*X))*sin(w*t)": "more than 0.25 m"}
 
 

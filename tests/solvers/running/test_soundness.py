@@ -130,4 +130,4 @@ def test_displacements_that_do_not_add_up_are_enough(simulate):
                                estimators=(), effects=("soundness",)))
     shares = result.to_dict()["soundness"]
     assert shares["neighbour_gap"] < 0.1 and shares["mean_drift"] < 0.01 and shares["displacement_mismatch"] > 1
-    assert result.status == "lost" and "displacements no longer add up" in result.reason
+    assert result.status == "lost" and "displacements and deformation contradict each other" in result.reason
