@@ -2,12 +2,12 @@
 
 from typing import Any
 
-from mpm_lab import take
+from mpm_lab import import_own_package
 
 
 def plot(result: Any) -> Any:
     """Returns the picture of a result, a matplotlib figure."""
-    take("app")
+    import_own_package("app")
     from app.notebook.result import result_picture
 
     return result_picture(result)
@@ -15,7 +15,7 @@ def plot(result: Any) -> Any:
 
 def table(result: Any) -> str:
     """Returns the table of a result, as html."""
-    take("app")
+    import_own_package("app")
     from app.notebook.result import result_table
 
     return result_table(result)
