@@ -74,7 +74,7 @@ def parse_state(text: str) -> State:
         raise StateError("a scene of {text:,} characters is too long; at most {most:,} are allowed", len(text), LONGEST)
     problem, *rest = _split_words(text) or [""]
     if problem not in PROBLEMS:
-        raise StateError("{problem} is no problem{problem2}; begin with {problems}", _quote(problem),
+        raise StateError("{problem} is no problem{suggestion}; begin with {problems}", _quote(problem),
                          quoting.suggest_word(problem, PROBLEMS), join(" or ", PROBLEMS))
     cut = rest.index(PINNED) if PINNED in rest else len(rest)
     view: dict[str, Any] = {}

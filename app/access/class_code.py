@@ -80,7 +80,7 @@ class ClassCode:
         if opened:
             key, whose = secrets.token_urlsafe(16), opened[-1]  # valid until the browser closes or the server ends
             return LoginResult(f"{self._name}={key}.{self._signature(whose, key)}; Path=/; HttpOnly; SameSite=Strict",
-                         more=whose != CLASS)
+                               more=whose != CLASS)
         own = self._of.get(network_of(who))
         wait = math.ceil(max(own.delay(), self._all.delay()))
         if wait:

@@ -63,7 +63,7 @@ class Serve:
         from app.page import page_server  # here: bad input and --help must not wait for the page's imports
         try:
             page_server.serve(self.host, self.port, self.max_sessions, self.warm_up, self.code.strip(), self.name,
-                          self.frames, lesson, self.teacher, self.core, self.board)
+                              self.frames, lesson, self.teacher, self.core, self.board)
         except page_server.ServeError as error:
             raise BadInput("port", self.port, str(error)) from error
         return 0

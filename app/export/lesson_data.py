@@ -36,7 +36,7 @@ ELSEWHERE = {"slow-motion": lazy("slow motion"), "look-back": lazy("look back"),
 
 
 def lesson_page(lesson: Lesson, processes: int, on_progress: Progress, counts: Mapping[str, int] = COUNTS,
-                 core: bool = False, scripts: Sequence[str] = SCRIPTS) -> str:
+                core: bool = False, scripts: Sequence[str] = SCRIPTS) -> str:
     """Returns the page of a lesson with so many values of each field on sliders; with ``core``, it begins with that."""
     plans = {  # by the key of a step with a stage and the number of the variant
         (step.key, number): _plan(lesson, step, fill_numbers(step.stage, numbers), fill_numbers(step.text, numbers),

@@ -13,7 +13,7 @@ from solvers.solver import budget
 
 QUESTION = lazy("Who made this error?")
 CAPTION = lazy("The line is the error, RMS over particles; each colour is the part from one cause, below zero if the "
-                "cause reduces the error.")
+               "cause reduces the error.")
 #: Short explanation of each cause.
 MEANINGS = {"crossings": lazy("counted in the wrong cell"), "coarse_grid": lazy("cells too wide for the motion"),
             "body_force": lazy("taken at nodes, not at particles"),

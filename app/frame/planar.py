@@ -19,7 +19,7 @@ FARTHEST = 2.0  # metres from the middle, out of view: clip for particles of a b
 MOST_DOMAINS = 5000  # particles with domains drawn: more would be a grey area
 #: Shape of a particle, and its size over that at rest, so that the particles tile the body.
 FILLED: dict[str, tuple[Literal["circle", "square"], float]] = {"polar": ("circle", 1.5), "cartesian": ("square", 1.06),
-                                                              "box": ("square", 1.06)}
+                                                                "box": ("square", 1.06)}
 CROSSED, HALO = 5.5, 8.0  # diameters in pixels of a particle that crossed a cell boundary, and of its halo
 BELOW = np.array([0, 0, 0.002], np.float32)
 ROOMY = 130.0  # radius in pixels of a body from which these have full size
@@ -35,7 +35,7 @@ class PlanarStage(Stage[PlaneScene]):
     MIRRORS: ClassVar[Mirrors] = QUARTERS
     OUTLINED: ClassVar[Mirrors] = QUARTERS[::2]
     DOMAINS_HINT = lazy("outline the domain of each particle: a box for GIMP, a parallelogram for CPDI; up to 5,000 "
-                         "particles")
+                        "particles")
     MOST_MARKED, HALVES = 24, lazy("Halves")
 
     @staticmethod

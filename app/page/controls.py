@@ -44,8 +44,8 @@ class Controls:
         self._bound, self._lasting = (SceneWidgets(gui, session, self._answers, self._turn) for _ in range(2))
         problem_mark = gui.add_html("<i class='lab-at-problem'></i>")
         self.problem = gui.add_dropdown(tr("Problem"), tuple(tr(problem.scene.TITLE) for problem in PROBLEMS.values()),
-                                         initial_value=tr(session.scene.TITLE),
-                                         hint=tr("what moves; each has its own scene"))
+                                        initial_value=tr(session.scene.TITLE),
+                                        hint=tr("what moves; each has its own scene"))
         self.stage = StageChoice(gui, session, scale, on_view)
         self._transport = PlaybackControls(gui, session, looking, self._lasting, on_view)
         self._parts: dict[str, tuple[Any, ...]] = {

@@ -54,8 +54,8 @@ class LiveRun:
             beside = tr("pinned: {run}, being prepared", run=run) if view is None or pinned.last is None else \
                 self._frame_view(*pinned.last, view, tr("pinned: {run}", run=run))
         return Display(picture, (picture.view.left.sizes, picture.view.right.sizes), asked,
-                     0.0 if scene.swings else LEAST_TOP * scene.size_of(choice.quantity), back,
-                     beside, self._worst.remarks(scene))
+                       0.0 if scene.swings else LEAST_TOP * scene.size_of(choice.quantity), back,
+                       beside, self._worst.remarks(scene))
 
     def numbers(self, choice: Choice, picture: FrameView | None, probed: str | None) -> Numbers | None:
         """Returns the numbers of the frame on view, with plots of everything received."""

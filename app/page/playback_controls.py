@@ -32,7 +32,7 @@ class PlaybackControls:
         self._speed = SizeControl(gui, bound, self._pace, session.speed, session.set_speed)
         pin_mark = gui.add_html("<i class='lab-at-pin'></i>")
         self._pin = gui.add_button(tr(PIN), hint=tr("keep this run on the stage for comparison: both runs start at t = "
-                                               "0 and advance together, period by period"))
+                                                    "0 and advance together, period by period"))
         self._pin.on_click(lambda _: self._toggle_pin())
         back_mark = gui.add_html("<i class='lab-at-back'></i>")
         self._back = looking.build_slider(gui)

@@ -115,7 +115,7 @@ def cost_figure(rows: Sequence[dict]) -> Figure:
     _draw_steps(axes[0, 0], rows)
     _draw_extras(axes[0, 1], prices)
     handles = [*parts.method_handles(rows), Line2D([], [], color=INK3, marker="|", markersize=16, markeredgewidth=2.5,
-                                             linestyle="none", label="median")]
+                                                   linestyle="none", label="median")]
     figure.legend(handles=handles, loc="outside lower center", ncols=len(handles))
     return figure
 

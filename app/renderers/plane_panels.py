@@ -120,7 +120,7 @@ def draw_halves(figure: Figure, place: SubplotSpec, result: Result, stage: type[
         axes.set_title(f"Particles {panel_style.when_text(result)}{coloured}" if axes is panels[0] else "")
     if len(few) and (estimates or truth is not None):
         panel_style.colour_bar(figure, ScalarMappable(scale, COLOUR_MAP), list(panels),
-                           "error of x, one scale for both halves", "m", aspect=60, shrink=0.75)
+                               "error of x, one scale for both halves", "m", aspect=60, shrink=0.75)
 
 
 def _frame(axes: Axes, scene: Scene, stage: type[PlanarStage], reach: float, lines: Iterable[np.ndarray],

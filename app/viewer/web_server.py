@@ -151,7 +151,7 @@ class AccessControl:
             await connection.close(1002, f"Version mismatch. Server: {viser.__version__}")
             return
         hearing = IncomingLimiter(connection, who, self._refusals, self._parts.get(network_of(who)),
-                          partial(self._widget, connection), self._keep_away)
+                                  partial(self._widget, connection), self._keep_away)
         if gone := self._lines.silent.add(connection, network_of(who)):
             self._close(gone, CROWDED)
         silent = asyncio.get_running_loop().call_later(SILENT, self._close, connection, NOTHING_SAID)

@@ -133,7 +133,7 @@ class SessionLink:
             if not self._blocks or self._blocks[-1].size < need:
                 self._blocks.append(SharedMemory(create=True, size=2 * need))
             self.wish = SessionRequest(self.session, number, self._blocks[-1].name, scene, pace, frame, self._partner,
-                             self._frame_seconds)
+                                       self._frame_seconds)
             self._deaths = 0
             self.engine.send(self.wish)
         if self.engine.given_up:

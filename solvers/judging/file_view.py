@@ -117,7 +117,7 @@ def _judge_file(asked: ShowRequest, tell: Callable[[dict], None]) -> None:
     own = replace(scene, cells=grid.cells)
     most = max(own.particles, *(len(frame.number) for frame in grid.frames))
     if most > asked.most:
-        raise FileError(asked.name, "belongs to {most:,} particles, too many to watch; give at most {most2:,} at a "
+        raise FileError(asked.name, "belongs to {count:,} particles, too many to watch; give at most {most:,} at a "
                         "time, or judge it with `mpm-lab judge`", most, asked.most)
     judged = GridJudgement(own, grid, TwoMeshCompanion(own, tuple(grid.times.tolist())))
     judged.check()  # without a known truth only the companion can check the origin

@@ -170,7 +170,7 @@ def check_length(file: str, scene: Scene, time: float) -> None:
     most = MOST_STEPS[scene.DIMENSIONS]
     if not time <= most * a_step:
         raise FileError(file, "has the time {time:.6g} s, to which the companion that it is compared with takes "
-                        "{time2:.3g} steps; at most {most:,} are allowed, so give times up to {most2:.4g} s", time,
+                        "{steps:.3g} steps; at most {most:,} are allowed, so give times up to {longest:.4g} s", time,
                         time / a_step, most, most * a_step)
 
 
@@ -203,7 +203,7 @@ def count_directions(raw: RawTable) -> int | None:
 
 
 def _directions_text(count: int) -> str:
-    return Message("{count} direction{count2}", COUNTS[count], "s" * (count != 1))
+    return Message("{count} direction{plural}", COUNTS[count], "s" * (count != 1))
 
 
 def _check_finite(raw: RawTable, key: str, values: np.ndarray, times: np.ndarray) -> None:
@@ -231,7 +231,7 @@ def _material_positions(raw: RawTable, scene: Scene, reference: ProblemReference
             points = reference.start(scene).material_position
             sides = zip(reference.axes, points.min(axis=0), points.max(axis=0), strict=True)
             begin = join(" and ", (Message("{axis} from {a:.3g} to {b:.3g} m", axis.upper(), a, b)
-                                     for axis, a, b in sides))
+                                   for axis, a, b in sides))
             reason = Message("has {wrong:,} of {n:,} material positions outside the {problem} (they reach from "
                              "{reach}): its origin may be shifted", int(wrong.sum()), n, Message(scene.problem), reach)
             raise ParticleMismatch(raw.file, reason, Message("particles begin at {begin}", begin))
@@ -241,8 +241,8 @@ def _material_positions(raw: RawTable, scene: Scene, reference: ProblemReference
     count = len(start.volume)
     fitting = _fitting_cells(scene, number)
     if fitting or number.min() < 0 or number.max() >= count:
-        reason = Message("has ids from {number} to {number2}, and {cells} cells with {ppc:g} particles each way have 0 "
-                         "to {count}", number.min(), number.max(), scene.cells, scene.ppc, count - 1)
+        reason = Message("has ids from {first} to {last}, and {cells} cells with {ppc:g} particles each way have 0 "
+                         "to {most}", number.min(), number.max(), scene.cells, scene.ppc, count - 1)
         if fitting:
             raise FileError(raw.file, "{reason}; give the right --cells and --ppc (so many are those of {fitting} "
                             "cells), or material positions", reason, fitting)

@@ -44,7 +44,7 @@ def run_reference(scene: Scene, times: Sequence[float], companions: TwoMeshCompa
     steps = [round(t / scene.time_step) for t in times]
     if scene.particles * steps[-1] > LONGEST:
         return ReferenceRun(scene, np.array([]), norm_series([]),
-                    f"not run: {scene.particles * steps[-1]:.2g} particle-steps are too many for a comparison")
+                            f"not run: {scene.particles * steps[-1]:.2g} particle-steps are too many for a comparison")
     stepper = _InterpolatedRun(scene, on_progress, steps[-1])
     errors: list[Errors] = []
     for time in times:

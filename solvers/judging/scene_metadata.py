@@ -34,7 +34,7 @@ def parse_scene_line(file: str, text: object, cells: int | None) -> SceneMetadat
                          step)
     own = scene_of_metadata(file, said)
     if "cells" in said.inputs and cells is not None and cells != own.cells:
-        raise FileError(file, "states {cells} cells, but {cells2} in its scene; {hint}", cells, own.cells, HINT)
+        raise FileError(file, "states {cells} cells, but {own_cells} in its scene; {hint}", cells, own.cells, HINT)
     return said
 
 
@@ -78,7 +78,7 @@ def resolve_scene(files: list[RawTable], asked: Scene) -> tuple[Scene, list[str]
                 raise FileError(raw.file, "has a scene that contradicts the other settings: {error}; {hint}", error,
                                 HINT) from None
             told = join(", ", (Message("{name} {value}", field_label(name), _plain_value(value))
-                                 for name, value in taken.items()))
+                               for name, value in taken.items()))
             notes.append(Message("judged with the scene of {file}: {told}", quote(raw.file), told))
     return settled_scene, notes
 

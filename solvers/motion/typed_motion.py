@@ -87,11 +87,11 @@ class PlaneMotionInputs(NamedTuple):
         for axis, X in enumerate(self.points.T):
             there = (np.abs(X) < 1e-12) | (np.abs(X - self.SIDE) < 1e-12)
             if np.abs(u[there, axis]).max() > MOTION_TOLERANCE * self.SIDE:
-                raise FormulaError("moves across the sides {axis} = 0 or 1: u_{axis2} must be zero there", "XY"[axis],
-                                   "xy"[axis])
+                raise FormulaError("moves across the sides {axis} = 0 or 1: u_{component} must be zero there",
+                                   "XY"[axis], "xy"[axis])
             if np.abs(F[there, 1 - axis, axis]).max() > SLOPE_TOLERANCE:
                 raise FormulaError("shears the sides {axis} = 0 or 1, which are planes of symmetry: d "
-                                   "u_{axis2}/d{axis} must be zero there", "XY"[axis], "yx"[axis])
+                                   "u_{component}/d{axis} must be zero there", "XY"[axis], "yx"[axis])
 
 
 class LineMotionInputs(NamedTuple):

@@ -92,8 +92,8 @@ def warnings(scene: Any) -> list[str]:
     wrinkles = Message("; above {wrinkling} its surface wrinkles as well", WRINKLING)
     return [Message("amplitude {amplitude:g}: above {resonance} the ring's own motion is unstable (parametric "
                     "resonance), and no remedy helps; an error in the mode n = 2 grows {rate:.2f}-fold a "
-                    "period{beyond}, from {first_error:.1%} of the amplitude after the first to a tenth after "
-                    "{beyond2} {life:.2g}, a smaller error reaches it later{wrinkles}", amplitude, RESONANCE, rate,
+                    "period{or_faster}, from {first_error:.1%} of the amplitude after the first to a tenth after "
+                    "{about} {life:.2g}, a smaller error reaches it later{wrinkles}", amplitude, RESONANCE, rate,
                     Message(" or faster") * beyond, FIRST_ERROR, Message("at most") if beyond else Message("about"),
                     life, wrinkles * (amplitude > WRINKLING))]
 

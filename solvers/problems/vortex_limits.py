@@ -73,6 +73,6 @@ def other_advice(scene: Any) -> str:
     if scene.method != "cpdi":
         more = Message("give {enough} or more particles per cell and direction, ", ENOUGH) * (scene.ppc < ENOUGH)
         filtered = Message("use the remedy {filter}, ", FILTER) * (not scene.remedies)
-        return Message("{more}{filtered}{more2}choose CPDI", more, filtered, Message("or ") * bool(more or filtered)) \
+        return Message("{more}{filtered}{other}choose CPDI", more, filtered, Message("or ") * bool(more or filtered)) \
             + Message(", or the polar layout") * (scene.layout == "cartesian")
     return Message("choose more cells, more particles per cell or a smaller amplitude")

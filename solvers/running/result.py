@@ -193,7 +193,7 @@ class Result:
     def _ratio(self, ratio: str, estimator: str) -> dict[str, float | None]:
         norm = f"{estimator}/{error_norms.RATIOS[ratio]}"
         return {q: error_norms.error_index(self.series[f"{norm}_{q}"], self.series[f"error_{q}"],
-                                     rounding(self.scene, q, self.steps)) for q in QUANTITIES}
+                                           rounding(self.scene, q, self.steps)) for q in QUANTITIES}
 
     def _by_estimator(self, what: Callable[[str], dict], missing: object) -> ByEstimator:
         """Returns the values of each requested estimator, ``missing`` where it does not hold."""

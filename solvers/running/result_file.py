@@ -149,7 +149,7 @@ class _ResultReader:
         if P == 0:
             raise self._refusal(f"it has no particles ({moment})")
         whole: dict[str, Any] = {key: self._array(f"{moment}/{key}", (P, *places.get(key, ())))
-                 for key in (*PLACES, "deformation_gradient")}
+                                 for key in (*PLACES, "deformation_gradient")}
         each: dict[str, Any] = {key: {
             name: self._array(f"{moment}/{key}/{name}", (P, len(samples.QUANTITIES)))
             for name in self._scene.active_estimators if f"{moment}/{key}/{name}" in self._found} for key in ERRORS}

@@ -47,7 +47,7 @@ def parse_line(file: str, text: str) -> tuple[str, dict[str, Any]]:
     except (ValueError, TypeError, KeyError, RecursionError):
         raise FileError(file, "has a scene that cannot be read; {hint}", HINT) from None
     if schema != SCHEMA:
-        raise FileError(file, "has a scene of another format version ({schema}), and {schema2} is needed; {hint}",
+        raise FileError(file, "has a scene of another format version ({schema}), and {needed} is needed; {hint}",
                         quote(schema, MAX_WORD), SCHEMA, HINT)
     if not isinstance(problem, str) or problem not in PROBLEMS:
         raise FileError(file, "names an unknown problem; {hint}", HINT)

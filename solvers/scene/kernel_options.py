@@ -34,8 +34,8 @@ class KernelOptions(NamedTuple):
 def kernel_options_of(scene: Scene) -> KernelOptions:
     """Returns the compile-time options of a scene."""
     return KernelOptions(scene.method, scene.linearity_preserving, scene.body_force, scene.velocity,
-                    scene.active_effects, scene.active_estimators, scene.remedies,
-                    getattr(scene, "compiled_motion", ""), getattr(scene, "law", ""))
+                         scene.active_effects, scene.active_estimators, scene.remedies,
+                         getattr(scene, "compiled_motion", ""), getattr(scene, "law", ""))
 
 
 def method_options(on: KernelOptions) -> KernelOptions:

@@ -309,7 +309,7 @@ class Scene(SceneDefaults, ABC):
             require_whole("sample_every", self.sample_every, 1, MOST_STEPS)
         if self.steps / self.sample_interval > MOST_SAMPLES:
             raise SceneError("sample_every", self.sample_interval, "makes {steps:,} samples; at most {most:,} are "
-                             "allowed, so sample every {steps2} steps or more", self.steps // self.sample_interval,
+                             "allowed, so sample every {interval} steps or more", self.steps // self.sample_interval,
                              MOST_SAMPLES, math.ceil(self.steps / MOST_SAMPLES))
 
 

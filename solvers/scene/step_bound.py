@@ -134,7 +134,7 @@ def step_warnings(scene: Any) -> list[str]:
     if dt > bound.longest:
         return [Message("time step {dt:.3g} s (cfl {courant_number:.2g}): above the stability bound of {most:.3g} s "
                         "along this motion (linear theory); the run will probably become unstable (--dt auto takes "
-                        "{longest2:.3g} s)", dt, scene.courant_number, bound.longest, SAFE * bound.longest)]
+                        "{auto_step:.3g} s)", dt, scene.courant_number, bound.longest, SAFE * bound.longest)]
     if isinstance(scene.dt, str) and not bound.certain:
         return [Message("dt auto: with hat functions forces jump when particles cross cells, and nodes that are nearly "
                         "empty for a moment are stable only for tiny steps, so no step is certainly safe here; choose "

@@ -52,7 +52,7 @@ def require_choice(field: str, value: object, allowed: tuple[str, ...], also: st
     if value not in allowed:
         names = ", ".join((*allowed, also) if also else allowed)
         near = quoting.suggest_word(value, allowed) if isinstance(value, str) else ""
-        raise SceneError(field, value, "is not known{near}; give {names}{names2}", near,
+        raise SceneError(field, value, "is not known{near}; give {one_of}{names}", near,
                          Message("one of ") if "," in names else "", names)
 
 

@@ -181,7 +181,7 @@ class Solver(ABC):
         what = {INVERTED: Message("turned inside out (its deformation gradient fell to zero or is not a number)"),
                 CRUSHED: Message("was crushed to less than a thousandth of its size"),
                 ESCAPED: self._escape_sentence()}[kind]
-        return Message("the run went unstable at t = {step:.4g} s: particle {p} (X = {p2}) {what}; {advice}",
+        return Message("the run went unstable at t = {time:.4g} s: particle {p} (X = {place}) {what}; {advice}",
                        step * self.scene.time_step, p, self._position_text(p), what, self._advice())
 
     def status(self, finding: Finding | None,
@@ -196,7 +196,7 @@ class Solver(ABC):
     def loss_sentence(self, finding: Finding) -> str:
         """Returns in one sentence when the run was lost, where most, why, and what to change."""
         where = "" if finding.particle is None else \
-            Message(", most at particle {particle} (X = {particle2})", finding.particle,
+            Message(", most at particle {particle} (X = {place})", finding.particle,
                     self._position_text(finding.particle))
         return Message("the run is lost from t = {time:.4g} s on: {sentence}{where}; {advice}", finding.time,
                        finding.sentence, where, self._advice())

@@ -58,7 +58,7 @@ class Rows(list[dict]):
         if name not in self.columns:
             raise SceneError("column", name,
                              f"is none of these rows{quoting.suggest_word(name, self.columns)}; they have "
-                                             f"{', '.join(self.columns) or 'none'}")
+                             f"{', '.join(self.columns) or 'none'}")
         values = [row[name] for row in self]
         known = [value for value in values if value is not None]
         if not known or not all(isinstance(value, numbers.Real) and not isinstance(value, bool) for value in known):

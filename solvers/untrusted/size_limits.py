@@ -74,5 +74,5 @@ LONGEST_LINE = 250_000  # letters of a line of text
 def check_name(file: str, name: str) -> None:
     """Raises FileError for an unreasonably long name of a column, which would take long to parse."""
     if len(name) > LONGEST_NAME:
-        raise FileError(file, "has a column or an array with a name of {name:,} letters ({name2}); give at most {most}",
+        raise FileError(file, "has a column or an array with a name of {count:,} letters ({name}); give at most {most}",
                         len(name), quote(name, 30), LONGEST_NAME)

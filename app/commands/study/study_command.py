@@ -140,7 +140,7 @@ class Study:
         print_message(f"{len(tasks)} rows" + (f", {there} of them there already" if there else ""))
         if old := sum(store.is_outdated(task.key) for task in tasks):
             print_message(f"{old} row{'s were' if old > 1 else ' was'} measured by another version of the solvers and "
-                f"{'are' if old > 1 else 'is'} measured again")
+                          f"{'are' if old > 1 else 'is'} measured again")
         for sentence in dict.fromkeys(sentence for task in tasks for sentence in task.remarks()):
             print_message(sentence)
 

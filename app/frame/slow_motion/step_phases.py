@@ -21,23 +21,23 @@ AVERAGED = lazy("weight S = the node's hat function, averaged over the particle'
 FORCE = {
     "none": lazy("force of a node = − sum of slope × {volume} × stress of the particles{corrected}; no body force"),
     "node": lazy("force of a node = − sum of slope × {volume} × stress of the particles{corrected} + body force at "
-                  "the node, × its mass"),
+                 "the node, × its mass"),
     "": lazy("force of a node = − sum of slope × {volume} × stress of the particles{corrected} + sum of weight × body "
-              "force")}
+             "force")}
 FORCE_OF_PIECES = {
     "none": lazy("force of a node = sum over the corners between pieces of its function there × jump of the "
-                  "stress{corrected}; no body force"),
+                 "stress{corrected}; no body force"),
     "node": lazy("force of a node = sum over the corners between pieces of its function there × jump of the "
-                  "stress{corrected} + body force at the node, × its mass"),
+                 "stress{corrected} + body force at the node, × its mass"),
     "": lazy("force of a node = sum over the corners between pieces of its function there × jump of the "
-              "stress{corrected} + sum of weight × body force")}
+             "stress{corrected} + sum of weight × body force")}
 MOTION = {
     "particle": lazy("the particle's v grows by time step × sum of weight × a of the nodes, x by time step × its "
-                      "new v"),
+                     "new v"),
     "corners": lazy("the particle's v grows by time step × sum of weight × a of the nodes, x by time step × the "
-                     "nodes' new v at the ends of its domain (mean)"),
+                    "nodes' new v at the ends of its domain (mean)"),
     "": lazy("the particle's v grows by time step × sum of weight × a of the nodes, x by time step × sum of weight × "
-              "new v of the nodes")}
+             "new v of the nodes")}
 
 
 @dataclass(frozen=True)

@@ -61,7 +61,7 @@ class OpeningTour(Feature):
             page.gui.add_html("<i class='lab-replay'></i>")
             replay = page.gui.add_button(tr("Replay the "
                                             "introduction"), hint=tr("the introduction to this page, in four "
-                                                                         "steps"))
+                                                                     "steps"))
         replay.on_click(lambda _: tour.on_message("play"))
         return tour
 

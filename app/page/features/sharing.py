@@ -94,6 +94,6 @@ class Sharing(Feature):
                 gui.add_html(f"<div class='lab-code'>{picture}</div>")
             command = f"<code>mpm-lab run --scene '{escape(state.write_state(seen))}'</code>"
             gui.add_html(f"<div class='lab-code'><p>{escape(address)}</p>"
-                               f"<p>{tr('Without a page: {command}', command=command)}</p></div>")
+                         f"<p>{tr('Without a page: {command}', command=command)}</p></div>")
             close = gui.add_button(tr("Close"))
         close.on_click(lambda _: modal.close())

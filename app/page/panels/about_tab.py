@@ -16,7 +16,7 @@ def add_about(gui: viser.GuiApi) -> None:
     """Fills the tab: an introduction, the page, each estimator in a folder of its own, and their reliability."""
     gui.add_html(_text("try.html"))
     gui.add_html(_text("about.html").format(problems="".join(view.about for view in VIEWS.values()),
-                              divisions=", ".join(tr(view.division) for view in VIEWS.values())))
+                                            divisions=", ".join(tr(view.division) for view in VIEWS.values())))
     for estimator in ESTIMATORS.values():
         with gui.add_folder(tr("The estimator {title}", title=estimator.title), expand_by_default=False):
             gui.add_html(f"<div class='lab-about lab-explanation'>{estimator.explanation_in(current_language())}</div>")

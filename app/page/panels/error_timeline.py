@@ -153,7 +153,7 @@ class Timeline:
         values = {name: float(np.interp(at, time, curve)) for name, curve in curves.items()}
         periods = f" = {in_periods(at / scene.period)}" * scene.swings
         return [with_unit(at, "s") + periods, *(f"{name} {with_unit(value, unit)}" for name, value in values.items()
-                                      if np.isfinite(value))]
+                                                if np.isfinite(value))]
 
     def _strip(self, past: RunSeries, series: dict[str, np.ndarray], start: float, end: float) -> str:
         """Returns a digit per time interval until now: the number of crossings relative to the largest."""

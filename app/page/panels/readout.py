@@ -30,7 +30,7 @@ HINTS = {
     lazy("time"): lazy("simulated time since the start, and in periods of the exact vibration"),
     lazy("steps"): lazy("time steps taken, and how long each is"),
     lazy("step"): lazy("the time step divided by the stability bound of the present configuration (linear theory); "
-                         "above 1 the run breaks"),
+                       "above 1 the run breaks"),
     lazy("solver"): lazy("how fast the kernels run, waiting not counted, and on what"),
     lazy("speed"): lazy("periods of the vibration in a second of yours: reached, of those asked for"),
     lazy("shown"): lazy("an earlier frame, of those that the slider Look back goes through"),
@@ -206,7 +206,7 @@ def _estimates(session: Session, report: FrameReport, series: dict[str, np.ndarr
             rows.append(row_html("", name_with_sample(name), format_norm(series, f"error_{key}", unit), "", ""))
         else:
             rows.append(row_html("", name_with_sample(name), format_norm(series, f"{name}/estimate_{key}", unit),
-                             _ratio(series, f"{name}/index_{key}"), _ratio(series, f"{name}/distance_{key}")))
+                                 _ratio(series, f"{name}/index_{key}"), _ratio(series, f"{name}/distance_{key}")))
     if session.pinned:
         # How it differs: the stage shows it, but not to screen readers.
         said = "" if session.pinned.scene.problem != report.scene.problem else \
@@ -255,7 +255,7 @@ def _region(region: WorstRegion | None, unit: str) -> tuple[str, ...]:
         return tr("unknown"), "", ""
     place = ", ".join(f"<span class='lab-together'>{html.escape(part)}</span>" for part in region.name.split(", "))
     return (place, *(NOTHING if value is None else with_unit(value, unit, 2)
-                                        for value in (region.estimated, region.true)))
+                     for value in (region.estimated, region.true)))
 
 
 def table_html(rows: str, kind: str = "") -> str:

@@ -129,9 +129,10 @@ class RunWidgets:
             safe=SAFE))
         self._shown_step = scene.courant_number
         self._step_size = SizeControl(gui, self._bound,
-            Size(tr("CFL number"), "", CFL, DEFAULT_CFL,
-                 tr("time step as a share of the time a wave takes through a cell"), tr("time step")),
-            scene.courant_number, by_hand)
+                                      Size(tr("CFL number"), "", CFL, DEFAULT_CFL,
+                                           tr("time step as a share of the time a wave takes through a cell"),
+                                           tr("time step")),
+                                      scene.courant_number, by_hand)
         self._bound.follow(self._auto, automatic)
 
     def refresh(self) -> None:

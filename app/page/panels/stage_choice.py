@@ -137,7 +137,7 @@ class StageChoice:
 IDEAS = {"recovered": lazy("smooths the particles' motion"), "transport": lazy("the method's own equations"),
          "companion": lazy("a hidden, finer solve beside it"), "two-grid": lazy("the same run on wider cells")}
 INDEX = lazy("error index: estimated over true, summed over the run so far; price: the running time that it adds to "
-              "the usual scene")
+             "the usual scene")
 
 
 class EstimatorCards:

@@ -26,9 +26,9 @@ TO_BE_READ = 8.0  # seconds that an event is shown
 SLOW_ANSWER = 0.4  # seconds without a frame after which the page shows that it is preparing
 SAID_AFTER = 2.0  # seconds after which it shows for how long
 PREPARING = lazy("Preparing this scene: a combination of method, estimators and effects is compiled the first time it "
-                  "is used; several estimators at once take longest.")
+                 "is used; several estimators at once take longest.")
 STILL_PREPARING = lazy("Preparing this scene, for {seconds} s so far: a combination of method, estimators and effects "
-                        "is compiled the first time it is used; several estimators at once take longest.")
+                       "is compiled the first time it is used; several estimators at once take longest.")
 CROWDED_BELOW = 0.8  # of the requested speed, below which a message names other runs as the reason
 
 

@@ -66,7 +66,7 @@ def _draw_lanes(figure: Figure, axes: Axes, result: Result) -> None:
                     linewidth=min(0.8, 60 / cells), zorder=1)
     places = BarStage.layout(panel_style.PAPER, RunSlot.ALONE)
     panel_style.write_places(axes, BarStage,
-                         lambda label: (label.x, (label.y - places.truth) / (places.estimate - places.truth)))
+                             lambda label: (label.x, (label.y - places.truth) / (places.estimate - places.truth)))
     axes.set_yticks(range(len(lanes)), [label for label, _, _ in lanes])
     for tick, (_, _, colour) in zip(axes.get_yticklabels(), lanes, strict=True):
         tick.set(color=colour, fontweight="bold")

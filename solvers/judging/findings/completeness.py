@@ -37,8 +37,8 @@ class BodyShare:
 
     def to_finding(self, count: int) -> Finding:
         return compare(NAME, abs(1 - self.share), 1 - self.least, UNIT,
-                        Message("the {count:,} particles cover {share:.3g} % of the body ({how}): the norms are over "
-                                "these alone", count, 100 * self.share, self.how), self.how)
+                       Message("the {count:,} particles cover {share:.3g} % of the body ({how}): the norms are over "
+                               "these alone", count, 100 * self.share, self.how), self.how)
 
 
 def check(scene: Scene, frame: Frame) -> Finding:

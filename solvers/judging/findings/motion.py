@@ -184,7 +184,7 @@ def _read_moments(files: Sequence[RawTable], times: Sequence[float]) -> list[_Fi
                                       f"{', '.join(quote(name, 20) for name in raw.names[:12])}")
         every = row_times(raw, times[k] if times else None)
         found += [_FileTime(raw.file, float(every[at][0]), {key: values[at] for key, values in raw.columns.items()
-                                                         if key != "t"}) for at in group_rows_by_time(every)]
+                                                            if key != "t"}) for at in group_rows_by_time(every)]
     return found
 
 

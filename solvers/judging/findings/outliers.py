@@ -101,7 +101,7 @@ def value_outliers(evidence: Evidence, quantity: str) -> Outliers | None:
     worst, which = int(np.argmax(beyond)), np.flatnonzero(beyond > 1)
     k = int(at[worst])
     return Outliers(Deviation(frames[k], which, every_far[k, which].astype(float)) if len(which) else None,
-                 float(every_far[k, worst]), float(every_limit[k]) * float(factor[worst]))
+                    float(every_far[k, worst]), float(every_limit[k]) * float(factor[worst]))
 
 
 def _lasting_outliers(score: np.ndarray, longer: int, passes: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -136,7 +136,7 @@ def outliers_finding(quantity: str, found: Outliers | None) -> Finding:
     X = ", ".join(f"{c:.4g}" for c in most.frame.material_position[most.which[worst]])
     whose = {"x": Message("position"), "v": Message("velocity"), "sigma": Message("stress (or F)")}[quantity]
     return Finding(NAMES[quantity], OFF, found.largest, found.limit, UNITS[quantity],
-                   Message("the {whose} of {count:,} particle{count2} differs from the neighbours by up to {far:.3g} "
+                   Message("the {whose} of {count:,} particle{plural} differs from the neighbours by up to {far:.3g} "
                            "{quantity} at t = {time:.4g} s, most at particle {number} at X = {x}", whose,
                            len(most.which), "s" * (len(most.which) != 1), most.far[worst], UNITS[quantity],
                            most.frame.time, int(most.frame.number[most.which[worst]]), X))
@@ -153,7 +153,7 @@ def check_masses(frame: Frame) -> Finding:
         return Finding(MASSES, HOLDS, float(far.max()) / usual, limit / usual, OF_MASS)
     worst = which[np.argmax(far[which])]
     return Finding(MASSES, OFF, float(far[worst]) / usual, limit / usual, OF_MASS,
-                   Message("the mass of {which:,} particle{which2} differs from the neighbours, most that of particle "
+                   Message("the mass of {count:,} particle{plural} differs from the neighbours, most that of particle "
                            "{number} ({mass:.4g} kg)", len(which), "s" * (len(which) != 1), int(frame.number[worst]),
                            frame.mass[worst]))
 

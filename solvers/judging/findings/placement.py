@@ -142,9 +142,9 @@ def check_mean_error(evidence: Evidence) -> Finding:
     least = ROUNDED * float(rounding) + NOTHING * evidence.scene.spacing
     place = ", ".join(f"{c:.2g}" for c in means[k])
     return compare(DRIFT, float(aside[k]) / size, ASIDE + least / size, UNIT,
-                    Message("at t = {time:.4g} s the particles are {place} m off on average, but the centre of a "
-                            "symmetric body cannot move: they drift, or a force or mass is not symmetric",
-                            evidence.frames[k].time, place))
+                   Message("at t = {time:.4g} s the particles are {place} m off on average, but the centre of a "
+                           "symmetric body cannot move: they drift, or a force or mass is not symmetric",
+                           evidence.frames[k].time, place))
 
 
 def _forbidden_mean(evidence: Evidence, X: np.ndarray) -> Callable[[np.ndarray], np.ndarray] | None:
@@ -210,7 +210,7 @@ def _readings(frame: Frame) -> Iterator[tuple[str, str, Callable[[Frame], Frame]
     if F is not None and frame.stress is None:
         if plane:
             yield Message("F seems to be transposed"), "sigma", _with_array("deformation_gradient",
-                                                                   lambda F: F.transpose(0, 2, 1))
+                                                                            lambda F: F.transpose(0, 2, 1))
         yield Message("F seems to be its inverse, dX/dx"), "sigma", _with_array("deformation_gradient", np.linalg.pinv)
         yield (Message("F seems to be the gradient of the displacement, F - I"), "sigma",
                _with_array("deformation_gradient", lambda F: F + np.eye(F.shape[1])))

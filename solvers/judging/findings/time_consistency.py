@@ -102,8 +102,8 @@ def check_clock(evidence: Evidence) -> Finding:
                        Message("smaller differences are below the error of x, or the waves of the grid"))
     pace = Message("slower" if slow > 0 else "faster")
     return Finding(CLOCK, OFF, abs(slow), tolerance, "of the time",
-                   Message("the motion is {slow:.2g} % {pace} than its times imply: with all times multiplied by "
-                           "{slow2:.4f}, the error of x would be {rest:.2g} of its value; the times are wrong, or the "
+                   Message("the motion is {percent:.2g} % {pace} than its times imply: with all times multiplied by "
+                           "{factor:.4f}, the error of x would be {rest:.2g} of its value; the times are wrong, or the "
                            "input that sets the speed", 100 * abs(slow), pace, 1 - slow, rms(rest) / rms(x)))
 
 
@@ -122,7 +122,7 @@ def _lag_finding(name: str, steps: float, slack: float, allowed: tuple[float, fl
         return Finding(name, HOLDS, steps, tolerance, STEPS, UNSURE if slack > HALF else "")
     when = Message("before that of the positions" if steps > 0 else "after that of the positions")
     return Finding(name, OFF, steps, tolerance, STEPS,
-                   Message("{who} of a moment {steps:.3g} s {when}, {steps2:.2g} times the step ({step:.3g} s)", who,
+                   Message("{who} of a moment {offset:.3g} s {when}, {ratio:.2g} times the step ({step:.3g} s)", who,
                            abs(steps) * step, when, abs(steps), step))
 
 

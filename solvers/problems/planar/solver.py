@@ -70,7 +70,7 @@ class PlanarSolver(Solver):
                 self.KERNELS.gpu_kernels, self.KERNELS.state, scene, self._arrays, self._switches, beside)
         else:
             self._stepping = CpuStepper(self.KERNELS, scene, self._arrays, self._switches, self.plan == "parallel",
-                                         self.threads)
+                                        self.threads)
         self.setup_seconds = time.perf_counter() - begun
 
     def snapshot(self, differences: bool = False, plotted: str | None = None) -> Snapshot:

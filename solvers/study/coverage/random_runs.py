@@ -47,7 +47,7 @@ IDENTITY = {"key": str, "problem": str, "seed": int, "number": int, "status": st
 MEASURED = {"scene": dict, "moved": NUMBER, "seconds": NUMBER,
             "estimators": MapOf({"refused": str, "index": MapOf(NUMBER_OR_NONE), "end": MapOf(NUMBER_OR_NONE)}),
             "goals": MapOf({"true_error": NUMBER_OR_NONE, "rounding": NUMBER_OR_NONE,
-                           "estimated_error": MapOf(NUMBER_OR_NONE), "grids": list})}
+                            "estimated_error": MapOf(NUMBER_OR_NONE), "grids": list})}
 GRIDS = 3  # h, 2h and 4h: what a grid convergence index is of
 COARSEST = 2 ** (GRIDS - 1)
 EFFECTS = ("truth", "estimate", "soundness", "crossings")

@@ -145,9 +145,9 @@ def _ring_table(number: str, title: str, names: tuple[str, ...], printed: Callab
 
 
 table_2 = functools.partial(_ring_table, "2", "Table 2. Expanding ring: errors at the end of the run", ("ring: error",),
-                  printed_ring_errors)
+                            printed_ring_errors)
 table_3 = functools.partial(_ring_table, "3", "Table 3. Expanding ring: error indices over the run",
-                  ("ring: index", "index", "cost"), printed_ring_index)
+                            ("ring: index", "index", "cost"), printed_ring_index)
 
 
 def _errors_and_cost(scene: Scene) -> dict[str, Scene]:

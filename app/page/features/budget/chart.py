@@ -114,9 +114,9 @@ def _figure(run: BudgetData, field: str, axes: _Axes) -> str:
           f"aria-label='{_chart_text(run, field)}'>" \
           f"{''.join(paths)}<path class='lab-whole' d='M{'L'.join(line)}'/></svg>"
     return _panel(run, f"<div class='lab-made'>{svg}<i style='top:{axes.part(tick)}'></i><i style='top:{zero}'></i>"
-                        f"<span style='top:{axes.part(tick)}'>{size}</span><span style='top:{zero}'>0</span></div>"
-                        f"<div class='lab-made-times'><span>{begins}</span><span>t</span>"
-                        f"<span>{with_unit(axes.end * period, 's')}</span></div>")
+                  f"<span style='top:{axes.part(tick)}'>{size}</span><span style='top:{zero}'>0</span></div>"
+                  f"<div class='lab-made-times'><span>{begins}</span><span>t</span>"
+                  f"<span>{with_unit(axes.end * period, 's')}</span></div>")
 
 
 def _panel(run: BudgetData, inside: str) -> str:

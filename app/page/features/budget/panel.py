@@ -28,9 +28,9 @@ from solvers.scene.validation import SceneError
 EFFECT = "budget"
 REDRAWN = 0.9  # seconds between two redraws for a playing run
 OFFER = lazy("Which part of the error have crossings made, and which the coarse grid, the body force and the time "
-              "step? Computed beside the run, from t = 0 on.")
+             "step? Computed beside the run, from t = 0 on.")
 ON_DEMAND = lazy("Which part of the error have crossings made, and which the coarse grid and the time step? Found "
-                  "beside your stage, from t = 0 to the end of the scene.")
+                 "beside your stage, from t = 0 to the end of the scene.")
 WAITING = lazy("The run starts again, with the errors of each cause.")
 PINNED, THIS = (lazy("pinned"), lazy("pinned: {run}")), (lazy("this run"), lazy("this run: {run}"))
 _NAMES = {"x": lazy("displacement x"), "v": lazy("velocity v"), "F": lazy("deformation F")}

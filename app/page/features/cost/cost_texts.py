@@ -22,7 +22,7 @@ TOGETHER = "\N{NO-BREAK SPACE}"  # between a number and its unit, in running tex
 LEAST_PLAIN, MOST_PLAIN = -5, 3  # powers of ten of a percentage that are written out
 MOST_LINES = 40  # rows of the table, which is rebuilt for every run
 NOTHING_TO_FIND = lazy("A search makes no sense for a patch test: its error is round-off, or does not fall with the "
-                        "cells. Compare methods and particles per cell instead.")
+                       "cells. Compare methods and particles per cell instead.")
 ENDS = {LOST: lazy("lost"), UNSTABLE: lazy("unstable"), FAILED: lazy("failed")}  # of runs that have no error
 #: Texts about a job, by kind.
 STARTING = {SWEEP: lazy("Sweep: starting."), SEARCH: lazy("Search: starting.")}
@@ -32,9 +32,9 @@ DONE = {SWEEP: lazy("Sweep: {done} runs."),
 CANCELLED = {SWEEP: lazy("The sweep was cancelled."), SEARCH: lazy("The search was cancelled.")}
 ENDED = {SWEEP: lazy("The sweep ended: {trouble}."), SEARCH: lazy("The search ended: {trouble}.")}
 PAUSED = {SWEEP: lazy("The stage is paused while your sweep measures times, and continues afterwards. Press Play to "
-                       "continue now."),
+                      "continue now."),
           SEARCH: lazy("The stage is paused while your search measures times, and continues afterwards. Press Play to "
-                        "continue now.")}
+                       "continue now.")}
 BOUNDED = lazy("{name} '{typed}': give a number above 0 and up to {most:g}.")
 POSITIVE = lazy("{name} '{typed}': give a number above 0, such as 1e-3.")
 

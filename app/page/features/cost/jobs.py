@@ -163,7 +163,7 @@ class CostJobs(Background[CostStatus]):
 
     WORK = "solvers.study.background_jobs"
     BUSY = lazy("Other visitors' sweeps and searches keep this server busy: it does {n} at a time. Try again in a "
-                 "while.")
+                "while.")
 
     def __init__(self, runs: Runs, slots: Slots = SLOTS, kept: SearchCache = KEPT):
         super().__init__(CostStatus(), slots)

@@ -252,7 +252,7 @@ class LessonPlayer(Feature):
     def _text_html(self, lesson: Lesson, step: Step) -> str:
         """Returns the step's text as html; an explanation is preceded by the answers and results so far."""
         before = step_html.compared_html(lesson, asked_since(lesson, step), self._progress.answers, self._marker.marks,
-                                    self._numbers) if step.kind == EXPLAIN else ""
+                                         self._numbers) if step.kind == EXPLAIN else ""
         before += step_html.bets_html(self._marker.bets.get(step.key, step_html.WAITED_FOR)) if step.bets else ""
         return step_html.step_html(lesson, step, self._numbers, before, self._classroom.teacher)
 

@@ -107,7 +107,7 @@ def compared_html(lesson: Lesson, steps: Sequence[Step], answers: Mapping[str, A
     if not rows:
         return ""
     heads = "".join(f"<th scope='col'>{name}</th>" for name in (tr("question"), tr("you said"), tr("came out"),
-                                                                 tr("mark")))
+                                                                tr("mark")))
     return f"<table class='lab-compared'><tr>{heads}</tr>{''.join(rows)}</table>"
 
 

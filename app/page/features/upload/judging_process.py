@@ -29,7 +29,7 @@ SLOTS = Slots(MOST_JOBS)  # files that are judged at once on this server
 ONE_THREAD = {"OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1"}  # each thread would take memory of its own
 BUSY = lazy("Other visitors' files keep this server busy; give yours again in a while")
 TOO_LONG = lazy("The file {file} takes more than {seconds:g} s to judge; give fewer times, or judge it with `mpm-lab "
-                 "judge`")
+                "judge`")
 FIRST = -1e9  # order within the panel
 ASKED, NEITHER = lazy("Which problem is your file of?"), lazy("None of these")
 
@@ -75,7 +75,7 @@ class JudgeJob:
             self._say({"refused": tr(TOO_LONG, file=self.name, seconds=PATIENCE)})
         elif isinstance(error, ProcessDied):
             self._say({"refused": tr("The file {file} could not be judged: the process {has_ended}", file=self.name,
-                                      has_ended=translate_message(str(error)))})
+                                     has_ended=translate_message(str(error)))})
         elif isinstance(error, OSError):
             self._say({"refused": tr("No process could be started: {reason}", reason=error.strerror or error)})
         self._pool.close()

@@ -38,8 +38,8 @@ LAST = 0.9e9  # order within the panel
 BACK, BACK_HINT = lazy("Back to our run"), lazy("go back to what was on the stage before")
 BUSY, ONE = lazy("A file is still on its way; wait until it is here."), lazy("Give one file at a time.")
 WHAT = lazy("Drop a file of particles anywhere on this page, or choose it ({kinds}; at most {most:g} MB): from any "
-             "code, for the problem and settings above, or from mpm-lab, with its scene. The page judges it and shows "
-             "it on the stage. <code>mpm-lab problem</code> writes all that a code needs.")
+            "code, for the problem and settings above, or from mpm-lab, with its scene. The page judges it and shows "
+            "it on the stage. <code>mpm-lab problem</code> writes all that a code needs.")
 
 
 class UploadPanel(Feature):

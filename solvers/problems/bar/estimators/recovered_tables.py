@@ -71,5 +71,5 @@ def verdict(scene: BarScene, memory: Mapping[str, np.ndarray]) -> str | None:
     if -MOST_ADDED < missed < MOST_MISSED:
         return None
     return Message("not valid here: what recovered's fits miss of the motion is {missed:.2g} of the error found (and "
-                   "may be {missed2:g}); take more cells, or two or more particles per cell that move with the grid",
+                   "may be {most:g}); take more cells, or two or more particles per cell that move with the grid",
                    abs(missed), MOST_MISSED if missed > 0 else MOST_ADDED)

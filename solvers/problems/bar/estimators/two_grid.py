@@ -124,4 +124,4 @@ def verdict(scene, memory):
 
 
 HOOKS = EstimatorHooks(memory=MEMORY, allocate=allocate, interval=two_grid.interval, after_step=after_step,
-                     report=report, verdict=verdict)
+                       report=report, verdict=verdict)

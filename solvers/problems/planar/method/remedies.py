@@ -67,7 +67,7 @@ def end_remedies(body: ti.template(), on: ti.template()):
         if ti.static(on.filtered):
             unseen, q = body.particle_scratch[p], body.position_velocity[p]
             body.position_velocity[p] = ti.Vector([q[0], q[1], q[2] - body.remedy_rate * (unseen[0] - here[0]),
-                                        q[3] - body.remedy_rate * (unseen[1] - here[1])])
+                                                   q[3] - body.remedy_rate * (unseen[1] - here[1])])
         if ti.static(on.coupled):
             xx, xy, yx, yy = 1 - by_x[2], -by_y[2], -by_x[3], 1 - by_y[3]
             J = xx * yy - xy * yx
