@@ -1,4 +1,4 @@
-"""Sentences for people, which remember what they are made of, so that they can be translated."""
+"""Sentences for people that keep their template and values, so that they can be translated."""
 
 import re
 from collections.abc import Iterable
@@ -52,7 +52,7 @@ class Message(str):
 
 
 def join(joint: str, parts: Iterable[str]) -> str:
-    """The parts with a joint between them, as :meth:`str.join` does; "" where there are none."""
+    """Returns the parts with ``joint`` between them, as :meth:`str.join` does; "" if there are none."""
     text, *others = tuple(parts) or ("",)
     for part in others:
         text = Message("{text}{joint}{part}", text, Message(joint), part)
@@ -60,7 +60,7 @@ def join(joint: str, parts: Iterable[str]) -> str:
 
 
 def to_json(value: Any) -> Any:
-    """A value as JSON has it, in which messages stay what they are: as objects of template and values."""
+    """Returns a value for :func:`json.dumps`, with each message as an object of its template and values."""
     if isinstance(value, Message):
         return {"template": value.template, "values": to_json(value.values)}
     if isinstance(value, dict):
@@ -69,5 +69,5 @@ def to_json(value: Any) -> Any:
 
 
 def from_json(read: dict[str, Any]) -> Any:
-    """An object of such JSON, as the ``object_hook`` of :func:`json.loads`."""
+    """Returns a message for such an object, others as they are: the ``object_hook`` of :func:`json.loads`."""
     return Message(read["template"], **read["values"]) if read.keys() == {"template", "values"} else read

@@ -127,7 +127,7 @@ def _read_flags(kind: type, program: str, arguments: list[str]) -> Any:
 
 
 def _translate_synonym(word: str, names: set[str]) -> str:
-    """A flag such as ``--estimators`` by the name that it has in a command."""
+    """Returns a flag such as ``--estimators`` by the name that the command has for it."""
     flag, separator, value = word.partition("=")
     name = flag.removeprefix("--")
     if not word.startswith("--") or name in names or field_key(key_field(name)) not in names:

@@ -51,8 +51,8 @@ class StageView:
     def draw(self) -> None:
         """Draws the stage."""
         with self._drawing:
-            if self._choice is not None and (sight := self.source.display(choice := self._choice())) is not None:
-                self._canvas.draw(sight, choice)
+            if self._choice is not None and (display := self.source.display(choice := self._choice())) is not None:
+                self._canvas.draw(display, choice)
 
     def read(self, choice: Choice) -> Numbers | None:
         """Returns the numbers of what is drawn; None if nothing has changed."""

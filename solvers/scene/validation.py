@@ -11,8 +11,9 @@ from solvers.untrusted import number_parsing, quoting
 
 KEYS = {"estimators": "estimator"}  # where a field's name and its key in the JSON object differ
 #: Synonyms of fields, which flags and links may use.
-SYNONYMS = {"estimator": "estimators", "estimate": "estimators", "effect": "effects", "diagnostic": "effects",
-            "diagnostics": "effects", "remedy": "remedies", "stabilisation": "remedies", "stabilisations": "remedies"}
+SYNONYMS = {"estimate": "estimators", "effect": "effects", "diagnostic": "effects", "diagnostics": "effects",
+            "remedy": "remedies", "stabilisation": "remedies", "stabilisations": "remedies",
+            **{key: field for field, key in KEYS.items()}}
 
 
 class SceneError(ValueError):

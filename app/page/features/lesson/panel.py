@@ -29,7 +29,7 @@ class LessonPlayer(Feature):
 
     def __init__(self, page: PageContext):
         page.lesson, self._client, self._gui, self._classroom = self, page.client, page.gui, page.classroom
-        self._tab, self._on_change = page.tabs["lessons"], lambda: page.keep()
+        self._tab, self._on_change = page.tabs["lessons"], page.keep
         self._controls: action_buttons.AllowedControls = page.controls
         self._lock = threading.RLock()
         self.messages = {"open": self.open, "choice": self._choose, "do": self._act}

@@ -69,7 +69,7 @@ class UploadPanel(Feature):
 
     @classmethod
     def build(cls, page: PageContext) -> "UploadPanel":
-        panel = cls(page.client, page.session, page.stage.draw, lambda: page.clear_stage(), page.controls.load)
+        panel = cls(page.client, page.session, page.stage.draw, page.clear_stage, page.controls.load)
         with page.tabs["explore"]:
             panel._build_folds(page.gui)
         return panel
