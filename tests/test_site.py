@@ -99,7 +99,7 @@ def test_a_lesson_does_not_tell_before_it_is_asked(name, site):
     claims = [claim.text for step in lesson.steps for claim in step.claims]
     assert notes and claims and not any(_plain(secret) in _plain(article) for secret in (*notes, *claims))
     assert all(_plain(option) in _plain(article) for step in lesson.steps if step.question
-               for option in step.posed.options if "{" not in option)
+               for option in step.asked_question.options if "{" not in option)
 
 
 def test_a_page_for_a_class_has_its_timetable_and_no_claims(site):

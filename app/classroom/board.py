@@ -80,7 +80,7 @@ class Board:
 
     def next_position(self, at: int) -> int:
         """Returns the place that follows."""
-        return self.lesson.offset(at, 1, self.core)
+        return self.lesson.neighbour_step(at, 1, self.core)
 
     def step(self, at: int) -> Step | None:
         """Returns the step at a place, or None."""
@@ -100,7 +100,7 @@ class Board:
             if what == NEXT:
                 self._advance()
             elif what == BACK:
-                self._at = self.lesson.offset(self._at, -1, self.core)
+                self._at = self.lesson.neighbour_step(self._at, -1, self.core)
             if self.position == before:
                 return
             self._turn += 1
@@ -213,7 +213,7 @@ class BoardSeat:
         self._board.tally.reach(self._key, step)
 
     def report_answer(self, step: Step, answer: Any) -> None:
-        self._board.tally.record(self._key, step.key, "" if step.posed.kind == TEXT else answer)
+        self._board.tally.record(self._key, step.key, "" if step.asked_question.kind == TEXT else answer)
 
     def leave(self) -> None:
         self._gone = True

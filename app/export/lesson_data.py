@@ -78,7 +78,7 @@ def question_rules(lesson: Lesson, processes: int,
     found = []  # the scenes of all runs in questions
     for step in lesson.questions.values():
         for numbers in lesson.variants:
-            for expression in answer_check.answer_expressions(step.posed, numbers):
+            for expression in answer_check.answer_expressions(step.asked_question, numbers):
                 names = runs_needed(expression, lesson.runs, lesson.main_run(step)) - {""}
                 found += [fill_numbers(text, numbers) for name in names for text in lesson.runs[name].texts]
     with closing(RunCache(processes)) as outcomes:

@@ -39,7 +39,7 @@ class Headline:
     moment: Hashable = None  # identifies the situation: a new one is read aloud
 
     @classmethod
-    def make(cls, headline: str, *facts: str, **places: str) -> "Headline":
+    def from_template(cls, headline: str, *facts: str, **places: str) -> "Headline":
         """Returns a headline with texts in its placeholders; empty facts are dropped."""
         return cls(tuple(to_spans(headline, places)), tuple(filter(None, facts)))
 
@@ -119,14 +119,15 @@ def format_errors(words: ErrorWords, unit: str, true: float, estimate: float, in
         First words of the headline: the moment or time span.
     """
     if true <= words.least:
-        return Headline.make(before + words.still, words.trace.format(true=_size(true, unit) if true else tr("zero")))
+        return Headline.from_template(before + words.still,
+                                      words.trace.format(true=_size(true, unit) if true else tr("zero")))
     norm = true if math.isfinite(true) else estimate
     if "{wrong}" not in words.told:
-        return Headline.make(words.told, words.why)
+        return Headline.from_template(words.told, words.why)
     if not math.isfinite(norm) or ("{found}" in words.told and not math.isfinite(index)):
-        return Headline.make(before + words.unmeasured, words.why)
-    return Headline.make(before + words.told.replace("{found}", over_or_underestimates(index)),
-                         words.of.format(true=_size(norm, unit)),
+        return Headline.from_template(before + words.unmeasured, words.why)
+    return Headline.from_template(before + words.told.replace("{found}", over_or_underestimates(index)),
+                                  words.of.format(true=_size(norm, unit)),
                    words.why, wrong=per_cent(norm / words.size), share=per_cent(index), factor=format_ratio(index),
                    **words.names)
 

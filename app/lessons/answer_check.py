@@ -46,19 +46,19 @@ def mark_answer(lesson: Lesson, step: Step, answer: Any, numbers: Numbers, outco
     """Returns the mark of a valid answer; runs scenes as needed.
 
     Raises :class:`~app.lessons.lesson_runs.RunFailed` and :class:`~app.lessons.claims.ClaimError`."""
-    if step.posed.kind == TEXT:
+    if step.asked_question.kind == TEXT:
         return AnswerMark(None, "")
     found = right_answer(lesson, step, numbers, outcomes)
-    right_or_not = is_right(step.posed, answer, found)
-    if step.posed.kind != INTERVAL:
+    right_or_not = is_right(step.asked_question, answer, found)
+    if step.asked_question.kind != INTERVAL:
         return AnswerMark(right_or_not, found.text)
     low, high = map(float, answer)
-    return AnswerMark(right_or_not, found.text, Bet(low, high, float(found.value), step.posed.level))
+    return AnswerMark(right_or_not, found.text, Bet(low, high, float(found.value), step.asked_question.level))
 
 
 def right_answer(lesson: Lesson, step: Step, numbers: Numbers, outcomes: RunCache) -> RightAnswer:
     """Returns the right answer to a question other than free text; runs scenes, and raises as :func:`mark_answer`."""
-    asked = step.posed
+    asked = step.asked_question
     texts = answer_expressions(asked, numbers)
     scope = outcomes.scope(lesson, step, numbers, texts)
     if asked.kind == CHOICE:
@@ -142,7 +142,7 @@ def bets_shown(lesson: Lesson, step: Step, given: Mapping[str, Sequence[float]],
     for name in step.bets if steps else ():
         ends = [given[other.key] if name in OWN else judge_ends(lesson, other, name, numbers, outcomes)
                 for other in steps]
-        bets = [None if pair is None else Bet(float(pair[0]), float(pair[1]), truth, other.posed.level)
+        bets = [None if pair is None else Bet(float(pair[0]), float(pair[1]), truth, other.asked_question.level)
                 for other, truth, pair in zip(steps, truths, ends, strict=True)]
         if name == BY_ROUND:  # a student's bets by rounds, each of which ends with an explanation
             explained = [sum(other.kind == lesson_format.EXPLAIN for other in lesson.steps[:lesson.steps.index(step)])
@@ -157,7 +157,7 @@ def bets_shown(lesson: Lesson, step: Step, given: Mapping[str, Sequence[float]],
 
 def judge_ends(lesson: Lesson, step: Step, judge: str, numbers: Numbers, outcomes: RunCache) -> Ends | None:
     """Returns a judge's bet on the answer to a step, or None."""
-    found = PATH.fullmatch(step.posed.expected)
+    found = PATH.fullmatch(step.asked_question.expected)
     assert found is not None  # has been checked
     run = lesson.runs[found["run"] or lesson.main_run(step)]
     return outcomes.bets(fill_numbers(run.texts[0], numbers))[found["quantity"]][judge]

@@ -51,7 +51,7 @@ def with_minutes(lesson: Lesson) -> Lesson:
     """Returns the lesson with the minutes of all steps, and of the core."""
     opening = _reading(" ".join((lesson.intro, *lesson.goals))) + TURN_SECONDS
     return replace(lesson, minutes=_whole(opening + round_seconds(lesson.steps, lesson)),
-                   core_minutes=_whole(opening + round_seconds(lesson.path(core=True), lesson)))
+                   core_minutes=_whole(opening + round_seconds(lesson.steps_to_take(core=True), lesson)))
 
 
 def minutes_text(lesson: Lesson) -> str:

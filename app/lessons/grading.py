@@ -40,7 +40,7 @@ class GradedFile:
     @property
     def maximum(self) -> int:
         """Number of questions that count and have a right answer, answered or not."""
-        return sum(step.posed.kind != TEXT for step in self.steps.values())
+        return sum(step.asked_question.kind != TEXT for step in self.steps.values())
 
     @property
     def minutes(self) -> float:
@@ -50,7 +50,8 @@ class GradedFile:
 def grade_file(file: str, progress: Progress, lesson: Lesson, outcomes: RunCache, core: bool = False) -> GradedFile:
     """Marks first answers to predictions, last ones to observations; with ``core`` only questions of the core."""
     numbers, asked = draw_numbers(lesson,
-                                  progress.name), {step.key: step for step in lesson.path(core) if step.question}
+                                  progress.name), {
+                                      step.key: step for step in lesson.steps_to_take(core) if step.question}
     return GradedFile(file, progress, lesson, asked, {
         key: _answer(lesson, key, progress, numbers, outcomes) for key in progress.answers if key in asked})
 
@@ -61,7 +62,8 @@ def grades_csv(rows: Sequence[GradedFile]) -> str:
     "right" counts right answers; an interval counts 1 - score/2, but at least 0."""
     questions = {(row.lesson.name, key): None for row in rows for key in row.steps}
     several = len({row.lesson.name for row in rows}) > 1
-    bets = {(row.lesson.name, key) for row in rows for key, step in row.steps.items() if step.posed.kind == INTERVAL}
+    bets = {(row.lesson.name, key) for row in rows for key, step in row.steps.items()
+            if step.asked_question.kind == INTERVAL}
     heads = []
     for lesson, key in questions:
         head = f"{lesson}: {key}" if several else key
@@ -109,7 +111,7 @@ def _answer(lesson: Lesson, key: str, progress: Progress, numbers: Numbers,
             outcomes: RunCache) -> tuple[str, AnswerMark | None]:
     step, answer = lesson.questions[key], progress.answers[key]
     given = answer.first if step.kind == PREDICT else answer.last
-    said = fill_numbers(format_answer(step.posed, given), numbers)
+    said = fill_numbers(format_answer(step.asked_question, given), numbers)
     try:
         return said, mark_answer(lesson, step, given, numbers, outcomes)
     except (ClaimError, RunFailed):

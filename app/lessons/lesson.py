@@ -106,7 +106,7 @@ class Step:
     bets: tuple[str, ...] = ()
 
     @property
-    def posed(self) -> Question:
+    def asked_question(self) -> Question:
         """The question of a step that has one."""
         assert self.question is not None
         return self.question
@@ -146,11 +146,11 @@ class Lesson:
         """The optional steps, which are not of the core."""
         return tuple(step for step in self.steps if not step.core)
 
-    def path(self, core: bool) -> tuple[Step, ...]:
+    def steps_to_take(self, core: bool) -> tuple[Step, ...]:
         """Returns the steps to take, all or only the ``core``."""
         return tuple(step for step in self.steps if step.core or not core)
 
-    def offset(self, at: int, by: int, core: bool) -> int:
+    def neighbour_step(self, at: int, by: int, core: bool) -> int:
         """Returns the number of the step after ``at``, or before it if ``by`` < 0; 0 is the introduction."""
         end = len(self.steps) + 1
         places = [0, *(k for k, step in enumerate(self.steps, 1) if step.core or not core), end]

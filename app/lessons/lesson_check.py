@@ -49,6 +49,6 @@ def _question(lesson: Lesson, step: Step, numbers: Numbers, outcomes: RunCache) 
         answer = right_answer(lesson, step, numbers, outcomes)
     except (ClaimError, RunFailed) as error:
         return False, str(error)
-    if step.posed.kind == CHOICE:
+    if step.asked_question.kind == CHOICE:
         return len(answer.options) == 1, "right are " + (", ".join(map(str, answer.options)) or "none")
     return True, f"found {answer.value}"

@@ -241,7 +241,7 @@ def _check_bets(lesson: Lesson) -> None:
         asked = interval_bets.asked_before(lesson, step) if step.bets else []
         if step.bets and not asked:
             raise LessonError(step.line, "bets are shown, and no interval is asked before; ask one, or leave them out")
-        for question in (other.posed for other in asked if set(step.bets) - {*interval_bets.OWN}):
+        for question in (other.asked_question for other in asked if set(step.bets) - {*interval_bets.OWN}):
             if not interval_bets.PATH.fullmatch(question.expected) or question.level != interval_bets.LEVEL:
                 raise LessonError(question.line, "judges bet on errors at the end, at a level of "
                                                  f"{interval_bets.LEVEL:g}; give expected = \"fine.error.x.final\", or "

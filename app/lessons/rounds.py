@@ -35,7 +35,7 @@ def mark_core_rounds(steps: Sequence[Step]) -> tuple[Step, ...]:
 def check_core(lesson: Lesson) -> None:
     """Raises :class:`LessonError` if claims or questions of the core need a run of an optional step."""
     deeper = {run.name: step.line for step in lesson.extra for run in step.runs}
-    for step in lesson.path(core=True):
+    for step in lesson.steps_to_take(core=True):
         found = [(claim.text, claim.line) for claim in step.claims]
         if asked := step.question:
             found += [(text, asked.line) for text in (*asked.holds, asked.expected) if text]

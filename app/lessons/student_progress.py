@@ -79,7 +79,7 @@ def parse_progress(text: str, find: Callable[[str], Lesson | None]) -> Progress:
     answers = {}
     for key, given in values["answers"].items():
         if key in lesson.questions and given["attempts"] > 0 and 0 <= given["seconds"] < MOST_SECONDS and not any(
-                why_invalid(lesson.questions[key].posed, given[when]) for when in ("first", "last")):
+                why_invalid(lesson.questions[key].asked_question, given[when]) for when in ("first", "last")):
             answers[key] = Answer(**{name: given[name] for name in ANSWER})
     step = min(max(values["step"], 0), len(lesson.steps) + 1)
     return Progress(lesson.name, values["fingerprint"][:64], values["name"][:LONGEST_NAME], step, answers,

@@ -36,8 +36,8 @@ def guide_markdown(lesson: Lesson, outcomes: RunCache, core: bool = False) -> st
     parts += [tr("Open the class on it: `mpm-lab serve --lesson {name}`. Handed-in files become one table by "
                  "`mpm-lab lesson grade {files}`.", name=f"{lesson.name}{flag}", files=f"FILES{flag}"),
               variants, lesson.intro, _quote_notes(lesson.notes)]
-    numbers = {step.key: number for number, step in enumerate(lesson.path(core), 1)}
-    for one in split_rounds(lesson.path(core)):
+    numbers = {step.key: number for number, step in enumerate(lesson.steps_to_take(core), 1)}
+    for one in split_rounds(lesson.steps_to_take(core)):
         takes = round_minutes(one, lesson)
         begins = tr("*This round takes {minutes} min.*", minutes=takes) if one[0].core else \
             tr("*Deeper: this round is not part of the core and takes {minutes} min.*", minutes=takes)
@@ -77,7 +77,7 @@ def _answer(lesson: Lesson, step: Step, numbers: Numbers, outcomes: RunCache) ->
         found = right_answer(lesson, step, numbers, outcomes)
     except (ClaimError, RunFailed) as error:
         return tr("could not be worked out: {why}", why=error)
-    return found.text if step.posed.kind == CHOICE else in_unit(step.posed, found.value)
+    return found.text if step.asked_question.kind == CHOICE else in_unit(step.asked_question, found.value)
 
 
 def _quote_notes(notes: str) -> str:

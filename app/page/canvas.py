@@ -11,7 +11,7 @@ from app.frame.layout import ColourBar
 from app.frame.stage import Stage
 from app.page.display_source import Choice, Display, FrameView
 from app.page.stage.error_probe import ErrorProbe, FlatCamera, TraceRings
-from app.page.visit.particle_trace import Tracer
+from app.page.visit.particle_trace import ParticleTracer
 from app.problems.views import VIEWS
 from app.renderers.viewer_renderer import Lettering, ViewerSurface
 from app.words import QUANTITIES
@@ -20,7 +20,7 @@ from app.words import QUANTITIES
 class Canvas:
     """Drawing area with a stage for each problem, one of them visible, a colour bar, trace rings and the probe."""
 
-    def __init__(self, client: viser.ClientHandle, scale: ColourScale, trace: Tracer, problem: str):
+    def __init__(self, client: viser.ClientHandle, scale: ColourScale, trace: ParticleTracer, problem: str):
         self._client, self._scale, self.lettering = client, scale, Lettering(client.gui)
         self.picture: FrameView | None = None  # the frame drawn last
         self._coloured: Hashable = None  # what the colour scale belongs to

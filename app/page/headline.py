@@ -56,7 +56,7 @@ def frame_headline(report: FrameReport | None, arrays: FrameArrays | None, view:
     is a key, ``drawn`` the estimator on the stage, ``ago`` the periods since the frame, ``beside`` the comparison with
     a pinned run (:func:`compare_with_pinned`), ``speed`` the simulated seconds per second."""
     if report is None or arrays is None or view is None:
-        return Headline.make(tr(WAITING))
+        return Headline.from_template(tr(WAITING))
     series, when = series_until(series, report.time), format_number(report.time)
     moment = report.scene, report.playing, report.status, ago
     if report.status == soundness.UNSTABLE:

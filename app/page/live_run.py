@@ -8,12 +8,12 @@ from app.frame.headline import Headline
 from app.language.translation import tr
 from app.page.display_source import Choice, Display, FrameView
 from app.page.headline import compare_with_pinned, frame_headline
-from app.page.panels.error_timeline import Clock
+from app.page.panels.error_timeline import TimelineState
 from app.page.panels.readout import live_readout
 from app.page.readout_panel import Numbers
 from app.page.stage.worst_region import WorstRegions
 from app.page.visit.frame_buffer import FrameBuffer
-from app.page.visit.particle_trace import Tracer
+from app.page.visit.particle_trace import ParticleTracer
 from app.page.visit.session import Session
 from app.page.visit.status_message import Notice
 from app.words import difference_text
@@ -27,7 +27,8 @@ class LiveRun:
 
     is_on, is_immediate = True, False
 
-    def __init__(self, session: Session, recent: FrameBuffer, trace: Tracer, further: Callable[[], Notice | None]):
+    def __init__(self, session: Session, recent: FrameBuffer, trace: ParticleTracer,
+                 further: Callable[[], Notice | None]):
         self._session, self._recent, self._trace, self._further = session, recent, trace, further
         self._worst = WorstRegions()
 
@@ -67,10 +68,11 @@ class LiveRun:
             return None
         report = shown[0]
         scene, valid = report.scene, report.valid_estimators
-        text = live_readout(session, history, report, quantity, choice.estimator, probed, self._worst, recent.lag)
+        text = live_readout(session, history, report, quantity, choice.estimator, probed, self._worst,
+                            recent.periods_back)
         moves = session.playing and not session.is_over and not recent.back and report.status != UNSTABLE
-        now = Clock(report.time, recent.span, moves, report.since,
-                    report.status == UNSTABLE and (report.since or 0.0) >= report.time - scene.time_step)
+        now = TimelineState(report.time, recent.span, moves, report.since,
+                            report.status == UNSTABLE and (report.since or 0.0) >= report.time - scene.time_step)
         return Numbers(text, history, scene.active_estimators, valid, choice.estimator, now,
                        why_no_index(scene, valid, quantity), pinned, traced, scene)
 
@@ -82,7 +84,7 @@ class LiveRun:
         beside = "" if pinned is None else compare_with_pinned(history.series, pinned.history.series, choice.quantity,
                                                                (report.scene, pinned.scene))
         return frame_headline(report, picture.arrays, picture.view, self._worst, history.series, choice.quantity,
-                              choice.estimator, self._recent.lag, beside, picture.speed)
+                              choice.estimator, self._recent.periods_back, beside, picture.speed)
 
     def notice(self) -> Notice | None:
         """Returns the session's notice, or else a further one."""

@@ -17,7 +17,7 @@ from app.page.panels.page_header import PresentationMode
 from app.page.stage_view import StageView
 from app.page.visit.engine_links import PageLinks
 from app.page.visit.frame_buffer import FrameBuffer
-from app.page.visit.particle_trace import Tracer
+from app.page.visit.particle_trace import ParticleTracer
 from app.page.visit.session import Session
 from app.page.visit.status_message import Notice
 from app.state import State
@@ -59,7 +59,7 @@ class PageContext:
         self.is_touring: Callable[[], bool] = lambda: False
         self._conditions: dict[str, bool] = {}  # for computing frames
         self.recent, self.scale = FrameBuffer(), ColourScale()
-        self.trace = Tracer(self.recent)
+        self.trace = ParticleTracer(self.recent)
         self.store = BrowserStore(self.gui)
         self.presenter = PresentationMode(self.gui)
         self.canvas = Canvas(client, self.scale, self.trace, opening.scene.problem)

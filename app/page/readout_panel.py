@@ -7,7 +7,7 @@ from html import escape
 import viser
 
 from app.language.translation import tr
-from app.page.panels.error_timeline import Clock, Timeline
+from app.page.panels.error_timeline import Timeline, TimelineState
 from app.page.panels.plots import Plots
 from app.page.panels.readout import Readout
 from app.page.visit.history import RunSeries
@@ -31,7 +31,7 @@ class Numbers:
     estimators: tuple[str, ...]
     valid: tuple[str, ...]
     drawn: str | None
-    now: Clock
+    now: TimelineState
     no_index: str
     pinned: PinnedRun | None = None
     traced: TracedParticle | None = None

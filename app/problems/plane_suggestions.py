@@ -4,7 +4,16 @@ from dataclasses import replace
 
 from app.language.translation import lazy, tr, translate_message
 from app.problems import suggestion
-from app.problems.suggestion import Answer, NotNow, Offer, Run, Suggestion, changed_state, suggest_breaking, work_ratio
+from app.problems.suggestion import (
+    Answer,
+    ComparedRuns,
+    NotNow,
+    Offer,
+    Suggestion,
+    changed_state,
+    suggest_breaking,
+    work_ratio,
+)
 from app.state import State
 from app.words import format_factor, format_ratio, per_cent
 from solvers.problems.planar.problem import ViewSettings
@@ -27,7 +36,7 @@ def _ask_transport(state: State) -> Offer:
     return Offer(tr("Ask transport, too"), tr("the method's own equations"), replace(changed, estimator="transport"))
 
 
-def _transport_answer(ran: Run) -> Answer:
+def _transport_answer(ran: ComparedRuns) -> Answer:
     if "transport" in ran.not_valid:
         return tr("Transport: {reason}.", reason=translate_message(ran.not_valid["transport"])), \
             tr("It is not valid here and reports this.")
@@ -56,7 +65,7 @@ def _widening(fewest: int) -> Suggestion:
     return Suggestion("widen", "halve", lazy("Double the cells' width"), offer, _widening_answer, 0.2)
 
 
-def _widening_answer(ran: Run) -> Answer:
+def _widening_answer(ran: ComparedRuns) -> Answer:
     return tr("Its error is {factor} times as large; theory: 4 times.", factor=format_factor(ran.ratio)), \
         tr("It takes {factor} of the particle steps: fewer particles, and fewer steps.",
            factor=format_factor(work_ratio(ran)))
@@ -70,7 +79,7 @@ def _staircase(state: State) -> Offer:
                  changed_state(state, {"layout": "cartesian"}))
 
 
-def _staircase_answer(ran: Run) -> Answer:
+def _staircase_answer(ran: ComparedRuns) -> Answer:
     return tr("Its error is {factor} times as large.", factor=format_factor(ran.ratio)), \
         tr("Only the particles' initial positions differ: see the rims.")
 
@@ -85,7 +94,7 @@ def _untile(state: State) -> Offer:
                  changed_state(state, {"method": "ugimp"}))
 
 
-def _untiling_answer(ran: Run) -> Answer:
+def _untiling_answer(ran: ComparedRuns) -> Answer:
     said = tr("Its error is {factor} times as large.", factor=format_factor(ran.ratio))
     if ran.state.scene.method == "ugimp":
         return said, tr("Boxes that keep their size leave gaps where the material stretches. Would smaller cells help?")

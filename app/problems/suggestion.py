@@ -30,7 +30,7 @@ class Offer:
 
 
 @dataclass(frozen=True)
-class Run:
+class ComparedRuns:
     """Result of a ``state``: its ``series`` and those of the pinned run, over the requested periods, the error
     ``ratio`` of the quantity on the stage, the run's mean over the pinned one's, and reasons for estimators
     ``not_valid``."""
@@ -66,7 +66,7 @@ class Suggestion:
     icon: str
     title: str
     offer: Callable[[State], Offer]
-    answer: Callable[[Run], Answer]
+    answer: Callable[[ComparedRuns], Answer]
     periods: float = 1.0
     breaks: bool = False
 
@@ -82,7 +82,7 @@ def changed_state(state: State, changes: Mapping[str, Any], pinned: bool = True,
                              "stops": False, "traced": None, "magnified": 1, "difference": False, **view})
 
 
-def work_ratio(ran: Run) -> float:
+def work_ratio(ran: ComparedRuns) -> float:
     """Returns the particle steps per period over those of the pinned run."""
     def a_period(scene: Any) -> float:
         return scene.particles * scene.period / scene.time_step
@@ -90,7 +90,7 @@ def work_ratio(ran: Run) -> float:
     return math.nan if ran.state.pinned is None else a_period(ran.state.scene) / a_period(ran.state.pinned)
 
 
-def error_ratio_text(ran: Run) -> Answer:
+def error_ratio_text(ran: ComparedRuns) -> Answer:
     """Returns the answer on the error with cells half as wide."""
     by, hint = ran.ratio, tr("Largest error in the first period. Theory: 0.25 times, for {work} times the work.",
                              work=format_number(work_ratio(ran)))
@@ -126,7 +126,7 @@ def suggest_breaking(hint: str, changes: Mapping[str, Any], periods: float) -> S
             raise NotNow(tr("it is on the stage"))
         return Offer(tr(title), tr(hint), changed_state(state, wanted, pinned=False, quantity="x", estimator=None))
 
-    def answer(ran: Run) -> Answer:
+    def answer(ran: ComparedRuns) -> Answer:
         index = ran.index("companion")
         said = format_ratio(index) if math.isfinite(index) else ""
         knows = tr("Companion estimates {index} times the true error.", index=said) if said else ""

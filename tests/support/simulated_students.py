@@ -47,11 +47,11 @@ class Student(RawClient):
     def answer(self, step, given, button=""):
         """Give an answer to the step that is shown, and have it recorded."""
         button = self.find(button or ("Record my prediction" if step.kind == "predict" else "Check my answer"))
-        if step.posed.kind == "choice":
+        if step.asked_question.kind == "choice":
             self.tell(choice=[step.key, given])
         else:
             texts = [name for label, name in self._labels().items() if label and label.startswith(
-                ("At least", "At most") if step.posed.kind == "interval" else "Answer")]
+                ("At least", "At most") if step.asked_question.kind == "interval" else "Answer")]
             for text, part in zip(texts, given if isinstance(given, list) else [given], strict=True):
                 self.set(text, str(part))
         self.set(button, True)

@@ -104,7 +104,7 @@ class OpeningTour(Feature):
         if not self.beat or frame is None or frame[0].scene != OPENING.scene:
             return Headline()
         headline, facts, places = _beat(self.beat, *frame, self._session.pinned)
-        said = Headline.make(headline, *facts, **places)
+        said = Headline.from_template(headline, *facts, **places)
         return Headline(said.headline, said.facts, ("beat", self.beat))
 
     def _go(self, beat: int) -> None:

@@ -189,8 +189,8 @@ class SlowMotion(Feature):
             if self._drawn is None or self._phase != self._drawn[0]:
                 self._text.content = _table(scene, step, self._phase)
                 phase = PHASES[self._phase]  # for the text above the stage
-                self.sentence = Headline.make(tr("{n} of {all}: {title}.", n=self._phase + 1, all=len(PHASES),
-                                                 title=tr(phase.title)), phase.words(scene))
+                self.sentence = Headline.from_template(tr("{n} of {all}: {title}.", n=self._phase + 1, all=len(PHASES),
+                                                          title=tr(phase.title)), phase.words(scene))
             along = min(1.0, self._s / MOVING)
             with self._client.atomic():
                 stage.draw(scene, step, self._phase, along * along * (3 - 2 * along))

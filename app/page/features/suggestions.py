@@ -15,7 +15,7 @@ from app.page.headline import in_common, periods_of
 from app.page.page_context import PageContext
 from app.page.visit.history import series_until
 from app.page.visit.session import Session
-from app.problems.suggestion import Answer, NotNow, Run, Suggestion, changed_state
+from app.problems.suggestion import Answer, ComparedRuns, NotNow, Suggestion, changed_state
 from app.problems.views import VIEWS
 from app.state import State
 from app.words import METHODS, format_number
@@ -194,7 +194,7 @@ class Suggestions(Feature):
             self._answers[quantity] = spark.answer(ran)
         return self._answers.get(quantity)
 
-    def _result(self, spark: Suggestion, state: State) -> Run | None:
+    def _result(self, spark: Suggestion, state: State) -> ComparedRuns | None:
         session = self._session
         report, pinned, scene = session.report, session.pinned, state.scene
         histories = [session.history, *([pinned.history] if pinned else [])]
@@ -208,4 +208,4 @@ class Suggestions(Feature):
                   its in zip(series, scenes, strict=True)]
         ratio = math.nan if pinned is None or state.pinned is None else \
             in_common(series[0], series[1], f"error_{state.quantity}", (scene, state.pinned))
-        return Run(state, series[0], series[1] if pinned else {}, ratio, report.not_valid)
+        return ComparedRuns(state, series[0], series[1] if pinned else {}, ratio, report.not_valid)

@@ -30,7 +30,7 @@ UNSTABLE, LOST = lazy("unstable from {time} on"), lazy("lost from {time} on")
 
 
 @dataclass(frozen=True)
-class Clock:
+class TimelineState:
     """The ``time`` in s, the ``reach`` of stored frames in s, whether it plays, and the time when it was ``lost``."""
 
     time: float
@@ -73,7 +73,7 @@ class Timeline:
         self._plot.height = self.height
 
     def show(self, past: RunSeries, valid: tuple[str, ...], quantity: str, latest: bool, pinned: PinnedRun | None,
-             drawn: str | None, now: Clock) -> None:
+             drawn: str | None, now: TimelineState) -> None:
         """Draws a run's error norms up to now, or those of its ``latest`` periods, and a ``pinned`` run's in grey."""
         series = past.latest if latest else past.series
         time = series["time"]
@@ -96,7 +96,7 @@ class Timeline:
         start, end, _ = self._ends or (0.0, 1.0, 1.0)
         return start + part * (end - start)
 
-    def clear(self, now: Clock) -> None:
+    def clear(self, now: TimelineState) -> None:
         """Clears the curves, at t = 0."""
         set_series(self._plot, finite_series(EMPTY, *(np.full(2, np.nan) for _ in self._plot.data[1:])))
         self._tell({"symbol": "", "top": [0, ""], "start": "", "ticks": [], "now": 0, "reach": [0, 0], "strip": "",
@@ -118,7 +118,7 @@ class Timeline:
         return top
 
     def _say(self, past: RunSeries, series: dict[str, np.ndarray], quantity: str, start: float, end: float, top: float,
-             now: Clock) -> None:
+             now: TimelineState) -> None:
         def part(time: float) -> float:
             return round(min(1.0, max(0.0, (time - start) / (end - start))), 4)
 

@@ -9,7 +9,7 @@ from app.frame.colour_scale import ColourScale
 from app.language.translation import lazy, tr
 from app.page.visit.frame_buffer import FrameBuffer
 from app.page.visit.history import LAST_PERIODS
-from app.page.visit.particle_trace import Tracer
+from app.page.visit.particle_trace import ParticleTracer
 from app.page.visit.session import Session
 from app.problems.views import VIEWS
 from solvers.untrusted import number_parsing, quoting
@@ -21,7 +21,7 @@ LINEAR, LOGARITHMIC = lazy("linear"), lazy("logarithmic")
 class HistoryControls:
     """One visitor's widgets for past frames; ``on_view`` is called when another frame or particle is shown."""
 
-    def __init__(self, session: Session, recent: FrameBuffer, trace: Tracer, on_view: Callable[[], None]):
+    def __init__(self, session: Session, recent: FrameBuffer, trace: ParticleTracer, on_view: Callable[[], None]):
         self._session, self._recent, self._trace, self._on_view = session, recent, trace, on_view
         self.latest = False  # whether plots show the last periods only
         self._refused = False

@@ -17,7 +17,7 @@ from app.frame.layout import Rectangle
 from app.frame.primitives import Lines, in_plane, join_points
 from app.frame.stage import Stage
 from app.language.translation import lazy, tr
-from app.page.visit.particle_trace import Tracer
+from app.page.visit.particle_trace import ParticleTracer
 from app.renderers.viewer_renderer import ViewerSurface
 from app.words import with_unit
 from solvers.engine.shared_frames import FrameArrays
@@ -141,7 +141,7 @@ class ErrorProbe:
 class TraceRings:
     """Rings around one visitor's traced particle. A click on it, or into an empty place, ends the trace."""
 
-    def __init__(self, client: viser.ClientHandle, sheet: ViewerSurface, trace: Tracer):
+    def __init__(self, client: viser.ClientHandle, sheet: ViewerSurface, trace: ParticleTracer):
         self._trace = trace
         self._last_drawn: tuple[Stage, FrameArrays] | None = None
         self._sheet = sheet

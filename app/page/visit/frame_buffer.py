@@ -82,7 +82,7 @@ class FrameBuffer:
             return (replace(report, playing=False) if self.back else report), arrays
 
     @property
-    def lag(self) -> float:
+    def periods_back(self) -> float:
         """Number of periods from the frame shown to the newest one."""
         return self._periods(self.back)
 

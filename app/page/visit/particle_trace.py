@@ -58,7 +58,7 @@ class TracedParticle(RunSeries):
                   place=f"({place})" if len(self.at_rest) > 1 else place)
 
 
-class Tracer:
+class ParticleTracer:
     """The particle that one visitor traces, if any. Frames come on one thread, choices on any."""
 
     def __init__(self, recent: FrameBuffer):

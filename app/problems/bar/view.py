@@ -11,7 +11,7 @@ from app.problems import suggestion
 from app.problems.bar.slow import BarSlowStage
 from app.problems.bar.stage import BarStage
 from app.problems.interface import Motion, ProblemView, Reach, Regions
-from app.problems.suggestion import Answer, NotNow, Offer, Run, Suggestion, changed_state, suggest_breaking
+from app.problems.suggestion import Answer, ComparedRuns, NotNow, Offer, Suggestion, changed_state, suggest_breaking
 from app.state import State
 from app.words import format_factor, per_cent
 from solvers.problems.bar.patch_test import PATCH
@@ -31,7 +31,7 @@ def _cross(state: State) -> Offer:
                  changed_state(state, {"method": "mpm"}, quantity="sigma"))
 
 
-def _crossing_answer(ran: Run) -> Answer:
+def _crossing_answer(ran: ComparedRuns) -> Answer:
     own, other = (series["crossings"][-1] if len(series.get("crossings", ())) else math.nan
                   for series in (ran.series, ran.pinned))
     if ran.ratio >= 1:
@@ -61,7 +61,7 @@ def _misfit(title: str, hint: str, method: str) -> Suggestion:
     return Suggestion(f"misfit-{method}", icon, title, offer, _misfit_answer, 0.5)
 
 
-def _misfit_answer(ran: Run) -> Answer:
+def _misfit_answer(ran: ComparedRuns) -> Answer:
     values = ran.series.get("error_sigma", ())
     wrong = float(sum(values) / len(values)) / ran.state.scene.size_of("sigma") if len(values) else math.nan
     if wrong < PASSED:

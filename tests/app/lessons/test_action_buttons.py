@@ -83,7 +83,7 @@ def _done(lesson, core):
         assert told == [[(act.verb, act.name) for act in find_actions(text_html(step.text, draw_numbers(lesson, "")))]
                         for step in catalogue.load_lesson(lesson.name).steps]
     numbers, text = draw_numbers(lesson, ""), "bar"
-    for step in lesson.path(core):
+    for step in lesson.steps_to_take(core):
         text = fill_numbers(step.stage, numbers) or text
         html = step_html(lesson, step, numbers, "", False)
         assert html.count(stage_button()) == bool(step.stage)

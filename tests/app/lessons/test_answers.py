@@ -41,7 +41,7 @@ def test_where_a_control_is_left_is_what_the_stage_has(gui, dragged):
     assert mark_answer(lesson, step, widgets.value, {}, RunCache()).right is False
     on_stage[0] = "bar;motion=patch"
     widgets.refresh()
-    assert why_invalid(step.posed, widgets.value) and "put the run there first" in widgets._note.content
+    assert why_invalid(step.asked_question, widgets.value) and "put the run there first" in widgets._note.content
 
 
 def test_a_prediction_of_a_control_is_a_slider(gui, dragged):

@@ -172,7 +172,8 @@ def test_the_eight_runs_of_lesson_ten_are_those_that_were_drawn():
                 scene.linearity_preserving, scene.velocity)
 
     lesson = catalogue.load_lesson("10-how-sure-are-you")
-    bets = [step.posed.expected.split(".")[0] for step in lesson.questions.values() if step.posed.kind == "interval"]
+    questions = [step.asked_question for step in lesson.questions.values()]
+    bets = [question.expected.split(".")[0] for question in questions if question.kind == "interval"]
     runs = {rounded(state.parse_state(lesson.runs[name].texts[0]).scene) for name in bets}
     assert rounded(state.parse_state(lesson.runs["broken"].texts[0]).scene) == rounded(RandomRun("bar", 10, 0).scene())
     drawn_runs = [RandomRun(problem, 10, number).scene() for problem,

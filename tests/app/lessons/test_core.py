@@ -59,7 +59,7 @@ def test_a_round_is_of_the_core_as_its_first_step_says(two):
     assert [len(one) for one in split_rounds(two.steps)] == [4, 3]
     assert two.extra == two.steps[4:] and two.path(core=True) == two.steps[:4] and two.path(core=False) == two.steps
     plain = parse_lesson(ROUND + DEEPER, "plain")
-    assert plain.extra == () and plain.path(core=True) == plain.steps
+    assert plain.extra == () and plain.steps_to_take(core=True) == plain.steps
     assert [step.key for step in two.steps] == [step.key for step in plain.steps]  # a mark is not part of the title
 
 
@@ -139,12 +139,12 @@ def test_the_core_of_our_lessons_is_some_twenty_minutes_and_stands_by_itself(nam
     """It looks back upon nothing that is deeper by its title; and no text of a lesson says minutes of its own."""
     found = catalogue.load_lesson(name)
     assert 15 <= found.core_minutes <= 25 and found.core_minutes <= found.minutes
-    core = "\n".join((found.intro, *(f"{step.title}\n{step.text}" for step in found.path(core=True))))
+    core = "\n".join((found.intro, *(f"{step.title}\n{step.text}" for step in found.steps_to_take(core=True))))
     assert not any(step.title in core for step in found.extra if len(step.title) > 20)
     assert not re.search(r"\b(last|first|second|third|fourth) (round|part) of this lesson|deeper", core)
     notes = "\n".join((found.notes, *(step.notes for step in found.steps)))
     assert not re.search(r"\b(\d+|ten|twenty) min(utes)?\b", notes)
-    assert draw_numbers(found, "Ada") == draw_numbers(replace(found, steps=found.path(core=True)),
+    assert draw_numbers(found, "Ada") == draw_numbers(replace(found, steps=found.steps_to_take(core=True)),
                                                       "Ada")  # a student's numbers
 
 

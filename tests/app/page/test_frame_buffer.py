@@ -80,11 +80,11 @@ def test_looking_back_needs_a_pause_and_ends_when_the_run_moves_or_begins_anew()
     for step in range(10):
         recent.add(*frame(step, fresh=step == 0))
     recent.go_back(3)
-    assert shown(recent) == 9 and recent.lag == 0
+    assert shown(recent) == 9 and recent.periods_back == 0
     recent.add(*frame(9, playing=False))
     recent.go_back(3)
     assert shown(recent) == 6 and not recent.shown_frame[0].playing
-    assert recent.lag == pytest.approx(3 * BAR.time_step / BAR.period)
+    assert recent.periods_back == pytest.approx(3 * BAR.time_step / BAR.period)
     recent.add(*frame(9, playing=False))
     assert shown(recent) == 6 and len(recent.frames) == 10
     recent.add(*frame(10, playing=False))  # a single step

@@ -120,7 +120,7 @@ def test_crossings_are_those_of_the_last_twentieth_of_a_period(beyond, who):
 def test_a_run_that_stands_is_told_of_its_moment_and_what_is_not_known_is_not_told(begins, given, changes):
     """That it is lost or unstable comes first. Without truth the worst place is that of the estimate."""
     assert said(replace(BAR, **given), **changes).startswith(begins)
-    assert frame_headline(None, None, None, WorstRegions(), {}, "x", None) == Headline.make(WAITING)
+    assert frame_headline(None, None, None, WorstRegions(), {}, "x", None) == Headline.from_template(WAITING)
 
 
 def test_sentences_come_calmly():
@@ -133,7 +133,7 @@ def test_sentences_come_calmly():
     speaker = HeadlinePanel(SimpleNamespace(add_html=lambda _: Html()), lambda: now)
     for sentence, now in (("one", 5.0), ("two", 5.0 + 0.9 * SAY_SECONDS), ("three", 5.0 + SAY_SECONDS),  # noqa: B007
                           ("three", 5.0 + 3 * SAY_SECONDS)):
-        speaker.say(Headline.make(sentence))
+        speaker.say(Headline.from_template(sentence))
     assert heard == [("One.", 0), ("Three.", 0)]
     speaker.say(Headline((("", "paused"),), moment="another"))  # said at once, and read aloud
     assert heard[2:] == [("Paused.", 1)]

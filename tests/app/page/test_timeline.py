@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from app.page.panels.browser_store import LayoutMetrics, Window
-from app.page.panels.error_timeline import BINS, Clock, Timeline
+from app.page.panels.error_timeline import BINS, Timeline, TimelineState
 from solvers.problems.bar.scene import BarScene
 from solvers.problems.ring import RingScene
 from tests.app.page.panel import Gui
@@ -48,7 +48,7 @@ def ends(line):
 
 def show(line, end, now=None, scene=SCENE):
     line.show(Past(end, scene), ("transport",), "x", False, None, "transport",
-              now or Clock(end, (0.5 * end, end), True))
+              now or TimelineState(end, (0.5 * end, end), True))
     return said(line)
 
 
@@ -86,9 +86,9 @@ def test_times_are_counted_in_periods_where_something_swings(line):
 
 
 def test_a_lost_run_says_since_when(line):
-    at = show(line, 0.9, Clock(0.9, (0.0, 0.9), False, 0.6))
+    at = show(line, 0.9, TimelineState(0.9, (0.0, 0.9), False, 0.6))
     assert (at["lost"], at["says"], at["playing"]) == (0.6, "lost from 600 ms on", False)
-    at = show(line, 0.9, Clock(0.9, (0.0, 0.9), False, 0.6, unstable=True))
+    at = show(line, 0.9, TimelineState(0.9, (0.0, 0.9), False, 0.6, unstable=True))
     assert at["says"] == "unstable from 600 ms on"
 
 

@@ -11,7 +11,7 @@ from app.frame.layout import RunSlot
 from app.page.stage.error_probe import RADIUS, ErrorProbe, TraceRings
 from app.page.visit.frame_buffer import FrameBuffer
 from app.page.visit.history import LAST_PERIODS, MOST_ROWS
-from app.page.visit.particle_trace import Tracer
+from app.page.visit.particle_trace import ParticleTracer
 from app.problems.bar.stage import BarStage
 from app.problems.views import VIEWS
 from app.renderers import viewer_renderer
@@ -46,7 +46,7 @@ def run(request):
 def traced_after(frames, particle, chosen_after=FRAMES // 2):
     """What is traced when the particle is chosen in the middle of a run."""
     recent = FrameBuffer()
-    trace = Tracer(recent)
+    trace = ParticleTracer(recent)
     for k, frame in enumerate(frames):
         recent.add(*frame)
         trace.on_frame(*frame)
@@ -154,7 +154,7 @@ def test_a_click_marks_and_another_ends_it(run, stage):
     recent.add(report, arrays)
     clicks, scene = [], RecordingScene()
     scene.on_click = lambda: clicks.append
-    trace, client = Tracer(recent), SimpleNamespace(scene=scene)
+    trace, client = ParticleTracer(recent), SimpleNamespace(scene=scene)
     mark = TraceRings(client, viewer_renderer.ViewerSurface(client, Lettering(GUI), "/trace"), trace)
     mark.update(stage, arrays)
     assert not scene.made["trace"].visible

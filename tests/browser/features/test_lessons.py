@@ -101,7 +101,7 @@ def test_the_core_is_taken_alone(class_room, chromium):
     begun = Progress(NAME, lesson.fingerprint, step=deeper).text()
     keep = f"localStorage['mpm-lab/{NAME}'] ||= {json.dumps(begun)};"
     with visit(chromium, class_room[0], script=keep) as page:
-        head, count = page.locator(".lab-lesson-head"), len(lesson.path(core=True))
+        head, count = page.locator(".lab-lesson-head"), len(lesson.steps_to_take(core=True))
 
         def at(said):
             until(lambda: head.is_visible() and said in head.inner_text(), said)

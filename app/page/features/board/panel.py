@@ -111,10 +111,10 @@ def answers_json(board: Board) -> str:
         revealed = came if board.reveal_stage(at) == REVEALED and isinstance(came, RightAnswer) else None
         questions.append({
             "key": step.key, "step": step.kind, "title": fill_numbers(step.title, board.numbers),
-            "kind": step.posed.kind, "unit": step.posed.unit,
-            "options": [fill_numbers(option, board.numbers) for option in step.posed.options],
+            "kind": step.asked_question.kind, "unit": step.asked_question.unit,
+            "options": [fill_numbers(option, board.numbers) for option in step.asked_question.options],
             "count": len(answers), "late": board.tally.count_late(step.key),
             "answers": answers if has_chart(step) else None, "came_out": revealed and revealed.text,
-            "right": None if revealed is None else right_among(step.posed, answers, revealed)})
+            "right": None if revealed is None else right_among(step.asked_question, answers, revealed)})
     return json.dumps({"schema": SCHEMA, "lesson": board.lesson.name, "fingerprint": board.lesson.fingerprint,
                        "numbers": dict(board.numbers), "questions": questions}, ensure_ascii=False, indent=1) + "\n"

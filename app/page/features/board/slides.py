@@ -66,7 +66,7 @@ def question_scores(board: Board) -> list[QuestionScore]:
         came = board.outcome_of(step)
         if board.reveal_stage(at) == REVEALED and isinstance(came, RightAnswer):
             answers = board.tally.answers(step.key)
-            found.append(QuestionScore(step, chart.right_among(step.posed, answers, came), len(answers)))
+            found.append(QuestionScore(step, chart.right_among(step.asked_question, answers, came), len(answers)))
     return found
 
 
@@ -96,10 +96,11 @@ def _step(board: Board, place: BoardPosition, step: Step) -> str:
     if place.reveal_stage == COUNTED:
         text, name = to_html(fill_numbers(step.text, board.numbers), catalogue.FOLDER), tr("the question")
         return f"{head}<div class='lab-asked' tabindex='0' role='region' aria-label='{name}'>{text}</div>" \
-               f"{chart.answer_options(step.posed, board.numbers)}{_count_html(board, step, place.at)}"
+               f"{chart.answer_options(step.asked_question, board.numbers)}{_count_html(board, step, place.at)}"
     answers = board.tally.answers(step.key)
     came = board.outcome_of(step) if place.reveal_stage == REVEALED else None
-    drawn = chart.answer_chart(step.posed, answers, board.numbers, came if isinstance(came, RightAnswer) else None)
+    drawn = chart.answer_chart(step.asked_question, answers, board.numbers,
+                               came if isinstance(came, RightAnswer) else None)
     after = board.tally.count_late(step.key)
     late = trn("{count} came later and is not counted.", "{count} came later and are not counted.",
                after) if after else ""
@@ -129,7 +130,7 @@ def _meter(told: str, part: int, whole: int) -> str:
 
 
 def _count_text(step: Step, count: int) -> str:
-    if step.posed.kind == INTERVAL:
+    if step.asked_question.kind == INTERVAL:
         return trn("{count} interval.", "{count} intervals.", count) if count else tr("No interval was given.")
     return trn("{count} answer.", "{count} answers.", count) if count else tr("Nobody has answered.")
 
@@ -140,11 +141,11 @@ def _outcome(place: BoardPosition, step: Step, answers: list, came: RightAnswer 
         return ""
     if came is None or isinstance(came, str):
         return tr(came or WORKING)
-    count = chart.right_among(step.posed, answers, came)
-    if step.posed.kind == INTERVAL:
+    count = chart.right_among(step.asked_question, answers, came)
+    if step.asked_question.kind == INTERVAL:
         told = tr("{right} of {of} contain the result ({level} % expected): {told}.", right=count,
-                  of=len(answers), level=f"{100 * step.posed.level:g}", told=escape(came.text))
-    elif step.posed.kind != CHOICE:
+                  of=len(answers), level=f"{100 * step.asked_question.level:g}", told=escape(came.text))
+    elif step.asked_question.kind != CHOICE:
         told = trn("{count} of {of} was right: {told}.", "{count} of {of} were right: {told}.", count, of=len(answers),
                    told=escape(came.text))
     elif came.options:  # the bars show which
@@ -158,7 +159,9 @@ def _end(board: Board) -> str:
     found = question_scores(board)
     rows = "".join(f"<li><span>{escape(fill_numbers(one.step.title, board.numbers))}</span>"
                    f"<i style='--part: {one.right / max(1, one.answers):.4f}'></i>"
-                   f"<b>{tr(HELD if one.step.posed.kind == INTERVAL else RIGHT, right=one.right, of=one.answers)}</b>"
+                   "<b>"
+                   f"{tr(HELD if one.step.asked_question.kind == INTERVAL else RIGHT, right=one.right, of=one.answers)}"
+                   "</b>"
                    "</li>" for one in found)
     sums = "".join(f"<p class='lab-many'>{told}</p>" for told in calibration(found))
     none, name = tr("No question has been revealed."), tr("question by question")
@@ -171,13 +174,13 @@ def _end(board: Board) -> str:
 def calibration(found: list[QuestionScore]) -> list[str]:
     """Returns a sentence each on the class's predictions, observations and intervals, with the share that is right."""
     said = []
-    intervals = [one for one in found if one.step.posed.kind == INTERVAL]
+    intervals = [one for one in found if one.step.asked_question.kind == INTERVAL]
     for sentence, some in (
             (PREDICTIONS, [one for one in found if one not in intervals and one.step.kind == PREDICT]),
             (OBSERVATIONS, [one for one in found if one not in intervals and one.step.kind != PREDICT]),
             (INTERVALS, intervals)):
         right, of = sum(one.right for one in some), sum(one.answers for one in some)
         if of:
-            level = sum(one.step.posed.level * one.answers for one in some) / of  # not shown for predictions
+            level = sum(one.step.asked_question.level * one.answers for one in some) / of  # not shown for predictions
             said.append(tr(sentence, right=right, of=of, share=f"{100 * right / of:.0f}", level=f"{100 * level:.0f}"))
     return said

@@ -94,13 +94,13 @@ class Axes:
 
     def place(self, run: NumberedRun) -> tuple[float, float]:
         """Returns a run's position from left and top in %; a broken run is at the top, an untimed one at the left."""
-        return (_percent(self.across.part(run.seconds)) if run.solo else 0.0,
+        return (_percent(self.across.part(run.seconds)) if run.timed_alone else 0.0,
                 0.0 if run.broken else _percent(1 - self.up.part(run.size)))
 
 
 def axes_for(runs: Sequence[NumberedRun], tolerance: float, before: Axes | None = None) -> Axes:
     """Returns axes that contain the runs, the tolerance and the range of the axes ``before``."""
-    times = [run.seconds for run in runs if run.drawable and run.solo]
+    times = [run.seconds for run in runs if run.drawable and run.timed_alone]
     errors = [run.size for run in runs if run.drawable and not run.broken]
     least = min(errors, default=1e-2) / 10**MOST_BELOW
     wanted = [max(tolerance, least)] if math.isfinite(tolerance) else []
@@ -116,7 +116,8 @@ def draw_runs(runs: Sequence[NumberedRun], like: Sequence[NumberedRun], scene: S
     numbers = {run.number for run in like}
     dots = [run for run in runs if run.drawable]
     best = visitor_runs.pareto_front(like)
-    band = f"<div class='lab-band'><span>{tr('not timed alone')}</span></div>" * any(not run.solo for run in dots)
+    band = f"<div class='lab-band'><span>{tr('not timed alone')}</span></div>" \
+        * any(not run.timed_alone for run in dots)
     drawn = [_path(curve, inside, f"class='lab-curve' style='{_colour(curve[0])}'") for curve in sweep_curves(like)]
     under = _path(best, inside, "class='lab-front'")
     lines = "".join([_grid(inside), _guides(inside, scene.DIMENSIONS) if inside.times else "", under, *drawn])
@@ -127,7 +128,7 @@ def draw_runs(runs: Sequence[NumberedRun], like: Sequence[NumberedRun], scene: S
         f"{escape(method_name(run.method))}</span>" for run in best_without_curve(like)]
     texts += [_label(run, inside, "lab-cells", str(run.scene.cells)) for run in [*chain(*sweep_curves(like)), *best]]
     if own := run_of_scene(like, scene):
-        texts.append(_label(own, inside, f"lab-on-stage{' lab-untimed' * (not own.solo)}", tr("on the stage")))
+        texts.append(_label(own, inside, f"lab-on-stage{' lab-untimed' * (not own.timed_alone)}", tr("on the stage")))
     # The comparable runs are drawn last, on top.
     last = sorted(dots, key=lambda run: (run.number in numbers, run in best))
     words = _titles(scene) + (_keys(dots, best, scene.DIMENSIONS) if inside.times else "")
@@ -235,7 +236,7 @@ def _dot(run: NumberedRun, inside: Axes, aside: bool) -> str:
     x, y = inside.place(run)
     shape = CROSS if run.broken else SHAPES[METHOD_MARKS[run.method]]
     kinds = [kind for kind, holds in (("lab-broken", run.broken), ("lab-judged", run.error is None),
-                                      ("lab-untimed", not run.solo), ("lab-aside", aside)) if holds]
+                                      ("lab-untimed", not run.timed_alone), ("lab-aside", aside)) if holds]
     said = cost_texts.run_sentence(run)
     words = escape(tr("{run}; of another scene than the one on the stage", run=said) if aside else said, quote=True)
     return (f"<button class='{' '.join(['lab-dot', *kinds])}' data-run='{run.number}' tabindex='-1' "

@@ -86,7 +86,8 @@ def run_sentence(run: NumberedRun) -> str:
         parts.append(tr("{share} of {whole}, estimated by {estimator}", share=format_percent(run.estimate), whole=of,
                         estimator=run.estimator))
     time = format_seconds(run.seconds)
-    return "; ".join([*parts, tr("{time} alone", time=time) if run.solo else tr("{time} on the stage", time=time)])
+    how = tr("{time} alone", time=time) if run.timed_alone else tr("{time} on the stage", time=time)
+    return "; ".join([*parts, how])
 
 
 def run_name(run: NumberedRun) -> str:
@@ -147,7 +148,7 @@ def _line(run: NumberedRun) -> str:
         estimated = tr("est. {share}", share=format_percent(run.estimate))
         error = f"<td>{estimated if run.error is None else format_percent(run.error)}</td>"
         small += [f"{run.estimator}: {format_percent(run.estimate)}"] * (run.estimate is not None)
-    small += [tr("timed on the stage")] * (not run.solo)
+    small += [tr("timed on the stage")] * (not run.timed_alone)
     load = tr("load run {number}", number=run.number)
     return (f"<tbody title='{escape(run_sentence(run), quote=True)}'><tr><td rowspan=2><button data-run='{run.number}' "
             f"aria-label='{load}'>{run.number}</button></td><td>{escape(method_name(run.method))}, "

@@ -66,7 +66,7 @@ class NumberedRun:
         return seconds.get("min") or seconds.get("full") or math.nan
 
     @property
-    def solo(self) -> bool:
+    def timed_alone(self) -> bool:
         """Whether it was timed by itself, not on a stage with drawing, estimates and other visitors."""
         return self.source != LIVE
 
@@ -201,7 +201,7 @@ def comparable_runs(runs: Sequence[NumberedRun], scene: Scene) -> list[NumberedR
 def run_of_scene(runs: Sequence[NumberedRun], scene: Scene) -> NumberedRun | None:
     """Returns the run that computes exactly this scene, preferably one that was timed alone."""
     own = [run for run in runs if run.drawable and _run_key(run.scene) == _run_key(scene)]
-    return next((run for run in own if run.solo), own[0] if own else None)
+    return next((run for run in own if run.timed_alone), own[0] if own else None)
 
 
 @functools.lru_cache(maxsize=1000)
@@ -211,7 +211,7 @@ def _run_key(scene: Scene) -> tuple[Scene, float]:
 
 def measured_runs(runs: Sequence[NumberedRun]) -> list[NumberedRun]:
     """Returns the runs that have an error or an estimate, and a time that was measured alone."""
-    return [run for run in runs if run.solo and run.drawable and not run.broken]
+    return [run for run in runs if run.timed_alone and run.drawable and not run.broken]
 
 
 def pareto_front(runs: Sequence[NumberedRun]) -> list[NumberedRun]:

@@ -25,7 +25,7 @@ class AnswerWidgets:
 
     def __init__(self, gui: viser.GuiApi, step: Step, numbers: Numbers, answer: Any, fixed: bool,
                  stage: Callable[[], Scene], lang: str = ""):
-        self._question, self._stage = step.posed, stage
+        self._question, self._stage = step.asked_question, stage
         self._chosen: int | None = answer if self._question.kind == lesson.CHOICE else None
         self.texts: list[viser.GuiTextHandle] = []
         self._note: viser.GuiHtmlHandle | None = None

@@ -106,7 +106,7 @@ class LessonPlayer(Feature):
         with self._lock:
             if self._lesson is None:
                 return
-            at = self._lesson.offset(self._progress.step, by, self._progress.core)
+            at = self._lesson.neighbour_step(self._progress.step, by, self._progress.core)
             self._progress.step = min(at, self._paced_seat.last_open) if self._paced_seat else at
         self._on_change()  # first, so that a visible step is stored
         self._rebuild()
@@ -194,7 +194,7 @@ class LessonPlayer(Feature):
         self._buttons(back=True, onward=answered is not None, main=answered is not None)
 
         def take(_: viser.GuiEvent) -> None:
-            if why := why_invalid(step.posed, answer := widgets.value):
+            if why := why_invalid(step.asked_question, answer := widgets.value):
                 return self._show(said, lambda: f"<div class='lab-lesson lab-recorded' role='alert'>{why}</div>")
             with self._lock:
                 if step.kind != PREDICT or step.key not in self._progress.answers:  # not meanwhile on another page
@@ -245,7 +245,8 @@ class LessonPlayer(Feature):
                 return
             if self._navigation is not None:
                 self._navigation.mark_answered()
-            said.content = self._reply(step, "" if step.posed.kind == TEXT else tr("Being checked against the run …"))
+            waiting = "" if step.asked_question.kind == TEXT else tr("Being checked against the run …")
+            said.content = self._reply(step, waiting)
         self._marker.check(lesson, step, self._progress,
                            lambda found: self._show(said, lambda: self._reply(step, found)))
 
@@ -298,7 +299,7 @@ class LessonPlayer(Feature):
             self._gui, back, onward, main, step is not None and step.kind == PREDICT,
             lambda: paced is not None and paced.last_open <= at <= len(lesson.steps),
             tr(PACED if paced else KEPT), self._move_by, self._leave,
-            lambda: self.show_step(True, lesson.offset(at, 1, core=True)),
+            lambda: self.show_step(True, lesson.neighbour_step(at, 1, core=True)),
             step is not None and not step.core and not paced)
 
     def _step_opened(self) -> None:

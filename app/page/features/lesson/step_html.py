@@ -113,8 +113,8 @@ def compared_html(lesson: Lesson, steps: Sequence[Step], answers: Mapping[str, A
 
 def taken_html(lesson: Lesson, step: Step, answer: Answer, numbers: Numbers, comment: str, right: bool | None) -> str:
     """Returns a recorded answer and a comment on it, which ``js/lesson_aloud.js`` reads aloud."""
-    said, own = fill_numbers(format_answer(step.posed, answer.last),
-                             numbers), lang_attribute(lesson) if step.posed.kind == CHOICE else ""
+    said = fill_numbers(format_answer(step.asked_question, answer.last), numbers)
+    own = lang_attribute(lesson) if step.asked_question.kind == CHOICE else ""
     kind, sign, word = SIGNS[right]
     mark = f" <span class='lab-{kind}'>{sign} {tr(word)}</span>" if sign else ""
     return f"<div class='lab-lesson lab-recorded'>{tr('Your answer:')} <b{own}>{escape(said)}</b>{mark} " \
@@ -125,7 +125,8 @@ def end_html(lesson: Lesson, progress: Progress, marks: Mapping[str, AnswerMark 
              paced: bool) -> str:
     """Returns the last page: all answers, what to do with them (``paced`` by a board or not), and links to more."""
     table = compared_html(lesson, list(lesson.questions.values()), progress.answers, marks, numbers)
-    missing = sum(step.question is not None and step.key not in progress.answers for step in lesson.path(progress.core))
+    missing = sum(step.question is not None and step.key not in progress.answers
+                  for step in lesson.steps_to_take(progress.core))
     open_ones = trn("{count} question is still open; go back to answer.",
                     "{count} questions are still open; go back to answer.", missing)
     left = f"<p>{open_ones}</p>" if missing else ""

@@ -18,7 +18,7 @@ from app.page.features.upload import uploaded_run
 from app.page.features.upload.judging_process import FIRST, JudgeJob, ProblemQuestion, question_sentence
 from app.page.features.upload.uploaded_run import JUDGE, UploadedRun, file_readout, loaded_notice, scene_of
 from app.page.page_context import PageContext
-from app.page.panels.error_timeline import Clock
+from app.page.panels.error_timeline import TimelineState
 from app.page.panels.page_header import BARE
 from app.page.readout_panel import Numbers
 from app.page.stage.worst_region import WorstRegions
@@ -287,7 +287,8 @@ class UploadPanel(Feature):
             return None
         run, k = shown
         return Numbers(file_readout(run, k, choice.quantity, probed), None if run.estimate is None else run,
-                       (JUDGE,), (JUDGE,), JUDGE, Clock(run.times[k], (run.times[0], run.times[-1]), self.playing),
+                       (JUDGE,), (JUDGE,), JUDGE, TimelineState(run.times[k], (run.times[0], run.times[-1]),
+                                                                self.playing),
                        "" if run.true is not None else tr(NO_INDEX))
 
     def sentence(self, choice: Choice, picture: FrameView) -> Headline:

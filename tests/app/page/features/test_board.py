@@ -37,9 +37,9 @@ def lesson():
     """Two predictions that need no run, a step without a question, a free text and an interval."""
     four = catalogue.load_lesson("04-grid-crossing")
     number = next(step for step in four.steps if step.key == "where-does-the-trouble-begin")
-    choice = replace(four.steps[0], question=replace(four.steps[0].posed, holds=("1 < 0", "1 < 2", "2 < 1")))
-    text = replace(number, key="why", title="Why?", question=replace(number.posed, kind=TEXT, expected=""))
-    wide = replace(number, key="how-much", title="How much?", question=replace(number.posed, kind=INTERVAL))
+    choice = replace(four.steps[0], question=replace(four.steps[0].asked_question, holds=("1 < 0", "1 < 2", "2 < 1")))
+    text = replace(number, key="why", title="Why?", question=replace(number.asked_question, kind=TEXT, expected=""))
+    wide = replace(number, key="how-much", title="How much?", question=replace(number.asked_question, kind=INTERVAL))
     return replace(four, steps=(choice, four.steps[1], number, text, wide))
 
 
@@ -176,8 +176,8 @@ def test_the_end_says_how_well_the_class_has_known(board):
     given = {CHOICE: (2, 2, 1), "number": (3.125, 3.0, 10.0), INTERVAL: ([3, 4], [1, 2], [0, 9])}
     while board.position.at < board.end:
         step = board.step(board.position.at)
-        if step and step.question and step.posed.kind != TEXT and board.position.reveal_stage == COUNTED:
-            for seat, answer in zip(seats, given[step.posed.kind], strict=True):
+        if step and step.question and step.asked_question.kind != TEXT and board.position.reveal_stage == COUNTED:
+            for seat, answer in zip(seats, given[step.asked_question.kind], strict=True):
                 seat.report_answer(step, answer)
         press(board, NEXT)
     wait_until(lambda: len(question_scores(board)) == 3, "what came out")
@@ -199,7 +199,8 @@ def test_the_board_shows_the_address_by_which_a_class_comes_in(board, here, link
     """That of the lecturer's browser, unless only this machine can mean it."""
     door = LecturerContext(board, JoinInfo("http://10.0.0.5:8080/", "wave 4711")).join_info_for(here)
     assert (door.link, door.warning, door.full_link) == (link, "", f"{link}#code=wave%204711")
-    door = LecturerContext(board, JoinInfo("http://127.0.0.1:8080/", "wave-4711")).join_info_for("http://localhost:8080/")
+    door = LecturerContext(board,
+                           JoinInfo("http://127.0.0.1:8080/", "wave-4711")).join_info_for("http://localhost:8080/")
     assert "Only this computer" in slide_html(board, board.position, door)  # which nobody else can open
 
 

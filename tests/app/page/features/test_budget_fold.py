@@ -16,7 +16,7 @@ from app.page.display_source import Choice
 from app.page.feature import PageView
 from app.page.features.budget.chart import HEIGHT, MOST, WIDTH, BudgetData, budget_chart
 from app.page.features.budget.panel import BudgetFold
-from app.page.panels.error_timeline import Clock
+from app.page.panels.error_timeline import TimelineState
 from app.page.readout_panel import Numbers
 from app.state import State
 from app.words import difference_text, per_cent, with_unit
@@ -66,7 +66,7 @@ class Stage:
 
     def look(self, history=None, pinned=None, quantity="x", studying=False, scene=HATS, playing=False):
         """What is read in the fold after another refresh."""
-        now = Clock(0.0, (0.0, 0.0), playing)
+        now = TimelineState(0.0, (0.0, 0.0), playing)
         numbers = Numbers(SimpleNamespace(), history, (), (), None, now, "", pinned, scene=scene)
         self.fold.refresh(PageView(Choice(quantity, None, False, False, 1, False), numbers, studying, True))
         fold = self.fold
