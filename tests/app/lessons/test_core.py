@@ -57,7 +57,7 @@ def two():
 def test_a_round_is_of_the_core_as_its_first_step_says(two):
     assert [step.core for step in two.steps] == [True] * 4 + [False] * 3
     assert [len(one) for one in split_rounds(two.steps)] == [4, 3]
-    assert two.extra == two.steps[4:] and two.path(core=True) == two.steps[:4] and two.path(core=False) == two.steps
+    assert two.extra == two.steps[4:] and two.steps_to_take(core=True) == two.steps[:4] and two.path(core=False) == two.steps
     plain = parse_lesson(ROUND + DEEPER, "plain")
     assert plain.extra == () and plain.steps_to_take(core=True) == plain.steps
     assert [step.key for step in two.steps] == [step.key for step in plain.steps]  # a mark is not part of the title
@@ -80,10 +80,10 @@ def test_who_takes_the_core_goes_past_what_is_deeper(two):
     """Forwards and backwards, from anywhere; the introduction and the end are there for all."""
     first = replace(two, steps=two.steps[4:] + two.steps[:4])  # the deeper round first
     end = len(two.steps) + 1
-    assert [two.offset(at, 1, core=True) for at in (0, 3, 4, 6, end)] == [1, 4, end, end, end]
-    assert [two.offset(at, -1, core=True) for at in (end, 6, 1, 0)] == [4, 4, 0, 0]
-    assert [first.offset(0, 1, core=True), first.offset(4, -1, core=True)] == [4, 0]
-    assert [two.offset(at, by, core=False) for at, by in ((0, 1), (4, 1), (end, -1), (1, -1))] == [1, 5, 7, 0]
+    assert [two.neighbour_step(at, 1, core=True) for at in (0, 3, 4, 6, end)] == [1, 4, end, end, end]
+    assert [two.neighbour_step(at, -1, core=True) for at in (end, 6, 1, 0)] == [4, 4, 0, 0]
+    assert [first.neighbour_step(0, 1, core=True), first.offset(4, -1, core=True)] == [4, 0]
+    assert [two.neighbour_step(at, by, core=False) for at, by in ((0, 1), (4, 1), (end, -1), (1, -1))] == [1, 5, 7, 0]
 
 
 def lesson(*steps: Step, intro: str = "") -> Lesson:
