@@ -57,7 +57,8 @@ def two():
 def test_a_round_is_of_the_core_as_its_first_step_says(two):
     assert [step.core for step in two.steps] == [True] * 4 + [False] * 3
     assert [len(one) for one in split_rounds(two.steps)] == [4, 3]
-    assert two.extra == two.steps[4:] and two.steps_to_take(core=True) == two.steps[:4] and two.path(core=False) == two.steps
+    assert two.extra == two.steps[4:]
+    assert two.steps_to_take(core=True) == two.steps[:4] and two.steps_to_take(core=False) == two.steps
     plain = parse_lesson(ROUND + DEEPER, "plain")
     assert plain.extra == () and plain.steps_to_take(core=True) == plain.steps
     assert [step.key for step in two.steps] == [step.key for step in plain.steps]  # a mark is not part of the title
@@ -82,7 +83,7 @@ def test_who_takes_the_core_goes_past_what_is_deeper(two):
     end = len(two.steps) + 1
     assert [two.neighbour_step(at, 1, core=True) for at in (0, 3, 4, 6, end)] == [1, 4, end, end, end]
     assert [two.neighbour_step(at, -1, core=True) for at in (end, 6, 1, 0)] == [4, 4, 0, 0]
-    assert [first.neighbour_step(0, 1, core=True), first.offset(4, -1, core=True)] == [4, 0]
+    assert [first.neighbour_step(0, 1, core=True), first.neighbour_step(4, -1, core=True)] == [4, 0]
     assert [two.neighbour_step(at, by, core=False) for at, by in ((0, 1), (4, 1), (end, -1), (1, -1))] == [1, 5, 7, 0]
 
 
