@@ -10,7 +10,7 @@ def main(arguments: list[str] | None = None) -> int:
     """Runs the command line (by default the process's arguments) and returns its exit status."""
     _fill_closed_streams()
     try:
-        from solvers.scene.extensions import ExtensionError
+        from solvers.scene.extension_modules import ExtensionError
         try:
             from app.commands.dispatch import dispatch
         except ExtensionError as error:  # extensions are loaded before the commands

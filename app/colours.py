@@ -68,12 +68,12 @@ def rgb(colour: str) -> tuple[int, int, int]:
     return int(colour[1:3], 16), int(colour[3:5], 16), int(colour[5:7], 16)
 
 
-def cause_token(cause: str) -> str:
+def cause_css_variable(cause: str) -> str:
     """Returns the name of the CSS variable for a cause's colour."""
     return f"made-{cause.replace('_', '-')}"
 
 
 def css_variables() -> str:
     """Returns the light shades of the palette, and of the causes of error, as CSS variables."""
-    named = PALETTE | {cause_token(cause): shades for cause, shades in CAUSES.items()}
+    named = PALETTE | {cause_css_variable(cause): shades for cause, shades in CAUSES.items()}
     return f":root {{ {' '.join(f'--{name}: {shades.light};' for name, shades in named.items())} }}\n"

@@ -21,10 +21,10 @@ from typing import Any
 from urllib.parse import unquote
 
 from app.words import MAGNIFICATIONS, QUANTITIES
-from solvers.message import Message, join
 from solvers.problems import PROBLEMS
 from solvers.scene.scene import LISTS, Scene
 from solvers.scene.validation import SceneError, key_field
+from solvers.translatable_message import Message, join_messages
 from solvers.untrusted import number_parsing, quoting
 
 LONGEST = 2000  # characters
@@ -74,16 +74,17 @@ def parse_state(text: str) -> State:
         raise StateError("a scene of {text:,} characters is too long; at most {most:,} are allowed", len(text), LONGEST)
     problem, *rest = _split_words(text) or [""]
     if problem not in PROBLEMS:
-        raise StateError("{problem} is no problem{suggestion}; begin with {problems}", _quote(problem),
-                         quoting.suggest_word(problem, PROBLEMS), join(" or ", PROBLEMS))
+        raise StateError("{problem} is no problem{suggestion}; begin with {problems}", _quote_in_message(problem),
+                         quoting.suggest_word(problem, PROBLEMS), join_messages(" or ", PROBLEMS))
     cut = rest.index(PINNED) if PINNED in rest else len(rest)
     view: dict[str, Any] = {}
-    scene = _scene(problem, [word for word in rest[:cut] if not _read_view_word(word, view)])
-    pinned = _scene(problem, rest[cut + 1:], of_pinned=True) if PINNED in rest else None
+    scene = _parse_scene(problem, [word for word in rest[:cut] if not _read_view_word(word, view)])
+    pinned = _parse_scene(problem, rest[cut + 1:], of_pinned=True) if PINNED in rest else None
     state = State(scene, **view, pinned=pinned)
     if state.estimator is not None and state.estimator not in scene.estimators:
         raise StateError("on-stage={estimator}: this estimator does not run; give one of {estimators}",
-                         _quote(state.estimator), ", ".join(scene.estimators) or Message("none, for none runs"))
+                         _quote_in_message(state.estimator),
+                         ", ".join(scene.estimators) or Message("none, for none runs"))
     if state.traced is not None and state.traced >= scene.particles:
         raise StateError("trace={traced}: there are particles 0 to {particles}", state.traced, scene.particles - 1)
     return state
@@ -107,10 +108,10 @@ def _scene_words(scene: Scene) -> tuple[str, ...]:
 
 
 def _word(key: str, value: Any) -> str:
-    return key if value is True else f"{key}={_format(value)}"
+    return key if value is True else f"{key}={_format_value(value)}"
 
 
-def _scene(problem: str, words: list[str], of_pinned: bool = False) -> Scene:
+def _parse_scene(problem: str, words: list[str], of_pinned: bool = False) -> Scene:
     kind, given = PROBLEMS[problem].scene, dict[str, Any]()
     names = {_key(f.name): f for f in fields(kind) if f.name != "problem"}
     for word in words:
@@ -119,42 +120,43 @@ def _scene(problem: str, words: list[str], of_pinned: bool = False) -> Scene:
         if key not in names or PINNED in word.split("="):
             raise StateError(_unknown_word(problem, word, name, [*names, *(() if of_pinned else VIEW)], of_pinned))
         if names[key].name in given:
-            raise _duplicate(key)
-        given[names[key].name] = _value(kind, names[key], key, value)
+            raise _duplicate_error(key)
+        given[names[key].name] = _parse_value(kind, names[key], key, value)
     try:
         return kind(**given)
     except SceneError as error:
-        raise StateError("{given}: {sentence}", f"{_key(error.field)}={quoting.quote(_format(error.value))}",
+        raise StateError("{given}: {sentence}", f"{_key(error.field)}={quoting.quote(_format_value(error.value))}",
                          error.sentence) from None
 
 
 def _unknown_word(problem: str, word: str, name: str, known: list[str], of_pinned: bool) -> str:
     """Returns why a word is not a field of the scene."""
     if name in ("problem", *PROBLEMS):
-        return Message("{word}: the problem stands once, as the first word", _quote(word)) + \
+        return Message("{word}: the problem stands once, as the first word", _quote_in_message(word)) + \
             Message("; the pinned run is of the {problem} too", Message(problem)) * of_pinned
     if name == PINNED:
         return Message("{word}: the word pinned stands once, alone, before what differs in the pinned run",
-                       _quote(word))
+                       _quote_in_message(word))
     if of_pinned and name in VIEW:
-        return Message("{word} is of the view, which both runs share; give it before the word pinned", _quote(word))
+        return Message("{word} is of the view, which both runs share; give it before the word pinned",
+                       _quote_in_message(word))
     more = "" if of_pinned else Message(", or {names}", ", ".join(VIEW))
     return Message("{word} means nothing here{name}; give what `mpm-lab run {problem} --help` names{more}",
-                   _quote(word), quoting.suggest_word(name, known), problem, more)
+                   _quote_in_message(word), quoting.suggest_word(name, known), problem, more)
 
 
-def _duplicate(key: str) -> StateError:
+def _duplicate_error(key: str) -> StateError:
     return StateError("{key} is given twice; give it once", key)
 
 
-def _value(kind: type[Scene], f: Any, key: str, text: str) -> Any:
+def _parse_value(kind: type[Scene], f: Any, key: str, text: str) -> Any:
     """Parses a field's value: names, yes or no, or a number; the scene validates it."""
     if f.name in LISTS:
         names = tuple(name for name in text.split(",") if name)
         return () if names == ("none",) else kind.choices(f.name) if names == ("all",) else names
     if f.type == "bool":
-        return _yes_or_no(key, text)
-    return text if kind.choices(f.name) or f.type == "str" else _parse_number(text)
+        return _parse_yes_or_no(key, text)
+    return text if kind.choices(f.name) or f.type == "str" else _parse_number_or_text(text)
 
 
 def _read_view_word(word: str, view: dict[str, Any]) -> bool:
@@ -164,26 +166,27 @@ def _read_view_word(word: str, view: dict[str, Any]) -> bool:
         return False
     field, read_word = VIEW[key]
     if field in view:
-        raise _duplicate(key)
+        raise _duplicate_error(key)
     view[field] = read_word(key, text)
     return True
 
 
-def _parse_number(text: str) -> Any:
+def _parse_number_or_text(text: str) -> Any:
     """Returns an integer or a float if the text is one, else the text, which the scene will reject."""
     return number_parsing.parse_number(text) if number_parsing.is_number(text) else text
 
 
-def _yes_or_no(key: str, text: str) -> bool:
+def _parse_yes_or_no(key: str, text: str) -> bool:
     if text not in (*YES, *NO):
-        raise StateError("{key}={text}: give yes or no", key, _quote(text))
+        raise StateError("{key}={text}: give yes or no", key, _quote_in_message(text))
     return text in YES
 
 
-def _one_of(meanings: Mapping[str, Any]) -> Callable[[str, str], Any]:
+def _choice_parser(meanings: Mapping[str, Any]) -> Callable[[str, str], Any]:
     def read_one(key: str, text: str) -> Any:
         if text not in meanings:
-            raise StateError(Message("{key}={text}: give one of {meanings}", key, _quote(text), ", ".join(meanings))
+            raise StateError(Message("{key}={text}: give one of {meanings}", key, _quote_in_message(text),
+                                     ", ".join(meanings))
                              + quoting.suggest_word(text, meanings))
         return meanings[text]
 
@@ -191,19 +194,19 @@ def _one_of(meanings: Mapping[str, Any]) -> Callable[[str, str], Any]:
 
 
 def _parse_speed(key: str, text: str) -> float:
-    value = _parse_number(text)
+    value = _parse_number_or_text(text)
     if isinstance(value, str) or value <= 0:
-        raise StateError("{key}={text}: give periods a second, above 0", key, _quote(text))
+        raise StateError("{key}={text}: give periods a second, above 0", key, _quote_in_message(text))
     return float(value)
 
 
 def _parse_particle(key: str, text: str) -> int:
     if (number := number_parsing.parse_count(text)) is None:
-        raise StateError("{key}={text}: give the number of a particle, 0 or more", key, _quote(text))
+        raise StateError("{key}={text}: give the number of a particle, 0 or more", key, _quote_in_message(text))
     return number
 
 
-def _format(value: Any) -> str:
+def _format_value(value: Any) -> str:
     if isinstance(value, (tuple, list)):
         return ",".join(map(str, value)) or "none"
     if isinstance(value, bool):
@@ -211,7 +214,7 @@ def _format(value: Any) -> str:
     return short if isinstance(value, float) and float(short := f"{value:g}") == value else str(value)
 
 
-def _quote(text: str) -> str:
+def _quote_in_message(text: str) -> str:
     return f"'{quoting.quote(text, 40)}'" if text else "''"
 
 
@@ -222,8 +225,8 @@ def _key(field: str) -> str:
 
 #: Words of the view, in the order of writing, with the state's field of each and the parser of its value.
 VIEW: dict[str, tuple[str, Callable[[str, str], Any]]] = {
-    "error-of": ("quantity", _one_of({key: key for key in QUANTITIES})),
-    "on-stage": ("estimator", lambda _, text: text), "difference": ("difference", _yes_or_no),
-    "magnify": ("magnified", _one_of({str(factor): factor for factor in MAGNIFICATIONS})),
-    "logarithmic": ("logarithmic", _yes_or_no), "domains": ("domains", _yes_or_no), "speed": ("speed", _parse_speed),
-    "trace": ("traced", _parse_particle), "stops": ("stops", _yes_or_no)}
+    "error-of": ("quantity", _choice_parser({key: key for key in QUANTITIES})),
+    "on-stage": ("estimator", lambda _, text: text), "difference": ("difference", _parse_yes_or_no),
+    "magnify": ("magnified", _choice_parser({str(factor): factor for factor in MAGNIFICATIONS})),
+    "logarithmic": ("logarithmic", _parse_yes_or_no), "domains": ("domains", _parse_yes_or_no),
+    "speed": ("speed", _parse_speed), "trace": ("traced", _parse_particle), "stops": ("stops", _parse_yes_or_no)}

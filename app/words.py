@@ -9,8 +9,8 @@ from dataclasses import dataclass, fields
 from app.language.translation import language_cache, lazy, tr, translate_message, trn
 from solvers.problems import PROBLEMS
 from solvers.scene import error_causes
-from solvers.scene.remedies import REMEDIES
 from solvers.scene.scene import AUTO, DEFAULT_CFL, Scene
+from solvers.scene.stabilisations import REMEDIES
 from solvers.scene.validation import field_flag, field_label
 from solvers.untrusted import number_parsing
 
@@ -106,7 +106,7 @@ def motion_text(scene: Scene) -> str:
 
 
 def _moved_by(scene: Scene) -> str:
-    sizes = {field: (getattr(scene, field), unit_of(type(scene), field)) for field in scene.moved_by}
+    sizes = {field: (getattr(scene, field), unit_of(type(scene), field)) for field in scene.motion_fields}
     return ", ".join(f"{SYMBOLS[field]} = {with_unit(value, unit) if unit else f'{value:g}'}"
                      for field, (value, unit) in sizes.items())
 
@@ -131,7 +131,7 @@ def particles_per_cell(problem: str, ppc: float) -> str:
     return trn("{said} particle per cell", "{said} particles per cell", 1 if said == "1" else 2, said=said)
 
 
-def on_page(sentence: str) -> str:
+def reword_for_page(sentence: str) -> str:
     """Translates a sentence of the solvers, and replaces flags, methods and remedies in it by the widgets' labels."""
     sentence = translate_message(sentence)
     for typed, shown in ((tr("--dt auto takes"), tr("the box \"Auto step\" takes")),
@@ -160,11 +160,11 @@ def _settings(scene: Scene) -> list[str]:
     step = tr("CFL number {number:g}", number=DEFAULT_CFL if scene.cfl is None else scene.cfl)
     if scene.dt is not None:
         step = tr("auto step") if scene.dt == AUTO else tr("step {size}", size=with_unit(float(scene.dt), "s"))
-    return [*(_field_said(scene, field.name, field.metadata["unit"]) for field in fields(scene)
+    return [*(_field_text(scene, field.name, field.metadata["unit"]) for field in fields(scene)
               if field.name not in UNSAID), step]
 
 
-def _field_said(scene: Scene, field: str, unit: str) -> str:
+def _field_text(scene: Scene, field: str, unit: str) -> str:
     value, label, names = getattr(scene, field), tr(field_label(field)), choice_labels(type(scene), field)
     if field == "take_away":
         return tr("as it is") if value == error_causes.NOTHING else \
@@ -220,7 +220,7 @@ def format_ratio(value: float) -> str:
     if PLAIN_RATIOS[0] < value < PLAIN_RATIOS[1]:
         return f"{value:.2f}"
     digits, _, power = f"{value:.1g}".partition("e")
-    return f"{digits} × {power_text(int(power)).strip()}" if power else digits
+    return f"{digits} × {format_power_of_ten(int(power)).strip()}" if power else digits
 
 
 def format_factor(value: float) -> str:
@@ -243,7 +243,7 @@ def power_of_ten(largest: float) -> int:
     return 0 if PLAIN_POWERS[0] <= power <= PLAIN_POWERS[1] else power
 
 
-def power_text(power: int) -> str:
+def format_power_of_ten(power: int) -> str:
     """Formats a power of ten: 10⁻⁴ and a space for -4, "" for 0."""
     return "" if power == 0 else "10" + "".join(SUPERSCRIPTS[sign] for sign in str(power)) + " "
 
@@ -263,7 +263,7 @@ def in_periods(count: float) -> str:
     return trn("{count:g} period", "{count:g} periods", float(f"{count:.3g}"))
 
 
-def size_in(text: str, unit: str) -> float:
+def parse_size(text: str, unit: str) -> float:
     """Parses a size, "2.1 mm", "2.1e-3" or "0,0021" in m; raises ValueError if it is no number above 0."""
     prefixes = {prefix: power for power, prefix in PREFIXES.items()} if unit else {"": 0}
     found = re.fullmatch(rf"([+0-9.,eE-]+?)\s*(?:({'|'.join(prefixes)})({re.escape(unit)}))?", text.strip())

@@ -53,4 +53,4 @@ os.environ.setdefault("TI_ENABLE_PYBUF", "0")
 # computes, on busy CPUs for seconds.
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 kernel_cache.raise_cache_size()
-kernel_cache.ensure_cache_folder()
+kernel_cache.ensure_writable_cache_folder()

@@ -17,16 +17,16 @@ import numpy as np
 
 from solvers.problems.bar.scene import BarScene
 from solvers.problems.bar.solver import BarSolver
-from solvers.problems.planar.budget.causes import LOCAL_CAUSES
-from solvers.problems.planar.budget.on_demand import BudgetRun
+from solvers.problems.planar.budget.cause_errors import LOCAL_CAUSES
+from solvers.problems.planar.budget.on_demand_budget import BudgetRun
 from solvers.problems.ring import RingScene
-from solvers.problems.ring_limits import RESONANCE
+from solvers.problems.ring_estimator_limits import RESONANCE
 from solvers.problems.vortex import VortexScene
 from solvers.running.budget import run_budget
 from solvers.running.run import build
 from solvers.scene.error_causes import CAUSES, FIELDS, NOTHING
-from solvers.scene.remedies import FROZEN, PIECES
 from solvers.scene.scene import Scene
+from solvers.scene.stabilisations import FROZEN, PIECES
 from solvers.scene.validation import SceneError
 from solvers.solver import budget
 from solvers.solver.budget import MOST_CANCELLED, ROUND_OFF
@@ -220,7 +220,7 @@ def shares_table(scenes: Sequence[RingScene]) -> str:
     for scene in scenes:
         found = run_budget(scene)
         shares = found.to_dict()["budget"]
-        error = budget.rms(found.result.series, "x")
+        error = budget.rms_error_over_run(found.result.series, "x")
         numbers = [f"{error:.2e}", *(f"{shares[field][cause]:.3f}" for field in FIELDS for cause in LOCAL_CAUSES)] \
             if shares["not_valid"] is None else ["goes bad", *["–"] * len(FIELDS) * len(LOCAL_CAUSES)]
         rows.append([f"{scene.cells}", f"{scene.amplitude:g}", scene.layout, scene.method, *numbers])

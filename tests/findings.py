@@ -65,10 +65,10 @@ class Judged:
 
 def judged(scene: Scene, arrays: Files) -> Judged:
     found = judgement(scene, arrays)
-    found.check()
+    found.check_coordinate_origin()
     errors = summarise_norms(found.grid.times, found.norms)
     return Judged({q: errors[q]["max"] or np.nan for q in errors}, tuple(found.notes()),
-                  len(found.gaps.which) if found.gaps else 0)
+                  len(found.position_outliers.which) if found.position_outliers else 0)
 
 
 def judgement(scene: Scene, arrays: Files) -> GridJudgement:

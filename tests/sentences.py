@@ -7,15 +7,15 @@ from collections.abc import Iterator
 from dataclasses import fields
 
 from solvers.judging.findings.constitutive_law import MEASURES
-from solvers.message import Message
 from solvers.problems import PROBLEMS
 from solvers.problems.planar.problem import PlanarProblem
-from solvers.scene.effects import ALL, Line
+from solvers.scene.effects import ALL, OutputLine
 from solvers.scene.error_causes import CAUSES
 from solvers.scene.estimator_registry import ESTIMATORS, PROCESSOR_REASON
-from solvers.scene.remedies import REMEDIES
+from solvers.scene.stabilisations import REMEDIES
 from solvers.scene.validation import field_label
 from solvers.solver.soundness import CONTRADICTIONS
+from solvers.translatable_message import Message
 from tests.support.paths import ROOT
 
 #: Calls with a template, and which of their arguments it is.
@@ -68,7 +68,7 @@ def _registries() -> Iterator[Text]:
     for remedy in REMEDIES.values():
         yield from ((text, f"{scene}/remedies.py") for text in (remedy.label, remedy.explanation))
     for effect in ALL.values():
-        lines = (line for line in (effect.text, effect.readout) if isinstance(line, Line))
+        lines = (line for line in (effect.text, effect.readout) if isinstance(line, OutputLine))
         texts = (effect.label, effect.explanation, effect.elsewhere,
                  *(text for line in lines for text in (line.name, line.words, line.hint)))
         yield from ((text, f"{scene}/effects.py") for text in texts)

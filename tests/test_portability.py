@@ -24,7 +24,7 @@ OF_PYTHON = {"uname", "WNOHANG", "SIGKILL", "SIGSTOP", "SIGHUP", "pthread_sigmas
 MAY = {"solvers/engine/compiling_fork.py": "forks, where it is POSSIBLE",
        "solvers/engine/engine_process.py": "buries what was forked, and nothing else",
        "solvers/workers/worker_pool.py": "suppresses the AttributeError",
-       "solvers/bench/bench.py": "asks hasattr", "solvers/judging/file_view.py": "on Linux only",
+       "solvers/bench/all_benchmarks.py": "asks hasattr", "solvers/judging/uploaded_file_worker.py": "on Linux only",
        "app/commands/bench/class_load.py": "asks hasattr", "solvers/study/row_store.py": "suppresses the ImportError"}
 
 

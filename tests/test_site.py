@@ -103,11 +103,11 @@ def test_a_lesson_does_not_tell_before_it_is_asked(name, site):
 
 
 def test_a_page_for_a_class_has_its_timetable_and_no_claims(site):
-    for name in class_plans.class_page_names():
+    for name in class_plans.class_plan_names():
         text = (site / "lessons" / "classes" / f"{name}.html").read_text(encoding="utf-8")
         article = text[text.index("<article"):text.index("</article>")]
         assert (
-            _plain(class_plans.load_class_page(name).claims.title) in _plain(article) and article.count("<table") >= 1
+            _plain(class_plans.load_class_plan(name).claims.title) in _plain(article) and article.count("<table") >= 1
         )
         assert "+++" not in article and "error.x" not in article
 

@@ -35,9 +35,9 @@ class Address(NamedTuple):
         return (self.host, self.port or _PORTS[scheme]) == (other.host, other.port or _PORTS[scheme])
 
 
-def is_name(text: str) -> bool:
+def is_host_name(text: str) -> bool:
     """Whether a text is a valid host name, with or without a port."""
-    return _address(text) is not None
+    return _parse_address(text) is not None
 
 
 def is_loopback(host: str) -> bool:
@@ -64,43 +64,43 @@ class Addresses:
     names: tuple[str, ...] = ()
 
     @property
-    def private(self) -> bool:
+    def is_local_only(self) -> bool:
         """Whether only users of this machine can connect."""
         return is_loopback(self.host) and not self.names
 
     def refusal(self, headers: Headers, opens_socket: bool = False) -> str | None:
         """Returns why a request with these headers, for a websocket or a page, is refused; None if it is not."""
         hosts, origins = headers.get_all("Host"), headers.get_all("Origin")
-        host = _address(hosts[0]) if len(hosts) == 1 else None
+        host = _parse_address(hosts[0]) if len(hosts) == 1 else None
         if host is None:
             return NO_HOST
-        if is_loopback(self.host) and not (is_loopback(host.host) or self._is_own(host)):
+        if is_loopback(self.host) and not (is_loopback(host.host) or self._is_public_name(host)):
             return FOREIGN_HOST
-        if origins and not (len(origins) == 1 and self._is_same(origins[0], host)):
+        if origins and not (len(origins) == 1 and self._is_same_origin(origins[0], host)):
             return FOREIGN_PAGE
-        if not origins and _asked_by_another(headers, opens_socket):
+        if not origins and _is_cross_site(headers, opens_socket):
             return FOREIGN_PAGE
         return None
 
-    def _is_same(self, origin: str, host: Address) -> bool:
+    def _is_same_origin(self, origin: str, host: Address) -> bool:
         scheme, found, rest = origin.lower().partition("://")
-        page = _address(rest) if found and scheme in _PORTS else None
-        return page is not None and (page.matches(host, scheme) or self._is_own(page))
+        page = _parse_address(rest) if found and scheme in _PORTS else None
+        return page is not None and (page.matches(host, scheme) or self._is_public_name(page))
 
-    def _is_own(self, address: Address) -> bool:
+    def _is_public_name(self, address: Address) -> bool:
         """Whether an address has a public name of the lab; a name without a port matches every port."""
-        own = map(_address, self.names)
+        own = map(_parse_address, self.names)
         return any(name and name.host == address.host and name.port in (None, address.port) for name in own)
 
 
-def has_stray_whitespace(head: bytes) -> bool:
+def has_invalid_host_characters(head: bytes) -> bool:
     """Whether a host or origin contains white space or characters invalid in names, which no browser sends."""
     lines = (line.partition(b":") for line in head.split(b"\r\n"))
     return any(name.lower() in (b"host", b"origin") and re.fullmatch(rb" ?[\x21-\x7e]*", value) is None
                for name, _, value in lines)
 
 
-def _asked_by_another(headers: Headers, opens_socket: bool) -> bool:
+def _is_cross_site(headers: Headers, opens_socket: bool) -> bool:
     """Whether a page of another site sends the request, other than by a link."""
     asked = {value.strip().lower() for value in headers.get_all("Sec-Fetch-Site")}
     if not asked or asked <= {"same-origin", "none"}:
@@ -109,6 +109,6 @@ def _asked_by_another(headers: Headers, opens_socket: bool) -> bool:
     return opens_socket or led != [["navigate"], ["document"]]
 
 
-def _address(text: str) -> Address | None:
+def _parse_address(text: str) -> Address | None:
     found = re.fullmatch(_NAME, text.lower(), re.ASCII)
     return Address(found[1].rstrip("."), found[2]) if found else None

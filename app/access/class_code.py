@@ -33,7 +33,7 @@ class LoginResult(NamedTuple):
     wait: int = 0
 
 
-class AccessIdentity(NamedTuple):
+class CookieIdentity(NamedTuple):
     """Identity in a cookie: ``role`` code was used, and the ``key`` common to all pages of a browser."""
 
     role: str
@@ -65,11 +65,11 @@ class ClassCode:
         """Whether a request has a valid cookie of this server."""
         return self.identify(headers) is not None
 
-    def identify(self, headers: Headers) -> AccessIdentity | None:
+    def identify(self, headers: Headers) -> CookieIdentity | None:
         """Returns the identity in the cookie with most rights; all are checked, so that the time reveals nothing."""
         pairs = (pair.partition("=") for line in headers.get_all("Cookie") for pair in line.split(";"))
         brought = [value.strip().partition(".") for name, _, value in pairs if name.strip() == self._name]
-        found = [AccessIdentity(whose, key) for whose in self._secrets for key, _, proof in brought
+        found = [CookieIdentity(whose, key) for whose in self._secrets for key, _, proof in brought
                  if hmac.compare_digest(_digest(self._signature(whose, key)), _digest(proof))]
         return found[-1] if found else None
 
@@ -86,8 +86,8 @@ class ClassCode:
         if wait:
             told = tr("There were too many wrong codes. Wait {wait} s, then try again.", wait=wait)
             return LoginResult(refusal=told, wait=wait)
-        own.spend()
-        self._all.spend()
+        own.debit()
+        self._all.debit()
         return LoginResult(refusal=tr(WRONG))
 
     def _signature(self, whose: str, key: str) -> str:

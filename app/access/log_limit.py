@@ -12,7 +12,7 @@ LINES_A_MINUTE, REFUSALS_A_MINUTE, MINUTE = 40, 10, 60.0
 _log = logging.getLogger(__name__)
 
 
-def place_of(error: BaseException) -> str:
+def error_location(error: BaseException) -> str:
     """Returns the type of an error and where it was raised, without any text that a client may have sent."""
     steps = traceback.extract_tb(error.__traceback__)
     ours = [step for step in steps if "site-packages" not in step.filename] or steps
@@ -22,7 +22,7 @@ def place_of(error: BaseException) -> str:
 
 def log_failure(what: str, error: BaseException) -> None:
     """Logs in one line that ``what`` failed, and the traceback at debug level."""
-    _log.error("%s: %s", what, place_of(error))
+    _log.error("%s: %s", what, error_location(error))
     _log.debug("%s", what, exc_info=error)
 
 
@@ -55,7 +55,7 @@ class RefusalLog:
         """Logs a refusal at once or, after many, as a count at the end of the minute."""
         with self._lock:
             if not self._written:
-                timer = threading.Timer(self._seconds, self._minute_ends)
+                timer = threading.Timer(self._seconds, self._log_suppressed_count)
                 timer.daemon = True
                 timer.start()
             self._written += 1
@@ -64,7 +64,7 @@ class RefusalLog:
                 return
         _log.warning("refused%s: %s", f" from {who}" * bool(who), sentence)
 
-    def _minute_ends(self) -> None:
+    def _log_suppressed_count(self) -> None:
         with self._lock:
             more, self._written = self._more, 0
             self._more = Counter()

@@ -27,7 +27,7 @@ class TokenBucket:
         self._at = now
         return self._left
 
-    def spend(self, tokens: float = 1.0) -> None:
+    def debit(self, tokens: float = 1.0) -> None:
         """Takes so many tokens, even if fewer are left."""
         self._left = self.tokens - tokens
 
@@ -80,7 +80,7 @@ class DiskQuota:
         with self._lock:
             return self._used.total()
 
-    def take(self, who: str, count: int) -> bool:
+    def reserve(self, who: str, count: int) -> bool:
         """Reserves bytes for an IP address; returns False if the quota would be exceeded."""
         network = network_of(who)
         with self._lock:

@@ -13,7 +13,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any
 
-from app.lessons.student_progress import Answer
+from app.lessons.student_progress import RecordedAnswer
 
 MOST = 1000  # visitors that are counted; others can take the lesson: cookies are easily made
 
@@ -26,7 +26,7 @@ class VisitorAnswers:
     step: int = 0
     valid: dict[str, Any] = field(default_factory=dict)
     late: set[str] = field(default_factory=set)
-    answers: dict[str, Answer] = field(default_factory=dict)
+    answers: dict[str, RecordedAnswer] = field(default_factory=dict)
 
 
 class ClassAnswers:
@@ -37,7 +37,7 @@ class ClassAnswers:
         self._entries: dict[str, VisitorAnswers] = {}
         self._closed: set[str] = set()  # questions whose answers are shown
 
-    def join(self, key: str) -> VisitorAnswers:
+    def register_page(self, key: str) -> VisitorAnswers:
         """Registers an opened page of a visitor; returns the visitor's answers so far."""
         with self._lock:
             entry = self._entries.get(key) or VisitorAnswers()
@@ -49,21 +49,21 @@ class ClassAnswers:
         self._on_change()
         return entry
 
-    def leave(self, key: str) -> None:
+    def unregister_page(self, key: str) -> None:
         """Unregisters a closed page of a visitor."""
         with self._lock:
             if entry := self._entries.get(key):
                 entry.pages -= 1
         self._on_change()
 
-    def reach(self, key: str, step: int) -> None:
+    def record_step(self, key: str, step: int) -> None:
         """Records that a visitor has reached a step; going back does not count."""
         with self._lock:
             if entry := self._entries.get(key):
                 entry.step = max(entry.step, step)
         self._on_change()
 
-    def record(self, key: str, question: str, answer: Any) -> None:
+    def record_answer(self, key: str, question: str, answer: Any) -> None:
         """Records an answer if it counts."""
         with self._lock:
             entry = self._entries.get(key)
@@ -75,7 +75,7 @@ class ClassAnswers:
                 entry.valid[question] = answer
         self._on_change()
 
-    def close(self, question: str) -> None:
+    def close_question(self, question: str) -> None:
         """Closes a question whose answers are about to be shown: later ones do not count."""
         with self._lock:
             self._closed.add(question)
@@ -91,7 +91,7 @@ class ClassAnswers:
         with self._lock:
             return sum(entry.pages > 0 and entry.step >= step for entry in self._entries.values())
 
-    def count_asked(self, question: str) -> int:
+    def count_present_or_answered(self, question: str) -> int:
         """Returns how many visitors are here, or have given an answer that counts."""
         with self._lock:
             return sum(entry.pages > 0 or question in entry.valid for entry in self._entries.values())

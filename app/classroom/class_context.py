@@ -4,11 +4,11 @@ from dataclasses import dataclass, field, replace
 from urllib.parse import quote, urlsplit
 
 from app.access.allowed_hosts import is_loopback
-from app.classroom.board import Board, BoardSeat
+from app.classroom.class_board import BoardSeat, ClassBoard
 from app.language.translation import lazy, tr
 from app.lessons.lesson import Lesson
 from app.lessons.lesson_runs import RunCache
-from app.lessons.student_progress import Progress
+from app.lessons.student_progress import StudentProgress
 
 POLITE = 10  # nice value above the engines': marks can wait, stages cannot
 OF_NO_USE = lazy("Only this computer can open this address: serve with --host 0.0.0.0 for a class.")
@@ -32,7 +32,7 @@ class JoinInfo:
 class LecturerContext:
     """Data of a lecturer's page: the ``board``, and the ``join_info``, the link and code for the class."""
 
-    board: Board
+    board: ClassBoard
     join_info: JoinInfo
 
     def join_info_for(self, here: str) -> JoinInfo:
@@ -43,7 +43,7 @@ class LecturerContext:
 
 
 @dataclass(frozen=True)
-class Classroom:
+class ClassroomContext:
     """Data shared by the visitors of a server: the ``lesson`` opened, whether teacher's notes are shown, results of
     runs, whether lessons begin with the ``core``; and a visitor's ``seat`` if a board paces the lesson."""
 
@@ -53,8 +53,8 @@ class Classroom:
     core: bool = False
     seat: BoardSeat | None = None
 
-    def start_progress(self, lesson: Lesson) -> Progress:
+    def start_progress(self, lesson: Lesson) -> StudentProgress:
         """Returns the initial progress of a lesson, or the present one if the board paces it."""
         if self.seat and self.seat.lesson == lesson.name:
             return self.seat.progress()
-        return Progress(lesson.name, lesson.fingerprint, core=self.core and bool(lesson.extra))
+        return StudentProgress(lesson.name, lesson.fingerprint, core=self.core and bool(lesson.optional_steps))

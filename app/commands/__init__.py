@@ -15,8 +15,8 @@ from app.commands.judge.command import Judge
 from app.commands.judge.problem import ProblemCommand
 from app.commands.lesson import LessonCheck, LessonGrade, LessonGuide, LessonList, LessonScripts
 from app.commands.run.budget import Budget
-from app.commands.run.command import Run, RunText
-from app.commands.scene_flags import of_problem, with_flags
+from app.commands.run.command import Run, RunSceneText
+from app.commands.scene_flags import command_of_problem, with_scene_flags
 from app.commands.serve import Serve
 from app.commands.study.advise import Advise, search_flags
 from app.commands.study.coverage import Coverage
@@ -34,16 +34,19 @@ def commands() -> dict[tuple[str, ...], type]:
     """Returns all commands by their words, in the order of the help."""
     scenes = {name: problem.scene for name, problem in PROBLEMS.items()}
     found: dict[tuple[str, ...], type] = {("serve",): Serve}
-    found |= {("run", name): of_problem(Run, scene) for name, scene in scenes.items()}
-    found |= {("run", "--scene"): RunText}
-    found |= {("budget", name): of_problem(Budget, scene) for name, scene in scenes.items()}
-    found |= {("sweep", name): of_problem(Sweep, scene, linearity_preserving=Switch) for name, scene in scenes.items()}
-    found |= {("problem", name): of_problem(ProblemCommand, scene) for name, scene in scenes.items()}
-    found |= {("judge", name): of_problem(Judge, scene) for name, scene in scenes.items()}
+    found |= {("run", name): command_of_problem(Run, scene) for name, scene in scenes.items()}
+    found |= {("run", "--scene"): RunSceneText}
+    found |= {("budget", name): command_of_problem(Budget, scene) for name, scene in scenes.items()}
+    found |= {("sweep", name): command_of_problem(Sweep, scene, linearity_preserving=Switch) for name,
+              scene in scenes.items()}
+    found |= {("problem", name): command_of_problem(ProblemCommand, scene) for name, scene in scenes.items()}
+    found |= {("judge", name): command_of_problem(Judge, scene) for name, scene in scenes.items()}
     found |= {("check",): Check, ("tables",): Tables}
-    found |= {("advise", name): with_flags(Advise, scene, **search_flags(scene)) for name, scene in scenes.items()}
-    found |= {("stability", name): with_flags(Stability, scene, **map_flags(scene)) for name, scene in scenes.items()}
-    found |= {("coverage", name): with_flags(Coverage, scene) for name, scene in scenes.items()}
+    found |= {("advise", name): with_scene_flags(Advise, scene, **search_flags(scene)) for name,
+              scene in scenes.items()}
+    found |= {("stability", name): with_scene_flags(Stability, scene, **map_flags(scene)) for name,
+              scene in scenes.items()}
+    found |= {("coverage", name): with_scene_flags(Coverage, scene) for name, scene in scenes.items()}
     found |= {("lesson", "list"): LessonList, ("lesson", "check"): LessonCheck, ("lesson", "guide"): LessonGuide,
               ("lesson", "grade"): LessonGrade, ("lesson", "scripts"): LessonScripts}
     return found | {("export",): Export, ("bench",): Bench}

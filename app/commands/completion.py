@@ -33,13 +33,14 @@ def completion_script(shell: str) -> str:
             tree.setdefault(first, {})[rest[0]] = _with_choices(kind)
     read: Any = tyro.cli  # the type of what it returns depends on the commands
     printed = io.StringIO()
-    kinds = _choice({first: _choice(kind) if isinstance(kind, dict) else kind for first, kind in tree.items()})
+    kinds = _command_choice_type({first: _command_choice_type(kind) if isinstance(kind, dict) else kind for first,
+                                  kind in tree.items()})
     with contextlib.redirect_stdout(printed), contextlib.suppress(SystemExit):
         read(kinds, prog=PROGRAM, args=["--tyro-print-completion", shell])
     return reduce(lambda text, old: text.replace(old, BASH[old]), BASH, printed.getvalue())
 
 
-def _choice(kinds: dict[str, Any]) -> Any:
+def _command_choice_type(kinds: dict[str, Any]) -> Any:
     """Returns the type of a choice between commands for tyro."""
     return reduce(operator.or_, [Annotated[kind, tyro.conf.subcommand(name)] for name, kind in kinds.items()])
 

@@ -16,8 +16,8 @@ from app import __version__
 from app.commands import DEFAULT_COMMAND, commands
 from app.commands.flags import BadInput
 from app.commands.help import PROGRAM, VERBOSE, PrintCapture, commands_overview, help_paragraphs, wrap_help
-from app.commands.output import NotWritten, print_message, put_text, showing_places
-from solvers.scene.extensions import ExtensionError
+from app.commands.output import NotWritten, print_message, put_text, show_tracebacks
+from solvers.scene.extension_modules import ExtensionError
 from solvers.scene.validation import SceneError, field_flag, field_key, key_field
 from solvers.untrusted.quoting import one_line, quote, suggest_word
 
@@ -29,13 +29,13 @@ def dispatch(arguments: list[str]) -> int:
     """Runs the command line and returns its exit status. Only Ctrl-C is raised, with ``-X dev`` any error."""
     if isinstance(sys.stdout, io.TextIOWrapper):
         sys.stdout.reconfigure(errors="replace")  # a terminal without ² must not lose the result
-    with showing_places(VERBOSE in arguments):
-        return _status([word for word in arguments if word != VERBOSE])
+    with show_tracebacks(VERBOSE in arguments):
+        return _exit_status([word for word in arguments if word != VERBOSE])
 
 
-def _status(arguments: list[str]) -> int:
+def _exit_status(arguments: list[str]) -> int:
     try:
-        status = _main(arguments)
+        status = _run_command(arguments)
         put_text("")  # here, where a broken pipe is still handled
         return status
     except (BadInput, ExtensionError, SceneError) as error:
@@ -59,7 +59,7 @@ def _wants_traceback() -> bool:
     return sys.flags.dev_mode
 
 
-def _main(arguments: list[str]) -> int:
+def _run_command(arguments: list[str]) -> int:
     if arguments and arguments[0] == "--version":
         put_text(f"{PROGRAM} {__version__}\n")
         return 0

@@ -5,11 +5,11 @@ from typing import Annotated, ClassVar
 
 import tyro
 
-from app.commands.flags import BadInput, ProcessesFlag, Switch, TextFlag, default_hint, side_by_side
-from app.commands.lesson import lesson_called
+from app.commands.flags import BadInput, ProcessesFlag, Switch, TextFlag, default_hint, process_count
+from app.commands.lesson import full_lesson_name
 from app.commands.output import Target, print_message
 from app.commands.progress import show_progress
-from app.export.slider_grid import within_reach
+from app.export.slider_grid import why_too_long_to_record
 from app.language.translation import ENGLISH, LANGUAGES, use_language
 from app.lessons.lesson import Lesson, LessonError
 from app.state import StateError, looks_like_state, parse_state
@@ -45,17 +45,20 @@ class Export:
     """No progress bar."""
 
     def execute(self) -> int:
-        processes = side_by_side(self.processes)
+        processes = process_count(self.processes)
         require_choice("lang", self.lang, tuple(LANGUAGES))
         names = self._lesson_names()
         target = Target("out", self.out, ending=".zip" if self.scorm else ".html")
         with show_progress(self.quiet) as show, use_language(self.lang):
-            from app.export import html_file, lesson_data  # here: bad input and --help must not wait for them
-            lessons = [_read(name) for name in names]
+            from app.export import (
+                html_file,
+                lesson_export,  # here: bad input and --help must not wait for them
+            )
+            lessons = [_load_lesson(name) for name in names]
             if self.scorm:
-                content = lesson_data.package_lessons(lessons, processes, show, core=self.core)
+                content = lesson_export.make_scorm_package(lessons, processes, show, core=self.core)
             elif lessons:
-                content = lesson_data.lesson_page(lessons[0], processes, show, core=self.core).encode()
+                content = lesson_export.lesson_page(lessons[0], processes, show, core=self.core).encode()
             else:
                 content = html_file.scene_page(self.what, processes, show).encode()
         target.write(content)
@@ -68,24 +71,24 @@ class Export:
             if not self.what.strip() or looks_like_state(self.what):
                 raise BadInput("", self.what, "is no lesson, and a course keeps a score of lessons alone; give lessons "
                                               "by name or number")
-            return list(dict.fromkeys(map(lesson_called, self.what.split())))
+            return list(dict.fromkeys(map(full_lesson_name, self.what.split())))
         if not looks_like_state(self.what):
             if len(self.what.split()) > 1:
                 raise BadInput("", self.what, "is no scene, and a file has one lesson; give one, or --scorm for a "
                                               "package of several")
-            return [lesson_called(self.what)]
+            return [full_lesson_name(self.what)]
         if self.core:
             raise BadInput("core", self.what, "a scene has no core; give a lesson, by name or number")
         try:
             scene = parse_state(self.what).scene
         except StateError as error:
             raise BadInput("", self.what, str(error)) from None
-        if refusal := within_reach(scene):
+        if refusal := why_too_long_to_record(scene):
             raise BadInput("", self.what, refusal)
         return []
 
 
-def _read(name: str) -> Lesson:
+def _load_lesson(name: str) -> Lesson:
     from app.lessons import catalogue
     try:
         return catalogue.load_lesson(name)

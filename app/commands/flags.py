@@ -24,24 +24,24 @@ class BadInput(Exception):
         super().__init__(quoting.one_line(f"{f'--{flag} ' if flag else ''}{quoting.quote(value)}: {sentence}"))
 
 
-def _lenient(metavar: str, parse: Callable[[list[str]], Any]) -> Any:
+def _lenient_parser(metavar: str, parse: Callable[[list[str]], Any]) -> Any:
     """Returns a tyro constructor that takes any words and never fails."""
     return tyro.constructors.PrimitiveConstructorSpec(
         nargs="*", metavar=metavar, instance_from_str=parse, is_instance=lambda value: True,
         str_from_instance=lambda value: list(map(str, value)) if isinstance(value, tuple) else [quoting.quote(value)])
 
 
-def parse_number(words: list[str]) -> Any:
+def parse_number_or_text(words: list[str]) -> Any:
     """Returns an integer or a float if the words are one, else the words."""
-    return _read(number_parsing.parse_number, words)
+    return _read_or_keep_text(number_parsing.parse_number, words)
 
 
-def parse_float(words: list[str]) -> Any:
+def parse_float_or_text(words: list[str]) -> Any:
     """Returns a float if the words are one, else the words."""
-    return _read(number_parsing.parse_float, words)
+    return _read_or_keep_text(number_parsing.parse_float, words)
 
 
-def _read(reader: Callable[[str], float], words: list[str]) -> Any:
+def _read_or_keep_text(reader: Callable[[str], float], words: list[str]) -> Any:
     text = " ".join(words)
     try:
         return reader(text)
@@ -56,12 +56,12 @@ def _split_words(words: list[str]) -> tuple[str, ...]:
 
 def one_of(choices: Iterable[str]) -> Any:
     """Returns the metadata for ``Annotated[Any, ...]`` that makes a flag take one of the choices."""
-    return _lenient("{" + ",".join(choices) + "}", " ".join)
+    return _lenient_parser("{" + ",".join(choices) + "}", " ".join)
 
 
 def several_of(choices: Iterable[str]) -> Any:
     """Returns the type of a flag with several of the choices, separated by commas or spaces."""
-    return _lenient("{" + ",".join(choices) + "} ...", _split_words)
+    return _lenient_parser("{" + ",".join(choices) + "} ...", _split_words)
 
 
 def choices_of(choices: Iterable[str], default: str, text: str) -> Any:
@@ -74,12 +74,12 @@ def default_hint(text: str) -> Any:
     return tyro.conf.arg(help_behavior_hint=f"(default: {text})")
 
 
-NumberFlag = Annotated[Any, _lenient("N", parse_number)]
-RealFlag = Annotated[Any, _lenient("X", parse_float)]
-TextFlag = Annotated[Any, _lenient("TEXT", " ".join)]
-NamesFlag = Annotated[Any, _lenient("TEXT ...", _split_words)]
-FilesFlag = Annotated[Any, _lenient("FILE ...", tuple)]
-PathFlag = Annotated[Any, _lenient("PATH", " ".join)]
+NumberFlag = Annotated[Any, _lenient_parser("N", parse_number_or_text)]
+RealFlag = Annotated[Any, _lenient_parser("X", parse_float_or_text)]
+TextFlag = Annotated[Any, _lenient_parser("TEXT", " ".join)]
+NamesFlag = Annotated[Any, _lenient_parser("TEXT ...", _split_words)]
+FilesFlag = Annotated[Any, _lenient_parser("FILE ...", tuple)]
+PathFlag = Annotated[Any, _lenient_parser("PATH", " ".join)]
 #: A flag without a value.
 Switch = Annotated[bool, tyro.conf.FlagCreatePairsOff]
 #: Claims about a report, each with a flag of its own.
@@ -88,7 +88,7 @@ ClaimsFlag = Annotated[tuple[str, ...], tyro.conf.UseAppendAction, tyro.conf.arg
 ProcessesFlag = Annotated[NumberFlag, default_hint("one on each processor")]
 
 
-def side_by_side(processes: Any) -> int:
+def process_count(processes: Any) -> int:
     """Returns the number of parallel processes: the one given, or one per processor."""
     if processes is None:
         return default_processes()
@@ -96,25 +96,25 @@ def side_by_side(processes: Any) -> int:
     return processes
 
 
-def times_of(words: tuple[str, ...], flag: str) -> list[float]:
+def parse_times(words: tuple[str, ...], flag: str) -> list[float]:
     """Parses times in seconds."""
     times = []
     for word in words:
-        time = parse_float([word])
+        time = parse_float_or_text([word])
         if isinstance(time, str) or time < 0:
             raise BadInput(flag, word, "is no time; give seconds from 0 on")
         times.append(time)
     return times
 
 
-def times_for(files: Sequence[str], words: tuple[str, ...]) -> list[float]:
+def parse_file_times(files: Sequence[str], words: tuple[str, ...]) -> list[float]:
     """Returns the times of ``--time`` in s, one for each file, or none; refuses files that are not there."""
     if not files:
         raise BadInput("", "", "give one or several files of particles")
     if len(files) > MOST_FILES:
         raise BadInput("", f"{len(files)} files", f"are too many; give at most {MOST_FILES:,}, each with many times "
                        "perhaps")
-    times = times_of(words, "time")
+    times = parse_times(words, "time")
     if times and len(times) != len(files):
         raise BadInput("time", " ".join(words), f"gives {len(times)} times for {len(files)} files; give one for each")
     for file in files:

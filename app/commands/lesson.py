@@ -18,7 +18,7 @@ from solvers.untrusted.quoting import file_name
 from solvers.workers.cpu_count import default_processes
 
 if TYPE_CHECKING:
-    from app.lessons.student_progress import Progress
+    from app.lessons.student_progress import StudentProgress
 
 Read = TypeVar("Read")
 OK, FAILED, BAD_INPUT = 0, 1, 2
@@ -39,7 +39,7 @@ class LessonList:
     def execute(self) -> int:
         from app.lessons import catalogue
         from app.lessons.duration import minutes_text
-        lessons, mistakes = _read((), lambda name: [catalogue.load_lesson(name)])
+        lessons, mistakes = _read_lessons((), lambda name: [catalogue.load_lesson(name)])
         rows = [(lesson.name, minutes_text(lesson), lesson.title) for lesson in lessons]
         names, times = (max((len(row[column]) for row in rows), default=0) for column in (0, 1))
         for name, time, title in rows:
@@ -70,17 +70,18 @@ class LessonCheck:
     """No progress bar."""
 
     def execute(self) -> int:
-        processes = flags.side_by_side(self.processes)
+        processes = flags.process_count(self.processes)
         if self.variants is not None:
             require_whole("variants", self.variants, 1, 1000)
         target = json_target(self.json)
         from app.lessons import catalogue, class_plans
         from app.lessons.lesson_check import check_lesson
         from app.lessons.lesson_runs import RunCache, scene_texts
-        known = class_plans.class_page_names()
+        known = class_plans.class_plan_names()
         others = tuple(name for name in self.names if name not in known)
-        lessons, mistakes = _read(others, catalogue.in_every_language, known) if others or not self.names else ([], {})
-        pages = _read_each([name for name in known if name in (self.names or known)], class_plans.load_class_page,
+        lessons, mistakes = _read_lessons(others, catalogue.load_every_language,
+                                          known) if others or not self.names else ([], {})
+        pages = _read_each([name for name in known if name in (self.names or known)], class_plans.load_class_plan,
                            mistakes)
         with show_progress(self.quiet) as show, closing(RunCache(processes)) as outcomes:
             texts = [text for lesson in (*lessons, *(page.claims for page in pages))
@@ -88,14 +89,14 @@ class LessonCheck:
             outcomes.prepare(texts, lambda done, total: show(done / total))
             found = [check for lesson in lessons for check in check_lesson(lesson, outcomes, self.variants)]
             found += [check for page in pages
-                      for check in class_plans.check_class_page(page, catalogue.load_lessons(), outcomes)]
+                      for check in class_plans.check_class_plan(page, catalogue.load_lessons(), outcomes)]
         failed = [check for check in found if not check.holds]
         for check in failed:
             print_message(check)
         names = list(dict.fromkeys(lesson.name for lesson in lessons))
-        read = [_count(names)] * bool(names) + [_count(pages, "page", " for a class")] * bool(pages)
+        read = [_count_text(names)] * bool(names) + [_count_text(pages, "page", " for a class")] * bool(pages)
         told = ", ".join((*read, f"{len(found)} checks", f"{len(failed)} failed")) if read else "nothing was checked"
-        told += f"; {_count(mistakes, 'file')} could not be read" if mistakes else ""
+        told += f"; {_count_text(mistakes, 'file')} could not be read" if mistakes else ""
         values = {"schema": CHECKS_SCHEMA, "lessons": names,
                   "classes": [page.name for page in pages], "checks": [vars(check) for check in found],
                   "not_read": mistakes}
@@ -132,7 +133,7 @@ class LessonGuide:
             raise flags.BadInput("out", self.out, f"give a file that ends in {' or '.join(teacher_guide.KINDS)}")
         target = None if self.out is None else Target("out", self.out)
         with use_language(self.lang):
-            lessons, _ = _read((self.name,), lambda name: [catalogue.load_lesson(name)])
+            lessons, _ = _read_lessons((self.name,), lambda name: [catalogue.load_lesson(name)])
             if not lessons:
                 return BAD_INPUT
             with show_progress(self.quiet), closing(RunCache(1)) as outcomes:
@@ -202,16 +203,18 @@ class LessonScripts:
         return OK
 
 
-def _read_answers(file: str) -> "tuple[str, Progress] | None":
+def _read_answers(file: str) -> "tuple[str, StudentProgress] | None":
     """Reads a file of answers; returns None, with a message, if that fails."""
     from app.lessons import catalogue, student_progress
     try:
         if os.path.exists(file) and not os.path.isfile(file):  # a pipe would block
-            raise student_progress.NotAnswers("is not a file; give files that the page has saved")
+            raise student_progress.InvalidProgress("is not a file; give files that the page has saved")
         with open(file, encoding="utf-8") as opened:
             text = opened.read(MOST_CHARACTERS + 1)
         if len(text) > MOST_CHARACTERS:
-            raise student_progress.NotAnswers(f"is too long; give a file of at most {MOST_CHARACTERS:,} characters")
+            raise student_progress.InvalidProgress(
+                f"is too long; give a file of at most {MOST_CHARACTERS:,} characters"
+            )
         return file_name(file), student_progress.parse_progress(text, catalogue.load_lessons().get)
     except (OSError, ValueError) as error:  # also NotAnswers, and invalid UTF-8
         said = error.strerror.lower() if isinstance(error, OSError) and error.strerror else \
@@ -220,16 +223,16 @@ def _read_answers(file: str) -> "tuple[str, Progress] | None":
         return None
 
 
-def _count(some: Sized, one: str = "lesson", more: str = "") -> str:
+def _count_text(some: Sized, one: str = "lesson", more: str = "") -> str:
     return f"{len(some)} {one}{'s' * (len(some) != 1)}{more}"
 
 
-def _read(names: tuple[str, ...], find: Callable[[str], Iterable[Lesson]],
-          also: Sequence[str] = ()) -> tuple[list[Lesson], dict[str, str]]:
+def _read_lessons(names: tuple[str, ...], find: Callable[[str], Iterable[Lesson]],
+                  also: Sequence[str] = ()) -> tuple[list[Lesson], dict[str, str]]:
     """Reads the named lessons, or all, with ``find``; returns them and, by name, the mistakes, which are printed."""
     from app.lessons import catalogue
     lessons, mistakes = list[Lesson](), dict[str, str]()
-    called = dict.fromkeys(lesson_called(name, also) for name in names) if names else catalogue.lesson_names()
+    called = dict.fromkeys(full_lesson_name(name, also) for name in names) if names else catalogue.lesson_names()
     _read_each(called, lambda name: lessons.extend(find(name)), mistakes)  # keeps it without its translation
     return lessons, mistakes
 
@@ -246,10 +249,10 @@ def _read_each(names: Iterable[str], read: Callable[[str], Read], mistakes: dict
     return found
 
 
-def lesson_called(name: str, also: Sequence[str] = ()) -> str:
+def full_lesson_name(name: str, also: Sequence[str] = ()) -> str:
     """Returns the full name of a lesson; raises :class:`BadInput` with the valid names and ``also`` others."""
     from app.lessons import catalogue
     try:
-        return catalogue.resolve_name(name)
+        return catalogue.resolve_lesson_name(name)
     except catalogue.UnknownLesson as error:
         raise flags.BadInput("", name, ", ".join((str(error), *also))) from None

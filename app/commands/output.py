@@ -31,7 +31,7 @@ class NotWritten(Exception):
 
 
 @contextlib.contextmanager
-def showing_places(wanted: bool) -> Iterator[None]:
+def show_tracebacks(wanted: bool) -> Iterator[None]:
     """Context manager: adds tracebacks to reported and logged failures, if ``wanted``."""
     global _places
     _places, before = wanted, _places
@@ -73,7 +73,7 @@ class Target:
         if not text.lower().endswith(ending):
             raise BadInput(flag, text, f"give a file that ends in {ending}")
         try:
-            self._try()
+            self._check_writable()
         except (OSError, ValueError) as error:  # ValueError: a character invalid in names
             why = getattr(error, "strerror", None) or str(error)
             raise BadInput(flag, text, f"cannot be written: {why.lower()}; "
@@ -99,7 +99,7 @@ class Target:
                 with contextlib.suppress(OSError):
                     self._beside.unlink()
 
-    def _try(self) -> None:
+    def _check_writable(self) -> None:
         if self.is_stdout or _is_device(self.path):
             return
         with contextlib.suppress(FileNotFoundError):

@@ -16,7 +16,7 @@ PATIENCE = 1.0  # seconds before a bar is shown
 MEASURED = 2.0  # seconds of work after which the rest is estimated from it
 
 
-class Remaining:
+class RemainingTime:
     """Estimate of the time left, from the pace since the first part was done, so that compilation does not count."""
 
     def __init__(self) -> None:
@@ -82,8 +82,8 @@ def show_progress(quiet: bool) -> Iterator[Callable[..., None]]:
     """Context manager: keeps standard output clean, records Ctrl-C, and shows a progress bar unless ``quiet``.
 
     Yields a function to call now and then with the part done, 0 to 1, and optionally a text."""
-    begun, drawn, remaining = time.monotonic(), False, Remaining()
-    shown = not quiet and sys.stderr.isatty() and not is_dumb(os.environ)
+    begun, drawn, remaining = time.monotonic(), False, RemainingTime()
+    shown = not quiet and sys.stderr.isatty() and not is_dumb_terminal(os.environ)
 
     def show(part: float, what: str = "") -> None:
         nonlocal drawn
@@ -108,11 +108,11 @@ def show_progress(quiet: bool) -> Iterator[Callable[..., None]]:
 
 def wants_colour(environment: Mapping[str, str], is_terminal: bool) -> bool:
     """Whether to print colours: on a terminal or with FORCE_COLOR, never with NO_COLOR (https://no-color.org)."""
-    if environment.get("NO_COLOR") or is_dumb(environment):
+    if environment.get("NO_COLOR") or is_dumb_terminal(environment):
         return False
     return is_terminal or bool(environment.get("FORCE_COLOR"))
 
 
-def is_dumb(environment: Mapping[str, str]) -> bool:
+def is_dumb_terminal(environment: Mapping[str, str]) -> bool:
     """Whether the terminal supports neither colours nor overwriting of lines."""
     return environment.get("TERM") in (None, "", "dumb")

@@ -30,11 +30,11 @@ class SceneFlags:
         for name, words in SPECIAL.items():
             if (key := field_key(name)) in values:
                 meanings = {"none": (), "all": self.SCENE.choices(name)}
-                values[key] = _expand(key, values[key], {word: meanings[word] for word in words})
+                values[key] = _expand_special_words(key, values[key], {word: meanings[word] for word in words})
         return values
 
 
-def of_problem(command: type[SceneFlags], scene: type[Scene], **kinds: Any) -> type:
+def command_of_problem(command: type[SceneFlags], scene: type[Scene], **kinds: Any) -> type:
     """Returns a command for one problem: its scene's flags, then its own; ``kinds`` replace types of flags."""
     flags = [(field_key(f.name), describe_flag(scene, f, kinds.get(f.name)),
               field(default=("none",) if f.default == () else f.default))
@@ -43,7 +43,7 @@ def of_problem(command: type[SceneFlags], scene: type[Scene], **kinds: Any) -> t
     return _make_command(command, scene, bases)
 
 
-def with_flags(command: type, scene: type[Scene], **kinds: Any) -> type:
+def with_scene_flags(command: type, scene: type[Scene], **kinds: Any) -> type:
     """Returns a command for one problem, whose flags of scene's fields are the scene's; ``kinds`` replace types."""
     own = {f.name: f.default for f in fields(command)}
     flags = [(f.name, kinds[f.name], field(default=own[f.name])) if f.name in kinds
@@ -57,10 +57,10 @@ def describe_flag(scene: type[Scene], f: Field, kind: Any = None) -> Any:
     unit = f", {f.metadata['unit']}" if f.metadata["unit"] else ""
     hint = f"(default: {f.metadata['hint'].format(scene=scene)})" if f.metadata["hint"] and kind is None else None
     about = tyro.conf.arg(help=f"{text}{unit}{separator}{rest}.", help_behavior_hint=hint)
-    return Annotated[kind or _kind(scene, f), about]
+    return Annotated[kind or _flag_type(scene, f), about]
 
 
-def _kind(scene: type[Scene], f: Field) -> Any:
+def _flag_type(scene: type[Scene], f: Field) -> Any:
     choices = scene.choices(f.name)
     if f.name in SPECIAL:
         return Annotated[Any, several_of((*choices, *SPECIAL[f.name]))]
@@ -80,7 +80,7 @@ def _make_command(command: type[Any], scene: type[Scene], bases: tuple[type, ...
     return dataclass(frozen=True, kw_only=True)(kind)
 
 
-def _expand(flag: str, words: tuple[str, ...], special: dict[str, tuple[str, ...]]) -> tuple[str, ...]:
+def _expand_special_words(flag: str, words: tuple[str, ...], special: dict[str, tuple[str, ...]]) -> tuple[str, ...]:
     """Returns words with special ones, which must stand alone, replaced by their meanings."""
     if not words:
         raise BadInput(flag, "", "give one or several names (--help lists them)")

@@ -3,10 +3,10 @@
 from dataclasses import dataclass
 from typing import ClassVar
 
-from app.access.allowed_hosts import is_ip, is_name
+from app.access.allowed_hosts import is_host_name, is_ip
 from app.access.class_code import LONGEST, SHORTEST, normalise_code
 from app.commands.flags import BadInput, NamesFlag, NumberFlag, Switch, TextFlag
-from app.commands.lesson import lesson_called
+from app.commands.lesson import full_lesson_name
 from solvers.scene.validation import require_number, require_whole
 
 MOST_FRAMES = 60
@@ -45,7 +45,7 @@ class Serve:
     """Compile what visitors usually ask for before they do; takes a processor for some minutes the first time."""
 
     def execute(self) -> int:
-        if not (is_name(self.host) or is_ip(self.host)):
+        if not (is_host_name(self.host) or is_ip(self.host)):
             raise BadInput("host", self.host, "give the name or the address of this machine")
         if not isinstance(self.port, int) or not 1 <= self.port <= 65535:
             raise BadInput("port", self.port, "give a whole number from 1 to 65535")
@@ -53,11 +53,11 @@ class Serve:
         if self.code.strip() and not fits:
             raise BadInput("code", self.code, f"give {SHORTEST} to {LONGEST} letters and digits, or none")
         for name in self.name:
-            if not is_name(name):
+            if not is_host_name(name):
                 raise BadInput("name", name, "give the name of a host, such as lab.school.example")
         require_whole("max_sessions", self.max_sessions, 1, 10_000)
         require_number("frames", self.frames, 0, MOST_FRAMES)
-        lesson = lesson_called(self.lesson) if self.lesson.strip() else ""
+        lesson = full_lesson_name(self.lesson) if self.lesson.strip() else ""
         if self.board and not lesson:
             raise BadInput("", "--board", "needs --lesson with the name or number of a lesson (mpm-lab lesson list)")
         from app.page import page_server  # here: bad input and --help must not wait for the page's imports

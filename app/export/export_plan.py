@@ -23,7 +23,7 @@ PICTURES = {1: (48, 240), 2: (30, 120)}
 
 
 @dataclass(frozen=True)
-class Plan:
+class ExportPlan:
     """State for the stage, the ``axes`` around it and the ``texts`` of all runs (``slider_grid.scene_texts``)."""
 
     state: State
@@ -40,21 +40,21 @@ class Plan:
         return None if self.state.pinned is None else write_state(State(with_end_time(self.state.pinned, self.scene)))
 
     @property
-    def pictures(self) -> int:
+    def frame_count(self) -> int:
         """Number of pictures of each run: the first and one per interval."""
         scene = self.scene
         a_period, most = PICTURES[scene.DIMENSIONS]
         return 1 + round(min(max(scene.end_time / scene.period, 1.0) * a_period, most))
 
     @property
-    def runs(self) -> list[str]:
+    def run_texts(self) -> list[str]:
         return [text for text in (*self.texts, *([self.pinned] if self.pinned else [])) if not text.startswith("!")]
 
 
-def make_plan(state: State, axes: Sequence[SliderAxis], quantities: Sequence[str]) -> Plan:
+def make_export_plan(state: State, axes: Sequence[SliderAxis], quantities: Sequence[str]) -> ExportPlan:
     """Returns the plan of a state; a scene without an end is recorded for one period."""
     state = replace(state, scene=with_end_time(state.scene))
-    return Plan(state, tuple(axes), tuple(quantities), tuple(slider_grid.scene_texts(state.scene, axes)))
+    return ExportPlan(state, tuple(axes), tuple(quantities), tuple(slider_grid.scene_texts(state.scene, axes)))
 
 
 def with_end_time(scene: Scene, like: Scene | None = None) -> Scene:
@@ -66,34 +66,34 @@ def with_end_time(scene: Scene, like: Scene | None = None) -> Scene:
     return replace(scene, periods=min(1.0, scene.DEFAULT_PERIODS))
 
 
-def recordings_needed(plans: Sequence[Plan]) -> dict[tuple[int, str], RecordingRequest]:
+def recordings_needed(plans: Sequence[ExportPlan]) -> dict[tuple[int, str], RecordingRequest]:
     """Returns the recordings to make, by the number of the plan and the text of the run."""
     counts = [(plan, min(parse_state(text).scene.particles, MOST[plan.scene.DIMENSIONS]))
-              for plan in plans for text in plan.runs]
+              for plan in plans for text in plan.run_texts]
     # The most particles for which all recordings fit into the budget; smaller runs need less.
     most = next((most for most in range(max(MOST.values()), LEAST, -STRIDE)
-                 if sum(_bytes(plan, min(count, most)) for plan, count in counts) <= BUDGET), LEAST)
-    return {(number, text): RecordingRequest(text, plan.pictures, min(most, MOST[plan.scene.DIMENSIONS]),
+                 if sum(_recording_bytes(plan, min(count, most)) for plan, count in counts) <= BUDGET), LEAST)
+    return {(number, text): RecordingRequest(text, plan.frame_count, min(most, MOST[plan.scene.DIMENSIONS]),
                                              plan.quantities, plan.state.difference, plan.state.domains,
                                              current_language())
-            for number, plan in enumerate(plans) for text in plan.runs}
+            for number, plan in enumerate(plans) for text in plan.run_texts}
 
 
-def _bytes(plan: Plan, particles: int) -> int:
+def _recording_bytes(plan: ExportPlan, particles: int) -> int:
     """Returns the uncompressed size of a recording in bytes."""
     scene, quantities = plan.scene, len(plan.quantities)
     norms = 4 * (3 + 4 * (1 + 3 * len(scene.estimators)))
     each = scene.DIMENSIONS + len(scene.estimators) * (1 + plan.state.difference)
     parts = len(FIELDS) * (5 + len(CAUSES)) * scene.has("budget")
-    return plan.pictures * (norms + parts + 2 * CURVE_POINTS * quantities
-                            + particles * ((2 + 2 * plan.state.domains) * scene.DIMENSIONS + quantities * each))
+    return plan.frame_count * (norms + parts + 2 * CURVE_POINTS * quantities
+                               + particles * ((2 + 2 * plan.state.domains) * scene.DIMENSIONS + quantities * each))
 
 
-def plan_to_json(plan: Plan, numbers: Mapping[str, int]) -> dict[str, Any]:
+def export_plan_to_json(plan: ExportPlan, numbers: Mapping[str, int]) -> dict[str, Any]:
     """Returns the plan for the player; ``numbers`` are those of the recorded runs, by their texts."""
     state, scene = plan.state, plan.scene
     return {"axes": [{"field": axis.field, "label": tr(LABELS[axis.field]), "start": axis.start, "values": axis.values,
-                      "says": [format_axis_value(type(scene), axis.field,
+                      "says": [format_axis_label(type(scene), axis.field,
                                                  value) for value in axis.values]} for axis in plan.axes],
             "runs": [text[1:] if text.startswith("!") else numbers[text] for text in plan.texts],
             "says": ["" if text.startswith("!") else in_a_line(parse_state(text).scene) for text in plan.texts],
@@ -106,7 +106,7 @@ def plan_to_json(plan: Plan, numbers: Mapping[str, int]) -> dict[str, Any]:
                      "estimator": state.estimator or next(iter(scene.active_estimators), "")}}
 
 
-def format_axis_value(kind: type[Scene], field: str, value: Any) -> str:
+def format_axis_label(kind: type[Scene], field: str, value: Any) -> str:
     """Formats a value on an axis of a class of scenes."""
     if field == "method":
         return str(METHODS[value])

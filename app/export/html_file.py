@@ -10,13 +10,13 @@ from typing import Any
 from app import __version__, state
 from app.colours import css_variables
 from app.export import export_plan, slider_grid
-from app.export.export_plan import Plan, make_plan, plan_to_json
-from app.export.player_data import vocabulary
+from app.export.export_plan import ExportPlan, export_plan_to_json, make_export_plan
+from app.export.player_display_data import shared_display_data
 from app.export.recording import RecordingRequest, record_scene, record_scenes
-from app.identity import ICON, MARK, font_faces_css
 from app.language.translation import current_language, load_catalogue, tr
 from app.problems.views import VIEWS
 from app.templates import render_template
+from app.visual_identity import ICON, MARK, font_faces_css
 
 PLAYER = Path(__file__).parent / "player"
 #: In order of dependencies.
@@ -25,28 +25,29 @@ SCRIPTS = ("words", "tracks", "frame", "colours", "field", "bar", "plane", "stag
 IN_A_COURSE = (*SCRIPTS[:-1], "scorm", "suspended", "course", "main")
 USUAL = ("x", "v", "sigma")  # quantities whose errors are recorded; accelerations only on request
 
-Progress = Callable[[float, str], None]
+ProgressCallback = Callable[[float, str], None]
 
 
-def scene_page(text: str, processes: int, on_progress: Progress, counts: Mapping[str, int] = slider_grid.FULL) -> str:
+def scene_page(text: str, processes: int, on_progress: ProgressCallback,
+               counts: Mapping[str, int] = slider_grid.FULL) -> str:
     """Returns the page of a state's text, or of a problem's name, with so many values of each field on sliders."""
     shown = state.parse_state(text)
     if text.strip() in VIEWS and (judges := VIEWS[text.strip()].estimators):
         shown = replace(shown, scene=replace(shown.scene, estimators=judges))
-    one = make_plan(shown, (), recorded_quantities(shown))
-    one = make_plan(one.state, slider_grid.axes_around(one.scene, counts), one.quantities)
+    one = make_export_plan(shown, (), recorded_quantities(shown))
+    one = make_export_plan(one.state, slider_grid.axes_around(one.scene, counts), one.quantities)
     recorded = record_plans([one], processes, on_progress)
-    return assemble_page(_title(one), [one], recorded, None)
+    return assemble_page(_page_title(one), [one], recorded, None)
 
 
 def recorded_page(shown: state.State) -> str:
     """Returns the page of a state without further runs, recorded in this process."""
-    one = make_plan(shown, (), recorded_quantities(shown))
-    recorded = _each_once([one], lambda once: [record_scene(wanted) for wanted in once])
-    return assemble_page(_title(one), [one], recorded, None)
+    one = make_export_plan(shown, (), recorded_quantities(shown))
+    recorded = _make_distinct_recordings([one], lambda once: [record_scene(wanted) for wanted in once])
+    return assemble_page(_page_title(one), [one], recorded, None)
 
 
-def _title(one: Plan) -> str:
+def _page_title(one: ExportPlan) -> str:
     title = tr(one.scene.title)
     return title[:1].upper() + title[1:]
 
@@ -56,13 +57,15 @@ def recorded_quantities(shown: state.State) -> tuple[str, ...]:
     return (*USUAL, *(key for key in (shown.quantity,) if key not in USUAL))
 
 
-def record_plans(plans: Sequence[Plan], processes: int, on_progress: Progress) -> dict[tuple[int, str], dict[str, Any]]:
+def record_plans(plans: Sequence[ExportPlan], processes: int,
+                 on_progress: ProgressCallback) -> dict[tuple[int, str], dict[str, Any]]:
     """Makes the recordings in parallel; returns them by the number of their plan and their text."""
-    return _each_once(plans, lambda once: record_scenes(
+    return _make_distinct_recordings(plans, lambda once: record_scenes(
         once, processes, lambda done: on_progress(done / len(once), f"run {done} of {len(once)}")))
 
 
-def _each_once(plans: Sequence[Plan], make: Callable[[list[RecordingRequest]], list[dict[str, Any]]]) -> dict[
+def _make_distinct_recordings(plans: Sequence[ExportPlan],
+                              make: Callable[[list[RecordingRequest]], list[dict[str, Any]]]) -> dict[
         tuple[int, str], dict[str, Any]]:
     """Makes each distinct recording once with ``make``; returns them by plan and text."""
     wanted = export_plan.recordings_needed(plans)
@@ -71,16 +74,17 @@ def _each_once(plans: Sequence[Plan], make: Callable[[list[RecordingRequest]], l
     return {key: found[one] for key, one in wanted.items()}
 
 
-def assemble_page(heading: str, plans: Sequence[Plan], recorded: Mapping[tuple[int, str], dict[str, Any]],
+def assemble_page(heading: str, plans: Sequence[ExportPlan], recorded: Mapping[tuple[int, str], dict[str, Any]],
                   lesson: Mapping[str, Any] | None, scripts: Sequence[str] = SCRIPTS) -> str:
     """Returns the page from plans and recordings, of a ``lesson`` if given, with these player scripts."""
     runs = list({id(run): run for run in recorded.values()}.values())
     places = {id(run): number for number, run in enumerate(runs)}
-    stages = [plan_to_json(one, {text: places[id(recorded[k, text])] for text in one.runs}) for k,
+    stages = [export_plan_to_json(one, {text: places[id(recorded[k, text])] for text in one.run_texts}) for k,
               one in enumerate(plans)]
-    texts = list({_json(run["texts"]): run["texts"] for run in runs}.values())  # equal for most runs
-    data = {"words": load_catalogue(current_language()).of_files("app/export/player/"),
-            **vocabulary({one.scene.problem for one in plans}), "stages": stages, "lesson": lesson, "texts": texts,
+    texts = list({_script_safe_json(run["texts"]): run["texts"] for run in runs}.values())  # equal for most runs
+    data = {"words": load_catalogue(current_language()).translations_for_files("app/export/player/"),
+            **shared_display_data({one.scene.problem for one in plans}), "stages": stages, "lesson": lesson,
+            "texts": texts,
             "runs": [{"head": run["head"], "tracks": run["tracks"], "texts": texts.index(run["texts"])}
                      for run in runs]}
     packed = "\n".join(f"<script type=\"text/plain\" id=\"run-{k}\">{run['data']}</script>"
@@ -89,17 +93,17 @@ def assemble_page(heading: str, plans: Sequence[Plan], recorded: Mapping[tuple[i
     parts = {"title": escape(heading), "lang": own, "version": __version__, "kind": "lesson" if lesson else "scene",
              "language": current_language(),
              "empty": tr("Press <b>On the stage</b> in the lesson: its run begins here."),
-             "style": font_faces_css() + css_variables() + _file("player.css"), "mark": MARK, "icon": ICON,
-             "data": _json(data), "runs": packed,
+             "style": font_faces_css() + css_variables() + _read_player_file("player.css"), "mark": MARK, "icon": ICON,
+             "data": _script_safe_json(data), "runs": packed,
              "script": "const DATA = JSON.parse(document.getElementById(\"data\").textContent);\n"
-                       + "\n".join(_file(f"{name}.js") for name in scripts)}
+                       + "\n".join(_read_player_file(f"{name}.js") for name in scripts)}
     return render_template(PLAYER / "player.html", **parts)
 
 
-def _file(name: str) -> str:
+def _read_player_file(name: str) -> str:
     return (PLAYER / name).read_text(encoding="utf-8")
 
 
-def _json(values: Mapping[str, Any]) -> str:
+def _script_safe_json(values: Mapping[str, Any]) -> str:
     """Returns JSON without ``<``, which could end an html script."""
     return json.dumps(values, ensure_ascii=False, separators=(",", ":")).replace("<", "\\u003c")

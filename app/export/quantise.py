@@ -39,10 +39,10 @@ class Track:
 
 def pack_tracks(tracks: list[Track]) -> bytes:
     """Returns all tracks, concatenated and compressed."""
-    return zlib.compress(b"".join(map(_bytes, tracks)), 9)
+    return zlib.compress(b"".join(map(_track_bytes, tracks)), 9)
 
 
-def _bytes(track: Track) -> bytes:
+def _track_bytes(track: Track) -> bytes:
     """Returns a track's scales (float32, one per row; for ``place`` one) and codes."""
     values = np.asarray(track.values, float)
     with np.errstate(invalid="ignore", over="ignore", under="ignore"):

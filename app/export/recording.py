@@ -11,27 +11,27 @@ from typing import Any
 import numpy as np
 
 from app import state
-from app.export.player_data import missing_value_texts, stage_notes
+from app.export.player_display_data import missing_value_texts, stage_notes
 from app.export.quantise import NUMBER, PLACE, SIGNED, SIZE, Track, pack_tracks
-from app.frame.budget_chart import error_source_note
+from app.frame.budget_chart import estimated_error_note
 from app.frame.captions import why_no_field
 from app.frame.colour_scale import LEAST_REACH, LEAST_TOP
-from app.frame.planar import PlanarStage
-from app.frame.stage import one_in
+from app.frame.planar_stage import PlanarStage
+from app.frame.stage import marking_stride
 from app.language.translation import ENGLISH, use_language
 from app.problems.views import VIEWS
 from solvers.running.run import build
 from solvers.scene.error_causes import CAUSES, FIELDS
 from solvers.scene.kernel_options import kernel_key
 from solvers.scene.scene import Scene
-from solvers.scene.step_bound import margin_unit
+from solvers.scene.step_bound import gershgorin_to_linear_factor
 from solvers.solver import budget, samples
 from solvers.solver.base import Solver
 from solvers.solver.error_norms import RATIOS
-from solvers.solver.rounding import rounding
-from solvers.solver.snapshot import Snapshot
+from solvers.solver.particle_snapshot import Snapshot
+from solvers.solver.rounding import largest_rounding_error
 from solvers.solver.soundness import earliest_finding, findings
-from solvers.solver.verdict_basis import LargeRelativeError, large_errors, merge
+from solvers.solver.verdict_basis import LargeRelativeError, large_errors, merge_large_errors
 from solvers.workers.worker_pool import WorkerPool, one_of_each_first
 
 CURVE_POINTS = 41  # of the exact field
@@ -40,10 +40,10 @@ FARTHEST = 2.0  # metres: clip for particles of a broken run
 
 @dataclass(frozen=True)
 class RecordingRequest:
-    """Request for ``pictures`` of a scene with at most ``particles`` and errors of the ``quantities`` (keys)."""
+    """Request for ``frame_count`` of a scene with at most ``particles`` and errors of the ``quantities`` (keys)."""
 
     scene: str  # as a state's text
-    pictures: int
+    frame_count: int
     particles: int
     quantities: tuple[str, ...]
     difference: bool = False  # whether estimate minus truth is recorded for each particle
@@ -56,21 +56,24 @@ def record_scenes(wanted: Sequence[RecordingRequest], processes: int,
     """Returns a recording for each request, made in parallel processes; ``on_progress`` receives the number done.
 
     Raises :class:`~solvers.workers.worker_process.ProcessDied` if one cannot be made."""
-    with closing(WorkerPool(f"{__name__}:work", processes)) as pool:
+    with closing(WorkerPool(f"{__name__}:record_in_worker", processes)) as pool:
         # One of each kind of run first, so that processes compile different kernels.
-        asked = {one: pool.submit(asdict(one), kind=_kernels(one)) for one in one_of_each_first(wanted, _kernels)}
+        asked = {
+            one: pool.submit(asdict(one), kind=_request_kernel_key(one))
+            for one in one_of_each_first(wanted, _request_kernel_key)
+        }
         for done, recording in enumerate(as_completed(asked.values()), 1):
             recording.result()
             on_progress(done)
         return [asked[one].result() for one in wanted]
 
 
-def _kernels(wanted: RecordingRequest) -> tuple:
+def _request_kernel_key(wanted: RecordingRequest) -> tuple:
     """Returns the key of the kernels that it needs."""
     return kernel_key(state.parse_state(wanted.scene).scene)
 
 
-def work(question: Mapping[str, Any], answer: Callable[[dict], None]) -> None:
+def record_in_worker(question: Mapping[str, Any], answer: Callable[[dict], None]) -> None:
     """Records one scene in a worker process."""
     values = dict(question)
     values["quantities"] = tuple(values["quantities"])
@@ -80,15 +83,15 @@ def work(question: Mapping[str, Any], answer: Callable[[dict], None]) -> None:
 def record_scene(wanted: RecordingRequest) -> dict[str, Any]:
     """Returns the recording as a JSON object: ``head`` describes it, ``tracks`` the layout of ``data``, in base64."""
     with use_language(wanted.language):
-        return _record(wanted)
+        return _run_and_record(wanted)
 
 
-def _record(wanted: RecordingRequest) -> dict[str, Any]:
+def _run_and_record(wanted: RecordingRequest) -> dict[str, Any]:
     scene = state.parse_state(wanted.scene).scene
     solver = build(scene)
     solver.compile()
     rows, own, shots = [solver.measure()], list[np.ndarray](), list[dict[str, Snapshot]]()
-    for step in np.unique(np.rint(np.linspace(0, scene.steps, wanted.pictures)).astype(int)):
+    for step in np.unique(np.rint(np.linspace(0, scene.steps, wanted.frame_count)).astype(int)):
         while solver.step < step and solver.sound:
             rows.append(solver.advance(min(int(step) - solver.step, solver.longest_advance)))
         own.append(solver.measure())  # the picture's norms; also checks the run
@@ -96,12 +99,13 @@ def _record(wanted: RecordingRequest) -> dict[str, Any]:
         shots.append({key: replace(shot, plotted=solver.plotted(key)) for key in wanted.quantities})
         if not solver.sound:
             break
-    kept = _select_particles(scene.DIMENSIONS, _count(shots), wanted.particles)
-    marked = kept[::one_in(len(kept), VIEWS[scene.problem].stage.MOST_MARKED)]
-    tracks = _tracks(wanted, scene, kept, marked, shots)
-    regular, pictures = (samples.read_rows(np.concatenate(some), scene, _count(shots), margin_unit(scene))
+    kept = _select_particles(scene.DIMENSIONS, _particle_count(shots), wanted.particles)
+    marked = kept[::marking_stride(len(kept), VIEWS[scene.problem].stage.MOST_MARKED)]
+    tracks = _particle_tracks(wanted, scene, kept, marked, shots)
+    regular, pictures = (samples.read_rows(np.concatenate(some), scene, _particle_count(shots),
+                                           gershgorin_to_linear_factor(scene))
                          for some in (rows, own))
-    tracks += _norms(scene, regular, pictures)
+    tracks += _norm_tracks(scene, regular, pictures)
     if scene.has("budget"):  # by field: the error, RMS over particles, and each cause's contribution
         tracks += [Track(f"budget.{field}", SIGNED, np.stack([pictures[f"budget/error_{field}"], *(
             pictures[f"budget/part_{field}_{cause}"] for cause in CAUSES)], axis=1)) for field in FIELDS]
@@ -109,19 +113,19 @@ def _record(wanted: RecordingRequest) -> dict[str, Any]:
     silent = {key: [name for name in scene.active_estimators if not any(
         np.isfinite(shot[key].estimate[name][:, samples.QUANTITIES.index(key)]).any() for shot in shots)]
         for key in wanted.quantities}
-    head = _head(wanted, scene, solver, not_valid, len(kept), shots, regular, pictures)
-    return {"head": {**head, **stage_notes(scene, round(_count(shots) / len(marked)))},
+    head = _recording_metadata(wanted, scene, solver, not_valid, len(kept), shots, regular, pictures)
+    return {"head": {**head, **stage_notes(scene, round(_particle_count(shots) / len(marked)))},
             "texts": missing_value_texts(scene, not_valid, silent, wanted.difference),
             "tracks": [track.header for track in tracks], "data": base64.b64encode(pack_tracks(tracks)).decode()}
 
 
-def _first(shot: Mapping[str, Snapshot]) -> Snapshot:
+def _first_snapshot(shot: Mapping[str, Snapshot]) -> Snapshot:
     """Returns one of the views of an instant, which differ only in the plotted field."""
     return next(iter(shot.values()))
 
 
-def _count(shots: list[dict[str, Snapshot]]) -> int:
-    return len(_first(shots[0]).position)
+def _particle_count(shots: list[dict[str, Snapshot]]) -> int:
+    return len(_first_snapshot(shots[0]).position)
 
 
 def _select_particles(dimensions: int, count: int, most: int) -> np.ndarray:
@@ -131,33 +135,35 @@ def _select_particles(dimensions: int, count: int, most: int) -> np.ndarray:
     return np.arange(count) if count <= most else np.sort(np.random.default_rng(0).choice(count, most, replace=False))
 
 
-def _tracks(wanted: RecordingRequest, scene: Scene, kept: np.ndarray, marked: np.ndarray,
-            shots: list[dict[str, Snapshot]]) -> list[Track]:
+def _particle_tracks(wanted: RecordingRequest, scene: Scene, kept: np.ndarray, marked: np.ndarray,
+                     shots: list[dict[str, Snapshot]]) -> list[Track]:
     """Returns tracks of the kept particles: positions, errors, estimates, exact curves and lines, crossings."""
-    instants, stage = [_first(shot) for shot in shots], VIEWS[scene.problem].stage
-    rest = _flat(instants[0].material_position[kept])
-    position = np.stack([_flat(shot.position[kept]) for shot in instants])
+    instants, stage = [_first_snapshot(shot) for shot in shots], VIEWS[scene.problem].stage
+    rest = _flatten_by_component(instants[0].material_position[kept])
+    position = np.stack([_flatten_by_component(shot.position[kept]) for shot in instants])
     farthest = FARTHEST if scene.swings else np.inf  # the player follows steady motion
     with np.errstate(invalid="ignore"):
         position = np.fmax(np.fmin(position, farthest), -farthest)
     tracks = [Track("rest", NUMBER, rest.reshape(1, -1)), Track("position", PLACE, position)]
     if wanted.domains and issubclass(stage, PlanarStage):
-        half = [stage.domain_edges(scene, shot.deformation_gradient)[kept] for shot in instants]  # (n, 2 edges, 2) each
+        half = [stage.half_edge_vectors(scene,
+                                        shot.deformation_gradient)[kept] for shot in instants]  # (n, 2 edges, 2) each
         tracks.append(Track("edges", SIGNED, np.stack([one.transpose(1, 2, 0).ravel() for one in half])))
     for key in wanted.quantities:
-        tracks += _quantity(wanted, scene, key, [shot[key] for shot in shots], kept)
+        tracks += _quantity_tracks(wanted, scene, key, [shot[key] for shot in shots], kept)
     if scene.solution_known and stage.LINES:
-        lines = [_flat(stage.exact_lines(scene, shot.time, 1)[0, ::2]) for shot in instants]
+        lines = [_flatten_by_component(stage.exact_material_lines(scene, shot.time, 1)[0, ::2]) for shot in instants]
         tracks.append(Track("line", PLACE, np.stack(lines)))
-    return tracks + _crossings(scene, instants, kept, marked)
+    return tracks + _crossing_tracks(scene, instants, kept, marked)
 
 
-def _flat(points: np.ndarray) -> np.ndarray:
+def _flatten_by_component(points: np.ndarray) -> np.ndarray:
     """Returns (n,) or (n, D) as one row: x of all, then y of all."""
     return points.T.ravel()
 
 
-def _quantity(wanted: RecordingRequest, scene: Scene, key: str, shots: list[Snapshot], kept: np.ndarray) -> list[Track]:
+def _quantity_tracks(wanted: RecordingRequest, scene: Scene, key: str, shots: list[Snapshot],
+                     kept: np.ndarray) -> list[Track]:
     """Returns the tracks of one quantity: the field's signed deviation from the exact one, or the field if that is
     unknown; sizes of the true (if not equal to the deviation) and estimated errors; and the exact field on a curve."""
     column, known = samples.QUANTITIES.index(key), scene.solution_known
@@ -184,7 +190,7 @@ def _quantity(wanted: RecordingRequest, scene: Scene, key: str, shots: list[Snap
     return tracks
 
 
-def _crossings(scene: Scene, shots: list[Snapshot], kept: np.ndarray, marked: np.ndarray) -> list[Track]:
+def _crossing_tracks(scene: Scene, shots: list[Snapshot], kept: np.ndarray, marked: np.ndarray) -> list[Track]:
     """Returns the last crossing of each marked particle between two pictures, in the order of time."""
     numbers = np.searchsorted(kept, marked)
     found = []
@@ -198,7 +204,7 @@ def _crossings(scene: Scene, shots: list[Snapshot], kept: np.ndarray, marked: np
     return [Track("crossings.who", PLACE, events[:, :1]), Track("crossings.time", PLACE, events[:, 1:])]
 
 
-def _norms(scene: Scene, regular: Mapping[str, np.ndarray], pictures: Mapping[str, np.ndarray]) -> list[Track]:
+def _norm_tracks(scene: Scene, regular: Mapping[str, np.ndarray], pictures: Mapping[str, np.ndarray]) -> list[Track]:
     """Returns error norms (pictures, 4) at each picture, and index and distance of each estimator up to then."""
     times = pictures["time"]
     ends = np.searchsorted(regular["time"], times + 0.5 * scene.time_step)  # numbers of samples so far
@@ -206,7 +212,7 @@ def _norms(scene: Scene, regular: Mapping[str, np.ndarray], pictures: Mapping[st
     tracks = [Track("time", NUMBER, times.reshape(-1, 1)),
               Track("crossed", NUMBER, pictures["crossings"].reshape(-1, 1)),
               Track("margin", NUMBER, pictures["margin"].reshape(-1, 1)),
-              Track("norm.true", NUMBER, _columns(pictures, "error_{}"))]
+              Track("norm.true", NUMBER, _stack_quantity_series(pictures, "error_{}"))]
 
     def so_far(accumulate: np.ufunc, start: float, name: str, of: Callable[[np.ndarray], np.ndarray]) -> np.ndarray:
         """Accumulates all samples of a series, or of a function ``of`` it, up to each picture."""
@@ -219,33 +225,34 @@ def _norms(scene: Scene, regular: Mapping[str, np.ndarray], pictures: Mapping[st
         total, true_total = (so_far(np.add, 0.0, name, np.asarray) for name in (norm, true))
         worst = so_far(np.maximum, -np.inf, true, lambda values: np.where(np.isnan(values), np.inf, values))
         known = so_far(np.maximum, 0.0, true, np.isfinite) > 0
-        nothing = known & ~(worst > rounding(scene, key, times / scene.time_step))
+        nothing = known & ~(worst > largest_rounding_error(scene, key, times / scene.time_step))
         return np.where((true_total > 0) & ~nothing, total / true_total, np.nan)
 
     with np.errstate(all="ignore"):  # a run gone bad holds anything
         for estimator in scene.active_estimators:
-            tracks.append(Track(f"norm.{estimator}", NUMBER, _columns(pictures, f"{estimator}/estimate_{{}}")))
+            tracks.append(Track(f"norm.{estimator}", NUMBER,
+                                _stack_quantity_series(pictures, f"{estimator}/estimate_{{}}")))
             for ratio, norm in RATIOS.items():
                 table = np.stack([ratios(f"{estimator}/{norm}_{key}", key) for key in samples.QUANTITIES], axis=1)
                 tracks.append(Track(f"{ratio}.{estimator}", NUMBER, np.where(np.isfinite(table), table, np.nan)))
     return tracks
 
 
-def _columns(series: Mapping[str, np.ndarray], name: str) -> np.ndarray:
+def _stack_quantity_series(series: Mapping[str, np.ndarray], name: str) -> np.ndarray:
     return np.stack([series[name.format(key)] for key in samples.QUANTITIES], axis=1)
 
 
-def _head(wanted: RecordingRequest, scene: Scene, solver: Solver, not_valid: dict[str, str], shown: int,
-          shots: list[dict[str, Snapshot]], *series: Mapping[str, np.ndarray]) -> dict[str, Any]:
+def _recording_metadata(wanted: RecordingRequest, scene: Scene, solver: Solver, not_valid: dict[str, str], shown: int,
+                        shots: list[dict[str, Snapshot]], *series: Mapping[str, np.ndarray]) -> dict[str, Any]:
     """Returns the metadata of a run for the player."""
     found = [finding for one in series if (finding := earliest_finding(findings(scene, one), not_valid))]
     large: dict[str, LargeRelativeError] = {}
     for one in series:
-        large = merge(large, large_errors(scene, one, not_valid))
+        large = merge_large_errors(large, large_errors(scene, one, not_valid))
     status, reason, since = solver.status(min(found, key=lambda finding: finding.time, default=None), large)
     stage = VIEWS[scene.problem].stage
-    return {"problem": scene.problem, "particles": _count(shots), "shown": shown,
-            "spacing": scene.spacing, "first_line": stage.first_line(scene), "step": scene.time_step,
+    return {"problem": scene.problem, "particles": _particle_count(shots), "shown": shown,
+            "spacing": scene.spacing, "first_line": stage.cell_edge_position(scene), "step": scene.time_step,
             "steps": solver.step, "period": scene.period,
             "end": scene.end_time, "outermost": stage.max_radius(scene), "ppc": scene.ppc,
             "tile": stage.particle_shape(scene), "known": scene.solution_known,
@@ -254,4 +261,4 @@ def _head(wanted: RecordingRequest, scene: Scene, solver: Solver, not_valid: dic
             "estimators": scene.active_estimators, "not_valid": not_valid, "quantities": wanted.quantities,
             "status": status, "reason": reason or "", "since": since, "budget": None if not scene.has("budget") else {
                 "shares": {field: budget.shares(series[0], field) for field in FIELDS},
-                "whose": error_source_note(scene), "not_valid": budget.why_not_valid(series[0])}}
+                "whose": estimated_error_note(scene), "not_valid": budget.why_not_valid(series[0])}}

@@ -37,7 +37,7 @@ class SliderAxis:
     start: int
 
 
-def within_reach(scene: Scene) -> str | None:
+def why_too_long_to_record(scene: Scene) -> str | None:
     """Returns why a run takes too long to record, or None."""
     if (work := scene.particles * scene.steps) <= LONGEST_RUN:
         return None
@@ -47,7 +47,7 @@ def within_reach(scene: Scene) -> str | None:
 
 def axes_around(scene: Scene, counts: Mapping[str, int]) -> list[SliderAxis]:
     """Returns axes through a scene with at most so many values of each field, without axes of a single value."""
-    axes = [axis_through(scene, field, _candidates(scene, field), most) for field, most in counts.items()]
+    axes = [axis_through(scene, field, _axis_candidates(scene, field), most) for field, most in counts.items()]
     return [axis for axis in axes if len(axis.values) > 1]
 
 
@@ -58,13 +58,14 @@ def axis_through(scene: Scene, field: str, candidates: Sequence[Any], most: int)
     for value in candidates:
         if value not in values and len(values) < most:
             with suppress(SceneError):
-                if count_particle_steps(_change(scene, {field: value})) <= max(MOST_WORK, count_particle_steps(scene)):
+                if count_particle_steps(_change_scene(scene,
+                                                      {field: value})) <= max(MOST_WORK, count_particle_steps(scene)):
                     values.append(value)
     order = values if field == "method" else sorted(values)
     return SliderAxis(field, tuple(order), order.index(own))
 
 
-def axes_named_in(scene: Scene, text: str) -> list[SliderAxis]:
+def axes_for_instructions(scene: Scene, text: str) -> list[SliderAxis]:
     """Returns the axes for instructions in a lesson's text, such as "Set **Cells** to `80`"."""
     found: dict[str, list[Any]] = {}
     called = {tr(name): field for name, field in CONTROLS.items()}
@@ -72,7 +73,7 @@ def axes_named_in(scene: Scene, text: str) -> list[SliderAxis]:
                        for verb in ("Set", "Choose"))
     for act in re.finditer(rf"\*\*(?P<control>[^*]+)\*\*(?:{between})`(?P<value>[^`]+)`", text):
         field = called.get(act["control"])
-        if field and (value := _value(scene, field, act["value"])) is not None:
+        if field and (value := _parse_axis_value(scene, field, act["value"])) is not None:
             found.setdefault(field, []).append(value)
     return [made for field, values in found.items()
             if len((made := axis_through(scene, field, values, len(values) + 1)).values) > 1]
@@ -88,22 +89,22 @@ def scene_texts(scene: Scene, axes: Sequence[SliderAxis]) -> Iterator[str]:
     for values in itertools.product(*(axis.values for axis in axes)):
         changes = dict(zip((axis.field for axis in axes), values, strict=True))
         try:
-            yield state.write_state(state.State(_change(scene, changes)))
+            yield state.write_state(state.State(_change_scene(scene, changes)))
         except SceneError as error:
             yield f"!{error.sentence}"
 
 
-def _change(scene: Scene, changes: Mapping[str, Any]) -> Scene:
+def _change_scene(scene: Scene, changes: Mapping[str, Any]) -> Scene:
     """Returns a changed scene; a Courant number replaces the step."""
     step: dict[str, Any] = {"dt": None} if "cfl" in changes else {}
     return replace(scene, **changes, **step)
 
 
-def _candidates(scene: Scene, field: str) -> Sequence[Any]:
+def _axis_candidates(scene: Scene, field: str) -> Sequence[Any]:
     if field == "method":
         return [method for method in METHODS if method in scene.choices("method")]
     if field == "cells":
-        low, high, _ = VIEWS[scene.problem].reach.cells
+        low, high, _ = VIEWS[scene.problem].slider_ranges.cells
         factors = CELLS if scene.DIMENSIONS == 1 else RING_CELLS
         return [count for factor in factors if low <= (count := round(factor * scene.cells)) <= high]
     return [float(f"{factor * getattr(scene, field):.3g}") for factor in AMPLITUDES]
@@ -114,7 +115,7 @@ def count_particle_steps(scene: Scene) -> float:
     return float(scene.particles) * scene.steps
 
 
-def _value(scene: Scene, field: str, text: str) -> Any:
+def _parse_axis_value(scene: Scene, field: str, text: str) -> Any:
     """Returns the value of a field in a text between backquotes, or None."""
     if field == "method":
         plain = text.lower()

@@ -62,7 +62,7 @@ def has_budget(series: Mapping[str, np.ndarray]) -> bool:
     return len(series.get("budget/error_x", ())) > 1
 
 
-def field_of(quantity: str) -> str:
+def budget_field(quantity: str) -> str:
     """Returns the field whose budget belongs to a quantity: F for stress and acceleration."""
     return quantity if quantity in FIELDS else FIELDS[-1]
 
@@ -86,9 +86,9 @@ def largest_cause_fact(scene: Scene, series: Mapping[str, np.ndarray], quantity:
             or series["time"][-1] < EARLY * scene.period or (found := largest_share(series, quantity)) is None:
         return ""
     return tr(_MADE[found[0]], share=per_cent(found[1]), symbol=QUANTITIES[quantity].symbol,
-              whose=error_source_note(scene))
+              whose=estimated_error_note(scene))
 
 
-def error_source_note(scene: Scene) -> str:
+def estimated_error_note(scene: Scene) -> str:
     """Returns the note after a share if the error is the companion's estimate."""
     return "" if scene.has("truth") else tr(", as companion sees it")

@@ -47,7 +47,7 @@ class Captions:
 
 
 @dataclass(frozen=True)
-class FieldWords:
+class FieldPlotCaption:
     """Name of a field plot, with a remark on what it shows, if needed."""
 
     name: str
@@ -70,16 +70,16 @@ def make_captions(quantity: str, estimator: str | None, difference: bool, no_est
                     tr("size of the error of {quantity}", quantity=QUANTITIES[quantity]))
 
 
-def field_words(scene: Scene, component: str, quantity: str) -> FieldWords:
+def field_plot_caption(scene: Scene, component: str, quantity: str) -> FieldPlotCaption:
     """Returns name and remark of the plot of a ``component`` of a quantity's field."""
     noun = QUANTITIES[quantity].noun
     name = tr(COMPONENTS[component], noun=noun) if component else noun
     name = name[:1].upper() + name[1:]
     if off := why_no_field(scene, quantity):
-        return FieldWords(name, off)
+        return FieldPlotCaption(name, off)
     if not scene.solution_known:
-        return FieldWords(name, tr("no exact curve is known"))
-    return FieldWords(name, "" if scene.swings else tr("deviation from the exact one"))
+        return FieldPlotCaption(name, tr("no exact curve is known"))
+    return FieldPlotCaption(name, "" if scene.swings else tr("deviation from the exact one"))
 
 
 def add_unknown_count(remark: str, unknown: int | str) -> str:
@@ -91,7 +91,7 @@ def add_unknown_count(remark: str, unknown: int | str) -> str:
     return tr("{remark}; {unknown} without a number", remark=remark, unknown=unknown)
 
 
-def marks_note(marked: str, every: int) -> str:
+def crossing_marks_legend(marked: str, every: int) -> str:
     """Returns the legend of crossing marks, which one in ``every`` particles has."""
     return tr("{marked} (1 in {every})", marked=tr(marked), every=every) if every > 1 else tr(marked)
 
@@ -123,7 +123,7 @@ def why_no_field(scene: Scene, quantity: str) -> str:
     return tr(OFF) if quantity == "a" and not scene.has("acceleration") else ""
 
 
-def not_estimated(quantity: str) -> str:
+def not_estimated_text(quantity: str) -> str:
     """Returns the text, after an estimator's name, that it does not estimate a quantity."""
     return tr("does not estimate the {quantity}", quantity=QUANTITIES[quantity])
 
@@ -145,7 +145,7 @@ def why_no_numbers(scene: Scene, not_valid: Mapping[str, str], quantity: str,
     found = {TRUE: why_no_truth(scene, quantity)}
     for name in scene.estimators:
         found[name] = translate_message(not_valid.get(name, "")) or why_no_estimate(scene, not_valid, name, quantity) \
-            or not_estimated(quantity) * (name in silent)
+            or not_estimated_text(quantity) * (name in silent)
     return found if scene.estimators else {**found, ESTIMATED: tr(NONE_CHOSEN)}
 
 
@@ -159,7 +159,7 @@ def why_no_index(scene: Scene, valid: Collection[str], quantity: str) -> str:
 
 
 @dataclass(frozen=True)
-class Half:
+class StageHalf:
     """Lane of the bar or half of a plane body: ``sizes`` (P,) of errors, or the reason for none in ``silence``."""
 
     title: str
@@ -169,18 +169,18 @@ class Half:
 
 
 @dataclass(frozen=True)
-class View:
+class ErrorView:
     """Both halves, what the scale measures, and the estimated and true sizes (P,) for numbers."""
 
-    left: Half
-    right: Half
+    left: StageHalf
+    right: StageHalf
     measures: str
     estimated: np.ndarray | None
     true: np.ndarray | None
 
 
-def view_of_frame(report: FrameReport, arrays: FrameArrays, quantity: str, estimator: str | None,
-                  difference: bool) -> View:
+def frame_error_view(report: FrameReport, arrays: FrameArrays, quantity: str, estimator: str | None,
+                     difference: bool) -> ErrorView:
     """Returns the view of a frame, ``report`` and ``arrays``, with the other arguments of :func:`make_captions`."""
     scene, column = report.scene, samples.QUANTITIES.index(quantity)
     no_truth = why_no_truth(scene, quantity)
@@ -189,13 +189,13 @@ def view_of_frame(report: FrameReport, arrays: FrameArrays, quantity: str, estim
     if estimator is not None and not no_estimate:
         estimated = np.abs(arrays.estimate[estimator][:, column])
         if not any_finite(estimated):
-            estimated, no_estimate = None, f"{estimator} {not_estimated(quantity)}"
+            estimated, no_estimate = None, f"{estimator} {not_estimated_text(quantity)}"
     apart = arrays.difference[estimator][:, column] if estimator in arrays.difference else None
-    return view_of_sizes(quantity, estimator, estimated, true, no_estimate, no_truth, difference, apart)
+    return error_view_of_sizes(quantity, estimator, estimated, true, no_estimate, no_truth, difference, apart)
 
 
-def view_of_sizes(quantity: str, estimator: str | None, estimated: np.ndarray | None, true: np.ndarray | None,
-                  no_estimate: str, no_truth: str, difference: bool, apart: np.ndarray | None) -> View:
+def error_view_of_sizes(quantity: str, estimator: str | None, estimated: np.ndarray | None, true: np.ndarray | None,
+                        no_estimate: str, no_truth: str, difference: bool, apart: np.ndarray | None) -> ErrorView:
     """Returns the view of sizes of errors.
 
     Parameters
@@ -208,5 +208,5 @@ def view_of_sizes(quantity: str, estimator: str | None, estimated: np.ndarray | 
     said = make_captions(quantity, estimator, difference, no_estimate, no_truth)
     silence = said.silences[0] or (tr(NOT_COMPARED) if difference and apart is None else "")
     shown = None if silence else apart if difference else estimated
-    return View(Half(said.titles[0], said.by[0], shown, silence), Half(said.titles[1], said.by[1], true, no_truth),
-                said.measures, estimated, true)
+    return ErrorView(StageHalf(said.titles[0], said.by[0], shown, silence),
+                     StageHalf(said.titles[1], said.by[1], true, no_truth), said.measures, estimated, true)

@@ -54,10 +54,10 @@ class ColourScale:
             if len(self._largest) > REMEMBERED:
                 del self._largest[next(iter(self._largest))]
         if not self.held:
-            self._hold(max(top, known, least))
+            self._raise_top(max(top, known, least))
         self.exceeded = max(truth, estimate) > self.top
 
-    def _hold(self, size: float) -> None:
+    def _raise_top(self, size: float) -> None:
         """Raises the top to at least a size, if due."""
         now = self._clock()
         if size <= SMALLEST or (self._begun and size <= self.top):

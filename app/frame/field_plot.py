@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from app.frame.captions import CURVE, PARTICLES, FieldWords, add_unknown_count, field_words
+from app.frame.captions import CURVE, PARTICLES, FieldPlotCaption, add_unknown_count, field_plot_caption
 from app.frame.colour_scale import LEAST_REACH, SMALLEST, largest_finite, round_up
 from app.frame.layout import RunSlot, StageLayout
 from app.frame.primitives import AWAY, Dots, Label, Lines, Mark, Role, Sign, Tone, in_plane, join_points
@@ -31,7 +31,7 @@ NO_STEMS = Lines("field/stems", np.empty((0, 2, 3), np.float32), np.empty((0, 2,
 BEYOND = 0.01  # share of the axis by which dots may be outside it
 
 
-class Axis:
+class ValueAxis:
     """Value axis from -``top`` to ``top``, a round number; contains all values, and shrinks slowly. Runs can share
     it."""
 
@@ -51,7 +51,7 @@ class Axis:
 
 
 @dataclass(frozen=True)
-class PlotSettings:
+class FieldPlotDefinition:
     """Settings of a field plot: its axis from ``start`` to ``end`` in metres, labelled ``ends``.
 
     ``exact(scene, quantity, X, t)`` returns exact values at reference positions X, of which ``component`` is plotted;
@@ -68,16 +68,16 @@ class PlotSettings:
 class FieldPlot:
     """Particles as dots around the exact curve, with stems in the colour of their errors; crossings are highlighted."""
 
-    def __init__(self, plotted: PlotSettings, beside: "FieldPlot | None" = None):
+    def __init__(self, plotted: FieldPlotDefinition, beside: "FieldPlot | None" = None):
         self._plotted = plotted
-        self.axis: Axis = beside.axis if beside else Axis()
+        self.axis: ValueAxis = beside.axis if beside else ValueAxis()
         self._drawn: tuple[Scene, str, int, StageLayout] | None = None
         self._labelled: tuple[int, float] | None = None  # as drawn: count of NaN values, and end of the axis
         self._time = 0.0
         self._dots = np.empty((0, 3), np.float32)
 
     @property
-    def is_outdated(self) -> bool:
+    def shared_axis_changed(self) -> bool:
         """Whether another plot has changed the axis since this one was drawn."""
         return self._labelled is not None and self._labelled[1] != self.axis.top
 
@@ -108,7 +108,7 @@ class FieldPlot:
             if self._drawn is None or now[:3] != self._drawn[:3] or t < self._time:
                 self.axis.reset()
             self._labelled = None
-            self._begin(places, scene, quantity)
+            self._prepare_value_range(places, scene, quantity)
         self._drawn, self._time = now, t
         values = magnify_deviation(scene, field, magnified)
         known = np.isfinite(values)
@@ -116,11 +116,11 @@ class FieldPlot:
         unknown = len(values) - int(np.count_nonzero(known))
         if (said := (unknown, self.axis.top)) != self._labelled:
             self._labelled = said
-            yield from self._axes(places, scene, quantity, magnified, unknown)
-        self._dots = self._points(at, values, known)
-        yield from self._curve(places, scene, quantity, t)
-        yield self._stems(scene, field, magnified, shades)
-        pixel = places.bounds.pixel
+            yield from self._axis_marks(places, scene, quantity, magnified, unknown)
+        self._dots = self._stage_points(at, values, known)
+        yield from self._exact_curve_marks(places, scene, quantity, t)
+        yield self._deviation_stems(scene, field, magnified, shades)
+        pixel = places.stage_metrics.pixel
         yield Dots("field/particles", self._dots, self._ink[0], (DOT if len(values) <= MANY else MANY_DOTS) * pixel)
         over = self._dots[crossed]
         over[:, 2] = 0.016
@@ -133,10 +133,10 @@ class FieldPlot:
         dots = self._dots[particles]
         return dots if len(dots) == count else np.full((count, 3), AWAY, np.float32)
 
-    def _begin(self, places: StageLayout, scene: Scene, quantity: str) -> None:
+    def _prepare_value_range(self, places: StageLayout, scene: Scene, quantity: str) -> None:
         """Prepares another scene or quantity: determines the range of the exact field."""
         self._at: np.ndarray | None = None
-        plotted, box, self._least = self._plotted, places.field, 0.5 * DOT * places.bounds.pixel
+        plotted, box, self._least = self._plotted, places.field, 0.5 * DOT * places.stage_metrics.pixel
         self._box, self._per_metre = box, (box.right - box.left) / (plotted.end - plotted.start)
         self._line = np.linspace(plotted.start, plotted.end, CURVE_POINTS)
         level = in_plane(np.linspace(box.left, box.right, CURVE_POINTS), box.middle, 0.01)
@@ -148,21 +148,22 @@ class FieldPlot:
             times = scene.time_step + scene.period * np.arange(INSTANTS) / INSTANTS
             self._reach = max(largest_finite(np.abs(plotted.exact(scene, quantity, self._line, t))) for t in times)
 
-    def _axes(self, places: StageLayout, scene: Scene, quantity: str, magnified: int, unknown: int) -> Iterator[Mark]:
+    def _axis_marks(self, places: StageLayout, scene: Scene, quantity: str, magnified: int,
+                    unknown: int) -> Iterator[Mark]:
         """Yields the axes with their labels."""
-        box, colours = self._box, places.bounds.palette
+        box, colours = self._box, places.stage_metrics.palette
         self._ink = [np.array(colour, np.uint8) for colour in (colours.dot, colours.ground, colours.crossing)]
         end = ROOM * box.half
         axes = in_plane(np.array([box.left, box.right, box.left, box.left]),
                         box.middle + np.array([0, 0, -end, end]), -0.005).reshape(2, 2, 3)
         yield Lines("field/axes", axes, colours.axis, 1.0)
-        words = field_words(scene, self._plotted.component, quantity)
+        words = field_plot_caption(scene, self._plotted.component, quantity)
         number = with_unit(self.axis.top, QUANTITIES[quantity].unit)
         yield from plot_labels(places, self._plotted.ends,
-                               FieldWords(words.name, add_unknown_count(words.remark, unknown)), magnified, number,
-                               scene.solution_known)
+                               FieldPlotCaption(words.name, add_unknown_count(words.remark, unknown)), magnified,
+                               number, scene.solution_known)
 
-    def _curve(self, places: StageLayout, scene: Scene, quantity: str, t: float) -> Iterator[Mark]:
+    def _exact_curve_marks(self, places: StageLayout, scene: Scene, quantity: str, t: float) -> Iterator[Mark]:
         """Yields the exact curve, if it is known."""
         curve = self._level[:0]
         if scene.solution_known:
@@ -174,9 +175,9 @@ class FieldPlot:
                 if self._plotted.where:
                     along = self._abscissae(self._plotted.where(scene, self._line, t))
                     curve[:, 0, 0], curve[:, 1, 0] = along[:-1], along[1:]
-        yield Lines("field/exact", curve, places.bounds.palette.exact, CURVE_WIDTH)
+        yield Lines("field/exact", curve, places.stage_metrics.palette.exact, CURVE_WIDTH)
 
-    def _stems(self, scene: Scene, field: np.ndarray, magnified: int, shades: np.ndarray) -> Lines:
+    def _deviation_stems(self, scene: Scene, field: np.ndarray, magnified: int, shades: np.ndarray) -> Lines:
         """Returns stems from exact values to the particles', where they are longer than a dot."""
         dots = self._dots
         if not scene.solution_known or len(dots) > MOST_STEMS:
@@ -191,7 +192,7 @@ class FieldPlot:
         segments[:, :, 2] = 0.008
         return Lines("field/stems", segments, np.repeat(shades[drawn, None], 2, axis=1), 2.5)
 
-    def _points(self, at: np.ndarray, values: np.ndarray, known: np.ndarray) -> np.ndarray:
+    def _stage_points(self, at: np.ndarray, values: np.ndarray, known: np.ndarray) -> np.ndarray:
         """Returns points (n, 3) of the stage for values at positions (n,) along the axis; unknown ones are AWAY."""
         box, out = self._box, np.empty((len(values), 3), np.float32)
         if at is not self._at:  # constant in the plane
@@ -208,21 +209,21 @@ class FieldPlot:
         return self._box.middle + self._box.half / self.axis.top * values
 
 
-def plot_labels(places: StageLayout, ends: tuple[str, str], words: FieldWords, magnified: int, number: str,
+def plot_labels(places: StageLayout, ends: tuple[str, str], words: FieldPlotCaption, magnified: int, number: str,
                 exact: bool) -> Iterator[Label]:
     """Yields the labels of a plot, always the same ones: the ``number`` at the end of its axis, ``ends`` at those of
     the other, its name, with keys of particles and the ``exact`` curve, the factor ``magnified``, and a remark."""
-    box, room = places.field, places.bounds
+    box, room = places.field, places.stage_metrics
     beside = box.left > 0 or room.gutter > 0  # otherwise only the upper number fits, within the plot
     left = box.at is not None and box.at[0] < 0 and not box.keys  # the name stands beside the zero
-    crowded = left and 1.2 * room.extent(words.name)[0] + room.extent(" 0")[0] > room.gutter
+    crowded = left and 1.2 * room.text_extent(words.name)[0] + room.text_extent(" 0")[0] > room.gutter
     for key, text, y in (("low", f"−{number.partition(' ')[0]}", -box.half), ("zero", "" if crowded else "0", 0.0)):
         yield Label(f"field/{key}", text if beside else "", box.left - 0.01, box.middle + y, "center-right", "number")
     yield Label("field/high", f"+{number}", box.left - 0.01 if beside else 0.01,
                 box.middle + (box.half if beside else ROOM * box.half), "center-right" if beside else "top-left",
                 "number")
     below, written = box.below or 0.0, box.below is not None
-    if room.extent("  ".join(ends))[0] > box.right - box.left:  # too narrow for both: as one
+    if room.text_extent("  ".join(ends))[0] > box.right - box.left:  # too narrow for both: as one
         ends = f"{ends[0].rpartition(' ')[0]}–{ends[1]}", ""
     yield Label("field/start", ends[0] if written else "", box.left, below, "top-left", "number")
     yield Label("field/end", ends[1] if written else "", box.right, below, "top-right", "number")
@@ -239,7 +240,7 @@ def plot_labels(places: StageLayout, ends: tuple[str, str], words: FieldWords, m
     curve = tr(CURVE) if exact else ""
     keys: tuple[tuple[str, Tone, Sign], ...] = (tr(PARTICLES), "plain", "dot"), (curve, "truth", "line")
     for row, (text, tone, sign) in enumerate(keys, 1):
-        yield Label(f"field/key{row}", text if box.keys else "", x, y - 1.15 * row * room.line, "center-left",
+        yield Label(f"field/key{row}", text if box.keys else "", x, y - 1.15 * row * room.line_height, "center-left",
                     "gutter" if x < 0 else "note", tone=tone, sign=sign)
 
 

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from app.language.translation import lazy, tr
 from app.words import QUANTITIES, format_ratio, per_cent, short_reason, with_unit
 from solvers.scene.scene import Scene
-from solvers.solver.rounding import rounding
+from solvers.solver.rounding import largest_rounding_error
 
 ROUND_OFF = 1e-9  # of a quantity's size; far above the error of a patch test that is passed
 UNSTABLE, LAST = lazy("the run went unstable and has stopped at t = {time} s"), lazy("this is its last picture")
@@ -52,20 +52,20 @@ class Headline:
         if not self.headline:
             return []
         (kind, first), *rest = self.headline
-        spans = [(kind, _capital(first)), *rest]
+        spans = [(kind, _capitalise(first)), *rest]
         return spans if spans[-1][1].endswith(ENDS) else [*spans, ("", ".")]
 
     @property
-    def sentences(self) -> list[str]:
+    def fact_sentences(self) -> list[str]:
         """The facts as sentences."""
-        return [_capital(fact) + "." * (not fact.endswith(ENDS)) for fact in self.facts]
+        return [_capitalise(fact) + "." * (not fact.endswith(ENDS)) for fact in self.facts]
 
     def __str__(self) -> str:
-        return " ".join(["".join(text for _, text in self.spans), *self.sentences])
+        return " ".join(["".join(text for _, text in self.spans), *self.fact_sentences])
 
 
 @dataclass(frozen=True)
-class ErrorWords:
+class ErrorHeadlineTemplates:
     """Templates about the error of a quantity. ``told`` has {wrong}, the true error (or else the estimate) over the
     quantity's ``size``, and {found}, the comparison with the estimate (:func:`over_or_underestimates`); ``names`` are
     its other placeholders. ``of`` has {true} and the size; ``why`` is the reason for a missing number. ``unmeasured``
@@ -83,7 +83,8 @@ class ErrorWords:
     least: float
 
 
-def error_words(scene: Scene, quantity: str, estimator: str | None, no_estimate: str, no_truth: str) -> ErrorWords:
+def error_headline_templates(scene: Scene, quantity: str, estimator: str | None, no_estimate: str,
+                             no_truth: str) -> ErrorHeadlineTemplates:
     """Returns the templates for a quantity's errors; arguments as for :func:`app.frame.captions.make_captions`."""
     words, size = QUANTITIES[quantity], scene.size_of(quantity)
     noun = words.noun
@@ -96,21 +97,23 @@ def error_words(scene: Scene, quantity: str, estimator: str | None, no_estimate:
         told = tr("the {noun} is {wrong} {off}; {silence}", noun=noun, silence=short_reason(no_estimate), **PLACES)
     else:
         told = tr("the {noun} is {wrong} {off}; {by} {found}", noun=noun, **PLACES)
-    return ErrorWords(told, {"by": estimator or "", "off": tr("wrong")}, size,
-                      tr("{true} of {size} at most", size=with_unit(size, words.unit), **PLACES), why,
-                      tr("no error of the {noun} has been measured", noun=noun), tr("nothing happens, as expected"),
-                      tr("the true error of the {noun} is {true}, round-off", noun=noun, **PLACES),
-                      -1.0 if scene.swings else max(ROUND_OFF * size, rounding(scene, quantity, scene.steps)))
+    return ErrorHeadlineTemplates(told, {"by": estimator or "", "off": tr("wrong")}, size,
+                                  tr("{true} of {size} at most", size=with_unit(size, words.unit), **PLACES), why,
+                                  tr("no error of the {noun} has been measured", noun=noun),
+                                  tr("nothing happens, as expected"),
+                                  tr("the true error of the {noun} is {true}, round-off", noun=noun, **PLACES),
+                                  -1.0 if scene.swings else max(ROUND_OFF * size,
+                                                                largest_rounding_error(scene, quantity, scene.steps)))
 
 
-def format_errors(words: ErrorWords, unit: str, true: float, estimate: float, index: float,
-                  before: str = "") -> Headline:
+def format_error_headline(words: ErrorHeadlineTemplates, unit: str, true: float, estimate: float, index: float,
+                          before: str = "") -> Headline:
     """Fills the templates with numbers.
 
     Parameters
     ----------
     words
-        From :func:`error_words`.
+        From :func:`error_headline_templates`.
     unit
         Of the norms.
     true, estimate, index
@@ -120,14 +123,14 @@ def format_errors(words: ErrorWords, unit: str, true: float, estimate: float, in
     """
     if true <= words.least:
         return Headline.from_template(before + words.still,
-                                      words.trace.format(true=_size(true, unit) if true else tr("zero")))
+                                      words.trace.format(true=_format_size(true, unit) if true else tr("zero")))
     norm = true if math.isfinite(true) else estimate
     if "{wrong}" not in words.told:
         return Headline.from_template(words.told, words.why)
     if not math.isfinite(norm) or ("{found}" in words.told and not math.isfinite(index)):
         return Headline.from_template(before + words.unmeasured, words.why)
     return Headline.from_template(before + words.told.replace("{found}", over_or_underestimates(index)),
-                                  words.of.format(true=_size(norm, unit)),
+                                  words.of.format(true=_format_size(norm, unit)),
                    words.why, wrong=per_cent(norm / words.size), share=per_cent(index), factor=format_ratio(index),
                    **words.names)
 
@@ -137,11 +140,11 @@ def over_or_underestimates(index: float) -> str:
     return tr(MORE if index >= ALL_OF_IT else LESS)
 
 
-def _size(value: float, unit: str) -> str:
+def _format_size(value: float, unit: str) -> str:
     return with_unit(value, unit, 2)
 
 
-def _capital(text: str) -> str:
+def _capitalise(text: str) -> str:
     return text[:1].upper() + text[1:]
 
 

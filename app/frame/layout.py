@@ -7,7 +7,7 @@ from enum import Enum
 import numpy as np
 
 from app.frame.colour_scale import MOST_TICKS, ColourScale
-from app.frame.primitives import Anchor, Bounds, Dots, Label, Surface, Tone, in_plane
+from app.frame.primitives import Anchor, Dots, Label, StageMetrics, Surface, Tone, in_plane
 from app.language.translation import tr
 from app.words import QUANTITIES
 
@@ -47,9 +47,9 @@ class PlotBox:
 
 @dataclass(frozen=True)
 class StageLayout:
-    """Layout of a run: its ``rectangle`` in a settled ``bounds``, and the box of the field plot."""
+    """Layout of a run: its ``rectangle`` in a settled ``stage_metrics``, and the box of the field plot."""
 
-    bounds: Bounds
+    stage_metrics: StageMetrics
     slot: RunSlot
     rectangle: Rectangle
     field: PlotBox
@@ -72,12 +72,12 @@ def drawing_rectangle(high: float) -> Rectangle:
     return -EDGE, 1 + EDGE, 0.0, high
 
 
-def colour_bar_box(room: Bounds, high: float) -> ColourBarBox:
+def colour_bar_box(room: StageMetrics, high: float) -> ColourBarBox:
     """Returns the box of the colour bar at the top of a stage; its title is above it if there is no gutter."""
     pixel = room.pixel
-    first = high - ABOVE * pixel - (0.0 if room.gutter else 1.2 * room.line)
+    first = high - ABOVE * pixel - (0.0 if room.gutter else 1.2 * room.line_height)
     middle, numbers = first - 0.5 * BAR * pixel, first - (BAR + TICK) * pixel
-    row = numbers - 0.5 * room.line
+    row = numbers - 0.5 * room.line_height
     title: Spot = (-room.gutter, middle, "center-left") if room.gutter else (0.0, high, "top-left")
     quantity: Spot = (-room.gutter, row, "center-left") if room.gutter else (60 * pixel, high, "top-left")
     return ColourBarBox(middle, BAR * pixel, numbers, title, quantity, numbers - TICK_LINE * pixel)
@@ -88,25 +88,26 @@ class ColourBar:
 
     def __init__(self, sheet: Surface, scale: ColourScale):
         self.sheet, self._scale = sheet, scale
-        self._drawn: tuple[Bounds, float, str, float, bool, bool] | None = None
+        self._drawn: tuple[StageMetrics, float, str, float, bool, bool] | None = None
 
     def draw(self, quantity: str, high: float) -> None:
         """Draws the scale, with the key of the quantity whose error it measures, on a stage of height ``high``."""
-        scale, room = self._scale, self.sheet.bounds
+        scale, room = self._scale, self.sheet.stage_metrics
         now = (room, high, quantity, scale.top, scale.logarithmic, scale.exceeded)
         if now == self._drawn:
             return
         if self._drawn is None or now[:2] != self._drawn[:2]:
             place = colour_bar_box(room.rounded(), high)
             ends = place.high / 2
-            self.sheet.show(Dots("bar", in_plane(np.linspace(ends, 1 - ends, POINTS), place.middle),
-                                 scale.gradient(POINTS), place.high, "square"))
+            self.sheet.show_marks(Dots("bar", in_plane(np.linspace(ends, 1 - ends, POINTS), place.middle),
+                                       scale.gradient(POINTS), place.high, "square"))
         self._drawn = now
         place, unit = colour_bar_box(room.rounded(), high), QUANTITIES[quantity].unit
-        self.sheet.show(*bar_labels(place, room.gutter > 0, quantity, scale.ticks(unit)))
+        self.sheet.show_marks(*colour_bar_labels(place, room.gutter > 0, quantity, scale.ticks(unit)))
 
 
-def bar_labels(place: ColourBarBox, gutter: bool, quantity: str, ticks: list[tuple[float, str]]) -> Iterator[Label]:
+def colour_bar_labels(place: ColourBarBox, gutter: bool, quantity: str,
+                      ticks: list[tuple[float, str]]) -> Iterator[Label]:
     """Yields the titles of the bar, beside it in a ``gutter`` or above it, and its numbers."""
     for name, text, (x, y, anchor) in (("title", tr("Error of"), place.title),
                                        ("quantity", str(QUANTITIES[quantity]), place.quantity)):

@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 
 from app.frame.field_plot import ROOM
 from app.frame.layout import HALVES, PlotBox, RunSlot, Spot, StageLayout, colour_bar_box, drawing_rectangle
-from app.frame.primitives import Anchor, Bounds, Label, Role, Tone
+from app.frame.primitives import Anchor, Label, Role, StageMetrics, Tone
 from app.frame.stage import StageLabels
 from app.language.translation import tr
 from app.words import short_reason
@@ -28,9 +28,9 @@ class PlanarLayout(StageLayout):
     end: float
 
 
-def planar_places(room: Bounds, seat: RunSlot) -> PlanarLayout:
+def make_planar_layout(room: StageMetrics, seat: RunSlot) -> PlanarLayout:
     """Returns the layout in a settled room."""
-    pixel, line, end, alone = room.pixel, room.line, colour_bar_box(room, room.high).end, seat == RunSlot.ALONE
+    pixel, line, end, alone = room.pixel, room.line_height, colour_bar_box(room, room.high).end, seat == RunSlot.ALONE
     if 1 - FIELD - (NUMBERS + NAMES) * pixel < LEAST:  # large letters for a projector: names are above
         room = replace(room, gutter=0.0)
     beside = NUMBERS * pixel + (NAMES * pixel if alone and room.gutter else 0.0)
@@ -59,82 +59,88 @@ def planar_places(room: Bounds, seat: RunSlot) -> PlanarLayout:
 def planar_labels(words: StageLabels, places: PlanarLayout) -> Iterator[Label]:
     """Yields all labels except the scale's and the plot's numbers, and remarks."""
     if places.slot != RunSlot.ALONE:
-        return _of_pair(words, places)
-    return _labels_beside(words, places) if places.bounds.gutter else _labels_above(words, places)
+        return _paired_run_labels(words, places)
+    return _labels_beside_body(words, places) if places.stage_metrics.gutter else _labels_above_body(words, places)
 
 
-def _labels_beside(words: StageLabels, places: PlanarLayout) -> Iterator[Label]:
+def _labels_beside_body(words: StageLabels, places: PlanarLayout) -> Iterator[Label]:
     """Yields the estimate's names in the gutter, and the truth's and the rest right of the body."""
-    room, (x, y), left = places.bounds, places.middle, -places.bounds.gutter
+    room, (x, y), left = places.stage_metrics, places.middle, -places.stage_metrics.gutter
     right = x + AROUND * places.radius + GAP * room.pixel
-    width = room.letters(NAMES * room.pixel)
+    width = room.letters_per_line(NAMES * room.pixel)
     for name, title, by, silence, at in zip(HALVES, words.titles, words.by, words.silences, (left, right), strict=True):
         role: Role = "gutter" if at < 0 else "title"
-        yield Label(f"{name}-title", title, at, y + 0.1 * room.line, "bottom-left", role, 1.1, tone=name, bold=True)
-        yield Label(f"{name}-by", by, at, y - 0.1 * room.line, "top-left", "gutter" if at < 0 else "note")
-        narrow = min(width, room.letters(room.gutter)) if at < 0 else width
-        yield Label(f"{name}-silence", short_reason(silence), at, y - 1.9 * room.line, "top-left", role, width=narrow,
-                    tone="faint")
-    yield Label("alike", words.alike, right, y - 1.6 * room.line, "top-left", "note", width=width, tone="faint")
+        yield Label(f"{name}-title", title, at, y + 0.1 * room.line_height, "bottom-left", role, 1.1, tone=name,
+                    bold=True)
+        yield Label(f"{name}-by", by, at, y - 0.1 * room.line_height, "top-left", "gutter" if at < 0 else "note")
+        narrow = min(width, room.letters_per_line(room.gutter)) if at < 0 else width
+        yield Label(f"{name}-silence", short_reason(silence), at, y - 1.9 * room.line_height, "top-left", role,
+                    width=narrow, tone="faint")
+    yield Label("alike", words.alike, right, y - 1.6 * room.line_height, "top-left", "note", width=width, tone="faint")
     yield Label("size-note", words.note, right, 2 * room.pixel, "bottom-left", "note", width=width, tone="faint")
     yield Label("run", "", right, y, "bottom-left", "name")
     yield _crossing_label(words, places)
 
 
-def _labels_above(words: StageLabels, places: PlanarLayout) -> Iterator[Label]:
+def _labels_above_body(words: StageLabels, places: PlanarLayout) -> Iterator[Label]:
     """Yields all names above the body, if there is no space beside it."""
-    room, (x, y), reach = places.bounds, places.middle, AROUND * places.radius
+    room, (x, y), reach = places.stage_metrics, places.middle, AROUND * places.radius
     up = y + reach + 2 * room.pixel
-    for name, title, at, anchor in _sides(words.titles, x, reach, True):
+    for name, title, at, anchor in _corner_titles(words.titles, x, reach, True):
         yield Label(f"{name}-title", title, at, up, anchor, "title", tone=name, bold=True)
-    by = x - reach + 1.25 * room.extent(words.titles[0])[0] + 6 * room.pixel
-    free = x + reach - by - 1.25 * room.extent(words.titles[1])[0] - room.extent(" ")[0]  # between the two titles
-    text, _ = room.fit((words.by[0], words.by[0].rpartition(" ")[2]), free, room.line)
+    by = x - reach + 1.25 * room.text_extent(words.titles[0])[0] + 6 * room.pixel
+    free = (
+        x + reach - by - 1.25 * room.text_extent(words.titles[1])[0] - room.text_extent(" ")[0]
+    )  # between the two titles
+    text, _ = room.first_fitting_text((words.by[0], words.by[0].rpartition(" ")[2]), free, room.line_height)
     yield Label("estimate-by", text, by, up, "bottom-left", "note")
     yield Label("truth-by", "", x, up, "bottom-left", "title")
-    yield from _labels_inside(words, places)
+    yield from _empty_half_labels(words, places)
     for other in ("alike", "size-note", "run"):
         yield Label(other, "", x, up, "bottom-left", "note")
     yield _crossing_label(words, places)
 
 
-def _of_pair(words: StageLabels, places: PlanarLayout) -> Iterator[Label]:
+def _paired_run_labels(words: StageLabels, places: PlanarLayout) -> Iterator[Label]:
     """Yields the run's name above the body; the halves' names are in the corners around the round body."""
-    room, (x, y), reach, first = places.bounds, places.middle, AROUND * places.radius, places.slot == RunSlot.FIRST
-    for name, title, at, anchor in _sides((tr("estimate"), tr("truth")), x, reach, False):
+    room, (x,
+           y), reach, first = places.stage_metrics, places.middle, AROUND * places.radius, places.slot == RunSlot.FIRST
+    for name, title, at, anchor in _corner_titles((tr("estimate"), tr("truth")), x, reach, False):
         yield Label(f"{name}-title", title, at, y + reach, anchor, "title", 0.9, tone=name)
     by, gutter = words.by[0] if first else "", room.gutter > 0
     yield Label("estimate-by", by, -room.gutter if gutter else 0.6, y if gutter else 0.0,
                 "center-left" if gutter else "bottom-center", "gutter" if gutter else "note")
     yield Label("truth-by", "", x, y, "bottom-left", "note")
-    yield from _labels_inside(words, places)
+    yield from _empty_half_labels(words, places)
     run = words.run[:1].upper() + words.run[1:]
     yield Label("run", run, x - reach, y + reach + 2 * room.pixel, "bottom-left", "name", 1.0,
-                room.letters(2 * reach, 1.2), "plain" if first else "faint", True)
+                room.letters_per_line(2 * reach, 1.2), "plain" if first else "faint", True)
     for other in ("alike", "size-note"):
         yield Label(other, "", x, y, "bottom-left", "note")
     yield _crossing_label(words, places)
 
 
-def _sides(titles: tuple[str, str], x: float, reach: float, up: bool) -> Iterator[tuple[Tone, str, float, Anchor]]:
+def _corner_titles(titles: tuple[str, str], x: float, reach: float,
+                   up: bool) -> Iterator[tuple[Tone, str, float, Anchor]]:
     """Returns name, title, position and anchor of estimate and truth, in the corners above the body or inside."""
     anchors: tuple[Anchor, Anchor] = ("bottom-left", "bottom-right") if up else ("top-left", "top-right")
     return zip(HALVES, titles, (x - reach, x + reach), anchors, strict=True)
 
 
-def _labels_inside(words: StageLabels, places: PlanarLayout) -> Iterator[Label]:
+def _empty_half_labels(words: StageLabels, places: PlanarLayout) -> Iterator[Label]:
     """Yields the reasons for empty halves, in the hole of a ring."""
-    room, (x, y) = places.bounds, places.middle
+    room, (x, y) = places.stage_metrics, places.middle
     sides: tuple[Anchor, Anchor] = ("center-right", "center-left")
     for name, silence, anchor, apart in zip(HALVES, words.silences, sides, (-4, 4), strict=True):
-        text, width = room.fit((silence, short_reason(silence)), 0.55 * places.radius, 1.1 * places.radius)
+        text, width = room.first_fitting_text((silence, short_reason(silence)), 0.55 * places.radius,
+                                              1.1 * places.radius)
         yield Label(f"{name}-silence", text, x + apart * room.pixel, y, anchor, "silence", width=width)
 
 
 def _crossing_label(words: StageLabels, places: PlanarLayout) -> Label:
     """Returns the legend of crossing marks, in the gutter or below the body."""
-    room, note = places.bounds, words.crossings if places.slot != RunSlot.SECOND else ""
+    room, note = places.stage_metrics, words.crossings if places.slot != RunSlot.SECOND else ""
     if room.gutter:
         return Label("crossings-note", note, -room.gutter, 2 * room.pixel, "bottom-left", "gutter",
-                     width=max(1, room.letters(room.gutter) - 2), tone="crossing", sign="dot")
+                     width=max(1, room.letters_per_line(room.gutter) - 2), tone="crossing", sign="dot")
     return Label("crossings-note", note, 0.0, 0.0, "bottom-left", "note", tone="crossing", sign="dot")

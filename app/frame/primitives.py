@@ -1,7 +1,7 @@
 """Marks: the primitives drawn on a stage, as data. Renderers draw them: the viewer, the offline player, pictures.
 
-The stage is a plane with x from 0 to 1 along the colour bar and y from 0 to its height (:class:`Bounds`). Marks with a
-higher z are on top."""
+The stage is a plane with x from 0 to 1 along the colour bar and y from 0 to its height (:class:`StageMetrics`). Marks
+with a higher z are on top."""
 
 import textwrap
 from collections.abc import Iterable
@@ -109,7 +109,7 @@ Mark = Label | Dots | Lines
 
 
 @dataclass(frozen=True)
-class Bounds:
+class StageMetrics:
     """The bounds of a stage.
 
     Attributes
@@ -143,29 +143,29 @@ class Bounds:
         return self.lettering / self.pixels
 
     @property
-    def line(self) -> float:
+    def line_height(self) -> float:
         """Height of a line of text on the stage."""
         return LINE_HEIGHT * self.pixel
 
-    def rounded(self) -> "Bounds":
+    def rounded(self) -> "StageMetrics":
         """Returns the bounds rounded to just visible steps, so that tiny changes cause no new layout."""
         return replace(self, pixels=max(8.0, 8 * round(self.pixels / 8)), high=round(self.high, 2),
                        gutter=round(self.gutter, 2))
 
-    def letters(self, length: float, size: float = 1.0) -> int:
+    def letters_per_line(self, length: float, size: float = 1.0) -> int:
         """Returns how many letters of a size fit into a length of the stage."""
         return max(1, int(length * self.pixels / (LETTER_WIDTH * size * self.lettering)))
 
-    def fit(self, texts: Iterable[str], width: float, height: float) -> tuple[str, int]:
+    def first_fitting_text(self, texts: Iterable[str], width: float, height: float) -> tuple[str, int]:
         """Returns the first text that fits into a box, and the letters per line; "" if none fits."""
-        letters = self.letters(width)
+        letters = self.letters_per_line(width)
         for text in texts:
             lines = wrap_text(text, letters).split("\n")
-            if max(map(len, text.split()), default=0) <= letters and len(lines) * self.line <= height:
+            if max(map(len, text.split()), default=0) <= letters and len(lines) * self.line_height <= height:
                 return text, letters
         return "", letters
 
-    def extent(self, text: str, size: float = 1.0) -> np.ndarray:
+    def text_extent(self, text: str, size: float = 1.0) -> np.ndarray:
         """Returns the approximate width and height (2,) of a text of this size on the stage."""
         scale, lines = size * self.lettering / self.pixels, text.split("\n")
         return scale * np.array([LETTER_WIDTH * max(map(len, lines)), LINE_HEIGHT * len(lines)])
@@ -177,9 +177,9 @@ class Surface(Protocol):
     visible: bool
 
     @property
-    def bounds(self) -> Bounds: ...
+    def stage_metrics(self) -> StageMetrics: ...
 
-    def show(self, *marks: Mark) -> None: ...
+    def show_marks(self, *marks: Mark) -> None: ...
 
     def add_child(self, name: str) -> "Surface":
         """Returns a surface that is visible only with this one."""

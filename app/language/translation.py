@@ -16,7 +16,7 @@ from urllib.parse import parse_qs
 
 import polib
 
-from solvers.message import Message
+from solvers.translatable_message import Message
 
 P = ParamSpec("P")
 T = TypeVar("T")
@@ -53,7 +53,7 @@ class Catalogue:
     def plural(self, one: str, many: str, count: float) -> str:
         return self._words.ngettext(one, many, int(count) if count == int(count) else 2)  # 2.5 are several
 
-    def of_files(self, places: str | tuple[str, ...]) -> dict[str, str]:
+    def translations_for_files(self, places: str | tuple[str, ...]) -> dict[str, str]:
         """Returns the translations of texts in files whose paths begin so, such as scripts."""
         return {text: said for text, (said, files) in self._texts.items() if said
                 and any(file.startswith(places) for file in files)}
@@ -143,10 +143,10 @@ def preferred_language(query: str, accepted: str) -> str:
     asked = parse_qs(query[:LONGEST]).get("lang", [""])[-1].lower()
     if asked in LANGUAGES:
         return asked
-    return next((code for code in _by_liking(accepted) if code in LANGUAGES), ENGLISH)
+    return next((code for code in _languages_by_preference(accepted) if code in LANGUAGES), ENGLISH)
 
 
-def _by_liking(accepted: str) -> list[str]:
+def _languages_by_preference(accepted: str) -> list[str]:
     """Returns the languages of a header such as ``de-CH, en;q=0.7`` by preference, without their countries."""
     liked = []
     for place, part in enumerate(accepted[:LONGEST].split(",")):
@@ -160,12 +160,12 @@ def _by_liking(accepted: str) -> list[str]:
     return [name for _, _, name in sorted(liked)]
 
 
-def as_cookie(code: str) -> str:
+def language_cookie_header(code: str) -> str:
     """Returns the header of a cookie with the page's language, for its websocket, which has another address."""
     return f"{COOKIE}={code}; Path=/; HttpOnly; SameSite=Strict"
 
 
-def of_cookie(cookies: list[str]) -> str:
+def language_from_cookies(cookies: list[str]) -> str:
     """Returns the language in the cookies of a request."""
     pairs = (pair.strip().partition("=") for line in cookies for pair in line.split(";"))
     named = next((value for name, _, value in pairs if name == COOKIE), ENGLISH)

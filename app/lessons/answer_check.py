@@ -7,8 +7,8 @@ from typing import Any
 
 from app.language.translation import tr
 from app.lessons import lesson as lesson_format
-from app.lessons.claims import ClaimError, decide, evaluate, format_value
-from app.lessons.interval_bets import BY_ROUND, OWN, PATH, Bet, Bettor, Ends, asked_before
+from app.lessons.claims import ClaimError, decide_claim, evaluate_expression, format_value
+from app.lessons.interval_bets import BY_ROUND, OWN, PATH, Bet, Bettor, Ends, earlier_bet_steps
 from app.lessons.lesson import CHOICE, DRAG, INTERVAL, NUMBER, TEXT, Lesson, Numbers, Question, Step, fill_numbers
 from app.lessons.lesson_runs import RunCache
 from app.words import with_unit
@@ -63,14 +63,14 @@ def right_answer(lesson: Lesson, step: Step, numbers: Numbers, outcomes: RunCach
     scope = outcomes.scope(lesson, step, numbers, texts)
     if asked.kind == CHOICE:
         options = (asked.correct,) if asked.correct is not None else \
-            tuple(k for k, claim in enumerate(texts, 1) if decide(claim, scope).holds)
+            tuple(k for k, claim in enumerate(texts, 1) if decide_claim(claim, scope).holds)
         told = functools.reduce(lambda one, other: tr("{one} or {other}", one=one, other=other),
                                 [fill_numbers(asked.options[k - 1], numbers) for k in options] or [""])
         return RightAnswer(told, options)
-    expected = evaluate(texts[-1], scope)
+    expected = evaluate_expression(texts[-1], scope)
     if asked.kind == INTERVAL and (isinstance(expected, str) or expected <= 0):
         raise ClaimError(f"{texts[-1]} is {format_value(expected)}: intervals are bets on a size; ask for one above 0")
-    told = in_unit(asked, expected)
+    told = format_in_unit(asked, expected)
     if asked.kind != INTERVAL and not isinstance(expected, str):
         told += f" (± {100 * asked.tolerance:g} %)"
     return RightAnswer(told, value=expected)
@@ -81,7 +81,7 @@ def answer_expressions(asked: Question, numbers: Numbers) -> list[str]:
     return [fill_numbers(text, numbers) for text in (*asked.holds, asked.expected) if text]
 
 
-def in_unit(asked: Question, found: float | str) -> str:
+def format_in_unit(asked: Question, found: float | str) -> str:
     """Formats a value with the question's unit; with a prefix if the unit has none."""
     if asked.unit in BARE and not isinstance(found, str):
         return with_unit(found, asked.unit, DIGITS)
@@ -124,19 +124,19 @@ def format_answer(asked: Question, answer: Any) -> str:
     if asked.kind == CHOICE:
         return asked.options[answer - 1]
     if asked.kind == INTERVAL:
-        low, high = (in_unit(asked, float(end)) for end in answer)
+        low, high = (format_in_unit(asked, float(end)) for end in answer)
         return tr("{low} to {high}", low=low, high=high)
-    return answer if asked.kind == TEXT else in_unit(asked, float(answer))
+    return answer if asked.kind == TEXT else format_in_unit(asked, float(answer))
 
 
 def _is_real(number: Any) -> bool:
     return isinstance(number, (int, float)) and not isinstance(number, bool) and abs(number) < MOST
 
 
-def bets_shown(lesson: Lesson, step: Step, given: Mapping[str, Sequence[float]], numbers: Numbers,
-               outcomes: RunCache) -> list[Bettor]:
+def bettors_of_step(lesson: Lesson, step: Step, given: Mapping[str, Sequence[float]], numbers: Numbers,
+                    outcomes: RunCache) -> list[Bettor]:
     """Returns the bets that a step shows, on the answers ``given`` before it by key; raises as :func:`mark_answer`."""
-    steps = [other for other in asked_before(lesson, step) if other.key in given]
+    steps = [other for other in earlier_bet_steps(lesson, step) if other.key in given]
     truths = [float(right_answer(lesson, other, numbers, outcomes).value) for other in steps]
     found = []
     for name in step.bets if steps else ():
@@ -160,4 +160,4 @@ def judge_ends(lesson: Lesson, step: Step, judge: str, numbers: Numbers, outcome
     found = PATH.fullmatch(step.asked_question.expected)
     assert found is not None  # has been checked
     run = lesson.runs[found["run"] or lesson.main_run(step)]
-    return outcomes.bets(fill_numbers(run.texts[0], numbers))[found["quantity"]][judge]
+    return outcomes.judge_bets(fill_numbers(run.texts[0], numbers))[found["quantity"]][judge]

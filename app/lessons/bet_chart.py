@@ -43,36 +43,37 @@ class BetChart:
         return [(0.0, LESS.format(factor=factor)), (50.0, tr(TRUTH)), (100.0, MORE.format(factor=factor))]
 
 
-def draw_bets(bettors: Sequence[Bettor]) -> BetChart:
+def make_bet_chart(bettors: Sequence[Bettor]) -> BetChart:
     """Returns the chart of bettors with the same questions."""
-    every = [bet for bettor in bettors for bet in bettor.placed]
-    farthest = max((abs(decades_above(end, bet)) for bet in every for end in (bet.low, bet.high)), default=0.0)
+    every = [bet for bettor in bettors for bet in bettor.placed_bets]
+    farthest = max((abs(decades_above_truth(end, bet)) for bet in every for end in (bet.low, bet.high)), default=0.0)
     reach = min(max(math.ceil(farthest), 1), MOST)
     share = sum(bet.level for bet in every) / max(1, len(every))
-    return BetChart(reach, tr(SAID, share=f"{100 * share:.0f}"), tuple(_lines(bettor, reach) for bettor in bettors))
+    return BetChart(reach, tr(SAID, share=f"{100 * share:.0f}"),
+                    tuple(_bettor_lines(bettor, reach) for bettor in bettors))
 
 
-def decades_above(end: float, bet: Bet) -> float:
+def decades_above_truth(end: float, bet: Bet) -> float:
     """Returns the decimal logarithm of an end over the truth."""
     return math.log10(end) - math.log10(bet.truth)
 
 
-def format_score(mark: AnswerMark) -> str:
+def expected_answer_text(mark: AnswerMark) -> str:
     """Returns the result, with the score of a bet."""
-    return tr(SCORED, told=mark.expected, score=score_text(mark.bet.score)) if mark.bet else mark.expected
+    return tr(SCORED, told=mark.expected, score=format_bet_score(mark.bet.score)) if mark.bet else mark.expected
 
 
-def score_text(score: float) -> str:
+def format_bet_score(score: float) -> str:
     return f"{score:.2f}"
 
 
-def _lines(bettor: Bettor, reach: int) -> BettorLines:
+def _bettor_lines(bettor: Bettor, reach: int) -> BettorLines:
     def place(end: float, bet: Bet) -> float:
-        return min(max(50 + 50 * decades_above(end, bet) / reach, 0.0), 100.0)
+        return min(max(50 + 50 * decades_above_truth(end, bet) / reach, 0.0), 100.0)
 
-    made, left, score = len(bettor.placed), len(bettor.bets) - len(bettor.placed), bettor.score
+    made, left, score = len(bettor.placed_bets), len(bettor.bets) - len(bettor.placed_bets), bettor.score
     told = tr(NONE) if score is None else tr(SOME if left else TOLD, held=bettor.hits, made=made, left=left,
-                                             score=score_text(score))
+                                             score=format_bet_score(score))
     name = tr(ROUND, number=bettor.round) if bettor.round else tr(YOUR_BETS) if bettor.name == YOURS else bettor.name
     return BettorLines(name, told, bettor.name in OWN, tuple(
         None if bet is None else (place(bet.low, bet), place(bet.high, bet), bet.holds) for bet in bettor.bets))

@@ -28,7 +28,7 @@ def lesson_names(folder: Path = FOLDER) -> list[str]:
                   if path.stem not in NO_LESSONS and Path(path.stem).suffix.removeprefix(".") not in LANGUAGES)
 
 
-def resolve_name(name: str, folder: Path = FOLDER) -> str:
+def resolve_lesson_name(name: str, folder: Path = FOLDER) -> str:
     """Returns the full name of a lesson from its name, its number or its name without the number."""
     known = lesson_names(folder)
     found = [full for full in known if name in (full, *full.split("-", 1))]
@@ -40,10 +40,10 @@ def resolve_name(name: str, folder: Path = FOLDER) -> str:
 
 def load_lesson(name: str, folder: Path = FOLDER) -> Lesson:
     """Reads a lesson by its full name, in the current language if it is translated."""
-    return _in_its_words(read_lesson(folder / f"{name}.md"), folder)
+    return _localise_lesson(read_lesson(folder / f"{name}.md"), folder)
 
 
-def in_every_language(name: str, folder: Path = FOLDER) -> Iterator[Lesson]:
+def load_every_language(name: str, folder: Path = FOLDER) -> Iterator[Lesson]:
     """Yields a lesson in each language that it has."""
     for code in LANGUAGES:
         if code == ENGLISH or (folder / f"{name}.{code}.md").is_file():
@@ -58,7 +58,7 @@ def load_lessons(folder: Path = FOLDER) -> dict[str, Lesson]:
     files = tuple((name, path.stat().st_mtime_ns, localised_path(path).stat().st_mtime_ns) for name,
                   path in paths.items())
     with _READING:  # simultaneous visitors read them once
-        return _read(folder, files)
+        return _read_lessons(folder, files)
 
 
 def next_lesson(lesson: Lesson, folder: Path = FOLDER) -> Lesson | None:
@@ -68,17 +68,17 @@ def next_lesson(lesson: Lesson, folder: Path = FOLDER) -> Lesson | None:
 
 
 @language_cache(4)
-def _read(folder: Path, files: tuple[tuple[str, int, int], ...]) -> dict[str, Lesson]:
+def _read_lessons(folder: Path, files: tuple[tuple[str, int, int], ...]) -> dict[str, Lesson]:
     """Returns the lessons of files with these modification times."""
     found = {}
     for name, *_ in files:
         with suppress(LessonError):
             found[name] = original = read_lesson(folder / f"{name}.md")
-            found[name] = _in_its_words(original, folder)
+            found[name] = _localise_lesson(original, folder)
     return found
 
 
-def _in_its_words(original: Lesson, folder: Path) -> Lesson:
+def _localise_lesson(original: Lesson, folder: Path) -> Lesson:
     """Returns the lesson in the current language, if it is translated."""
     path = localised_path(folder / f"{original.name}.md")
     return original if path.stem == original.name else translate_lesson(original, path, current_language())
@@ -88,14 +88,14 @@ def translate_lesson(original: Lesson, path: Path, language: str) -> Lesson:
     """Returns the ``original`` with the words of a file, but its own name, steps' keys and fingerprint, so that answers
     are marked in any language. Raises :class:`LessonError` if the file is invalid or differs in more than words."""
     own = read_lesson(path)
-    for line, what in _differences(original, own):
+    for line, what in _structural_differences(original, own):
         raise LessonError(line, f"{what} differ from {original.name}.md; give the same there, for a translation has "
                                 "other words only", path.name)
     steps = (replace(step, key=other.key) for step, other in zip(own.steps, original.steps, strict=True))
     return replace(own, name=original.name, steps=tuple(steps), fingerprint=original.fingerprint, language=language)
 
 
-def _differences(original: Lesson, own: Lesson) -> Iterator[tuple[int, str]]:
+def _structural_differences(original: Lesson, own: Lesson) -> Iterator[tuple[int, str]]:
     """Yields the lines of the translation that differ in more than words, and what differs."""
     for name in ALIKE:
         if getattr(original, name) != getattr(own, name):
@@ -106,12 +106,13 @@ def _differences(original: Lesson, own: Lesson) -> Iterator[tuple[int, str]]:
         yield own.steps[0].line, "the kinds of the steps, or which are core,"
         return
     for step, other in zip(own.steps, original.steps, strict=True):
-        for name, mine, theirs in zip(("runs", "question", "claims"), _invariant(step), _invariant(other), strict=True):
+        for name, mine, theirs in zip(("runs", "question", "claims"), _untranslated_parts(step),
+                                      _untranslated_parts(other), strict=True):
             if mine != theirs:
                 yield step.line, f"of this step the {name}"
 
 
-def _invariant(step: Step) -> tuple[Any, Any, Any]:
+def _untranslated_parts(step: Step) -> tuple[Any, Any, Any]:
     """Returns the parts of a step that are not words."""
     asked = step.question and replace(step.question, line=0, options=("",) * len(step.question.options))
     return ([replace(run, line=0) for run in step.runs], step.stage), asked, [claim.text for claim in step.claims]

@@ -28,7 +28,7 @@ from app.words import EXTRA_NORMS, QUANTITIES
 from solvers.scene.effects import ALL
 from solvers.scene.error_causes import CAUSES, FIELDS
 from solvers.scene.estimator_registry import ESTIMATORS
-from solvers.scene.extensions import load_extensions
+from solvers.scene.extension_modules import load_extensions
 from solvers.study.coverage import random_runs
 from solvers.untrusted.quoting import one_line, quote
 
@@ -56,7 +56,7 @@ def result_paths() -> Vocabulary:
         "error": ((*QUANTITIES, *EXTRA_NORMS), NORMS), "estimate": (estimators, tuple(QUANTITIES), NORMS),
         "index": (estimators, tuple(QUANTITIES)), "distance": (estimators, tuple(QUANTITIES)),
         "budget": (FIELDS, tuple(CAUSES)), "rms": (FIELDS,), "predicted": (FIELDS, tuple(CAUSES)),
-        "bet": (tuple(map(interval_bets.claim_name, interval_bets.JUDGES)), random_runs.QUANTITIES,
+        "bet": (tuple(map(interval_bets.judge_name_in_claims, interval_bets.JUDGES)), random_runs.QUANTITIES,
                 ("low", "high", "score")),
         "valid": (estimators,), "status": (), "steps": (), "particles": (), "t": (), **found,
         "step": (("dt", "bound", "margin"),), "life": (("accurate", "sound", "first_period"),),
@@ -71,7 +71,7 @@ class ClaimError(ValueError):
 
 
 @dataclass(frozen=True)
-class Outcome:
+class RunOutcome:
     """Outcome of a run: the result's JSON object, or for runs that differ in one field theirs, in order."""
 
     results: Sequence[Mapping[str, Any]]
@@ -79,10 +79,10 @@ class Outcome:
 
 
 @dataclass(frozen=True)
-class Scope:
+class ClaimScope:
     """Outcomes by the names of their runs, the ``main`` run for paths without a name, and the paths of an outcome."""
 
-    outcomes: Mapping[str, Outcome]
+    outcomes: Mapping[str, RunOutcome]
     main: str = ""
     vocabulary: Vocabulary | None = None
 
@@ -99,9 +99,9 @@ class ClaimResult:
     text: str
 
 
-def evaluate(text: str, scope: Scope) -> float | str:
+def evaluate_expression(text: str, scope: ClaimScope) -> float | str:
     """Returns the value of an expression; raises :class:`ClaimError` if it has none."""
-    found = _evaluate(_parse(text), scope)
+    found = _evaluate_node(_parse_expression(text), scope)
     if isinstance(found, list):
         raise ClaimError(f"{text} has {len(found)} values; take order(), first(), last(), min() or max() of them")
     if isinstance(found, float) and not math.isfinite(found):
@@ -109,24 +109,24 @@ def evaluate(text: str, scope: Scope) -> float | str:
     return found
 
 
-def decide(claim: str, scope: Scope) -> ClaimResult:
+def decide_claim(claim: str, scope: ClaimScope) -> ClaimResult:
     """Decides whether a claim holds; for several runs, whether it holds for each."""
     parts = _split_claim(claim)
-    found = _evaluate(_parse(parts[0]), scope)
-    each = found if isinstance(found, list) else [evaluate(parts[0], scope)]
-    results = [_check_value(claim, parts, one, scope) for one in each]
+    found = _evaluate_node(_parse_expression(parts[0]), scope)
+    each = found if isinstance(found, list) else [evaluate_expression(parts[0], scope)]
+    results = [_decide_for_value(claim, parts, one, scope) for one in each]
     return ClaimResult(all(one.holds for one in results), ", ".join(one.text for one in results))
 
 
-def _check_value(claim: str, parts: tuple[str, ...], found: float | str, scope: Scope) -> ClaimResult:
+def _decide_for_value(claim: str, parts: tuple[str, ...], found: float | str, scope: ClaimScope) -> ClaimResult:
     """Decides a claim for one value of its left side."""
     if parts[1] in _COMPARISONS:
-        other = evaluate(parts[2], scope)
+        other = evaluate_expression(parts[2], scope)
         if isinstance(found, str) != isinstance(other, str):
             raise ClaimError(f"{claim} compares a word with a number")
         told = format_value(found) if _is_number(parts[2]) else f"{format_value(found)} and {format_value(other)}"
         return ClaimResult(_COMPARISONS[parts[1]](found, other), told)
-    low, high = evaluate(parts[1], scope), evaluate(parts[2], scope)
+    low, high = evaluate_expression(parts[1], scope), evaluate_expression(parts[2], scope)
     if isinstance(found, str) or isinstance(low, str) or isinstance(high, str):
         raise ClaimError(f"{claim}: a range is one of numbers")
     return ClaimResult(low <= found <= high, format_value(found))
@@ -141,13 +141,13 @@ def check_claim(claim: str, runs: Mapping[str, Any], main: str, vocabulary: Voca
 
 def check_expression(text: str, runs: Mapping[str, Any], main: str, vocabulary: Vocabulary | None = None) -> None:
     """Raises :class:`ClaimError` for an expression that can have no value, whatever the results."""
-    for node in ast.walk(_parse(text)):
+    for node in ast.walk(_parse_expression(text)):
         if isinstance(node, ast.Call) and (not isinstance(node.func, ast.Name) or node.func.id not in FUNCTIONS
                                            or len(node.args) != 1 or node.keywords):
             raise ClaimError(f"{ast.unparse(node)}: give {', '.join(f'{name}(…)' for name in FUNCTIONS)}")
     known = vocabulary or result_paths()
-    for path in _paths(_parse(text)):
-        name, rest = _run_of(path, runs, main, known)
+    for path in _dotted_paths(_parse_expression(text)):
+        name, rest = _split_run_from_path(path, runs, main, known)
         _check_path(rest, known)
         if not name:
             raise ClaimError(f"{'.'.join(path)}: no run comes before this; name one of {', '.join(runs) or 'a run'}")
@@ -157,7 +157,11 @@ def runs_needed(text: str, runs: Mapping[str, Any], main: str) -> set[str]:
     """Returns the names of the runs in a claim or an expression."""
     found = _split_claim(text) if any(sign in text for sign in (" in ", "<", ">", "=")) else (text,)
     parts = [part for part in found if part not in _COMPARISONS]
-    return {_run_of(path, runs, main, result_paths())[0] for part in parts for path in _paths(_parse(part))}
+    return {
+        _split_run_from_path(path, runs, main, result_paths())[0]
+        for part in parts
+        for path in _dotted_paths(_parse_expression(part))
+    }
 
 
 def format_value(found: float | str) -> str:
@@ -174,7 +178,7 @@ def _split_claim(claim: str) -> tuple[str, ...]:
                      "order(x) in 1.9..2.1")
 
 
-def _parse(text: str) -> ast.expr:
+def _parse_expression(text: str) -> ast.expr:
     try:
         tree = ast.parse(text.strip() if len(text) <= LONGEST else "", mode="eval").body
     except (SyntaxError, ValueError, RecursionError, MemoryError):  # of what is nested too deep, the last two
@@ -189,26 +193,27 @@ def _parse(text: str) -> ast.expr:
     return tree
 
 
-def _paths(tree: ast.expr) -> list[tuple[str, ...]]:
+def _dotted_paths(tree: ast.expr) -> list[tuple[str, ...]]:
     """Returns all paths in an expression, without words and names of functions."""
     if isinstance(tree, (ast.Attribute, ast.Name)):
-        path = _path(tree)
+        path = _dotted_path(tree)
         return [] if len(path) == 1 and path[0] in WORDS else [path]
     if isinstance(tree, ast.Call):
-        return _paths(tree.args[0]) if tree.args else []
-    return [path for child in ast.iter_child_nodes(tree) if isinstance(child, ast.expr) for path in _paths(child)]
+        return _dotted_paths(tree.args[0]) if tree.args else []
+    return [path for child in ast.iter_child_nodes(tree) if isinstance(child,
+                                                                       ast.expr) for path in _dotted_paths(child)]
 
 
-def _path(node: ast.expr) -> tuple[str, ...]:
+def _dotted_path(node: ast.expr) -> tuple[str, ...]:
     if isinstance(node, ast.Name):
         return (node.id,)
     if isinstance(node, ast.Attribute):
-        return (*_path(node.value), node.attr)
+        return (*_dotted_path(node.value), node.attr)
     raise ClaimError(f"{ast.unparse(node)} is no path; give one such as error.x.max")
 
 
-def _run_of(path: tuple[str, ...], runs: Mapping[str, Any], main: str,
-            vocabulary: Vocabulary) -> tuple[str, tuple[str, ...]]:
+def _split_run_from_path(path: tuple[str, ...], runs: Mapping[str, Any], main: str,
+                         vocabulary: Vocabulary) -> tuple[str, tuple[str, ...]]:
     """Returns the run of a path, and the path within its result."""
     if path[0] in runs:
         return path[0], path[1:]
@@ -230,33 +235,34 @@ def _check_path(path: tuple[str, ...], vocabulary: Vocabulary) -> None:
         raise ClaimError(f"{'.'.join(path)}: nothing comes after {'.'.join(path[:len(levels) + 1])}")
 
 
-def _evaluate(node: ast.expr, scope: Scope) -> Any:
+def _evaluate_node(node: ast.expr, scope: ClaimScope) -> Any:
     if isinstance(node, ast.Constant):
         return node.value
     if isinstance(node, ast.UnaryOp):
-        return -_require_number(_evaluate(node.operand, scope), node.operand)
+        return -_require_number(_evaluate_node(node.operand, scope), node.operand)
     if isinstance(node, ast.BinOp):
-        left, right = (_require_number(_evaluate(side, scope), side) for side in (node.left, node.right))
+        left, right = (_require_number(_evaluate_node(side, scope), side) for side in (node.left, node.right))
         try:
             return _OPERATORS[type(node.op)](left, right)
         except (ArithmeticError, ValueError):
             raise ClaimError(f"{ast.unparse(node)} has no value") from None
     if isinstance(node, ast.Call):
-        return _call(node, scope)
-    path = _path(node)
+        return _evaluate_call(node, scope)
+    path = _dotted_path(node)
     if len(path) == 1 and path[0] in WORDS and path[0] not in scope.outcomes:
         return WORDS[path[0]]
-    name, rest = _run_of(path, scope.outcomes, scope.main, scope.paths)
+    name, rest = _split_run_from_path(path, scope.outcomes, scope.main, scope.paths)
     outcome = scope.outcomes[name]
-    values = [_lookup(result, rest) for result in outcome.results]
+    values = [_value_at_path(result, rest) for result in outcome.results]
     return values if outcome.varied else values[0]
 
 
-def _call(node: ast.Call, scope: Scope) -> float:
+def _evaluate_call(node: ast.Call, scope: ClaimScope) -> float:
     name, argument = node.func.id, node.args[0]  # type: ignore[attr-defined]  # has been checked
-    values = _evaluate(argument, scope)
+    values = _evaluate_node(argument, scope)
     if name == "order":
-        named = (_run_of(path, scope.outcomes, scope.main, scope.paths) for path in _paths(argument))
+        named = (_split_run_from_path(path, scope.outcomes, scope.main,
+                                      scope.paths) for path in _dotted_paths(argument))
         runs = [scope.outcomes[run] for run, _ in named]
         varied = [outcome for outcome in runs if outcome.varied]
         if not varied or not isinstance(values, list) or len(values) < 2:
@@ -270,7 +276,7 @@ def _call(node: ast.Call, scope: Scope) -> float:
     return FUNCTIONS[name](values if isinstance(values, list) else [values])
 
 
-def _lookup(result: Mapping[str, Any], path: tuple[str, ...]) -> float | str:
+def _value_at_path(result: Mapping[str, Any], path: tuple[str, ...]) -> float | str:
     """Returns the part of a result at a path."""
     found: Any = result
     names = list(path)

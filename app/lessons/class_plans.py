@@ -13,8 +13,8 @@ from pathlib import Path
 
 from app.lessons import catalogue, fenced_blocks, lesson_check, lesson_parser
 from app.lessons.lesson import RUN, Lesson, LessonError, Step
-from app.lessons.lesson_check import Check
-from app.lessons.lesson_parser import LessonSection, number_lines, parts_of, split_head
+from app.lessons.lesson_check import CheckedClaim
+from app.lessons.lesson_parser import LessonSection, number_lines, split_head, split_sections
 from app.lessons.lesson_runs import RunCache
 
 FOLDER = catalogue.FOLDER / "classes"
@@ -35,7 +35,7 @@ class TimetableRow:
 
 
 @dataclass(frozen=True)
-class ClassPage:
+class ClassPlan:
     """Class plan: its ``claims`` as a lesson, its timetables by heading, and the ``minutes`` of a session."""
 
     name: str
@@ -44,62 +44,64 @@ class ClassPage:
     sessions: Mapping[str, tuple[TimetableRow, ...]]
 
 
-def class_page_names(folder: Path = FOLDER) -> list[str]:
+def class_plan_names(folder: Path = FOLDER) -> list[str]:
     """Returns the names of the plans."""
     return sorted(path.stem for path in folder.glob("*.md"))
 
 
-def load_class_page(name: str, folder: Path = FOLDER) -> ClassPage:
+def load_class_plan(name: str, folder: Path = FOLDER) -> ClassPlan:
     """Reads a plan by its name; raises :class:`LessonError` if its file is invalid."""
-    return lesson_parser.parse_file(folder / f"{name}.md", lambda text: parse_class_page(text, name))
+    return lesson_parser.parse_file(folder / f"{name}.md", lambda text: parse_class_plan(text, name))
 
 
-def parse_class_page(text: str, name: str) -> ClassPage:
+def parse_class_plan(text: str, name: str) -> ClassPlan:
     """Parses the text of a plan."""
     head, body, first = split_head(text)
     values = fenced_blocks.parse_toml(head, 2)
-    at = functools.partial(fenced_blocks.line_of, text=head, line=2)
+    at = functools.partial(fenced_blocks.line_of_key, text=head, line=2)
     for key in values:
         if key not in ("title", "minutes"):
             raise LessonError(at(key), f"{key} is not known in the head of a page for a class; give title, minutes")
-    title = fenced_blocks.require(values, "title", str, "give a text", at("title"))
-    minutes = fenced_blocks.require(values, "minutes", int, "give the whole minutes of a session", at("minutes"))
-    every = parts_of(body, first)
-    claims = Lesson(name, title, (), (), steps=tuple(_step(part) for part in every))
-    lesson_parser.check_names(claims)
+    title = fenced_blocks.require_value(values, "title", str, "give a text", at("title"))
+    minutes = fenced_blocks.require_value(values, "minutes", int, "give the whole minutes of a session", at("minutes"))
+    every = split_sections(body, first)
+    claims = Lesson(name, title, (), (), steps=tuple(_section_to_step(part) for part in every))
+    lesson_parser.check_unique_names(claims)
     lesson_parser.check_claims(claims)
-    sessions = {part.heading.removeprefix("## "): rows for part in every if (rows := _timetable(part))}
+    sessions = {part.heading.removeprefix("## "): rows for part in every if (rows := _parse_timetable(part))}
     if not sessions:
         raise LessonError(first, f"no timetable: give a table with the columns {', '.join(COLUMNS)}")
-    return ClassPage(name, minutes, claims, sessions)
+    return ClassPlan(name, minutes, claims, sessions)
 
 
-def check_class_page(found: ClassPage, lessons: Mapping[str, Lesson], outcomes: RunCache) -> Iterator[Check]:
+def check_class_plan(found: ClassPlan, lessons: Mapping[str, Lesson], outcomes: RunCache) -> Iterator[CheckedClaim]:
     """Yields checks of all claims of a plan, and of the times in its timetables."""
     yield from lesson_check.check_lesson(found.claims, outcomes)
     for session, rows in found.sessions.items():
         total = sum(row.minutes for row in rows)
-        yield Check(found.name, session, rows[0].line, f"the minutes add up to {found.minutes}",
-                    total == found.minutes, f"found {total}")
+        yield CheckedClaim(found.name, session, rows[0].line, f"the minutes add up to {found.minutes}",
+                           total == found.minutes, f"found {total}")
         for before, row in pairwise(rows):
             end = before.start + before.minutes
-            yield Check(found.name, session, row.line, f"begins at {end}", row.start == end, f"found {row.start}")
+            yield CheckedClaim(found.name, session, row.line, f"begins at {end}", row.start == end,
+                               f"found {row.start}")
         for row in rows:
             if row.lesson:
-                yield _core(found, session, row, lessons)
+                yield _check_core_time(found, session, row, lessons)
 
 
-def _core(found: ClassPage, session: str, row: TimetableRow, lessons: Mapping[str, Lesson]) -> Check:
+def _check_core_time(found: ClassPlan, session: str, row: TimetableRow, lessons: Mapping[str, Lesson]) -> CheckedClaim:
     """Checks whether a row gives a core its time."""
     lesson = lessons.get(row.lesson)
     if lesson is None:
-        return Check(found.name, session, row.line, f"{row.lesson} is a lesson", False, "there is none")
+        return CheckedClaim(found.name, session, row.line, f"{row.lesson} is a lesson", False, "there is none")
     least = lesson.core_minutes
-    return Check(found.name, session, row.line, f"the core of {row.lesson} has {least} to {least + TALK} minutes",
-                 least <= row.minutes <= least + TALK, f"found {row.minutes}")
+    return CheckedClaim(found.name, session, row.line,
+                        f"the core of {row.lesson} has {least} to {least + TALK} minutes",
+                        least <= row.minutes <= least + TALK, f"found {row.minutes}")
 
 
-def _step(part: LessonSection) -> Step:
+def _section_to_step(part: LessonSection) -> Step:
     """Returns a section as a step with its runs and claims."""
     title = part.heading.removeprefix("## ").strip()
     step = Step(RUN, title, f"line-{part.line}", part.line, "\n".join(part.text).strip())
@@ -107,14 +109,14 @@ def _step(part: LessonSection) -> Step:
         if kind not in ALLOWED:
             raise LessonError(line - 1, f"a page for a class has no {kind} block; it may have {', '.join(ALLOWED)}")
         if kind == "run":
-            runs, stage = fenced_blocks.parse_runs(text, line, ({},))
+            runs, stage = fenced_blocks.parse_runs_and_stage(text, line, ({},))
             step = replace(step, runs=runs, stage=stage)
         else:
             step = replace(step, claims=fenced_blocks.parse_claims(text, line))
     return step
 
 
-def _timetable(part: LessonSection) -> tuple[TimetableRow, ...]:
+def _parse_timetable(part: LessonSection) -> tuple[TimetableRow, ...]:
     """Returns the rows of the timetable in a section, or none."""
     rows, inside = [], False
     for line, text in number_lines(part):

@@ -24,7 +24,7 @@ from dataclasses import replace
 from app import state
 from app.language.translation import tr
 from app.lessons.lesson import CHOICE, DRAG, EXPLAIN, INTERVAL, NUMBER, PREDICT, RUN, TEXT, Lesson, Step, fill_numbers
-from app.lessons.rounds import split_rounds
+from app.lessons.prediction_rounds import split_rounds
 
 WORDS_A_MINUTE = 180
 SPOKEN = 3  # words of a formula within a line
@@ -49,47 +49,47 @@ STAGE = "On the stage"
 
 def with_minutes(lesson: Lesson) -> Lesson:
     """Returns the lesson with the minutes of all steps, and of the core."""
-    opening = _reading(" ".join((lesson.intro, *lesson.goals))) + TURN_SECONDS
-    return replace(lesson, minutes=_whole(opening + round_seconds(lesson.steps, lesson)),
-                   core_minutes=_whole(opening + round_seconds(lesson.steps_to_take(core=True), lesson)))
+    opening = _reading_seconds(" ".join((lesson.intro, *lesson.goals))) + TURN_SECONDS
+    return replace(lesson, minutes=_whole_minutes(opening + seconds_of_rounds(lesson.steps, lesson)),
+                   core_minutes=_whole_minutes(opening + seconds_of_rounds(lesson.steps_to_take(core=True), lesson)))
 
 
 def minutes_text(lesson: Lesson) -> str:
     """Returns a lesson's minutes as text, for a list of lessons."""
-    if not lesson.extra:
+    if not lesson.optional_steps:
         return tr("{minutes} min", minutes=lesson.minutes)
     return tr("{core} min core, {minutes} min in all", core=lesson.core_minutes, minutes=lesson.minutes)
 
 
-def round_minutes(steps: Sequence[Step], lesson: Lesson) -> int:
+def minutes_of_rounds(steps: Sequence[Step], lesson: Lesson) -> int:
     """Returns the whole minutes of complete rounds of a lesson, without its introduction."""
-    return _whole(round_seconds(steps, lesson))
+    return _whole_minutes(seconds_of_rounds(steps, lesson))
 
 
-def round_seconds(steps: Sequence[Step], lesson: Lesson) -> float:
+def seconds_of_rounds(steps: Sequence[Step], lesson: Lesson) -> float:
     """Returns the seconds of complete rounds of a lesson, with its first numbers."""
     compared = sum(step.question is not None for one in split_rounds(steps) if one[-1].kind == EXPLAIN for step in one)
     seconds = 0.0
     for step in steps:
         asked = step.question
         answering = 0 if asked is None else (PREDICTING if step.kind == PREDICT else TELLING)[asked.kind]
-        seconds += _reading(" ".join((step.title, step.text, *(asked.options if asked else ())))) + answering \
-            + _running(step, lesson) + TURN_SECONDS
+        seconds += _reading_seconds(" ".join((step.title, step.text, *(asked.options if asked else ())))) + answering \
+            + _running_seconds(step, lesson) + TURN_SECONDS
     return compared * COMPARING_SECONDS + seconds
 
 
-def _whole(seconds: float) -> int:
+def _whole_minutes(seconds: float) -> int:
     return max(1, round(seconds / 60))
 
 
-def _reading(text: str) -> float:
+def _reading_seconds(text: str) -> float:
     """Returns the seconds to read a text and look at its formulas and figures."""
     figures, formulas = len(FIGURE.findall(text)), len(FORMULA.findall(text))
     plain = CODE.sub(" x ", INLINE.sub(" x" * SPOKEN + " ", FORMULA.sub(" ", FIGURE.sub(" ", text))))
     return len(WORD.findall(plain)) * 60 / WORDS_A_MINUTE + figures * FIGURE_SECONDS + formulas * FORMULA_SECONDS
 
 
-def _running(step: Step, lesson: Lesson) -> float:
+def _running_seconds(step: Step, lesson: Lesson) -> float:
     """Returns the seconds for the text's instructions, and to watch the results."""
     acts = ACT.findall(step.text)
     taken = 60 * sum(map(int, TAKE.findall(step.text)))

@@ -40,13 +40,13 @@ def parse_toml(text: str, line: int) -> dict[str, Any]:
         raise LessonError(line, "a number here has too many digits; give lines such as key = 3") from None
 
 
-def line_of(key: str, text: str, line: int) -> int:
+def line_of_key(key: str, text: str, line: int) -> int:
     """Returns the line of a key in a TOML text that begins at ``line``."""
     pattern = re.compile(rf"\s*\[*\s*[\"']?{re.escape(key)}[\"']?\s*[=\]]")
     return next((line + k for k, row in enumerate(text.splitlines()) if pattern.match(row)), line)
 
 
-def require(values: Mapping[str, Any], key: str, kind: type | tuple[type, ...], expected: str, line: int) -> Any:
+def require_value(values: Mapping[str, Any], key: str, kind: type | tuple[type, ...], expected: str, line: int) -> Any:
     """Returns a value of a type; raises :class:`LessonError` with what is ``expected`` otherwise."""
     found = values.get(key)
     if not isinstance(found, kind) or isinstance(found, bool):
@@ -63,27 +63,27 @@ def require_texts(values: Mapping[str, Any], key: str, line: int) -> tuple[str, 
     return tuple(found)
 
 
-def parse_runs(text: str, line: int, variants: tuple[Numbers, ...]) -> tuple[tuple[LessonRun, ...], str]:
+def parse_runs_and_stage(text: str, line: int, variants: tuple[Numbers, ...]) -> tuple[tuple[LessonRun, ...], str]:
     """Returns the runs of a block and the stage's state: that of a named run, of a scene, or of the first run."""
     values, found = parse_toml(text, line), dict[str, LessonRun]()
     for name, scene in values.items():
-        at = line_of(name, text, line)
+        at = line_of_key(name, text, line)
         if not NAME.fullmatch(name):
             raise LessonError(at, f"{name} is no name for a run; give small letters, digits and _, such as fine_grid")
         if not isinstance(scene, str):
             raise LessonError(at, f"{name} = {str(scene)[:60]}: give a scene as text, such as \"bar cells=40\"")
         if name != STAGE:
-            found[name] = _run(name, scene, at, variants)
+            found[name] = _parse_run(name, scene, at, variants)
     stage = values.get(STAGE, next(iter(found), ""))
     if not stage:
         raise LessonError(line, "a run without a scene: give lines such as hat = \"bar method=mpm cells=40\"")
     if stage in found:
         return tuple(found.values()), found[stage].texts[0]
-    _check_state(stage, line_of(STAGE, text, line), variants)
+    _check_state(stage, line_of_key(STAGE, text, line), variants)
     return tuple(found.values()), stage
 
 
-def _run(name: str, text: str, line: int, variants: tuple[Numbers, ...]) -> LessonRun:
+def _parse_run(name: str, text: str, line: int, variants: tuple[Numbers, ...]) -> LessonRun:
     """Returns a run, or the runs that differ in a number with several values."""
     words = text.split()
     several = [k for k, word in enumerate(words) if "," in word and word.partition("=")[0] in VARIED]
@@ -116,16 +116,16 @@ def parse_question(text: str, line: int) -> Question:
     values = parse_toml(text, line)
     kind = values.pop("kind", None)
     if kind not in QUESTIONS:
-        raise LessonError(line_of("kind", text, line), f"kind = {kind!s:.60}: give one of {', '.join(QUESTIONS)}")
+        raise LessonError(line_of_key("kind", text, line), f"kind = {kind!s:.60}: give one of {', '.join(QUESTIONS)}")
     keys = QUESTIONS[kind]
     for key in values:
         if key not in keys:
-            raise LessonError(line_of(key, text, line), f"{key} means nothing for a {kind}; give "
+            raise LessonError(line_of_key(key, text, line), f"{key} means nothing for a {kind}; give "
                                                         f"{', '.join(keys) or 'nothing else'}")
     for key, needed in keys.items():
         if needed and key not in values:
             raise LessonError(line, f"{key} is missing: a {kind} needs {', '.join(k for k in keys if keys[k])}")
-    asked = Question(kind, line, **{key: _READ[key](values, key, line_of(key, text, line)) for key in values})
+    asked = Question(kind, line, **{key: _READ[key](values, key, line_of_key(key, text, line)) for key in values})
     return _check_options(asked) if kind == CHOICE else asked
 
 
@@ -165,7 +165,7 @@ def parse_bettors(text: str, line: int) -> tuple[str, ...]:
 def _make_reader(kind: Any, fits: Callable[[Any], bool], expected: str) -> Callable[[Mapping[str, Any], str, int], Any]:
     """Returns a reader of a word, or of a number as float, that ``fits``; errors say what is ``expected``."""
     def read(values: Mapping[str, Any], key: str, line: int) -> Any:
-        found = require(values, key, kind, expected, line)
+        found = require_value(values, key, kind, expected, line)
         if not fits(found):
             raise LessonError(line, f"{key} = {found}: {expected}")
         return found if kind is str else float(found)
@@ -179,7 +179,8 @@ _READ: dict[str, Callable[[Mapping[str, Any], str, int], Any]] = {
     "level": _make_reader((int, float), lambda level: 0 < level < 1, "give a chance above 0 and below 1, such as 0.8"),
     "tolerance": _make_reader((int, float), lambda part: 0 < part <= 1,
                               "give a part of the expected value, above 0 and up to 1, such as 0.1"),
-    "expected": lambda values, key, line: str(require(values, key, (str, int, float), "give a number or an expression "
-                                                      "such as \"error.x.max\"", line)),
-    "correct": lambda values, key, line: require(values, key, int, "give the number of the right option", line),
-    "unit": lambda values, key, line: require(values, key, str, "give a text, such as \"m\"", line)}
+    "expected": lambda values, key, line: str(require_value(values, key, (str, int, float),
+                                                            "give a number or an expression "
+                                                            "such as \"error.x.max\"", line)),
+    "correct": lambda values, key, line: require_value(values, key, int, "give the number of the right option", line),
+    "unit": lambda values, key, line: require_value(values, key, str, "give a text, such as \"m\"", line)}

@@ -10,7 +10,7 @@ from app.lessons.claims import ClaimError
 from app.lessons.interval_bets import YOURS, Bet, Bettor
 from app.lessons.lesson import INTERVAL, PREDICT, TEXT, Lesson, Numbers, Step, draw_numbers, fill_numbers
 from app.lessons.lesson_runs import RunCache, RunFailed
-from app.lessons.student_progress import Progress
+from app.lessons.student_progress import StudentProgress
 from solvers.untrusted import quoting
 
 BETS = ("intervals", "held", "mean score")  # columns of a table with bets
@@ -21,7 +21,7 @@ class GradedFile:
     """File of a student: answers as text and marks by the steps' keys, and the ``steps`` whose questions count."""
 
     file: str
-    progress: Progress
+    progress: StudentProgress
     lesson: Lesson
     steps: dict[str, Step]
     answers: dict[str, tuple[str, AnswerMark | None]]
@@ -47,13 +47,15 @@ class GradedFile:
         return sum(answer.seconds for answer in self.progress.answers.values()) / 60
 
 
-def grade_file(file: str, progress: Progress, lesson: Lesson, outcomes: RunCache, core: bool = False) -> GradedFile:
+def grade_file(file: str, progress: StudentProgress, lesson: Lesson, outcomes: RunCache,
+               core: bool = False) -> GradedFile:
     """Marks first answers to predictions, last ones to observations; with ``core`` only questions of the core."""
     numbers, asked = draw_numbers(lesson,
                                   progress.name), {
                                       step.key: step for step in lesson.steps_to_take(core) if step.question}
     return GradedFile(file, progress, lesson, asked, {
-        key: _answer(lesson, key, progress, numbers, outcomes) for key in progress.answers if key in asked})
+        key: _mark_recorded_answer(lesson, key, progress, numbers,
+                                   outcomes) for key in progress.answers if key in asked})
 
 
 def grades_csv(rows: Sequence[GradedFile]) -> str:
@@ -74,14 +76,15 @@ def grades_csv(rows: Sequence[GradedFile]) -> str:
                     *(BETS if bets else ()), *heads])
     for row in rows:
         cells = [row.progress.name, row.lesson.name, f"{round(row.points, 2):g}", row.maximum, f"{row.minutes:.1f}",
-                 _yes(row.progress.fingerprint == row.lesson.fingerprint), _yes(row.progress.core), row.file]
+                 _yes_or_no(row.progress.fingerprint == row.lesson.fingerprint), _yes_or_no(row.progress.core),
+                 row.file]
         if bets:
-            cells += [len(row.bettor.placed), row.bettor.hits, _score(row.bettor.score)]
+            cells += [len(row.bettor.placed_bets), row.bettor.hits, _format_score(row.bettor.score)]
         for lesson, key in questions:
             said, found = row.answers.get(key, ("", None)) if lesson == row.lesson.name else ("", None)
-            cells += [said, "" if found is None or found.right is None else _yes(found.right)]
+            cells += [said, "" if found is None or found.right is None else _yes_or_no(found.right)]
             if (lesson, key) in bets:
-                cells.append(_score(found.bet.score if found is not None and found.bet else None))
+                cells.append(_format_score(found.bet.score if found is not None and found.bet else None))
         write.writerow([quoting.csv_cell(cell) for cell in cells])
     return out.getvalue()
 
@@ -104,11 +107,11 @@ def _coverage_text(what: str, bets: Sequence[Bet]) -> str:
     """Returns the share of bets that contain the result, and their mean level."""
     bettor, said = Bettor(YOURS, tuple(bets)), sum(bet.level for bet in bets) / len(bets)
     return f"{what}: {bettor.hits} of {len(bets)} intervals hold what came out, {bettor.hits / len(bets):.0%} where " \
-           f"{said:.0%} was said; their mean score is {_score(bettor.score)}, and less is better"
+           f"{said:.0%} was said; their mean score is {_format_score(bettor.score)}, and less is better"
 
 
-def _answer(lesson: Lesson, key: str, progress: Progress, numbers: Numbers,
-            outcomes: RunCache) -> tuple[str, AnswerMark | None]:
+def _mark_recorded_answer(lesson: Lesson, key: str, progress: StudentProgress, numbers: Numbers,
+                          outcomes: RunCache) -> tuple[str, AnswerMark | None]:
     step, answer = lesson.questions[key], progress.answers[key]
     given = answer.first if step.kind == PREDICT else answer.last
     said = fill_numbers(format_answer(step.asked_question, given), numbers)
@@ -118,9 +121,9 @@ def _answer(lesson: Lesson, key: str, progress: Progress, numbers: Numbers,
         return said, None
 
 
-def _score(found: float | None) -> str:
+def _format_score(found: float | None) -> str:
     return "" if found is None else f"{found:.2f}"
 
 
-def _yes(true: bool) -> str:
+def _yes_or_no(true: bool) -> str:
     return "yes" if true else "no"

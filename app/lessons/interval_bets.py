@@ -67,42 +67,42 @@ class Bettor:
     round: int = 0
 
     @property
-    def placed(self) -> list[Bet]:
+    def placed_bets(self) -> list[Bet]:
         return [bet for bet in self.bets if bet is not None]
 
     @property
     def hits(self) -> int:
-        return sum(bet.holds for bet in self.placed)
+        return sum(bet.holds for bet in self.placed_bets)
 
     @property
     def score(self) -> float | None:
         """The mean score; None without bets."""
-        return sum(bet.score for bet in self.placed) / len(self.placed) if self.placed else None
+        return sum(bet.score for bet in self.placed_bets) / len(self.placed_bets) if self.placed_bets else None
 
 
-def asked_before(lesson: Lesson, step: Step) -> list[Step]:
+def earlier_bet_steps(lesson: Lesson, step: Step) -> list[Step]:
     """Returns the steps before this one that ask for bets."""
     before = lesson.steps[:lesson.steps.index(step)]
     return [other for other in before if other.question and other.question.kind == INTERVAL]
 
 
-def claim_name(judge: str) -> str:
+def judge_name_in_claims(judge: str) -> str:
     """Returns a judge's name in claims: "two_grid", "gci"."""
     return judge.replace("-", "_").lower()
 
 
-def about_bets(claim: str) -> bool:
+def is_about_bets(claim: str) -> bool:
     """Whether a claim is about judges' bets."""
     return ABOUT_BETS.search(claim) is not None
 
 
-def bets_by_judge(ends: Mapping[str, Mapping[str, Ends | None]],
-                  errors: Mapping[str, Mapping[str, float | None]]) -> dict:
+def judge_bets_for_claims(ends: Mapping[str, Mapping[str, Ends | None]],
+                          errors: Mapping[str, Mapping[str, float | None]]) -> dict:
     """Returns the judges' bets on a run by judge and quantity, in the form of claims: low, high and score."""
-    found: dict[str, dict[str, dict[str, float] | None]] = {claim_name(judge): {} for judge in JUDGES}
+    found: dict[str, dict[str, dict[str, float] | None]] = {judge_name_in_claims(judge): {} for judge in JUDGES}
     for quantity, judged in ends.items():
         truth = errors[quantity]["final"]
         for judge, pair in judged.items():
-            found[claim_name(judge)][quantity] = None if pair is None or not truth else \
+            found[judge_name_in_claims(judge)][quantity] = None if pair is None or not truth else \
                 {"low": pair[0], "high": pair[1], "score": interval_score(*pair, truth, LEVEL)}
     return found

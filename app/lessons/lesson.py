@@ -142,7 +142,7 @@ class Lesson:
         return {step.key: step for step in self.steps if step.question}
 
     @property
-    def extra(self) -> tuple[Step, ...]:
+    def optional_steps(self) -> tuple[Step, ...]:
         """The optional steps, which are not of the core."""
         return tuple(step for step in self.steps if not step.core)
 

@@ -4,13 +4,13 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 from app.lessons.answer_check import answer_expressions, right_answer
-from app.lessons.claims import ClaimError, decide
+from app.lessons.claims import ClaimError, decide_claim
 from app.lessons.lesson import CHOICE, Lesson, Numbers, Step, fill_numbers
 from app.lessons.lesson_runs import RunCache, RunFailed
 
 
 @dataclass(frozen=True)
-class Check:
+class CheckedClaim:
     """Checked claim of a lesson, for one variant of its numbers: whether it holds, and the values found."""
 
     lesson: str
@@ -25,26 +25,27 @@ class Check:
                f"{'holds' if self.holds else 'does not hold'}, {self.found}"
 
 
-def check_lesson(lesson: Lesson, outcomes: RunCache, variants: int | None = None) -> Iterator[Check]:
+def check_lesson(lesson: Lesson, outcomes: RunCache, variants: int | None = None) -> Iterator[CheckedClaim]:
     """Yields checks of all claims of a lesson, for all variants of its numbers or the first so many."""
     for numbers in lesson.variants[:variants]:
         for step in lesson.steps:
             for claim in step.claims:
                 text = fill_numbers(claim.text, numbers)
                 try:
-                    result = decide(text, outcomes.scope(lesson, step, numbers, [text]))
+                    result = decide_claim(text, outcomes.scope(lesson, step, numbers, [text]))
                     came = result.holds, f"found {result.text}"
                 except (ClaimError, RunFailed) as error:
                     came = False, str(error)
-                yield Check(lesson.file_stem, step.title, claim.line, text, *came)
+                yield CheckedClaim(lesson.file_stem, step.title, claim.line, text, *came)
             if step.question and answer_expressions(step.question, numbers):
                 asked = step.question
                 text = "one option is right" if asked.kind == CHOICE else \
                     f"{fill_numbers(asked.expected, numbers)} has a value"
-                yield Check(lesson.file_stem, step.title, asked.line, text, *_question(lesson, step, numbers, outcomes))
+                yield CheckedClaim(lesson.file_stem, step.title, asked.line, text,
+                                   *_check_question(lesson, step, numbers, outcomes))
 
 
-def _question(lesson: Lesson, step: Step, numbers: Numbers, outcomes: RunCache) -> tuple[bool, str]:
+def _check_question(lesson: Lesson, step: Step, numbers: Numbers, outcomes: RunCache) -> tuple[bool, str]:
     try:
         answer = right_answer(lesson, step, numbers, outcomes)
     except (ClaimError, RunFailed) as error:

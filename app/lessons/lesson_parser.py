@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, TypeVar
 
-from app.lessons import claims, duration, fenced_blocks, interval_bets, rounds
+from app.lessons import claims, duration, fenced_blocks, interval_bets, prediction_rounds
 from app.lessons.lesson import ALLOWED, CONTROLS, KINDS, NEEDED, PLACE, Lesson, LessonError, Numbers, Step, fill_numbers
 from app.lessons.markdown_html import RenderError, to_html
 from solvers.untrusted import quoting
@@ -44,7 +44,7 @@ def split_head(text: str) -> tuple[str, list[str], int]:
     return "\n".join(lines[1:end]), lines[end + 1:], end + 2
 
 
-def parts_of(lines: list[str], first: int) -> list[LessonSection]:
+def split_sections(lines: list[str], first: int) -> list[LessonSection]:
     """Splits lines into the sections before the first heading and under each."""
     parts, block, opened = [LessonSection("", first, [], [])], None, 0
     for number, line in enumerate(lines, first):
@@ -67,7 +67,7 @@ def parts_of(lines: list[str], first: int) -> list[LessonSection]:
     return parts
 
 
-def notes_of(part: LessonSection) -> str:
+def teacher_notes(part: LessonSection) -> str:
     """Returns the teacher's notes in a section, as Markdown."""
     return "\n\n".join(text for kind, text, _ in part.blocks if kind == "teacher")
 
@@ -110,33 +110,33 @@ def parse_file(path: Path, parsed: Callable[[str], Found]) -> Found:
 def parse_lesson(text: str, name: str, folder: Path | None = None) -> Lesson:
     """Parses a lesson; its pictures are looked up in ``folder``."""
     head, body, first = split_head(text)
-    lesson = _lesson(head, name, hashlib.sha256(text.encode()).hexdigest()[:16])
-    opening, *parts = parts_of(body, first)
-    lesson = replace(lesson, intro="\n".join(opening.text), notes=notes_of(opening))
+    lesson = _parse_lesson_head(head, name, hashlib.sha256(text.encode()).hexdigest()[:16])
+    opening, *parts = split_sections(body, first)
+    lesson = replace(lesson, intro="\n".join(opening.text), notes=teacher_notes(opening))
     if forbidden := [block for block in opening.blocks if block[0] != "teacher"]:
         raise LessonError(forbidden[0][2] - 1, f"a {forbidden[0][0]} block before the first step; put it under a "
                                                "heading such as ## Run: A first look")
     if not parts:
         raise LessonError(first, "no step: give headings such as ## Predict: What will happen?")
-    lesson = replace(lesson, steps=rounds.mark_core_rounds([_step(part, lesson) for part in parts]))
-    check_names(lesson)
+    lesson = replace(lesson, steps=prediction_rounds.mark_core_rounds([_parse_step(part, lesson) for part in parts]))
+    check_unique_names(lesson)
     check_claims(lesson)
-    rounds.check_core(lesson)
+    prediction_rounds.check_core_self_contained(lesson)
     _check_bets(lesson)
     for part in (opening, *parts):
         _check_text(part, lesson, folder)
     return duration.with_minutes(lesson)
 
 
-def _lesson(head: str, name: str, fingerprint: str) -> Lesson:
+def _parse_lesson_head(head: str, name: str, fingerprint: str) -> Lesson:
     values = fenced_blocks.parse_toml(head, 2)  # after the line that begins it
-    at = functools.partial(fenced_blocks.line_of, text=head, line=2)
+    at = functools.partial(fenced_blocks.line_of_key, text=head, line=2)
     for key in values:
         if key == "minutes":
             raise LessonError(at(key), "minutes are computed from what the lesson holds; leave the key out")
         if key not in HEAD_KEYS:
             raise LessonError(at(key), f"{key} is not known in a head; give {', '.join(HEAD_KEYS)}")
-    title = fenced_blocks.require(values, "title", str, "give a text", at("title"))
+    title = fenced_blocks.require_value(values, "title", str, "give a text", at("title"))
     goals = fenced_blocks.require_texts(values, "goals", at("goals"))
     if not goals:
         raise LessonError(at("goals"), "goals are missing: give a list of what a student can do afterwards")
@@ -147,10 +147,10 @@ def _lesson(head: str, name: str, fingerprint: str) -> Lesson:
                                               f"{', '.join(CONTROLS)}")
     return Lesson(name, title.strip(), goals, controls,
                   fenced_blocks.require_texts(values, "prerequisites", at("prerequisites")),
-                  _variants(values, at("variants")), fingerprint=fingerprint)
+                  _parse_variants(values, at("variants")), fingerprint=fingerprint)
 
 
-def _variants(values: Mapping[str, Any], line: int) -> tuple[Numbers, ...]:
+def _parse_variants(values: Mapping[str, Any], line: int) -> tuple[Numbers, ...]:
     found = values.get("variants", [{}])
     expected = "give tables [[variants]] that set the same names to numbers or words"
     if not isinstance(found, list) or not found or not all(isinstance(one, dict) for one in found):
@@ -162,8 +162,8 @@ def _variants(values: Mapping[str, Any], line: int) -> tuple[Numbers, ...]:
     return tuple(found)
 
 
-def _step(part: LessonSection, lesson: Lesson) -> Step:
-    kind, title, core = _kind(part)
+def _parse_step(part: LessonSection, lesson: Lesson) -> Step:
+    kind, title, core = _parse_step_heading(part)
     seen: set[str] = set()
     for name, _, line in part.blocks:
         if name not in ALLOWED[kind]:
@@ -175,10 +175,10 @@ def _step(part: LessonSection, lesson: Lesson) -> Step:
     if kind in NEEDED and NEEDED[kind] not in seen:
         raise LessonError(part.line, f"a step that begins with {kind.capitalize()} needs a {NEEDED[kind]} block")
     key = re.sub(r"[^a-z0-9]+", "-", title.lower()).strip("-")[:60] or "step"
-    step = Step(kind, title, key, part.line, "\n".join(part.text).strip(), notes_of(part), core=core)
+    step = Step(kind, title, key, part.line, "\n".join(part.text).strip(), teacher_notes(part), core=core)
     for name, text, line in part.blocks:
         if name == "run":
-            found, stage = fenced_blocks.parse_runs(text, line, lesson.variants)
+            found, stage = fenced_blocks.parse_runs_and_stage(text, line, lesson.variants)
             step = replace(step, runs=found, stage=stage)
         elif name == "question":
             step = replace(step, question=fenced_blocks.parse_question(text, line))
@@ -189,7 +189,7 @@ def _step(part: LessonSection, lesson: Lesson) -> Step:
     return step
 
 
-def _kind(part: LessonSection) -> tuple[str, str, bool]:
+def _parse_step_heading(part: LessonSection) -> tuple[str, str, bool]:
     """Returns a step's kind and title, and whether its heading has (core)."""
     found = HEADING.fullmatch(part.heading.strip())
     kind = found["kind"].strip().lower() if found else ""
@@ -201,7 +201,7 @@ def _kind(part: LessonSection) -> tuple[str, str, bool]:
     return kind, found["title"].strip(), bool(found["core"])
 
 
-def check_names(lesson: Lesson) -> None:
+def check_unique_names(lesson: Lesson) -> None:
     """Raises :class:`LessonError` if two steps or runs have the same name."""
     keys: dict[str, int] = {}
     names: dict[str, int] = {}
@@ -238,7 +238,7 @@ def check_claims(lesson: Lesson) -> None:
 def _check_bets(lesson: Lesson) -> None:
     """Checks that bets to compare exist, and that judges can bet on them."""
     for step in lesson.steps:
-        asked = interval_bets.asked_before(lesson, step) if step.bets else []
+        asked = interval_bets.earlier_bet_steps(lesson, step) if step.bets else []
         if step.bets and not asked:
             raise LessonError(step.line, "bets are shown, and no interval is asked before; ask one, or leave them out")
         for question in (other.asked_question for other in asked if set(step.bets) - {*interval_bets.OWN}):

@@ -7,14 +7,14 @@ from concurrent.futures import Future, as_completed
 from typing import Any
 
 from app import state
-from app.lessons.claims import Outcome, Scope, runs_needed
-from app.lessons.interval_bets import Ends, about_bets, bets_by_judge
+from app.lessons.claims import ClaimScope, RunOutcome, runs_needed
+from app.lessons.interval_bets import Ends, is_about_bets, judge_bets_for_claims
 from app.lessons.lesson import Lesson, Numbers, Step, fill_numbers
 from solvers.scene.kernel_options import kernel_key
 from solvers.workers.worker_pool import WorkerPool, one_of_each_first
 from solvers.workers.worker_process import ProcessDied
 
-WORK = "app.lessons.lesson_runs:work"
+WORK = "app.lessons.lesson_runs:run_in_worker"
 KEPT = 500  # results
 SEVERAL = 4  # waiting scenes per process: most run in a tenth of the time of compilation
 
@@ -38,57 +38,57 @@ class RunCache:
         """Returns the result's JSON object for the scene of a state; waits for it."""
         return self._await_result(text, False)
 
-    def bets(self, text: str) -> dict[str, dict[str, Ends | None]]:
+    def judge_bets(self, text: str) -> dict[str, dict[str, Ends | None]]:
         """Returns the judges' bets on the final errors of a scene, by quantity and judge; waits for them."""
         return self._await_result(text, True)
 
     def _await_result(self, text: str, judged: bool) -> dict[str, Any]:
         try:
-            return self._run(text, judged).result()
+            return self._submit_run(text, judged).result()
         except ProcessDied as error:
-            raise RunFailed(f"{_scene(text)} could not be run: the process {error}") from None
+            raise RunFailed(f"{_scene_text(text)} could not be run: the process {error}") from None
 
-    def _run(self, text: str, judged: bool = False) -> Future[dict[str, Any]]:
+    def _submit_run(self, text: str, judged: bool = False) -> Future[dict[str, Any]]:
         """Returns the run of a state's scene, or the judges' bets on it; repeats a failed one."""
-        scene = _scene(text)
+        scene = _scene_text(text)
         with self._lock:
             run = self._runs.get((scene, judged))
             if run is None or (run.done() and run.exception()):
                 if len(self._runs) >= KEPT:
                     self._runs.pop(next(iter(self._runs)))
                 run = self._runs[scene, judged] = self._pool.submit(
-                    {"scene": scene, "politeness": self._politeness, "judged": judged}, kind=_kernels(scene))
+                    {"scene": scene, "politeness": self._politeness, "judged": judged}, kind=_scene_kernel_key(scene))
             return run
 
-    def scope(self, lesson: Lesson, step: Step, numbers: Numbers, texts: Iterable[str]) -> Scope:
+    def scope(self, lesson: Lesson, step: Step, numbers: Numbers, texts: Iterable[str]) -> ClaimScope:
         """Returns the scope of these expressions in a step; runs only what they need."""
         main, runs = lesson.main_run(step), lesson.runs
         texts = list(texts)
         asked = set().union(*(runs_needed(text, runs, main) for text in texts))
-        result = self._with_bets if any(map(about_bets, texts)) else self.result
-        return Scope({name: Outcome([result(fill_numbers(text, numbers)) for text in run.texts], run.varied)
-                      for name, run in runs.items() if name in asked}, main)
+        result = self._result_with_bets if any(map(is_about_bets, texts)) else self.result
+        return ClaimScope({name: RunOutcome([result(fill_numbers(text, numbers)) for text in run.texts], run.varied)
+                           for name, run in runs.items() if name in asked}, main)
 
-    def _with_bets(self, text: str) -> dict[str, Any]:
+    def _result_with_bets(self, text: str) -> dict[str, Any]:
         """Returns a result with the judges' bets on it, in the form of claims."""
         found = self.result(text)
-        return {**found, "bet": bets_by_judge(self.bets(text), found["error"])}
+        return {**found, "bet": judge_bets_for_claims(self.judge_bets(text), found["error"])}
 
     def prepare(self, texts: Iterable[str], on_progress: Callable[[int, int], None]) -> None:
         """Runs all of these scenes in parallel; failures are raised when a result is requested."""
         scenes = {text: state.parse_state(text).scene for text in texts}
         longest_first = sorted(scenes, key=lambda text: (-scenes[text].particles * scenes[text].steps, text))
-        runs = dict.fromkeys(map(self._run, one_of_each_first(longest_first, _kernels)))
+        runs = dict.fromkeys(map(self._submit_run, one_of_each_first(longest_first, _scene_kernel_key)))
         for done, _ in enumerate(as_completed(runs), 1):
             on_progress(done, len(runs))
 
 
-def _scene(text: str) -> str:
+def _scene_text(text: str) -> str:
     """Returns a state's text reduced to its scene."""
     return state.write_state(state.State(state.parse_state(text).scene))
 
 
-def _kernels(text: str) -> tuple:
+def _scene_kernel_key(text: str) -> tuple:
     """Returns the key of the kernels that a state's scene needs."""
     return kernel_key(state.parse_state(text).scene)
 
@@ -98,7 +98,7 @@ def scene_texts(lesson: Lesson, numbers: Numbers) -> list[str]:
     return [fill_numbers(text, numbers) for run in lesson.runs.values() for text in run.texts]
 
 
-def work(question: Mapping[str, Any], answer: Callable[[dict], None]) -> None:
+def run_in_worker(question: Mapping[str, Any], answer: Callable[[dict], None]) -> None:
     """Runs one scene, or computes the judges' bets on it, in a worker process."""
     from solvers.running.run import run
     from solvers.study.coverage.track_record import bets

@@ -33,11 +33,11 @@ class RenderError(ValueError):
 
 def to_html(markdown: str, folder: Path | None = None) -> str:
     """Converts Markdown to html; html in it is shown as text. Pictures are looked up in ``folder``."""
-    return _parser(folder).render(markdown)
+    return _make_parser(folder).render(markdown)
 
 
 @functools.lru_cache(8)
-def _parser(folder: Path | None) -> MarkdownIt:
+def _make_parser(folder: Path | None) -> MarkdownIt:
     parser = MarkdownIt("commonmark", {"html": False}).enable("table")
     parser.use(dollarmath_plugin, renderer=lambda latex, options: to_mathml(latex, options["display_mode"]),
                double_inline=True)
@@ -45,7 +45,7 @@ def _parser(folder: Path | None) -> MarkdownIt:
     def image(renderer: RendererHTML, tokens, index, options, environment) -> str:
         token = tokens[index]
         source = str(token.attrs["src"])
-        token.attrs["src"] = _data(folder, source)
+        token.attrs["src"] = _image_data_url(folder, source)
         return renderer.image(tokens, index, options, environment)
 
     parser.add_render_rule("image", image)
@@ -66,7 +66,7 @@ def to_mathml(latex: str, display: bool) -> str:
     return found
 
 
-def _data(folder: Path | None, source: str) -> str:
+def _image_data_url(folder: Path | None, source: str) -> str:
     """Returns a picture as a data URL."""
     path = None if folder is None else folder / source
     kind = KINDS.get(Path(source).suffix)

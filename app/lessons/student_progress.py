@@ -18,7 +18,7 @@ ANSWER = {"first": object, "last": object, "attempts": int, "seconds": (int, flo
 FORM = {"schema": str, "lesson": str, "fingerprint": str, "name": str, "step": int, "answers": MapOf(ANSWER)}
 
 
-class NotAnswers(ValueError):
+class InvalidProgress(ValueError):
     """Raised for a text that is no progress; the message gives the reason."""
 
     def __init__(self, sentence: str):
@@ -26,7 +26,7 @@ class NotAnswers(ValueError):
 
 
 @dataclass
-class Answer:
+class RecordedAnswer:
     """The ``first`` and ``last`` answer, the number of attempts, and the seconds since the step was shown."""
 
     first: Any
@@ -36,21 +36,22 @@ class Answer:
 
 
 @dataclass
-class Progress:
+class StudentProgress:
     """A student's ``step`` in a lesson (0: introduction), answers by the steps' keys, and whether only the ``core``."""
 
     lesson: str
     fingerprint: str
     name: str = ""
     step: int = 0
-    answers: dict[str, Answer] = field(default_factory=dict)
+    answers: dict[str, RecordedAnswer] = field(default_factory=dict)
     core: bool = False
 
     def record(self, key: str, given: Any, seconds: float) -> None:
         """Records an answer; the first one stays."""
         before = self.answers.get(key)
         first, attempts = (before.first, before.attempts) if before else (given, 0)
-        self.answers[key] = Answer(first, given, attempts + 1, round(seconds + (before.seconds if before else 0), 1))
+        self.answers[key] = RecordedAnswer(first, given, attempts + 1,
+                                           round(seconds + (before.seconds if before else 0), 1))
 
     @property
     def file_name(self) -> str:
@@ -63,33 +64,33 @@ class Progress:
         return json.dumps({"schema": SCHEMA, **asdict(self)}, ensure_ascii=False)
 
 
-def parse_progress(text: str, find: Callable[[str], Lesson | None]) -> Progress:
-    """Parses a progress; ``find`` returns a lesson by name. Raises :class:`NotAnswers`."""
+def parse_progress(text: str, find: Callable[[str], Lesson | None]) -> StudentProgress:
+    """Parses a progress; ``find`` returns a lesson by name. Raises :class:`InvalidProgress`."""
     try:
         values = parse_json(text)
     except ValueError:
-        raise NotAnswers("is no JSON; give a file that the page has handed in") from None
+        raise InvalidProgress("is no JSON; give a file that the page has handed in") from None
     if wrong := describe_mismatch(values, FORM):
-        raise NotAnswers(f"is no file of answers: {wrong}")
+        raise InvalidProgress(f"is no file of answers: {wrong}")
     if values["schema"] != SCHEMA:
-        raise NotAnswers(f"is of another version ({quoting.quote(values['schema'], 40)}); {SCHEMA} can be read")
+        raise InvalidProgress(f"is of another version ({quoting.quote(values['schema'], 40)}); {SCHEMA} can be read")
     lesson = find(values["lesson"])
     if lesson is None:
-        raise NotAnswers(f"is about a lesson that is not here: {quoting.quote(values['lesson'])}")
+        raise InvalidProgress(f"is about a lesson that is not here: {quoting.quote(values['lesson'])}")
     answers = {}
     for key, given in values["answers"].items():
         if key in lesson.questions and given["attempts"] > 0 and 0 <= given["seconds"] < MOST_SECONDS and not any(
                 why_invalid(lesson.questions[key].asked_question, given[when]) for when in ("first", "last")):
-            answers[key] = Answer(**{name: given[name] for name in ANSWER})
+            answers[key] = RecordedAnswer(**{name: given[name] for name in ANSWER})
     step = min(max(values["step"], 0), len(lesson.steps) + 1)
-    return Progress(lesson.name, values["fingerprint"][:64], values["name"][:LONGEST_NAME], step, answers,
-                    values.get("core") is True and bool(lesson.extra))
+    return StudentProgress(lesson.name, values["fingerprint"][:64], values["name"][:LONGEST_NAME], step, answers,
+                           values.get("core") is True and bool(lesson.optional_steps))
 
 
-def of_lesson(text: str, lesson: Lesson) -> Progress | None:
+def parse_lesson_progress(text: str, lesson: Lesson) -> StudentProgress | None:
     """Parses a progress; returns None if it is invalid, or of another version of the lesson."""
     try:
         found = parse_progress(text, {lesson.name: lesson}.get)
-    except NotAnswers:
+    except InvalidProgress:
         return None
     return found if found.fingerprint == lesson.fingerprint else None

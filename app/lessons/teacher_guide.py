@@ -4,14 +4,14 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 
 from app.language.translation import current_language, tr
-from app.lessons.answer_check import in_unit, right_answer
+from app.lessons.answer_check import format_in_unit, right_answer
 from app.lessons.catalogue import FOLDER
 from app.lessons.claims import ClaimError
-from app.lessons.duration import minutes_text, round_minutes
+from app.lessons.duration import minutes_of_rounds, minutes_text
 from app.lessons.lesson import CHOICE, TEXT, TITLES, Lesson, Numbers, Step
 from app.lessons.lesson_runs import RunCache, RunFailed
 from app.lessons.markdown_html import to_html
-from app.lessons.rounds import split_rounds
+from app.lessons.prediction_rounds import split_rounds
 from app.templates import render_template
 from solvers.study.markdown import markdown_table
 
@@ -38,14 +38,14 @@ def guide_markdown(lesson: Lesson, outcomes: RunCache, core: bool = False) -> st
               variants, lesson.intro, _quote_notes(lesson.notes)]
     numbers = {step.key: number for number, step in enumerate(lesson.steps_to_take(core), 1)}
     for one in split_rounds(lesson.steps_to_take(core)):
-        takes = round_minutes(one, lesson)
+        takes = minutes_of_rounds(one, lesson)
         begins = tr("*This round takes {minutes} min.*", minutes=takes) if one[0].core else \
             tr("*Deeper: this round is not part of the core and takes {minutes} min.*", minutes=takes)
         for step in one:
             stage = tr("On the stage: `{scene}`", scene=step.stage) if step.stage else ""
             parts += [f"## {numbers[step.key]}. {tr(TITLES[step.kind])}: {step.title}",
                       begins if step is one[0] else "", step.text, stage,
-                      *_question(lesson, step, outcomes), _quote_notes(step.notes)]
+                      *_question_markdown(lesson, step, outcomes), _quote_notes(step.notes)]
     return "\n\n".join(part for part in parts if part.strip()) + "\n"
 
 
@@ -55,7 +55,7 @@ def guide_page(lesson: Lesson, outcomes: RunCache, core: bool = False) -> str:
                            body=to_html(guide_markdown(lesson, outcomes, core), FOLDER))
 
 
-def _question(lesson: Lesson, step: Step, outcomes: RunCache) -> Iterator[str]:
+def _question_markdown(lesson: Lesson, step: Step, outcomes: RunCache) -> Iterator[str]:
     asked = step.question
     if asked is None:
         return
@@ -64,7 +64,7 @@ def _question(lesson: Lesson, step: Step, outcomes: RunCache) -> Iterator[str]:
     if asked.kind == TEXT:
         yield tr("**Answer:** free text, which is not marked.")
         return
-    answers = [_answer(lesson, step, numbers, outcomes) for numbers in lesson.variants]
+    answers = [_right_answer_text(lesson, step, numbers, outcomes) for numbers in lesson.variants]
     if len(set(answers)) == 1:
         yield tr("**Answer:** {answer}", answer=answers[0])
     else:
@@ -72,12 +72,12 @@ def _question(lesson: Lesson, step: Step, outcomes: RunCache) -> Iterator[str]:
         yield tr("**Answer:**") + "\n\n" + markdown_table([tr("variant"), tr("answer")], rows)
 
 
-def _answer(lesson: Lesson, step: Step, numbers: Numbers, outcomes: RunCache) -> str:
+def _right_answer_text(lesson: Lesson, step: Step, numbers: Numbers, outcomes: RunCache) -> str:
     try:
         found = right_answer(lesson, step, numbers, outcomes)
     except (ClaimError, RunFailed) as error:
         return tr("could not be worked out: {why}", why=error)
-    return found.text if step.asked_question.kind == CHOICE else in_unit(step.asked_question, found.value)
+    return found.text if step.asked_question.kind == CHOICE else format_in_unit(step.asked_question, found.value)
 
 
 def _quote_notes(notes: str) -> str:

@@ -11,7 +11,7 @@ from html import escape
 from pathlib import Path
 
 from app.export.html_file import recorded_page, scene_page
-from app.export.slider_grid import within_reach
+from app.export.slider_grid import why_too_long_to_record
 from app.state import State, write_state
 from app.words import QUANTITIES, in_a_line
 from solvers.running.result import Result
@@ -80,7 +80,7 @@ def show(what: Scene | Result, *, beside: Scene | Result | None = None, error_of
     if other is not None and other.problem != scene.problem:
         raise SceneError("beside", other.problem, f"is another problem; give one of the {scene.problem}")
     for one in (scene, other):
-        if one is not None and (refusal := within_reach(one)):
+        if one is not None and (refusal := why_too_long_to_record(one)):
             raise SceneError("scene", in_a_line(one), refusal)
     shown = State(scene, quantity=error_of, pinned=other)
     page = scene_page(write_state(shown), processes, on_progress) if sliders else recorded_page(shown)

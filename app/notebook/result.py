@@ -19,13 +19,15 @@ def result_table(result: Result) -> str:
     names = list(result.estimate.estimators)
     valid = [name for name in names if name not in result.not_valid]
     head = ["largest RMS error", "true", *(part for name in valid for part in (f"by {name}", "index", "distance"))]
-    rows = [[str(quantity), _size(result.error[key]["max"], quantity.unit), *(text for name in valid for text in (
-        _size(result.estimate[name][key]["max"], quantity.unit), _ratio(result.index[name][key]),
-        _ratio(result.distance[name][key])))] for key, quantity in QUANTITIES.items()]
+    rows = [[str(quantity), _format_size(result.error[key]["max"], quantity.unit),
+             *(text for name in valid for text in (_format_size(result.estimate[name][key]["max"], quantity.unit),
+                                                   _format_ratio(result.index[name][key]),
+                                                   _format_ratio(result.distance[name][key])))]
+            for key, quantity in QUANTITIES.items()]
     ended = f"{result.status} after {result.steps:,} steps, at {with_unit(result.time, 's')}"
-    lines = "".join(_row("td", row) for row in rows)
+    lines = "".join(_table_row("td", row) for row in rows)
     return (f"<div><p>{escape(in_a_line(result.scene))}: <b>{escape(ended)}</b></p>"
-            f"<table><thead>{_row('th', head)}</thead><tbody>{lines}</tbody></table>"
+            f"<table><thead>{_table_row('th', head)}</thead><tbody>{lines}</tbody></table>"
             + "".join(f"<p>{escape(line)}</p>" for line in _notes(result)) + "</div>")
 
 
@@ -41,15 +43,15 @@ def _notes(result: Result) -> Iterator[str]:
         yield f"no index of {QUANTITIES[key]}: {why}"
 
 
-def _size(value: float | None, unit: str) -> str:
+def _format_size(value: float | None, unit: str) -> str:
     return NOTHING if value is None else with_unit(value, unit)
 
 
-def _ratio(value: float | None) -> str:
+def _format_ratio(value: float | None) -> str:
     return NOTHING if value is None else format_ratio(value)
 
 
-def _row(kind: str, cells: list[str]) -> str:
+def _table_row(kind: str, cells: list[str]) -> str:
     places = ("left", *("right" for _ in cells[1:]))
     return "<tr>" + "".join(f"<{kind} style=\"{CELL.format(place)}\">{escape(cell)}</{kind}>"
                             for place, cell in zip(places, cells, strict=True)) + "</tr>"

@@ -8,14 +8,14 @@ import viser
 
 from app.frame.colour_scale import ColourScale
 from app.language.translation import lazy, tr
-from app.page.display_source import Choice
 from app.page.panels.browser_store import BrowserStore
-from app.page.panels.history_controls import DrawingOptions, HistoryControls
-from app.page.panels.page_header import add_anchor, anchor_html
-from app.page.panels.run_settings import RunWidgets
-from app.page.panels.scene_widgets import SceneWidgets, WidgetAnswers
+from app.page.panels.history_controls import DrawingWidgets, HistoryControls
+from app.page.panels.page_header import add_widget_marker, widget_marker_html
+from app.page.panels.run_settings import RunSettingsWidgets
+from app.page.panels.scene_widgets import SceneWidgetFactory, WidgetMessages
 from app.page.panels.stage_choice import EstimatorCards, StageChoice
 from app.page.playback_controls import PlaybackControls
+from app.page.stage_source import ViewChoice
 from app.page.visit.session import Session, first_scene
 from app.problems.views import VIEWS
 from app.state import State
@@ -24,8 +24,8 @@ from solvers.engine.engine_messages import FrameReport
 from solvers.engine.shared_frames import FrameArrays
 from solvers.problems import PROBLEMS
 from solvers.scene.effects import ALL
-from solvers.scene.remedies import REMEDIES
 from solvers.scene.scene import Scene
+from solvers.scene.stabilisations import REMEDIES
 
 ELSEWHERE = lazy("A lesson is open: its controls are in <b>Lessons</b>, below its text.")
 
@@ -39,9 +39,9 @@ class Controls:
         self._history = looking
         self._extensions: dict[str, Callable[[], Any]] = {}
         self._offered: tuple[str, ...] = ()  # the controls that a lesson shows; all if empty
-        self._answers = WidgetAnswers(gui)
+        self._answers = WidgetMessages(gui)
         self._turn = threading.RLock()  # widgets must not be removed while others are built or changed
-        self._bound, self._lasting = (SceneWidgets(gui, session, self._answers, self._turn) for _ in range(2))
+        self._bound, self._lasting = (SceneWidgetFactory(gui, session, self._answers, self._turn) for _ in range(2))
         problem_mark = gui.add_html("<i class='lab-at-problem'></i>")
         self.problem = gui.add_dropdown(tr("Problem"), tuple(tr(problem.scene.TITLE) for problem in PROBLEMS.values()),
                                         initial_value=tr(session.scene.TITLE),
@@ -50,20 +50,20 @@ class Controls:
         self._transport = PlaybackControls(gui, session, looking, self._lasting, on_view)
         self._parts: dict[str, tuple[Any, ...]] = {
             "problem": (problem_mark, self.problem), **self.stage.parts, **self._transport.parts}
-        self._drawing = DrawingOptions(session, scale, looking, on_view)
-        self._run = RunWidgets(session, self._bound, store)
-        self.judges = EstimatorCards(gui, session, self.stage, self._bound, store)
+        self._drawing = DrawingWidgets(session, scale, looking, on_view)
+        self._run = RunSettingsWidgets(session, self._bound, store)
+        self.estimator_cards = EstimatorCards(gui, session, self.stage, self._bound, store)
         store.heard["entered"] = self._on_entered
 
-    def extend(self, control: str, build: Callable[[], Any], *widgets: Any) -> None:
+    def add_extension(self, control: str, build: Callable[[], Any], *widgets: Any) -> None:
         """Adds what ``build`` creates to a control in the tab, and ``widgets`` elsewhere that lessons show too."""
         self._extensions[control] = build
         self._parts[control] = (*self._parts.get(control, ()), *widgets)
 
-    def open_on(self, state: State) -> None:
+    def set_initial_state(self, state: State) -> None:
         """Shows a state whose scene the session already has, before the scene's widgets are built."""
         self.stage.show(state.quantity, state.estimator, state.magnified)
-        self._session.show(plotted=state.quantity)
+        self._session.set_frame_options(plotted=state.quantity)
         if state.pinned is not None:
             self._transport.pin(state.pinned)
             self._transport.refresh()
@@ -78,15 +78,15 @@ class Controls:
     def on_frame(self, report: FrameReport, arrays: FrameArrays) -> None:
         """Handles a new frame."""
         with self._turn:
-            self.stage.on_frame(report.scene, arrays)
+            self.stage.ensure_estimator_has_values(report.scene, arrays)
 
-    def usual_speed(self) -> None:
+    def reset_speed(self) -> None:
         """Resets the speed to the problem's default."""
         with self._turn:
             self._session.set_speed(VIEWS[self._session.scene.problem].speed)
             self._transport.show()
 
-    def begin(self) -> None:
+    def enable_problem_choice(self) -> None:
         """Enables the choice of another problem once the page is built, and applies one made in the meantime."""
         self.problem.on_update(lambda _: self._choose_problem())
         self._choose_problem()
@@ -101,8 +101,8 @@ class Controls:
         with self._turn:
             if scene.problem != self._session.scene.problem:
                 self._drawing.domains = False
-                self.stage.go_to(scene.problem)
-            self._session.choose(scene)
+                self.stage.restore_last_estimator(scene.problem)
+            self._session.set_scene(scene)
             self._rebuild()
 
     def show_only(self, controls: tuple[str, ...], place: viser.GuiFolderHandle | None = None) -> None:
@@ -125,15 +125,15 @@ class Controls:
             self._scale.logarithmic = state.logarithmic
             self._scale.reset()
             session.unpin()
-            session.choose(state.scene, state.speed, state.stops)
+            session.set_scene(state.scene, state.speed, state.stops)
             if state.pinned is not None:
                 self._transport.pin(state.pinned)
-            session.show(differences=state.difference, plotted=state.quantity)
+            session.set_frame_options(differences=state.difference, plotted=state.quantity)
             self._history.trace(state.traced)
             self._rebuild()
         self._on_view()
 
-    def change(self, field: str, said: str, meant: Callable[[Scene], object]) -> None:
+    def set_field_from_text(self, field: str, said: str, meant: Callable[[Scene], object]) -> None:
         """Sets a field to the value that ``meant`` reads from a lesson's text ``said``; its ValueError is a refusal."""
         with self._turn:
             scene = self._session.scene
@@ -145,14 +145,14 @@ class Controls:
                 self._session.refuse(tr("{said}: not of the {problem}; press On the stage first", said=said,
                                         problem=tr(scene.TITLE)))
                 return
-            self._session.set(**{field: value}, **({"dt": None} if field == "cfl" else {}))
+            self._session.set_scene_fields(**{field: value}, **({"dt": None} if field == "cfl" else {}))
             self._rebuild()
 
     def show_error(self, quantity: str = "", estimator: str = "") -> None:
         """Shows the error of a quantity, or the errors as estimated by an estimator that runs."""
         with self._turn:
             if quantity:
-                self.stage.measure(quantity)
+                self.stage.show_quantity(quantity)
             elif estimator in self._session.scene.estimators:
                 self.stage.show_estimator(estimator)
             else:
@@ -169,16 +169,16 @@ class Controls:
             methods = scene.choices("method")
             at = methods.index(scene.method)
             for method in (*methods[at + 1:], *methods[:at]):
-                self._session.set(method=method)
+                self._session.set_scene_fields(method=method)
                 if self._session.scene.method == method:
                     return self._rebuild()
 
     @property
-    def choice(self) -> Choice:
+    def choice(self) -> ViewChoice:
         """The view options chosen by the visitor."""
         stage, drawn = self.stage, self._drawing
-        return Choice(stage.quantity, stage.estimator, drawn.difference, drawn.domains, stage.magnified,
-                      self._history.latest)
+        return ViewChoice(stage.quantity, stage.estimator, drawn.difference, drawn.domains, stage.magnified,
+                          self._history.latest)
 
     @property
     def state(self) -> State:
@@ -194,7 +194,7 @@ class Controls:
         """Rebuilds the widgets for the session's present scene."""
         self.problem.value = tr(self._session.scene.TITLE)  # type: ignore[misc]  # already chosen: this triggers nothing
         self._transport.show()
-        self._bound.forget()
+        self._bound.disable_callbacks()
         self._widgets.remove()
         with self._parent:
             self._build()
@@ -208,44 +208,44 @@ class Controls:
     def _build(self) -> None:
         self._widgets = self._gui.add_folder(None)  # without a label: only a container, to remove all at once
         self._folds: dict[str, viser.GuiHtmlHandle] = {}
-        says = self._fold_words()
+        says = self._folder_summaries()
         view, scene = VIEWS[self._session.scene.problem], self._session.scene
         with self._widgets:
             self._run.build(self._gui, self._add_part)
             with self._add_part("estimators"):
-                self.judges.build(self._gui)
-                self._extend("estimators")
+                self.estimator_cards.build(self._gui)
+                self._build_extension("estimators")
             with self._add_folder("drawn", tr("What is drawn"), "estimators", "colours", "trace", "domains"):
                 self._drawing.build(self._gui, self._add_part)
             if view.motion or view.material:
                 with self._add_folder("motion", tr("Motion and material"), "motion", "modulus"):
                     with self._add_part("motion"):
-                        self._bound.motions(self._on_motion)
+                        self._bound.add_motion_dropdown(self._on_motion)
                         if view.formula and scene.swings:
-                            self._bound.formula(*view.formula)
+                            self._bound.add_formula(*view.formula)
                     with self._add_part("modulus"):
-                        self._bound.sliders(view.material)
+                        self._bound.add_sliders(view.material)
             with self._add_part("slow-motion"):
-                self._extend("slow-motion")
+                self._build_extension("slow-motion")
             with self._add_part("details"):
-                self._folds["details"] = add_anchor(self._gui, words=says["details"])
+                self._folds["details"] = add_widget_marker(self._gui, words=says["details"])
                 with self._gui.add_folder(tr("Method details and remedies"), expand_by_default=False):
                     for field, hint in view.details.items():
                         if field != "body_force" or scene.swings:
-                            self._bound.field(field, hint)
+                            self._bound.add_field(field, hint)
                     self._gui.add_html(f"<div class='lab-group'>{tr('Remedies for long and large motions')}</div>")
-                    self._bound.boxes("remedies", REMEDIES)
+                    self._bound.add_checkboxes("remedies", REMEDIES)
             with self._add_part("effects"):
-                self._folds["effects"] = add_anchor(self._gui, words=says["effects"])
+                self._folds["effects"] = add_widget_marker(self._gui, words=says["effects"])
                 with self._gui.add_folder(tr("Effects: compute only what you need"), expand_by_default=False):
-                    self._bound.boxes("effects", ALL)
+                    self._bound.add_checkboxes("effects", ALL)
 
     def _on_entered(self, text: Any) -> None:
         """Applies the text field of this id, in which the visitor has finished typing."""
         for bound in (self._bound, self._lasting):
-            bound.enter(str(text))
+            bound.apply_entered_text(str(text))
 
-    def _extend(self, control: str) -> None:
+    def _build_extension(self, control: str) -> None:
         if build := self._extensions.get(control):
             build()
 
@@ -257,10 +257,10 @@ class Controls:
         """Returns a collapsible folder; without a label if a lesson shows only a few controls."""
         if self._offered:
             return self._gui.add_folder(None, visible=not {*controls}.isdisjoint(self._offered))
-        self._folds[name] = add_anchor(self._gui, words=self._fold_words()[name])
+        self._folds[name] = add_widget_marker(self._gui, words=self._folder_summaries()[name])
         return self._gui.add_folder(label, expand_by_default=False)
 
-    def _fold_words(self) -> dict[str, str]:
+    def _folder_summaries(self) -> dict[str, str]:
         """Returns a summary of each collapsible folder's settings, shown to the right of its name."""
         scene, view = self._session.scene, VIEWS[self._session.scene.problem]
         values = scene.to_dict()
@@ -281,7 +281,7 @@ class Controls:
             self._history.refresh()
             self._transport.refresh()
             self._run.refresh()
-            says = self._fold_words()
+            says = self._folder_summaries()
             for fold, handle in self._folds.items():
-                handle.content = anchor_html(words=says[fold])
+                handle.content = widget_marker_html(words=says[fold])
         self._answers.refresh(self._session.compiling)

@@ -7,10 +7,10 @@ from dataclasses import dataclass
 from typing import Any
 
 from app.frame.headline import Headline
-from app.page.display_source import Choice, Source
 from app.page.page_context import PageContext
 from app.page.readout_panel import Numbers
-from app.page.visit.frame_buffer import Frame
+from app.page.stage_source import StageSource, ViewChoice
+from app.page.visit.recent_frames import Frame
 from app.page.visit.status_message import Notice
 from solvers.engine.engine_messages import FrameReport
 
@@ -20,7 +20,7 @@ class PageView:
     """What a visitor sees at a refresh: the ``choice`` of view, the ``numbers`` beside the stage if they have changed,
     whether a lesson is open, and whether nothing but the run is on the stage (``has_stage``)."""
 
-    choice: Choice
+    choice: ViewChoice
     numbers: Numbers | None
     in_lesson: bool
     has_stage: bool
@@ -29,7 +29,7 @@ class PageView:
 class Feature:
     """A part of one visitor's page. The page calls these methods; by default they do nothing."""
 
-    source: Source | None = None  # what it can put on the stage
+    source: StageSource | None = None  # what it can put on the stage
     messages: Mapping[str, Callable[[Any], None]] = {}  # acts on messages of the browser, by key; they may be anything
     shortcuts: Mapping[str, Callable[[], None]] = {}  # acts on keys, by the names that ``js/keys.js`` sends
 

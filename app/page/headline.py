@@ -11,13 +11,23 @@ import viser
 
 from app.frame import headline
 from app.frame.budget_chart import largest_cause_fact
-from app.frame.captions import View
-from app.frame.crossings import crossing_window, is_recent
-from app.frame.headline import BACK, LAST, LOST, PAUSED, SO_FAR, UNSTABLE, Headline, error_words, fill_template
+from app.frame.captions import ErrorView
+from app.frame.headline import (
+    BACK,
+    LAST,
+    LOST,
+    PAUSED,
+    SO_FAR,
+    UNSTABLE,
+    Headline,
+    error_headline_templates,
+    fill_template,
+)
+from app.frame.recent_crossings import crossing_window, is_recent_crossing
 from app.language.translation import lazy, tr, trn
 from app.page.stage.worst_region import WorstRegions
 from app.page.visit.history import last_value, series_until
-from app.words import QUANTITIES, difference_text, format_factor, format_number, on_page
+from app.words import QUANTITIES, difference_text, format_factor, format_number, reword_for_page
 from solvers.engine.engine_messages import FrameReport
 from solvers.engine.shared_frames import FrameArrays
 from solvers.scene.scene import Scene
@@ -35,19 +45,19 @@ class HeadlinePanel:
         self._html, self._clock = gui.add_html(""), clock
         self._last, self._next, self._aloud = Headline(), 0.0, 0
 
-    def say(self, said: Headline, is_immediate: bool = False) -> None:
+    def show(self, said: Headline, is_immediate: bool = False) -> None:
         """Shows a headline if it is new and due; ``is_immediate`` for the answer to a click."""
         now, other = self._clock(), said.moment != self._last.moment
         if not said or str(said) == str(self._last) or (now < self._next and not is_immediate and not other):
             return
         self._next, self._aloud = now + SAY_SECONDS, self._aloud + (is_immediate or other)
         self._last = said
-        spans = escape(json.dumps([said.spans, said.sentences], ensure_ascii=False))
+        spans = escape(json.dumps([said.spans, said.fact_sentences], ensure_ascii=False))
         self._html.content = f"<i class='lab-says' data-sentence=\"{escape(str(said))}\" data-spans=\"{spans}\" " \
                              f"data-aloud='{self._aloud}'></i>"
 
 
-def frame_headline(report: FrameReport | None, arrays: FrameArrays | None, view: View | None, worst: WorstRegions,
+def frame_headline(report: FrameReport | None, arrays: FrameArrays | None, view: ErrorView | None, worst: WorstRegions,
                    series: dict[str, np.ndarray], quantity: str, drawn: str | None, ago: float = 0.0,
                    beside: str = "", speed: float = 0.0) -> Headline:
     """Returns the headline of a frame from its ``view``, its worst regions and the run's sampled ``series``.
@@ -60,28 +70,29 @@ def frame_headline(report: FrameReport | None, arrays: FrameArrays | None, view:
     series, when = series_until(series, report.time), format_number(report.time)
     moment = report.scene, report.playing, report.status, ago
     if report.status == soundness.UNSTABLE:
-        return Headline((("bad", fill_template(tr(UNSTABLE), time=when)),), (*_reason(report), tr(LAST)), moment)
+        return Headline((("bad", fill_template(tr(UNSTABLE), time=when)),), (*_lost_run_reason(report), tr(LAST)),
+                        moment)
     lost = report.status == soundness.LOST
     of_now = not report.playing or lost
-    true, estimate = map(_norm, (view.true, view.estimated)) if of_now else (
+    true, estimate = map(_rms, (view.true, view.estimated)) if of_now else (
         _mean(series, name) for name in (f"error_{quantity}", f"{drawn}/estimate_{quantity}"))
-    words = error_words(report.scene, quantity, drawn, view.left.silence if view.estimated is None else "",
-                        view.right.silence if view.true is None else "")
+    words = error_headline_templates(report.scene, quantity, drawn, view.left.silence if view.estimated is None else "",
+                                     view.right.silence if view.true is None else "")
     before = "" if lost else tr(SO_FAR)
     if not report.playing:
         before = fill_template(tr(BACK), ago=f"{ago:.2f}") if ago else fill_template(tr(PAUSED), time=when)
     index = estimate / true if true else math.nan
-    said = headline.format_errors(words, QUANTITIES[quantity].unit, true, estimate,
-                                  index if of_now else last_value(series, f"{drawn}/index_{quantity}"), before)
+    said = headline.format_error_headline(words, QUANTITIES[quantity].unit, true, estimate,
+                                          index if of_now else last_value(series, f"{drawn}/index_{quantity}"), before)
     region = None if true <= words.least else worst.by_truth or worst.by_estimate
     who = largest_cause_fact(report.scene, series, quantity)
     facts = [*said.facts[:1], who, *said.facts[1:],
-             tr("worst at {region}", region=region.name) if region else "", *_crossings(report, arrays, speed)]
+             tr("worst at {region}", region=region.name) if region else "", *_crossings_text(report, arrays, speed)]
     if beside:  # replaces the reference value
         facts[:1] = [*said.facts[1:], beside]
     parts = said.headline
     if lost:
-        facts = _reason(report) or facts
+        facts = _lost_run_reason(report) or facts
         parts = ("bad", fill_template(tr(LOST), since=f"{report.since or 0.0:.4g}")), ("", ": "), *parts
     return Headline(parts, tuple(filter(None, facts)), moment)
 
@@ -89,7 +100,7 @@ def frame_headline(report: FrameReport | None, arrays: FrameArrays | None, view:
 def compare_with_pinned(live: dict[str, np.ndarray], pinned: dict[str, np.ndarray], quantity: str,
                         scenes: tuple[Scene, Scene], ) -> str:
     """Returns whether the live or the pinned run errs more, by means over common periods, as text; "" if unknown."""
-    larger = in_common(live, pinned, f"error_{quantity}", scenes)
+    larger = live_to_pinned_ratio(live, pinned, f"error_{quantity}", scenes)
     if not math.isfinite(larger) or larger <= 0:
         return ""
     said = difference_text(scenes[1], scenes[0])
@@ -101,28 +112,28 @@ def compare_with_pinned(live: dict[str, np.ndarray], pinned: dict[str, np.ndarra
         tr("the pinned run, {run}, is {factor} times as wrong", factor=format_factor(1 / larger), run=said)
 
 
-def in_common(live: dict[str, np.ndarray], pinned: dict[str, np.ndarray], name: str,
-              scenes: tuple[Scene, Scene]) -> float:
+def live_to_pinned_ratio(live: dict[str, np.ndarray], pinned: dict[str, np.ndarray], name: str,
+                         scenes: tuple[Scene, Scene]) -> float:
     """Returns the ratio of a live to a pinned run's series, as means over common periods; NaN if not known."""
-    periods = min(periods_of(series, scene) for series, scene in zip((live, pinned), scenes, strict=True))
+    periods = min(elapsed_periods(series, scene) for series, scene in zip((live, pinned), scenes, strict=True))
     mine, other = (_mean(series_until(series, periods * scene.period * (1 + 1e-9)), name)
                    for series, scene in zip((live, pinned), scenes, strict=True))
     return mine / other if other else math.nan
 
 
-def periods_of(series: dict[str, np.ndarray], scene: Scene) -> float:
+def elapsed_periods(series: dict[str, np.ndarray], scene: Scene) -> float:
     """Returns the length of series in periods of their scene."""
     times = series.get("time", np.zeros(0))
     return float(times[-1]) / scene.period if len(times) else 0.0
 
 
-def _reason(report: FrameReport) -> list[str]:
+def _lost_run_reason(report: FrameReport) -> list[str]:
     """Returns the reason why a run is lost without the time, which the headline has."""
-    reason = on_page(report.reason or "")
+    reason = reword_for_page(report.reason or "")
     return [reason.partition(": ")[2] or reason] if reason else []
 
 
-def _norm(sizes: np.ndarray | None) -> float:
+def _rms(sizes: np.ndarray | None) -> float:
     """Returns the root mean square of errors' sizes (P,)."""
     with np.errstate(all="ignore"):  # a run gone bad holds anything
         return math.nan if sizes is None else float(np.sqrt(np.mean(sizes.astype(float) ** 2)))
@@ -134,11 +145,11 @@ def _mean(series: dict[str, np.ndarray], name: str) -> float:
         return float(np.mean(values)) if len(values) else math.nan
 
 
-def _crossings(report: FrameReport, arrays: FrameArrays, speed: float) -> list[str]:
+def _crossings_text(report: FrameReport, arrays: FrameArrays, speed: float) -> list[str]:
     """Returns how many particles crossed a cell boundary within the time for which crossings are marked."""
     if not report.scene.has("crossings"):
         return []
-    count = int(np.count_nonzero(is_recent(arrays.steps_since_crossing, report.scene, speed)))
+    count = int(np.count_nonzero(is_recent_crossing(arrays.steps_since_crossing, report.scene, speed)))
     seconds = format_number(crossing_window(report.scene, speed))
     if not count:
         return [tr("no particle crossed a cell boundary in the last {seconds} s", seconds=seconds)]

@@ -7,20 +7,20 @@ from time import thread_time
 import viser
 
 from app.access.log_limit import log_failure
-from app.classroom.class_context import Classroom, LecturerContext
+from app.classroom.class_context import ClassroomContext, LecturerContext
 from app.frame.headline import Headline
 from app.language.translation import current_language, with_language
 from app.page.feature import Feature, PageView
 from app.page.features import all_features
 from app.page.features.opening_tour import OPENING
-from app.page.features.sharing import PageLink
+from app.page.features.sharing import BrowserAddress
 from app.page.page_context import PageContext
 from app.page.panels.about_tab import add_about
 from app.page.panels.browser_store import follow_keys
-from app.page.panels.page_header import ProblemButtons, set_up
+from app.page.panels.page_header import ProblemButtons, set_up_theme
 from app.page.visit.engine_links import PageLinks
-from app.viewer.connection import stands_still
-from app.viewer.viser_patches import run_in_language
+from app.viewer.browser_connection import stalled_seconds
+from app.viewer.viser_patches import set_callback_language
 from solvers.engine.engine_messages import FrameReport
 
 REFRESH_SECONDS = 0.2  # for numbers, plots and notices; the stage follows every frame
@@ -32,28 +32,28 @@ RESTING = 12  # pause until the next refresh, in times its work per running stag
 class Page:
     """Page of one client, which the browser identifies by ``token``. Frames are drawn on the engine's reader thread."""
 
-    def __init__(self, client: viser.ClientHandle, links: PageLinks, classroom: Classroom,
+    def __init__(self, client: viser.ClientHandle, links: PageLinks, classroom: ClassroomContext,
                  lecturer: LecturerContext | None = None):
         self.client, self._links, self._features = client, links, tuple[Feature, ...]()
         self.token, self.language = secrets.token_urlsafe(12), current_language()
         self._closed, self._stands, self._refreshing = threading.Event(), threading.Event(), threading.Lock()
-        run_in_language(client)
-        set_up(client.gui)
+        set_callback_language(client)
+        set_up_theme(client.gui)
         client.gui.add_html(f"<i class='lab-visitor' data-visitor='{self.token}'></i>")
         self._context = context = PageContext(
             client, links, classroom, lecturer, OPENING, self._on_frame,
             lambda: next(filter(None, (feature.notice() for feature in self._features)), None))
-        self._link = PageLink(context)
-        context.keep, context.clear_stage = self._link.keep, self._clear_stage
+        self._link = BrowserAddress(context)
+        context.store_state, context.show_run_on_stage = self._link.keep, self._show_run_on_stage
         built = tuple(filter(None, (feature.build(context) for feature in all_features.FEATURES)))
         context.stage.build(context.store, context.history.seek)
         controls = context.controls
-        controls.open_on(OPENING)
+        controls.set_initial_state(OPENING)
         with context.tabs["explore"] as explore:
             controls.build(explore)
         with context.tabs["about"]:
             add_about(client.gui)
-        controls.begin()
+        controls.enable_problem_choice()
         if classroom.lesson and context.lesson:
             context.lesson.open(classroom.lesson)
         keys = context.shortcuts
@@ -67,11 +67,11 @@ class Page:
         context.stage.begin(lambda: controls.choice, (*filter(None, (part.source for part in built)), context.run))
         threading.Thread(target=with_language(self._refresh_loop), name="page-refresh", daemon=True).start()
 
-    def attend(self, watched: bool) -> None:
+    def set_watched(self, watched: bool) -> None:
         """Computes and sends frames only while the browser shows the page (``watched``)."""
-        self._context.attend(watched=watched)
+        self._context.set_frame_conditions(watched=watched)
 
-    def fall_silent(self) -> None:
+    def stop_output(self) -> None:
         """Stops all drawing and messages."""
         self._closed.set()
         self._stands.set()
@@ -81,12 +81,12 @@ class Page:
 
     def close(self) -> None:
         """Closes the features and the session when the visitor leaves or gets another page."""
-        self.fall_silent()
+        self.stop_output()
         for feature in self._features:
             feature.close()
         self._context.close()
 
-    def _clear_stage(self) -> None:
+    def _show_run_on_stage(self) -> None:
         for feature in self._features:
             feature.leave_stage()
 
@@ -103,7 +103,7 @@ class Page:
             self._stands.wait(rest)
             self._stands.clear()
             begun = thread_time()
-            self._context.attend(keeps_up=stands_still(self.client) < PATIENCE)
+            self._context.set_frame_conditions(keeps_up=stalled_seconds(self.client) < PATIENCE)
             try:
                 with self._refreshing:
                     if self._context.session.watched and not self._closed.is_set():
@@ -115,14 +115,14 @@ class Page:
     def _refresh(self) -> None:
         context, controls = self._context, self._context.controls
         choice, in_lesson, on_stage = controls.choice, bool(context.lesson_name), context.stage.source is context.run
-        if numbers := context.stage.read(choice):
-            controls.judges.show(numbers.readout.judged)
+        if numbers := context.stage.read_numbers(choice):
+            controls.estimator_cards.fill_cards(numbers.readout.cards_json)
         headline = next(filter(None, (feature.headline(context.recent.shown_frame) for feature in self._features)),
                         Headline()) if on_stage else Headline()
         context.stage.refresh(choice, numbers, in_lesson, headline)
         view = PageView(choice, numbers, in_lesson, on_stage and not in_lesson)
         for feature in self._features:
             feature.refresh(view)
-        context.refresh(UNTOUCHED)
+        context.refresh_and_pause_when_idle(UNTOUCHED)
         self._problems.show(context.session.scene.problem, bool(controls.problem.visible))
         self._link.keep()

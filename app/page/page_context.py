@@ -5,19 +5,19 @@ from typing import Protocol
 
 import viser
 
-from app.classroom.class_context import Classroom, LecturerContext
+from app.classroom.class_context import ClassroomContext, LecturerContext
 from app.frame.colour_scale import ColourScale
 from app.language.translation import tr
-from app.page.canvas import Canvas
 from app.page.controls import Controls
-from app.page.live_run import LiveRun
+from app.page.live_run_source import LiveRunSource
 from app.page.panels.browser_store import BrowserStore
 from app.page.panels.history_controls import HistoryControls
 from app.page.panels.page_header import PresentationMode
 from app.page.stage_view import StageView
+from app.page.viewer_canvas import ViewerCanvas
 from app.page.visit.engine_links import PageLinks
-from app.page.visit.frame_buffer import FrameBuffer
 from app.page.visit.particle_trace import ParticleTracer
+from app.page.visit.recent_frames import RecentFrames
 from app.page.visit.session import Session
 from app.page.visit.status_message import Notice
 from app.state import State
@@ -39,18 +39,18 @@ class OpenLesson(Protocol):
 
     def restore(self, name: str, text: str) -> None: ...
 
-    def show_step(self, only: bool, step: int) -> None: ...
+    def go_to_step(self, only: bool, step: int) -> None: ...
 
 
 class PageContext:
     """Everything that features share: the visitor's run (``session``), ``stage``, ``controls``, ``tabs`` and more;
-    features set ``lesson`` and ``is_touring``. ``clear_stage`` ends what replaces the run, ``keep`` stores the
-    state."""
+    features set ``lesson`` and ``is_touring``. ``show_run_on_stage`` ends what replaces the run, ``store_state``
+    stores the state."""
 
-    clear_stage: Callable[[], None]
-    keep: Callable[[], None]
+    show_run_on_stage: Callable[[], None]
+    store_state: Callable[[], None]
 
-    def __init__(self, client: viser.ClientHandle, links: PageLinks, classroom: Classroom,
+    def __init__(self, client: viser.ClientHandle, links: PageLinks, classroom: ClassroomContext,
                  lecturer: LecturerContext | None, opening: State,
                  on_frame: Callable[[FrameReport], None], notice: Callable[[], Notice | None]):
         self.client, self.gui, self.links = client, client.gui, links
@@ -58,16 +58,16 @@ class PageContext:
         self.lesson: OpenLesson | None = None
         self.is_touring: Callable[[], bool] = lambda: False
         self._conditions: dict[str, bool] = {}  # for computing frames
-        self.recent, self.scale = FrameBuffer(), ColourScale()
+        self.recent, self.scale = RecentFrames(), ColourScale()
         self.trace = ParticleTracer(self.recent)
         self.store = BrowserStore(self.gui)
         self.presenter = PresentationMode(self.gui)
-        self.canvas = Canvas(client, self.scale, self.trace, opening.scene.problem)
+        self.canvas = ViewerCanvas(client, self.scale, self.trace, opening.scene.problem)
         self.stage, self._on_frame = StageView(client, self.canvas), on_frame
         self.session = Session(links, opening.scene, self._take_frame, opening.speed, opening.stops)
         self.history = HistoryControls(self.session, self.recent, self.trace, self.stage.draw)
         self.controls = Controls(self.gui, self.session, self.scale, self.stage.draw, self.history, self.store)
-        self.run = LiveRun(self.session, self.recent, self.trace, notice)
+        self.run = LiveRunSource(self.session, self.recent, self.trace, notice)
         group = self.gui.add_tab_group()
         self.tabs = {name: group.add_tab(title, icon) for name, title, icon in (
             ("explore", tr("Explore"), viser.Icon.ADJUSTMENTS_HORIZONTAL),
@@ -78,7 +78,7 @@ class PageContext:
     def shortcuts(self) -> dict[str, Callable[[], None]]:
         """Actions of keys independent of features, by the names that ``js/keys.js`` sends."""
         controls = self.controls
-        return {"judge": controls.stage.next_judge, "magnify": controls.stage.next_magnification,
+        return {"judge": controls.stage.next_estimator, "magnify": controls.stage.next_magnification,
                 "method": controls.next_method, "present": self.presenter.begin}
 
     @property
@@ -86,11 +86,11 @@ class PageContext:
         """The name of the open lesson, or ""."""
         return self.lesson.name if self.lesson else ""
 
-    def attend(self, **conditions: bool) -> None:
+    def set_frame_conditions(self, **conditions: bool) -> None:
         """Computes frames only while the browser shows the page (``watched``) and receives in time (``keeps_up``), and
         the stage is ``uncovered``; a condition that is not given stays as it is."""
         self._conditions |= conditions
-        self.session.attend(all(self._conditions.values()))
+        self.session.set_watched(all(self._conditions.values()))
 
     def close(self) -> None:
         """Closes the session and its links when the visitor leaves."""
@@ -107,11 +107,11 @@ class PageContext:
         self.stage.draw()
         self._on_frame(report)
 
-    def refresh(self, idle_seconds: float) -> None:
+    def refresh_and_pause_when_idle(self, idle_seconds: float) -> None:
         """Updates the widgets from the session; pauses a run after ``idle_seconds`` without input."""
         if self.session.playing and not self.presenter.on and self.session.idle_seconds > idle_seconds:
-            self.session.rest()
-        self.presenter.name(self.session.scene)
+            self.session.pause_until_return()
+        self.presenter.show_scene_name(self.session.scene)
         self.controls.refresh()
         if shown := self.recent.shown_frame:
             self.controls.on_frame(*shown)

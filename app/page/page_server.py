@@ -16,17 +16,17 @@ from typing import Any
 from urllib.parse import quote
 
 from app.access.allowed_hosts import Addresses
-from app.access.class_code import BOARD, CLASS, TEACHER, AccessIdentity, ClassCode, generate_code
+from app.access.class_code import BOARD, CLASS, TEACHER, ClassCode, CookieIdentity, generate_code
 from app.access.log_limit import RateLimitFilter
-from app.classroom.board import Board
-from app.classroom.class_context import Classroom
-from app.identity import ICON
+from app.classroom.class_board import ClassBoard
+from app.classroom.class_context import ClassroomContext
 from app.language.translation import lazy, tr, with_language
 from app.lessons import catalogue
 from app.page.features.opening_tour import OPENING
 from app.page.prewarm import usual_scenes
-from app.page.shutdown import exit_within, in_background
-from app.page.visit.engine_links import PageLinks, SessionCount
+from app.page.shutdown import exit_within, run_in_background
+from app.page.visit.engine_links import EventRateCounter, PageLinks
+from app.visual_identity import ICON
 from solvers.engine.engine_messages import FRAME_SECONDS
 from solvers.engine.engine_pool import EnginePool
 from solvers.workers.cpu_count import available_cpus
@@ -58,7 +58,7 @@ class Visitors:
                  show: Callable[[Any, str], None], expects: Callable[[Any], bool] = lambda client: False):
         self._pool, self._places, self._make_page, self._show = pool, places, make_page, show
         self._expects = expects
-        self._lock, self._frames = threading.Lock(), SessionCount()
+        self._lock, self._frames = threading.Lock(), EventRateCounter()
         self._pages: dict[int, Any] = {}  # places taken; None while the page is being made
         self._pageless: set[int] = set()  # connected, but refused or with a page that failed
         self._left: set[int] = set()  # gone before ``connect``, or while their page was being made
@@ -95,36 +95,37 @@ class Visitors:
             del self._pages[visitor]
         page.close()
 
-    def attend(self, token: str, watched: bool) -> bool:
+    def set_watched(self, token: str, watched: bool) -> bool:
         """Passes on whether the browser with this token shows its page; returns whether there is such a page."""
         with self._lock:
             page = next((page for page in self._pages.values() if page and page.token == token), None)
         if page is not None:
-            page.attend(watched)
+            page.set_watched(watched)
         return page is not None
 
-    def say_goodbye(self) -> list[threading.Thread]:
+    def close_all_pages(self) -> list[threading.Thread]:
         """Tells all visitors that the lab closes; returns the threads that close their pages."""
         with self._lock:
             pages, self._over = list(filter(None, self._pages.values())), True
             self._pages = {visitor: page for visitor, page in self._pages.items() if page is None}
-        closing = [threading.Thread(target=with_language(self._send_home, page.language), args=(page,), daemon=True)
+        closing = [threading.Thread(target=with_language(self._close_with_message, page.language), args=(page,),
+                                    daemon=True)
                    for page in pages]
         for thread in closing:
             thread.start()
         return closing
 
-    def all_told(self) -> bool:
-        """Whether no page is still being made after :meth:`say_goodbye`."""
+    def has_no_pending_page(self) -> bool:
+        """Whether no page is still being made after :meth:`close_all_pages`."""
         return not self._pages
 
     def health(self) -> dict[str, Any]:
         """Returns the state of the server for monitoring."""
         return {"ready": self._pool.wait_ready(0), "sessions": len(self._pages), "places": self._places,
-                "engines": len(self._pool.process_ids), "playing": self._pool.playing,
-                "frames_per_second": self._frames.a_second}
+                "engines": len(self._pool.process_ids), "playing": self._pool.playing_sessions,
+                "frames_per_second": self._frames.events_per_second}
 
-    def _send_home(self, page: Any) -> None:
+    def _close_with_message(self, page: Any) -> None:
         page.fall_silent()
         self._show(page.client, tr(OVER))
         page.client.flush()
@@ -165,13 +166,13 @@ def serve(host: str, port: int, max_sessions: int, warm_up: bool = True, code: s
     those with the teacher's code. With ``core`` lessons begin with their core alone. A ``board`` shows the class's
     answers to those with its own code; it tells visitors apart by the cookies of a class code."""
     addresses = Addresses(host, names)
-    code = code or (generate_code() if board or not addresses.private else "")
+    code = code or (generate_code() if board or not addresses.is_local_only else "")
     codes = {CLASS: code, TEACHER: generate_code() if teacher and code else "", BOARD: generate_code() if board else ""}
     _require_free(host, port)
     # The engines start before the page's imports: they need longest.
     pool, server = EnginePool(OPENING.scene, _engine_count(), 1 / frames), None
-    classroom = Classroom(lesson, teacher, core=core)
-    shared = Board(catalogue.load_lesson(lesson), classroom.outcomes, core) if board else None
+    classroom = ClassroomContext(lesson, teacher, core=core)
+    shared = ClassBoard(catalogue.load_lesson(lesson), classroom.outcomes, core) if board else None
     signal.signal(signal.SIGTERM, signal.default_int_handler)  # exits as by Ctrl-C
     log = logging.StreamHandler()
     log.addFilter(RateLimitFilter())
@@ -179,7 +180,7 @@ def serve(host: str, port: int, max_sessions: int, warm_up: bool = True, code: s
     try:
         server = _start_server(host, port, pool, max_sessions, addresses, codes, classroom, shared)
         _announce(f"{HERE if host in EVERYWHERE else host}:{server.get_port()}",
-                  f"http://{_outside(host)}:{server.get_port()}/", codes)
+                  f"http://{_network_address(host)}:{server.get_port()}/", codes)
         lessons = catalogue.load_lessons()  # in idle time: the first visitor needs them
         if warm_up:
             pool.prewarm(usual_scenes(lessons, lesson))
@@ -188,10 +189,10 @@ def serve(host: str, port: int, max_sessions: int, warm_up: bool = True, code: s
     finally:
         with exit_within(ENDS_WITHIN):
             pool.request_stop()  # first: engines take longest
-            closing = [] if server is None else server.visitors.say_goodbye()
-            closing.append(in_background(classroom.outcomes.close))
+            closing = [] if server is None else server.visitors.close_all_pages()
+            closing.append(run_in_background(classroom.outcomes.close))
             if shared is not None:
-                shared.close()
+                shared.stop_computations()
             if server is not None:
                 server.wait_until_told(TOLD_WITHIN)
             pool.close(CLOSED_WITHIN)
@@ -203,31 +204,31 @@ def serve(host: str, port: int, max_sessions: int, warm_up: bool = True, code: s
 
 
 def _start_server(host: str, port: int, pool: EnginePool, max_sessions: int, addresses: Addresses,
-                  codes: Mapping[str, str], classroom: Classroom, board: Board | None = None) -> Any:
+                  codes: Mapping[str, str], classroom: ClassroomContext, board: ClassBoard | None = None) -> Any:
     from app.classroom.class_context import JoinInfo, LecturerContext
     from app.page.page import Page
-    from app.page.panels.page_header import initial_html, set_up
+    from app.page.panels.page_header import initial_page_html, set_up_theme
     from app.viewer import viser_patches
-    from app.viewer.index_page import Index
+    from app.viewer.index_page import IndexPage
     from app.viewer.send_queue import batch_messages, patch_viser
     from app.viewer.web_server import AccessControl, LabServer
 
     patch_viser()
-    pool.deliver_within(batch_messages)
-    viser_patches.mend_callbacks()
+    pool.set_delivery_context(batch_messages)
+    viser_patches.log_callback_failures()
     # A frame may be drawn for a visitor who has just left; that is no error.
     warnings.filterwarnings("ignore", message="Queued a .* on a closed connection")
     code = codes[CLASS]
     doors = AccessControl(addresses, ClassCode(code, port, codes[TEACHER], codes[BOARD]) if code else None)
     # The viewer would print its own banner.
-    with contextlib.redirect_stdout(io.StringIO()), doors.guard_servers(Index(initial_html, ICON)):
+    with contextlib.redirect_stdout(io.StringIO()), doors.guard_servers(IndexPage(initial_page_html, ICON)):
         server = LabServer(host=host, port=port, verbose=False)
-    set_up(server.gui)
+    set_up_theme(server.gui)
 
     def make_page(client: Any, links: PageLinks) -> Any:
-        whose, key = doors.identify(client.client_id) or AccessIdentity(CLASS)
+        whose, key = doors.identify(client.client_id) or CookieIdentity(CLASS)
         seat = board.add_seat(key) if board and whose == CLASS else None
-        lectern = LecturerContext(board, JoinInfo(f"http://{_outside(host)}:{port}/", code)) \
+        lectern = LecturerContext(board, JoinInfo(f"http://{_network_address(host)}:{port}/", code)) \
             if board and whose == BOARD else None
         try:
             return Page(client, links, replace(classroom, teacher=classroom.teacher and whose == TEACHER, seat=seat),
@@ -239,10 +240,10 @@ def _start_server(host: str, port: int, pool: EnginePool, max_sessions: int, add
 
     def expects(client: Any) -> bool:
         """Whether it is the lecturer's page, which always has a place."""
-        return (doors.identify(client.client_id) or AccessIdentity(CLASS)).role == BOARD
+        return (doors.identify(client.client_id) or CookieIdentity(CLASS)).role == BOARD
 
-    visitors = Visitors(pool, max_sessions, make_page, _show, expects)
-    doors.watch(server, visitors)
+    visitors = Visitors(pool, max_sessions, make_page, _replace_page_content, expects)
+    doors.attach_server(server, visitors)
     server.on_client_disconnect(visitors.disconnect)  # first, so that no disconnect is missed
     # On threads of their own, so that callbacks of present visitors do not wait for new pages.
     makers = ThreadPoolExecutor(MAKERS, "page")
@@ -274,14 +275,14 @@ def _announce(address: str, link: str, codes: Mapping[str, str]) -> None:
               file=sys.stderr, flush=True)
 
 
-def _show(client: Any, sentence: str) -> None:
+def _replace_page_content(client: Any, sentence: str) -> None:
     """Replaces the page's content by a sentence."""
     client.gui.reset()
     client.scene.reset()
     client.gui.add_html(f"<div class='lab-notice lab-refused lab-alone'>{sentence}</div>")
 
 
-def _outside(host: str) -> str:
+def _network_address(host: str) -> str:
     """Returns the address under which others reach this machine, if known: that of its outgoing route."""
     if host not in EVERYWHERE:
         return host

@@ -7,8 +7,8 @@ import viser
 
 from app.language.translation import lazy, tr
 from app.page.panels.history_controls import HistoryControls
-from app.page.panels.number_slider import Size, SizeControl
-from app.page.panels.scene_widgets import SceneWidgets
+from app.page.panels.number_slider import NumberSlider, SliderSpec
+from app.page.panels.scene_widgets import SceneWidgetFactory
 from app.page.visit.session import Session
 from app.problems.views import VIEWS
 from solvers.scene.scene import Scene
@@ -20,7 +20,7 @@ PIN, UNPIN = lazy("Pin this run"), lazy("Unpin")
 class PlaybackControls:
     """Widgets of one visitor; ``on_view`` is called when only the drawing changes."""
 
-    def __init__(self, gui: viser.GuiApi, session: Session, looking: HistoryControls, bound: SceneWidgets,
+    def __init__(self, gui: viser.GuiApi, session: Session, looking: HistoryControls, bound: SceneWidgetFactory,
                  on_view: Callable[[], None]):
         self._session, self._on_view = session, on_view
         self.acts = {PLAY: lambda: session.play(True), PAUSE: lambda: session.play(False),
@@ -29,7 +29,7 @@ class PlaybackControls:
         gui.add_html("<i class='lab-at-run'></i>")
         buttons = gui.add_button_group(tr("Run"), tuple(shown))
         buttons.on_click(lambda event: shown[event.target.value]())
-        self._speed = SizeControl(gui, bound, self._pace, session.speed, session.set_speed)
+        self._speed = NumberSlider(gui, bound, self._speed_slider_spec, session.speed, session.set_speed)
         pin_mark = gui.add_html("<i class='lab-at-pin'></i>")
         self._pin = gui.add_button(tr(PIN), hint=tr("keep this run on the stage for comparison: both runs start at t = "
                                                     "0 and advance together, period by period"))
@@ -42,11 +42,11 @@ class PlaybackControls:
 
     def pin(self, scene: Scene | None = None) -> None:
         """Pins the run on the stage, or one of a scene, for comparison with later ones."""
-        self._session.pin(self._pinned_drawn, scene)
+        self._session.pin(self._on_pinned_frame, scene)
 
     def show(self) -> None:
         """Updates the widgets for the session's present scene."""
-        self._speed.begin(self._pace, self._session.speed)
+        self._speed.set_range_and_value(self._speed_slider_spec, self._session.speed)
         self.refresh()
 
     def refresh(self) -> None:
@@ -54,10 +54,10 @@ class PlaybackControls:
         self._pin.label = tr(PIN if self._session.pinned is None else UNPIN)
 
     @property
-    def _pace(self) -> Size:
+    def _speed_slider_spec(self) -> SliderSpec:
         view = VIEWS[self._session.scene.problem]
-        return Size(tr("Speed"), "", view.reach.speed, view.speed,
-                    tr("periods of the exact vibration in a second of yours"), place="lab-at-speed")
+        return SliderSpec(tr("Speed"), "", view.slider_ranges.speed, view.speed,
+                          tr("periods of the exact vibration in a second of yours"), place="lab-at-speed")
 
     def _toggle_pin(self) -> None:
         if self._session.pinned is None:
@@ -67,7 +67,7 @@ class PlaybackControls:
         self.refresh()
         self._on_view()
 
-    def _pinned_drawn(self) -> None:
+    def _on_pinned_frame(self) -> None:
         """Handles a frame of the pinned run; while both play, it is drawn with the other's."""
         if not (self._session.report and self._session.report.playing):
             self._on_view()

@@ -22,19 +22,19 @@ from solvers.scene.validation import SceneError
 def usual_scenes(lessons: Mapping[str, Lesson], opened: str = "") -> list[Scene]:
     """Returns scenes of every problem and of the ``lessons``, early those of the one ``opened`` for everyone."""
     firsts = [first_scene(problem) for problem in PROBLEMS]
-    taught = {name: list(_stages(lesson)) for name, lesson in lessons.items()}
+    taught = {name: list(_lesson_scenes(lesson)) for name, lesson in lessons.items()}
 
     def of_each(change: Callable[[Scene], Iterator[Scene]]) -> list[Scene]:
         return [scene for first in firsts for scene in change(first)]
 
     opening = [scene for scene in (OPENING.scene, OPENING.pinned) if scene]
     asked = [scene for one in opening for scene in _budget_scene(one)]
-    return [*opening, *firsts, *taught.get(opened, ()), *asked, *of_each(_clicks),
-            *(scene for some in taught.values() for scene in some), *of_each(_single_estimators), *of_each(_details),
-            *of_each(_effects)]
+    return [*opening, *firsts, *taught.get(opened, ()), *asked, *of_each(_scenes_one_click_away),
+            *(scene for some in taught.values() for scene in some), *of_each(_single_estimator_scenes),
+            *of_each(_detail_scenes), *of_each(_scenes_without_one_effect)]
 
 
-def _clicks(first: Scene) -> Iterator[Scene]:
+def _scenes_one_click_away(first: Scene) -> Iterator[Scene]:
     """Yields scenes one click away: an estimator more or fewer, another method or motion, the budget of each method."""
     names = first.choices("estimators")
     for name in names:
@@ -45,7 +45,7 @@ def _clicks(first: Scene) -> Iterator[Scene]:
         yield from _budget_scene(scene)
     if motion := VIEWS[first.problem].motion:
         for choice in first.choices("motion"):
-            yield motion.change(first, choice, first.estimators)
+            yield motion.change_motion(first, choice, first.estimators)
 
 
 def _budget_scene(scene: Scene) -> Iterator[Scene]:
@@ -54,7 +54,7 @@ def _budget_scene(scene: Scene) -> Iterator[Scene]:
         yield from _changed_scene(scene, effects=(*scene.effects, EFFECT))
 
 
-def _stages(lesson: Lesson) -> Iterator[Scene]:
+def _lesson_scenes(lesson: Lesson) -> Iterator[Scene]:
     """Yields the scenes of a lesson, also pinned ones; its variants differ in numbers only, which compile nothing."""
     for step in lesson.steps:
         if step.stage:
@@ -64,13 +64,13 @@ def _stages(lesson: Lesson) -> Iterator[Scene]:
                 yield shown.pinned
 
 
-def _single_estimators(first: Scene) -> Iterator[Scene]:
+def _single_estimator_scenes(first: Scene) -> Iterator[Scene]:
     """Yields the scene without estimators, and with each alone."""
     for chosen in ((), *((name,) for name in first.choices("estimators"))):
         yield from _changed_scene(first, estimators=chosen)
 
 
-def _details(first: Scene) -> Iterator[Scene]:
+def _detail_scenes(first: Scene) -> Iterator[Scene]:
     """Yields scenes with one choice in the folder of details and remedies."""
     for remedy in first.choices("remedies"):
         yield from _changed_scene(first, remedies=(remedy,))
@@ -80,7 +80,7 @@ def _details(first: Scene) -> Iterator[Scene]:
     yield from _changed_scene(first, linearity_preserving=True)
 
 
-def _effects(first: Scene) -> Iterator[Scene]:
+def _scenes_without_one_effect(first: Scene) -> Iterator[Scene]:
     """Yields scenes with one effect switched off; last, since no lesson does that."""
     for effect in first.effects:
         yield from _changed_scene(first, effects=tuple(e for e in first.effects if e != effect))

@@ -8,8 +8,8 @@ import viser
 
 from app.language.translation import tr
 from app.page.panels.error_timeline import Timeline, TimelineState
-from app.page.panels.plots import Plots
-from app.page.panels.readout import Readout
+from app.page.panels.readout import ReadoutTables
+from app.page.panels.time_plots import TimePlots
 from app.page.visit.history import RunSeries
 from app.page.visit.particle_trace import TracedParticle
 from app.page.visit.pinned_run import PinnedRun
@@ -26,7 +26,7 @@ class Numbers:
     ``drawn`` is the estimator on the stage, ``now`` the present state; ``no_index`` is the reason for no error index. A
     ``pinned`` run and a ``traced`` particle are plotted too. The ``scene`` is for programs that read the page."""
 
-    readout: Readout
+    readout: ReadoutTables
     past: RunSeries | None
     estimators: tuple[str, ...]
     valid: tuple[str, ...]
@@ -38,7 +38,7 @@ class Numbers:
     scene: Scene | None = None
 
 
-class Measurements:
+class ReadoutPanel:
     """Readings of one visitor's run. Call :meth:`show` a few times a second."""
 
     def __init__(self, client: viser.ClientHandle):
@@ -54,7 +54,7 @@ class Measurements:
         fold = gui.add_folder(tr("All numbers of this run"), expand_by_default=False)
         with fold:
             self._readout = gui.add_html(f"<div class='lab-readout'>{tr('waiting for the first frame')}</div>")
-        self._plots = Plots(self._client, fold)
+        self._plots = TimePlots(self._client, fold)
         gui.add_html("<i class='lab-estimates-foot'></i>")
         self._foot = gui.add_html("")
 

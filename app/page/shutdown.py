@@ -16,12 +16,12 @@ def exit_within(seconds: float) -> Iterator[None]:
     """Context manager around the shutdown: the process exits after so many seconds in any case, and ignores Ctrl-C."""
     for kind in (signal.SIGINT, signal.SIGTERM):
         signal.signal(kind, signal.SIG_IGN)
-    in_background(exit_after, seconds, INTERRUPTED)
+    run_in_background(exit_after, seconds, INTERRUPTED)
     yield
-    in_background(exit_after, TIDY, INTERRUPTED)
+    run_in_background(exit_after, TIDY, INTERRUPTED)
 
 
-def in_background(work: Callable, *what: object) -> threading.Thread:
+def run_in_background(work: Callable, *what: object) -> threading.Thread:
     """Runs a function on a daemon thread, and returns the thread."""
     thread = threading.Thread(target=work, args=what, daemon=True)
     thread.start()

@@ -15,7 +15,7 @@ from matplotlib.ticker import FuncFormatter, MaxNLocator
 from app.colours import CAUSES as COLOURS
 from app.colours import INK, INK2, INK3, PINNED
 from app.frame.budget_chart import CAPTION, UNITS, error_rms, format_percent, largest_share, stack_layers
-from app.renderers.picture_style import FEW, in_sizes, make_figure
+from app.renderers.picture_style import FEW, format_size_axis, make_figure
 from app.words import method_name, motion_text
 from solvers.running.result import Result
 from solvers.scene.error_causes import CAUSES, FIELDS
@@ -30,13 +30,13 @@ BARS = {"before": "as it was", "predicted": "predicted by the budget", "again": 
 def budget_figure(found: BudgetResult) -> Figure:
     """Returns the budget of x, v and F over time; below, for a removed cause, errors before, predicted and actual."""
     taken = found.take_away()
-    figure = make_figure(WIDTH, HEIGHT + (MORE if taken else 0), _title(found.result))
+    figure = make_figure(WIDTH, HEIGHT + (MORE if taken else 0), _figure_title(found.result))
     places = figure.add_gridspec(2 if taken else 1, 3, height_ratios=(HEIGHT, MORE) if taken else (1,))
     draw_budget([figure.add_subplot(places[0, k]) for k in range(len(FIELDS))], found.result.series)
     if taken:
         for k, field in enumerate(FIELDS):
-            _bars(figure.add_subplot(places[1, k]), taken, field, named=k == 0)
-    name_causes(figure)
+            _draw_removal_bars(figure.add_subplot(places[1, k]), taken, field, named=k == 0)
+    add_cause_legend(figure)
     return figure
 
 
@@ -53,14 +53,14 @@ def draw_budget(panels: Sequence[Axes], series: Mapping[str, np.ndarray]) -> Non
         axes.set_title(f"Error of {field}, RMS{made}")
         axes.margins(x=0)
         if UNITS[field]:
-            in_sizes(axes.yaxis, UNITS[field])
+            format_size_axis(axes.yaxis, UNITS[field])
         else:
             axes.yaxis.set_major_locator(MaxNLocator(FEW, steps=[1, 2, 2.5, 5, 10]))
             axes.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:.3g}".replace("-", "\u2212")))
-        in_sizes(axes.xaxis, "s", few=False)
+        format_size_axis(axes.xaxis, "s", few=False)
 
 
-def name_causes(figure: Figure, where: Literal["upper", "lower"] = "upper") -> None:
+def add_cause_legend(figure: Figure, where: Literal["upper", "lower"] = "upper") -> None:
     """Adds a legend of the causes' colours at the upper or lower edge of a figure, and a caption."""
     handles = [Patch(color=COLOURS[cause].light, label=name) for cause, name in CAUSES.items()]
     figure.legend(handles=handles, loc="outside upper right" if where == "upper" else "outside lower right",
@@ -69,7 +69,7 @@ def name_causes(figure: Figure, where: Literal["upper", "lower"] = "upper") -> N
     figure.supxlabel("\n".join(words), x=0.012, ha="left", fontsize=10, color=INK2)
 
 
-def _bars(axes: Axes, taken: dict, field: str, named: bool) -> None:
+def _draw_removal_bars(axes: Axes, taken: dict, field: str, named: bool) -> None:
     """Draws the error before, as predicted without the cause, and actual, in per cent of that before."""
     before = taken["before"][field] or 1.0
     shares = [100 * (taken[key][field] or 0.0) / before for key in BARS]
@@ -83,10 +83,10 @@ def _bars(axes: Axes, taken: dict, field: str, named: bool) -> None:
     axes.grid(False)
 
 
-def _title(result: Result) -> str:
+def _figure_title(result: Result) -> str:
     scene = result.scene
     lp = ", linearity preserving" if scene.linearity_preserving else ""
-    swing = f"A = {scene.amplitude:g} m" if "amplitude" in scene.moved_by else motion_text(scene)
+    swing = f"A = {scene.amplitude:g} m" if "amplitude" in scene.motion_fields else motion_text(scene)
     said = [f"Who made this error? {scene.problem.capitalize()}, {method_name(scene.method)}{lp} · {scene.cells} cells "
             f"· {swing} · body force {scene.body_force}"]
     values = result.budget

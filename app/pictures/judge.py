@@ -10,15 +10,15 @@ from matplotlib.figure import Figure
 
 from app.colours import COLOUR_MAP, ESTIMATE, INK, METHOD_COLOURS, METHOD_MARKS, TRUTH
 from app.renderers import panel_style
-from app.renderers.panel_style import positive_or_gap, subsample_indices, write_note
-from app.renderers.picture_style import in_sizes
+from app.renderers.panel_style import positive_or_gap, random_subsample_indices, write_note
+from app.renderers.picture_style import format_size_axis
 from app.words import QUANTITIES, method_name
 from solvers.judging.check import MotionCheck
 from solvers.judging.error_norms import QUANTITIES as JUDGED
-from solvers.judging.error_norms import norm_series, sizes
+from solvers.judging.error_norms import error_magnitudes, norm_series
 from solvers.judging.findings.neighbours import departures
 from solvers.judging.judgement import GridJudgement, Judgement
-from solvers.solver.error_norms import largest
+from solvers.solver.error_norms import largest_finite_or_none
 
 THEIRS = INK
 MARKS = "os^Dv"
@@ -31,19 +31,19 @@ def norms_figure(judged: Judgement) -> Figure:
         for k, g in enumerate(judged.grids):
             _draw_norms(axes, g, q, k, len(judged.grids))
         axes.set_title(f"Error of {QUANTITIES[q]}" + ", RMS over particles" * (q == JUDGED[0]))
-        if _says_nothing(axes):
+        if _note_if_nothing_to_show(axes):
             continue
         axes.set_yscale("log")
-        in_sizes(axes.yaxis, QUANTITIES[q].unit)
+        format_size_axis(axes.yaxis, QUANTITIES[q].unit)
     first = figure.axes[0]
     if first.get_legend_handles_labels()[0]:
         figure.legend(*first.get_legend_handles_labels(), loc="outside lower center", ncols=4)
     figure.axes[-1].set_xlabel("time t")
-    in_sizes(figure.axes[-1].xaxis, "s", few=False)
+    format_size_axis(figure.axes[-1].xaxis, "s", few=False)
     return figure
 
 
-def _says_nothing(axes: Axes) -> bool:
+def _note_if_nothing_to_show(axes: Axes) -> bool:
     """Whether nothing drawn can be shown on a logarithmic axis; then writes a note."""
     if any(np.isfinite(line.get_ydata()).any() for line in axes.lines):
         return False
@@ -55,7 +55,7 @@ def _says_nothing(axes: Axes) -> bool:
 def _draw_norms(axes: Axes, g: GridJudgement, q: str, k: int, count: int) -> None:
     shade = 1.0 if count == 1 else 0.35 + 0.65 * (k + 1) / count
     mark = MARKS[k % len(MARKS)] if len(g.grid.times) <= 12 else None
-    lines = [("truth", norm_series(g.true)[q], TRUTH, "-")] if g.true else []
+    lines = [("truth", norm_series(g.true_errors)[q], TRUTH, "-")] if g.true_errors else []
     lines.append(("companion", norm_series(g.companion_errors)[q], ESTIMATE, "--"))
     for label, values, colour, style in lines:
         moved = g.grid.times > 0  # the initial error is round-off, far below all others
@@ -65,24 +65,29 @@ def _draw_norms(axes: Axes, g: GridJudgement, q: str, k: int, count: int) -> Non
                       linewidth=1.4, label=f"{label}, {g.grid.cells} cells")
 
 
-def space_figure(judged: Judgement) -> Figure | None:
+def spatial_error_figure(judged: Judgement) -> Figure | None:
     """Returns the finest grid's particles at the time of their largest error of x: along the bar, or in the plane."""
     g = judged.grids[-1]
     worst = g.worst("x")
     if worst is None:
         return None
-    frame, errors = next((f, e) for f, e in zip(g.grid.frames, g.best, strict=True) if f.time == worst.time)
-    size = sizes(errors["x"])
-    few = np.union1d(subsample_indices(len(size)), [int(np.argmax(size))])
+    frame, errors = next((f, e) for f,
+                         e in zip(g.grid.frames, g.best_known_errors, strict=True) if f.time == worst.time)
+    size = error_magnitudes(errors["x"])
+    few = np.union1d(random_subsample_indices(len(size)), [int(np.argmax(size))])
     X, x, shown = frame.material_position[few], frame.position[few], size[few]
-    alone = np.isin(few, g.gaps.which) if g.gaps and g.gaps.frame.time == frame.time else np.zeros(len(few), bool)
+    alone = (
+        np.isin(few, g.position_outliers.which)
+        if g.position_outliers and g.position_outliers.frame.time == frame.time
+        else np.zeros(len(few), bool)
+    )
     figure = Figure(figsize=(10, 4) if X.shape[1] == 1 else (10, 8.5), layout="constrained")
     axes = figure.subplots()
     axes.set_title(f"Error of x at t = {frame.time:.4g} s, {g.grid.cells} cells")
     if X.shape[1] == 1:
         axes.scatter(X[:, 0], shown, s=10, color=THEIRS, linewidths=0)
         axes.set(xlabel="material position X", ylim=(0, 1.1 * float(shown.max()) or 1))
-        in_sizes(axes.yaxis, "m")
+        format_size_axis(axes.yaxis, "m")
         ring = axes.scatter(X[alone, 0], shown[alone], s=60, facecolors="none", edgecolors=ESTIMATE)
     else:
         top = Normalize(0.0, float(shown.max()) or 1.0)
@@ -90,10 +95,10 @@ def space_figure(judged: Judgement) -> Figure | None:
                               s=float(np.clip(40_000 / len(few), 2, 40)))
         axes.set(xlabel="x", ylabel="y", aspect="equal")
         axes.grid(axis="both")
-        in_sizes(axes.yaxis, "m", few=False)
-        panel_style.colour_bar(figure, points, axes, "error of x", "m", aspect=60)
+        format_size_axis(axes.yaxis, "m", few=False)
+        panel_style.add_colour_bar(figure, points, axes, "error of x", "m", aspect=60)
         ring = axes.scatter(x[alone, 0], x[alone, 1], s=60, facecolors="none", edgecolors=ESTIMATE)
-    in_sizes(axes.xaxis, "m", few=False)
+    format_size_axis(axes.xaxis, "m", few=False)
     if alone.any():
         ring.set_label("not where the neighbours are")
         axes.legend(loc="upper right")
@@ -108,12 +113,12 @@ def order_figure(judged: Judgement) -> Figure | None:
     figure = Figure(figsize=(11, 4.2), layout="constrained")
     for axes, q in zip(figure.subplots(1, len(JUDGED)), JUDGED, strict=True):
         h = [g.scene.spacing for g in judged.grids]
-        here = np.array([largest(g.norms[q]) for g in judged.grids], dtype=float)  # None becomes NaN
+        here = np.array([largest_finite_or_none(g.norms[q]) for g in judged.grids], dtype=float)  # None becomes NaN
         axes.plot(h, positive_or_gap(here), "o-", color=THEIRS, linewidth=2, markersize=7, label="these particles")
         lines: dict[tuple[str, bool], list[tuple[float, float]]] = {}
         for g in judged.grids:
             for run in g.ours:
-                if run.status == "ok" and (value := largest(run.norms[q])):
+                if run.status == "ok" and (value := largest_finite_or_none(run.norms[q])):
                     name = run.scene.method, run.scene.linearity_preserving
                     lines.setdefault(name, []).append((g.scene.spacing, value))
         for (method, lp), at in lines.items():
@@ -121,33 +126,33 @@ def order_figure(judged: Judgement) -> Figure | None:
                       markersize=5, linestyle="--" if lp else "-", alpha=0.8,
                       label=f"our {method_name(method)}{', linearity preserving' * lp}")
         axes.set(xlabel="cell size h", title=f"Largest error of {QUANTITIES[q].symbol}")
-        if _says_nothing(axes):
+        if _note_if_nothing_to_show(axes):
             axes.set_xticks([])
             continue
         axes.set(xscale="log", yscale="log")
         axes.grid(axis="both")
         if len(set(h)) == 1:
             axes.set_xlim(h[0] / 1.5, h[0] * 1.5)
-        in_sizes(axes.xaxis, "m")
-        in_sizes(axes.yaxis, QUANTITIES[q].unit)
+        format_size_axis(axes.xaxis, "m")
+        format_size_axis(axes.yaxis, QUANTITIES[q].unit)
     figure.legend(*figure.axes[0].get_legend_handles_labels(), loc="outside lower center", ncols=4)
     return figure
 
 
 FIGURES: dict[str, Callable[[Judgement], Figure | None]] = {
-    "norms": norms_figure, "space": space_figure, "order": order_figure}
+    "norms": norms_figure, "space": spatial_error_figure, "order": order_figure}
 
 
-def places_figure(checked: MotionCheck) -> Figure | None:
+def motion_check_figure(checked: MotionCheck) -> Figure | None:
     """Returns displacements (1D) or positions at the first contradiction, else at the end; None without neighbours."""
     motion = checked.motion.representative_part
-    if motion.near is None:
+    if motion.neighbourhood is None:
         return None
     named = [one for one in checked.contradictions if one.time is not None and one.particle is not None]
     moment = int(np.argmin(np.abs(motion.times - named[0].time))) if named else len(motion.times) - 1
     with np.errstate(all="ignore"):
-        far = np.nan_to_num(departures(motion.near, motion.x[moment] - motion.reference), posinf=0.0)
-    few = subsample_indices(len(far))
+        far = np.nan_to_num(departures(motion.neighbourhood, motion.x[moment] - motion.reference), posinf=0.0)
+    few = random_subsample_indices(len(far))
     figure = Figure(figsize=(10, 4.5) if motion.dimensions == 1 else (10, 8), layout="constrained")
     axes = figure.subplots()
     axes.set_title(f"Particles at t = {motion.times[moment]:.4g} s, verdict: {checked.verdict}")
@@ -164,10 +169,10 @@ def places_figure(checked: MotionCheck) -> Figure | None:
         axes.scatter(along[who], across[who], s=80, facecolors="none", edgecolors=ESTIMATE, label="named in the report")
         axes.legend(loc="upper right")
     axes.grid(axis="both")
-    in_sizes(axes.xaxis, "m", few=False)
-    in_sizes(axes.yaxis, "m", few=False)
-    panel_style.colour_bar(figure, points, axes, "from a plane through the neighbours", "m", aspect=60)
+    format_size_axis(axes.xaxis, "m", few=False)
+    format_size_axis(axes.yaxis, "m", few=False)
+    panel_style.add_colour_bar(figure, points, axes, "from a plane through the neighbours", "m", aspect=60)
     return figure
 
 
-CHECKED: dict[str, Callable[[MotionCheck], Figure | None]] = {"places": places_figure}
+CHECKED: dict[str, Callable[[MotionCheck], Figure | None]] = {"places": motion_check_figure}

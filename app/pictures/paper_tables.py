@@ -10,10 +10,10 @@ from matplotlib.ticker import FixedFormatter, FixedLocator, LogLocator, NullForm
 
 from app.colours import ESTIMATE_INK, INK, INK3, TRUTH
 from app.renderers.panel_style import Look, line_style, write_note
-from app.renderers.picture_style import in_sizes, make_figure
+from app.renderers.picture_style import format_size_axis, make_figure
 from app.words import EXTRA_NORMS, QUANTITIES, method_name, with_unit
 from solvers.scene.estimator_registry import ESTIMATORS
-from solvers.study.tables.paper_tables import format_round
+from solvers.study.tables.paper_tables import format_round_number
 from solvers.study.tables.table_runs import rows_by_part
 
 PAPER: Look = dict(color=INK, marker="x", markersize=7, markeredgewidth=1.6, linestyle="none",
@@ -28,48 +28,50 @@ LEAST_SPAN, MOST_SPAN = (0.3, 3.0), (0.003, 2000.0)  # of the axis of an index
 def table_figure(table: dict) -> Figure:
     width, height = {"1": (15, 19), "2": (13, 12), "3": (20, 12.5)}[table["table"]]
     whole = make_figure(width, height, f"{table['title']}\n{table['caption']}")
-    draw = {"1": (_bar_errors, _indices), "2": (_ring_errors,), "3": (_indices,)}[table["table"]]
+    draw = {"1": (_draw_bar_errors, _draw_index_panels), "2": (_draw_ring_errors,),
+            "3": (_draw_index_panels,)}[table["table"]]
     places = whole.add_gridspec(len(draw), 1, height_ratios=(1, 1.75)[:len(draw)], hspace=0.03)
     for k, part in enumerate(draw):
         part(whole.add_subfigure(places[k]), table)
     return whole
 
 
-def _bar_errors(figure: SubFigure, table: dict) -> None:
+def _draw_bar_errors(figure: SubFigure, table: dict) -> None:
     """Draws a row of panels per case, with both variants of the force in each panel."""
-    cases = _group("modulus", table["rows"])
+    cases = _group_rows("modulus", table["rows"])
     axes = figure.subplots(len(cases), 3, squeeze=False)
     for across, (modulus, rows) in zip(axes, cases.items(), strict=True):
-        forces, amplitude = _group("body_force", rows), rows[0]["inputs"]["amplitude"]
+        forces, amplitude = _group_rows("body_force", rows), rows[0]["inputs"]["amplitude"]
         series = {"ours, force at nodes": forces["node"], "ours, force at material points": forces["material"]}
         for panel, key in zip(across, ("x", "v", "sigma_log"), strict=True):
             _draw_errors(panel, series, key)
-        across[1].set_title(f"E = {modulus:g} Pa, A = {format_round(amplitude)} m: largest RMS error over time",
+        across[1].set_title(f"E = {modulus:g} Pa, A = {format_round_number(amplitude)} m: largest RMS error over time",
                             loc="center")
-    _legend(figure, axes[0, 0])
+    _add_legend(figure, axes[0, 0])
 
 
-def _ring_errors(figure: SubFigure, table: dict) -> None:
+def _draw_ring_errors(figure: SubFigure, table: dict) -> None:
     """Draws a column of panels per method, with both set-ups in each panel."""
-    methods = _group("method", table["rows"])
+    methods = _group_rows("method", table["rows"])
     axes = figure.subplots(3, len(methods), squeeze=False, sharey="row")
     for panels, method in zip(axes.T, methods, strict=True):
-        series = {part: _group("method", rows)[method] for part, rows in rows_by_part(table).items()}
+        series = {part: _group_rows("method", rows)[method] for part, rows in rows_by_part(table).items()}
         for panel, key in zip(panels, ("x", "v", "a_nodes"), strict=True):
             _draw_errors(panel, series, key)
         panels[0].set_title(method_name(method))
     for panel in axes[:, 1:].flat:
         panel.set_ylabel("")
-    _legend(figure, axes[0, 0], columns=1)
+    _add_legend(figure, axes[0, 0], columns=1)
 
 
-def _indices(figure: SubFigure, table: dict) -> None:
+def _draw_index_panels(figure: SubFigure, table: dict) -> None:
     """Draws a row of panels for each quantity and a column for each part or method; a row shares its axis."""
     if table["table"] == "1":
         columns = {"\n".join(part.rsplit(", ", 1)): rows for part, rows in rows_by_part(table).items()}
     else:
         columns = {"\n".join([method_name(method), *part.partition(" (")[0].rsplit(", ", 1)]): rows
-                   for part, found in rows_by_part(table).items() for method, rows in _group("method", found).items()}
+                   for part, found in rows_by_part(table).items() for method,
+                   rows in _group_rows("method", found).items()}
     known = [quantity for quantity in QUANTITIES if any(_has_index(row, quantity) for row in table["rows"])]
     if not known:
         write_note(figure.subplots(), "no estimator gives an index here")
@@ -86,11 +88,11 @@ def _indices(figure: SubFigure, table: dict) -> None:
         outer = next(panel for panel in across if panel.axison)
         outer.set(yscale="log", ylim=(bottom, high), ylabel=f"index of {name}")
         outer.tick_params(labelleft=True)
-        _number(outer)
+        _format_log_ticks(outer)
     for panels in axes.T:
         for panel in [panel for panel in panels if panel.axison][-1:]:
             panel.set_xlabel("cells")
-    _legend(figure, next(panel for panel in axes.flat if panel.axison))
+    _add_legend(figure, next(panel for panel in axes.flat if panel.axison))
 
 
 def _has_index(row: dict, quantity: str) -> bool:
@@ -99,7 +101,7 @@ def _has_index(row: dict, quantity: str) -> bool:
     return ours or bool(row["paper"].get(f"index_{quantity}"))
 
 
-def _group(name: str, rows: list[dict]) -> dict[Any, list[dict]]:
+def _group_rows(name: str, rows: list[dict]) -> dict[Any, list[dict]]:
     """Groups rows by the value of an input, in order."""
     values = dict.fromkeys(row["inputs"][name] for row in rows)
     return {value: [row for row in rows if row["inputs"][name] == value] for value in values}
@@ -109,15 +111,15 @@ def _draw_errors(axes: Axes, series: dict[str, list[dict]], key: str) -> None:
     """Draws errors against h on logarithmic axes: ours, the paper's, and slopes of first and second order."""
     axes.set(xscale="log", yscale="log")
     for style, (label, rows) in zip(OURS, series.items(), strict=False):
-        axes.plot(*_points((row["h"], row["ours"][key]) for row in rows), label=label, **style)
+        axes.plot(*_known_points((row["h"], row["ours"][key]) for row in rows), label=label, **style)
     rows = next(iter(series.values()))
-    axes.plot(*_points((row["h"], row["paper"][key]) for row in rows), **PAPER)
+    axes.plot(*_known_points((row["h"], row["paper"][key]) for row in rows), **PAPER)
     spacings = sorted({row["h"] for row in rows})
-    _ticks(axes, {h: with_unit(h, "m") for h in spacings})
+    _set_ticks(axes, {h: with_unit(h, "m") for h in spacings})
     quantity = (QUANTITIES | EXTRA_NORMS)[key]
     axes.set(xlim=(spacings[0] / 1.25, spacings[-1] * 1.45), xlabel="cell size h", ylabel=f"error of {quantity.symbol}")
     _draw_slopes(axes, spacings[-1])
-    in_sizes(axes.yaxis, quantity.unit)
+    format_size_axis(axes.yaxis, quantity.unit)
 
 
 def _draw_slopes(axes: Axes, largest: float) -> None:
@@ -146,38 +148,39 @@ def _draw_indices(panels: list[Axes], rows: list[dict], quantities: list[str]) -
         axes.axhline(1.0, color=TRUTH, linewidth=1.2, label="1, perfect")
         silent = []
         for k, name in enumerate(rows[0]["estimators"]):
-            points = _points((row["inputs"]["cells"], row["estimators"][name]["index"][quantity]) for row in rows)
+            points = _known_points((row["inputs"]["cells"], row["estimators"][name]["index"][quantity]) for row in rows)
             silent += [name] * (not points[1])
             look = ESTIMATORS[name]
             axes.plot(*points, color=look.colour, linestyle=line_style(name), marker=look.symbol, markersize=5.5,
                       markerfacecolor="white" if k % 2 else look.colour, linewidth=1.3, label=look.title)
-        axes.plot(*_points((row["inputs"]["cells"], row["paper"].get(f"index_{quantity}")) for row in rows), **PAPER)
-        _ticks(axes, {n: str(n) for n in cells})
+        axes.plot(*_known_points((row["inputs"]["cells"], row["paper"].get(f"index_{quantity}")) for row in rows),
+                  **PAPER)
+        _set_ticks(axes, {n: str(n) for n in cells})
         if silent:
             axes.text(0.03, 0.04, f"no index: {', '.join(silent)}", transform=axes.transAxes, fontsize=9.5,
                       color=ESTIMATE_INK)
 
 
-def _number(axes: Axes) -> None:
+def _format_log_ticks(axes: Axes) -> None:
     """Formats ticks of a logarithmic axis: 1, 2, 5 if it is short, else powers of ten."""
     low, high = axes.get_ylim()
     axes.yaxis.set_major_locator(LogLocator(subs=(1, 2, 5) if high / low < 60 else (1,)))
-    axes.yaxis.set_major_formatter(lambda value, _: format_round(value))
+    axes.yaxis.set_major_formatter(lambda value, _: format_round_number(value))
     axes.yaxis.set_minor_formatter(NullFormatter())
 
 
-def _ticks(axes: Axes, labels: Mapping[float, str]) -> None:
+def _set_ticks(axes: Axes, labels: Mapping[float, str]) -> None:
     """Sets the only ticks of the horizontal axis; ``set_xticks`` would change its limits."""
     axes.xaxis.set_major_locator(FixedLocator(list(labels)))
     axes.xaxis.set_minor_locator(NullLocator())
     axes.xaxis.set_major_formatter(FixedFormatter(list(labels.values())))
 
 
-def _legend(figure: SubFigure, axes: Axes, columns: int = 7) -> None:
+def _add_legend(figure: SubFigure, axes: Axes, columns: int = 7) -> None:
     figure.legend(*axes.get_legend_handles_labels(), loc="outside upper center", ncols=columns)
 
 
-def _points(points: Iterable[tuple[float, float | None]]) -> tuple[list[float], list[float]]:
+def _known_points(points: Iterable[tuple[float, float | None]]) -> tuple[list[float], list[float]]:
     """Returns abscissae and values of the points that have a value."""
     known = [(x, y) for x, y in points if y]
     return [x for x, _ in known], [y for _, y in known]

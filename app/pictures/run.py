@@ -13,16 +13,16 @@ from matplotlib.figure import Figure
 
 from app.colours import ESTIMATE_INK, INK3, TRUTH
 from app.frame.captions import NOTHING_TO_SHOW
-from app.pictures.budget import draw_budget, name_causes
+from app.pictures.budget import add_cause_legend, draw_budget
 from app.problems.views import VIEWS
 from app.renderers.panel_style import estimator_styles, positive_or_gap, write_note
-from app.renderers.picture_style import ESTIMATE_WIDTH, TRUTH_WIDTH, in_sizes, make_figure, name_ends
+from app.renderers.picture_style import ESTIMATE_WIDTH, TRUTH_WIDTH, format_size_axis, label_curve_ends, make_figure
 from app.words import QUANTITIES, method_name, motion_text, particles_per_cell, unit_of
 from solvers.running.result import Result
 from solvers.scene.error_causes import FIELDS
 from solvers.solver import budget
-from solvers.solver.error_norms import RunningIndex
-from solvers.solver.rounding import rounding
+from solvers.solver.error_norms import RunningEffectivityIndex
+from solvers.solver.rounding import largest_rounding_error
 
 DOTS_PER_INCH = 110
 WIDTH, MIN_SHARE = 12.5, 0.3  # inches; least height of bodies side by side over that of one
@@ -43,7 +43,7 @@ def run_figure(result: Result) -> Figure:
         upper, lower = height / (1 + lower), lower * (MIN_SHARE + (1 - MIN_SHARE) / several)
         height = upper * (1 + lower)
     divided = result.scene.has("budget") and budget.why_not_valid(result.series) is None
-    figure = make_figure(WIDTH, height + MADE * divided, _title(result))
+    figure = make_figure(WIDTH, height + MADE * divided, _figure_title(result))
     places = figure.add_gridspec(2 + divided, 2, height_ratios=(1, lower, MADE * (1 + lower) / height)[:2 + divided])
     norms = places[0, 0].subgridspec(len(DRAWN), 1).subplots(squeeze=False)[:, 0]
     index, space = places[0, 1].subgridspec(2, 1).subplots(squeeze=False)[:, 0]
@@ -52,10 +52,10 @@ def run_figure(result: Result) -> Figure:
         axes.tick_params(labelbottom=axes is norms[-1])
     norms[-1].set_xlabel("time t")
     _draw_index(index, result)
-    view.draw(figure, space, places[1, :], result)
+    view.draw_picture(figure, space, places[1, :], result)
     if divided:
         draw_budget(places[2, :].subgridspec(1, len(FIELDS)).subplots(squeeze=False)[0], result.series)
-        name_causes(figure, "lower")
+        add_cause_legend(figure, "lower")
     return figure
 
 
@@ -69,11 +69,11 @@ def save_png(result: Result, path: str) -> None:
     Path(path).write_bytes(png_bytes(run_figure(result)))
 
 
-def _title(result: Result) -> str:
+def _figure_title(result: Result) -> str:
     scene = result.scene
     lp = ", linearity preserving" if scene.linearity_preserving else ""
     layout = scene.to_dict().get("layout")
-    swing = f"A = {scene.amplitude:g} {unit_of(type(scene), 'amplitude')}" if "amplitude" in scene.moved_by \
+    swing = f"A = {scene.amplitude:g} {unit_of(type(scene), 'amplitude')}" if "amplitude" in scene.motion_fields \
         else motion_text(scene)
     first = (f"{scene.problem.capitalize()}, {method_name(scene.method)}{lp} · {scene.cells} cells "
              f"(h = {scene.spacing:.3g} m) · {particles_per_cell(scene.problem, scene.ppc)}"
@@ -94,11 +94,11 @@ def _draw_norm(axes: Axes, result: Result, quantity: str) -> None:
         if np.isfinite(values).any():
             width = ESTIMATE_WIDTH if drawn or name != "true" else TRUTH_WIDTH
             axes.plot(result.series["time"], values, color=colour, linestyle=style, linewidth=width, label=label,
-                      marker=_marker(values), markersize=4)
+                      marker=_marker_if_few_samples(values), markersize=4)
             drawn.append((name, values, colour))
-    _time_axis(axes, result)
+    _set_time_axis(axes, result)
     axes.set_title(f"Error of {QUANTITIES[quantity]}" + ", RMS over particles" * (quantity == "x"))
-    silent = _not_estimated(result, quantity)
+    silent = _estimators_without_quantity(result, quantity)
     if not drawn:
         axes.set_yticks([])
         write_note(axes,
@@ -111,8 +111,8 @@ def _draw_norm(axes: Axes, result: Result, quantity: str) -> None:
     values = np.concatenate([values for _, values, _ in drawn])
     low = float(np.nanpercentile(values, 2)) / 2  # the first errors, which start at zero, may be below
     axes.set(yscale="log", ylim=(low, min(2 * float(np.nanmax(values)), low * 10.0**MOST_DECADES)))
-    in_sizes(axes.yaxis, QUANTITIES[quantity].unit)
-    name_ends(axes, drawn, apart=0.17)
+    format_size_axis(axes.yaxis, QUANTITIES[quantity].unit)
+    label_curve_ends(axes, drawn, apart=0.17)
 
 
 def _draw_index(axes: Axes, result: Result) -> None:
@@ -128,17 +128,18 @@ def _draw_index(axes: Axes, result: Result) -> None:
         for quantity, style in INDEX_STYLES.items():
             symbol = QUANTITIES[quantity].symbol
             estimated, true = result.series[f"{name}/estimate_{quantity}"], result.series[f"error_{quantity}"]
-            ratio = RunningIndex().extend(estimated, true, rounding(result.scene, quantity, result.steps))
+            ratio = RunningEffectivityIndex().extend(estimated, true,
+                                                     largest_rounding_error(result.scene, quantity, result.steps))
             ratio = np.where(np.isfinite(ratio), ratio, np.nan)
             if not np.isfinite(ratio).any():
-                silent += [f"{symbol} by {name}"] * (name in _not_estimated(result, quantity))
+                silent += [f"{symbol} by {name}"] * (name in _estimators_without_quantity(result, quantity))
                 continue
             highest = max(highest, float(np.nanpercentile(ratio, 90)))
             axes.plot(result.series["time"], ratio, color=colour if several else INDEX_COLOUR,
                       linestyle=style, linewidth=1.4, label=f"{symbol} ({name})" if several else symbol,
-                      marker=_marker(ratio), markersize=4)
+                      marker=_marker_if_few_samples(ratio), markersize=4)
             drawn.append((f"{symbol} {name}" if several else symbol, ratio, colour if several else INK3))
-    _time_axis(axes, result)
+    _set_time_axis(axes, result)
     if not axes.get_legend_handles_labels()[0]:
         axes.set_yticks([])
         rounded = set(result.rounding) >= set(INDEX_STYLES) and bool(result.scene.active_estimators)
@@ -146,25 +147,25 @@ def _draw_index(axes: Axes, result: Result) -> None:
                    "nothing to show: the index needs an estimate and a true error")
         return
     axes.set_ylim(0, 1.35 * min(highest, HIGHEST_INDEX))
-    in_sizes(axes.yaxis, "")
+    format_size_axis(axes.yaxis, "")
     if silent:
         axes.text(0.99, 0.97, f"not estimated: {', '.join(silent)}", transform=axes.transAxes, fontsize=9.5,
                   color=ESTIMATE_INK, va="top", ha="right")
-    name_ends(axes, drawn, apart=0.11)
+    label_curve_ends(axes, drawn, apart=0.11)
 
 
-def _not_estimated(result: Result, quantity: str) -> list[str]:
+def _estimators_without_quantity(result: Result, quantity: str) -> list[str]:
     """Returns the active estimators that do not estimate a quantity."""
     return [name for name in result.scene.active_estimators
             if np.isnan(result.series[f"{name}/estimate_{quantity}"]).all()]
 
 
-def _marker(values: np.ndarray) -> str | None:
+def _marker_if_few_samples(values: np.ndarray) -> str | None:
     return "o" if np.isfinite(values).sum() <= FEW_SAMPLES else None
 
 
-def _time_axis(axes: Axes, result: Result) -> None:
+def _set_time_axis(axes: Axes, result: Result) -> None:
     """Sets the time axis to the whole run, with a margin for markers at its ends."""
     end = float(result.series["time"][-1]) or result.scene.time_step
     axes.set_xlim(-0.02 * end, 1.02 * end)
-    in_sizes(axes.xaxis, "s", few=False)
+    format_size_axis(axes.xaxis, "s", few=False)

@@ -15,7 +15,7 @@ from app.colours import ESTIMATE_INK, INK, INK2, INK3, LINE2, METHOD_COLOURS, ME
 from app.pictures import study_parts as parts
 from app.pictures.run import DRAWN
 from app.renderers.panel_style import Look, write_note
-from app.renderers.picture_style import SizeFormatter, in_sizes
+from app.renderers.picture_style import SizeFormatter, format_size_axis
 from app.words import METHODS, QUANTITIES
 from solvers.solver.soundness import BROKEN, OK
 from solvers.study.convergence import Series, completed_rows, error_of, fit_space_time, pareto
@@ -34,7 +34,7 @@ NEITHER = "not a sum of space and time error"
 BALANCE_LOOK: Look = {"marker": "*", "markersize": 15, "markeredgecolor": INK, "linestyle": "none"}
 
 
-def error_time_figure(rows: Sequence[dict]) -> Figure:
+def error_run_time_figure(rows: Sequence[dict]) -> Figure:
     """Returns error against seconds, with the Pareto front; lower left is better."""
     title = "What accuracy costs: error against time"
     cells = sorted({row["scene"]["cells"] for row in completed_rows(rows)})
@@ -44,7 +44,7 @@ def error_time_figure(rows: Sequence[dict]) -> Figure:
     lines = parts.series_styles(rows)
     if 1 < len(cells) <= MOST_NAMED:
         title += f"; from left to right along a line: {', '.join(map(str, cells))} cells"
-    figure, axes = parts.frame(title, 1, len(shown), (WIDTH, 5.6))
+    figure, axes = parts.make_panel_grid(title, 1, len(shown), (WIDTH, 5.6))
     for panel, quantity in zip(axes[0], shown, strict=True):
         points = [(row["seconds"]["min"], error) for row in completed_rows(rows)
                   if row["status"] == OK and (error := error_of(row, quantity))]
@@ -55,7 +55,7 @@ def error_time_figure(rows: Sequence[dict]) -> Figure:
         panel.set_xlabel("time of the bare run, shortest of the repeats")
         parts.set_log_axes(panel)
     front = Line2D([], [], **FRONT, label="Pareto front: no row has less error in less time")
-    parts.legend_below(figure, lines, [front])
+    parts.add_legend_below(figure, lines, [front])
     return figure
 
 
@@ -66,7 +66,7 @@ def error_spacing_figure(rows: Sequence[dict]) -> Figure:
     if not shown:
         return parts.empty_figure(title, NO_TRUTH)
     lines = parts.series_styles(rows)
-    figure, axes = parts.frame(title, 1, len(shown), (WIDTH, 6.2))
+    figure, axes = parts.make_panel_grid(title, 1, len(shown), (WIDTH, 6.2))
     for panel, quantity in zip(axes[0], shown, strict=True):
         parts.draw_errors(panel, lines, quantity, lambda row: row["h"], joined=False)
         spacings = sorted({row["h"] for row in completed_rows(rows)})
@@ -78,8 +78,8 @@ def error_spacing_figure(rows: Sequence[dict]) -> Figure:
             panel.text(0.03, 0.03, "one h only: no order to fit", transform=panel.transAxes, color=INK3)
         panel.set_xlabel("cell size h")
         parts.set_log_axes(panel, "m")
-        parts.ticks_at(panel, spacings, "m")
-    parts.legend_below(figure, lines)
+        parts.set_ticks_at(panel, spacings, "m")
+    parts.add_legend_below(figure, lines)
     return figure
 
 
@@ -92,7 +92,7 @@ def estimate_truth_figure(rows: Sequence[dict]) -> Figure:
                                if any(norms.get(quantity, {}).get("max") for quantity in shown)))
     if not names or not shown:
         return parts.empty_figure(title, NO_TRUTH if names else "no row has an estimate")
-    figure, axes = parts.frame(title, len(names), len(shown), (WIDTH, 1.3 + 3.1 * len(names)))
+    figure, axes = parts.make_panel_grid(title, len(names), len(shown), (WIDTH, 1.3 + 3.1 * len(names)))
     for line, name in zip(axes, names, strict=True):
         for panel, quantity in zip(line, shown, strict=True):
             _draw_agreement(panel, rows, name, quantity)
@@ -104,23 +104,23 @@ def estimate_truth_figure(rows: Sequence[dict]) -> Figure:
     return figure
 
 
-def cost_figure(rows: Sequence[dict]) -> Figure:
+def step_cost_figure(rows: Sequence[dict]) -> Figure:
     """Returns nanoseconds per particle-step of each method, and the extra cost of estimators and effects."""
     title = "What a run costs"
     rows = [row for row in completed_rows(rows) if row["status"] == OK and row["rate"]]
     if not rows:
         return parts.empty_figure(title, "no run stood to its end")
-    prices = _extra_prices(rows)
-    figure, axes = parts.frame(title, 1, 2, (WIDTH, max(4.6, 1.8 + 0.55 * len(prices))))
-    _draw_steps(axes[0, 0], rows)
-    _draw_extras(axes[0, 1], prices)
+    prices = _extra_costs(rows)
+    figure, axes = parts.make_panel_grid(title, 1, 2, (WIDTH, max(4.6, 1.8 + 0.55 * len(prices))))
+    _draw_step_costs(axes[0, 0], rows)
+    _draw_extra_costs(axes[0, 1], prices)
     handles = [*parts.method_handles(rows), Line2D([], [], color=INK3, marker="|", markersize=16, markeredgewidth=2.5,
                                                    linestyle="none", label="median")]
     figure.legend(handles=handles, loc="outside lower center", ncols=len(handles))
     return figure
 
 
-def error_step_figure(rows: Sequence[dict]) -> Figure:
+def error_time_step_figure(rows: Sequence[dict]) -> Figure:
     """Returns error against dt, a line per method and h, with the dt at which time and space error are equal."""
     title = "Time step: where the error of time and the error of space balance"
     lines = [entry for entry in parts.series_styles(rows,
@@ -130,13 +130,13 @@ def error_step_figure(rows: Sequence[dict]) -> Figure:
     shown = parts.known_quantities(rows, DRAWN)
     if not shown:
         return parts.empty_figure(title, NO_TRUTH)
-    figure, axes = parts.frame(title, 1, len(shown), (WIDTH, 6.0))
+    figure, axes = parts.make_panel_grid(title, 1, len(shown), (WIDTH, 6.0))
     for panel, quantity in zip(axes[0], shown, strict=True):
         _draw_balances(panel, lines, quantity)
     balanced = "time error = space error: shorter steps gain at most half"
     star = Line2D([], [], color=LINE2, label=balanced, **BALANCE_LOOK)
     fit = Line2D([], [], color=INK3, linewidth=1, linestyle="-", label="fit: space + c dt^p")
-    parts.legend_below(figure, lines, [fit, star])
+    parts.add_legend_below(figure, lines, [fit, star])
     return figure
 
 
@@ -234,7 +234,7 @@ def _draw_agreement(axes: Axes, rows: Sequence[dict], estimator: str, quantity: 
     parts.set_log_axes(axes, name.unit)
 
 
-def _extra_prices(rows: Sequence[dict]) -> dict[str, list[tuple[str, float]]]:
+def _extra_costs(rows: Sequence[dict]) -> dict[str, list[tuple[str, float]]]:
     """Returns (method, seconds added over the bare run's) of each estimator and effect; untimed ones are together."""
     prices: dict[str, list[tuple[str, float]]] = {}
     for row in rows:
@@ -248,7 +248,7 @@ def _extra_prices(rows: Sequence[dict]) -> dict[str, list[tuple[str, float]]]:
     return prices
 
 
-def _draw_steps(axes: Axes, rows: Sequence[dict]) -> None:
+def _draw_step_costs(axes: Axes, rows: Sequence[dict]) -> None:
     for method in METHODS:
         points = [(row["particles"], 1e-6 / row["rate"]) for row in rows if row["scene"]["method"] == method]
         if points:
@@ -258,11 +258,11 @@ def _draw_steps(axes: Axes, rows: Sequence[dict]) -> None:
     axes.set_xlabel("particles")
     parts.set_log_axes(axes, "")
     axes.set(yscale="linear", ylim=(0, 1.15 * max(1e-6 / row["rate"] for row in rows)))
-    in_sizes(axes.yaxis, "s")
-    parts.ticks_at(axes, sorted({row["particles"] for row in rows}))
+    format_size_axis(axes.yaxis, "s")
+    parts.set_ticks_at(axes, sorted({row["particles"] for row in rows}))
 
 
-def _draw_extras(axes: Axes, prices: dict[str, list[tuple[str, float]]]) -> None:
+def _draw_extra_costs(axes: Axes, prices: dict[str, list[tuple[str, float]]]) -> None:
     axes.set_title("On top of it, as a part of the bare run's time")
     # The range of most prices, so that a disturbed run does not compress the others; outliers are at the edge.
     low, high = np.percentile([100 * part for points in prices.values() for _, part in points], (10, 90))
@@ -288,5 +288,5 @@ def _draw_extras(axes: Axes, prices: dict[str, list[tuple[str, float]]]) -> None
 
 #: The pictures of a study by the names of their files.
 FIGURES: dict[str, Callable[[Sequence[dict]], Figure]] = {
-    "error-time": error_time_figure, "error-h": error_spacing_figure, "estimate-truth": estimate_truth_figure,
-    "cost": cost_figure, "error-dt": error_step_figure}
+    "error-time": error_run_time_figure, "error-h": error_spacing_figure, "estimate-truth": estimate_truth_figure,
+    "cost": step_cost_figure, "error-dt": error_time_step_figure}

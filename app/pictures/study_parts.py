@@ -14,14 +14,14 @@ from matplotlib.ticker import LogFormatterSciNotation, LogLocator, NullFormatter
 
 from app.colours import INK, INK3, LINE, LINE2, METHOD_COLOURS, METHOD_MARKS
 from app.renderers.panel_style import Look, write_note
-from app.renderers.picture_style import SizeFormatter, in_sizes, make_figure
+from app.renderers.picture_style import SizeFormatter, format_size_axis, make_figure
 from app.words import METHODS, QUANTITIES, method_name, unit_of, with_unit
 from solvers.problems import PROBLEMS
 from solvers.running.quantities_of_interest import SAFETY
 from solvers.scene.estimator_registry import ESTIMATORS
 from solvers.solver.soundness import BROKEN
 from solvers.study.convergence import Series, completed_rows, error_of, group_series
-from solvers.study.coverage.coverage_counts import FACTORS, INTERVALS, REGIMES, wilson
+from solvers.study.coverage.coverage_counts import FACTORS, INTERVALS, REGIMES, wilson_interval
 from solvers.study.stability import TREATMENTS, stayed_accurate, survived_periods, treatment_of
 
 LINE_STYLES = ("-", "--", ":", "-.")
@@ -33,13 +33,13 @@ TOP = 0.97  # position on the axes of unstable runs with a larger error or NaN
 UNSTABLE_LOOK: Look = {"marker": "x", "linestyle": "none", "markersize": 9, "markeredgewidth": 2.2}
 
 
-def frame(title: str, rows: int, columns: int, size: tuple[float, float]) -> tuple[Figure, np.ndarray]:
+def make_panel_grid(title: str, rows: int, columns: int, size: tuple[float, float]) -> tuple[Figure, np.ndarray]:
     figure = make_figure(*size, title)
     return figure, figure.subplots(rows, columns, squeeze=False)
 
 
 def empty_figure(title: str, sentence: str) -> Figure:
-    figure, axes = frame(title, 1, 1, (8.0, 2.5))
+    figure, axes = make_panel_grid(title, 1, 1, (8.0, 2.5))
     axes[0, 0].set_axis_off()
     write_note(axes[0, 0], f"nothing to show: {sentence}")
     return figure
@@ -92,7 +92,7 @@ def method_handles(rows: Iterable[dict]) -> list[Line2D]:
             for m in METHODS if m in there]
 
 
-def legend_below(figure: Figure, entries: Sequence[tuple[Series, Look]], extra: Sequence[Line2D] = ()) -> None:
+def add_legend_below(figure: Figure, entries: Sequence[tuple[Series, Look]], extra: Sequence[Line2D] = ()) -> None:
     """Adds one legend for all panels, below them."""
     shown, names = entries[:MOST_LEGEND_ENTRIES], {code: method.name for code, method in METHODS.items()}
     handles = [Line2D([], [], label=line.label(names), **look) for line, look in shown] + list(extra)
@@ -119,7 +119,7 @@ def set_log_axes(axes: Axes, unit: str = "s") -> None:
         axis.set_minor_formatter(NullFormatter())
 
 
-def ticks_at(axes: Axes, values: Sequence[float], unit: str = "") -> None:
+def set_ticks_at(axes: Axes, values: Sequence[float], unit: str = "") -> None:
     """Sets the abscissae as the only ticks, if they are few."""
     if len(values) <= MOST_TICKS:
         axes.set_xticks(values, [with_unit(value, unit) if unit else f"{value:,.6g}" for value in values])
@@ -135,7 +135,7 @@ def coverage_figure(counted: Sequence[Mapping]) -> Figure:
     """Returns, left, the shares of runs with an estimate of x within the smallest factor; right, of bars that held."""
     [one] = counted
     title = f"How often is it right? {one['runs']:,} runs of the {one['problem']}, drawn at random"
-    figure, axes = frame(title, 1, 2, (13.5, 5.2))
+    figure, axes = make_panel_grid(title, 1, 2, (13.5, 5.2))
     names = list(one["estimators"])
     left, right = axes[0]
 
@@ -147,10 +147,10 @@ def coverage_figure(counted: Sequence[Mapping]) -> Figure:
         found = [split["regime"][regime][bars[name]] for split in one["goals"].values()]
         return sum(goal["held"] for goal in found), sum(goal["runs"] for goal in found)
 
-    _rows(left, names, right_of)
+    _draw_coverage_rows(left, names, right_of)
     left.set_xlabel(f"runs with the estimate of x within a factor of {FACTORS[0]:g} of the truth, %")
     bars = {f"{SAFETY:g} × {name}": f"{SAFETY:g} x {name}" for name in names} | {name: name for name in INTERVALS}
-    _rows(right, list(bars), held_of)
+    _draw_coverage_rows(right, list(bars), held_of)
     right.axvline(PROMISED, color=INK, linewidth=1, linestyle=(0, (4, 3)))
     right.set_xlabel("bars around a number that hold the truth, %; dashed: the GCI's promise")
     handles = [left.plot([], [], symbol, color=INK3, label=f"particles move {regime}")[0]
@@ -159,7 +159,7 @@ def coverage_figure(counted: Sequence[Mapping]) -> Figure:
     return figure
 
 
-def _rows(axes: Axes, names: Sequence[str], counts: Callable[[str, str], tuple[int, int]]) -> None:
+def _draw_coverage_rows(axes: Axes, names: Sequence[str], counts: Callable[[str, str], tuple[int, int]]) -> None:
     """Draws a row per name, in it a marker with its interval per regime with runs."""
     for row, name in enumerate(names):
         known = [key for key in ESTIMATORS if name.endswith(key)]
@@ -167,7 +167,7 @@ def _rows(axes: Axes, names: Sequence[str], counts: Callable[[str, str], tuple[i
         for k, (symbol, regime) in enumerate(zip(SYMBOLS, REGIMES, strict=True)):
             held, of = counts(name, regime)
             if of:
-                low, high = wilson(held, of)
+                low, high = wilson_interval(held, of)
                 y = row + (k - 1) * SPREAD
                 axes.plot([100 * low, 100 * high], [y, y], color=colour, linewidth=1.5)
                 axes.plot([100 * held / of], [y], symbol, color=colour, markersize=6)
@@ -181,7 +181,7 @@ PANEL = (2.5, 2.0)  # inches
 SHORTEST = 0.1  # periods, at the dark end of the scale
 
 
-def stability_figure(rows: Sequence[dict]) -> Figure:
+def stability_map_figure(rows: Sequence[dict]) -> Figure:
     """Returns the stability map: bright runs lasted long, dark ones broke soon; a tick marks those that completed."""
     shown = completed_rows(rows)
     if not shown:
@@ -222,5 +222,5 @@ def stability_figure(rows: Sequence[dict]) -> Figure:
     bar = figure.colorbar(axes[0, 0].images[0], ax=list(axes.ravel()), location="bottom", aspect=100, pad=0.02,
                           label="periods")
     bar.outline.set_visible(False)
-    in_sizes(bar.ax.xaxis, "")
+    format_size_axis(bar.ax.xaxis, "")
     return figure

@@ -6,11 +6,11 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from app.frame.field_plot import PlotSettings
-from app.frame.planar import WHOLE, PlanarStage
+from app.frame.field_plot import FieldPlotDefinition
+from app.frame.planar_stage import WHOLE, PlanarStage
 from app.frame.primitives import Lines, Mark, join_points
 from app.language.translation import lazy, tr
-from app.problems.interface import BodyView, Regions
+from app.problems.interface import BodyKindView, MaterialRegions
 from solvers.engine.shared_frames import FrameArrays
 from solvers.problems.planar.circular import CircularScene
 
@@ -19,7 +19,7 @@ FULL = 2 * np.pi
 NO_BREAK = "\N{NO-BREAK SPACE}"
 
 
-class AnnulusRegions(NamedTuple):
+class AnnulusViewSettings(NamedTuple):
     """Settings of a quarter or whole ring: its regions, in so many ``angles`` from the x axis and ``shells`` from the
     inside, and its picture, in which the outer radius is about so many ``points`` long and dark ``lines`` are exact."""
 
@@ -32,12 +32,12 @@ class AnnulusRegions(NamedTuple):
 
 
 LOOKS = {
-    "quarter": AnnulusRegions(
+    "quarter": AnnulusViewSettings(
         6, (lazy("inner third, {low}–{high}°"), lazy("middle third, {low}–{high}°"),
             lazy("outer third, {low}–{high}°")),
         lazy("the quarter ring into 6 angles from the x axis on and 3 thirds of the wall"),
         (13.5, 0.85), 240.0, "exact surfaces"),
-    "whole": AnnulusRegions(
+    "whole": AnnulusViewSettings(
         8, (lazy("innermost fifth, {low}–{high}°"), lazy("inner fifth, {low}–{high}°"),
             lazy("middle fifth, {low}–{high}°"), lazy("outer fifth, {low}–{high}°"),
             lazy("outermost fifth, {low}–{high}°")),
@@ -50,32 +50,32 @@ class AnnulusStage(PlanarStage[CircularScene]):
 
     @staticmethod
     def max_radius(scene: CircularScene) -> float:
-        return scene.OUTER + _swell(scene)
+        return scene.OUTER + _outer_rim_displacement(scene)
 
     @staticmethod
-    def note(scene: CircularScene) -> str:
+    def scale_note(scene: CircularScene) -> str:
         h = f"h{NO_BREAK}={NO_BREAK}{scene.spacing:.3g}{NO_BREAK}m"
         return tr("outer radius {radius} at rest, {h}", radius=f"{scene.OUTER:g}{NO_BREAK}m", h=h)
 
     @staticmethod
     def max_stretch(scene: CircularScene) -> float:
-        return 1 + 0.5 * _swell(scene) / scene.OUTER
+        return 1 + 0.5 * _outer_rim_displacement(scene) / scene.OUTER
 
 
-class WholeStage(AnnulusStage):
+class WholeAnnulusStage(AnnulusStage):
     """Stage of a whole ring. Its quarters are alike, so half of it is enough for each of estimate and truth."""
 
     MIRRORS = OUTLINED = WHOLE
     LINES = SPOKES
 
     @staticmethod
-    def note(scene: CircularScene) -> str:
+    def scale_note(scene: CircularScene) -> str:
         if not scene.solution_known:
             return f"h = {scene.spacing:.3g} m"
         return tr("h = {h:.3g} m, blue: exact lines", h=scene.spacing)  # the plot shows its size
 
     @staticmethod
-    def exact_lines(scene: CircularScene, t: float, count: int) -> np.ndarray:
+    def exact_material_lines(scene: CircularScene, t: float, count: int) -> np.ndarray:
         angles, R = FULL * np.arange(count)[:, None] / SPOKES, np.linspace(scene.INNER, scene.OUTER, SPOKE_POINTS)
         X = np.stack([R * np.cos(angles), R * np.sin(angles)], axis=2)
         return scene.EXACT.position(scene, X.reshape(-1, 2), t).reshape(X.shape)
@@ -83,29 +83,30 @@ class WholeStage(AnnulusStage):
     def _moving_marks(self, scene: CircularScene, arrays: FrameArrays, estimated: np.ndarray, true: np.ndarray,
                       t: float, crossed: np.ndarray, age: np.ndarray) -> Iterator[Mark]:
         yield from super()._moving_marks(scene, arrays, estimated, true, t, crossed, age)
-        lines = self.exact_lines(scene, t, SPOKES * scene.solution_known)
+        lines = self.exact_material_lines(scene, t, SPOKES * scene.solution_known)
         x = self._to_stage(lines.reshape(-1, 2), 0.015).reshape(-1, SPOKE_POINTS, 3)
         yield Lines("spokes", join_points(x[:, :-1].reshape(-1, 3), x[:, 1:].reshape(-1, 3)),
-                    self._layout.bounds.palette.exact, 1.5)
+                    self._layout.stage_metrics.palette.exact, 1.5)
 
 
-def body_of(kind: type[Any]) -> BodyView:
+def annulus_body_view(kind: type[Any]) -> BodyKindView:
     """Returns the view of the body of a class of scenes."""
     whole = kind.ANGLE >= FULL
     look = LOOKS["whole" if whole else "quarter"]
-    base: type[AnnulusStage] = WholeStage if whole else AnnulusStage
-    plotted = PlotSettings(kind.INNER, kind.OUTER, (f"R = {kind.INNER:g} m", f"{kind.OUTER:g} m"), kind.exact_along,
-                           kind.PLOTTED)
+    base: type[AnnulusStage] = WholeAnnulusStage if whole else AnnulusStage
+    plotted = FieldPlotDefinition(kind.INNER, kind.OUTER, (f"R = {kind.INNER:g} m", f"{kind.OUTER:g} m"),
+                                  kind.exact_plotted_component, kind.PLOTTED)
     stage = type(base.__name__, (base,), {"PLOT": plotted})
-    return BodyView(stage, partial(_draw, stage, look), partial(_regions, kind, look), look.division, look.picture)
+    return BodyKindView(stage, partial(_draw_picture, stage, look), partial(_regions, kind, look), look.division,
+                        look.picture)
 
 
-def _swell(scene: CircularScene) -> float:
+def _outer_rim_displacement(scene: CircularScene) -> float:
     """Returns how far the outer rim moves outwards, in m."""
     return scene.amplitude if scene.PLOTTED == "radial" else 0.0
 
 
-def _regions(kind: type[Any], look: AnnulusRegions, X: np.ndarray) -> Regions:
+def _regions(kind: type[Any], look: AnnulusViewSettings, X: np.ndarray) -> MaterialRegions:
     shells, angles = len(look.shells), look.angles
     share = (np.hypot(X[:, 0], X[:, 1]) - kind.INNER) / (kind.OUTER - kind.INNER)
     shell = np.clip((share * shells).astype(int), 0, shells - 1)
@@ -113,13 +114,13 @@ def _regions(kind: type[Any], look: AnnulusRegions, X: np.ndarray) -> Regions:
     angle = np.clip(((turn % 1 if kind.ANGLE >= FULL else turn) * angles).astype(int), 0, angles - 1)
     step = round(np.degrees(kind.ANGLE)) // angles
     names = tuple(tr(name, low=k * step, high=(k + 1) * step) for name in look.shells for k in range(angles))
-    return Regions(names, shell * angles + angle)
+    return MaterialRegions(names, shell * angles + angle)
 
 
-def _draw(stage: type[AnnulusStage], look: AnnulusRegions, figure: Any, space: Any, particles: Any,
-          result: Any) -> None:
+def _draw_picture(stage: type[AnnulusStage], look: AnnulusViewSettings, figure: Any, space: Any, particles: Any,
+                  result: Any) -> None:
     from app.renderers.panel_style import drawable_or_gap, robust_size
-    from app.renderers.plane_panels import draw_halves, draw_profile
+    from app.renderers.plane_panels import draw_estimate_and_truth_halves, draw_profile
 
     scene, shown, mirrored = result.scene, result.picture_snapshot, stage.MIRRORS != WHOLE
     angles = np.linspace(0, scene.ANGLE, RIM_POINTS)
@@ -129,6 +130,7 @@ def _draw(stage: type[AnnulusStage], look: AnnulusRegions, figure: Any, space: A
     farthest = robust_size(np.hypot(*drawable_or_gap(shown.position).T)) if mirrored else outer
     lines = [rim * (side, 1) for rim in moved for side in ((-1, 1) if mirrored else (1,))]
     draw_profile(space, result, stage)
-    draw_halves(figure, particles, result, stage, 1.06 * float(np.clip(farthest, outer, 2 * outer)),
-                [*stage.exact_lines(scene, shown.time, stage.LINES * scene.solution_known), *lines],
-                look.lines, look.points / scene.OUTER)
+    draw_estimate_and_truth_halves(figure, particles, result, stage, 1.06 * float(np.clip(farthest, outer, 2 * outer)),
+                                   [*stage.exact_material_lines(scene, shown.time, stage.LINES * scene.solution_known),
+                                    *lines],
+                                   look.lines, look.points / scene.OUTER)

@@ -5,11 +5,11 @@ from typing import Any
 
 import numpy as np
 
-from app.frame.field_plot import PlotSettings
-from app.frame.planar import PlanarStage
+from app.frame.field_plot import FieldPlotDefinition
+from app.frame.planar_stage import PlanarStage
 from app.frame.primitives import Mark
 from app.language.translation import lazy, tr
-from app.problems.interface import BodyView, Regions
+from app.problems.interface import BodyKindView, MaterialRegions
 from solvers.problems.planar.box import BoxScene
 from solvers.problems.planar.layout import particle_layout
 
@@ -28,7 +28,7 @@ def plotted_row(scene: BoxScene) -> float:
 class BoxStage(PlanarStage[BoxScene]):
     """Stage of the square."""
 
-    PLOT = PlotSettings(0.0, 1.0, ("X = 0", "1 m"), lambda scene, quantity, X, t: scene.exact_along(
+    PLOT = FieldPlotDefinition(0.0, 1.0, ("X = 0", "1 m"), lambda scene, quantity, X, t: scene.exact_plotted_component(
         quantity, np.stack([X, np.full_like(X, plotted_row(scene))], axis=1), t))
 
     @staticmethod
@@ -36,7 +36,7 @@ class BoxStage(PlanarStage[BoxScene]):
         return scene.SIDE
 
     @staticmethod
-    def note(scene: BoxScene) -> str:
+    def scale_note(scene: BoxScene) -> str:
         return tr("side {side}, h = {h}", side=f"{scene.SIDE:g}{NO_BREAK}m", h=f"{scene.spacing:.3g}{NO_BREAK}m")
 
     @staticmethod
@@ -50,19 +50,19 @@ class BoxStage(PlanarStage[BoxScene]):
         self._radii = np.where(np.abs(X[:, 1] - plotted_row(scene)) < half, X[:, 0], np.nan)
 
 
-def regions(X: np.ndarray) -> Regions:
+def regions(X: np.ndarray) -> MaterialRegions:
     cell = np.clip((X * REGIONS).astype(int), 0, REGIONS - 1)
     names = tuple(tr("column {column}, row {row} from below", column=i + 1, row=j + 1)
                   for j in range(REGIONS) for i in range(REGIONS))
-    return Regions(names, cell[:, 1] * REGIONS + cell[:, 0])
+    return MaterialRegions(names, cell[:, 1] * REGIONS + cell[:, 0])
 
 
-def draw(figure: Any, space: Any, particles: Any, result: Any) -> None:
-    from app.renderers.plane_panels import OVER_WIDTH, draw_halves, draw_profile
+def draw_picture(figure: Any, space: Any, particles: Any, result: Any) -> None:
+    from app.renderers.plane_panels import OVER_WIDTH, draw_estimate_and_truth_halves, draw_profile
 
     draw_profile(space, result, BoxStage, OVER_WIDTH)
-    draw_halves(figure, particles, result, BoxStage, 1.06 * result.scene.SIDE, [], "planes of symmetry",
-                POINTS_PER_METRE)
+    draw_estimate_and_truth_halves(figure, particles, result, BoxStage, 1.06 * result.scene.SIDE, [],
+                                   "planes of symmetry", POINTS_PER_METRE)
 
 
-BODY = BodyView(BoxStage, draw, regions, lazy("the square into 16 squares"), (13.5, 0.85))
+BODY = BodyKindView(BoxStage, draw_picture, regions, lazy("the square into 16 squares"), (13.5, 0.85))

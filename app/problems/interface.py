@@ -7,8 +7,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from app.frame.planar import PlanarStage
-from app.frame.slow_motion.stage import SlowStage
+from app.frame.planar_stage import PlanarStage
+from app.frame.slow_motion.stage import SlowMotionStage
 from app.frame.stage import Stage
 from app.language.translation import lazy, localised_path
 from app.problems.suggestion import Suggestion
@@ -16,7 +16,7 @@ from app.state import State
 
 
 @dataclass(frozen=True)
-class Reach:
+class SliderRanges:
     """Ranges of a problem's sliders: integers (low, high, step), and (low, high) of logarithmic ones. The speed is in
     periods per second. Some ranges exceed what is valid; the page then shows the instructive reason."""
 
@@ -32,13 +32,13 @@ LinearSlider = tuple[str, float, float, float, str]
 
 
 @dataclass(frozen=True)
-class Regions:
+class MaterialRegions:
     """``names`` of the regions, and the ``number`` of the region in which each of P particles was at rest."""
 
     names: tuple[str, ...]
     number: np.ndarray
 
-    def errors(self, sizes: np.ndarray) -> np.ndarray:
+    def rms_errors(self, sizes: np.ndarray) -> np.ndarray:
         """Returns the root mean square of sizes (P,) in each region; NaN for empty regions."""
         with np.errstate(all="ignore"):  # a region may be empty, and a run gone bad holds anything
             squares = np.bincount(self.number, sizes.astype(float) ** 2, len(self.names))
@@ -46,24 +46,24 @@ class Regions:
 
 
 @dataclass(frozen=True)
-class Motion:
+class MotionChoice:
     """The choice of a problem's motion: ``hint`` of the widget, and ``change(scene, motion, usual)``, which returns the
     scene with that motion, and the ``usual`` estimators if its own have no estimate. ``sliders`` are the fields only of
     a motion without oscillation; ``speed`` and ``quantity`` are the initial ones of such a motion."""
 
     hint: str
-    change: Callable[[Any, str, tuple[str, ...]], Any]
+    change_motion: Callable[[Any, str, tuple[str, ...]], Any]
     sliders: Mapping[str, LinearSlider]
     speed: float
     quantity: str
 
 
-class BodyView(NamedTuple):
+class BodyKindView(NamedTuple):
     """View common to all plane problems of one kind of body; :class:`ProblemView` has the details."""
 
     stage: type[PlanarStage[Any]]
-    draw: Callable[..., None]
-    regions: Callable[[np.ndarray], Regions]
+    draw_picture: Callable[..., None]
+    regions: Callable[[np.ndarray], MaterialRegions]
     division: str
     picture: tuple[float, float]
 
@@ -72,13 +72,13 @@ class BodyView(NamedTuple):
 class ProblemView:
     """View of one problem. Its texts are translated where they are used.
 
-    ``stage`` draws its frames, ``slow`` one step in slow motion. ``draw(figure, space, particles, result)`` draws a
-    run's error in space into the axes ``space`` and the final particles into ``particles``; it imports the slow
-    matplotlib when called. ``regions`` divides the material by positions at rest (P, D), as in ``division``: "the bar
-    into 20 lengths". ``picture`` is the height of a run's picture in inches, and its lower row over the upper one.
-    ``speed`` is initial, in periods per second. ``details`` are fields among the "Method details", ``material`` those
-    beside the modulus, ``formula`` is a text field with label and hint; ``motion`` is None if the scene has one motion
-    only.
+    ``stage`` draws its frames, ``slow_motion_stage`` one step in slow motion. ``draw(figure, space, particles,
+    result)`` draws a run's error in space into the axes ``space`` and the final particles into ``particles``; it
+    imports the slow matplotlib when called. ``regions`` divides the material by positions at rest (P, D), as in
+    ``division``: "the bar into 20 lengths". ``picture`` is the height of a run's picture in inches, and its lower row
+    over the upper one. ``speed`` is initial, in periods per second. ``details`` are fields among the "Method details",
+    ``material`` those beside the modulus, ``formula`` is a text field with label and hint; ``motion`` is None if the
+    scene has one motion only.
 
     ``estimators`` are the initial ones if not the scene's own, the first of them drawn. ``suggestions`` returns the
     suggestions for a state (:mod:`app.problems.suggestion`). ``prices`` are the estimators' shares of the run time in
@@ -86,16 +86,16 @@ class ProblemView:
 
     problem: str
     stage: type[Stage[Any]]
-    slow: type[SlowStage]
-    draw: Callable[..., None]
-    regions: Callable[[np.ndarray], Regions]
+    slow_motion_stage: type[SlowMotionStage]
+    draw_picture: Callable[..., None]
+    regions: Callable[[np.ndarray], MaterialRegions]
     division: str
     picture: tuple[float, float]
-    reach: Reach
+    slider_ranges: SliderRanges
     amplitude_hint: str
     speed: float
     details: Mapping[str, str]
-    motion: Motion | None = None
+    motion: MotionChoice | None = None
     formula: tuple[str, str, str] | None = None
     modulus_hint: str = lazy("Young's modulus: a stiffer body vibrates faster")
     material: Mapping[str, LinearSlider] = field(default_factory=dict)

@@ -16,7 +16,7 @@ QUARTER = (0.22, 0.28)  # range of ratios called a quarter
 SAME = 0.005  # distance from 1 within which a ratio is shown as 1.00
 
 
-class NotNow(Exception):
+class SuggestionNotApplicable(Exception):
     """Raised if a suggestion does not apply to the state; the message is a short reason."""
 
 
@@ -47,7 +47,7 @@ class ComparedRuns:
         return float(values[-1]) if len(values) else math.nan
 
     @property
-    def noun(self) -> str:
+    def quantity_noun(self) -> str:
         return QUANTITIES[self.state.quantity].noun
 
 
@@ -58,9 +58,9 @@ Answer = tuple[str, str]  # a sentence, and a second one to think about
 class Suggestion:
     """Suggested experiment, with a translatable ``title`` for when it does not apply.
 
-    ``offer`` returns what it does with a state, or raises :class:`NotNow`; ``answer`` is called once the runs have
-    reached ``periods``; a run that is lost has no answer if that was the purpose (``breaks``). ``icon`` is the name of
-    a drawing (``sparks.js``)."""
+    ``offer`` returns what it does with a state, or raises :class:`SuggestionNotApplicable`; ``answer`` is called once
+    the runs have reached ``periods``; a run that is lost has no answer if that was the purpose (``breaks``). ``icon``
+    is the name of a drawing (``sparks.js``)."""
 
     key: str
     icon: str
@@ -77,7 +77,7 @@ def changed_state(state: State, changes: Mapping[str, Any], pinned: bool = True,
     try:
         after = replace(before, **changes)
     except SceneError as error:
-        raise NotNow(translate_message(error.sentence)) from None
+        raise SuggestionNotApplicable(translate_message(error.sentence)) from None
     return replace(state, **{"scene": after, "pinned": before if pinned and after != before else None, "speed": None,
                              "stops": False, "traced": None, "magnified": 1, "difference": False, **view})
 
@@ -90,7 +90,7 @@ def work_ratio(ran: ComparedRuns) -> float:
     return math.nan if ran.state.pinned is None else a_period(ran.state.scene) / a_period(ran.state.pinned)
 
 
-def error_ratio_text(ran: ComparedRuns) -> Answer:
+def _halving_cells_answer(ran: ComparedRuns) -> Answer:
     """Returns the answer on the error with cells half as wide."""
     by, hint = ran.ratio, tr("Largest error in the first period. Theory: 0.25 times, for {work} times the work.",
                              work=format_number(work_ratio(ran)))
@@ -108,11 +108,11 @@ def suggest_halving_cells(most: int) -> Suggestion:
     def offer(state: State) -> Offer:
         cells = 2 * state.scene.cells
         if cells > most:
-            raise NotNow(tr("{most} cells are the most here", most=most))
+            raise SuggestionNotApplicable(tr("{most} cells are the most here", most=most))
         return Offer(tr("Halve the cells"), tr("theory: error falls to a "
                                                "quarter"), changed_state(state, {"cells": cells}))
 
-    return Suggestion("halve", "halve", lazy("Halve the cells"), offer, error_ratio_text)
+    return Suggestion("halve", "halve", lazy("Halve the cells"), offer, _halving_cells_answer)
 
 
 def suggest_breaking(hint: str, changes: Mapping[str, Any], periods: float) -> Suggestion:
@@ -123,7 +123,7 @@ def suggest_breaking(hint: str, changes: Mapping[str, Any], periods: float) -> S
         wanted = changes if "companion" not in state.scene.choices("estimators") else {
             **changes, "estimators": ("companion",), "remedies": ()}
         if all(getattr(state.scene, name) == value for name, value in wanted.items()):
-            raise NotNow(tr("it is on the stage"))
+            raise SuggestionNotApplicable(tr("it is on the stage"))
         return Offer(tr(title), tr(hint), changed_state(state, wanted, pinned=False, quantity="x", estimator=None))
 
     def answer(ran: ComparedRuns) -> Answer:

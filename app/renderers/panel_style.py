@@ -12,15 +12,15 @@ from matplotlib.figure import Figure
 from app.colours import INK3
 from app.frame.colour_scale import largest_finite
 from app.frame.layout import RunSlot
-from app.frame.primitives import Bounds, Label
+from app.frame.primitives import Label, StageMetrics
 from app.frame.stage import Stage, StageLabels
-from app.renderers.picture_style import in_sizes
+from app.renderers.picture_style import format_size_axis
 from solvers.running.result import Result
 from solvers.scene.estimator_registry import ESTIMATORS
 
 Look = dict[str, Any]  # arguments of matplotlib's ``plot``
 DASH_SCALE = 0.4  # dashes are in pixels on the page, in line widths in a picture
-PAPER = Bounds(800.0, high=0.5)  # bounds for labels at points of the body
+PAPER = StageMetrics(800.0, high=0.5)  # bounds for labels at points of the body
 MOST_DOTS = 20_000  # more particles are indistinguishable in a picture
 MOST_CELL_LINES = 400
 GROUND = {"facecolor": "white", "edgecolor": "none", "alpha": 0.8, "pad": 2}  # behind text on a drawing
@@ -45,14 +45,14 @@ def when_text(result: Result) -> str:
     return f"at t = {result.picture_snapshot.time:.4g} s{why}"
 
 
-def subsample_indices(count: int) -> np.ndarray:
+def random_subsample_indices(count: int) -> np.ndarray:
     """Returns the particles to draw: all, or a random choice, as every k-th may have the same position in a cell."""
     if count <= MOST_DOTS:
         return np.arange(count)
     return np.sort(np.random.default_rng(0).choice(count, MOST_DOTS, replace=False))
 
 
-def shared_scale(truth: np.ndarray | None, estimates: list[np.ndarray]) -> Normalize:
+def shared_colour_scale(truth: np.ndarray | None, estimates: list[np.ndarray]) -> Normalize:
     """Returns one colour scale, from 0, for the sizes of the truth and of every estimate of it."""
     top = max((largest_finite(sizes) for sizes in estimates), default=0.0)
     if truth is not None and largest_finite(truth) > 0:
@@ -60,14 +60,14 @@ def shared_scale(truth: np.ndarray | None, estimates: list[np.ndarray]) -> Norma
     return Normalize(0.0, min(top, MOST) or NO_ERROR)
 
 
-def colour_bar(figure: Figure, drawn: ScalarMappable, axes: Axes | list[Axes], label: str, unit: str, aspect: float,
-               shrink: float = 1.0) -> None:
+def add_colour_bar(figure: Figure, drawn: ScalarMappable, axes: Axes | list[Axes], label: str, unit: str, aspect: float,
+                   shrink: float = 1.0) -> None:
     bar = figure.colorbar(drawn, ax=axes, location="bottom", aspect=aspect, shrink=shrink, pad=0.02, label=label)
     bar.outline.set_visible(False)
     if drawn.norm.vmax == NO_ERROR:
         bar.set_ticks([0.0])
     else:
-        in_sizes(bar.ax.xaxis, unit, few=False)
+        format_size_axis(bar.ax.xaxis, unit, few=False)
 
 
 def positive_or_gap(values: np.ndarray) -> np.ndarray:

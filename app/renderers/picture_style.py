@@ -14,7 +14,7 @@ from matplotlib.layout_engine import ConstrainedLayoutEngine
 from matplotlib.ticker import Formatter, LogLocator, MaxNLocator, NullFormatter
 
 from app.colours import INK, INK2, LINE, LINE2
-from app.identity import FONTS
+from app.visual_identity import FONTS
 from app.words import with_unit
 
 FAMILY = "Lab Inter"
@@ -62,7 +62,7 @@ class SizeFormatter(Formatter):
         return with_unit(value, self.unit).strip()
 
 
-def in_sizes(axis: Axis, unit: str, few: bool = True) -> None:
+def format_size_axis(axis: Axis, unit: str, few: bool = True) -> None:
     """Formats an axis with set scale and limits for sizes, with ``few`` grid lines or as many as usual."""
     axis.set_major_formatter(SizeFormatter(unit))
     axis.set_minor_formatter(NullFormatter())
@@ -74,7 +74,7 @@ def in_sizes(axis: Axis, unit: str, few: bool = True) -> None:
         axis.set_major_locator(MaxNLocator(FEW, steps=[1, 2, 2.5, 5, 10]))
 
 
-def name_ends(axes: Axes, named: Sequence[tuple[str, np.ndarray, str]], apart: float = 0.14) -> None:
+def label_curve_ends(axes: Axes, named: Sequence[tuple[str, np.ndarray, str]], apart: float = 0.14) -> None:
     """Writes the names of curves at their right ends, in place of a legend.
 
     Parameters

@@ -12,9 +12,9 @@ from matplotlib.gridspec import SubplotSpec
 from app.colours import COLOUR_MAP, ESTIMATE_INK, INK, INK3, LINE, TRUTH, TRUTH_INK
 from app.frame.captions import EMPTY_HALVES, NOTHING_TO_SHOW
 from app.frame.layout import RunSlot
-from app.frame.planar import PlanarStage
+from app.frame.planar_stage import PlanarStage
 from app.renderers import panel_style
-from app.renderers.picture_style import ESTIMATE_WIDTH, TRUTH_WIDTH, in_sizes, name_ends
+from app.renderers.picture_style import ESTIMATE_WIDTH, TRUTH_WIDTH, format_size_axis, label_curve_ends
 from solvers.running.result import Result
 from solvers.scene.scene import Scene
 
@@ -22,7 +22,7 @@ UNKNOWN_COLOUR = "0.7"  # of particles without a computed error
 MOST_BINS = 60  # of the profile over R; finer ones hold too few particles to average
 
 
-class Profile(NamedTuple):
+class ProfileCoordinate(NamedTuple):
     """Abscissa of an error profile: the ``coordinate`` (P,) of material positions (P, 2), and labels."""
 
     coordinate: Callable[[np.ndarray], np.ndarray]
@@ -31,25 +31,26 @@ class Profile(NamedTuple):
     label: str
 
 
-OVER_RADIUS = Profile(lambda X: np.linalg.norm(X, axis=1), "the thickness", "R",
-                      "material radius R, from the inner surface to the outer")
-OVER_WIDTH = Profile(lambda X: X[:, 0], "the width", "X", "material coordinate X, from the left side to the right")
+OVER_RADIUS = ProfileCoordinate(lambda X: np.linalg.norm(X, axis=1), "the thickness", "R",
+                                "material radius R, from the inner surface to the outer")
+OVER_WIDTH = ProfileCoordinate(lambda X: X[:, 0], "the width", "X",
+                               "material coordinate X, from the left side to the right")
 
 
-def draw_profile(axes: Axes, result: Result, stage: type[PlanarStage], over: Profile = OVER_RADIUS) -> None:
+def draw_profile(axes: Axes, result: Result, stage: type[PlanarStage], over: ProfileCoordinate = OVER_RADIUS) -> None:
     """Draws the error along a coordinate: each particle, and the RMS over thin shells."""
     at, inner, outer = result.picture_snapshot, stage.PLOT.start, stage.PLOT.end
     radius = over.coordinate(at.material_position)
     lines = [] if at.error is None else [("true", at.error[:, 0], TRUTH, "-")]
     lines += [(name, at.estimate[name][:, 0], *look) for name, *look in panel_style.estimator_styles(result)]
-    few, drawn, ends = panel_style.subsample_indices(len(radius)), [], []
+    few, drawn, ends = panel_style.random_subsample_indices(len(radius)), [], []
     for name, sizes, colour, style in lines:
         shown = panel_style.positive_or_gap(sizes)
         if not np.isfinite(shown).any():
             continue
         size = float(np.clip(2000 / len(few), 1.0, 8.0))
         axes.scatter(radius[few], shown[few], s=size, color=colour, alpha=0.25, linewidths=0)
-        at_radius, in_shell = _shells(result, radius, shown, inner, outer)
+        at_radius, in_shell = _shell_means(result, radius, shown, inner, outer)
         axes.plot(at_radius, in_shell, color=colour, linestyle=style, zorder=3,
                   linewidth=TRUTH_WIDTH if name == "true" else ESTIMATE_WIDTH)
         drawn.append(shown)
@@ -57,19 +58,19 @@ def draw_profile(axes: Axes, result: Result, stage: type[PlanarStage], over: Pro
     axes.set_title(f"Error of x over {over.across} {panel_style.when_text(result)}: particles, and RMS at "
                    f"{over.symbol}")
     axes.set(xlabel=over.label, xlim=(inner, outer))
-    in_sizes(axes.xaxis, "m", few=False)
+    format_size_axis(axes.xaxis, "m", few=False)
     if not drawn:
         axes.set_yticks([])
         panel_style.write_note(axes, NOTHING_TO_SHOW)
         return
     low, high = np.nanpercentile(drawn, 1) / 2, 2 * np.nanmax(drawn)
     axes.set(yscale="log", ylim=(low, high))
-    in_sizes(axes.yaxis, "m")
-    name_ends(axes, ends, apart=0.1)
+    format_size_axis(axes.yaxis, "m")
+    label_curve_ends(axes, ends, apart=0.1)
 
 
-def _shells(result: Result, radius: np.ndarray, sizes: np.ndarray, inner: float,
-            outer: float) -> tuple[np.ndarray, np.ndarray]:
+def _shell_means(result: Result, radius: np.ndarray, sizes: np.ndarray, inner: float,
+                 outer: float) -> tuple[np.ndarray, np.ndarray]:
     """Returns mean radius and RMS of the sizes in thin shells, about a particle thick; empty shells are left out."""
     scene = result.scene
     thickness = outer - inner
@@ -85,26 +86,26 @@ def _shells(result: Result, radius: np.ndarray, sizes: np.ndarray, inner: float,
             np.sqrt(squares[there] / held[there]))
 
 
-def draw_halves(figure: Figure, place: SubplotSpec, result: Result, stage: type[PlanarStage], reach: float,
-                lines: Iterable[np.ndarray], told: str, per_metre: float) -> None:
+def draw_estimate_and_truth_halves(figure: Figure, place: SubplotSpec, result: Result, stage: type[PlanarStage],
+                                   reach: float, lines: Iterable[np.ndarray], told: str, per_metre: float) -> None:
     """Draws the particles out to ``reach`` metres, once per estimator, on one scale.
 
     For a body mirrored at x = 0 the estimate is the left image and the truth the right one; else each half has its own
     particles. ``lines`` (n, 2) in metres are exact, ``told`` is their name; a metre is ``per_metre`` points."""
     shown, mirrored = result.picture_snapshot, (-1, 1) in stage.MIRRORS
-    few = panel_style.subsample_indices(len(shown.position))
+    few = panel_style.random_subsample_indices(len(shown.position))
     few = few[np.isfinite(shown.position[few]).all(axis=1)]  # an unstable run leaves NaN
     x, y = panel_style.drawable_or_gap(shown.position[few]).T
     truth = None if shown.error is None else shown.error[few, 0]
     estimates = {name: shown.estimate[name][few, 0] for name in result.scene.active_estimators}
-    scale = panel_style.shared_scale(truth, list(estimates.values()))
+    scale = panel_style.shared_colour_scale(truth, list(estimates.values()))
     names = list(estimates) or [""]
     panels = place.subgridspec(1, len(names)).subplots(squeeze=False)[0]
     # A dot is about as wide as the particles are apart, in points of the picture, not so wide that they merge.
     apart = result.scene.spacing / result.scene.ppc * np.sqrt(result.particles / max(1, len(few)))
     area = float(np.clip((0.8 * apart * (per_metre / len(names) ** 0.5)) ** 2, 0.5, 64.0))
     for axes, name in zip(panels, names, strict=True):
-        _frame(axes, result.scene, stage, reach, lines, told)
+        _draw_grid_and_exact_lines(axes, result.scene, stage, reach, lines, told)
         for side, sizes, title, colour, silence in (
                 (-1, estimates.get(name), f"estimate ({name})", ESTIMATE_INK, EMPTY_HALVES[0]),
                 (1, truth, "truth", TRUTH_INK, EMPTY_HALVES[1])):
@@ -119,29 +120,29 @@ def draw_halves(figure: Figure, place: SubplotSpec, result: Result, stage: type[
         coloured = ", coloured by the size of the position's error" if estimates or truth is not None else ""
         axes.set_title(f"Particles {panel_style.when_text(result)}{coloured}" if axes is panels[0] else "")
     if len(few) and (estimates or truth is not None):
-        panel_style.colour_bar(figure, ScalarMappable(scale, COLOUR_MAP), list(panels),
-                               "error of x, one scale for both halves", "m", aspect=60, shrink=0.75)
+        panel_style.add_colour_bar(figure, ScalarMappable(scale, COLOUR_MAP), list(panels),
+                                   "error of x, one scale for both halves", "m", aspect=60, shrink=0.75)
 
 
-def _frame(axes: Axes, scene: Scene, stage: type[PlanarStage], reach: float, lines: Iterable[np.ndarray],
-           told: str) -> None:
+def _draw_grid_and_exact_lines(axes: Axes, scene: Scene, stage: type[PlanarStage], reach: float,
+                               lines: Iterable[np.ndarray], told: str) -> None:
     """Draws cell lines, exact lines and the line between the halves, with equal scales on both axes."""
     least, mirrored = (0.0, ", the estimate mirrored") if (-1, 1) in stage.MIRRORS else (-reach, "")
-    cells = _draw_cells(axes, scene, reach, least, stage.first_line(scene))
+    cells = _draw_cell_lines(axes, scene, reach, least, stage.cell_edge_position(scene))
     for line in lines:
         axes.plot(*line.T, color=INK, linewidth=0.9, zorder=3)
     axes.axvline(0, color=INK, linewidth=0.9, linestyle=(0, (6, 3)), zorder=3)
     axes.set(xlim=(-reach, reach), ylim=(least, reach), aspect="equal",
              xlabel=f"x{mirrored}{cells}; dark lines: {told}")
     axes.grid(visible=False)
-    in_sizes(axes.xaxis, "m", few=False)
-    in_sizes(axes.yaxis, "m")
+    format_size_axis(axes.xaxis, "m", few=False)
+    format_size_axis(axes.yaxis, "m")
     places = stage.layout(panel_style.PAPER, RunSlot.ALONE)
     (x, y), metres = places.middle, stage.max_radius(scene) / places.radius
     panel_style.write_places(axes, stage, lambda label: (metres * (label.x - x), metres * (label.y - y)))
 
 
-def _draw_cells(axes: Axes, scene: Scene, reach: float, least: float, start: float) -> str:
+def _draw_cell_lines(axes: Axes, scene: Scene, reach: float, least: float, start: float) -> str:
     """Draws cell lines above y = ``least``, out to ``reach`` m; returns their description for an axis label."""
     if scene.cells > panel_style.MOST_CELL_LINES:
         return ""

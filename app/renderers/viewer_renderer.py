@@ -9,13 +9,13 @@ import numpy as np
 import viser
 
 from app.frame.layout import EDGE
-from app.frame.primitives import AWAY, Bounds, Dots, Label, Lines, Mark, wrap_text
-from app.viewer.widgets import put_arrays
+from app.frame.primitives import AWAY, Dots, Label, Lines, Mark, StageMetrics, wrap_text
+from app.viewer.widgets import set_node_arrays
 
 USUAL = (736.0, 358.0, 120.0)  # pixels of the free box and of the gutter left of it, until the browser sends them
 
 
-class Lettering:
+class LabelLayer:
     """The labels of a client's surfaces, and the box of the stage that they are in.
 
     The page gives the canvas the aspect ratio of the stage's rectangle. Nothing is sent before :meth:`send`, and then
@@ -32,21 +32,21 @@ class Lettering:
         self._rectangle = (-EDGE, 1 + EDGE, 0.0, 0.5)
 
     @property
-    def bounds(self) -> Bounds:
+    def stage_metrics(self) -> StageMetrics:
         """The bounds of the browser's free box; cached, as it is needed several times per frame."""
         now = self._box, self._letters, self.dark
         if now != self._bounds_key:
             (width, height, gutter), self._bounds_key = self._box, now
-            self._bounds = Bounds(width, self._letters, height / width, gutter / width, self.dark)
+            self._bounds = StageMetrics(width, self._letters, height / width, gutter / width, self.dark)
         return self._bounds
 
-    def fit(self, width: float, height: float, gutter: float, letters: float = 1.0) -> bool:
+    def set_pixel_layout(self, width: float, height: float, gutter: float, letters: float = 1.0) -> bool:
         """Sets the browser's pixels for x from 0 to 1 and in the gutter; returns whether they have changed."""
         before = self._box, self._letters
         self._box, self._letters = (max(120.0, width), max(60.0, height), max(0.0, gutter)), max(0.5, letters)
         return before != (self._box, self._letters)
 
-    def set_rectangle(self, rectangle: tuple[float, float, float, float]) -> None:
+    def set_visible_rectangle(self, rectangle: tuple[float, float, float, float]) -> None:
         """Sets the rectangle of the plane that is visible."""
         if rectangle != self._rectangle:
             self._rectangle, self._changed = rectangle, True
@@ -70,7 +70,7 @@ class Lettering:
                 self._changed = True
 
     @property
-    def visible(self) -> list[tuple[str, Label]]:
+    def visible_labels(self) -> list[tuple[str, Label]]:
         """All visible labels, each with the name of its surface."""
         return [(sheet, label) for sheet, labels in self._labels.items()
                 if not any(sheet == hidden or sheet.startswith(f"{hidden}/") for hidden in self._hidden)
@@ -83,7 +83,7 @@ class Lettering:
                 return
             self._changed = False
             x0, x1, y0, y1 = self._rectangle
-            labels = [self._encode(sheet, label, x0, y1, x1 - x0, y1 - y0) for sheet, label in self.visible]
+            labels = [self._encode(sheet, label, x0, y1, x1 - x0, y1 - y0) for sheet, label in self.visible_labels]
             high = round((1 + 2 * EDGE) * (y1 - y0) / (x1 - x0), 4)
             said = json.dumps({"high": high, "labels": labels}, separators=(",", ":"))
         self._html.content = f"<i class='lab-stage' data-said='{escape(said)}'></i>"
@@ -101,7 +101,7 @@ class Lettering:
 class ViewerSurface:
     """Draws marks below the path ``at`` of one client's scene; only changes are sent."""
 
-    def __init__(self, client: viser.ClientHandle, lettering: Lettering, at: str):
+    def __init__(self, client: viser.ClientHandle, lettering: LabelLayer, at: str):
         self._client, self._lettering, self._at = client, lettering, at
         self._root, self._visible = client.scene.add_frame(at, show_axes=False), True
         self._drawn: dict[str, tuple[Any, Mark]] = {}  # by name, the handle and the mark last drawn
@@ -117,13 +117,13 @@ class ViewerSurface:
             self._lettering.show(self._at, visible)
 
     @property
-    def bounds(self) -> Bounds:
-        return self._lettering.bounds
+    def stage_metrics(self) -> StageMetrics:
+        return self._lettering.stage_metrics
 
     def add_child(self, name: str) -> "ViewerSurface":
         return ViewerSurface(self._client, self._lettering, f"{self._at}/{name}")
 
-    def show(self, *marks: Mark) -> None:
+    def show_marks(self, *marks: Mark) -> None:
         changed, turned = [], []
         for mark in marks:
             if isinstance(mark, Label):
@@ -133,12 +133,12 @@ class ViewerSurface:
             seen = len(mark) > 0
             if seen and mark is not before:
                 handle = handle or self._add_handle(mark)
-                changed.append((handle, self._arrays(handle, mark, before)))
+                changed.append((handle, self._changed_arrays(handle, mark, before)))
                 self._drawn[mark.name] = handle, mark
             if handle is not None and handle.visible != seen:
                 turned.append((handle, seen))
         if changed:
-            put_arrays(changed)
+            set_node_arrays(changed)
         for handle, seen in turned:
             handle.visible = seen
 
@@ -153,7 +153,7 @@ class ViewerSurface:
                                          point_size=mark.size / 2, point_shape=mark.shape, point_shading="flat",
                                          precision="float16" if mark.points.dtype == np.float16 else "float32")
 
-    def _arrays(self, handle: Any, mark: Dots | Lines, before: Any) -> dict[str, np.ndarray]:
+    def _changed_arrays(self, handle: Any, mark: Dots | Lines, before: Any) -> dict[str, np.ndarray]:
         """Returns the arrays of a mark that have to be sent; sets all else."""
         arrays = {"points": mark.segments if isinstance(mark, Lines) else mark.points}
         if before is None or mark.colours is not before.colours:

@@ -15,7 +15,7 @@ from websockets.frames import CloseCode
 from app.access.log_limit import RefusalLog
 from app.access.network_limits import TokenBucket
 from app.viewer import upload, widgets
-from app.viewer.connection import send_away
+from app.viewer.browser_connection import close_websocket
 
 MOST_BYTES = 32_000  # of a message; usual ones have some hundred
 LONGEST_NAME = 1000  # letters of a file's name
@@ -54,7 +54,7 @@ def _or_none(rule: Rule) -> Rule:
     return lambda value: value is None or rule(value)
 
 
-def _turn(value: Any) -> bool:
+def _is_unit_quaternion(value: Any) -> bool:
     """Whether a value is a rotation as a unit quaternion."""
     return _numbers(4, 1.01)(value) and abs(math.hypot(*value) - 1) < 0.01
 
@@ -65,7 +65,7 @@ FIELDS: dict[str, dict[str, Rule]] = {
     "GuiUpdateMessage": {  # a visitor may change only the value of a widget
         "uuid": _words, "updates": lambda value: type(value) is dict and list(value) == ["value"]},
     "ViewerCameraMessage": {
-        "wxyz": _turn, "position": _SPACE, "fov": _between(1e-3, math.pi), "near": _between(0, FAR),
+        "wxyz": _is_unit_quaternion, "position": _SPACE, "fov": _between(1e-3, math.pi), "near": _between(0, FAR),
         "far": _between(0, FAR), "image_height": _whole(1, LARGEST_CANVAS), "image_width": _whole(1, LARGEST_CANVAS),
         "look_at": _SPACE, "up_direction": _SPACE},
     "ScenePointerMessage": {
@@ -84,9 +84,9 @@ FIELDS: dict[str, dict[str, Rule]] = {
         "transferred_bytes": _whole(0, 2**53), "total_bytes": _whole(0, 2**53)}}
 
 
-def why_refused(message: bytes | str, find: Callable[[str], Any], who: str = "") -> str | None:
+def why_message_refused(message: bytes | str, find: Callable[[str], Any], who: str = "") -> str | None:
     """Returns why a message from an IP address is refused, or None; ``find`` returns a widget by its id."""
-    part_of_file = upload.kind_of(message)
+    part_of_file = upload.upload_message_kind(message)
     most = upload.LARGEST_PART if part_of_file == upload.PART else MOST_BYTES
     if not isinstance(message, bytes) or len(message) > most:
         return "a message that is no message of the page"
@@ -105,10 +105,10 @@ def why_refused(message: bytes | str, find: Callable[[str], Any], who: str = "")
     if kind == "ViewerCameraMessage" and math.dist(said["position"], said["look_at"]) < NEAR:
         return "a camera that looks nowhere"
     if kind == "ScenePointerMessage":
-        return None if _pointer(said) else "a place that nobody can point at"
+        return None if _is_pointer_event(said) else "a place that nobody can point at"
     if part_of_file:
-        box = upload.upload_of_button(find(said["source_component_uuid"]))
-        return "a file that nobody has asked for" if box is None else box.handle(part_of_file, said, who)
+        box = upload.uploads_of_button(find(said["source_component_uuid"]))
+        return "a file that nobody has asked for" if box is None else box.handle_message(part_of_file, said, who)
     if kind == "GuiUpdateMessage":
         widget = find(said["uuid"])
         return "a widget that is not there" if widget is None else \
@@ -116,14 +116,14 @@ def why_refused(message: bytes | str, find: Callable[[str], Any], who: str = "")
     return None
 
 
-def _pointer(said: dict[str, Any]) -> bool:
+def _is_pointer_event(said: dict[str, Any]) -> bool:
     """Whether a click has a ray and a position, or a rectangle two corners."""
     if said["event_type"] == "click":
         return said["ray_origin"] is not None and said["ray_direction"] is not None and len(said["screen_pos"]) == 1
     return len(said["screen_pos"]) == 2
 
 
-class IncomingLimiter:
+class IncomingMessageFilter:
     """Replaces a websocket's ``recv``, and passes on only valid messages to the viewer.
 
     ``who`` is the IP address, ``find`` returns a widget by its id, ``parts`` limits parts of files of its network, and
@@ -135,31 +135,31 @@ class IncomingLimiter:
         self._parts, self._find, self._keep_away = parts, find, keep_away
         self._receive, self._rate, self._calm = connection.recv, TokenBucket(MESSAGES, A_SECOND), monotonic()
         self._first: bytes | None = None
-        connection.recv = self._next
+        connection.recv = self._next_valid_message
 
-    async def first_word(self) -> None:
+    async def wait_for_first_message(self) -> None:
         """Waits for the first valid message, which the viewer receives later; raises what ``recv`` raises."""
-        self._first = await self._next()
+        self._first = await self._next_valid_message()
 
-    async def _next(self, *args: Any, **options: Any) -> Any:
+    async def _next_valid_message(self, *args: Any, **options: Any) -> Any:
         if self._first is not None:
             first, self._first = self._first, None
             return first
         while True:
-            message = await self._receive_checked(*args, **options)
-            why = why_refused(message, self._find, self._address)
-            of_file = why is None and upload.kind_of(message)
-            self._rate.spend(PART_AS if of_file else 1 + len(message) / BYTES_AS_ONE + (REFUSED_AS if why else 0))
-            await self._keep_pace()
+            message = await self._receive_within_size(*args, **options)
+            why = why_message_refused(message, self._find, self._address)
+            of_file = why is None and upload.upload_message_kind(message)
+            self._rate.debit(PART_AS if of_file else 1 + len(message) / BYTES_AS_ONE + (REFUSED_AS if why else 0))
+            await self._throttle()
             if of_file:
-                self._parts.spend()
+                self._parts.debit()
                 await asyncio.sleep(self._parts.delay(0))
             if why is not None:
                 self._refusals.record(why, self._address)
             elif not of_file:
                 return message
 
-    async def _receive_checked(self, *args: Any, **options: Any) -> Any:
+    async def _receive_within_size(self, *args: Any, **options: Any) -> Any:
         try:
             return await self._receive(*args, **options)
         except ConnectionClosed as closed:
@@ -168,14 +168,14 @@ class IncomingLimiter:
                 self._keep_away(self._address)
             raise
 
-    async def _keep_pace(self) -> None:
+    async def _throttle(self) -> None:
         """Delays further messages above the rate limit; closes the connection if that continues."""
         if self._rate.tokens > 0.25 * self._rate.most:
             self._calm = monotonic()
         elif monotonic() - self._calm > PATIENCE:
             self._refusals.record(TOO_MUCH, self._address)
             self._keep_away(self._address)
-            await send_away(self._connection, TOO_MUCH)
+            await close_websocket(self._connection, TOO_MUCH)
             raise self._connection.protocol.close_exc
         if self._rate.tokens < 0:
             await asyncio.sleep(self._rate.delay(0))

@@ -19,7 +19,7 @@ import zstandard
 from websockets.datastructures import Headers
 from websockets.http11 import Request, Response
 
-from app.language.translation import LANGUAGES, as_cookie, with_language
+from app.language.translation import LANGUAGES, language_cookie_header, with_language
 
 PATHS = ("/", "/index.html")
 SCRIPT = r"<script\b[^>]*>(.*?)</script>"
@@ -29,7 +29,7 @@ ALWAYS = {"X-Content-Type-Options": "nosniff", "X-Frame-Options": "DENY", "Refer
 _NOTHING = "default-src 'none'; frame-ancestors 'none'; base-uri 'none'; form-action 'none'"
 
 
-def has_page(path: str) -> bool:
+def is_page_path(path: str) -> bool:
     """Whether a request's path, without its query, is one of the page."""
     return path in PATHS
 
@@ -50,7 +50,7 @@ def content_security_policy(html: str = "", host: str = "", more: tuple[str, ...
         Whether the page is the lab with its packed scripts, workers and pictures, not plain text.
     """
     scripts = "'unsafe-inline'" if more is None else " ".join(
-        f"'sha256-{_digest(script)}'" for script in (*re.findall(SCRIPT, html, re.DOTALL), *more))
+        f"'sha256-{_script_digest(script)}'" for script in (*re.findall(SCRIPT, html, re.DOTALL), *more))
     allowed = {"script-src": scripts, "style-src": "'unsafe-inline'", "img-src": "data:", "connect-src": "'self'"}
     if unpacks:
         allowed["script-src"] += " 'wasm-unsafe-eval'"
@@ -60,7 +60,7 @@ def content_security_policy(html: str = "", host: str = "", more: tuple[str, ...
     return "; ".join((_NOTHING, *parts))
 
 
-def _digest(script: str) -> str:
+def _script_digest(script: str) -> str:
     """Returns the hash of a script as a browser computes it, with normalised line endings."""
     plain = script.replace("\r\n", "\n").replace("\r", "\n")
     return base64.b64encode(hashlib.sha256(plain.encode()).digest()).decode()
@@ -96,20 +96,20 @@ def with_security_headers(connection: object, request: Request, response: Respon
     return response
 
 
-class Index:
+class IndexPage:
     """The viewer's html with ``ground`` in it, in every language; ``icon`` is an address."""
 
     def __init__(self, ground: Callable[[], str], icon: str):
-        self._pages = {code: _Page(code, with_language(ground, code)(), icon) for code in LANGUAGES}
+        self._pages = {code: _LocalisedIndexPage(code, with_language(ground, code)(), icon) for code in LANGUAGES}
 
-    def answer(self, request: Request, code: str) -> Response:
+    def answer_in_language(self, request: Request, code: str) -> Response:
         """Returns the response to a request for a page, which has one valid host, in a language."""
-        if not has_page(request.path.partition("?")[0]):
+        if not is_page_path(request.path.partition("?")[0]):
             return make_response(HTTPStatus.NOT_FOUND, "There is no such page.")
         return self._pages[code].answer(request)
 
 
-class _Page:
+class _LocalisedIndexPage:
     """The page in one language."""
 
     def __init__(self, code: str, own: str, icon: str):
@@ -130,7 +130,7 @@ class _Page:
         headers = Headers({"Content-Type": "text/html; charset=utf-8", "Content-Length": str(len(sent)),
                            "Content-Encoding": "gzip" if packs else "identity", "Connection": "close",
                            POLICY: self._policy.replace("{host}", request.headers["Host"]),
-                           "Content-Language": self._code, "Set-Cookie": as_cookie(self._code)})
+                           "Content-Language": self._code, "Set-Cookie": language_cookie_header(self._code)})
         return Response(HTTPStatus.OK.value, HTTPStatus.OK.phrase, headers, sent)
 
 
@@ -140,11 +140,11 @@ def unpacked_script(html: str) -> str | None:
     if found is None:
         return None
     style, script = int(found[2]), int(found[3])
-    whole = zstandard.ZstdDecompressor().decompress(_bytes(found[1]), max_output_size=style + script)
+    whole = zstandard.ZstdDecompressor().decompress(_decode_base85(found[1]), max_output_size=style + script)
     return whole[style:style + script].decode("utf-8")
 
 
-def _bytes(text: str) -> bytes:
+def _decode_base85(text: str) -> bytes:
     """Decodes base-85 digits; an incomplete group is one byte shorter than its digits."""
     value = np.zeros(128, dtype=np.int64)
     value[[ord(digit) for digit in _DIGITS]] = range(len(_DIGITS))

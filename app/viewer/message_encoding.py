@@ -26,7 +26,7 @@ class ChangedArrays(SceneNodeUpdateMessage, include_in_scene_serialization=True)
     """Message that replaces arrays of a scene node. The sender must not modify the arrays afterwards."""
 
     def redundancy_key(self) -> str:
-        return _key(self.name, tuple(self.updates))
+        return _redundancy_key(self.name, tuple(self.updates))
 
     def entity_state_key(self) -> tuple[str, str]:
         return "scene", self.name
@@ -42,7 +42,7 @@ class ChangedArrays(SceneNodeUpdateMessage, include_in_scene_serialization=True)
 
 
 @lru_cache(4096)
-def _key(name: str, props: tuple[str, ...]) -> str:
+def _redundancy_key(name: str, props: tuple[str, ...]) -> str:
     """Returns the viewer's key of an update of these properties, of which only the last counts."""
     return SceneNodeUpdateMessage(name, dict.fromkeys(props)).redundancy_key()
 
@@ -68,8 +68,8 @@ def stored_frame(words: bytes) -> bytes:
                      words))
 
 
-async def send(websocket: Any, buffer: AsyncMessageBuffer, client_id: int,
-               backlog_done_message: Message | None = None) -> None:
+async def send_messages(websocket: Any, buffer: AsyncMessageBuffer, client_id: int,
+                        backlog_done_message: Message | None = None) -> None:
     """Sends the messages of a buffer to a browser until the buffer is closed."""
     compressor = zstandard.ZstdCompressor(level=1)
     async with aclosing(buffer.window_generator(client_id, backlog_done_message)) as windows:

@@ -50,13 +50,13 @@ class SendEvent(asyncio.Event):
             timer.cancel()
 
 
-class _ThreadBatch(threading.local):
+class _ThreadNotifiers(threading.local):
     """Thread-local set of notifiers to wake at the end of a batch."""
 
     notifiers: "set[SendNotifier] | None" = None
 
 
-_batch = _ThreadBatch()
+_batch = _ThreadNotifiers()
 
 
 @contextmanager
@@ -79,8 +79,8 @@ class SendNotifier:
         self._events, self._is_awake = deque[SendEvent](), False
 
     def notify(self, bell: SendEvent) -> None:
-        """Adds an event from any thread. The order matters: an event that :meth:`_drain` misses wakes the loop
-        again."""
+        """Adds an event from any thread. The order matters: an event that :meth:`_set_pending_events` misses wakes the
+        loop again."""
         self._events.append(bell)
         if _batch.notifiers is None:
             self.wake()
@@ -92,9 +92,9 @@ class SendNotifier:
         if not self._is_awake:
             self._is_awake = True
             with suppress(RuntimeError):  # the loop is closed: nobody waits
-                self._soon(self._drain)
+                self._soon(self._set_pending_events)
 
-    def _drain(self) -> None:
+    def _set_pending_events(self) -> None:
         self._is_awake = False
         while self._events:
             self._events.popleft().set()
@@ -121,7 +121,7 @@ class SendBuffer(AsyncMessageBuffer):
         return self.done or self._sent >= self.message_counter - 1
 
     @property
-    def stands_still(self) -> float:
+    def stalled_seconds(self) -> float:
         """Seconds for which the browser has received nothing of what was sent."""
         return 0.0 if (given := self._given) is None else monotonic() - given
 
@@ -169,7 +169,8 @@ class SendBuffer(AsyncMessageBuffer):
                 newest = self.message_counter - 1
                 if self.atomic_counter:
                     newest = last
-                window, last = self._take(last, newest if marker is None else min(newest, backlog_last_id), client_id)
+                window, last = self._next_window(last, newest if marker is None else min(newest, backlog_last_id),
+                                                 client_id)
                 self.generator_cursors[client_id] = last
                 if marker is not None and last >= backlog_last_id and not self.atomic_counter:
                     window, marker = [*window, marker], None
@@ -187,7 +188,7 @@ class SendBuffer(AsyncMessageBuffer):
         if not self.atomic_counter:  # otherwise at the end of the block
             self.message_event.notify(self._tower)
 
-    def _take(self, last: int, newest: int, client_id: int) -> tuple[list[Message], int]:
+    def _next_window(self, last: int, newest: int, client_id: int) -> tuple[list[Message], int]:
         """Returns messages after number ``last`` up to ``newest``, not too many, and the last number examined."""
         window: list[Message] = []
         if not self.persistent_messages and newest - last <= self.max_window_size:
@@ -222,6 +223,6 @@ class SendBuffer(AsyncMessageBuffer):
 
 def patch_viser() -> None:
     """Makes new servers use this buffer, :mod:`app.viewer.message_encoding` and :mod:`app.viewer.viser_patches`."""
-    viser_patches.mend_widgets()
+    viser_patches.speed_up_widget_creation()
     _infra.AsyncMessageBuffer = SendBuffer  # type: ignore[assignment, misc]
-    _infra._message_producer = message_encoding.send
+    _infra._message_producer = message_encoding.send_messages

@@ -35,7 +35,7 @@ NO_ROOM = lazy("The server has no room for the file; try again later")
 TOO_LARGE = lazy("The file is larger than 32 MB; give fewer times, or judge it with `mpm-lab judge`")
 
 
-def kind_of(message: bytes | str) -> str | None:
+def upload_message_kind(message: bytes | str) -> str | None:
     """Returns which of the two kinds of upload messages this is, or None."""
     return next((kind for kind, head in HEADS.items() if isinstance(message, bytes) and message.startswith(head)), None)
 
@@ -56,7 +56,7 @@ class _IncomingFile:
         return min(self.size, self.parts * PART_BYTES)
 
 
-class Upload:
+class VisitorUploads:
     """Uploads of one visitor, one at a time. ``on_file(name, path)`` receives a complete file, in ``folder``, where the
     next one will replace it; ``on_refusal`` a sentence. All but :meth:`close` is called on the web server's loop."""
 
@@ -93,47 +93,47 @@ class Upload:
         """Refuses further parts when the visitor leaves."""
         with self._lock:
             self._open = False
-            self._drop()
+            self._delete_incomplete_file()
 
-    def clear(self) -> None:
+    def delete_files(self) -> None:
         """Deletes all files, once no process works with them any more."""
         end = monotonic() + GONE_WITHIN
         while self._folder and self._folder.exists() and monotonic() < end:
             shutil.rmtree(self._folder, ignore_errors=True)
             sleep(0.02)
         with self._lock:
-            self._give_back(0)
+            self._release_quota(0)
 
-    def handle(self, kind: str, said: dict[str, Any], who: str = "") -> str | None:
+    def handle_message(self, kind: str, said: dict[str, Any], who: str = "") -> str | None:
         """Handles a valid message from an IP address; returns why it is refused, or None."""
         with self._lock:
             if not self._open:
                 return "a file for nobody"
             try:
-                return self._start(said, who) if kind == START else self._add(said)
+                return self._start(said, who) if kind == START else self._add_part(said)
             except OSError:
-                self._drop()
-                return self._no_room()
+                self._delete_incomplete_file()
+                return self._refuse_for_lack_of_space()
 
     def _start(self, said: dict[str, Any], who: str) -> str | None:
         if self._coming_file is not None:
             if monotonic() - self._coming_file.since < STUCK:
                 return "a file while another one is on its way"
-            self._drop()
+            self._delete_incomplete_file()
         if said["size_bytes"] > LARGEST:
             self._on_refusal(TOO_LARGE)
             return "a file that is too large"
         if said["part_count"] != math.ceil(said["size_bytes"] / PART_BYTES):
             return "a file in parts that it cannot have"
-        if not ROOM.take(who, said["size_bytes"]):
-            return self._no_room()
+        if not ROOM.reserve(who, said["size_bytes"]):
+            return self._refuse_for_lack_of_space()
         self._reserved.append((who, said["size_bytes"]))
         into = open(self.folder / "coming", "wb")  # closed with its last part
         self._coming_file = _IncomingFile(said["transfer_uuid"], said["filename"], said["size_bytes"], into)
-        self._report(self._coming_file)
+        self._acknowledge_part(self._coming_file)
         return None
 
-    def _add(self, said: dict[str, Any]) -> str | None:
+    def _add_part(self, said: dict[str, Any]) -> str | None:
         file = self._coming_file
         if file is None or said["transfer_uuid"] != file.transfer:
             return "a part of no file"
@@ -142,24 +142,24 @@ class Upload:
             return "a part of a file that is not the next one"
         file.into.write(said["content"])
         file.parts, file.since = file.parts + 1, monotonic()
-        self._report(file)
+        self._acknowledge_part(file)
         return None
 
-    def _report(self, file: _IncomingFile) -> None:
+    def _acknowledge_part(self, file: _IncomingFile) -> None:
         """Acknowledges the received bytes to the browser; passes on a complete file."""
         self._gui._websock_interface.queue_message(FileTransferPartAck(
             self._button._impl.uuid, file.transfer, file.received_bytes, file.size))
         if file.received_bytes == file.size:
             file.into.close()
             self._coming_file = None
-            self._give_back(1)  # the previous file is replaced
+            self._release_quota(1)  # the previous file is replaced
             self._on_file(file.name, self.folder / "coming")
 
-    def _no_room(self) -> str:
+    def _refuse_for_lack_of_space(self) -> str:
         self._on_refusal(NO_ROOM)
         return "a file for which there is no room"
 
-    def _drop(self) -> None:
+    def _delete_incomplete_file(self) -> None:
         """Deletes an incomplete file."""
         if self._coming_file is not None:
             self._coming_file.into.close()
@@ -168,12 +168,12 @@ class Upload:
             who, size = self._reserved.pop()
             ROOM.release(who, size)
 
-    def _give_back(self, but: int) -> None:
+    def _release_quota(self, but: int) -> None:
         """Releases the quota of all files but the last ``but``."""
         while len(self._reserved) > but:
             ROOM.release(*self._reserved.pop(0))
 
 
-def upload_of_button(button: Any) -> Upload | None:
+def uploads_of_button(button: Any) -> VisitorUploads | None:
     """Returns the upload of a button, or None."""
     return getattr(button, _OWN, None)

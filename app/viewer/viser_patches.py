@@ -18,25 +18,25 @@ MESSAGE = "something that a visitor did could not be acted on"
 _ICONS = _icons.ICONS_DIR / "tabler-icons.zip"
 
 
-def mend_widgets() -> None:
+def speed_up_widget_creation() -> None:
     """Caches the property types of each kind of widget, and reads icons from an archive that is opened once.
 
     The viewer determines the property types for each widget again, a third of a page's creation time, and opens the
     archive for each icon and reads thousands of names, half a second per page."""
-    known = cached_property(kinds_of_values)
+    known = cached_property(widget_property_types)
     known.__set_name__(AssignablePropsBase, "_prop_hints")
     AssignablePropsBase._prop_hints = known  # type: ignore[method-assign, assignment]
     for module in (_icons, _gui_api, _gui_handles):
         module.svg_from_icon = icon_svg  # type: ignore[attr-defined]
 
 
-def kinds_of_values(widget: Any) -> dict[str, Any]:
+def widget_property_types(widget: Any) -> dict[str, Any]:
     """Returns the types of a widget's properties, cached by kind of widget."""
     return get_type_hints_cached(type(widget._impl.props))  # type: ignore[arg-type]  # kinds can be looked up
 
 
 @lru_cache(1)
-def _archive() -> ZipFile:
+def _icon_archive() -> ZipFile:
     """Returns the icons' archive, which stays open."""
     return ZipFile(_ICONS)
 
@@ -44,10 +44,10 @@ def _archive() -> ZipFile:
 @lru_cache(256)
 def icon_svg(name: str) -> str:
     """Returns an icon as svg by its name."""
-    return _archive().read(f"{name}.svg").decode()
+    return _icon_archive().read(f"{name}.svg").decode()
 
 
-def mend_callbacks() -> None:
+def log_callback_failures() -> None:
     """Logs a failing callback in one line, instead of printing the traceback each time."""
     def print_exception(kind: type, error: BaseException, trace: object) -> None:
         log_failure(MESSAGE, error)
@@ -57,7 +57,7 @@ def mend_callbacks() -> None:
     viewers.print = lambda *_, **__: None  # printed before the traceback
 
 
-def of_loop(loop: asyncio.AbstractEventLoop, context: dict[str, Any]) -> None:
+def log_loop_failure(loop: asyncio.AbstractEventLoop, context: dict[str, Any]) -> None:
     """Logs a failure in a loop's own callbacks in one line."""
     error = context.get("exception")
     if isinstance(error, Exception):
@@ -74,7 +74,7 @@ class _LanguageExecutor(Executor):
         return self._executor.submit(with_language(work, self._language), *args, **options)
 
 
-def run_in_language(client: Any) -> None:
+def set_callback_language(client: Any) -> None:
     """Makes callbacks of this visitor's widgets and stage run in the current language."""
     for part in (client.gui, client.scene):
         part._thread_executor = _LanguageExecutor(part._thread_executor)

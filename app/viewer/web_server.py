@@ -19,17 +19,23 @@ from websockets.datastructures import Headers
 from websockets.exceptions import ConnectionClosed, InvalidMessage
 from websockets.http11 import Request, Response
 
-from app.access.allowed_hosts import FOREIGN_PAGE, Addresses, has_stray_whitespace
-from app.access.class_code import TEACHER, AccessIdentity, ClassCode
+from app.access.allowed_hosts import FOREIGN_PAGE, Addresses, has_invalid_host_characters
+from app.access.class_code import TEACHER, ClassCode, CookieIdentity
 from app.access.log_limit import RefusalLog, log_failure
 from app.access.network_limits import TokenBucket, TokenBuckets, network_of
 from app.language import translation
 from app.language.translation import ENGLISH, current_language, language_cache, lazy, tr, with_language
 from app.templates import render_template
 from app.viewer import viser_patches
-from app.viewer.connection import HEADS_WITHIN, BrowserConnection, BrowserConnections, address_of, send_away
-from app.viewer.incoming_messages import PARTS, PARTS_A_SECOND, IncomingLimiter
-from app.viewer.index_page import Index, has_page, make_response, with_security_headers
+from app.viewer.browser_connection import (
+    HEADS_WITHIN,
+    BrowserConnection,
+    BrowserConnections,
+    address_of,
+    close_websocket,
+)
+from app.viewer.incoming_messages import PARTS, PARTS_A_SECOND, IncomingMessageFilter
+from app.viewer.index_page import IndexPage, is_page_path, make_response, with_security_headers
 from app.viewer.send_queue import PROTOCOL, SendBuffer
 
 LARGEST_MESSAGE = 1_000_000  # bytes; the websocket is closed before more of one has been read
@@ -60,11 +66,11 @@ class LabServer(viser.ViserServer):
     visitors: Any = None
     access: "AccessControl"
 
-    def wait_until_told(self, seconds: float) -> None:
+    def wait_until_sent(self, seconds: float) -> None:
         """Waits until every browser has been sent the last messages, at most so many seconds."""
         end = monotonic() + seconds
         states = self._websock_server._client_state_from_id
-        while monotonic() < end and not (self.visitors.all_told() and all(
+        while monotonic() < end and not (self.visitors.has_no_pending_page() and all(
                 cast(SendBuffer, state.message_buffer).all_sent for state in list(states.values()))):
             sleep(0.01)
 
@@ -73,7 +79,7 @@ class LabServer(viser.ViserServer):
         loop = self._websock_server._background_event_loop
         if loop is not None:
             with suppress(RuntimeError):  # it has ended
-                loop.call_soon_threadsafe(loop.call_later, STOPPING, self.access.close_all)
+                loop.call_soon_threadsafe(loop.call_later, STOPPING, self.access.abort_all)
         super().stop()
 
     def request_share_url(self, verbose: bool = True) -> None:
@@ -96,42 +102,42 @@ class AccessControl:
         self._server: viser.ViserServer | None = None
         self._visitors: Any = None  # admitted visitors
 
-    def watch(self, server: LabServer, visitors: Any) -> None:
+    def attach_server(self, server: LabServer, visitors: Any) -> None:
         """Sets the server, whose widgets messages refer to, and its visitors."""
         self._server, self._visitors = server, visitors
         server.access, server.visitors = self, visitors
 
-    def close_all(self) -> None:
+    def abort_all(self) -> None:
         """Aborts all connections."""
-        self._lines.close_all()
+        self._lines.abort_all()
 
     @contextmanager
-    def guard_servers(self, index: Index) -> Iterator[None]:
+    def guard_servers(self, index: IndexPage) -> Iterator[None]:
         """Context manager: web servers started within use this access control and this ``index``."""
         serve = websockets.asyncio.server.serve
 
         def serving(handler: Callable[[Any], Awaitable[None]], *args: Any, process_request: object,
                     **options: Any) -> Any:
             def answer(connection: BrowserConnection, request: Request) -> Response | None:
-                answer = self._answer(connection, request, index)
+                answer = self._answer_request(connection, request, index)
                 connection.on_answered()
                 return answer
 
-            asyncio.get_running_loop().set_exception_handler(viser_patches.of_loop)
+            asyncio.get_running_loop().set_exception_handler(viser_patches.log_loop_failure)
             own = {"max_size": LARGEST_MESSAGE, "max_queue": WAITING, "logger": log, "open_timeout": HEADS_WITHIN,
                    "create_connection": partial(BrowserConnection, self._lines),
                    "process_request": answer, "process_response": with_security_headers}
-            return serve(partial(self._handle, handler), *args, **{**options, **own})
+            return serve(partial(self._handle_websocket, handler), *args, **{**options, **own})
 
         log = logging.Logger("websockets.server", logging.ERROR)  # of this server alone
-        log.addFilter(self._no_traces)
+        log.addFilter(self._filter_log_record)
         websockets.asyncio.server.serve = serving  # type: ignore[assignment, misc]
         try:
             yield
         finally:
             websockets.asyncio.server.serve = serve  # type: ignore[misc]
 
-    def _no_traces(self, record: logging.LogRecord) -> bool:
+    def _filter_log_record(self, record: logging.LogRecord) -> bool:
         """Log filter: refuses clients that send no HTTP, ignores early disconnects, logs other failures in one line."""
         error = record.exc_info[1] if record.exc_info else None
         if record.getMessage() != "opening handshake failed":
@@ -143,20 +149,20 @@ class AccessControl:
         self._refusals.record("a connection that does not speak HTTP")
         return False
 
-    async def _handle(self, handler: Callable[[Any], Awaitable[None]], connection: Any) -> None:
+    async def _handle_websocket(self, handler: Callable[[Any], Awaitable[None]], connection: Any) -> None:
         """Handles a websocket. The viewer gets it after its first message; before, nothing is built for it."""
         who = self._address_of(connection)
         if connection.subprotocol != PROTOCOL:
             self._refusals.record("a page of another version", who)
             await connection.close(1002, f"Version mismatch. Server: {viser.__version__}")
             return
-        hearing = IncomingLimiter(connection, who, self._refusals, self._parts.get(network_of(who)),
-                                  partial(self._widget, connection), self._keep_away)
+        hearing = IncomingMessageFilter(connection, who, self._refusals, self._parts.get(network_of(who)),
+                                        partial(self._find_widget, connection), self._block_address)
         if gone := self._lines.silent.add(connection, network_of(who)):
-            self._close(gone, CROWDED)
-        silent = asyncio.get_running_loop().call_later(SILENT, self._close, connection, NOTHING_SAID)
+            self._close_silent_websocket(gone, CROWDED)
+        silent = asyncio.get_running_loop().call_later(SILENT, self._close_silent_websocket, connection, NOTHING_SAID)
         try:
-            await hearing.first_word()
+            await hearing.wait_for_first_message()
         except ConnectionClosed:
             return
         finally:
@@ -168,17 +174,18 @@ class AccessControl:
         finally:
             pulse.cancel()
 
-    def _answer(self, connection: BrowserConnection, request: Request, index: Index) -> Response | None:
+    def _answer_request(self, connection: BrowserConnection, request: Request, index: IndexPage) -> Response | None:
         """Returns the response to a request; None for one that opens a websocket."""
         path, _, query = request.path.partition("?")
         code = translation.preferred_language(query, ",".join(request.headers.get_all("Accept-Language")))
-        return with_language(self._respond, code)(connection, request, index, path)
+        return with_language(self._respond_in_language, code)(connection, request, index, path)
 
-    def _respond(self, connection: BrowserConnection, request: Request, index: Index, path: str) -> Response | None:
+    def _respond_in_language(self, connection: BrowserConnection, request: Request, index: IndexPage,
+                             path: str) -> Response | None:
         """Returns the response to a request in the visitor's language; None for one that opens a websocket."""
         who, headers = self._address_of(connection), request.headers
         opens_socket = "websocket" in ",".join(headers.get_all("Upgrade")).lower()
-        refusal = FOREIGN_PAGE if has_stray_whitespace(connection.head) else \
+        refusal = FOREIGN_PAGE if has_invalid_host_characters(connection.head) else \
             self._addresses.refusal(headers, opens_socket)
         if refusal:
             self._refusals.record(refusal, who)
@@ -194,32 +201,37 @@ class AccessControl:
             if opens_socket:
                 self._refusals.record(NO_CODE, who)
                 return make_response(HTTPStatus.FORBIDDEN, tr(NO_CODE))
-            return make_response(HTTPStatus.OK if has_page(path) else HTTPStatus.FORBIDDEN, _code_page(), "text/html")
+            return make_response(HTTPStatus.OK if is_page_path(path) else HTTPStatus.FORBIDDEN, _code_page(),
+                                 "text/html")
         if opens_socket:
-            return self._wait(who)
+            return self._rate_limit_refusal(who)
         if not (looks := _LOOKS.search(path)):
-            return index.answer(request, current_language())
-        there = self._visitors is not None and self._visitors.attend(looks[2], looks[1] == "here")
+            return index.answer_in_language(request, current_language())
+        there = self._visitors is not None and self._visitors.set_watched(looks[2], looks[1] == "here")
         return make_response(HTTPStatus.NO_CONTENT if there else HTTPStatus.NOT_FOUND, "")
 
-    def identify(self, visitor: int) -> AccessIdentity | None:
+    def identify(self, visitor: int) -> CookieIdentity | None:
         """Returns whose code a visitor has used, the teacher's if none is required; None if the visitor has left."""
         if self._code is None:
-            return AccessIdentity(TEACHER)
-        connection = self._connection(visitor)
+            return CookieIdentity(TEACHER)
+        connection = self._websocket_of(visitor)
         return None if connection is None else self._code.identify(connection.request.headers)
 
     def language(self, visitor: int) -> str:
         """Returns the code of the language of a present visitor's page."""
-        connection = self._connection(visitor)
-        return ENGLISH if connection is None else translation.of_cookie(connection.request.headers.get_all("Cookie"))
+        connection = self._websocket_of(visitor)
+        return (
+            ENGLISH
+            if connection is None
+            else translation.language_from_cookies(connection.request.headers.get_all("Cookie"))
+        )
 
-    def _connection(self, visitor: int) -> Any:
+    def _websocket_of(self, visitor: int) -> Any:
         """Returns the websocket of a present visitor, from private attributes of the viewer."""
         server: Any = self._server
         return server._websock_server._live_connections.get(visitor) if server else None
 
-    def _wait(self, who: str) -> Response | None:
+    def _rate_limit_refusal(self, who: str) -> Response | None:
         """Returns a refusal for websockets after many of their network, or after being sent away; else None."""
         now, handshakes = monotonic(), self._handshakes.get(network_of(who))
         self._away = {other: until for other, until in self._away.items() if until > now}
@@ -228,14 +240,14 @@ class AccessControl:
             self._refusals.record("a visitor, because there were too many at once", who)
             return make_response(HTTPStatus.SERVICE_UNAVAILABLE, tr("Too many come at once. Try again in a moment."),
                                  wait=wait)
-        handshakes.spend()
+        handshakes.debit()
         return None
 
-    def _keep_away(self, who: str) -> None:
+    def _block_address(self, who: str) -> None:
         """Makes a misbehaving address wait."""
         self._away[who] = monotonic() + AWAY
         handshakes = self._handshakes.get(network_of(who))
-        handshakes.spend(min(MISDEED, max(0.0, handshakes.tokens)))
+        handshakes.debit(min(MISDEED, max(0.0, handshakes.tokens)))
 
     def _log_in(self, code: ClassCode, headers: Headers, who: str) -> Response:
         guesses = headers.get_all("X-Class-Code")
@@ -248,17 +260,17 @@ class AccessControl:
         return make_response(HTTPStatus.TOO_MANY_REQUESTS if entry.wait else HTTPStatus.FORBIDDEN, entry.refusal,
                              wait=entry.wait)
 
-    def _close(self, connection: Any, why: str) -> None:
+    def _close_silent_websocket(self, connection: Any, why: str) -> None:
         """Closes a silent websocket."""
         self._refusals.record("a connection that says nothing", self._address_of(connection))
-        going = asyncio.ensure_future(send_away(connection, why))
+        going = asyncio.ensure_future(close_websocket(connection, why))
         self._going.add(going)  # keeps a reference, so that it is not garbage-collected
         going.add_done_callback(self._going.discard)
 
     def _address_of(self, connection: Any) -> str:
         return address_of(connection, trusts_proxy=self._lines.trusts_proxy)
 
-    def _widget(self, connection: Any, widget: str) -> Any:
+    def _find_widget(self, connection: Any, widget: str) -> Any:
         """Returns the widget with this id on the page of a websocket, from private attributes of the viewer."""
         server: Any = self._server
         live = server._websock_server._live_connections if server else {}

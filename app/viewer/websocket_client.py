@@ -14,7 +14,7 @@ LARGEST = 50 * 2**20  # bytes of a message
 PATIENCE = 60.0  # timeout of the opening handshake in s
 
 
-class Connection:
+class WebsocketConnection:
     """Open websocket: messages are sent one by one, and received in groups."""
 
     def __init__(self, socket: client.ClientConnection):
@@ -30,11 +30,11 @@ class Connection:
 
 
 @asynccontextmanager
-async def connect(address: str, headers: Mapping[str, str] | None = None) -> AsyncIterator[Connection]:
+async def connect_to_page(address: str, headers: Mapping[str, str] | None = None) -> AsyncIterator[WebsocketConnection]:
     """Context manager: a connection to the page at ``address`` (host:port), with these further headers."""
     async with client.connect(f"ws://{address}", max_size=LARGEST, compression=None, open_timeout=PATIENCE,
                               additional_headers=headers, subprotocols=[client.Subprotocol(PROTOCOL)]) as socket:
-        yield Connection(socket)
+        yield WebsocketConnection(socket)
 
 
 def pack_message(message: dict[str, Any]) -> bytes:

@@ -34,7 +34,7 @@ def is_number_between(value: Any, low: float = -math.inf, high: float = math.inf
     return type(value) in (int, float) and abs(value) <= 1e300 and low <= value <= high
 
 
-def put_arrays(changed: Sequence[tuple[viser.SceneNodeHandle, dict[str, np.ndarray]]]) -> None:
+def set_node_arrays(changed: Sequence[tuple[viser.SceneNodeHandle, dict[str, np.ndarray]]]) -> None:
     """Sets arrays on one client's stage in one message each; the viewer's setters copy them, at half a frame's time."""
     messages, api = [], changed[0][0]._impl.api
     for handle, arrays in changed:

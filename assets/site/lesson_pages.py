@@ -28,9 +28,9 @@ from app.lessons.lesson import (
     draw_numbers,
     fill_numbers,
 )
-from app.lessons.lesson_parser import parse_lesson, parts_of, split_head
-from app.lessons.rounds import split_rounds
-from app.page.features.lesson import core
+from app.lessons.lesson_parser import parse_lesson, split_head, split_sections
+from app.lessons.prediction_rounds import split_rounds
+from app.page.features.lesson import step_navigation
 from app.page.features.sharing import state_link
 
 FOLDER = "lessons/"
@@ -61,7 +61,7 @@ def as_page(app: Any, docname: str, source: list[str]) -> None:
 def class_page(text: str) -> str:
     """A page for a class as Markdown: its title for its head, and no runs and claims."""
     head, body, first = split_head(text)
-    parts = (f"{part.heading}\n" + "\n".join(part.text) for part in parts_of(body, first))
+    parts = (f"{part.heading}\n" + "\n".join(part.text) for part in split_sections(body, first))
     return f"# {parse_toml(head, 2)['title']}\n\n" + "\n\n".join(parts) + "\n"
 
 
@@ -69,7 +69,7 @@ def page(lesson: Lesson) -> str:
     """A lesson as Markdown, with the numbers that a student without a name gets."""
     numbers = draw_numbers(lesson, "")
     before = ", ".join(f"[{catalogue.load_lesson(name).title}]({name}.md)" for name in lesson.prerequisites)
-    parts = [f"# {lesson.title}", core.duration_text(lesson),
+    parts = [f"# {lesson.title}", step_navigation.duration_text(lesson),
              "\n".join(f"* {goal}" for goal in lesson.goals), f"Do before: {before}." if before else "",
              f"In the lab: `mpm-lab serve --lesson {lesson.name}`, or the tab *Lessons*. Links *On the stage* lead to "
              "a lab that runs on this machine.", lesson.intro]

@@ -16,7 +16,7 @@ import numpy as np
 from solvers.bench.solver_benchmarks import bare_scene
 from solvers.problems import PROBLEMS
 from solvers.running.run import build
-from solvers.running.timing import TimedSteps
+from solvers.running.timing import RepeatedSteps
 
 CPP_SOURCES = Path(__file__).parent / "cpp"
 FLAGS = ("-O3", "-march=native", "-ffast-math", "-fopenmp-simd", "-std=c++17")
@@ -75,7 +75,7 @@ def _run_command(*command: str) -> subprocess.CompletedProcess:
 
 
 @dataclass(frozen=True)
-class Case:
+class ComparisonCase:
     """A method, its grid, and the arguments of the C++ program."""
 
     method: str
@@ -83,11 +83,12 @@ class Case:
     arguments: tuple[object, ...]
 
 
-def comparison_cases(problem: str) -> list[Case]:
+def comparison_cases(problem: str) -> list[ComparisonCase]:
     """Returns the bar's methods, all against the C++ step of uGIMP; the ring's boxes and CPDI, each against its own."""
     if problem == "bar":
-        return [Case(method, BAR_CELLS, (BAR_CELLS, BAR_STEPS)) for method in PROBLEMS[problem].scene.choices("method")]
-    return [Case(method, RING_CELLS, (method, RING_CELLS, RING_STEPS)) for method in RING_METHODS]
+        return [ComparisonCase(method, BAR_CELLS,
+                               (BAR_CELLS, BAR_STEPS)) for method in PROBLEMS[problem].scene.choices("method")]
+    return [ComparisonCase(method, RING_CELLS, (method, RING_CELLS, RING_STEPS)) for method in RING_METHODS]
 
 
 def measure_ratios(problem: str, quick: bool) -> dict:
@@ -100,9 +101,9 @@ def measure_ratios(problem: str, quick: bool) -> dict:
     with tempfile.TemporaryDirectory(prefix="mpm-lab-limit-", ignore_cleanup_errors=True) as folder:
         try:
             program = CppProgram(problem, Path(folder))
-            pairs = [(case, TimedSteps(build(bare_scene(problem, case.cells, method=case.method)), SECONDS))
+            pairs = [(case, RepeatedSteps(build(bare_scene(problem, case.cells, method=case.method)), SECONDS))
                      for case in comparison_cases(problem)]
-            turns = [[(stretch.time(), program.run(*case.arguments)[0]) for case, stretch in pairs]
+            turns = [[(stretch.seconds_per_step(), program.run(*case.arguments)[0]) for case, stretch in pairs]
                      for _ in range(1 + (QUICK_TURNS if quick else TURNS))]
         except CppMissing as why:
             return {"problem": problem, "missing": str(why), "cases": []}
@@ -111,7 +112,7 @@ def measure_ratios(problem: str, quick: bool) -> dict:
         for (case, stretch), taken in zip(pairs, np.swapaxes(turns[1:], 0, 1), strict=True)]}
 
 
-def _ratio_row(case: Case, particles: int, turns: np.ndarray) -> dict:
+def _ratio_row(case: ComparisonCase, particles: int, turns: np.ndarray) -> dict:
     """Returns the row of a case; ``turns`` has seconds per step of the solver and the rate of the C++(turns, 2)."""
     seconds, limits = turns.T
     rates = 1e-6 * particles / seconds

@@ -22,7 +22,7 @@ from solvers.running.run import build
 from solvers.scene.scene import MOST_PARTICLES, Scene
 from solvers.solver import devices
 from solvers.solver.base import Solver
-from solvers.solver.error_norms import finite
+from solvers.solver.error_norms import finite_or_none
 from solvers.workers.worker_process import ProcessDied, ask_fresh
 
 #: Cells that make about 1e4, 1e5, 1e6 and 1e7 particles, of which a quick bench takes the first two.
@@ -62,32 +62,34 @@ def measure_device(where: str, sizes: Mapping[str, Sequence[int]], copied: int =
     """Returns the measurements on one kind of GPU, for these numbers of cells of each problem."""
     runtime.start(where)
     limit = measure_bandwidth(copied)
-    rows = [measure_scene(bare_scene(problem, n, method=method), where, limit)
+    rows = [measure_scene_rates(bare_scene(problem, n, method=method), where, limit)
             for problem, cells in sizes.items() for method in METHODS for n in cells]
     return {"arch": where, "name": devices.probe_device(where)["name"], "missing": None, "bandwidth": 1e-9 * limit,
             "rows": rows}
 
 
-def measure_scene(scene: Scene, where: str, limit: float) -> dict:
+def measure_scene_rates(scene: Scene, where: str, limit: float) -> dict:
     """Returns the rates of a scene, in million particle-steps per second, on the GPU and by the CPU's plans, where
     these allow so many particles; and the share of the first in the limit by bandwidth."""
-    rates = {"gpu": measure_rate(build(replace(scene, arch=where)))}
+    rates = {"gpu": measure_particle_step_rate(build(replace(scene, arch=where)))}
     everywhere: dict[str, Any] = {"plan": "parallel", "threads": os.cpu_count() or 1}
     for plan, inputs in {"serial": {}, "parallel": everywhere}.items():
-        rates[plan] = measure_rate(build(replace(scene, **inputs))) if scene.particles <= MOST_PARTICLES else None
+        rates[plan] = (
+            measure_particle_step_rate(build(replace(scene, **inputs))) if scene.particles <= MOST_PARTICLES else None
+        )
     share = None if rates["gpu"] is None else 1e6 * rates["gpu"] * (BASE_BYTES + EXTRA_BYTES[scene.method]) / limit
     return {"problem": scene.problem, "method": scene.method, "cells": scene.cells, "particles": scene.particles,
             "rates": rates, "share": share}
 
 
-def measure_rate(solver: Solver) -> float | None:
+def measure_particle_step_rate(solver: Solver) -> float | None:
     """Returns million particle-steps per second of wall time; None if the run becomes unstable."""
     solver.compile()
     steps, most = 1, solver.longest_advance
     while (took := _time_call(partial(solver.advance, steps))) < SECONDS and 2 * steps <= most:
         steps *= 2
     took = min(took, *(_time_call(partial(solver.advance, steps)) for _ in range(TURNS)))
-    return finite(1e-6 * solver.scene.particles * steps / took) if solver.sound else None
+    return finite_or_none(1e-6 * solver.scene.particles * steps / took) if solver.sound else None
 
 
 def measure_bandwidth(vectors: int) -> float:

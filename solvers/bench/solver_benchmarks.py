@@ -15,15 +15,15 @@ import numpy as np
 
 from solvers.problems import PROBLEMS
 from solvers.running.run import build
-from solvers.running.timing import TimedSteps, particle_step_rate, time_interleaved, time_ratios
+from solvers.running.timing import RepeatedSteps, particle_step_rate, time_interleaved, time_ratios
 from solvers.scene.scene import Scene
 from solvers.scene.validation import SceneError
 from solvers.solver.base import Solver
-from solvers.solver.error_norms import finite
+from solvers.solver.error_norms import finite_or_none
 from solvers.study.row import PRICED
 
 
-def optional_inputs(scene: type[Scene]) -> dict[str, tuple[dict[str, Any], dict[str, Any]]]:
+def optional_part_inputs(scene: type[Scene]) -> dict[str, tuple[dict[str, Any], dict[str, Any]]]:
     """Returns the optional parts of a problem's step: the inputs that switch each on, and those that it is compared
     with, on an otherwise bare step."""
     found: dict[str, tuple[dict[str, Any], dict[str, Any]]] = {
@@ -36,7 +36,7 @@ def optional_inputs(scene: type[Scene]) -> dict[str, tuple[dict[str, Any], dict[
 
 
 @dataclass(frozen=True)
-class Effort:
+class BenchmarkEffort:
     """Effort of a benchmark: sizes, turns, and seconds of a stretch."""
 
     cells: Mapping[int, tuple[int, ...]]  # by dimension
@@ -47,8 +47,8 @@ class Effort:
     off_seconds: float  # longer, for a finer difference
 
 
-FULL = Effort({1: (40, 160, 640), 2: (24, 96)}, {1: 160, 2: 48}, 5, 7, 15, 0.04)
-QUICK = Effort({1: (40, 160), 2: (24,)}, {1: 40, 2: 24}, 3, 3, 5, 0.02)
+FULL = BenchmarkEffort({1: (40, 160, 640), 2: (24, 96)}, {1: 160, 2: 48}, 5, 7, 15, 0.04)
+QUICK = BenchmarkEffort({1: (40, 160), 2: (24,)}, {1: 40, 2: 24}, 3, 3, 5, 0.02)
 
 
 def bare_scene(problem: str, cells: int, **inputs: Any) -> Scene:
@@ -56,38 +56,38 @@ def bare_scene(problem: str, cells: int, **inputs: Any) -> Scene:
     return kind(**{"cells": cells, "effects": (), "estimators": (), "amplitude": kind.GENTLE_AMPLITUDE, **inputs})
 
 
-def measure_rates(problem: str, method: str, effort: Effort) -> list[dict]:
+def measure_rates(problem: str, method: str, effort: BenchmarkEffort) -> list[dict]:
     """Returns the rate at each size, in million particle-steps per second."""
     scenes = [bare_scene(problem, cells, method=method) for cells in effort.cells[PROBLEMS[problem].scene.DIMENSIONS]]
     return [{**_scene_columns(scene), "particles": scene.particles,
-             "rate": finite(particle_step_rate(build(scene), effort.rate_turns))} for scene in scenes]
+             "rate": finite_or_none(particle_step_rate(build(scene), effort.rate_turns))} for scene in scenes]
 
 
-def estimator_prices(problem: str, effort: Effort) -> list[dict]:
+def estimator_prices(problem: str, effort: BenchmarkEffort) -> list[dict]:
     """Returns the time of a step with each estimator, all four quantities, over a bare one, null with a reason if it is
     not valid."""
     kind, with_it = PROBLEMS[problem].scene, dict[str, Scene]()
     for name in PROBLEMS[problem].estimators:  # of the default method, or the first for which the estimator is valid
-        scenes = [_scene_with_options(problem, effort, method=method, effects=("estimate", "acceleration"),
-                                      estimators=(name,)) for method in (kind.method, *kind.choices("method"))]
+        scenes = [_scene_to_price(problem, effort, method=method, effects=("estimate", "acceleration"),
+                                  estimators=(name,)) for method in (kind.method, *kind.choices("method"))]
         with_it[name] = next((scene for scene in scenes if not scene.not_valid), scenes[0])
     without = {name: replace(scene, effects=(), estimators=()) for name, scene in with_it.items()}
     valid = [name for name, scene in with_it.items() if not scene.not_valid]
     found = time_ratios({name: (with_it[name], without[name]) for name in valid}, effort.price_turns)
-    return [{**_scene_columns(scene), "name": name, "ratio": finite(found.get(name, math.nan)),
+    return [{**_scene_columns(scene), "name": name, "ratio": finite_or_none(found.get(name, math.nan)),
              "not_valid": scene.not_valid.get(name)} for name, scene in with_it.items()]
 
 
-def effect_prices(problem: str, effort: Effort) -> list[dict]:
+def effect_prices(problem: str, effort: BenchmarkEffort) -> list[dict]:
     """Returns the time of a step with each effect over one without it."""
-    scene = _scene_with_options(problem, effort)
+    scene = _scene_to_price(problem, effort)
     pairs = {name: (replace(scene, **on), replace(scene, **off)) for name,
-             (on, off) in optional_inputs(type(scene)).items()}
+             (on, off) in optional_part_inputs(type(scene)).items()}
     found = time_ratios(pairs, effort.price_turns)
-    return [{**_scene_columns(scene), "name": name, "ratio": finite(ratio)} for name, ratio in found.items()]
+    return [{**_scene_columns(scene), "name": name, "ratio": finite_or_none(ratio)} for name, ratio in found.items()]
 
 
-def measure_options_overhead(problem: str, effort: Effort) -> dict:
+def measure_inactive_overhead(problem: str, effort: BenchmarkEffort) -> dict:
     """Measures a bare step over a baseline without optional code, and the uncertainty.
 
     Two solvers of each kind take turns. ``ratio`` is the median over the turns, ``low`` and ``high`` are the quartiles;
@@ -96,23 +96,23 @@ def measure_options_overhead(problem: str, effort: Effort) -> dict:
     and ``call_stripped`` are the seconds that a call of the kernel costs, however many steps it takes: they are not
     part of a step, but more arguments, used or not, make a call longer.
     """
-    scene = _scene_with_options(problem, effort)
+    scene = _scene_to_price(problem, effort)
     own, baseline = PROBLEMS[problem].solver, PROBLEMS[problem].baseline
     solvers = [kind(scene) for kind in (baseline, own, baseline, own)]
-    stretches = [TimedSteps(solver, effort.off_seconds) for solver in solvers]
+    stretches = [RepeatedSteps(solver, effort.off_seconds) for solver in solvers]
     steps = max(stretch.steps for stretch in stretches)
     for stretch in stretches:
         stretch.steps = steps
-    calls = np.array([_seconds_per_call(solver) for solver in solvers])
+    calls = np.array([_empty_call_seconds(solver) for solver in solvers])
     turns = time_interleaved(stretches, effort.off_turns) - calls / steps
     over = turns[:, [1, 3]].min(axis=1) / turns[:, [0, 2]].min(axis=1)
     low, ratio, high = np.quantile(over, [0.25, 0.5, 0.75])
-    return {**_scene_columns(scene), "ratio": finite(ratio), "low": finite(low), "high": finite(high),
-            "same": finite(np.median(turns[:, 3] / turns[:, 1])),
+    return {**_scene_columns(scene), "ratio": finite_or_none(ratio), "low": finite_or_none(low),
+            "high": finite_or_none(high), "same": finite_or_none(np.median(turns[:, 3] / turns[:, 1])),
             "call": min(calls[1], calls[3]), "call_stripped": min(calls[0], calls[2])}
 
 
-def _seconds_per_call(solver: Solver) -> float:
+def _empty_call_seconds(solver: Solver) -> float:
     took = []
     for _ in range(50):
         begun = time.thread_time()
@@ -121,7 +121,7 @@ def _seconds_per_call(solver: Solver) -> float:
     return min(took)
 
 
-def _scene_with_options(problem: str, effort: Effort, **inputs: Any) -> Scene:
+def _scene_to_price(problem: str, effort: BenchmarkEffort, **inputs: Any) -> Scene:
     return bare_scene(problem, effort.priced_cells[PROBLEMS[problem].scene.DIMENSIONS], **inputs)
 
 

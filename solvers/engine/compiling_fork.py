@@ -56,7 +56,7 @@ class CompilingFork:
             with suppress(ProcessLookupError):  # its end will be noticed
                 os.kill(self.process_id, signal.SIGSTOP if wanted else signal.SIGCONT)
 
-    def take_over(self, estate: Any) -> None:
+    def hand_over(self, estate: Any) -> None:
         """Transfers everything to the child. When this returns the parent must touch nothing more and exit. Raises
         EOFError or OSError if the child died: then everything still belongs to the parent."""
         self.pause(False)
@@ -71,7 +71,7 @@ class CompilingFork:
         self.pipe.close()
 
 
-def fork(scenes: Sequence[Scene], asked_for: bool, prepare: Callable[[Any], None]) -> CompilingFork | Any:
+def fork_to_compile(scenes: Sequence[Scene], asked_for: bool, prepare: Callable[[Any], None]) -> CompilingFork | Any:
     """Forks a child that compiles the scenes' kernels, or the first that fit into a short time, and then calls
     ``prepare`` with what is announced to it.
 
@@ -92,7 +92,7 @@ def fork(scenes: Sequence[Scene], asked_for: bool, prepare: Callable[[Any], None
             os._exit(1)
         if not asked_for:
             os.sched_setscheduler(0, os.SCHED_BATCH, os.sched_param(0))
-        theirs.send(_compile(scenes))
+        theirs.send(_compile_scenes(scenes))
         prepare(theirs.recv())
         theirs.send(PREPARED)
         estate = theirs.recv()
@@ -110,7 +110,7 @@ def fork(scenes: Sequence[Scene], asked_for: bool, prepare: Callable[[Any], None
         os._exit(1)  # the parent's sessions are not this process's to end
 
 
-def _compile(scenes: Sequence[Scene]) -> int:
+def _compile_scenes(scenes: Sequence[Scene]) -> int:
     """Compiles the scenes' kernels, one after another until time is up; returns the number of scenes."""
     begun = monotonic()
     for done, scene in enumerate(scenes, 1):

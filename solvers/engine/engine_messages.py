@@ -71,7 +71,7 @@ class FrameReport:
     stopped, a lost one continues; one that is ok for positions has a reason where other quantities have errors as large
     as themselves. ``not_checked`` says what is not checked. ``breakdown`` is that of the last step, if requested and a
     single step. ``goals`` are numbers of the body, at most half a second old while the run moves
-    (:func:`solvers.running.quantities_of_interest.evaluate`).
+    (:func:`solvers.running.quantities_of_interest.evaluate_goal`).
     """
 
     session: int

@@ -14,8 +14,8 @@ from solvers.engine import shared_frames
 from solvers.engine.engine_messages import FRAME_SECONDS, FrameReport, Pace, SessionClosed, SessionRequest
 from solvers.engine.engine_process import CANNOT_START, EngineProcess, SessionListener
 from solvers.engine.shared_frames import FrameOptions
-from solvers.message import Message
 from solvers.scene.scene import Scene
+from solvers.translatable_message import Message
 from solvers.workers.worker_process import adopt_orphans
 
 PATIENCE = 2.0  # seconds that engines may take to end
@@ -45,12 +45,12 @@ class EnginePool:
         for engine in self._engines:
             engine.prewarm(usual)
 
-    def deliver_within(self, together: Callable[[], AbstractContextManager]) -> None:
+    def set_delivery_context(self, together: Callable[[], AbstractContextManager]) -> None:
         """Sets the context manager in which sessions receive frames that arrive at once."""
         for engine in self._engines:
             engine.together = together
 
-    def open(self, listener: SessionListener, beside: SessionLink | None = None) -> SessionLink:
+    def open_session(self, listener: SessionListener, beside: SessionLink | None = None) -> SessionLink:
         """Returns a new session, on the engine with the fewest; on an engine that has been given up only if all have.
 
         Parameters
@@ -70,7 +70,7 @@ class EnginePool:
         return all(engine.ready.wait(timeout) for engine in self._engines)
 
     @property
-    def playing(self) -> int:
+    def playing_sessions(self) -> int:
         """Number of sessions that should move."""
         links = [link for engine in self._engines for link in list(engine.links.values())]
         return sum(link.wish is not None and link.wish.pace.playing for link in links)
@@ -146,7 +146,7 @@ class SessionLink:
             if self._closed:
                 return
             self._closed = True
-            self._free_all_but(0)
+            self._free_older_blocks(0)
         self.engine.links.pop(self.session, None)
         self.engine.send(SessionClosed(self.session))
 
@@ -162,7 +162,7 @@ class SessionLink:
                 return
             arrays = shared_frames.read_frame(block, report.scene, report.particles, report.holds)
             if block is self._blocks[-1]:
-                self._free_all_but(1)
+                self._free_older_blocks(1)
         self.listener.on_frame(report, arrays)
 
     def engine_lost(self, had_worked: bool) -> None:
@@ -178,7 +178,7 @@ class SessionLink:
                 self.wish = replace(self.wish, number=self.wish.number + 1)
                 self.engine.send(self.wish)
 
-    def _free_all_but(self, last: int) -> None:
+    def _free_older_blocks(self, last: int) -> None:
         while len(self._blocks) > last:
             block = self._blocks.pop(0)
             block.close()

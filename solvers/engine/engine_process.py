@@ -18,8 +18,8 @@ from typing import Protocol
 from solvers.engine import engine_messages
 from solvers.engine.engine_messages import FrameReport, SessionClosed, SessionRequest
 from solvers.engine.shared_frames import FrameArrays
-from solvers.message import Message
 from solvers.scene.scene import Scene
+from solvers.translatable_message import Message
 from solvers.workers import worker_process
 
 FIRST_PAUSE = 0.5  # seconds before the next start when an engine dies before it is ready; doubles every time
@@ -51,9 +51,9 @@ class Link(Protocol):
 
 def run_engine_process(pipe: Connection, warm_up: Scene, usual: Sequence[Scene]) -> None:
     """Entry point of an engine process. Only there is Taichi imported: the page's process stays light."""
-    from solvers.engine import engine_worker
+    from solvers.engine import engine_server
 
-    engine_worker.main(pipe, warm_up, usual)
+    engine_server.serve_engine(pipe, warm_up, usual)
 
 
 class EngineProcess:
@@ -76,7 +76,7 @@ class EngineProcess:
         self._outbox: deque[SessionClosed | engine_messages.Prewarm] = deque()
         self._wishes: dict[int, SessionRequest] = {}
         self._start()
-        for work in (self._read, self._write):
+        for work in (self._read_messages, self._write_messages):
             threading.Thread(target=work, name=f"engine{work.__name__}", daemon=True).start()
 
     def prewarm(self, usual: Sequence[Scene]) -> None:
@@ -116,15 +116,15 @@ class EngineProcess:
         """Stops the process, after ``patience`` s by force."""
         self.request_stop()
         end = monotonic() + patience
-        while self._reap() and monotonic() < end:
+        while self._reap_stopped_processes() and monotonic() < end:
             sleep(0.01)
         for process_id in self._leaving:
             with suppress(OSError):  # it has ended
                 os.kill(process_id, worker_process.KILL_SIGNAL)
-        while self._reap() and monotonic() < end + REAP_SECONDS:
+        while self._reap_stopped_processes() and monotonic() < end + REAP_SECONDS:
             sleep(0.01)
 
-    def _read(self) -> None:
+    def _read_messages(self) -> None:
         while not (self._closing or self.given_up):
             try:
                 message = self._pipe.recv()
@@ -134,7 +134,7 @@ class EngineProcess:
                 continue
             _notify(self._dispatch, message)
 
-    def _write(self) -> None:
+    def _write_messages(self) -> None:
         while True:
             with self._news:
                 self._news.wait_for(lambda: self._closing or self._outbox or self._wishes)
@@ -193,7 +193,7 @@ class EngineProcess:
         for link in list(self.links.values()):
             _notify(link.listener.on_error, CANNOT_START)
 
-    def _reap(self) -> list[int]:
+    def _reap_stopped_processes(self) -> list[int]:
         """Returns processes that were stopped and still exist. Children become those of the page's process once the
         engine that forked them has ended, where the system supports that."""
         def is_running(process_id: int) -> bool:
@@ -211,7 +211,7 @@ class EngineProcess:
                   message: engine_messages.FrameBatch | engine_messages.CompilePending | engine_messages.ForkStarted
                   | engine_messages.EngineReplaced | engine_messages.EngineError | engine_messages.EngineReady) -> None:
         if self._leaving:
-            self._reap()
+            self._reap_stopped_processes()
         if isinstance(message, engine_messages.FrameBatch):
             with self.together():
                 for report in message.reports:

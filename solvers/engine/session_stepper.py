@@ -11,7 +11,7 @@ import numpy as np
 from solvers.engine import shared_frames
 from solvers.engine.engine_messages import FrameReport, SessionRequest
 from solvers.engine.soundness_watch import SoundnessWatch
-from solvers.running.quantities_of_interest import ENERGY, STRESS, Goal, evaluate, mask_refused
+from solvers.running.quantities_of_interest import ENERGY, STRESS, Goal, evaluate_goal, mask_refused
 from solvers.running.run import build
 from solvers.scene.scene import MOST_STEPS
 from solvers.solver.base import Solver
@@ -35,14 +35,14 @@ class BlockFreed(Exception):
     """Signal that the page has freed the block of a request: its visitor has left, and no answer is needed."""
 
 
-class Stepper:
+class SessionStepper:
     """Steps a session's solver towards its target, one time slice after another, in the engine's one thread."""
 
     def __init__(self, wish: SessionRequest):
         self.wish = wish
         self.sessions = 1  # that share the engine and move
         self._seconds_a_frame = self._lateness = 0.0
-        self.partner: Stepper | None = None  # synchronised with this one (``SessionRequest.partner``), or None
+        self.partner: SessionStepper | None = None  # synchronised with this one (``SessionRequest.partner``), or None
         self._block = _attach(wish.memory)
         shared_frames.mark_as_read(self._block)  # left by an engine that died
         try:
@@ -103,7 +103,7 @@ class Stepper:
                 "solver": self.solver.state()}
 
     @classmethod
-    def from_state(cls, state: dict[str, Any], prepared: Solver | None) -> "Stepper":
+    def from_state(cls, state: dict[str, Any], prepared: Solver | None) -> "SessionStepper":
         """Returns the stepper with this state, to the bit. A ``prepared`` solver is used if it has the same scene."""
         stepper, scene = cls.__new__(cls), state["wish"].scene
         solver = prepared if prepared and prepared.scene == scene else build(scene)
@@ -124,7 +124,7 @@ class Stepper:
             return self._steps_wanted() >= 1
         enough = self._slice_steps
         if self.partner is not None:  # half of what a partner that waits is ahead
-            enough = max(1, min(enough, int(0.5 * self._max_lead / self.solver.scene.time_step)))
+            enough = max(1, min(enough, int(0.5 * self._max_lead_over_partner / self.solver.scene.time_step)))
         return self._steps_wanted() >= enough
 
     @property
@@ -172,7 +172,7 @@ class Stepper:
         report = FrameReport(
             session=self.wish.session, number=self.wish.number, memory=self._block.name, scene=solver.scene,
             fresh=self._fresh, playing=self.running, particles=len(shot.position), step=solver.step, time=solver.time,
-            rows=rows, reason=reason, status=status, since=since, not_checked=self._watch.not_checked(not_valid),
+            rows=rows, reason=reason, status=status, since=since, not_checked=self._watch.unchecked_note(not_valid),
             rate=1e-6 * particle_steps / self._kernel_seconds if particle_steps else 0.0, real_speed=self._real_speed,
             arch=solver.arch, not_valid=not_valid, holds=replace(wished, differences=bool(shot.difference)),
             breakdown=self._breakdown if wished.broken_down is not None else None,
@@ -193,7 +193,8 @@ class Stepper:
         if now >= self._goals_due or not self.running:
             solver, self._goals_due = self.solver, now + GOAL_SECONDS
             fields = solver.fields()
-            self._goals = {name: evaluate(Goal(name), fields, solver.scene, solver.step) for name in (ENERGY, STRESS)}
+            self._goals = {name: evaluate_goal(Goal(name), fields, solver.scene,
+                                               solver.step) for name in (ENERGY, STRESS)}
         return self._goals
 
     @property
@@ -238,14 +239,17 @@ class Stepper:
         now, (wall, simulated) = perf_counter(), self._anchor
         target, partner = simulated + (now - wall) * self._speed, self.partner
         if partner is not None and partner.running:  # no farther than ``_lead`` beyond its number of periods
-            bound = partner.solver.time / partner.solver.scene.period * self.solver.scene.period + self._max_lead
+            bound = (
+                partner.solver.time / partner.solver.scene.period * self.solver.scene.period
+                + self._max_lead_over_partner
+            )
             if bound < target:
                 target = bound
                 self._anchor = (now, bound)
         return min(int((target - self.solver.time) / self.solver.scene.time_step), self._last_step - self.solver.step)
 
     @property
-    def _max_lead(self) -> float:
+    def _max_lead_over_partner(self) -> float:
         """Largest lead over its partner in s: one frame, but invisible at high speeds; and at least two steps, so that
         the one behind can always take one."""
         scene = self.solver.scene

@@ -13,8 +13,8 @@ from multiprocessing.shared_memory import SharedMemory
 import numpy as np
 
 from solvers.scene.scene import Scene
+from solvers.solver.particle_snapshot import Snapshot
 from solvers.solver.samples import QUANTITIES
-from solvers.solver.snapshot import Snapshot
 
 WIDTH = len(QUANTITIES)
 HEADER = 64  # bytes in front of the arrays
@@ -56,7 +56,7 @@ class FrameArrays:
 
 def block_bytes(scene: Scene) -> int:
     """Returns the largest size of a scene's frame in bytes: a layout may exceed the scene's count a little."""
-    return HEADER + 4 * (scene.particles + scene.particles // 8 + 64) * sum(_widths(scene, True, True).values())
+    return HEADER + 4 * (scene.particles + scene.particles // 8 + 64) * sum(_field_widths(scene, True, True).values())
 
 
 def attach_block(name: str) -> SharedMemory:
@@ -85,30 +85,30 @@ def write_frame(block: SharedMemory, scene: Scene, shot: Snapshot) -> None:
                "error": np.nan if shot.error is None else shot.error, **shot.estimate,
                **{DIFFERENCE.format(name): sizes for name, sizes in shot.difference.items()}, "plotted": shot.plotted}
     with np.errstate(over="ignore"):  # an unstable run may exceed single precision
-        widths = _widths(scene, bool(shot.difference), shot.plotted is not None)
-        for name, part in _views(_open_block(block), P, widths, HEADER).items():
+        widths = _field_widths(scene, bool(shot.difference), shot.plotted is not None)
+        for name, part in _field_views(_block_memoryview(block), P, widths, HEADER).items():
             values = columns[name]
             part[:] = values.reshape(P, -1) if isinstance(values, np.ndarray) else values
-    _open_block(block)[0] = 1
+    _block_memoryview(block)[0] = 1
 
 
 def is_unread(block: SharedMemory) -> bool:
     """Returns whether the block contains a frame that the page has not copied yet."""
-    return _open_block(block)[0] != 0
+    return _block_memoryview(block)[0] != 0
 
 
 def mark_as_read(block: SharedMemory) -> None:
     """Marks the block as free for the next frame."""
-    _open_block(block)[0] = 0
+    _block_memoryview(block)[0] = 0
 
 
 def read_frame(block: SharedMemory, scene: Scene, particles: int, holds: FrameOptions = FrameOptions()) -> FrameArrays:
     """Returns a copy of the frame of ``scene`` with so many particles and the optional contents ``holds``; the block
     may then be written again."""
-    widths = _widths(scene, holds.differences, holds.plotted is not None)
-    held = bytes(_open_block(block)[HEADER:HEADER + 4 * particles * sum(widths.values())])
+    widths = _field_widths(scene, holds.differences, holds.plotted is not None)
+    held = bytes(_block_memoryview(block)[HEADER:HEADER + 4 * particles * sum(widths.values())])
     mark_as_read(block)
-    parts = _views(held, particles, widths)
+    parts = _field_views(held, particles, widths)
     return FrameArrays(parts["position"], parts["displacement"], parts["deformation_gradient"],
                        parts["steps_since_crossing"][:, 0], parts["error"],
                        {name: parts[name] for name in scene.active_estimators},
@@ -117,7 +117,7 @@ def read_frame(block: SharedMemory, scene: Scene, particles: int, holds: FrameOp
 
 
 @lru_cache(64)
-def _widths(scene: Scene, differences: bool, plotted: bool) -> dict[str, int]:
+def _field_widths(scene: Scene, differences: bool, plotted: bool) -> dict[str, int]:
     """Returns the fields of a frame, in order, with their numbers per particle."""
     D, active = scene.DIMENSIONS, scene.active_estimators
     compared = map(DIFFERENCE.format, active) if differences else ()
@@ -125,7 +125,8 @@ def _widths(scene: Scene, differences: bool, plotted: bool) -> dict[str, int]:
             **dict.fromkeys((*active, *compared), WIDTH), **({"plotted": 2} if plotted else {})}
 
 
-def _views(held: bytes | memoryview, particles: int, widths: dict[str, int], start: int = 0) -> dict[str, np.ndarray]:
+def _field_views(held: bytes | memoryview, particles: int, widths: dict[str, int],
+                 start: int = 0) -> dict[str, np.ndarray]:
     """Returns bytes from ``start`` on as one array (P, width) for each field."""
     parts = {}
     for name, width in widths.items():
@@ -134,6 +135,6 @@ def _views(held: bytes | memoryview, particles: int, widths: dict[str, int], sta
     return parts
 
 
-def _open_block(block: SharedMemory) -> memoryview:
+def _block_memoryview(block: SharedMemory) -> memoryview:
     assert block.buf is not None
     return block.buf

@@ -6,7 +6,14 @@ from solvers.scene.scene import Scene
 from solvers.solver import samples
 from solvers.solver.base import Solver
 from solvers.solver.soundness import Finding, earliest_finding, findings
-from solvers.solver.verdict_basis import LargeRelativeError, checked_by, large_errors, merge, motion_known, unchecked
+from solvers.solver.verdict_basis import (
+    LargeRelativeError,
+    checks_by_quantity,
+    is_balance_motion_known,
+    large_errors,
+    merge_large_errors,
+    missing_checks_sentence,
+)
 
 MOST_WAITING = 20  # samples
 DOUBT_PERIODS = 0.5  # periods
@@ -43,8 +50,8 @@ class SoundnessWatch:
         self._looked = rows[looked[-1:]] if len(looked) else self._looked
         series = samples.read_rows(np.concatenate(waiting), scene, particles)
         self._findings = {**findings(scene, series), **self._findings}
-        self._large = merge(self._large, large_errors(scene, series))
-        self._followed = motion_known(scene, series)
+        self._large = merge_large_errors(self._large, large_errors(scene, series))
+        self._followed = is_balance_motion_known(scene, series)
 
     def doubted_estimators(self, time: float, found: dict[str, str]) -> dict[str, str]:
         """Returns the estimators that do not hold at a time in s, each with a sentence: those ``found`` now, and those
@@ -60,6 +67,6 @@ class SoundnessWatch:
         large = {quantity: one for quantity, one in self._large.items() if one.by not in not_valid}
         return solver.status(earliest_finding(self._findings, not_valid), large)
 
-    def not_checked(self, not_valid: dict[str, str]) -> str | None:
+    def unchecked_note(self, not_valid: dict[str, str]) -> str | None:
         """Returns what has not been checked so far, in a sentence (``solvers.solver.verdict_basis``)."""
-        return unchecked(self._scene, checked_by(self._scene, not_valid, self._followed))
+        return missing_checks_sentence(self._scene, checks_by_quantity(self._scene, not_valid, self._followed))

@@ -27,8 +27,8 @@ import taichi as ti
 
 from solvers.estimators.spectral_elements import unresolved_size
 from solvers.kernels.dtypes import integers, reals, rows
-from solvers.message import Message
 from solvers.scene.estimator_hooks import EstimatorHooks
+from solvers.translatable_message import Message
 
 STABLE = 2.4  # omega H up to which a sub-step is taken; Nystrom's method is stable up to 2.58, and damps from 1 on
 CHOSEN = 2.2  # omega H of the interval at rest: strain may stiffen the body by (2.4/2.2)^2 before a step is cut in two
@@ -49,7 +49,7 @@ LAYERS = 4
 
 
 @ti.func
-def step_ahead(body: ti.template(), step, accelerate: ti.template(), on: ti.template()):
+def advance_companion_if_due(body: ti.template(), step, accelerate: ti.template(), on: ti.template()):
     """Advances the companion over its next interval when ``step``, the particles' last, was the first beyond its end.
 
     The stages of one sub-step of length H from (u, v, a = k1) at t are k2 = f(t + H/2, u + H/2 v + H^2/8 k1) and
@@ -59,7 +59,7 @@ def step_ahead(body: ti.template(), step, accelerate: ti.template(), on: ti.temp
     """
     begun = step - 1
     if begun % body.companion_counts[INTERVAL] == 0:
-        store_start(body)
+        copy_end_to_start(body)
         length = body.companion_counts[INTERVAL] * body.dt
         # Strain stiffens: the highest frequency grows with the square root of the stiffest tangent.
         highest = body.companion_numbers[FREQUENCY] * ti.sqrt(body.companion_numbers[STIFFEST])
@@ -67,15 +67,15 @@ def step_ahead(body: ti.template(), step, accelerate: ti.template(), on: ti.temp
         H = length / substeps
         for k in range(-1 if begun == 0 else 0, substeps):
             for stage in range(2 if k < 0 else 0, 3):
-                find_trial(body, stage, H)
+                set_trial_displacement(body, stage, H)
                 accelerate(body, begun * body.dt + (k + (0.5 if stage == 0 else 1.0)) * H, on)
                 finish_stage(body, stage, H)
             if k < 0:
-                store_start(body)
+                copy_end_to_start(body)
 
 
 @ti.func
-def store_start(body: ti.template()):
+def copy_end_to_start(body: ti.template()):
     """Copies the end state of one interval to the start of the next."""
     N = body.companion_counts[NODES]
     for i in range(N):
@@ -83,7 +83,7 @@ def store_start(body: ti.template()):
 
 
 @ti.func
-def find_trial(body: ti.template(), stage, H):
+def set_trial_displacement(body: ti.template(), stage, H):
     """Sets the displacement at which the stage's acceleration is evaluated, and clears the acceleration."""
     N = body.companion_counts[NODES]
     ahead, curve = 0.0, 0.0  # nothing for the acceleration at the end of the step
@@ -117,7 +117,7 @@ def finish_stage(body: ti.template(), stage, H):
 
 
 @ti.func
-def read_nodes(body: ti.template(), step):
+def interpolate_nodes_in_time(body: ti.template(), step):
     """Interpolates u and v of the nodes at ``step``, and a one step before, within the last interval."""
     k, N = body.companion_counts[INTERVAL], body.companion_counts[NODES]
     H = k * body.dt
@@ -137,11 +137,11 @@ def read_nodes(body: ti.template(), step):
 
 
 def hooks(accelerate: Callable, memory: Mapping[str, object], **others: Any) -> EstimatorHooks:
-    """Returns the hooks of a problem's companion with ``accelerate`` as in :func:`step_ahead`, its ``memory`` beside
-    the shared numbers, and the ``others`` of its hooks."""
+    """Returns the hooks of a problem's companion with ``accelerate`` as in :func:`advance_companion_if_due`, its
+    ``memory`` beside the shared numbers, and the ``others`` of its hooks."""
     @ti.func
     def after_step(body: ti.template(), base, step, on: ti.template()):
-        step_ahead(body, step, accelerate, on)
+        advance_companion_if_due(body, step, accelerate, on)
 
     shared = {"companion_counts": integers, "companion_numbers": reals, "companion_nodes": rows}  # by the names above
     return EstimatorHooks(memory={**shared, **memory}, after_step=after_step,
@@ -149,19 +149,19 @@ def hooks(accelerate: Callable, memory: Mapping[str, object], **others: Any) -> 
                           **others)
 
 
-def start(sizes: Sequence[int], frequency: float, dt: float, velocity: np.ndarray, inverse_mass: np.ndarray,
-          extra: int = 0) -> dict[str, np.ndarray]:
+def initial_companion_arrays(sizes: Sequence[int], frequency: float, dt: float, velocity: np.ndarray,
+                             inverse_mass: np.ndarray, extra: int = 0) -> dict[str, np.ndarray]:
     """Returns the shared arrays of a body that starts undeformed, with these ``companion_counts`` except the last and
     ``extra`` rows of nodes; ``velocity`` and ``inverse_mass`` are (N, 2), ``dt`` is the particles' step in s."""
     layers = np.zeros((LAYERS, len(velocity), 8))
     layers[START, :, 2:4] = layers[END, :, 2:4] = velocity * (inverse_mass > 0)
     layers[WORK, :, 6:] = inverse_mass
-    return {"companion_counts": np.array([*sizes, interval(frequency, dt)], np.int32),
+    return {"companion_counts": np.array([*sizes, steps_per_companion_step(frequency, dt)], np.int32),
             "companion_numbers": np.array([frequency, 1.0, 0.0]),
             "companion_nodes": np.concatenate([layers.reshape(-1, 8), np.zeros((extra, 8))])}
 
 
-def interval(frequency: float, dt: float) -> int:
+def steps_per_companion_step(frequency: float, dt: float) -> int:
     """Returns the particle steps per companion step; ``frequency`` is the highest at rest, in 1/s, ``dt`` in s."""
     return max(1, min(MOST_INTERVAL, int(CHOSEN / (frequency * dt))))
 

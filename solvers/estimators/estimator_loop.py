@@ -3,15 +3,15 @@
 import taichi as ti
 
 from solvers.estimators.estimator_memory import packing
-from solvers.kernels.packing import MemoryView
-from solvers.kernels.scalar_hoisting import mark_untranslated
+from solvers.kernels.packing import PackedMembersView
+from solvers.kernels.scalar_hoisting import mark_untranslated_by_taichi
 from solvers.scene.estimator_hooks import NEVER
 
 
-@mark_untranslated
+@mark_untranslated_by_taichi
 def with_memory(state, estimators, name):
     """Returns the state with an estimator's packed memory as attributes, while kernels are compiled."""
-    return MemoryView(state, packing(estimators), estimators[name].memory)
+    return PackedMembersView(state, packing(estimators), estimators[name].memory)
 
 
 @ti.func

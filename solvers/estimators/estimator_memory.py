@@ -5,14 +5,14 @@ from typing import Any
 
 import numpy as np
 
-from solvers.kernels.packing import Packing
+from solvers.kernels.packing import ArrayPacking
 from solvers.scene.estimator_hooks import EstimatorHooks
 from solvers.scene.scene import Scene
 
 
-def packing(estimators: Mapping[str, EstimatorHooks]) -> Packing:
+def packing(estimators: Mapping[str, EstimatorHooks]) -> ArrayPacking:
     """Returns the layout of all estimators' memory in the state."""
-    return Packing({name: kind for estimator in estimators.values() for name, kind in estimator.memory.items()})
+    return ArrayPacking({name: kind for estimator in estimators.values() for name, kind in estimator.memory.items()})
 
 
 def allocate_memory(estimators: Mapping[str, EstimatorHooks], scene: Scene) -> dict:
@@ -24,12 +24,12 @@ def allocate_memory(estimators: Mapping[str, EstimatorHooks], scene: Scene) -> d
         if own and own.keys() != blank.keys():
             raise TypeError(f"estimator {name} allocates {sorted(own.keys() ^ blank.keys())} against its own list")
         values.update(own or blank)
-    return packing(estimators).values(values)
+    return packing(estimators).pack(values)
 
 
 def unpack_arrays(estimators: Mapping[str, EstimatorHooks], memory: Mapping) -> dict[str, np.ndarray]:
     """Returns all estimators' arrays by name from their packed memory."""
-    return packing(estimators).parts(memory)
+    return packing(estimators).unpack(memory)
 
 
 def _blank(kind: Any) -> float | int | np.ndarray:

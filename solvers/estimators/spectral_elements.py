@@ -25,29 +25,31 @@ class Elements:
     order: int
 
     @property
-    def length(self) -> float:
+    def element_length(self) -> float:
         """Length of one element."""
         return (self.end - self.start) / self.count
 
     @property
-    def points(self) -> np.ndarray:
+    def reference_points(self) -> np.ndarray:
         """The reference points in [-1, 1] (p+1,)."""
         return lobatto(self.order)[0]
 
     @property
     def weights(self) -> np.ndarray:
         """Quadrature weights of one element's points (p+1,): they sum to its length."""
-        return 0.5 * self.length * lobatto(self.order)[1]
+        return 0.5 * self.element_length * lobatto(self.order)[1]
 
     @property
     def derivative(self) -> np.ndarray:
         """Matrix D (p+1, p+1) of the derivative at an element's points, per unit of the coordinate."""
-        return differentiation_matrix(self.points) * (2 / self.length)
+        return differentiation_matrix(self.reference_points) * (2 / self.element_length)
 
     @property
-    def nodes(self) -> np.ndarray:
+    def node_coordinates(self) -> np.ndarray:
         """Coordinates of all nodes (count*p + 1,), in order."""
-        inner = self.start + self.length * (np.arange(self.count)[:, None] + 0.5 * (self.points[:-1] + 1))
+        inner = self.start + self.element_length * (
+            np.arange(self.count)[:, None] + 0.5 * (self.reference_points[:-1] + 1)
+        )
         return np.append(inner.ravel(), self.end)
 
     @property
@@ -60,14 +62,14 @@ class Elements:
         """Quadrature weights of all nodes: sums over the elements that share them."""
         return np.bincount(self.node_of_point.ravel(), np.tile(self.weights, self.count))
 
-    def locate(self, x: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    def evaluate_basis(self, x: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Returns the element of each place x (K,), and values and derivatives of its p + 1 polynomials there (K, p+1).
 
         Places outside the elements are extrapolated from the nearest one.
         """
-        s = (x - self.start) / self.length
+        s = (x - self.start) / self.element_length
         element = np.clip(np.floor(s), 0, self.count - 1).astype(np.int32)
-        to_modes = np.linalg.inv(legendre.legvander(self.points, self.order))
+        to_modes = np.linalg.inv(legendre.legvander(self.reference_points, self.order))
         values = legendre.legvander(2 * (s - element) - 1, self.order) @ to_modes
         return element, values, values @ self.derivative
 

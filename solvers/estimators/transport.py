@@ -1,6 +1,6 @@
 """Shared part of the paper's estimators of all problems: when not to trust them."""
 
-from solvers.message import Message
+from solvers.translatable_message import Message
 
 NOTHING = 1e-9  # of the motion's acceleration: rounding of second differences, which a real estimate is far above
 MOST = 100.0  # of the motion's acceleration, at the worst node; up to 60 were seen where the index was still below 2

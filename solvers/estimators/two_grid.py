@@ -23,7 +23,7 @@ of a line is the line again ("periodic"), its mirror image ("mirror") or nothing
 Cannot see: errors that both grids share (a force put at the wrong place, a wrong material or time step), and errors
 longer than a few cells that do not fall like h^2. Where it is known that they do not, it is not run (see each problem's
 ``LIMITS``), above all where waves of the second run are out of step with the exact ones
-(``solvers.estimators.two_grid_dispersion``).
+(``solvers.estimators.two_grid_phase_lag``).
 """
 
 import math
@@ -34,9 +34,9 @@ import taichi as ti
 
 from solvers.kernels.dtypes import integers, pairs, real, reals
 from solvers.kernels.packing import prefix_view
-from solvers.message import Message
 from solvers.scene.kernel_options import KernelOptions
 from solvers.scene.scene import Scene
+from solvers.translatable_message import Message
 
 FIT_CELLS = (4, 6)  # cells that a fit spans: of x, v and sigma; and of a, whose noise has longer waves
 MOST_COURANT = 0.25  # steps of the coarse run, in multiples of the time a wave takes through a cell of the fine grid
@@ -50,7 +50,7 @@ LATTICES = ("fine", "coarse", "common")  # of the run, of the second run, and th
 STENCILS = {"first": integers, "row": integers, "taps": ti.i32, "weights": pairs}
 
 
-class ComparedFields(NamedTuple):
+class ComponentStencils(NamedTuple):
     """Compared fields, one vector per particle: for each component, the index of the stencil weight (0 or 1) along the
     lines of the lattice, and across them where there is more than one line."""
 
@@ -72,7 +72,7 @@ def memory_types(vectors: object) -> dict:
     }
 
 
-def allocate(scene: Scene, fields: ComparedFields, fine: tuple[int, int], coarse: tuple[int, int],
+def allocate(scene: Scene, fields: ComponentStencils, fine: tuple[int, int], coarse: tuple[int, int],
              common: tuple[int, int], ends: tuple[str, str]) -> dict:
     """Returns the values of :func:`memory_types`. Lattices are (points on a line, lines); ``ends`` is what continues a
     line beyond its ends, and the lattice beyond its first and last lines."""
@@ -82,12 +82,12 @@ def allocate(scene: Scene, fields: ComparedFields, fine: tuple[int, int], coarse
                                           (smooth, smooth, cubic), strict=True):
         for k, way in enumerate(("along", "across")):
             values |= {f"two_grid_{table}_{way}_{member}": value for member, value in stencils(
-                point_positions(target[k], source[k]), source[k], fit, ends[k]).items()}
+                target_point_positions(target[k], source[k]), source[k], fit, ends[k]).items()}
     for lattice, (points, lines) in zip(LATTICES, (fine, coarse, common), strict=True):
         values |= {f"two_grid_{lattice}_points": points, f"two_grid_{lattice}_lines": lines}
     width, most = len(fields.along), max(math.prod(fine), math.prod(coarse))
     band = max(fine[1] * common[0], coarse[1] * common[0], common[1] * fine[0])
-    return {**values, "two_grid_gain": extrapolation_factor(scene), "two_grid_interval": interval(scene),
+    return {**values, "two_grid_gain": extrapolation_factor(scene), "two_grid_interval": steps_per_coarse_step(scene),
             "two_grid_fields": np.zeros((most, width)), "two_grid_band": np.zeros((band, width)),
             "two_grid_common": np.zeros((math.prod(common), width)), "two_grid_largest": np.zeros(1)}
 
@@ -100,15 +100,15 @@ def clear_common_lattice(own: ti.template()):
 
 
 @ti.func
-def store_largest(own: ti.template(), square):
+def store_largest_error(own: ti.template(), square):
     """Keeps a mean square of e_x if it is the largest so far; NaN replaces any."""
     if not square <= own.largest[0]:
         own.largest[0] = square
 
 
 @ti.func
-def transfer(own: ti.template(), fields: ti.template(), table: ti.template(), source: ti.template(),
-             at: ti.template(), into: ti.template(), to: ti.template(), share):
+def transfer_fields(own: ti.template(), fields: ti.template(), table: ti.template(), source: ti.template(),
+                    at: ti.template(), into: ti.template(), to: ti.template(), share):
     """Adds a share of the fields on the lattice ``at``, smoothed or interpolated, to those on the lattice ``to``."""
     from_lattice, to_lattice = ti.static([prefix_view(own, at + "_"), prefix_view(own, to + "_")])
     along, across = ti.static([prefix_view(own, table + "_along_"), prefix_view(own, table + "_across_")])
@@ -139,7 +139,7 @@ def stencil_sum(table: ti.template(), picks: ti.template(), t, source: ti.templa
     return total
 
 
-def interval(scene: Scene) -> int:
+def steps_per_coarse_step(scene: Scene) -> int:
     """Returns the steps of the run per step of the coarse run: at least two, for equal Courant numbers.
 
     More where steps are so short that they could be longer without harm; preferably so many that the coarse run has
@@ -154,7 +154,7 @@ def extrapolation_factor(scene: Scene) -> float:
     return 1 / ((scene.cells / (scene.cells // 2)) ** 2 - 1)
 
 
-def method_options(on: KernelOptions) -> KernelOptions:
+def coarse_run_options(on: KernelOptions) -> KernelOptions:
     """Returns the compile-time options of the second run: the bare method, and only the acceleration beside it."""
     return on._replace(effects=("acceleration",), estimators=())
 
@@ -216,6 +216,6 @@ def _first_points(places: np.ndarray, points: int, count: int, ends: str) -> np.
     return np.clip(first, 0, count - points) if ends == "free" else first
 
 
-def point_positions(targets: int, count: int) -> np.ndarray:
+def target_point_positions(targets: int, count: int) -> np.ndarray:
     """Returns the points of a lattice of ``targets`` points, in spacings of one of ``count`` over the same length."""
     return (np.arange(targets) + 0.5) * (count / targets) - 0.5

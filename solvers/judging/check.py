@@ -8,7 +8,7 @@ import numpy as np
 
 from solvers.judging.findings.all_findings import INSIDE_OUT, MOTION_FINDINGS
 from solvers.judging.findings.finding import BROKEN, SUSPICIOUS, UNKNOWN, Finding
-from solvers.judging.findings.motion import Motion, read_motion
+from solvers.judging.findings.recorded_motion import RecordedMotion, read_motion
 from solvers.judging.particle_readers import Particles, read_all
 from solvers.untrusted.quoting import FileError
 
@@ -28,7 +28,7 @@ class MotionCheck:
     """A ``motion`` with its findings, in the order of the report."""
 
     files: tuple[str, ...]
-    motion: Motion
+    motion: RecordedMotion
     findings: list[Finding]
 
     @property

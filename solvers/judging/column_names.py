@@ -14,7 +14,7 @@ import numpy as np
 
 from solvers.judging.frames import RawTable
 from solvers.judging.scene_metadata import parse_scene_line
-from solvers.message import Message, join
+from solvers.translatable_message import Message, join_messages
 from solvers.untrusted.quoting import FileError, quote
 from solvers.untrusted.size_limits import LIMITS, Limits, check_name
 
@@ -29,7 +29,7 @@ SCALARS, VECTORS, TENSORS = ("t", "id", "mass", "volume"), ("X", "x", "v"), ("F"
 SEPARATORS = ("", "_", ":", ".", "-")
 
 
-def _components() -> dict[str, tuple[str, tuple[int, ...]]]:
+def _known_column_names() -> dict[str, tuple[str, tuple[int, ...]]]:
     """Returns every column name with its quantity and component."""
     found: dict[str, tuple[str, tuple[int, ...]]] = {}
     for key, names in NAMES.items():
@@ -45,7 +45,7 @@ def _components() -> dict[str, tuple[str, tuple[int, ...]]]:
     return found
 
 
-COMPONENTS = _components()
+COMPONENTS = _known_column_names()
 WHOLE = {name: (key, None) for key, names in NAMES.items() for name in names}
 
 
@@ -59,10 +59,11 @@ def parse_name(name: str) -> tuple[str, tuple[int, ...] | None] | None:
 
 def describe_columns(key: str, dimensions: int) -> str:
     """Returns the column names of a quantity in so many ``dimensions``, for a sentence."""
-    return ", ".join(name for name in column_names(key, dimensions) if name != "syx")  # one of sxy and syx is enough
+    return ", ".join(name for name in output_column_names(key,
+                                                          dimensions) if name != "syx")  # one of sxy and syx is enough
 
 
-def column_names(key: str, dimensions: int) -> list[str]:
+def output_column_names(key: str, dimensions: int) -> list[str]:
     """Returns the names of the columns that we write for a quantity, in the order of its components."""
     letters = LETTERS[:dimensions]
     if key in VECTORS:
@@ -102,7 +103,7 @@ def build_table(path: str, named: dict[str, np.ndarray], time: float | None, cel
         columns[key] = _join_components(path, key, pieces)
     lengths = {key: len(array) for key, array in columns.items()}
     if len(set(lengths.values())) > 1:
-        told = join(", ", (Message("{key} has {n}", key, n) for key, n in lengths.items()))
+        told = join_messages(", ", (Message("{key} has {n}", key, n) for key, n in lengths.items()))
         raise FileError(path, "has columns of several lengths ({n}); give a row for each particle in all of them", told)
     if 0 in lengths.values():
         raise FileError(path, "holds no particles: its columns are empty; give a row for each particle in all of them")
@@ -173,9 +174,9 @@ def table_from_arrays(path: str, arrays: Mapping[str, np.ndarray], limits: Limit
             raise FileError(path, "has no numbers in {name}; give numbers, real and not objects or texts", quote(name))
     scalars = {name: array.item() for name, array in arrays.items() if array.size == 1 and array.dtype.kind in "iuf"}
     cells = scalars.get("cells")
-    times = next((arrays[name] for name in arrays if _quantity_key(name) == "t"), None)
+    times = next((arrays[name] for name in arrays if _quantity_of_column(name) == "t"), None)
     many = {name: array for name, array in arrays.items() if parse_name(name) and array.ndim > 0}
-    place = next((array for name, array in many.items() if _quantity_key(name) == "x"), None)
+    place = next((array for name, array in many.items() if _quantity_of_column(name) == "x"), None)
     # Positions of T times are (T, P) or (T, P, D), those of one table (n,) or (n, D).
     stacked = place is not None and (place.ndim == 3 or (place.ndim == 2 and place.shape[1] > 3))
     line = arrays["scene"].item() if "scene" in arrays and arrays["scene"].size == 1 else None
@@ -195,7 +196,7 @@ def add_scene(raw: RawTable, line: object) -> RawTable:
 def _flatten_times(path: str, many: dict[str, np.ndarray], times: np.ndarray, limits: Limits) -> dict[str, np.ndarray]:
     """Returns arrays (T, P, ...) as rows, one for every time and particle; constant arrays are repeated."""
     T = len(times)
-    place = next(array for name, array in many.items() if _quantity_key(name) == "x")
+    place = next(array for name, array in many.items() if _quantity_of_column(name) == "x")
     P = place.shape[1] if place.ndim > 1 else 0
     if len(place) != T or P == 0:
         raise FileError(path, "has {t} times and positions of the shape {shape}; give positions of the shape (times, "
@@ -206,11 +207,11 @@ def _flatten_times(path: str, many: dict[str, np.ndarray], times: np.ndarray, li
     limits.check_numbers(path, T * P, sum(int(np.prod(shape, dtype=object)) for shape in shapes))
     rows: dict[str, np.ndarray] = {}
     for name, array in many.items():
-        if _quantity_key(name) == "t":
+        if _quantity_of_column(name) == "t":
             rows[name] = np.repeat(array, P)
         elif array.shape[:2] == (T, P):
             rows[name] = array.reshape(T * P, *array.shape[2:])
-        elif len(array) == P and _quantity_key(name) in ("id", "X", "mass", "volume"):
+        elif len(array) == P and _quantity_of_column(name) in ("id", "X", "mass", "volume"):
             rows[name] = np.tile(array, (T,) + (1,) * (array.ndim - 1))
         else:
             raise FileError(path, "has {name} of the shape {shape} beside {t} times of {p} particles; give ({t}, {p}, "
@@ -218,7 +219,7 @@ def _flatten_times(path: str, many: dict[str, np.ndarray], times: np.ndarray, li
     return rows
 
 
-def _quantity_key(name: str) -> str:
+def _quantity_of_column(name: str) -> str:
     return (parse_name(name) or ("",))[0]
 
 

@@ -10,13 +10,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from solvers.estimators.standalone import ElasticBody
+from solvers.estimators.standalone_companion import ElasticBody
 from solvers.judging.frames import Frame
 from solvers.judging.problem_handout import fields_at_points, solve_companion
 from solvers.problems import PROBLEMS
 from solvers.scene.scene import Scene
-from solvers.solver.error_norms import error_index, finite, summary
-from solvers.solver.rounding import rounding
+from solvers.solver.error_norms import error_index, finite_or_none, summary
+from solvers.solver.rounding import largest_rounding_error
 
 QUANTITIES = ("x", "v", "sigma")
 Errors = dict[str, np.ndarray]  # (P, D) or (P, D, D) by quantity, for those that the file has
@@ -28,7 +28,7 @@ def true_errors(scene: Scene, frame: Frame) -> Errors:
                            reference.exact_stress(scene, X, t))
 
 
-def stress(scene: Scene, frame: Frame) -> np.ndarray | None:
+def frame_stress(scene: Scene, frame: Frame) -> np.ndarray | None:
     """Returns the Cauchy stress: the file's own, or that from F by the material law, or None."""
     if frame.stress is not None or frame.deformation_gradient is None:
         return frame.stress
@@ -36,7 +36,7 @@ def stress(scene: Scene, frame: Frame) -> np.ndarray | None:
         return PROBLEMS[scene.problem].reference.stress(scene, frame.deformation_gradient)
 
 
-def sizes(error: np.ndarray) -> np.ndarray:
+def error_magnitudes(error: np.ndarray) -> np.ndarray:
     """Returns lengths and Frobenius norms (P,) of errors (P, ...)."""
     return np.sqrt(np.sum(error.reshape(len(error), -1) ** 2, axis=1))
 
@@ -76,7 +76,7 @@ def _errors_against(scene: Scene, frame: Frame, u: np.ndarray, v: np.ndarray, si
     found = {"x": frame.position - frame.material_position - u}
     if frame.velocity is not None:
         found["v"] = frame.velocity - v
-    own = stress(scene, frame)
+    own = frame_stress(scene, frame)
     if own is not None:
         found["sigma"] = own - sigma
     return found
@@ -89,7 +89,7 @@ def norm_series(errors: Sequence[Errors]) -> dict[str, np.ndarray]:
 
 def as_json(norms: dict[str, np.ndarray]) -> dict[str, list[float | None]]:
     """Returns norms over time for JSON, None where one is unknown."""
-    return {q: [finite(value) for value in values] for q, values in norms.items()}
+    return {q: [finite_or_none(value) for value in values] for q, values in norms.items()}
 
 
 def summarise_norms(times: np.ndarray, norms: dict[str, np.ndarray]) -> dict[str, dict[str, float | None]]:
@@ -108,22 +108,22 @@ class WorstParticle:
     file: str
 
     def to_dict(self) -> dict:
-        return {"size": finite(self.size), "particle": self.particle, "X": list(self.place), "t": self.time,
+        return {"size": finite_or_none(self.size), "particle": self.particle, "X": list(self.place), "t": self.time,
                 "file": self.file}
 
 
 def largest_error(frames: Sequence[Frame], errors: Sequence[Errors], quantity: str) -> WorstParticle | None:
     """Returns the largest error of all times; None where no file has the quantity."""
-    found = [(float(sizes(e[quantity]).max()), k) for k, e in enumerate(errors) if quantity in e]
+    found = [(float(error_magnitudes(e[quantity]).max()), k) for k, e in enumerate(errors) if quantity in e]
     if not found:
         return None
     size, k = max(found)
-    p = int(np.argmax(sizes(errors[k][quantity])))
+    p = int(np.argmax(error_magnitudes(errors[k][quantity])))
     place = tuple(map(float, frames[k].material_position[p]))
     return WorstParticle(size, int(frames[k].number[p]), place, frames[k].time, frames[k].file)
 
 
-def crossed(scene: Scene, frames: Sequence[Frame]) -> Iterator[np.ndarray]:
+def cell_crossing_masks(scene: Scene, frames: Sequence[Frame]) -> Iterator[np.ndarray]:
     """Yields for each frame which particles (P,) have changed their cell since the frame before, or since rest."""
     before, corner = None, PROBLEMS[scene.problem].reference.grid_corner(scene)
     for frame in frames:
@@ -141,13 +141,13 @@ def crossed(scene: Scene, frames: Sequence[Frame]) -> Iterator[np.ndarray]:
 def count_crossings(scene: Scene, frames: Sequence[Frame]) -> int:
     """Returns how often a particle was in another cell than at the time before: a lower bound of the crossings, because
     it may have gone back and forth in between."""
-    return sum(int(moved.sum()) for moved in crossed(scene, frames))
+    return sum(int(moved.sum()) for moved in cell_crossing_masks(scene, frames))
 
 
 def effectivity(estimated: dict[str, np.ndarray], true: dict[str, np.ndarray],
                 scene: Scene | None = None) -> dict[str, float | None]:
     """Returns estimated over true error; with a scene, None where the true one is only rounding."""
-    return {q: error_index(estimated[q], true[q], rounding(scene, q, scene.steps) if scene else 0.0)
+    return {q: error_index(estimated[q], true[q], largest_rounding_error(scene, q, scene.steps) if scene else 0.0)
             for q in QUANTITIES}
 
 

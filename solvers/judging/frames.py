@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from solvers.message import Message, join
+from solvers.translatable_message import Message, join_messages
 from solvers.untrusted import quoting
 from solvers.untrusted.quoting import FileError
 
@@ -18,7 +18,7 @@ class ParticleMismatch(FileError):
 
     def __init__(self, file: str, reason: str, allowed: str, problems: tuple[str, ...] = ()):
         self.reason, self.allowed, self.problems = quoting.one_line(reason), allowed, problems
-        commands = join(" or ", (f"`mpm-lab judge {problem}`" for problem in problems))
+        commands = join_messages(" or ", (f"`mpm-lab judge {problem}`" for problem in problems))
         super().__init__(file, "{reason}; {fits}", reason,
                          Message("it fits {commands}", commands) if problems else allowed)
 

@@ -15,15 +15,15 @@ from solvers.judging.findings import outliers
 from solvers.judging.findings.all_findings import find_in_run
 from solvers.judging.findings.evidence import Evidence
 from solvers.judging.findings.finding import Finding
-from solvers.judging.findings.outliers import Deviation
+from solvers.judging.findings.outliers import FrameOutliers
 from solvers.judging.frames import GridRun
 from solvers.judging.particle_matching import SAME, check_origin, match_files
 from solvers.judging.particle_readers import Particles, as_list, read_all
-from solvers.message import Message
 from solvers.scene.scene import Scene
 from solvers.scene.validation import SceneError
-from solvers.solver.error_norms import finite
+from solvers.solver.error_norms import finite_or_none
 from solvers.study.convergence import fit_slope
+from solvers.translatable_message import Message
 
 if TYPE_CHECKING:
     from solvers.judging.reference_runs import ReferenceRun
@@ -42,7 +42,7 @@ class GridJudgement:
     ours: list[ReferenceRun] = field(default_factory=list)
 
     @functools.cached_property
-    def true(self) -> list[Errors]:
+    def true_errors(self) -> list[Errors]:
         """True errors; empty where they are unknown."""
         return [error_norms.true_errors(self.scene,
                                         frame) for frame in self.grid.frames] if self.scene.solution_known else []
@@ -53,9 +53,9 @@ class GridJudgement:
         return [self.companions.errors(frame) for frame in self.grid.frames]
 
     @functools.cached_property
-    def _findings(self) -> tuple[list[Finding], Deviation | None]:
-        again = functools.partial(error_norms.true_errors, self.scene) if self.true else self.companions.errors
-        return find_in_run(Evidence(self.scene, self.grid.frames, self.best, again,
+    def _findings(self) -> tuple[list[Finding], FrameOutliers | None]:
+        again = functools.partial(error_norms.true_errors, self.scene) if self.true_errors else self.companions.errors
+        return find_in_run(Evidence(self.scene, self.grid.frames, self.best_known_errors, again,
                                     self.grid.step or self.scene.time_step))
 
     @property
@@ -64,50 +64,58 @@ class GridJudgement:
         return self._findings[0]
 
     @property
-    def gaps(self) -> Deviation | None:
+    def position_outliers(self) -> FrameOutliers | None:
         """Frame in which most particles are not where their neighbours are, with these particles; or None."""
         return self._findings[1]
 
     @property
-    def best(self) -> list[Errors]:
+    def best_known_errors(self) -> list[Errors]:
         """Errors against the best reference: the truth, or the companion."""
-        return self.true or self.companion_errors
+        return self.true_errors or self.companion_errors
 
     @property
     def norms(self) -> dict[str, np.ndarray]:
-        return error_norms.norm_series(self.best)
+        return error_norms.norm_series(self.best_known_errors)
 
-    def check(self) -> None:
+    def check_coordinate_origin(self) -> None:
         """Raises FileError for particles that are shifted as a whole."""
-        for frame, error in zip(self.grid.frames, self.best, strict=True):
+        for frame, error in zip(self.grid.frames, self.best_known_errors, strict=True):
             check_origin(frame, error["x"], self.scene)
 
     def worst(self, quantity: str) -> WorstParticle | None:
-        return error_norms.largest_error(self.grid.frames, self.best, quantity)
+        return error_norms.largest_error(self.grid.frames, self.best_known_errors, quantity)
 
     def to_dict(self) -> dict:
         times, frames = self.grid.times, self.grid.frames
         estimates = error_norms.norm_series(self.companion_errors)
-        true = error_norms.norm_series(self.true) if self.true else None
+        true = error_norms.norm_series(self.true_errors) if self.true_errors else None
         doubts = [self.companions.mesh_difference(frame) for frame in frames]
-        return {"cells": self.grid.cells, "h": self.scene.spacing, "files": list(dict.fromkeys(f.file for f in frames)),
-                "particles": len(frames[-1].number), "times": times.tolist(), "notes": self.notes(),
-                "checks": [one.to_judge_dict() for one in self.checks],
-                "error": None if true is None else error_norms.summarise_norms(times, true),
-                "norms": None if true is None else error_norms.as_json(true),
-                "estimate": {
-                    "companion": error_norms.summarise_norms(times, estimates), "norms": error_norms.as_json(estimates),
-                    "own_error": {q: finite(float(np.max([doubt[q] for doubt in doubts]))) for q in QUANTITIES},
-                    "index": None if true is None else error_norms.effectivity(estimates, true, self.scene),
-                    "distance": None if true is None else error_norms.distances(self.companion_errors, self.true)},
-                "worst": {q: None if (found := self.worst(q)) is None else found.to_dict() for q in QUANTITIES},
-                "neighbour_gap": None if self.gaps is None else self.gaps.to_dict(self.scene),
-                "crossings_at_least": error_norms.count_crossings(self.scene, frames),
-                "ours": [run.to_dict() for run in self.ours]}
+        return {
+            "cells": self.grid.cells,
+            "h": self.scene.spacing,
+            "files": list(dict.fromkeys(f.file for f in frames)),
+            "particles": len(frames[-1].number),
+            "times": times.tolist(),
+            "notes": self.notes(),
+            "checks": [one.to_judge_dict() for one in self.checks],
+            "error": None if true is None else error_norms.summarise_norms(times, true),
+            "norms": None if true is None else error_norms.as_json(true),
+            "estimate": {
+                "companion": error_norms.summarise_norms(times, estimates),
+                "norms": error_norms.as_json(estimates),
+                "own_error": {q: finite_or_none(float(np.max([doubt[q] for doubt in doubts]))) for q in QUANTITIES},
+                "index": None if true is None else error_norms.effectivity(estimates, true, self.scene),
+                "distance": None if true is None else error_norms.distances(self.companion_errors, self.true_errors),
+            },
+            "worst": {q: None if (found := self.worst(q)) is None else found.to_dict() for q in QUANTITIES},
+            "neighbour_gap": None if self.position_outliers is None else self.position_outliers.to_dict(self.scene),
+            "crossings_at_least": error_norms.count_crossings(self.scene, frames),
+            "ours": [run.to_dict() for run in self.ours],
+        }
 
     def notes(self) -> list[str]:
         """Returns sentences about the files."""
-        missing = [q for q in QUANTITIES if any(q not in e for e in self.best)]
+        missing = [q for q in QUANTITIES if any(q not in e for e in self.best_known_errors)]
         wrong = [one.says for one in self.checks if one.is_contradiction and one.name != BY_PLACE]
         return [*self.grid.notes, *(Message("no {q} in the files (or not at every time), so it is not judged", NAMES[q])
                                     for q in missing), *wrong]
@@ -130,7 +138,7 @@ class Judgement:
         near = SAME * self.scene.period
         return [float(t) for t in first if all(np.abs(other - t).min() <= near for other in others)]
 
-    def largest(self, judged: GridJudgement, quantity: str) -> float:
+    def largest_common_norm(self, judged: GridJudgement, quantity: str) -> float:
         """Returns the largest norm over the times that all grids have, without the start; NaN without any."""
         common, near = np.array([t for t in self.common_times() if t > 0]), SAME * self.scene.period
         at = [k for k, t in enumerate(judged.grid.times) if (np.abs(common - t) <= near).any()]
@@ -142,7 +150,7 @@ class Judgement:
         if len(self.grids) < 2:
             return None
         h = [g.scene.spacing for g in self.grids]
-        found = {q: fit_slope(h, [self.largest(g, q) for g in self.grids]) for q in QUANTITIES}
+        found = {q: fit_slope(h, [self.largest_common_norm(g, q) for g in self.grids]) for q in QUANTITIES}
         return {q: None if fit is None else {"order": fit.order, "pairwise": list(fit.pairwise)}
                 for q, fit in found.items()}
 
@@ -199,7 +207,7 @@ def judge(scene: Scene, files: Particles | Sequence[Particles], *, cells: Sequen
     for k, grid in enumerate(found):
         one = GridJudgement(replace(scene, cells=grid.cells), grid, companions)
         on_progress(k / len(found), f"{grid.cells} cells: companion")
-        one.check()
+        one.check_coordinate_origin()
         assert one.companion_errors  # worked out here, where it may fail and is waited for
         if compare:
             one.ours.extend(_run_methods(one, lambda part, what: on_progress((len(judged) + part) / len(found), what)))
@@ -216,4 +224,4 @@ def _run_methods(one: GridJudgement, on_progress: Progress) -> Iterator[Referenc
         def tell(part: float, n: int = n, method: str = scene.method) -> None:
             on_progress((n + part) / len(scenes), f"{one.grid.cells} cells: our {method}")
 
-        yield run_reference(scene, one.grid.times.tolist(), None if one.true else one.companions, tell)
+        yield run_reference(scene, one.grid.times.tolist(), None if one.true_errors else one.companions, tell)

@@ -7,15 +7,15 @@ from dataclasses import replace
 
 import numpy as np
 
-from solvers.estimators.standalone import longest_step
+from solvers.estimators.standalone_companion import accurate_time_step
 from solvers.judging.column_names import describe_columns
 from solvers.judging.frames import Frame, GridRun, ParticleMismatch, RawTable, group_rows_by_time, row_times
 from solvers.judging.scene_metadata import HINT, resolve_scene, scene_of_metadata
-from solvers.message import Message, join
 from solvers.problems import PROBLEMS
 from solvers.problems.reference import ProblemReference
 from solvers.scene.scene import Scene
 from solvers.scene.validation import SceneError
+from solvers.translatable_message import Message, join_messages
 from solvers.untrusted.quoting import FileError, quote
 
 SAME = 1e-9  # of a period, within which times are the same
@@ -50,7 +50,7 @@ def match_files(files: Sequence[RawTable], asked: Scene, cells: Sequence[int],
     return own, [replace(grid, notes=(*notes, *grid.notes)) for grid in found]
 
 
-def scene_of_file(raw: RawTable, asked: Scene) -> Scene:
+def metadata_scene_or_default(raw: RawTable, asked: Scene) -> Scene:
     """Returns the scene in a file's metadata, or the one asked for where it has none."""
     return asked if raw.said is None else scene_of_metadata(raw.file, raw.said)
 
@@ -71,7 +71,7 @@ def _suggest_problems(misfit: ParticleMismatch, raw: RawTable, asked: Scene,
     """Returns the error with the problems that the file fits: on the usual grid or the one asked for, or, where only
     ids identify its particles, on some grid."""
     others = tuple(name for name in PROBLEMS if name != asked.problem and any(
-        _fits_scene(raw, other, times) for other in _usual(name, asked.cells)))
+        _fits_scene(raw, other, times) for other in _usual_scenes(name, asked.cells)))
     if not others and "X" not in raw.columns:
         others = tuple(name for name, problem in PROBLEMS.items()
                        if name != asked.problem and len(problem.reference.axes) == count_directions(raw))
@@ -81,7 +81,7 @@ def _suggest_problems(misfit: ParticleMismatch, raw: RawTable, asked: Scene,
                                                  misfit.reason), HINT, others)
 
 
-def _usual(problem: str, cells: int) -> Iterator[Scene]:
+def _usual_scenes(problem: str, cells: int) -> Iterator[Scene]:
     yield PROBLEMS[problem].scene()
     with contextlib.suppress(SceneError):
         yield PROBLEMS[problem].scene(cells=cells)
@@ -119,7 +119,7 @@ def match_grids(files: Sequence[RawTable], scene: Scene, cells: Sequence[int], t
         frames.setdefault(count, []).extend(found)
         notes.setdefault(count, []).extend(said)
         steps[count] = raw.step if raw.step is not None else steps.get(count)
-    return [GridRun(count, _sort_frames(frames[count], scene), tuple(dict.fromkeys(notes[count])), steps[count])
+    return [GridRun(count, _sort_frames_by_time(frames[count], scene), tuple(dict.fromkeys(notes[count])), steps[count])
             for count in sorted(frames)]
 
 
@@ -152,7 +152,7 @@ def _match_frames(raw: RawTable, scene: Scene, reference: ProblemReference,
         who = number[at] if "id" in columns else np.arange(len(times[at]))
         frame = Frame(raw.file, float(times[at][0]), who, X[at], moved[at], part.get("v"), part.get("F"),
                       part.get("sigma"), part.get("mass"), part.get("volume"))
-        _check_once(frame)
+        _check_unique_particles(frame)
         if "X" not in columns and frame.time == 0:
             off = np.sum((frame.position - frame.material_position) ** 2, axis=1)
             if (far := float(np.sqrt(np.mean(off)))) > SURE * scene.spacing:
@@ -166,7 +166,7 @@ def _match_frames(raw: RawTable, scene: Scene, reference: ProblemReference,
 
 def check_length(file: str, scene: Scene, time: float) -> None:
     """Raises FileError for a time to which the companion would take too many steps."""
-    a_step = longest_step(PROBLEMS[scene.problem].reference.companion(scene, True))
+    a_step = accurate_time_step(PROBLEMS[scene.problem].reference.companion(scene, True))
     most = MOST_STEPS[scene.DIMENSIONS]
     if not time <= most * a_step:
         raise FileError(file, "has the time {time:.6g} s, to which the companion that it is compared with takes "
@@ -179,7 +179,7 @@ def _drop_directions(raw: RawTable, key: str, scene: Scene, D: int) -> np.ndarra
     values = raw.columns[key]
     size = values.shape[1]
     if size < D:
-        reason = Message("has {key} in {size}, and the {problem} has {counts}", key, _directions_text(size),
+        reason = Message("has {key} in {size}, and the {problem} has {counts}", key, _direction_count_text(size),
                          Message(scene.problem), COUNTS[D])
         raise ParticleMismatch(raw.file, reason, Message("give {key}", describe_columns(key, D)))
     return values[:, :D] if values.ndim == 2 else values[:, :D, :D]
@@ -189,7 +189,8 @@ def _check_directions(raw: RawTable, scene: Scene, D: int) -> None:
     """Raises FileError for positions that extend in more directions than the problem has, or in fewer."""
     found = count_directions(raw)
     if found is not None and found != D and (found > D or len(raw.columns["x"]) > D):
-        more = Message("{found}, and the {problem} has {n}", _directions_text(found), Message(scene.problem), COUNTS[D])
+        more = Message("{found}, and the {problem} has {n}", _direction_count_text(found), Message(scene.problem),
+                       COUNTS[D])
         wanted = Message("give {d} and nothing beyond" if found > D else
                          "give {d} of particles that are not all on one line", d=describe_columns("x", D))
         raise ParticleMismatch(raw.file, Message("has positions in {more}", more), wanted)
@@ -202,7 +203,7 @@ def count_directions(raw: RawTable) -> int | None:
     return 1 + int(np.flatnonzero(reach > FLAT * reach.max())[-1]) if 0 < reach.max() < np.inf else None
 
 
-def _directions_text(count: int) -> str:
+def _direction_count_text(count: int) -> str:
     return Message("{count} direction{plural}", COUNTS[count], "s" * (count != 1))
 
 
@@ -230,8 +231,8 @@ def _material_positions(raw: RawTable, scene: Scene, reference: ProblemReference
             reach = ", ".join(f"{a:.4g} to {b:.4g} m" for a, b in zip(low, high, strict=True))
             points = reference.start(scene).material_position
             sides = zip(reference.axes, points.min(axis=0), points.max(axis=0), strict=True)
-            begin = join(" and ", (Message("{axis} from {a:.3g} to {b:.3g} m", axis.upper(), a, b)
-                                   for axis, a, b in sides))
+            begin = join_messages(" and ", (Message("{axis} from {a:.3g} to {b:.3g} m", axis.upper(), a, b)
+                                            for axis, a, b in sides))
             reason = Message("has {wrong:,} of {n:,} material positions outside the {problem} (they reach from "
                              "{reach}): its origin may be shifted", int(wrong.sum()), n, Message(scene.problem), reach)
             raise ParticleMismatch(raw.file, reason, Message("particles begin at {begin}", begin))
@@ -263,7 +264,7 @@ def _fitting_cells(scene: Scene, number: np.ndarray) -> int:
     return 0
 
 
-def _check_once(frame: Frame) -> None:
+def _check_unique_particles(frame: Frame) -> None:
     number, counts = np.unique(frame.number, return_counts=True)
     if counts.max() > 1:
         raise FileError(frame.file, "has particle {number} {counts} times at t = {time:g} s; give each once at each "
@@ -275,7 +276,7 @@ def _check_once(frame: Frame) -> None:
                         "each its own", counts.max(), place, frame.time)
 
 
-def _sort_frames(frames: list[Frame], scene: Scene) -> tuple[Frame, ...]:
+def _sort_frames_by_time(frames: list[Frame], scene: Scene) -> tuple[Frame, ...]:
     frames = sorted(frames, key=lambda frame: frame.time)
     for one, other in itertools.pairwise(frames):
         if other.time - one.time <= SAME * scene.period:

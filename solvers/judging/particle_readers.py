@@ -14,8 +14,8 @@ from solvers.judging.frames import RawTable
 from solvers.judging.vtk_common import NotVTK, PointData
 from solvers.judging.vtk_legacy import LegacyReader
 from solvers.judging.vtk_xml import XmlReader
-from solvers.message import Message
 from solvers.scene.validation import SceneError
+from solvers.translatable_message import Message
 from solvers.untrusted import number_parsing
 from solvers.untrusted.npz_reader import read_arrays
 from solvers.untrusted.quoting import FileError, quote
@@ -199,4 +199,4 @@ def read_vtk(path: str, limits: Limits = LIMITS) -> RawTable:
     fields = found.fields
     time, cells = (next((float(fields[name][0]) for name in names if len(fields.get(name, ()))), None)
                    for names in (TIMES, ("cells",)))
-    return build_table(path, found.columns(), time, check_cell_count(path, cells), limits)
+    return build_table(path, found.concatenated_arrays(), time, check_cell_count(path, cells), limits)

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from solvers.judging.column_names import column_names
+from solvers.judging.column_names import output_column_names
 from solvers.judging.frames import Frame
 from solvers.running.result_file import particle_arrays
 from solvers.scene.scene import Scene
@@ -27,7 +27,7 @@ def frame_columns(frames: Sequence[Frame], more: Mapping[str, np.ndarray] | None
         if any(getattr(f, name) is None for f in frames):
             continue
         values = np.concatenate([getattr(f, name) for f in frames])
-        columns |= dict(zip(column_names(key, D), values.reshape(len(values), -1).T, strict=True))
+        columns |= dict(zip(output_column_names(key, D), values.reshape(len(values), -1).T, strict=True))
     return columns | dict(more or {})
 
 

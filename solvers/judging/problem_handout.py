@@ -4,7 +4,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from solvers.estimators.standalone import ElasticBody, MotionLost, solve
+from solvers.estimators.standalone_companion import ElasticBody, MotionDivergedError, solve
 from solvers.judging.column_names import LETTERS
 from solvers.judging.frames import Frame
 from solvers.problems import PROBLEMS
@@ -49,7 +49,7 @@ def companion_frames(scene: Scene, times: Sequence[float]) -> list[Frame]:
 def fields_at_points(scene: Scene, body: ElasticBody, motion: tuple[np.ndarray, np.ndarray], X: np.ndarray) -> tuple[
         np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
     """Returns displacement and velocity (P, D), F and Cauchy stress (P, D, D) of a moving body at material points."""
-    (u, gradient), (v, _) = (body.read(field, X) for field in motion)
+    (u, gradient), (v, _) = (body.values_and_gradients(field, X) for field in motion)
     reference = PROBLEMS[scene.problem].reference
     F = (np.eye(X.shape[1]) + gradient) @ reference.initial_deformation_gradient(scene, X)
     return u, v, F, reference.stress(scene, F)
@@ -62,7 +62,7 @@ def solve_companion(scene: Scene, fine: bool,
     body = PROBLEMS[scene.problem].reference.companion(scene, fine)
     try:
         return body, solve(body, times)
-    except MotionLost as lost:
+    except MotionDivergedError as lost:
         raise SceneError("amplitude", scene.amplitude, "is so large that the companion, a spectral-element solution of "
                          f"the same problem, is lost before t = {lost.time:.4g} s (body force {scene.body_force}); "
                          "give earlier times or a smaller amplitude") from None

@@ -10,7 +10,7 @@ from solvers.judging.error_norms import Errors, TwoMeshCompanion, norm_series, s
 from solvers.judging.frames import Frame
 from solvers.running.run import build
 from solvers.scene.scene import Scene
-from solvers.solver.snapshot import Snapshot
+from solvers.solver.particle_snapshot import Snapshot
 
 LONGEST = 2e9  # particle-steps of one comparison: a minute or so
 ON_A_STEP = 1e-6  # of a step, within which a time is that of a step

@@ -8,12 +8,12 @@ from dataclasses import fields, replace
 from typing import Any
 
 from solvers.judging.frames import ParticleMismatch, RawTable, SceneMetadata
-from solvers.message import Message, join
 from solvers.problems import PROBLEMS
 from solvers.problems.reference import METHOD_FIELDS
-from solvers.running.scene_json_line import FAMILY, HINT, parse_line, scene_from_inputs
+from solvers.running.scene_json_line import FAMILY, HINT, parse_scene_json_line, scene_from_inputs
 from solvers.scene.scene import Scene
 from solvers.scene.validation import SceneError, field_flag, field_label, key_field
+from solvers.translatable_message import Message, join_messages
 from solvers.untrusted.quoting import FileError, quote
 
 NOT_OF_THE_PROBLEM = METHOD_FIELDS | {"t_end", "periods"}  # what does not matter to a judge
@@ -24,7 +24,7 @@ def parse_scene_line(file: str, text: object, cells: int | None) -> SceneMetadat
     :class:`FileError` where that differs."""
     if not isinstance(text, str) or FAMILY not in text[:100]:
         return None
-    problem, inputs = parse_line(file, text)
+    problem, inputs = parse_scene_json_line(file, text)
     given = {key_field(key): value for key, value in inputs.items()}
     try:
         step = PROBLEMS[problem].scene(**given).time_step
@@ -77,8 +77,8 @@ def resolve_scene(files: list[RawTable], asked: Scene) -> tuple[Scene, list[str]
             except SceneError as error:
                 raise FileError(raw.file, "has a scene that contradicts the other settings: {error}; {hint}", error,
                                 HINT) from None
-            told = join(", ", (Message("{name} {value}", field_label(name), _plain_value(value))
-                               for name, value in taken.items()))
+            told = join_messages(", ", (Message("{name} {value}", field_label(name), _plain_value(value))
+                                        for name, value in taken.items()))
             notes.append(Message("judged with the scene of {file}: {told}", quote(raw.file), told))
     return settled_scene, notes
 

@@ -51,7 +51,7 @@ class PointData:
         self._limits.check_numbers(self.path, self._numbers)
         return True
 
-    def wants_data_array(self, name: str, numbers: int) -> bool:
+    def wants_field_data(self, name: str, numbers: int) -> bool:
         """Returns whether an array that does not belong to points is needed."""
         return self.wants(name, 1, 0 if numbers > MOST_FIELD else numbers) and 0 < numbers <= MOST_FIELD
 
@@ -62,7 +62,7 @@ class PointData:
             raise NotVTK(f"pieces with different components of {quote(name, 20)}")
         self._pieces[name].append(rows)
 
-    def columns(self) -> dict[str, np.ndarray]:
+    def concatenated_arrays(self) -> dict[str, np.ndarray]:
         """Returns all pieces concatenated, by name; arrays that are not needed are empty."""
         if POINTS not in self._pieces:
             raise FileError(self.path, "has no points; write points with data, in text or binary")

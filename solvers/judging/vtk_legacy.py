@@ -111,7 +111,7 @@ class LegacyReader:
                 raise NotVTK("a field without its name, sizes and type")
             name, width, rows = unquote(words[0]), _parse_count(words, 1), _parse_count(words, 2)
             if self._before_data:
-                wants = self._found.wants_data_array(name, width * rows)
+                wants = self._found.wants_field_data(name, width * rows)
                 if (values := self._read_numbers(_parse_type(words[3:]), width * rows, wants)) is not None:
                     self._found.fields[name] = values
             else:

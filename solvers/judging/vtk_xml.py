@@ -107,7 +107,7 @@ class XmlReader:
             wants = self._found.wants(name, self._rows, width)
         elif where == "FieldData":
             width = _parse_size(said.get("NumberOfTuples") or "1") * width
-            wants = self._found.wants_data_array(name, width)
+            wants = self._found.wants_field_data(name, width)
         else:
             return
         if wants:
@@ -177,7 +177,7 @@ class DataSource:
         self.file.seek(self.begin + place)
         return self.file.read(length)
 
-    def read_unit(self, place: int, size: int) -> tuple[bytes | bytearray, int]:
+    def read_decoded_bytes(self, place: int, size: int) -> tuple[bytes | bytearray, int]:
         """Returns the ``size`` bytes that begin at a place, and the place after them."""
         length = -(-size // 3) * 4 if self.in_letters else size
         content = bytearray()
@@ -219,29 +219,29 @@ class NumberEncoding:
         return np.frombuffer(content, dtype)
 
     def _read_plain(self, source: DataSource, place: int, size: int) -> bytes | bytearray:
-        head, after = source.read_unit(place, self.size.itemsize)
+        head, after = source.read_decoded_bytes(place, self.size.itemsize)
         said = self._parse_sizes(head)[0]
         if said != size:
             raise NotVTK(f"{said:,} bytes where {size:,} are announced")
         if not source.in_letters or source.read(after - 1, 1) == b"=":  # padded: the size stands by itself
-            return source.read_unit(after, size)[0]
-        return source.read_unit(place, self.size.itemsize + size)[0][self.size.itemsize:]
+            return source.read_decoded_bytes(after, size)[0]
+        return source.read_decoded_bytes(place, self.size.itemsize + size)[0][self.size.itemsize:]
 
     def _unpack(self, source: DataSource, place: int, size: int) -> bytearray:
         """Returns consecutive packed blocks, decompressed. Their header has their number, the size of each and of the
         last, and their packed sizes."""
         width = self.size.itemsize
-        blocks = self._parse_sizes(source.read_unit(place, width)[0])[0]
+        blocks = self._parse_sizes(source.read_decoded_bytes(place, width)[0])[0]
         if blocks > MOST_BLOCKS:
             raise NotVTK(f"more than {MOST_BLOCKS:,} blocks")
-        head, after = source.read_unit(place, (3 + blocks) * width)
+        head, after = source.read_decoded_bytes(place, (3 + blocks) * width)
         _, each, last, *packed = self._parse_sizes(head)
         sizes = [each] * blocks
         if blocks and last:
             sizes[-1] = last
         if sum(sizes) != size:
             raise NotVTK(f"blocks of {sum(sizes):,} bytes where {size:,} are announced")
-        data, _ = source.read_unit(after, sum(packed))
+        data, _ = source.read_decoded_bytes(after, sum(packed))
         out, done, begin = bytearray(size), 0, 0
         for length, unpacked in zip(packed, sizes, strict=True):
             piece = PACKINGS[self.packing or ""]().decompress(data[begin:begin + length], unpacked + 1)

@@ -40,10 +40,10 @@ def speed_up_front_end() -> None:
     ASTTransformerContext.get_pos_info = _source_location
     kernel_impl.getsourcelines = functools.cache(kernel_impl.getsourcelines)
     kernel_impl._inside_class = lambda level_of_class_stackframe: False  # Taichi passes it by this name
-    kernel_impl.transform_tree = _translate
-    expr.make_constant_expr = _number_expression
-    impl.subscript = _entry
-    argpack.ArgPack._calc_element_true_index = _member_place
+    kernel_impl.transform_tree = _translate_with_common_numbers
+    expr.make_constant_expr = _common_number_expression
+    impl.subscript = _subscript_expression
+    argpack.ArgPack._calc_element_true_index = _member_index_in_pack
 
 
 def _source_location(context: ASTTransformerContext, node: syntax | stmt) -> str:
@@ -52,7 +52,7 @@ def _source_location(context: ASTTransformerContext, node: syntax | stmt) -> str
     return f'File "{context.file}", line {line}, in {context.func.func.__name__}:\n'
 
 
-def _translate(tree: mod, context: ASTTransformerContext) -> object:
+def _translate_with_common_numbers(tree: mod, context: ASTTransformerContext) -> object:
     """Translates a function; for a kernel, with the usual numbers in front."""
     if not context.is_kernel:
         return transform_tree(tree, context)
@@ -69,7 +69,7 @@ def _translate(tree: mod, context: ASTTransformerContext) -> object:
         _constants.clear()
 
 
-def _number_expression(value: object, kind: object) -> expr.Expr:
+def _common_number_expression(value: object, kind: object) -> expr.Expr:
     """Returns an expression for a number: the variable that has this value, if there is one and no type is given."""
     known = _constants.get(_number_key(value)) if _constants and kind is None else None
     return _make_constant(value, kind) if known is None else known
@@ -80,7 +80,7 @@ def _number_key(value: object) -> tuple[type, object]:
     return type(value), repr(value)
 
 
-def _entry(builder: object, value: object, *places: object, **how: object) -> expr.Expr:
+def _subscript_expression(builder: object, value: object, *places: object, **how: object) -> expr.Expr:
     """Returns an entry of an array or a vector. The index of a vector must be a number, to be known at compile time."""
     if not isinstance(value, expr.Expr):
         return _subscript(builder, value, *places, **how)
@@ -92,7 +92,7 @@ def _entry(builder: object, value: object, *places: object, **how: object) -> ex
         _constants.update(aside)
 
 
-def _member_place(pack: argpack.ArgPack, member: int) -> int:
+def _member_index_in_pack(pack: argpack.ArgPack, member: int) -> int:
     """Returns the place of a pack's member among those that are not arrays, counted once for all its members."""
     if not hasattr(pack, PLACES_ATTRIBUTE):
         apart = [isinstance(kind, UNPACKED_TYPES) for kind in pack._annotations]

@@ -22,7 +22,7 @@ def raise_cache_size() -> None:
     os.environ.setdefault(CACHE_SIZE, str(500 * 2**20))
 
 
-def ensure_cache_folder() -> None:
+def ensure_writable_cache_folder() -> None:
     """Sets the cache folder of this process and its children to a temporary one if the usual one is not writable. Call
     before Taichi is imported; otherwise does nothing."""
     below_home = os.path.join(os.environ["HOME"], ".cache") if "HOME" in os.environ else ""

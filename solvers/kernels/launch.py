@@ -26,7 +26,7 @@ class Launch:
 
     def __call__(self, *numbers: int) -> None:
         if not runtime.runs_on_cpu():
-            self._queue(numbers)
+            self._queue_launch_on_gpu(numbers)
             return
         if self._kept is None:
             self._kernel(*numbers, *self._arguments)
@@ -49,7 +49,7 @@ class Launch:
         if not runtime.runs_on_cpu():
             self._arguments = ()  # its arrays too
 
-    def _queue(self, numbers: tuple[int, ...]) -> None:
+    def _queue_launch_on_gpu(self, numbers: tuple[int, ...]) -> None:
         """Queues the launch on a GPU; returns at once."""
         if self._kept is None:
             self.compile(*numbers)

@@ -1,10 +1,10 @@
 """Many numbers and arrays in few: one array for each type, because a kernel takes 64 arguments and no more.
 
 Every member of a state's argument pack counts, and an estimator with a second run has a state's worth of them. So all
-that estimators keep is in a :class:`Packing`: the arrays of one type lie one behind the other in a single one, and the
-numbers and the places where arrays begin stand in front. In kernels :class:`MemoryView` gives the state with the packed
-members as attributes, for reading and for writing to arrays, and ``prefix_view`` gives those of one prefix by the rest
-of their names, so that functions written for a state (``bar.position[p]``) work on a second one.
+that estimators keep is in a :class:`ArrayPacking`: the arrays of one type lie one behind the other in a single one,
+and the numbers and the places where arrays begin stand in front. In kernels :class:`PackedMembersView` gives the state
+with the packed members as attributes, for reading and for writing to arrays, and ``prefix_view`` gives those of one
+prefix by the rest of their names, so that functions written for a state (``bar.position[p]``) work on a second one.
 """
 
 from collections.abc import Iterable, Mapping
@@ -14,14 +14,14 @@ import numpy as np
 import taichi as ti
 
 from solvers.kernels import dtypes
-from solvers.kernels.scalar_hoisting import mark_untranslated, subscript, variable
+from solvers.kernels.scalar_hoisting import make_kernel_variable, mark_untranslated_by_taichi, subscript_expression
 
 PREFIX = "memory_"  # of the arrays that hold the others, unless a packing has one of its own
 #: Types of arrays that can be packed, by name, with the shape of an entry.
 SHAPES = {"integers": (), "reals": (), "pairs": (2,), "quads": (4,), "octets": (8,)}
 
 
-class Packing:
+class ArrayPacking:
     """Members by name and type. Arrays of types that cannot be packed stay as they are.
 
     ``types`` are the state's members that hold them, ``values`` fills these, ``parts`` finds the members in them again.
@@ -44,7 +44,7 @@ class Packing:
         used = {"integers", "reals"} | {place[0] for place in self.places.values()}
         self.types.update({prefix + array: getattr(dtypes, array) for array in SHAPES if array in used})
 
-    def values(self, members: Mapping[str, Any]) -> dict[str, np.ndarray]:
+    def pack(self, members: Mapping[str, Any]) -> dict[str, np.ndarray]:
         """Returns the packed arrays that contain these members."""
         pieces: dict[str, list[np.ndarray]] = {
             array: [np.zeros((self.front.get(array, 0), *shape), _dtype(array))] for array, shape in SHAPES.items()}
@@ -58,7 +58,7 @@ class Packing:
         packed = {self.prefix + array: np.concatenate(piece) for array, piece in pieces.items()}
         return {name: packed[name] if name in packed else members[name] for name in self.types}
 
-    def parts(self, memory: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
+    def unpack(self, memory: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
         """Returns the arrays among the members, with their present values."""
         found = {name: memory[name] for name in self.types if not name.startswith(self.prefix)}
         for array in SHAPES:
@@ -69,20 +69,22 @@ class Packing:
         return found
 
 
-class MemoryView:
+class PackedMembersView:
     """A state, and some of the packed members as more of its attributes, while a kernel is compiled.
 
     Numbers, and the places where arrays begin, are read once, where this is made: read at every use, they were a third
     of what the compiler had to work through.
     """
 
-    def __init__(self, state: object, packing: Packing, names: Iterable[str]):
+    def __init__(self, state: object, packing: ArrayPacking, names: Iterable[str]):
         self._state, self._members = state, {}
         for name in names:
             if name in packing.places:
                 array, slot, is_array = packing.places[name]
                 own = getattr(state, packing.prefix + array)
-                number = variable(subscript(getattr(state, packing.prefix + "integers") if is_array else own, slot))
+                number = make_kernel_variable(
+                    subscript_expression(getattr(state, packing.prefix + "integers") if is_array else own, slot)
+                )
                 self._members[name] = _ArraySlice(own, number) if is_array else number
 
     def __getattr__(self, name: str) -> object:
@@ -106,10 +108,10 @@ class _ArraySlice:
         self._array, self._begin = array, begin
 
     def __getitem__(self, index: object) -> object:
-        return subscript(self._array, self._begin + index)
+        return subscript_expression(self._array, self._begin + index)
 
 
-@mark_untranslated
+@mark_untranslated_by_taichi
 def prefix_view(state: object, prefix: str) -> _PrefixView:
     """Returns, for kernels, the members whose names begin with ``prefix``, as attributes by the rest of their names."""
     return _PrefixView(state, prefix)

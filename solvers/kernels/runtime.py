@@ -28,10 +28,10 @@ def allow_forks() -> None:
     _options["num_compile_threads"] = 0
 
 
-def exit_process() -> NoReturn:
+def store_kernels_and_exit() -> NoReturn:
     """Ends the process after it has written compiled kernels to disk. Taichi's own exit would wait for threads that,
     for a fork, only its parent has."""
-    _write_compiled()
+    _store_compiled_kernels()
     os._exit(0)
 
 
@@ -52,7 +52,7 @@ def start(arch: str = "cpu", threads: int = 1) -> str:
     """
     global _started
     if _started != (arch, threads):
-        _release_holders()
+        _release_taichi_objects()
         with contextlib.redirect_stdout(io.StringIO()):  # it announces itself on standard output, which is ours
             ti.init(arch=getattr(ti, arch), default_fp=ti.f64, cpu_max_num_threads=threads,
                     fast_math=False, real_matrix_scalarize=arch != "cpu", log_level=ti.ERROR, verbose=False, **_options)
@@ -71,19 +71,19 @@ def runs_on_cpu() -> bool:
 
 
 @atexit.register  # later than Taichi's own end, and so run before it
-def _write_and_release() -> None:
+def _store_kernels_and_release() -> None:
     """Writes compiled kernels to disk, as Taichi does when its program is destroyed: the time of that depends on the
     order in which Python frees classes and modules, and it may never happen."""
-    _release_holders()
-    _write_compiled()
+    _release_taichi_objects()
+    _store_compiled_kernels()
 
 
-def _write_compiled() -> None:
+def _store_compiled_kernels() -> None:
     if (program := ti.lang.impl.get_runtime().prog) is not None:
         program.finalize()
 
 
-def _release_holders() -> None:
+def _release_taichi_objects() -> None:
     """Frees all objects of the running Taichi before it ends, because later they would access freed memory."""
     for holder in list(holders):
         holder.free()

@@ -9,31 +9,31 @@ from typing import Any
 import taichi as ti
 
 
-class _Members:
+class _HoistedMembers:
     """Members of a state as attributes."""
 
     def __init__(self, members: dict[str, object]):
         vars(self).update(members)
 
 
-def mark_untranslated(function: Any) -> Any:
+def mark_untranslated_by_taichi(function: Any) -> Any:
     """Marks a function that Taichi must not translate, so that it does not warn about calls."""
     function.__dict__["_is_taichi_function"] = False
     return function
 
 
-def variable(value: object) -> object:
+def make_kernel_variable(value: object) -> object:
     """Returns a new variable with this value, at the present place in the kernel being compiled."""
     return ti.lang.impl.expr_init(value)
 
 
-def subscript(array: object, index: object) -> object:
+def subscript_expression(array: object, index: object) -> object:
     """Returns an entry of an array or a vector, in the kernel being compiled."""
     return ti.lang.impl.subscript(None, array, index)
 
 
-@mark_untranslated
-def hoist_scalars(state: Any) -> _Members:
+@mark_untranslated_by_taichi
+def hoist_scalars(state: Any) -> _HoistedMembers:
     """Returns, for kernels, the state, an argument pack, with its numbers read here."""
-    return _Members({name: variable(value) if isinstance(value, ti.lang.expr.Expr) else value
-                     for name, value in state.items})
+    return _HoistedMembers({name: make_kernel_variable(value) if isinstance(value, ti.lang.expr.Expr) else value
+                            for name, value in state.items})

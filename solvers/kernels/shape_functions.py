@@ -2,7 +2,7 @@
 
 Each function returns the first of three neighbouring nodes, and for the two outer ones, left and right, the weights
 and then the gradients in 1/cell. Positions and half widths are in cells (x/h). Weights sum to one and gradients to zero
-to round-off, because the middle node takes what the outer two leave (:func:`stencil`).
+to round-off, because the middle node takes what the outer two leave (:func:`complete_stencil`).
 
 Sources: hat and GIMP, Bardenhagen & Kober (2004); quadratic B-spline, Steffen, Kirby & Berzins (2008).
 """
@@ -11,7 +11,7 @@ import taichi as ti
 
 
 @ti.func
-def stencil(outer_left, outer_right, slope_left, slope_right):
+def complete_stencil(outer_left, outer_right, slope_left, slope_right):
     """Returns a stencil from its outer nodes: partition of unity and its derivative fix the middle one."""
     return (ti.Vector([outer_left, 1 - outer_left - outer_right, outer_right]),
             ti.Vector([slope_left, -slope_left - slope_right, slope_right]))

@@ -71,7 +71,7 @@ class ExactSolution:
 
     def displacement(self, scene: Any, X: np.ndarray, t: Any) -> np.ndarray:
         """Returns u (P, 2) in m."""
-        return columns(self._displacement(scene, X[:, 0], X[:, 1], t), len(X))
+        return stack_components(self._displacement(scene, X[:, 0], X[:, 1], t), len(X))
 
     def position(self, scene: Any, X: np.ndarray, t: Any) -> np.ndarray:
         """Returns x = X + u (P, 2) in m."""
@@ -79,25 +79,25 @@ class ExactSolution:
 
     def velocity(self, scene: Any, X: np.ndarray, t: Any) -> np.ndarray:
         """Returns v (P, 2) in m/s."""
-        return columns(self.jets(scene, X, t).velocity, len(X))
+        return stack_components(self.jets(scene, X, t).velocity, len(X))
 
     def acceleration(self, scene: Any, X: np.ndarray, t: Any) -> np.ndarray:
         """Returns a (P, 2) in m/s^2."""
-        return columns(self.jets(scene, X, t).acceleration, len(X))
+        return stack_components(self.jets(scene, X, t).acceleration, len(X))
 
     def deformation_gradient(self, scene: Any, X: np.ndarray, t: Any) -> np.ndarray:
         """Returns F (P, 2, 2)."""
-        return columns(self.jets(scene, X, t).deformation_gradient, len(X)).reshape(-1, 2, 2)
+        return stack_components(self.jets(scene, X, t).deformation_gradient, len(X)).reshape(-1, 2, 2)
 
     def stress(self, scene: Any, X: np.ndarray, t: Any) -> np.ndarray:
         """Returns the Cauchy stress xx, xy, yy (P, 3) in Pa."""
-        return columns(scene.material.cauchy_stress(self.jets(scene, X, t).deformation_gradient), len(X))
+        return stack_components(scene.material.cauchy_stress(self.jets(scene, X, t).deformation_gradient), len(X))
 
     def body_force(self, scene: Any, X: np.ndarray, t: Any) -> np.ndarray:
         """Returns b (P, 2) per mass in m/s^2, the force that makes the displacement the solution."""
-        return columns(self.jets(scene, X, t).body_force(scene.material, scene.density), len(X))
+        return stack_components(self.jets(scene, X, t).body_force(scene.material, scene.density), len(X))
 
 
-def columns(components: Any, points: int) -> np.ndarray:
+def stack_components(components: Any, points: int) -> np.ndarray:
     """Returns C components, each an array (P,) or a number, as an array (P, C)."""
     return np.stack([np.broadcast_to(one, points) for one in components], axis=1)

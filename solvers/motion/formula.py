@@ -9,8 +9,8 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
-from solvers.message import Message
 from solvers.motion import jets
+from solvers.translatable_message import Message
 
 MOST_CHARACTERS, MOST_NODES, MOST_POWER = 400, 200, 12
 FUNCTIONS: Mapping[str, Callable[[Any], Any]] = {

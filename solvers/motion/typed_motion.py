@@ -6,9 +6,9 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from solvers.motion.exact_solution import ExactSolution
+from solvers.motion.exact_solution_1d import ExactSolution1D
 from solvers.motion.formula import Formula, FormulaError, parse_formula
 from solvers.motion.laws.material import Material
-from solvers.motion.line_solution import LineSolution
 from solvers.motion.separable_field import NotPeriodic, separate
 
 NAMES = {1: ("X", "t", "w", "A"), 2: ("X", "Y", "t", "w", "A")}  # along a line, and in the plane
@@ -62,7 +62,7 @@ def _split_at_commas(text: str) -> list[str]:
     return parts
 
 
-class PlaneMotionInputs(NamedTuple):
+class MotionInputs2D(NamedTuple):
     """Inputs of a scene that determine its motion and the body force: w in 1/s, A, material, density and side (SI); and
     the conditions of a body in a square between planes."""
 
@@ -94,7 +94,7 @@ class PlaneMotionInputs(NamedTuple):
                                    "u_{component}/d{axis} must be zero there", "XY"[axis], "yx"[axis])
 
 
-class LineMotionInputs(NamedTuple):
+class MotionInputs1D(NamedTuple):
     """Inputs of a bar, one period of an infinite one, that determine its motion: w in 1/s, A, wave speed c in m/s."""
 
     base_frequency: float
@@ -103,8 +103,8 @@ class LineMotionInputs(NamedTuple):
     SIDE: float = 1.0
 
     @staticmethod
-    def solution(text: str) -> LineSolution:
-        return LineSolution(parse_motion(text, 1).displacement)
+    def solution(text: str) -> ExactSolution1D:
+        return ExactSolution1D(parse_motion(text, 1).displacement)
 
     @property
     def points(self) -> np.ndarray:
@@ -122,7 +122,7 @@ class LineMotionInputs(NamedTuple):
 
 @functools.lru_cache(maxsize=64)  # of scenes that differ in cells, method or step alone
 @np.errstate(all="ignore")
-def find_period(text: str, scene: PlaneMotionInputs | LineMotionInputs) -> float:
+def find_period(text: str, scene: MotionInputs2D | MotionInputs1D) -> float:
     """Returns the shortest period in s of a typed motion among quarters of 2 pi/w and of a second.
 
     Raises

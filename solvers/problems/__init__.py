@@ -5,7 +5,7 @@ from solvers.problems.descriptor import Problem
 from solvers.problems.ring import RING
 from solvers.problems.square import SQUARE
 from solvers.problems.vortex import VORTEX
-from solvers.scene.extensions import load_extensions
+from solvers.scene.extension_modules import load_extensions
 
 PROBLEMS: dict[str, Problem] = {"bar": BarProblem(), "ring": RING, "vortex": VORTEX, "square": SQUARE}
 

@@ -15,14 +15,14 @@ if TYPE_CHECKING:  # solvers bring Taichi, which takes a second
     from solvers.solver.base import Solver
 
 
-class OnDemand(Protocol):
+class BudgetProvider(Protocol):
     """Provider of a problem's error budget on demand, where it is not an effect."""
 
-    def check(self, scene: Any, take_away: str) -> None:
+    def require_budget(self, scene: Any, take_away: str) -> None:
         """Raises ``solvers.scene.validation.SceneError`` where a scene has no budget, or none without this cause."""
 
-    def series(self, scene: Any, steps: np.ndarray, take_away: str,
-               on_progress: Callable[[float], None] | None) -> tuple[dict[str, np.ndarray], Solver]:
+    def budget_series(self, scene: Any, steps: np.ndarray, take_away: str,
+                      on_progress: Callable[[float], None] | None) -> tuple[dict[str, np.ndarray], Solver]:
         """Returns the budget's samples (``solvers.solver.samples.BUDGET``) after the ``steps`` (T,), NaN once the run
         is unstable, for the run as it is or without a cause; and the solver at the end."""
 
@@ -41,9 +41,9 @@ class Problem(ABC):
     @property
     def baseline(self) -> type[Solver]:
         """Class of a solver whose step has nothing optional, to compare speed with."""
-        from solvers.solver.baseline import baseline
+        from solvers.solver.bare_method_solver import bare_method_solver_class
 
-        return baseline(self.solver)
+        return bare_method_solver_class(self.solver)
 
     @property
     @abstractmethod
@@ -51,7 +51,7 @@ class Problem(ABC):
         """Reference of the problem for other codes."""
 
     @property
-    def budget(self) -> OnDemand | None:
+    def budget(self) -> BudgetProvider | None:
         """Provider of error budgets on demand; None where the effect ``budget`` exists, or neither."""
         return None
 

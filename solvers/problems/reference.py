@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from solvers.estimators.standalone import ElasticBody
+from solvers.estimators.standalone_companion import ElasticBody
 
 #: Fields of a scene that belong to our method, and not to the problem.
 METHOD_FIELDS = frozenset({"method", "linearity_preserving", "velocity", "estimators", "effects", "remedies", "arch",
@@ -42,7 +42,7 @@ class Texts:
     table: str  # where the points of the table of the force are, and what holds elsewhere
 
 
-class Template(string.Template):
+class FormulaTemplate(string.Template):
     """Template for Markdown with formulas, in which ``@name`` is a placeholder, as formulas need $ and {}."""
 
     delimiter = "@"
@@ -54,7 +54,7 @@ def read_parts(path: Path, **values: float | str) -> dict[str, str]:
     parts = {name: value if isinstance(value, str) else f"{value:.15g}" for name, value in values.items()}
     for part in path.read_text(encoding="utf-8").split("\n## ")[1:]:
         head, _, text = part.partition("\n")
-        parts[head] = Template(" ".join(text.split())).substitute(parts)
+        parts[head] = FormulaTemplate(" ".join(text.split())).substitute(parts)
     return parts
 
 
@@ -121,7 +121,8 @@ class ProblemReference(ABC):
 
     @abstractmethod
     def companion(self, scene: Any, fine: bool) -> ElasticBody:
-        """Returns a body for the companion (``solvers.estimators.standalone``), on a fine or a coarser mesh."""
+        """Returns a body for the companion (``solvers.estimators.standalone_companion``), on a fine or a coarser
+        mesh."""
 
     def exact_stress(self, scene: Any, X: np.ndarray, t: float) -> np.ndarray:
         """Returns the Cauchy stress (P, D, D) in Pa of the exact solution."""

@@ -12,15 +12,15 @@ from typing import Any
 
 import numpy as np
 
-from solvers.message import Message
 from solvers.motion.jets import sin, sqrt
-from solvers.problems import ring_limits
+from solvers.problems import ring_estimator_limits
 from solvers.problems.planar.circular import CircularScene
 from solvers.problems.planar.problem import PlanarProblem, ViewSettings
-from solvers.scene.defaults import SceneDefaults
+from solvers.scene.derived_quantities import DerivedSceneQuantities
 from solvers.scene.field_options import document_fields, option
-from solvers.scene.remedies import COUPLED, FILTER, FROZEN
+from solvers.scene.stabilisations import COUPLED, FILTER, FROZEN
 from solvers.scene.validation import SceneError, require_number
+from solvers.translatable_message import Message
 
 INNER, OUTER = 0.4, 0.6
 SCALE = OUTER * (OUTER - 3 * INNER)
@@ -54,7 +54,7 @@ class RingScene(CircularScene):
                               "or 20 amplitudes from where it began)")
     COMPANION_MESHES = ((40, 1, 4), (72, 2, 4), (128, 2, 5), (math.inf, 3, 6))
     ESTIMATORS = ("transport", "recovered", "companion", "two-grid")
-    LIMITS = ring_limits.LIMITS
+    LIMITS = ring_estimator_limits.LIMITS
     REMEDIES = (FILTER, COUPLED, FROZEN)
     STRAIN_PER_AMPLITUDE = 1 / INVERSION
     GENTLE_AMPLITUDE, HARD_AMPLITUDES = 1e-2, (0.05, 0.1, 0.15)
@@ -73,20 +73,20 @@ class RingScene(CircularScene):
         share = self.amplitude * sin(self.angular_frequency * t) * ((C3 * R + C2) * R + C1)  # T w(R)/R
         return share * X, share * Y
 
-    def second_tone(self, X: np.ndarray, t: Any) -> np.ndarray:
+    def second_tone_shape(self, X: np.ndarray, t: Any) -> np.ndarray:
         R = np.linalg.norm(X, axis=1)[:, None]
         return self.amplitude * np.cos(math.pi * (R - INNER) / (OUTER - INNER)) * X / R
 
     @staticmethod
-    def polar_counts(cells: int, ppc: int) -> tuple[int, int]:
+    def lattice_counts(cells: int, ppc: int) -> tuple[int, int]:
         return max(1, round(2 * cells * ppc / 3)), max(1, round(cells * ppc / 6))
 
-    growth = property(ring_limits.growth)
-    other_advice = ring_limits.other_advice
-    motion_amplitude = SceneDefaults.motion_amplitude  # A, at the outer rim
+    disturbance_growth = property(ring_estimator_limits.disturbance_growth)
+    fallback_advice = ring_estimator_limits.fallback_advice
+    motion_amplitude = DerivedSceneQuantities.motion_amplitude  # A, at the outer rim
 
     def warnings(self) -> list[str]:
-        return super().warnings() + ring_limits.warnings(self)
+        return super().warnings() + ring_estimator_limits.warnings(self)
 
     def _check_amplitude(self) -> None:
         allowed = Message("give a number above 1e-12 and below {inversion}", INVERSION)

@@ -10,13 +10,13 @@ import math
 from dataclasses import dataclass
 from typing import Any
 
-from solvers.message import Message
 from solvers.motion.jets import sin
-from solvers.motion.typed_motion import PlaneMotionInputs, parse_motion
+from solvers.motion.typed_motion import MotionInputs2D, parse_motion
 from solvers.problems.planar.box import BoxScene
 from solvers.problems.planar.problem import PlanarProblem, ViewSettings
 from solvers.scene.field_options import document_fields, option
-from solvers.scene.typed import TypedMotionScene
+from solvers.scene.typed_motion_scene import TypedMotionScene
+from solvers.translatable_message import Message
 
 
 @document_fields
@@ -36,8 +36,8 @@ class SquareScene(TypedMotionScene, BoxScene):
     GENTLE_AMPLITUDE, HARD_AMPLITUDES = 0.01, (0.02, 0.05, 0.1)
 
     @property
-    def motion_inputs(self) -> PlaneMotionInputs:
-        return PlaneMotionInputs(self.base_frequency, self.amplitude, self.material, self.density, self.SIDE)
+    def motion_inputs(self) -> MotionInputs2D:
+        return MotionInputs2D(self.base_frequency, self.amplitude, self.material, self.density, self.SIDE)
 
     @property
     def angular_frequency(self) -> float:

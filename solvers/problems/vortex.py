@@ -14,16 +14,16 @@ from typing import Any
 
 import numpy as np
 
-from solvers.message import Message
 from solvers.motion.jets import sin, sqrt
-from solvers.problems import vortex_limits
+from solvers.problems import vortex_estimator_limits
 from solvers.problems.planar.circular import CircularScene
 from solvers.problems.planar.problem import PlanarProblem, ViewSettings
 from solvers.scene.effects import EFFECTS
 from solvers.scene.field_options import document_fields, option
-from solvers.scene.remedies import FILTER, FROZEN
 from solvers.scene.scene import DEFAULT_CFL
+from solvers.scene.stabilisations import FILTER, FROZEN
 from solvers.scene.validation import require_number
+from solvers.translatable_message import Message
 
 MOST_AMPLITUDE = 0.5 * math.pi  # with which the vortex has been studied; beyond, a ring tears on any grid that we had
 
@@ -66,8 +66,8 @@ class VortexScene(CircularScene):
     COARSE_BELOW = 24  # a fit over four cells is as wide as the ring; measured, a comes out at .5 to .75 of its error
     COMPANION_MESHES = ((math.inf, 6, 6),)  # 2e-7 m and 0.3 Pa off at A = 1, the finest run of the tables 4e-3 and 300
     ESTIMATORS = ("transport", "recovered", "companion")
-    LIMITS, other_advice = vortex_limits.LIMITS, vortex_limits.other_advice
-    crossing_rate = property(vortex_limits.crossing_rate)
+    LIMITS, fallback_advice = vortex_estimator_limits.LIMITS, vortex_estimator_limits.fallback_advice
+    relative_wave_rate = property(vortex_estimator_limits.relative_wave_rate)
     # Not the coupling of F with the displacements: measured at A = 1 on 48 cells, every GIMP run that has it breaks.
     REMEDIES = (FILTER, FROZEN)
     OWN_EFFECTS = ("spin",)
@@ -83,12 +83,12 @@ class VortexScene(CircularScene):
         nearer, around = -2.0 * sin(0.5 * angle) * sin(0.5 * angle), sin(angle)  # cos - 1, sin
         return nearer * X - around * Y, around * X + nearer * Y
 
-    def second_tone(self, X: np.ndarray, t: Any) -> np.ndarray:
+    def second_tone_shape(self, X: np.ndarray, t: Any) -> np.ndarray:
         x, y = self.EXACT.position(self, X, t).T
         return self.amplitude * swirl_profile(np.linalg.norm(X, axis=1))[:, None] * np.stack([-y, x], axis=1)
 
     @staticmethod
-    def polar_counts(cells: int, ppc: int) -> tuple[int, int]:
+    def lattice_counts(cells: int, ppc: int) -> tuple[int, int]:
         return 4 * max(1, round(2 * math.pi * ppc * cells / 12)), max(1, round(ppc * cells / 6))  # as in each quarter
 
     @property

@@ -7,14 +7,14 @@ from typing import Any
 
 import numpy as np
 
-from solvers.message import Message
 from solvers.problems import PROBLEMS
-from solvers.problems.descriptor import OnDemand
+from solvers.problems.descriptor import BudgetProvider
 from solvers.running.result import Result
 from solvers.running.run import run
 from solvers.scene.error_causes import CAUSES, FIELDS, NOTHING
 from solvers.solver import budget
 from solvers.solver.soundness import LOST
+from solvers.translatable_message import Message
 
 SCHEMA = "mpm-lab/budget/1"
 
@@ -36,9 +36,9 @@ class BudgetResult:
         if self.again is None:
             return None
         before, after = _common_samples(self.result.series, self.again.series)
-        return {"class": self.cause, "before": {field: budget.rms(before, field) for field in FIELDS},
-                "predicted": {field: budget.rms(before, field, without=self.cause) for field in FIELDS},
-                "again": {field: budget.rms(after, field) for field in FIELDS}}
+        return {"class": self.cause, "before": {field: budget.rms_error_over_run(before, field) for field in FIELDS},
+                "predicted": {field: budget.rms_error_over_run(before, field, without=self.cause) for field in FIELDS},
+                "again": {field: budget.rms_error_over_run(after, field) for field in FIELDS}}
 
     def to_dict(self) -> dict:
         """Returns the object of ``mpm-lab budget --json``."""
@@ -54,10 +54,10 @@ def run_budget(scene: Any, cause: str = NOTHING, on_progress: Progress = lambda 
     Raises :class:`~solvers.scene.validation.SceneError` where there is no budget on demand of the scene.
     """
     on_demand = PROBLEMS[scene.problem].budget
-    once = partial(_run_with_effect, scene)
+    once = partial(_run_with_budget_effect, scene)
     if on_demand is not None:
-        on_demand.check(scene, cause)
-        once = partial(_run_on_demand, on_demand, run(scene, prices=False, mid_run=False))
+        on_demand.require_budget(scene, cause)
+        once = partial(_rerun_with_budget, on_demand, run(scene, prices=False, mid_run=False))
     if cause == NOTHING:
         return BudgetResult(once(NOTHING, on_progress), cause, None)
     result = once(NOTHING, lambda part: on_progress(part / 2))
@@ -67,16 +67,16 @@ def run_budget(scene: Any, cause: str = NOTHING, on_progress: Progress = lambda 
     return BudgetResult(result, cause, again)
 
 
-def _run_with_effect(scene: Any, cause: str, show: Progress) -> Result:
+def _run_with_budget_effect(scene: Any, cause: str, show: Progress) -> Result:
     """Runs a scene whose steps include the budget, with all causes or without one."""
     return run(replace(scene, take_away=cause), show, prices=False, mid_run=cause == NOTHING)
 
 
-def _run_on_demand(on_demand: OnDemand, plain: Result, cause: str, show: Progress) -> Result:
+def _rerun_with_budget(on_demand: BudgetProvider, plain: Result, cause: str, show: Progress) -> Result:
     """Repeats the run ``plain`` step by step with its budget, with all causes or without one."""
     time = plain.series["time"]
     steps = np.rint(time / plain.scene.time_step).astype(int)
-    series, solver = on_demand.series(plain.scene, steps, cause, show)
+    series, solver = on_demand.budget_series(plain.scene, steps, cause, show)
     if cause == NOTHING:
         return replace(plain, series=plain.series | series)
     status, reason, broken_at = solver.status(None)

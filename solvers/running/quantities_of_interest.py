@@ -15,9 +15,9 @@ import numpy as np
 from solvers.problems import PROBLEMS
 from solvers.scene.scene import Scene
 from solvers.scene.validation import SceneError
-from solvers.solver.error_norms import IGNORE_OVERFLOW, finite
-from solvers.solver.rounding import rounding
-from solvers.solver.snapshot import TRUTH, Fields, Values
+from solvers.solver.error_norms import IGNORE_OVERFLOW, finite_or_none
+from solvers.solver.particle_snapshot import TRUTH, ParticleFields, ParticleValues
+from solvers.solver.rounding import largest_rounding_error
 
 #: Length of the bar around a value over the estimated error. Not fitted: twice, as in two standard deviations.
 #: How often such a bar contains the exact value is measured in ``assets/coverage.md``.
@@ -43,7 +43,7 @@ class Goal:
     def unit(self) -> str:
         return UNITS[self.name.partition("@")[0]]
 
-    def functional(self, fields: Fields) -> Callable[[Values], float]:
+    def functional(self, fields: ParticleFields) -> Callable[[ParticleValues], float]:
         """Returns the number as a function of the particles' values."""
         if self.point:
             weights = point_weights(fields.material_position, np.array(self.point))
@@ -56,8 +56,8 @@ class Goal:
     def rounding(self, scene: Scene, steps: int, value: float, mass: float) -> float:
         """Returns the largest error of this ``value`` by rounding alone; energy is m v^2/2, and dE = m v dv."""
         if self.name == ENERGY:
-            return math.sqrt(2 * abs(value) * mass) * float(rounding(scene, "v", steps))
-        return float(rounding(scene, "x" if self.point else "sigma", steps))
+            return math.sqrt(2 * abs(value) * mass) * float(largest_rounding_error(scene, "v", steps))
+        return float(largest_rounding_error(scene, "x" if self.point else "sigma", steps))
 
 
 def parse_goals(scene: Scene, names: Sequence[str]) -> list[Goal]:
@@ -92,18 +92,18 @@ def _parse_goal(scene: Scene, name: str) -> Goal:
 
 
 @IGNORE_OVERFLOW
-def evaluate(goal: Goal, fields: Fields, scene: Scene, steps: int) -> dict[str, Any]:
+def evaluate_goal(goal: Goal, fields: ParticleFields, scene: Scene, steps: int) -> dict[str, Any]:
     """Returns a goal after ``steps`` steps as in the JSON object: ``value`` in its ``unit``, ``true_error``, the
     largest effect of ``rounding``, and by estimator the signed ``estimated_error`` and the ``bar``, :data:`SAFETY`
     times its size. None stands for unknown or infinite numbers."""
     number = goal.functional(fields)
     value = number(fields.values)
-    errors = {name: finite(value - number(fields.values.without(e))) for name, e in fields.errors.items()}
+    errors = {name: finite_or_none(value - number(fields.values.minus_errors(e))) for name, e in fields.errors.items()}
     truth = errors.pop(TRUTH, None)
     bars = {name: None if error is None else SAFETY * abs(error) for name, error in errors.items()}
-    return {"value": finite(value), "unit": goal.unit, "true_error": truth,
-            "rounding": finite(goal.rounding(scene, steps, value, float(fields.mass.sum()))), "estimated_error": errors,
-            "bar": bars}
+    return {"value": finite_or_none(value), "unit": goal.unit, "true_error": truth,
+            "rounding": finite_or_none(goal.rounding(scene, steps, value, float(fields.mass.sum()))),
+            "estimated_error": errors, "bar": bars}
 
 
 def mask_refused(goals: Mapping[str, dict], refused: Mapping[str, str]) -> dict[str, dict]:

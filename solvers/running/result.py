@@ -16,13 +16,18 @@ from solvers.scene.effects import ALL
 from solvers.scene.scene import Scene
 from solvers.scene.validation import SceneError
 from solvers.solver import budget, error_norms
-from solvers.solver.error_norms import IGNORE_OVERFLOW, finite, largest, summary
-from solvers.solver.rounding import rounding
+from solvers.solver.error_norms import IGNORE_OVERFLOW, finite_or_none, largest_finite_or_none, summary
+from solvers.solver.particle_snapshot import Snapshot, WallTimes
+from solvers.solver.rounding import largest_rounding_error
 from solvers.solver.rounding import rounding_sentence as nothing_but
 from solvers.solver.samples import QUANTITIES
-from solvers.solver.snapshot import Seconds, Snapshot
 from solvers.solver.soundness import evidence
-from solvers.solver.verdict_basis import checked_by, large_errors, motion_known, unchecked
+from solvers.solver.verdict_basis import (
+    checks_by_quantity,
+    is_balance_motion_known,
+    large_errors,
+    missing_checks_sentence,
+)
 
 SCHEMA = "mpm-lab/run/1"
 VIEW_ENTRY_POINTS = "mpm_lab.result"  # where the installed package registers ``app``'s picture and table of a run
@@ -80,14 +85,14 @@ class Result:
     steps: int
     series: dict[str, np.ndarray]
     final: Snapshot
-    mid_run: Snapshot | None  # on the way, where the end has little to see (``solvers.running.run.shown_step``)
+    mid_run: Snapshot | None  # on the way, where the end has little to see (``solvers.running.run.picture_step``)
     bytes: int
     not_valid: dict[str, str]  # estimators that do not hold here, each with the reason in a sentence
-    seconds: Seconds
+    seconds: WallTimes
     arch: str
     threads: int
     plan: str  # how the step was spread: "serial" or "parallel"
-    #: Quantities of interest at the end, by name (:func:`solvers.running.quantities_of_interest.evaluate`).
+    #: Quantities of interest at the end, by name (:func:`solvers.running.quantities_of_interest.evaluate_goal`).
     goals: dict[str, dict] = field(default_factory=dict)
 
     def __repr__(self) -> str:
@@ -132,14 +137,14 @@ class Result:
         ImportError
             Where another package called ``app`` is imported instead.
         """
-        if (draw := load_view("plot")) is None:
+        if (draw := load_view_function("plot")) is None:
             raise RuntimeError("nothing that is installed draws a result; install mpm-lab, with `pip install .`")
         return draw(self)
 
     def _repr_html_(self) -> str | None:
         """Returns the table that a notebook shows below a cell; None where no installed package makes one."""
         with suppress(ImportError):
-            if (table := load_view("table")) is not None:
+            if (table := load_view_function("table")) is not None:
                 return table(self)
         return None
 
@@ -193,7 +198,7 @@ class Result:
     def _ratio(self, ratio: str, estimator: str) -> dict[str, float | None]:
         norm = f"{estimator}/{error_norms.RATIOS[ratio]}"
         return {q: error_norms.error_index(self.series[f"{norm}_{q}"], self.series[f"error_{q}"],
-                                           rounding(self.scene, q, self.steps)) for q in QUANTITIES}
+                                           largest_rounding_error(self.scene, q, self.steps)) for q in QUANTITIES}
 
     def _by_estimator(self, what: Callable[[str], dict], missing: object) -> ByEstimator:
         """Returns the values of each requested estimator, ``missing`` where it does not hold."""
@@ -204,7 +209,7 @@ class Result:
     @property
     def rounding(self) -> dict[str, str]:
         """Quantities whose true error is only rounding, so that they have no index, each with a sentence."""
-        limits = {q: float(rounding(self.scene, q, self.steps)) for q in QUANTITIES}
+        limits = {q: float(largest_rounding_error(self.scene, q, self.steps)) for q in QUANTITIES}
         return {q: nothing_but(limit) for q, limit in limits.items()
                 if error_norms.is_only_rounding(self.series[f"error_{q}"], limit)}
 
@@ -247,21 +252,23 @@ class Result:
         times = {"accurate": self.series["time"][beyond[0]] if len(beyond) else None, "sound": self.broken_at}
         first = self.series["error_x"][self.series["time"] <= 1.001 * self.scene.period].max()
         return {name: None if time is None else float(time) / self.scene.period for name, time in times.items()} \
-            | {"first_period": finite(first / self.scene.motion_amplitude)}
+            | {"first_period": finite_or_none(first / self.scene.motion_amplitude)}
 
     @property
     def step(self) -> dict[str, float | None]:
         """Time step in s, the stability bound of the motion ahead in s, and the largest step over its bound."""
-        return {"dt": self.scene.time_step, "bound": self.scene.step_bound, "margin": largest(self.series["margin"])}
+        return {"dt": self.scene.time_step, "bound": self.scene.step_bound,
+                "margin": largest_finite_or_none(self.series["margin"])}
 
     @property
     def verdict(self) -> dict:
         """Basis of status and reason (``solvers.solver.verdict_basis``): ``checked``, ``not_checked`` and
         ``as_large_as_itself``."""
-        held = checked_by(self.scene, self.not_valid, motion_known(self.scene, self.series))
+        held = checks_by_quantity(self.scene, self.not_valid, is_balance_motion_known(self.scene, self.series))
         large = large_errors(self.scene, self.series, self.not_valid)
-        return {"checked": held, "not_checked": unchecked(self.scene, held),
-                "as_large_as_itself": {q: {**asdict(one), "size": finite(one.size)} for q, one in large.items()}}
+        return {"checked": held, "not_checked": missing_checks_sentence(self.scene, held),
+                "as_large_as_itself": {q: {**asdict(one), "size": finite_or_none(one.size)} for q,
+                                       one in large.items()}}
 
     @property
     def grid_crossings(self) -> int | None:
@@ -285,10 +292,10 @@ class Result:
             "effects": self.effects, "bytes": self.bytes, "not_valid": self.not_valid,
             "seconds": {"setup": self.seconds.setup, "compile": self.seconds.compile, "run": self.seconds.run,
                         "estimate": self.seconds.estimate, "estimators": self.seconds.estimators},
-            "rate": finite(self.rate), "arch": self.arch, "threads": self.threads, "plan": self.plan}
+            "rate": finite_or_none(self.rate), "arch": self.arch, "threads": self.threads, "plan": self.plan}
 
 
-def load_view(name: str) -> Callable[[Any], Any] | None:
+def load_view_function(name: str) -> Callable[[Any], Any] | None:
     """Loads the function that draws a result as ``name``, from the entry points ``VIEW_ENTRY_POINTS``, because solvers
     draw nothing themselves; None where no installed package has one, as in a copied tree."""
     return next((entry.load() for entry in entry_points(group=VIEW_ENTRY_POINTS, name=name)), None)

@@ -12,10 +12,10 @@ from typing import Any
 
 import numpy as np
 
-from solvers.running.scene_json_line import parse_line, scene_from_inputs, scene_line
+from solvers.running.scene_json_line import parse_scene_json_line, scene_from_inputs, scene_line
 from solvers.scene.scene import Scene
 from solvers.solver import samples
-from solvers.solver.snapshot import Seconds, Snapshot
+from solvers.solver.particle_snapshot import Snapshot, WallTimes
 from solvers.solver.soundness import BROKEN, OK
 from solvers.untrusted.npz_reader import read_arrays as read_arrays
 from solvers.untrusted.quoting import FileError, quote
@@ -92,7 +92,7 @@ class _ResultReader:
 
     def __init__(self, path: str, found: Mapping[str, np.ndarray]):
         self._path, self._found = path, found
-        self._scene = scene_from_inputs(path, *parse_line(path, str(found["scene"].item())))
+        self._scene = scene_from_inputs(path, *parse_scene_json_line(path, str(found["scene"].item())))
 
     def fields(self) -> dict[str, Any]:
         try:
@@ -118,14 +118,18 @@ class _ResultReader:
         if moments["final"] is None:
             raise KeyError("final")
         return {
-            "scene": self._scene, "status": status, "reason": _maybe(_as_text, said["reason"]),
-            "broken_at": _maybe(_as_number, said["broken_at"]), "time": _as_number(said["time"]),
-            "steps": _as_count(said["steps"]), "series": self._series(), **moments, "bytes": _as_count(said["bytes"]),
-            "not_valid": {_as_text(name): _as_text(why) for name, why in not_valid.items()},
-            "seconds": Seconds(_as_number(seconds["setup"]), _as_number(seconds["compile"]), _as_number(seconds["run"]),
-                               {_as_text(name): _as_number(part) for name, part in seconds["estimators"].items()}),
-            "arch": _as_text(said["arch"]), "threads": _as_count(said["threads"]), "plan": _as_text(said["plan"]),
-            "goals": {_as_text(name): _as_goal(goal) for name, goal in said.get("goals", {}).items()}}
+            "scene": self._scene, "status": status, "reason": _maybe(_validated_text, said["reason"]),
+            "broken_at": _maybe(_validated_number, said["broken_at"]), "time": _validated_number(said["time"]),
+            "steps": _validated_count(said["steps"]), "series": self._series(), **moments,
+            "bytes": _validated_count(said["bytes"]),
+            "not_valid": {_validated_text(name): _validated_text(why) for name, why in not_valid.items()},
+            "seconds": WallTimes(_validated_number(seconds["setup"]), _validated_number(seconds["compile"]),
+                                 _validated_number(seconds["run"]),
+                                 {_validated_text(name): _validated_number(part) for name,
+                                  part in seconds["estimators"].items()}),
+            "arch": _validated_text(said["arch"]), "threads": _validated_count(said["threads"]),
+            "plan": _validated_text(said["plan"]),
+            "goals": {_validated_text(name): _validated_goal(goal) for name, goal in said.get("goals", {}).items()}}
 
     def _series(self) -> dict[str, np.ndarray]:
         """Returns all samples by name, each (T,)."""
@@ -153,7 +157,7 @@ class _ResultReader:
         each: dict[str, Any] = {key: {
             name: self._array(f"{moment}/{key}/{name}", (P, len(samples.QUANTITIES)))
             for name in self._scene.active_estimators if f"{moment}/{key}/{name}" in self._found} for key in ERRORS}
-        return Snapshot(step=_as_count(said["step"]), time=_as_number(said["time"]), **whole, **each,
+        return Snapshot(step=_validated_count(said["step"]), time=_validated_number(said["time"]), **whole, **each,
                         error=self._optional_array(f"{moment}/error", (P, len(samples.QUANTITIES))),
                         last_crossing=self._optional_array(f"{moment}/last_crossing", (P,), "i"),
                         plotted=self._optional_array(f"{moment}/plotted", (P, 2)))
@@ -177,26 +181,26 @@ def _maybe(what: Any, value: Any) -> Any:
     return None if value is None else what(value)
 
 
-def _as_goal(said: dict[str, Any]) -> dict[str, Any]:
-    numbers = {key: _maybe(_as_number, said[key]) for key in ("true_error", "rounding")}
-    each = {key: {_as_text(name): _maybe(_as_number, value) for name, value in said[key].items()}
+def _validated_goal(said: dict[str, Any]) -> dict[str, Any]:
+    numbers = {key: _maybe(_validated_number, said[key]) for key in ("true_error", "rounding")}
+    each = {key: {_validated_text(name): _maybe(_validated_number, value) for name, value in said[key].items()}
             for key in ("estimated_error", "bar")}
-    return {"value": _maybe(_as_number, said["value"]), "unit": _as_text(said["unit"]), **numbers, **each}
+    return {"value": _maybe(_validated_number, said["value"]), "unit": _validated_text(said["unit"]), **numbers, **each}
 
 
-def _as_text(value: Any) -> str:
+def _validated_text(value: Any) -> str:
     if not isinstance(value, str) or len(value) > MAX_TEXT or not value.isprintable():
         raise TypeError
     return value
 
 
-def _as_number(value: Any) -> float:
+def _validated_number(value: Any) -> float:
     if isinstance(value, bool) or not isinstance(value, (int, float)):
         raise TypeError
     return float(value)
 
 
-def _as_count(value: Any) -> int:
+def _validated_count(value: Any) -> int:
     if isinstance(value, bool) or not isinstance(value, int) or not 0 <= value <= MAX_COUNT:
         raise TypeError
     return value

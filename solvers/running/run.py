@@ -8,15 +8,15 @@ from dataclasses import replace
 import numpy as np
 
 from solvers.problems import PROBLEMS
-from solvers.running.quantities_of_interest import evaluate, mask_refused, parse_goals
+from solvers.running.quantities_of_interest import evaluate_goal, mask_refused, parse_goals
 from solvers.running.result import Result
 from solvers.running.timing import estimator_shares
 from solvers.scene.scene import Scene
-from solvers.scene.step_bound import margin_unit
+from solvers.scene.step_bound import gershgorin_to_linear_factor
 from solvers.scene.validation import SceneError, require_choice
 from solvers.solver import samples
 from solvers.solver.base import Solver
-from solvers.solver.snapshot import Seconds, Snapshot
+from solvers.solver.particle_snapshot import Snapshot, WallTimes
 from solvers.solver.soundness import earliest_finding, findings
 from solvers.solver.verdict_basis import large_errors
 
@@ -58,7 +58,7 @@ def run(scene: Scene | type[Scene] | str, on_progress: Callable[[float], None] |
         Whether the estimators' shares of the time (``Result.seconds.estimators``) are measured half way, which takes a
         few tenths of a second.
     mid_run
-        Whether particles are also stored at :func:`shown_step`, where a picture of the end would show nothing.
+        Whether particles are also stored at :func:`picture_step`, where a picture of the end would show nothing.
     on_sample
         Called with the particles whenever their norms are sampled, from start to end; each call interrupts the run.
     goals
@@ -86,7 +86,7 @@ def run(scene: Scene | type[Scene] | str, on_progress: Callable[[float], None] |
         on_sample(solver.snapshot())
     shares: dict[str, float] = {}
     ran, slice_steps = 0.0, 64
-    shown_at = shown_step(scene) if mid_run else scene.steps
+    shown_at = picture_step(scene) if mid_run else scene.steps
     kept: Snapshot | None = None
     while solver.step < scene.steps and solver.sound:
         stop = shown_at if solver.step < shown_at else scene.steps
@@ -112,22 +112,22 @@ def run(scene: Scene | type[Scene] | str, on_progress: Callable[[float], None] |
     else:
         rows[-1][-1:, samples.LOOKS] = last[:, samples.LOOKS]  # that sample may have been one without these columns
     final = solver.snapshot()
-    series = samples.read_rows(np.concatenate(rows), scene, len(final.position), margin_unit(scene))
+    series = samples.read_rows(np.concatenate(rows), scene, len(final.position), gershgorin_to_linear_factor(scene))
     not_valid = solver.not_valid()
     finding = earliest_finding(findings(scene, series), not_valid)
     if finding and finding.particle is None and final.error is not None:
         finding = replace(finding, particle=int(np.argmax(np.nan_to_num(final.error[:, 0]))))
     status, reason, broken_at = solver.status(finding, large_errors(scene, series, not_valid))
-    seconds = Seconds(solver.setup_seconds, compiled, ran, {name: part * ran for name, part in shares.items()})
+    seconds = WallTimes(solver.setup_seconds, compiled, ran, {name: part * ran for name, part in shares.items()})
     fields = solver.fields() if wanted else None
-    reached = {goal.name: evaluate(goal, fields, scene, solver.step) for goal in wanted} if fields else {}
+    reached = {goal.name: evaluate_goal(goal, fields, scene, solver.step) for goal in wanted} if fields else {}
     return Result(scene=scene, status=status, reason=reason, broken_at=broken_at, time=solver.time, steps=solver.step,
                   series=series, final=final, mid_run=kept if solver.sound else None, bytes=solver.bytes,
                   not_valid=not_valid, seconds=seconds, arch=solver.arch, threads=solver.threads, plan=solver.plan,
                   goals=mask_refused(reached, not_valid))
 
 
-def shown_step(scene: Scene) -> int:
+def picture_step(scene: Scene) -> int:
     """Returns the step at which a picture shows most: the last, unless the exact motion, A sin(w t), is small there, as
     after whole periods; then the step of its last extreme."""
     turns = scene.end_time / (0.5 * scene.period)

@@ -8,10 +8,10 @@ import math
 from dataclasses import fields
 from typing import Any
 
-from solvers.message import Message
 from solvers.problems import PROBLEMS
 from solvers.scene.scene import Scene
 from solvers.scene.validation import SceneError, field_key, key_field
+from solvers.translatable_message import Message
 from solvers.untrusted.quoting import FileError, quote
 
 SCHEMA, FAMILY = "mpm-lab/particles/1", "mpm-lab/particles/"
@@ -39,7 +39,7 @@ def to_json_value(value: object) -> object:
     return list(value) if isinstance(value, tuple) else value
 
 
-def parse_line(file: str, text: str) -> tuple[str, dict[str, Any]]:
+def parse_scene_json_line(file: str, text: str) -> tuple[str, dict[str, Any]]:
     """Returns the problem and the unvalidated inputs of a JSON line. Raises :class:`FileError` if it is malformed."""
     try:
         values = json.loads(text[:MAX_LINE + 1])

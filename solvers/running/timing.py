@@ -22,7 +22,7 @@ MIN_SECONDS = 0.01  # minimum of a stretch: many times the cost of a launch
 SHARE_SECONDS, LONGEST_SHARE_SECONDS, SHARE_TURNS = 0.006, 0.06, 9  # short, within a run that a user waits for
 
 
-class TimedSteps:
+class RepeatedSteps:
     """Stretch of a solver's steps, repeated from the same state, that takes at least ``seconds``.
 
     The steps are whole rounds of estimators, samples and checks, so that each stretch contains its share of all; of
@@ -49,43 +49,43 @@ class TimedSteps:
             self.steps = steps
             return
         self.steps = min(rounds[0], most)
-        a_step = self.time()
+        a_step = self.seconds_per_step()
         for steps in rounds[1:]:
             if steps <= most and not a_step * steps > longest:
                 self.steps = steps
-        while self.time() * self.steps < seconds and 2 * self.steps <= most:
+        while self.seconds_per_step() * self.steps < seconds and 2 * self.steps <= most:
             self.steps *= 2
         self.put_back()
 
-    def time(self, without: str | None = None) -> float:
+    def seconds_per_step(self, without: str | None = None) -> float:
         """Returns seconds per step of one more repetition, optionally without one of the estimators; NaN where the run
         becomes unstable, because steps are skipped then."""
         self.put_back()
         if without:
-            self.solver.leave_out(without)
+            self.solver.disable_estimator(without)
         begun = self._clock()
         self.solver.advance(self.steps)
         took = self._clock() - begun
         return took / self.steps if self.solver.sound else math.nan
 
 
-def time_interleaved(stretches: Sequence[TimedSteps], turns: int) -> np.ndarray:
+def time_interleaved(stretches: Sequence[RepeatedSteps], turns: int) -> np.ndarray:
     """Returns seconds per step of every stretch (columns) in every turn (rows)."""
-    return np.array([[stretch.time() for stretch in stretches] for _ in range(turns)])
+    return np.array([[stretch.seconds_per_step() for stretch in stretches] for _ in range(turns)])
 
 
 def time_ratios(pairs: Mapping[Any, tuple[Scene, Scene]], turns: int) -> dict[Any, float]:
     """Returns by name the ratio of the first scene's time per step to the second's: the median over turns."""
     scenes = list(dict.fromkeys(scene for pair in pairs.values() for scene in pair))
     solvers = [PROBLEMS[scene.problem].solver(scene) for scene in scenes]
-    columns = time_interleaved([TimedSteps(solver) for solver in solvers], turns).T if scenes else ()
+    columns = time_interleaved([RepeatedSteps(solver) for solver in solvers], turns).T if scenes else ()
     seconds = dict(zip(scenes, columns, strict=True))
     return {name: float(np.median(seconds[one] / seconds[other])) for name, (one, other) in pairs.items()}
 
 
 def particle_step_rate(solver: Solver, turns: int = 5, seconds: float = MIN_SECONDS) -> float:
     """Returns million particle-steps per second of a solver; NaN if its run becomes unstable."""
-    return 1e-6 * solver.scene.particles / float(time_interleaved([TimedSteps(solver, seconds)], turns).min())
+    return 1e-6 * solver.scene.particles / float(time_interleaved([RepeatedSteps(solver, seconds)], turns).min())
 
 
 def estimator_shares(solver: Solver) -> dict[str, float]:
@@ -99,10 +99,11 @@ def estimator_shares(solver: Solver) -> dict[str, float]:
     names = solver.scene.active_estimators
     if not names or not solver.sound or solver.scene.particles > MOST_PARTICLES:  # to have them twice
         return {}
-    stretch = TimedSteps(solver, SHARE_SECONDS, LONGEST_SHARE_SECONDS)
-    bare = TimedSteps(solver.without_estimators(), steps=stretch.steps)
+    stretch = RepeatedSteps(solver, SHARE_SECONDS, LONGEST_SHARE_SECONDS)
+    bare = RepeatedSteps(solver.without_estimators(), steps=stretch.steps)
     resting = names if len(names) > 1 else ()
-    turns = [[stretch.time(), bare.time(), *map(stretch.time, resting)] for _ in range(SHARE_TURNS)]
+    turns = [[stretch.seconds_per_step(), bare.seconds_per_step(),
+              *map(stretch.seconds_per_step, resting)] for _ in range(SHARE_TURNS)]
     stretch.put_back()
     seconds = np.array(turns)
     saved = 1 - np.median(seconds[:, 1:] / seconds[:, :1], axis=0)

@@ -15,10 +15,10 @@ from typing import Any
 
 import numpy as np
 
-from solvers.message import Message
-from solvers.scene import extensions
+from solvers.scene import extension_modules
 from solvers.scene.error_causes import COLUMNS
 from solvers.scene.validation import SceneError
+from solvers.translatable_message import Message
 
 PER_CENT = "%"  # the unit of a number that is displayed in per cent
 Series = Mapping[str, np.ndarray]
@@ -46,7 +46,7 @@ class Number:
 
 
 @dataclass(frozen=True)
-class Line:
+class OutputLine:
     """Line of output: its name, and a template with a place for each number, ``{drift}``, or ``{0}`` for the first.
     ``hint`` explains the numbers. A line without a name is left out."""
 
@@ -94,8 +94,8 @@ class Effect:
     columns: tuple[str, ...] = ()
     numbers: tuple[Number, ...] = ()
     key: str = ""
-    text: Line | None = None
-    readout: Line | None = None
+    text: OutputLine | None = None
+    readout: OutputLine | None = None
     samplers: Mapping[str, Callable] = field(default_factory=dict)
     elsewhere: str = ""
 
@@ -105,10 +105,10 @@ class Effect:
         return self.key or self.name
 
     @property
-    def usual_line(self) -> Line:
+    def default_output_line(self) -> OutputLine:
         """Line with all its numbers behind its label."""
         words = ", ".join(f"{number.key} {{{at}}}".strip() for at, number in enumerate(self.numbers))
-        return Line(self.label, words, self.explanation)
+        return OutputLine(self.label, words, self.explanation)
 
     @np.errstate(over="ignore", invalid="ignore", divide="ignore")  # for unstable runs
     def values(self, series: Series) -> dict[str, Any]:
@@ -122,17 +122,17 @@ class Effect:
         return values.get("", values)
 
 
-def _energy(series: Series) -> np.ndarray:
+def _total_energy(series: Series) -> np.ndarray:
     return series["kinetic"] + series["strain"]
 
 
 def _energy_drift(series: Series) -> float:
     """Returns (E - W - E0)/E0 at the end: E is kinetic plus strain energy, W the work of the body force."""
-    total = _energy(series)
+    total = _total_energy(series)
     return (total[-1] - series["work"][-1] - total[0]) / total[0]
 
 
-def _relative_gain(series: Series, against: str) -> float:
+def _relative_angular_momentum_gain(series: Series, against: str) -> float:
     """Returns the gain of angular momentum at the end minus that of another column, over the initial momentum."""
     momentum, known = series["spin/momentum"], series[against]
     return ((momentum[-1] - momentum[0]) - (known[-1] - known[0])) / momentum[0]
@@ -142,13 +142,14 @@ EFFECTS: dict[str, Effect] = {effect.name: effect for effect in (
     Effect("truth", "true error", "compare every particle with the exact solution", needs_solution=True),
     Effect("estimate", "estimate", "run the estimators that are chosen", timed_alone=False),
     Effect("crossings", "grid crossings", "count and mark particles that cross a cell boundary", key="grid_crossings",
-           numbers=(Number("", lambda series: series["crossings"][-1], kind=int),), readout=Line("")),
+           numbers=(Number("", lambda series: series["crossings"][-1], kind=int),), readout=OutputLine("")),
     Effect("energy", "energy", "follow kinetic and strain energy and the work of the body force", numbers=(
-               Number("initial", lambda series: _energy(series)[0], "J"),
-               Number("final", lambda series: _energy(series)[-1], "J"),
-               Number("drift", _energy_drift, PER_CENT, bounds=(0.05, 0.5))), text=Line("energy drift", "{drift}"),
-           readout=Line("energy", "out of balance by {drift}",
-                        "kinetic and strain energy less the work of the body force, over the largest energy")),
+               Number("initial", lambda series: _total_energy(series)[0], "J"),
+               Number("final", lambda series: _total_energy(series)[-1], "J"),
+               Number("drift", _energy_drift, PER_CENT, bounds=(0.05, 0.5))),
+           text=OutputLine("energy drift", "{drift}"),
+           readout=OutputLine("energy", "out of balance by {drift}",
+                              "kinetic and strain energy less the work of the body force, over the largest energy")),
     Effect("acceleration", "acceleration error", "keep each particle's acceleration, to compare and to estimate it",
            needs=("truth", "estimate")),
     Effect("soundness", "contradictions", "look for contradictions in the motion itself that show a run to be lost"),
@@ -161,12 +162,14 @@ OWN: dict[str, Effect] = {effect.name: effect for effect in (
            columns=("momentum", "torque", "exact_momentum"), key="angular_momentum", numbers=(
                Number("initial", lambda series: series["spin/momentum"][0], "N m s"),
                Number("final", lambda series: series["spin/momentum"][-1], "N m s"),
-               Number("drift", lambda series: _relative_gain(series, "spin/torque"), PER_CENT),
-               Number("error", lambda series: _relative_gain(series, "spin/exact_momentum"), PER_CENT)),
-           text=Line("angular momentum",
-                     "off its balance by {drift}, off the exact one by {error}, of what it was at first"),
-           readout=Line("turning", "balance {drift}, error {error}", "angular momentum: beyond the torque of the body "
-                        "force, and beyond the exact, over that at the start")),
+               Number("drift", lambda series: _relative_angular_momentum_gain(series, "spin/torque"), PER_CENT),
+               Number("error", lambda series: _relative_angular_momentum_gain(series, "spin/exact_momentum"),
+                      PER_CENT)),
+           text=OutputLine("angular momentum",
+                           "off its balance by {drift}, off the exact one by {error}, of what it was at first"),
+           readout=OutputLine("turning", "balance {drift}, error {error}",
+                              "angular momentum: beyond the torque of the body "
+                              "force, and beyond the exact, over that at the start")),
     Effect("budget", "error budget", "divide the error between its causes: crossings, the coarse grid, the body force "
            "and the time step; against the exact solution, or without it against the estimator companion",
            needs=("truth", "estimate"), columns=COLUMNS,
@@ -178,7 +181,7 @@ ALL = {**EFFECTS, **OWN}
 def register(effect: Effect) -> None:
     """Makes an effect known to scenes, solvers, page and tables. Raises RuntimeError where a solver that it is for has
     been imported already."""
-    extensions.require_early(effect.name, effect.samplers)
+    extension_modules.require_before_solver_import(effect.name, effect.samplers)
     ALL[effect.name] = effect
     effects_of.cache_clear()
 
@@ -186,8 +189,8 @@ def register(effect: Effect) -> None:
 @functools.cache  # used by every scene
 def effects_of(problem: str, own: tuple[str, ...]) -> tuple[str, ...]:
     """Returns the effects of a problem: those of every problem, its ``own``, and registered ones. Raises
-    :class:`~solvers.scene.extensions.ExtensionError` where an extension cannot be imported."""
-    extensions.load_extensions()
+    :class:`~solvers.scene.extension_modules.ExtensionError` where an extension cannot be imported."""
+    extension_modules.load_extensions()
     return tuple(name for name, effect in ALL.items() if name in EFFECTS or name in own or problem in effect.samplers)
 
 
@@ -205,12 +208,12 @@ def samplers(problem: str, own: Mapping[str, Callable]) -> dict[str, Callable]:
     """Returns the functions that fill the columns of a problem's effects, by the effects' names: its ``own`` and
     registered ones. They are Taichi functions (state, row, step, on) that write to a row of ``state.samples``; ``step``
     is the number of steps taken."""
-    extensions.load_extensions()
-    extensions.COMPILED_PROBLEMS.add(problem)
+    extension_modules.load_extensions()
+    extension_modules.COMPILED_PROBLEMS.add(problem)
     return {**own, **{name: effect.samplers[problem] for name, effect in ALL.items() if problem in effect.samplers}}
 
 
-def effect_lines(wanted: Callable[[Effect], Line | None]) -> dict[str, Line]:
+def output_lines_by_effect(wanted: Callable[[Effect], OutputLine | None]) -> dict[str, OutputLine]:
     """Returns the line of each effect that has numbers, by its name: that of ``wanted``, or the usual one."""
-    lines = {name: wanted(effect) or effect.usual_line for name, effect in ALL.items() if effect.numbers}
+    lines = {name: wanted(effect) or effect.default_output_line for name, effect in ALL.items() if effect.numbers}
     return {name: line for name, line in lines.items() if line.name}

@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterable, Mapping
 from dataclasses import KW_ONLY, dataclass, field
 from typing import Any
 
-from solvers.message import Message, join
+from solvers.translatable_message import Message, join_messages
 
 Quantity = str | Callable[[Any], Any]  # an attribute of the scene, or a function of it
 
@@ -52,7 +52,7 @@ class Limit:
         if not others and (allowed or (least * unit <= value <= most * unit and value < at(self.below) * unit)):
             return None
         return Message(self.why, scene=scene, value=value if self.of == 1 else value / unit, least=least, most=most,
-                       above=self.above[1], names=join(" and ", map(str, others)),
+                       above=self.above[1], names=join_messages(" and ", map(str, others)),
                        **{name: enough(scene, value) for name, enough in self.give.items()})
 
 

@@ -10,11 +10,11 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from solvers.message import Message
-from solvers.scene import extensions
+from solvers.scene import extension_modules
 from solvers.scene.estimator_hooks import EstimatorHooks
 from solvers.scene.estimator_limits import Limit
 from solvers.scene.validation import SceneError
+from solvers.translatable_message import Message
 
 EXPLANATIONS = Path(__file__).parents[1] / "estimators" / "explanations"
 #: Transport's defects are those of weights that follow the particles.
@@ -90,7 +90,7 @@ def register(estimator: Estimator) -> None:
     RuntimeError
         Where a solver that it is for has been imported: its kernels name what estimators keep. Register first.
     """
-    extensions.require_early(estimator.name, estimator.hooks)
+    extension_modules.require_before_solver_import(estimator.name, estimator.hooks)
     ESTIMATORS[estimator.name] = estimator
     names.cache_clear()
 
@@ -98,8 +98,8 @@ def register(estimator: Estimator) -> None:
 @functools.cache  # used by every scene
 def names(problem: str, own: tuple[str, ...]) -> tuple[str, ...]:
     """Returns the estimators of a problem: its ``own`` and registered ones. Raises
-    :class:`~solvers.scene.extensions.ExtensionError` where an extension cannot be imported."""
-    extensions.load_extensions()
+    :class:`~solvers.scene.extension_modules.ExtensionError` where an extension cannot be imported."""
+    extension_modules.load_extensions()
     return tuple(name for name, estimator in ESTIMATORS.items() if name in own or problem in estimator.hooks)
 
 
@@ -115,5 +115,5 @@ def require_offered(chosen: object, problem: str, offered: tuple[str, ...]) -> N
 def hooks_of(problem: str, own: Mapping[str, EstimatorHooks]) -> dict[str, EstimatorHooks]:
     """Returns the hooks of all estimators of a problem, by name: its ``own`` and registered ones."""
     found = names(problem, tuple(own))  # loads the extensions
-    extensions.COMPILED_PROBLEMS.add(problem)
+    extension_modules.COMPILED_PROBLEMS.add(problem)
     return {name: ESTIMATORS[name].hooks.get(problem) or own[name] for name in found}

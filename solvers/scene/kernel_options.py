@@ -4,8 +4,8 @@ from functools import lru_cache
 from typing import NamedTuple
 
 from solvers.scene.effects import ALL
-from solvers.scene.remedies import SWITCHES
 from solvers.scene.scene import Scene
+from solvers.scene.stabilisations import SWITCHES
 
 
 class KernelOptions(NamedTuple):

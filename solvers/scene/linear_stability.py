@@ -70,14 +70,14 @@ class Configurations:
     held: np.ndarray | None = None
 
 
-def longest_steps(of: Configurations) -> np.ndarray:
+def longest_step_per_instant(of: Configurations) -> np.ndarray:
     """Returns the longest stable step at each moment (n,), in s."""
     return 2 / np.sqrt(_StepOperators(of).largest_eigenvalues())
 
 
-def longest_step(found: np.ndarray, seconds: float) -> float:
+def longest_step_of_motion(found: np.ndarray, seconds: float) -> float:
     """Returns the longest stable step, in s, of a motion that takes ``seconds`` from one extreme to the other and the
-    same time back; ``found`` (n,) are its ``longest_steps`` at moments evenly spaced in time."""
+    same time back; ``found`` (n,) are its ``longest_step_per_instant`` at moments evenly spaced in time."""
     low, high = float(found.min()), 2 * float(found.max())
     while high > (1 + 1e-9) * low:
         dt = math.sqrt(low * high)
@@ -94,7 +94,7 @@ class _StepOperators:
         self._of, self._n = of, len(of.weights)
         self._mass_links, self._force_links = self._global_numbers(of.mass_links), self._global_numbers(of.force_links)
         carried = [of.mass[:, None] * of.weights] * len(of.mass_links.where)
-        mass = self._sum(self._mass_links, carried, signed=False)
+        mass = self._sum_at_unknowns(self._mass_links, carried, signed=False)
         there = mass > MIN_MASS_SHARE * of.mass.max()
         if of.held is not None:
             there[:, of.held] = False
@@ -104,33 +104,38 @@ class _StepOperators:
         first = (np.arange(self._n) * self._of.unknowns)[:, None, None]
         return [(where + first, sign) for where, sign in zip(links.where, links.sign, strict=True)]
 
-    def _sum(self, links: list[tuple[np.ndarray, np.ndarray]], parts: Fields, signed: bool = True) -> np.ndarray:
+    def _sum_at_unknowns(self, links: list[tuple[np.ndarray, np.ndarray]], parts: Fields,
+                         signed: bool = True) -> np.ndarray:
         total = np.zeros(self._n * self._of.unknowns)
         for (where, sign), part in zip(links, parts, strict=True):
             total += np.bincount(where.ravel(), (sign * part if signed else part).ravel(), len(total))
         return total.reshape(self._n, -1)
 
-    def _gather(self, links: list[tuple[np.ndarray, np.ndarray]], field: np.ndarray) -> list[np.ndarray]:
+    def _gather_at_particles(self, links: list[tuple[np.ndarray, np.ndarray]], field: np.ndarray) -> list[np.ndarray]:
         values = (field * self._scale).ravel()
         return [sign * values.take(where) for where, sign in links]
 
-    def stiffness(self, field: np.ndarray) -> np.ndarray:
+    def apply_stiffness(self, field: np.ndarray) -> np.ndarray:
         """Returns M^-1/2 K M^-1/2 applied to a field."""
         gradients = self._of.gradients
-        rates = [np.einsum("npk,npk->np", v, g) for v in self._gather(self._force_links, field) for g in gradients]
+        rates = [np.einsum("npk,npk->np", v,
+                           g) for v in self._gather_at_particles(self._force_links, field) for g in gradients]
         stress, D = self._of.stress(rates), len(gradients)
         force = [np.sum([stress[D * i + j][..., None] * gradients[j] for j in range(D)], axis=0) for i in range(D)]
-        return self._sum(self._force_links, force) * self._scale
+        return self._sum_at_unknowns(self._force_links, force) * self._scale
 
-    def smoothing(self, field: np.ndarray) -> np.ndarray:
+    def apply_smoothing(self, field: np.ndarray) -> np.ndarray:
         """Returns M^-1/2 S^T m S M^-1/2 applied to a field."""
         S, mass = self._of.weights, self._of.mass
-        given = [(mass * np.einsum("npk,npk->np", v, S))[..., None] * S for v in self._gather(self._mass_links, field)]
-        return self._sum(self._mass_links, given) * self._scale
+        given = [
+            (mass * np.einsum("npk,npk->np", v, S))[..., None] * S
+            for v in self._gather_at_particles(self._mass_links, field)
+        ]
+        return self._sum_at_unknowns(self._mass_links, given) * self._scale
 
     def apply_two_minus_b(self, field: np.ndarray) -> np.ndarray:
         """Returns 2 - B applied to a field."""
-        return 2 * field - self.smoothing(field)
+        return 2 * field - self.apply_smoothing(field)
 
     def largest_eigenvalues(self) -> np.ndarray:
         """Returns the largest eigenvalue of M^-1 K (2 - B) at each moment (n,), by Lanczos's method in the inner
@@ -143,10 +148,10 @@ class _StepOperators:
         for _ in range(MOST_TURNS):
             over = np.divide(1.0, size, out=np.zeros_like(size), where=size > 0)[:, None]
             q, Cq = q * over, Cq * over
-            image = self.stiffness(Cq)
+            image = self.apply_stiffness(Cq)
             diagonal.append(np.einsum("ni,ni->n", image, Cq))
             image = image - diagonal[-1][:, None] * q - (beside[-1][:, None] * before if beside else 0.0)
-            known, found = found, _largest_eigenvalues(diagonal, beside)
+            known, found = found, _largest_tridiagonal_eigenvalues(diagonal, beside)
             if len(diagonal) >= FEWEST_TURNS and np.all(found - known <= EIGENVALUE_TOLERANCE * found):
                 break
             before, q, Cq = q, image, self.apply_two_minus_b(image)
@@ -156,7 +161,7 @@ class _StepOperators:
         return found
 
 
-def _largest_eigenvalues(diagonal: list[np.ndarray], beside: list[np.ndarray]) -> np.ndarray:
+def _largest_tridiagonal_eigenvalues(diagonal: list[np.ndarray], beside: list[np.ndarray]) -> np.ndarray:
     """Returns the largest eigenvalues (n,) of tridiagonal matrices."""
     k = len(diagonal)
     T = np.zeros((len(diagonal[0]), k, k))

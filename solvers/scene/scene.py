@@ -14,14 +14,14 @@ from collections.abc import Callable
 from dataclasses import dataclass, fields
 from typing import Any, ClassVar
 
-from solvers.message import Message
 from solvers.scene import effects, estimator_limits, estimator_registry, validation
-from solvers.scene.defaults import SceneDefaults
+from solvers.scene.derived_quantities import DerivedSceneQuantities
 from solvers.scene.effects import ALL, EFFECTS, effects_of
 from solvers.scene.field_options import option
-from solvers.scene.remedies import FROZEN
+from solvers.scene.stabilisations import FROZEN
 from solvers.scene.step_bound import SAFE, StepBound, scene_step_bound, step_warnings
 from solvers.scene.validation import SceneError, field_key, require_choice, require_names, require_number, require_whole
+from solvers.translatable_message import Message
 
 MOST_PARTICLES = 1_000_000  # on a processor
 MOST_ON_GPU = 50_000_000
@@ -41,7 +41,7 @@ MOST_CFL = 10.0  # an unstable run is instructive; this only keeps the numbers f
 
 
 @dataclass(frozen=True)
-class Scene(SceneDefaults, ABC):
+class Scene(DerivedSceneQuantities, ABC):
     """Definition of a run. Lengths in metres, times in seconds, modulus in pascals, density in kg/m³.
 
     ``dt`` or ``cfl`` sets the time step (``cfl`` = dt c/h, c = sqrt(modulus/density)); ``t_end`` or ``periods`` the
@@ -115,13 +115,13 @@ class Scene(SceneDefaults, ABC):
     def __reduce__(self) -> tuple[Callable[..., Any], tuple]:
         """Pickles the scene as its values. Unpickling returns the same object each time: a scene is sent with every
         frame, and each process validates it and derives its properties once."""
-        return _require_known, (type(self), *(getattr(self, name) for name in self.__match_args__))
+        return _cached_scene, (type(self), *(getattr(self, name) for name in self.__match_args__))
 
     def __post_init__(self) -> None:
         if self.problem != (kind := type(self)).problem:  # it came first, without a name
             raise SceneError("problem", self.problem, "is not {problem}; give the inputs of a scene by name, as in "
                              "{name}(cells=40)", Message(kind.problem), kind.__name__)
-        for name, value in self._normalized().items():  # the one place where a scene is written to
+        for name, value in self._normalized_inputs().items():  # the one place where a scene is written to
             object.__setattr__(self, name, value)
         self._check_choices()
         self._check_numbers()
@@ -223,7 +223,7 @@ class Scene(SceneDefaults, ABC):
     def not_valid(self) -> dict[str, str]:
         """Requested estimators that are known not to hold here and do not run, each with a sentence."""
         reasons = {name: estimator_limits.reason(self.LIMITS, name, self) for name in self.estimators}
-        if self.for_gpu:
+        if self.prefers_gpu:
             reasons |= {name: Message(estimator_registry.PROCESSOR_REASON, name=name) for name in self.estimators
                         if not estimator_registry.ESTIMATORS[name].beside_gpu}
         return {name: Message("not valid here: {reason}", reason) for name, reason in reasons.items() if reason}
@@ -257,9 +257,9 @@ class Scene(SceneDefaults, ABC):
                   "periods": self.end_time / self.period, "sample_every": self.sample_interval}
         return {**values, **filled, **{field_key(name): list(getattr(self, name)) for name in LISTS}}
 
-    def _normalized(self) -> dict[str, Any]:
+    def _normalized_inputs(self) -> dict[str, Any]:
         """Returns inputs that are replaced by their normal form."""
-        return validation.normalized(self, LISTS)
+        return validation.normalized_inputs(self, LISTS)
 
     def _check_choices(self) -> None:
         estimator_registry.require_offered(self.estimators, type(self).problem, self.choices("estimators"))
@@ -279,7 +279,7 @@ class Scene(SceneDefaults, ABC):
         self._check_amplitude()
         require_number("modulus", self.modulus, 1e-6, 1e12)
         require_number("density", self.density, 1e-6, 1e12)
-        most = MOST_ON_GPU if self.for_gpu else MOST_PARTICLES
+        most = MOST_ON_GPU if self.prefers_gpu else MOST_PARTICLES
         if self.particles > most:
             raise SceneError("ppc", self.ppc, "{cells} cells with so many particles each make {particles:,} particles; "
                              "at most {most:,} are allowed", self.cells, self.particles, most)
@@ -314,5 +314,5 @@ class Scene(SceneDefaults, ABC):
 
 
 @functools.lru_cache(maxsize=256, typed=True)  # 1, 1.0 and True are different inputs
-def _require_known(kind: type[Scene], *values: Any) -> Scene:
+def _cached_scene(kind: type[Scene], *values: Any) -> Scene:
     return kind(*values)

@@ -1,9 +1,9 @@
 """The longest stable time step of the motion of a scene, computed before the run, and the share of it that is used.
 
-Along the exact motion, from one extreme to the other, the step is linearised at ``motion_parts`` evenly spaced in time
-(``solvers.scene.linear_stability``). A run's own motion is not quite the exact one; how much lower its bound is was
-measured: with hat functions and boxes of constant width because particles leave the places where the weights add up
-(``SHARE``); and where material is stretched to more than twice its length because the stretches of a run exceed the
+Along the exact motion, from one extreme to the other, the step is linearised at ``motion_fractions`` evenly spaced in
+time (``solvers.scene.linear_stability``). A run's own motion is not quite the exact one; how much lower its bound is
+was measured: with hat functions and boxes of constant width because particles leave the places where the weights add
+up (``SHARE``); and where material is stretched to more than twice its length because the stretches of a run exceed the
 exact ones, the more so the worse a method's domains follow (``EXCESS``).
 
 With hat functions forces jump where particles cross cells, and in the plane a node beyond a rim that a particle has
@@ -11,8 +11,8 @@ just reached is nearly empty. At that moment hardly any step is stable, and its 
 short steps as with long ones: such a bound is not ``certain``.
 
 A run's own margin comes from its kernels, which need something cheaper than eigenvalues: Gershgorin's circles about
-the stiffness of the grid (:func:`circle_bound`), K_ij = sum_p k_p V_p grad S_i . grad S_j, k_p the tangent modulus in
-the present configuration. The rows of the similar matrix M^-1/2 K M^-1/2 bound its eigenvalues:
+the stiffness of the grid (:func:`gershgorin_step_bound`), K_ij = sum_p k_p V_p grad S_i . grad S_j, k_p the tangent
+modulus in the present configuration. The rows of the similar matrix M^-1/2 K M^-1/2 bound its eigenvalues:
 
     dt <= 2/sqrt(max_i sum_p k_p V_p |grad S_ip|/sqrt(m_i) sum_j |grad S_jp|/sqrt(m_j)).
 
@@ -27,9 +27,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from solvers.message import Message
-from solvers.scene.linear_stability import MIN_MASS_SHARE, longest_step
-from solvers.scene.remedies import PIECES
+from solvers.scene.linear_stability import MIN_MASS_SHARE, longest_step_of_motion
+from solvers.scene.stabilisations import PIECES
+from solvers.translatable_message import Message
 
 SAFE = 0.9  # share of the bound that ``--dt auto`` takes
 AT_ONCE = 1e-30  # seconds: an end that every scene may have; a default one takes too many steps where material is stiff
@@ -52,33 +52,33 @@ class StepBound(NamedTuple):
     circles: float
     certain: bool = True
 
-    def on_cells(self, size: float) -> "StepBound":
+    def scaled_by_cell_size(self, size: float) -> "StepBound":
         """Returns the same bound for cells ``size`` times as large."""
         return StepBound(size * self.longest, size * self.linear, size * self.circles, self.certain)
 
 
-def motion_parts(scene: Any) -> np.ndarray:
+def motion_fractions(scene: Any) -> np.ndarray:
     """Returns the moments (n,) of the motion that are evaluated, from one extreme, 0, to the other, 1."""
     momentary = scene.method == "mpm" and scene.DIMENSIONS > 1 and not scene.frozen
     return np.linspace(0, 1, MOMENTS_OF_HATS if momentary else MOMENTS)
 
 
-def motion_bound(scene: Any, limits: np.ndarray, seconds: float, stretch: float, circles: float,
-                 crossed: bool = False) -> StepBound:
+def combine_instant_bounds(scene: Any, limits: np.ndarray, seconds: float, stretch: float, circles: float,
+                           crossed: bool = False) -> StepBound:
     """Returns the bound of a motion that takes ``seconds`` from one extreme to the other, from its ``limits`` in s at
-    the ``motion_parts``, its largest ``stretch`` and the bound of the ``circles`` at its hardest moment; ``crossed`` is
-    whether, in the plane, a particle is in different cells at different moments."""
+    the ``motion_fractions``, its largest ``stretch`` and the bound of the ``circles`` at its hardest moment;
+    ``crossed`` is whether, in the plane, a particle is in different cells at different moments."""
     if scene.frozen or PIECES in scene.remedies:  # nothing crosses a cell
-        found = longest_step(limits, seconds)
+        found = longest_step_of_motion(limits, seconds)
         excess = FROZEN_EXCESS.get(scene.method, OTHER_FROZEN_EXCESS) * max(0.0, stretch - FROZEN_FROM)
         return StepBound(found / (1 + excess), found, circles)
     # The smallest for hats: how empty nodes are between two moments is unknown.
-    found = float(limits.min()) if scene.method == "mpm" else longest_step(limits, seconds)
+    found = float(limits.min()) if scene.method == "mpm" else longest_step_of_motion(limits, seconds)
     less = SHARE.get(scene.method, 1.0) / (1 + EXCESS[scene.method] * max(0.0, stretch - 2))
     return StepBound(less * found, found, circles, scene.method != "mpm" or not crossed)
 
 
-def circle_bound(nodes: np.ndarray, gradients: np.ndarray, stiffness: np.ndarray, mass: np.ndarray) -> float:
+def gershgorin_step_bound(nodes: np.ndarray, gradients: np.ndarray, stiffness: np.ndarray, mass: np.ndarray) -> float:
     """Returns the bound in s. ``nodes`` and ``gradients`` |grad S| are (P, K), ``stiffness`` k V of each particle (P,),
     ``mass`` of the nodes (N,)."""
     carries = mass > MIN_MASS_SHARE * mass.max()
@@ -142,7 +142,7 @@ def step_warnings(scene: Any) -> list[str]:
     return []
 
 
-def margin_unit(scene: Any) -> float:
+def gershgorin_to_linear_factor(scene: Any) -> float:
     """Returns the factor from step over circles to step over the linear-theory bound, at the hardest moment of the
     motion ahead; 1 where no margin is requested."""
     if not scene.has("margin"):

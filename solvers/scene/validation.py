@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from solvers.message import Message
+from solvers.translatable_message import Message
 from solvers.untrusted import number_parsing, quoting
 
 KEYS = {"estimators": "estimator"}  # where a field's name and its key in the JSON object differ
@@ -57,7 +57,7 @@ def require_choice(field: str, value: object, allowed: tuple[str, ...], also: st
                          Message("one of ") if "," in names else "", names)
 
 
-def normalized(scene: Any, lists: tuple[str, ...]) -> dict[str, Any]:
+def normalized_inputs(scene: Any, lists: tuple[str, ...]) -> dict[str, Any]:
     """Returns the inputs of a scene that are replaced: NumPy scalars become Python numbers, and in the fields called
     ``lists`` a text becomes a tuple of names; names that begin with + are added to the default."""
     given = {name: getattr(scene, name) for name in scene.__dataclass_fields__}

@@ -9,17 +9,17 @@ from typing import Any, ClassVar
 import numpy as np
 
 from solvers.estimators.estimator_memory import unpack_arrays
-from solvers.message import Message
 from solvers.scene.estimator_hooks import NEVER, EstimatorHooks
 from solvers.scene.kernel_options import KernelOptions
 from solvers.scene.scene import Scene
 from solvers.scene.step_bound import SAFE
+from solvers.solver.particle_snapshot import ParticleFields, Snapshot
 from solvers.solver.samples import MARGIN, MAX_ROWS
-from solvers.solver.snapshot import Fields, Snapshot
 from solvers.solver.soundness import LOST, OK, UNSTABLE, Finding
 from solvers.solver.state_arrays import Diagnostics
 from solvers.solver.step_breakdown import StepBreakdown
-from solvers.solver.verdict_basis import LargeRelativeError, warning
+from solvers.solver.verdict_basis import LargeRelativeError, large_error_warning
+from solvers.translatable_message import Message
 
 STEP, MEASURE, REPORT = 0, 1, 2  # purpose of a launch
 NO_LARGE_ERRORS: Mapping[str, LargeRelativeError] = {}
@@ -35,11 +35,11 @@ class Solver(ABC):
 
     plan: str = "serial"
     HOOKS: ClassVar[Mapping[str, EstimatorHooks]]  # of every estimator that the problem has
-    PHASES: ClassVar[Any]  # of ``solvers.solver.run_loop``
+    PHASES: ClassVar[Any]  # of ``solvers.solver.serial_stepping``
     STATE: ClassVar[type[Diagnostics]]
     STEP_BREAKDOWN: Any  # the problem's module of this name
     _arrays: Diagnostics
-    _stepping: Any  # launches the kernels on them, such as ``solvers.solver.run_loop.SerialStepper``
+    _stepping: Any  # launches the kernels on them, such as ``solvers.solver.serial_stepping.SerialStepper``
     _switches: KernelOptions
 
     def __init__(self, scene: Scene):
@@ -73,7 +73,7 @@ class Solver(ABC):
         self._run(0)
         self._stepping.compile()
         if self.scene.has("margin"):
-            self._stepping.find_margin()
+            self._stepping.compute_step_margin()
 
     def advance(self, steps: int) -> np.ndarray:
         """Takes steps.
@@ -122,17 +122,18 @@ class Solver(ABC):
     def _with_margin(self, rows: np.ndarray) -> np.ndarray:
         """Returns the rows of samples, with the step margin in the last one if it is requested."""
         if len(rows) and self.scene.has("margin"):
-            self._stepping.find_margin()
+            self._stepping.compute_step_margin()
             rows[-1, MARGIN] = self._arrays.step_margin[0]
         return rows
 
     def not_valid(self) -> dict[str, str]:
         """Returns the estimators that do not hold in this run, each with a sentence: known before or by the run."""
-        found = {name: self.HOOKS[name].verdict(self.scene, self._memory) for name in self.scene.active_estimators}
+        found = {name: self.HOOKS[name].verdict(self.scene,
+                                                self._estimator_arrays) for name in self.scene.active_estimators}
         return {**self.scene.not_valid, **{name: reason for name, reason in found.items() if reason}}
 
     @functools.cached_property
-    def _memory(self) -> dict[str, np.ndarray]:
+    def _estimator_arrays(self) -> dict[str, np.ndarray]:
         """Arrays of the estimators by name: views of those that the kernels write to."""
         return unpack_arrays(self.HOOKS, self._arrays.memory)
 
@@ -171,7 +172,7 @@ class Solver(ABC):
         other.step = self.step
         return other
 
-    def leave_out(self, estimator: str) -> None:
+    def disable_estimator(self, estimator: str) -> None:
         """Stops an active estimator, for timings; restoring a bookmarked state starts it again."""
         self._arrays.estimate_intervals[self.scene.active_estimators.index(estimator)] = NEVER
 
@@ -191,7 +192,8 @@ class Solver(ABC):
         since = None if finding is None else finding.time
         if not self.sound:
             return UNSTABLE, self.reason(), self.time if since is None else since
-        return (OK, warning(as_large), None) if finding is None else (LOST, self.loss_sentence(finding), since)
+        return (OK, large_error_warning(as_large),
+                None) if finding is None else (LOST, self.loss_sentence(finding), since)
 
     def loss_sentence(self, finding: Finding) -> str:
         """Returns in one sentence when the run was lost, where most, why, and what to change."""
@@ -216,7 +218,7 @@ class Solver(ABC):
             return Message("one particle per cell is the cause: give two or more")
         if scene.velocity == "particle":
             return Message("moving the particles with their own velocity is the cause: give --velocity grid")
-        return self._other_advice()
+        return self._fallback_advice()
 
     @abstractmethod
     def snapshot(self, differences: bool = False, plotted: str | None = None) -> Snapshot:
@@ -235,7 +237,7 @@ class Solver(ABC):
         """Returns the present field of one quantity (its key), as in ``Snapshot.plotted`` (P, 2)."""
 
     @abstractmethod
-    def fields(self) -> Fields:
+    def fields(self) -> ParticleFields:
         """Returns all present fields of the particles, and their known or estimated signed errors."""
 
     def _run(self, steps: int) -> None:
@@ -247,5 +249,5 @@ class Solver(ABC):
         """Returns the description of a particle outside the allowed region, as part of a sentence."""
 
     @abstractmethod
-    def _other_advice(self) -> str:
+    def _fallback_advice(self) -> str:
         """Returns what to change when the step is short enough and the cause is none of the usual ones."""

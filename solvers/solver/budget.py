@@ -4,9 +4,9 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from solvers.message import Message
 from solvers.scene.error_causes import CAUSES, FIELDS
-from solvers.solver.error_norms import IGNORE_OVERFLOW, finite
+from solvers.solver.error_norms import IGNORE_OVERFLOW, finite_or_none
+from solvers.translatable_message import Message
 
 #: The largest :func:`cancellation` at which shares are meaningful. In 600 random runs, each with three causes removed
 #: in turn (``tests.budget``), the budget predicted the remaining errors of x, v and F to 0.15 of the original error in
@@ -23,18 +23,18 @@ def shares(series: Mapping[str, np.ndarray], field: str) -> dict[str, float | No
     error = series[f"budget/error_{field}"]
     known = np.isfinite(error)
     total = float(np.sum(error[known] ** 2))
-    return {cause: finite(float(np.sum((series[f"budget/part_{field}_{cause}"] * error)[known])) / total)
+    return {cause: finite_or_none(float(np.sum((series[f"budget/part_{field}_{cause}"] * error)[known])) / total)
             if total > 0 else None for cause in CAUSES}
 
 
 @IGNORE_OVERFLOW
 def final_parts(series: Mapping[str, np.ndarray], field: str) -> dict[str, float | None]:
     """Returns each cause's part of the RMS error at the end, in the field's unit; they add up to it."""
-    return {cause: finite(series[f"budget/part_{field}_{cause}"][-1]) for cause in CAUSES}
+    return {cause: finite_or_none(series[f"budget/part_{field}_{cause}"][-1]) for cause in CAUSES}
 
 
 @IGNORE_OVERFLOW
-def rms(series: Mapping[str, np.ndarray], field: str, without: str | None = None) -> float | None:
+def rms_error_over_run(series: Mapping[str, np.ndarray], field: str, without: str | None = None) -> float | None:
     """Returns the RMS over particles and samples of a field's error; with ``without``, what the budget predicts for a
     run without that cause: e - e_c, with the mean square e^2 - 2 e_c e + e_c^2."""
     error = series[f"budget/error_{field}"]
@@ -42,7 +42,7 @@ def rms(series: Mapping[str, np.ndarray], field: str, without: str | None = None
     if without is not None:
         squares = squares - 2 * series[f"budget/part_{field}_{without}"] * error \
             + series[f"budget/size_{field}_{without}"] ** 2
-    return finite(float(np.sqrt(np.maximum(np.mean(squares), 0.0))))  # rounding may make it slightly negative
+    return finite_or_none(float(np.sqrt(np.maximum(np.mean(squares), 0.0))))  # rounding may make it slightly negative
 
 
 @IGNORE_OVERFLOW
@@ -75,6 +75,7 @@ def summary(series: Mapping[str, np.ndarray], reference: str) -> dict:
     "companion"), and ``not_valid``, a sentence or None."""
     return {**{field: shares(series, field) for field in FIELDS},
             "at_end": {field: final_parts(series, field) for field in FIELDS},
-            "rms": {field: rms(series, field) for field in FIELDS},
-            "predicted": {field: {cause: rms(series, field, without=cause) for cause in CAUSES} for field in FIELDS},
+            "rms": {field: rms_error_over_run(series, field) for field in FIELDS},
+            "predicted": {field: {cause: rms_error_over_run(series, field,
+                                                            without=cause) for cause in CAUSES} for field in FIELDS},
             "reference": reference, "not_valid": why_not_valid(series)}

@@ -54,7 +54,7 @@ def probe_device(kind: str) -> dict:
 
 
 @ti.kernel
-def add_reciprocals(terms: ti.i32, total: reals):
+def run_test_sum(terms: ti.i32, total: reals):
     """Adds 1, 1/2, 1/3, ... to the total, in parallel."""
     for k in range(terms):
         ti.atomic_add(total[0], 1.0 / (k + 1))
@@ -67,7 +67,7 @@ def probe_in_process(question: dict, answer: Callable[[dict], None]) -> None:
         ti.init(arch=getattr(ti, kind), default_fp=ti.f64, verbose=False, log_level=ti.TRACE)
         runs = runtime.running_arch()
         if runs == kind:
-            add_reciprocals(TERMS, total)
+            run_test_sum(TERMS, total)
     names = re.findall(r"Vulkan Device \"(.+?)\" supports", told())
     name = names[-1] if names else ""
     wrong = abs(total[0] - np.sum(1 / np.arange(1, TERMS + 1))) > ROUNDING

@@ -35,10 +35,10 @@ def summary(series: np.ndarray) -> dict[str, float | None]:
     known = values[np.isfinite(values)]
     if not len(known):
         return {"final": None, "max": None, "mean": None}
-    return {"final": finite(values[-1]), "max": float(known.max()), "mean": finite(known.mean())}
+    return {"final": finite_or_none(values[-1]), "max": float(known.max()), "mean": finite_or_none(known.mean())}
 
 
-def largest(values: np.ndarray) -> float | None:
+def largest_finite_or_none(values: np.ndarray) -> float | None:
     """Returns the largest finite value; None if there is none."""
     known = values[np.isfinite(values)]
     return float(known.max()) if len(known) else None
@@ -63,7 +63,7 @@ def error_index(norms: np.ndarray, true: np.ndarray, rounding: float = 0.0) -> f
     """
     if is_only_rounding(true, rounding):
         return None
-    return finite(float(_sum_ratio(np.sum(norms), np.sum(true))))
+    return finite_or_none(float(_sum_ratio(np.sum(norms), np.sum(true))))
 
 
 def is_only_rounding(true: np.ndarray, rounding: float) -> bool:
@@ -71,7 +71,7 @@ def is_only_rounding(true: np.ndarray, rounding: float) -> bool:
     return bool(np.isfinite(true).any()) and not (np.isnan(true) | (true > rounding)).any()
 
 
-class RunningIndex:
+class RunningEffectivityIndex:
     """Effectivity index at each time of a run in progress."""
 
     def __init__(self) -> None:
@@ -92,6 +92,6 @@ def _sum_ratio(sums: np.ndarray, true_sums: np.ndarray) -> np.ndarray:
     return np.where(true_sums > 0, sums / true_sums, np.nan)
 
 
-def finite(value: float | None) -> float | None:
+def finite_or_none(value: float | None) -> float | None:
     """Returns the value, or None where it is not finite, because JSON has no NaN."""
     return None if value is None or not math.isfinite(value) else float(value)

@@ -10,15 +10,15 @@ from typing import Any
 
 import numpy as np
 
-from solvers.message import Message
 from solvers.scene.scene import Scene
+from solvers.translatable_message import Message
 
 ROUNDINGS = 100.0
 EPS = float(np.finfo(float).eps)
 LARGEST_COORDINATE = 1.0  # m: no coordinate is much larger while a body does not drift
 
 
-def rounding(scene: Scene, quantity: str, steps: Any) -> Any:
+def largest_rounding_error(scene: Scene, quantity: str, steps: Any) -> Any:
     """Returns the largest RMS error of x, v, sigma or a, in SI, that rounding alone may cause in ``steps`` steps, a
     number or an array."""
     # Numbers that a step adds up: for x coordinates; for v speeds of waves and drift; for sigma E, and the effect

@@ -3,9 +3,9 @@
 A run is *unstable* where a particle is inverted, crushed, far away or not finite (``solvers.solver.base`` stops it),
 *lost* where its particles no longer represent the motion, though every number is finite. A rule below finds it lost at
 a sample; the run continues, because it is instructive. Four rules compare the particles with each other, one with the
-motion by the balance of momentum (``solvers.scene.momentum_balance``): it finds errors that are consistent, such as a
-ring that turns as a whole or late waves of a free bar. All rules check positions; ``solvers.solver.verdict_basis``
-reports which other quantities were checked.
+motion by the balance of momentum (``solvers.scene.momentum_balance_moments``): it finds errors that are consistent,
+such as a ring that turns as a whole or late waves of a free bar. All rules check positions;
+``solvers.solver.verdict_basis`` reports which other quantities were checked.
 """
 
 from collections.abc import Callable, Collection, Mapping
@@ -14,10 +14,10 @@ from functools import partial
 
 import numpy as np
 
-from solvers.message import Message
 from solvers.scene import estimator_registry
 from solvers.scene.scene import Scene
-from solvers.solver.error_norms import IGNORE_OVERFLOW, largest
+from solvers.solver.error_norms import IGNORE_OVERFLOW, largest_finite_or_none
+from solvers.translatable_message import Message
 
 OK, UNSTABLE, LOST = "ok", "unstable", "lost"
 BROKEN = (UNSTABLE, LOST)
@@ -26,7 +26,7 @@ LOST_FROM = 0.5  # error of x, in amplitudes of the motion, from which on a run 
 
 
 @dataclass(frozen=True)
-class Contradiction:
+class ContradictionRule:
     """Kind of evidence against a run: a column of the samples, in m, and the share of the motion's amplitude that no
     sound run reaches. ``sentence`` explains it; {size} is the share found."""
 
@@ -35,24 +35,39 @@ class Contradiction:
     sentence: str
 
 
-CONTRADICTIONS: dict[str, Contradiction] = {rule.name: rule for rule in (
-    # D <= 2 rms(e_x) and what F adds, beside what few particles do (``scene.lattice_gap``): derived, not fitted.
-    Contradiction("neighbour_gap", 0.2,
-                  "neighbouring particles are not where their deformation implies (off by {size} of the amplitude); do "
-                  "not trust positions or stress"),
-    # The forces sum to zero: a strict lower bound of the error.
-    Contradiction("mean_drift", 0.1,
-                  "the body as a whole has moved by {size} of the amplitude though no net force acts; its shape may "
-                  "still be right"),
-    # Motion around the centre, and differences along a material circle: a strict lower bound of the error.
-    Contradiction("out_of_shape", 0.1, "the ring is no longer round (by {size} of the amplitude)"),
-    # Occurs on fine grids, where neighbours are too close to have large gaps; sound runs reach 0.3.
-    Contradiction("displacement_mismatch", 0.4,
-                  "displacements and deformation contradict each other (off by {size} of the amplitude)"),
-    # A lower bound of the error, up to the error of the balance itself, a hundredth or less.
-    Contradiction("balance_gap", LOST_FROM,
-                  "the particles are not where the balance of momentum requires (off by {size} of the amplitude)"),
-)}
+CONTRADICTIONS: dict[str, ContradictionRule] = {
+    rule.name: rule
+    for rule in (
+        # D <= 2 rms(e_x) and what F adds, beside what few particles do (``scene.lattice_gap``): derived, not fitted.
+        ContradictionRule(
+            "neighbour_gap",
+            0.2,
+            "neighbouring particles are not where their deformation implies (off by {size} of the amplitude); do "
+            "not trust positions or stress",
+        ),
+        # The forces sum to zero: a strict lower bound of the error.
+        ContradictionRule(
+            "mean_drift",
+            0.1,
+            "the body as a whole has moved by {size} of the amplitude though no net force acts; its shape may "
+            "still be right",
+        ),
+        # Motion around the centre, and differences along a material circle: a strict lower bound of the error.
+        ContradictionRule("out_of_shape", 0.1, "the ring is no longer round (by {size} of the amplitude)"),
+        # Occurs on fine grids, where neighbours are too close to have large gaps; sound runs reach 0.3.
+        ContradictionRule(
+            "displacement_mismatch",
+            0.4,
+            "displacements and deformation contradict each other (off by {size} of the amplitude)",
+        ),
+        # A lower bound of the error, up to the error of the balance itself, a hundredth or less.
+        ContradictionRule(
+            "balance_gap",
+            LOST_FROM,
+            "the particles are not where the balance of momentum requires (off by {size} of the amplitude)",
+        ),
+    )
+}
 
 
 @dataclass(frozen=True)
@@ -71,9 +86,9 @@ def findings(scene: Scene, series: Mapping[str, np.ndarray]) -> dict[str, Findin
 
     The truth, where it is on, and the estimators count from an error of half the motion's amplitude on.
     """
-    series = {**series, "balance_gap": balance_gap(scene, series)}
+    series = {**series, "balance_gap": momentum_balance_distance(scene, series)}
     A, judges = scene.motion_amplitude, [n for n in scene.active_estimators if estimator_registry.ESTIMATORS[n].judges]
-    rules = {name: (series[name], rule.most + (scene.lattice_gap if name == "neighbour_gap" else 0.0), A,
+    rules = {name: (series[name], rule.most + (scene.neighbour_mismatch if name == "neighbour_gap" else 0.0), A,
                     partial(Message, rule.sentence)) for name, rule in CONTRADICTIONS.items()}
     rules["error_x"] = (series["error_x"], LOST_FROM, A, partial(
         Message, "the particles have lost the solution (the true error of x is {size} of the amplitude)"))
@@ -112,15 +127,15 @@ def _first_exceedance(series: Mapping[str, np.ndarray], values: np.ndarray, most
 
 
 @IGNORE_OVERFLOW
-def balance_gap(scene: Scene, series: Mapping[str, np.ndarray]) -> np.ndarray:
+def momentum_balance_distance(scene: Scene, series: Mapping[str, np.ndarray]) -> np.ndarray:
     """Returns a lower bound (T,) of the RMS distance, in m, of the particles from the motion by the balance of
     momentum; NaN where it was not evaluated or that motion is unknown."""
     gap, squares = np.full(len(series["time"]), np.nan), series["motion_square"]
     looked = np.flatnonzero(~np.isnan(squares))
     if len(looked):
-        known = scene.balanced_motion(series["time"][looked])
+        known = scene.momentum_balance_moments(series["time"][looked])
         sums = np.stack([series[f"motion_{k}"][looked] for k in range(known.sums.shape[1])], axis=1)
-        gap[looked] = known.distance(sums, squares[looked])
+        gap[looked] = known.rms_distance_bound(sums, squares[looked])
     return gap
 
 
@@ -128,5 +143,5 @@ def balance_gap(scene: Scene, series: Mapping[str, np.ndarray]) -> np.ndarray:
 def evidence(scene: Scene, series: Mapping[str, np.ndarray]) -> dict[str, float | None]:
     """Returns the largest share of the motion's amplitude that each kind of evidence reached, None where it was not
     evaluated; for the JSON object."""
-    A, series = scene.motion_amplitude, {**series, "balance_gap": balance_gap(scene, series)}
-    return {name: largest(series[name] / A) for name in CONTRADICTIONS}
+    A, series = scene.motion_amplitude, {**series, "balance_gap": momentum_balance_distance(scene, series)}
+    return {name: largest_finite_or_none(series[name] / A) for name in CONTRADICTIONS}

@@ -29,7 +29,7 @@ class Members:
 
     def __post_init__(self) -> None:
         for field in fields(self):
-            setattr(self, field.name, align(getattr(self, field.name)))
+            setattr(self, field.name, aligned_copies(getattr(self, field.name)))
 
     @classmethod
     @functools.cache
@@ -87,11 +87,11 @@ def zeros(length: int, width: int | None = None, *, when: bool = True, kind: typ
     return np.zeros(length if width is None else (length, width), kind)
 
 
-def align(value: Any) -> Any:
+def aligned_copies(value: Any) -> Any:
     """Returns a copy of an array, or of every array of a mapping, that starts at a multiple of ``ALIGNMENT`` (numpy
     guarantees only 16 bytes), and anything else as it is."""
     if isinstance(value, dict):
-        return {name: align(item) for name, item in value.items()}
+        return {name: aligned_copies(item) for name, item in value.items()}
     if not isinstance(value, np.ndarray):
         return value
     buffer = np.empty(value.nbytes + ALIGNMENT, np.uint8)

@@ -7,7 +7,7 @@ import numpy as np
 
 
 @dataclass(frozen=True)
-class Image:
+class NodeImage:
     """A node that is summed with another: its number, and its positions as seen there, ``signs`` x + ``shift``.
 
     The bar's period has images one length away, the ring's symmetry planes have mirror images; a node is its own, too.
@@ -19,9 +19,9 @@ class Image:
 
 
 @dataclass(frozen=True)
-class Links:
+class ParticleNodeLinks:
     """Links of the n nodes of one particle with k ``members``: numbers of particles, itself first, each as seen from
-    there (``signs`` and ``shift`` (k, D) as in :class:`Image`). ``nodes`` (n,) are indices in the solver's arrays,
+    there (``signs`` and ``shift`` (k, D) as in :class:`NodeImage`). ``nodes`` (n,) are indices in the solver's arrays,
     ``weight`` (k, n) is S and ``slope`` (k, n, D) its gradient in 1/m; 0 where there is no link."""
 
     members: np.ndarray
@@ -33,7 +33,7 @@ class Links:
 
 
 def find_links(particle: int, nodes: np.ndarray, weights: Callable[[np.ndarray], tuple[np.ndarray, np.ndarray]],
-               images: Callable[[int], Iterable[Image]]) -> Links:
+               images: Callable[[int], Iterable[NodeImage]]) -> ParticleNodeLinks:
     """Returns the links of a particle. ``nodes`` (P, M) are those of each particle, possibly repeated, ``weights``
     returns S (c, M) and its gradient (c, M, D) for particles (c,), and ``images`` all nodes that are summed with
     one."""
@@ -54,7 +54,8 @@ def find_links(particle: int, nodes: np.ndarray, weights: Callable[[np.ndarray],
                 weight[column] += S[row, place]
                 slope[column] += np.array(image.signs) * dS[row, place]
     members, signs, shift = (np.array(part) for part in zip(*found, strict=True))
-    return Links(members, signs, shift, own, *(np.array(part) for part in zip(*found.values(), strict=True)))
+    return ParticleNodeLinks(members, signs, shift, own,
+                             *(np.array(part) for part in zip(*found.values(), strict=True)))
 
 
 @dataclass(frozen=True)
@@ -66,7 +67,7 @@ class ParticleState:
     deformation_gradient: np.ndarray
     stress: np.ndarray
 
-    def mirror(self, links: Links) -> "ParticleState":
+    def mirror(self, links: ParticleNodeLinks) -> "ParticleState":
         """Returns the state of the links' members, as seen from the first."""
         p, signs = links.members, links.signs
         return ParticleState(signs * self.position[p] + links.shift, signs * self.velocity[p],
@@ -94,7 +95,7 @@ class StepBreakdown:
     time: float
     time_step: float
     spacing: float
-    links: Links
+    links: ParticleNodeLinks
     before: ParticleState
     after: ParticleState
     mass: np.ndarray
@@ -121,6 +122,6 @@ class StepBreakdown:
         return np.divide(self.momentum, mass, out=np.zeros_like(self.momentum), where=mass > 0)
 
     @property
-    def left_over(self) -> np.ndarray:
+    def velocity_change_by_remedies(self) -> np.ndarray:
         gained = self.time_step * self.links.weight[0] @ self.acceleration
         return self.after.velocity[0] - self.before.velocity[0] - gained

@@ -10,12 +10,12 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from solvers.message import Message, join
 from solvers.scene import estimator_registry
 from solvers.scene.scene import Scene
-from solvers.solver.error_norms import IGNORE_OVERFLOW, largest
+from solvers.solver.error_norms import IGNORE_OVERFLOW, largest_finite_or_none
 from solvers.solver.samples import QUANTITIES
-from solvers.solver.soundness import NOUNS, balance_gap
+from solvers.solver.soundness import NOUNS, momentum_balance_distance
+from solvers.translatable_message import Message, join_messages
 
 LARGE_ERROR = 1.0  # an error, as RMS over particles, over the quantity's own RMS over particles and a period
 POSITIONS_HOLD = Message("positions are ok, but ")
@@ -37,7 +37,7 @@ def large_errors(scene: Scene, series: Mapping[str, np.ndarray],
                  not_valid: Collection[str] = ()) -> dict[str, LargeRelativeError]:
     """Returns those of v, sigma and a whose error was once as large as themselves, by the truth where it is on, else by
     a judging estimator that holds."""
-    judges, found = _judges(scene, not_valid), {}
+    judges, found = _judging_estimators(scene, not_valid), {}
     for quantity in NOUNS:
         unit = scene.rms_of(quantity)
         known = [("truth", f"error_{quantity}")] if scene.has("truth") else \
@@ -45,36 +45,36 @@ def large_errors(scene: Scene, series: Mapping[str, np.ndarray],
         for who, name in known:
             beyond = np.flatnonzero(series[name] > LARGE_ERROR * unit)
             if len(beyond):
-                size = largest(series[name]) or np.inf
+                size = largest_finite_or_none(series[name]) or np.inf
                 found[quantity] = LargeRelativeError(float(series["time"][beyond[0]]), size / unit, who)
                 break
     return found
 
 
-def _judges(scene: Scene, not_valid: Collection[str]) -> list[str]:
+def _judging_estimators(scene: Scene, not_valid: Collection[str]) -> list[str]:
     return [name for name in scene.active_estimators
             if estimator_registry.ESTIMATORS[name].judges and name not in not_valid]
 
 
-def merge(before: Mapping[str, LargeRelativeError],
-          now: Mapping[str, LargeRelativeError]) -> dict[str, LargeRelativeError]:
+def merge_large_errors(before: Mapping[str, LargeRelativeError],
+                       now: Mapping[str, LargeRelativeError]) -> dict[str, LargeRelativeError]:
     """Returns the findings of earlier and of later samples combined, as if all had been judged together."""
     return {**now, **{quantity: replace(one, size=max(one.size, now[quantity].size if quantity in now else 0.0))
                       for quantity, one in before.items()}}
 
 
-def warning(found: Mapping[str, LargeRelativeError]) -> str | None:
+def large_error_warning(found: Mapping[str, LargeRelativeError]) -> str | None:
     """Returns the warning about other quantities in a verdict that is ok for positions; None without any."""
     parts = [Message("the {quantity} is off by up to {size:.2g} times its own size, from t = {since:.4g} s on",
                      NOUNS[quantity], one.size, one.since)
              + Message(" (according to {by})", one.by) * (one.by != "truth") for quantity, one in found.items()]
-    return POSITIONS_HOLD + join("; ", parts) if parts else None
+    return POSITIONS_HOLD + join_messages("; ", parts) if parts else None
 
 
-def checked_by(scene: Scene, not_valid: Collection[str], balance: bool) -> dict[str, list[str]]:
+def checks_by_quantity(scene: Scene, not_valid: Collection[str], balance: bool) -> dict[str, list[str]]:
     """Returns what each of x, v, sigma and a was checked against: "truth", judging estimators that hold, and for x
-    "contradictions" and the ``balance`` of momentum, if it was :func:`motion_known`."""
-    held = {q: ["truth"] * scene.has("truth") + _judges(scene, not_valid) for q in QUANTITIES}
+    "contradictions" and the ``balance`` of momentum, if it was :func:`is_balance_motion_known`."""
+    held = {q: ["truth"] * scene.has("truth") + _judging_estimators(scene, not_valid) for q in QUANTITIES}
     if not scene.has("acceleration"):
         held["a"] = []
     if scene.has("soundness"):
@@ -82,8 +82,8 @@ def checked_by(scene: Scene, not_valid: Collection[str], balance: bool) -> dict[
     return held
 
 
-def unchecked(scene: Scene, held: Mapping[str, list[str]]) -> str | None:
-    """Returns which checks of :func:`checked_by` are missing, in one sentence; None if none is."""
+def missing_checks_sentence(scene: Scene, held: Mapping[str, list[str]]) -> str | None:
+    """Returns which checks of :func:`checks_by_quantity` are missing, in one sentence; None if none is."""
     if not held["x"]:
         return Message("only two checks were made: numbers stay finite, and no particle turns inside out; switch on "
                        "the effect soundness or truth, or the estimator companion")
@@ -94,16 +94,16 @@ def unchecked(scene: Scene, held: Mapping[str, list[str]]) -> str | None:
     alone = [NOUNS[q] for q in ("v", "sigma", "a") if not held[q] and (q != "a" or scene.has("acceleration"))]
     if alone:
         parts.append(Message("{alone} were not checked: switch on the effect truth or the estimator companion",
-                             join(" and ", filter(None, (join(", ", alone[:-1]), alone[-1])))))
+                             join_messages(" and ", filter(None, (join_messages(", ", alone[:-1]), alone[-1])))))
     apart = scene.sample_interval * scene.time_step / scene.period
     if apart > LONG_SAMPLE_INTERVAL and scene.sample_interval > 1:
         parts.append(Message("nothing was checked between two samples, {apart:.2g} periods apart: give a smaller "
                              "--sample-every", apart))
-    return join("; ", parts) or None
+    return join_messages("; ", parts) or None
 
 
-def motion_known(scene: Scene, series: Mapping[str, np.ndarray]) -> bool:
+def is_balance_motion_known(scene: Scene, series: Mapping[str, np.ndarray]) -> bool:
     """Returns whether the motion by the balance of momentum was known at the last check for contradictions."""
     looked = np.flatnonzero(~np.isnan(series["motion_square"]))[-1:]
     last = {name: series[name][looked] for name in series if name == "time" or name.startswith("motion_")}
-    return bool(np.isfinite(balance_gap(scene, last)).any())
+    return bool(np.isfinite(momentum_balance_distance(scene, last)).any())

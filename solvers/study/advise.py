@@ -15,10 +15,10 @@ from contextlib import suppress
 from dataclasses import dataclass, replace
 from itertools import product
 
-from solvers.message import Message
 from solvers.scene.scene import Scene
 from solvers.scene.validation import SceneError
-from solvers.study.run_family import HIGHEST_ORDER, Family, Point
+from solvers.study.refinement_family import HIGHEST_ORDER, Point, RefinementFamily
+from solvers.translatable_message import Message
 
 REACH = 2.5  # times the finest measured grid to which an error may be carried on
 MARGIN = 0.95  # of the tolerance as target, so that a run rarely misses it narrowly
@@ -46,7 +46,7 @@ class Goal:
 class Candidate:
     """A member of a family with its expected or measured error and time."""
 
-    family: Family
+    family: RefinementFamily
     cells: int
     error: float
     seconds: float
@@ -77,8 +77,8 @@ class Advice:
     looks: int
 
 
-def families(base: Scene, methods: Iterable[tuple[str, bool]], per_cell: Iterable[int],
-             courant_numbers: Iterable[float], quantity: str) -> list[Family]:
+def refinement_families(base: Scene, methods: Iterable[tuple[str, bool]], per_cell: Iterable[int],
+                        courant_numbers: Iterable[float], quantity: str) -> list[RefinementFamily]:
     """Returns a family for every combination that makes a valid scene; ``methods`` are names, each with whether it
     preserves linearity, and ``quantity`` is x, v, sigma or a."""
     found = []
@@ -86,20 +86,20 @@ def families(base: Scene, methods: Iterable[tuple[str, bool]], per_cell: Iterabl
     for (method, preserving), ppc, cfl in product(methods, per_cell, courant_numbers):
         with suppress(SceneError):
             scene = replace(base, method=method, linearity_preserving=preserving, ppc=ppc, dt=None, cfl=cfl)
-            found.append(Family(scene, quantity, multiple))
+            found.append(RefinementFamily(scene, quantity, multiple))
     return found
 
 
-def advise(choices: list[Family], goal: Goal,
+def advise(choices: list[RefinementFamily], goal: Goal,
            on_look: Callable[[int, int, Scene], None] = lambda looks, certain, scene: None,
-           on_point: Callable[[Family, Point], None] = lambda family, point: None,
-           recall: Callable[[Family, int], Point | None] = lambda family, cells: None) -> Advice:
+           on_point: Callable[[RefinementFamily, Point], None] = lambda family, point: None,
+           recall: Callable[[RefinementFamily, int], Point | None] = lambda family, cells: None) -> Advice:
     """Searches for the cheapest run that meets a goal; returns the best within reach if none does.
 
     Parameters
     ----------
     choices
-        Families to choose from (:func:`families`), at least one.
+        Families to choose from (:func:`refinement_families`), at least one.
     goal
     on_look
         Called before every run: its number, the number of runs that are certain, and its scene.
@@ -109,8 +109,8 @@ def advise(choices: list[Family], goal: Goal,
         Returns a known measurement of a family's member with so many cells, or None.
     """
     search = _Search(choices, goal, on_look, on_point, recall)
-    search.measure_scouts()
-    search.measure_all()
+    search.refine_usual_families()
+    search.measure_families_coarsely()
     best = search.measure_until_cheapest()
     met = best.is_measured and best.error <= goal.tolerance
     others = [family for family in choices if _method_name(family.scene) != _method_name(best.scene)]
@@ -123,29 +123,30 @@ def advise(choices: list[Family], goal: Goal,
 class _Search:
     """State of a search; arguments as in :func:`advise`."""
 
-    def __init__(self, choices: list[Family], goal: Goal, on_look: Callable, on_point: Callable, recall: Callable):
+    def __init__(self, choices: list[RefinementFamily], goal: Goal, on_look: Callable, on_point: Callable,
+                 recall: Callable):
         self._choices, self._goal = choices, goal
         self._on_look, self._on_point, self._recall = on_look, on_point, recall
         self._certain = len(choices)
         self.looks = 0  # measured members: run, or recalled
         self.predicted: dict[tuple[int, int], float] = {}
 
-    def measure_scouts(self) -> None:
+    def refine_usual_families(self) -> None:
         """Finds a first answer early: refines one family of each method, refined methods first, as long as it promises
         to be cheaper than the best so far."""
-        followed: list[Family] = []
-        for family in scout_families(self._choices):
+        followed: list[RefinementFamily] = []
+        for family in usual_family_per_method(self._choices):
             self._measure_member(family, COARSE[family.scene.DIMENSIONS])
             followed.append(family)
             while True:
                 ranking, met = _ranking(followed, self._goal)
-                best = _accepted_candidate(ranking, met, 0.0)
+                best = _next_or_final_candidate(ranking, met, 0.0)
                 if not met or best.is_measured or best.family.seconds(_next_cells(best)) > SCOUTED_SECONDS:
                     break
                 self._certain += 1
                 self._measure_member(best.family, _next_cells(best))
 
-    def measure_all(self) -> None:
+    def measure_families_coarsely(self) -> None:
         """Measures every family on one coarse grid, and on a finer one where that was too coarse."""
         for family in self._choices:
             if not family.points:
@@ -160,7 +161,7 @@ class _Search:
         while True:
             ranking, met = _ranking(self._choices, goal)
             spent = time.process_time() - begun
-            best = _accepted_candidate(ranking, met, spent)
+            best = _next_or_final_candidate(ranking, met, spent)
             if best.is_measured and met and spent <= PATIENCE + best.seconds:
                 # If families converged at full order from now on: coarse grids often show less.
                 hopes = (_cheapest(family, goal, HIGHEST_ORDER) for family in self._choices)
@@ -172,7 +173,7 @@ class _Search:
                 return best
             self._measure_member(best.family, _next_cells(best))
 
-    def measure_runner_up(self, others: list[Family]) -> None:
+    def measure_runner_up(self, others: list[RefinementFamily]) -> None:
         """Measures a second member of the best family of other methods, because one is not enough."""
         for _ in range(RUNNER_UP_LOOKS if others else 0):
             (other, *_), others_meet = _ranking(others, self._goal)
@@ -183,20 +184,20 @@ class _Search:
     def _is_too_expensive(self, candidate: Candidate) -> bool:
         return candidate.family.seconds(_next_cells(candidate)) > self._goal.budget / SMALL_PART
 
-    def _measure_member(self, family: Family, cells: int) -> None:
+    def _measure_member(self, family: RefinementFamily, cells: int) -> None:
         self.looks += 1
         if family.points:
             self.predicted[(id(family), cells)] = family.error(cells)
         known = self._recall(family, cells)
         if known is None:
             self._on_look(self.looks, self._certain, family.member(cells))
-        self._on_point(family, family.measure(cells) if known is None else family.add_point(known))
+        self._on_point(family, family.measure(cells) if known is None else family.add_and_time_point(known))
 
 
-def scout_families(choices: Iterable[Family]) -> list[Family]:
+def usual_family_per_method(choices: Iterable[RefinementFamily]) -> list[RefinementFamily]:
     """Returns the most usual family of each method, the methods that are listed last first, because each corrects
     deficiencies of previous ones."""
-    found: dict[str, Family] = {}
+    found: dict[str, RefinementFamily] = {}
     for family in choices:
         before = found.setdefault(_method_name(family.scene), family)
         found[_method_name(family.scene)] = min(before, family, key=lambda one: (
@@ -204,7 +205,7 @@ def scout_families(choices: Iterable[Family]) -> list[Family]:
     return list(found.values())[::-1]
 
 
-def _accepted_candidate(ranking: list[Candidate], met: bool, spent: float) -> Candidate:
+def _next_or_final_candidate(ranking: list[Candidate], met: bool, spent: float) -> Candidate:
     """Returns the best candidate that has been run, unless another promises to be clearly better and is worth a try:
     while the search has taken less time than the run that it may replace."""
     measured = next((c for c in ranking if c.is_measured), None)
@@ -225,7 +226,7 @@ def _next_cells(candidate: Candidate) -> int:
     return multiple * round(finest * ratio ** (1 / strides) / multiple)
 
 
-def _ranking(choices: list[Family], goal: Goal) -> tuple[list[Candidate], bool]:
+def _ranking(choices: list[RefinementFamily], goal: Goal) -> tuple[list[Candidate], bool]:
     """Returns candidates, best first, and whether they meet the goal: by cost if some do, else by error."""
     meeting = [c for c in (_cheapest(family, goal) for family in choices) if c is not None]
     if meeting:
@@ -236,7 +237,7 @@ def _ranking(choices: list[Family], goal: Goal) -> tuple[list[Candidate], bool]:
     return sorted(within, key=lambda c: (c.error, c.seconds)), False
 
 
-def _cheapest(family: Family, goal: Goal, hoped: float = 0.0) -> Candidate | None:
+def _cheapest(family: RefinementFamily, goal: Goal, hoped: float = 0.0) -> Candidate | None:
     """Returns the family's cheapest member that should meet the goal within its budget, at the order ``hoped``."""
     met = [point.cells for point in family.points if point.error <= goal.tolerance]
     cells = family.cells_for(MARGIN * goal.tolerance, hoped)
@@ -248,7 +249,7 @@ def _cheapest(family: Family, goal: Goal, hoped: float = 0.0) -> Candidate | Non
     return Candidate(family, cells, family.error(cells), seconds) if seconds <= goal.budget else None
 
 
-def _runner_up(others: list[Family], best: Candidate, goal: Goal, met: bool) -> tuple[Candidate | None, str]:
+def _runner_up(others: list[RefinementFamily], best: Candidate, goal: Goal, met: bool) -> tuple[Candidate | None, str]:
     """Returns the best candidate of other methods, and why it lost, in words."""
     if not others:
         return None, Message("no other method was asked for")

@@ -12,15 +12,15 @@ import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 
-from solvers.message import Message
 from solvers.scene.effects import EFFECTS
 from solvers.scene.scene import Scene
-from solvers.solver.error_norms import finite
+from solvers.solver.error_norms import finite_or_none
 from solvers.solver.soundness import OK
-from solvers.study.advise import COARSE, Goal, advise, families, scout_families
+from solvers.study.advise import COARSE, Goal, advise, refinement_families, usual_family_per_method
 from solvers.study.parameter_grid import Task, task_of
-from solvers.study.row import measure, row_of_scene
-from solvers.study.run_family import ESTIMATOR, Family, Point, forget_rates
+from solvers.study.refinement_family import ESTIMATOR, Point, RefinementFamily, forget_rates
+from solvers.study.row import measure, unmeasured_row
+from solvers.translatable_message import Message
 
 #: Default choices of a search: the cheapest runs are often those of one particle per cell, or of steps
 #: near the longest that are stable.
@@ -55,18 +55,18 @@ def search(fields: dict, tell: Callable[[dict], None]) -> None:
     ready = fields.pop(READY, False)
     job = SearchJob(**fields)
     base = Task(**job.base).scene()
-    choices = families(base, job.methods, job.ppc, job.courant_numbers, job.quantity)
+    choices = refinement_families(base, job.methods, job.ppc, job.courant_numbers, job.quantity)
     if not choices:
         tell({"trouble": NO_CHOICE})
         return
     if ready:
-        scout_families(choices)[0].compile(COARSE[base.DIMENSIONS])
+        usual_family_per_method(choices)[0].compile(COARSE[base.DIMENSIONS])
         return
     forget_rates()  # of an earlier search by this process: its times were given away with its points
     recalled: set[str] = set()
 
-    def recall(family: Family, cells: int) -> Point | None:
-        key = task_to_watch(family.member(cells)).key
+    def recall(family: RefinementFamily, cells: int) -> Point | None:
+        key = task_with_all_effects(family.member(cells)).key
         if key not in job.known:
             return None
         recalled.add(key)
@@ -78,35 +78,37 @@ def search(fields: dict, tell: Callable[[dict], None]) -> None:
     def report_look(looks: int, certain: int, scene: Scene) -> None:
         tell({"look": looks, "certain": certain, "task": task_of(scene).to_dict()})
 
-    def keep(family: Family, point: Point) -> None:
+    def keep(family: RefinementFamily, point: Point) -> None:
         row = point_row(family, point)
         known = row["key"] in recalled
         message: dict = {"row": row, "known": known}
         if not known or "rate" not in job.known[row["key"]]:  # None for what went bad
-            message["point"] = {"error": finite(point.error), "rate": finite(point.seconds_per_particle_step),
-                                "status": point.status, "reason": point.reason}
+            message["point"] = {"error": finite_or_none(point.error),
+                                "rate": finite_or_none(point.seconds_per_particle_step), "status": point.status,
+                                "reason": point.reason}
         tell(message)
 
     advice = advise(choices, Goal(job.quantity, job.tolerance, job.budget), report_look, keep, recall)
     chosen = advice.chosen
-    tell({"advice": {"met": advice.met, "task": task_to_watch(chosen.scene).to_dict(), "measured": chosen.is_measured,
-                     "error": finite(chosen.error), "seconds": chosen.seconds, "why": advice.why,
-                     "looks": advice.looks}})
+    tell({"advice": {"met": advice.met, "task": task_with_all_effects(chosen.scene).to_dict(),
+                     "measured": chosen.is_measured, "error": finite_or_none(chosen.error), "seconds": chosen.seconds,
+                     "why": advice.why, "looks": advice.looks}})
 
 
-def point_row(family: Family, point: Point) -> dict:
+def point_row(family: RefinementFamily, point: Point) -> dict:
     """Returns a row (``solvers.study.row``) with the known data of the run: the estimate of one quantity, and the time
     of the bare run from its steps, particles and a separately measured rate. It has no true error, which a search does
-    not use. Its task is :func:`task_to_watch`."""
+    not use. Its task is :func:`task_with_all_effects`."""
     scene = family.member(point.cells)
-    task, seconds = task_to_watch(scene), finite(family.seconds(point.cells))
+    task, seconds = task_with_all_effects(scene), finite_or_none(family.seconds(point.cells))
     estimate = {ESTIMATOR: {family.quantity: {"max": point.error}}} if math.isfinite(point.error) else {}
-    return {**row_of_scene(task, scene), "status": point.status, "reason": None if point.status == OK else point.reason,
-            "t": scene.end_time, "steps": scene.steps, "particles": scene.particles,
-            "particle_steps": scene.steps * scene.particles, "error": {}, "estimate": estimate,
-            "effects": list(scene.effects), "seconds": {} if seconds is None else {"min": seconds}}
+    return {**unmeasured_row(task, scene), "status": point.status,
+            "reason": None if point.status == OK else point.reason, "t": scene.end_time, "steps": scene.steps,
+            "particles": scene.particles, "particle_steps": scene.steps * scene.particles, "error": {},
+            "estimate": estimate, "effects": list(scene.effects),
+            "seconds": {} if seconds is None else {"min": seconds}}
 
 
-def task_to_watch(scene: Scene) -> Task:
+def task_with_all_effects(scene: Scene) -> Task:
     """Returns the task of a scene with the estimator that a search uses, and with every effect."""
     return task_of(replace(scene, estimators=(ESTIMATOR,), effects=tuple(EFFECTS)))

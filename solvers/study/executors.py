@@ -1,10 +1,10 @@
 """Executors of tasks, and how every task ends as a row there.
 
-An executor takes tasks and returns futures: :class:`LocalExecutor` those of a pool of processes, :class:`Cluster` those
-of a Dask client, on whose workers mpm-lab must be installed. On each worker one row is measured at a time, by a process
-that the worker keeps for that, however many threads it has: rows side by side would disturb each other's timing. If the
-worker is killed its process ends too, and Dask runs the row on another. ``distributed`` is an optional dependency,
-imported only where a cluster is used.
+An executor takes tasks and returns futures: :class:`LocalExecutor` those of a pool of processes, :class:`DaskExecutor`
+those of a Dask client, on whose workers mpm-lab must be installed. On each worker one row is measured at a time, by a
+process that the worker keeps for that, however many threads it has: rows side by side would disturb each other's
+timing. If the worker is killed its process ends too, and Dask runs the row on another. ``distributed`` is an optional
+dependency, imported only where a cluster is used.
 """
 
 import functools
@@ -16,7 +16,7 @@ from collections.abc import Callable, Hashable, Iterable, Sequence
 from concurrent.futures import FIRST_COMPLETED, CancelledError, Future, wait
 from typing import Any, Protocol
 
-from solvers.scene.extensions import EXTENSIONS
+from solvers.scene.extension_modules import EXTENSIONS
 from solvers.study.parameter_grid import Task
 from solvers.study.row import failed_row, measure
 from solvers.workers.worker_pool import WorkerPool
@@ -55,7 +55,7 @@ class MeasurementTask(Protocol):
         """Returns itself for JSON."""
 
 
-def execute(tasks: Iterable[Any], place: "LocalExecutor | Cluster", on_row: Callable[[dict], None],
+def execute(tasks: Iterable[Any], place: "LocalExecutor | DaskExecutor", on_row: Callable[[dict], None],
             give_up: Callable[[Any, str], dict] = failed_row) -> None:
     """Measures every task. A lost worker is replaced; a row that keeps losing workers is marked as failed.
 
@@ -63,7 +63,7 @@ def execute(tasks: Iterable[Any], place: "LocalExecutor | Cluster", on_row: Call
     ----------
     tasks
     place
-        :class:`LocalExecutor` or a :class:`Cluster`.
+        :class:`LocalExecutor` or a :class:`DaskExecutor`.
     on_row
         Called with each row (``solvers.study.row``) as it comes, in the caller's thread.
     give_up
@@ -138,7 +138,7 @@ def measure_on_cluster(work: str, task: dict, extensions: str) -> dict:
     return row
 
 
-class Cluster:
+class DaskExecutor:
     """Workers of a Dask scheduler at ``address``, such as ``tcp://host:8786``."""
 
     def __init__(self, address: str, work: str = MEASURE_ROW):
@@ -158,7 +158,7 @@ class Cluster:
         self._seen = time.monotonic()
 
     @property
-    def workers(self) -> int:
+    def worker_count(self) -> int:
         """Number of workers now."""
         return len(self._client.scheduler_info(n_workers=-1)["workers"])
 
@@ -168,7 +168,7 @@ class Cluster:
     def check(self) -> None:
         if self._client.status not in ("running", "connecting"):
             raise ExecutorLost(f"the scheduler at {self._address} is gone")
-        if self._client.status == "running" and self.workers:
+        if self._client.status == "running" and self.worker_count:
             self._seen = time.monotonic()
         elif time.monotonic() - self._seen > PATIENCE:
             raise ExecutorLost(f"the cluster at {self._address} has had no worker for {PATIENCE:g} seconds")

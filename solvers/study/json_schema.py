@@ -39,14 +39,14 @@ def describe_mismatch(value: Any, form: Any, name: str = "") -> str | None:
             return f"{name or 'it'} is no object"
         missing = [] if isinstance(form, MapOf) else [key for key in form if key not in value]
         if missing:
-            return f"it has no {_join_keys(name, missing[0])}"
+            return f"it has no {_json_path(name, missing[0])}"
         parts = dict.fromkeys(value, form.form) if isinstance(form, MapOf) else form
-        found = (describe_mismatch(value[key], part, _join_keys(name, key)) for key, part in parts.items())
+        found = (describe_mismatch(value[key], part, _json_path(name, key)) for key, part in parts.items())
         return next(filter(None, found), None)
     types = form if isinstance(form, tuple) else (form,)
     right = isinstance(value, types) and (bool in types or not isinstance(value, bool))
     return None if right else f"{name or 'it'} is of the wrong kind"
 
 
-def _join_keys(name: str, key: str) -> str:
+def _json_path(name: str, key: str) -> str:
     return f"{name}.{quoting.quote(key)}" if name else quoting.quote(key)

@@ -118,7 +118,7 @@ def time_bare(scene: Scene, repeats: int, effects: tuple[str, ...] = ()) -> tupl
     return seconds, result
 
 
-def row_of_scene(task: Task, scene: Scene) -> dict:
+def unmeasured_row(task: Task, scene: Scene) -> dict:
     """Returns the row of a scene whose results are known from elsewhere than :func:`measure`."""
     return {**BLANK, "schema": SCHEMA, "key": task.key, "problem": task.problem, "asked": task.inputs,
             "scene": scene.to_dict(), "h": scene.spacing}
@@ -139,11 +139,11 @@ def failed_row(task: Task, reason: str) -> dict:
 def identity_columns(task: Task) -> dict:
     """Returns the columns that identify a row, and None for all others."""
     return {"schema": SCHEMA, "key": task.key, "problem": task.problem, "asked": task.inputs, **BLANK,
-            "solvers": fingerprint()}
+            "solvers": solver_source_hash()}
 
 
 @functools.cache
-def fingerprint() -> str:
+def solver_source_hash() -> str:
     """Returns a hash of the source of all computations: a changed solver makes stored results outdated."""
     root = Path(__file__).parents[1]
     digest = hashlib.sha256()

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any, BinaryIO
 
 from solvers.study.json_schema import parse_json
-from solvers.study.row import FAILED, find_fault, fingerprint
+from solvers.study.row import FAILED, find_fault, solver_source_hash
 from solvers.untrusted import quoting
 
 NAME = "rows.jsonl"
@@ -44,7 +44,7 @@ class RowStore:
         self._fault = fault
         self._path = Path(directory) / NAME
         self.rows: dict[str, dict] = {}
-        _prepare(self._path.parent, resume)
+        _prepare_directory(self._path.parent, resume)
         try:
             self._file = open(self._path, "ab")
         except OSError as error:
@@ -69,7 +69,7 @@ class RowStore:
 
     def is_outdated(self, key: str) -> bool:
         """Returns whether the row of a key exists and was measured by other source than the present one."""
-        return key in self.rows and self.rows[key].get("solvers") != fingerprint()
+        return key in self.rows and self.rows[key].get("solvers") != solver_source_hash()
 
     def close(self) -> None:
         self._file.close()
@@ -113,7 +113,7 @@ class RowStore:
         self.rows[row["key"]] = row
 
 
-def _prepare(directory: Path, resume: bool | None) -> None:
+def _prepare_directory(directory: Path, resume: bool | None) -> None:
     """Creates the directory, or checks that it may be used."""
     try:
         directory.mkdir(parents=True, exist_ok=True)

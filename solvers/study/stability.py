@@ -10,8 +10,8 @@ from dataclasses import replace
 from typing import Any
 
 from solvers.problems import PROBLEMS
-from solvers.scene.remedies import CENTRED, COUPLED, FILTER, FROZEN, PIECES
 from solvers.scene.scene import LOOKS_A_PERIOD, Scene
+from solvers.scene.stabilisations import CENTRED, COUPLED, FILTER, FROZEN, PIECES
 from solvers.scene.step_bound import SAFE
 from solvers.scene.validation import SceneError
 from solvers.solver.soundness import BROKEN
@@ -44,7 +44,7 @@ TREATMENTS: dict[str, dict[str, Any]] = {
 def offered_treatments(scene: type[Scene]) -> tuple[str, ...]:
     """Returns the treatments that a problem supports for at least one of its methods."""
     return tuple(name for name in TREATMENTS
-                 if any(_scene(scene, {"method": method}, name) for method in scene.choices("method")))
+                 if any(_scene_with_treatment(scene, {"method": method}, name) for method in scene.choices("method")))
 
 
 def map_tasks(problem: str, inputs: Sequence[Mapping[str, Any]], treatments: Iterable[str], version: str) -> list[Task]:
@@ -53,7 +53,7 @@ def map_tasks(problem: str, inputs: Sequence[Mapping[str, Any]], treatments: Ite
     tasks: dict[str, Task] = {}
     for treatment in treatments:
         for given in inputs:
-            if scene := _scene(kind, given, treatment):
+            if scene := _scene_with_treatment(kind, given, treatment):
                 every = max(1, round(scene.period / scene.time_step / LOOKS_A_PERIOD))
                 task = Task(problem, {**given, **TREATMENTS[treatment], "estimator": [], "effects": EFFECTS,
                                       "sample_every": every}, repeats=0, version=version)
@@ -61,7 +61,7 @@ def map_tasks(problem: str, inputs: Sequence[Mapping[str, Any]], treatments: Ite
     return list(tasks.values())
 
 
-def _scene(kind: type[Scene], inputs: Mapping[str, Any], treatment: str) -> Scene | None:
+def _scene_with_treatment(kind: type[Scene], inputs: Mapping[str, Any], treatment: str) -> Scene | None:
     changes = TREATMENTS[treatment]
     try:
         return kind(**{**inputs, **changes})
@@ -84,12 +84,12 @@ def treatment_of(row: Mapping) -> str:
     return "other"
 
 
-def scene_of(kind: type[Scene], row: Mapping, treatment: str) -> Scene:
+def gentle_scene_for_timing(kind: type[Scene], row: Mapping, treatment: str) -> Scene:
     """Returns a gentle scene with the row's method and grid and a treatment, to time a stable step."""
     scene = row["scene"]
     gentle = {"method": scene["method"], "cells": scene["cells"], "ppc": scene["ppc"], "cfl": PRICE_CFL,
               "amplitude": kind.GENTLE_AMPLITUDE}
-    found = _scene(kind, gentle, treatment)
+    found = _scene_with_treatment(kind, gentle, treatment)
     assert found is not None, f"{treatment} is in the map and yet not offered"
     return found
 
@@ -112,7 +112,8 @@ def measure_prices(kind: type[Scene], rows: Iterable[dict]) -> dict[tuple[str, s
 
     pairs: dict[tuple[str, str], tuple[Scene, Scene]] = {}
     for row in completed_rows(rows):
-        plain, treated = (replace(scene_of(kind, row, name), effects=(), estimators=(), sample_every=None)
+        plain, treated = (replace(gentle_scene_for_timing(kind, row, name), effects=(), estimators=(),
+                                  sample_every=None)
                           for name in ("plain", treatment_of(row)))
         pairs |= {(plain.method, "plain"): (plain, plain), (plain.method, treatment_of(row)): (treated, plain)}
     return time_ratios(pairs, PRICE_TURNS)
@@ -132,7 +133,7 @@ def as_dict(problem: str, rows: Sequence[dict], prices: Mapping[tuple[str, str],
                               "margin": row["step"]["margin"] if "step" in row else None})
         at = f"{scene['amplitude']:g}"
         if key[1] in TREATMENTS and at not in line["automatic_cfl"]:
-            asked = replace(scene_of(kind, row, key[1]), amplitude=scene["amplitude"])
+            asked = replace(gentle_scene_for_timing(kind, row, key[1]), amplitude=scene["amplitude"])
             line["automatic_cfl"][at] = SAFE * asked.step_bound * asked.wave_speed / asked.spacing
             line["predicted"][at] = PROBLEMS[problem].predicted_life(asked)
     order = {name: place for place, name in enumerate(TREATMENTS)}

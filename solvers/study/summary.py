@@ -56,12 +56,12 @@ def summarise_study(problem: str, rows: Sequence[dict], pictures: Sequence[str] 
     parts = [f"# Sweep of the {problem}",
              f"{len(rows)} rows: " + ", ".join(f"{count} {status}" for status, count in counts.items() if count) + "."]
     names = list(dict.fromkeys(["method", "cells", *varying_inputs(rows)]))
-    parts += [_rows(rows, names), _orders_table(rows), _pareto_table(rows, names), _reasons_list(rows, names)]
+    parts += [_rows_table(rows, names), _orders_table(rows), _pareto_table(rows, names), _reasons_list(rows, names)]
     parts += [f"![{name}]({name})" for name in pictures]
     return "\n\n".join(part for part in parts if part) + "\n"
 
 
-def _rows(rows: Sequence[dict], names: Sequence[str]) -> str:
+def _rows_table(rows: Sequence[dict], names: Sequence[str]) -> str:
     estimators = list(dict.fromkeys(name for row in completed_rows(rows) for name in row["index"]))
     divided = any(row.get("budget") for row in rows)
     shares = [(field, cause) for field in BUDGETED for cause in CAUSES] if divided else []

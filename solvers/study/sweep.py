@@ -111,7 +111,7 @@ def sweep(problem: str | Scene | type[Scene], *, repeats: int = 3, workers: int 
     require_choice("problem", problem, tuple(PROBLEMS))
     require_whole("repeats", repeats, 0, 1000)
     require_whole("workers", workers, 1, 1024)
-    axes = {field_key(name): _values(problem, name, given) for name, given in inputs.items()}
+    axes = {field_key(name): _input_values(problem, name, given) for name, given in inputs.items()}
     if (count := math.prod(map(len, axes.values()))) > MOST_ROWS:
         raise SceneError("combinations", f"{count:,}", f"are too many for one sweep; give at most {MOST_ROWS:,}")
     tasks = plan_tasks(problem, axes, repeats=repeats)
@@ -126,7 +126,7 @@ def sweep(problem: str | Scene | type[Scene], *, repeats: int = 3, workers: int 
     return Rows(uniform_rows([measured[task.key] for task in tasks]))
 
 
-def _values(problem: str, name: str, given: Any) -> list:
+def _input_values(problem: str, name: str, given: Any) -> list:
     """Returns the list of values of an input."""
     names = [field for field in PROBLEMS[problem].scene.__dataclass_fields__ if field != "problem"]
     if key_field(name) not in names:

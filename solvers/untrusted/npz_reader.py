@@ -11,7 +11,7 @@ from typing import IO, Any, cast
 
 import numpy as np
 
-from solvers.message import Message
+from solvers.translatable_message import Message
 from solvers.untrusted.quoting import FileError, quote
 from solvers.untrusted.size_limits import Limits, check_name
 

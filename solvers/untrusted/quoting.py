@@ -12,7 +12,7 @@ from collections.abc import Iterable
 from difflib import get_close_matches
 from pathlib import PurePath
 
-from solvers.message import Message
+from solvers.translatable_message import Message
 from solvers.untrusted.number_parsing import is_number
 
 QUOTE, SENTENCE, NAME, CELL = 60, 400, 60, 1000  # characters, at most

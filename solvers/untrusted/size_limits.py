@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from solvers.message import Message
+from solvers.translatable_message import Message
 from solvers.untrusted.quoting import FileError, quote
 
 FEWER = Message(", fewer times for example")

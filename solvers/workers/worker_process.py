@@ -22,7 +22,7 @@ from collections.abc import Generator, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import IO, cast
 
-from solvers.message import from_json, to_json
+from solvers.translatable_message import message_from_json, messages_to_json
 
 #: Start of such a process: it sets the search path for modules, and takes these ones from their own place.
 HOME = Path(__file__).resolve().parents[2]
@@ -110,7 +110,7 @@ class WorkerProcess:
         for line in answers:
             if not line.endswith("\n"):
                 break  # it was killed in the middle of it
-            message = json.loads(line, object_hook=from_json)
+            message = json.loads(line, object_hook=message_from_json)
             if "answer" in message:
                 yield message["answer"]
             elif message["failure"] is None:
@@ -185,7 +185,7 @@ def serve(work: str) -> None:
         os._exit(0)
 
     def say(**message: object) -> None:
-        output.write(json.dumps(to_json(message), allow_nan=False) + "\n")
+        output.write(json.dumps(messages_to_json(message), allow_nan=False) + "\n")
         output.flush()
 
     threading.Thread(target=read, daemon=True).start()

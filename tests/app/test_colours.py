@@ -84,7 +84,7 @@ def test_the_page_has_the_same_palette():
     light, dark = re.findall(r":root[^{]*\{(\s*color-scheme.*?)\}", TOKENS.read_text(encoding="utf-8"), re.S)
     for shade, rules in enumerate((light, dark)):
         said = dict(re.findall(r"--([\w-]+): (#[0-9a-f]{6});", rules))
-        wanted = PALETTE | {colours.cause_token(cause): both for cause, both in colours.CAUSES.items()}
+        wanted = PALETTE | {colours.cause_css_variable(cause): both for cause, both in colours.CAUSES.items()}
         assert {name: said.get(name) for name in wanted} == {name: both[shade] for name, both in wanted.items()}
         if not shade:
             assert dict(re.findall(r"--([\w-]+): (#[0-9a-f]{6});", colours.css_variables())).items() <= said.items()

@@ -18,7 +18,7 @@ class SlidingScene(BarScene):
 
     TITLE = "sliding bar"
     swings = False
-    moved_by = ("initial_velocity",)
+    motion_fields = ("initial_velocity",)
 
 
 def test_what_does_not_swing_has_its_own_title_and_motion():
@@ -49,25 +49,27 @@ def test_an_amplitude_is_a_length_or_an_angle():
     ("25 mm", "m", 0.025), ("0.025", "m", 0.025), ("0,025 m", "m", 0.025), (" 2.5e-2m ", "m", 0.025),
     ("1e3", "Pa", 1e3), ("16 kPa", "Pa", 16e3), ("3 µm", "m", 3e-6), ("0.5 periods/s", "periods/s", 0.5)])
 def test_a_size_is_read_as_it_is_written(text, unit, value):
-    assert words.size_in(text, unit) == pytest.approx(value, rel=1e-11)
-    assert words.size_in(words.with_unit(value, unit, 6), unit) == pytest.approx(value, rel=1e-5)
+    assert words.parse_size(text, unit) == pytest.approx(value, rel=1e-11)
+    assert words.parse_size(words.with_unit(value, unit, 6), unit) == pytest.approx(value, rel=1e-5)
 
 
 @pytest.mark.parametrize("text, unit", [("", "m"), ("a lot", "m"), ("0", "m"), ("-1", "m"), ("25 kg", "m"), ("e", "Pa"),
                                         ("1e999", "m"), ("1e-999", "m"), ("5 k", ""), ("1.2.3", "m"), ("nan", "m")])
 def test_what_is_no_size_is_refused(text, unit):
     with pytest.raises(ValueError):
-        words.size_in(text, unit)
+        words.parse_size(text, unit)
 
 
 def test_sentences_name_what_stands_beside_the_widgets():
     """A visitor has no flags: the box, the choice and the remedies are called as the page calls them."""
-    assert words.on_page("steps (--dt auto takes 0.1 s)") == "steps (the box \"Auto step\" takes 0.1 s)"
-    assert words.on_page("give --velocity grid") == "give grid velocity"
-    assert words.on_page("ugimp needs 98 cells, cfl 0.5; mpm-lab run bar --method mpm; cpgimp-v, or bspline") == \
-        "uGIMP needs 98 cells, CFL 0.5; mpm-lab run bar --method mpm; cpGIMP (V), or B-spline"
-    assert words.on_page("use the remedies null-space-filter,coupled-deformation, or choose CPDI") == \
+    assert words.reword_for_page("steps (--dt auto takes 0.1 s)") == "steps (the box \"Auto step\" takes 0.1 s)"
+    assert words.reword_for_page("give --velocity grid") == "give grid velocity"
+    assert (
+        words.reword_for_page("ugimp needs 98 cells, cfl 0.5; mpm-lab run bar --method mpm; cpgimp-v, or bspline")
+        == "uGIMP needs 98 cells, CFL 0.5; mpm-lab run bar --method mpm; cpGIMP (V), or B-spline"
+    )
+    assert words.reword_for_page("use the remedies null-space-filter,coupled-deformation, or choose CPDI") == \
         "use the remedies \"null-space filter\" and \"displacement-coupled F\", or choose CPDI"
     with pytest.raises(SceneError) as refusal:
         BarScene(remedies=("frozen-weights", "zero-drift"))
-    assert words.on_page(str(refusal.value)).startswith("remedies \"frozen weights\", \"zero drift\": ")
+    assert words.reword_for_page(str(refusal.value)).startswith("remedies \"frozen weights\", \"zero drift\": ")

@@ -9,7 +9,7 @@ import numpy as np
 from PIL import Image
 
 from app.colours import colour_table
-from app.words import size_in
+from app.words import parse_size
 from tests.support import processes
 
 PATIENCE = 20.0  # seconds for what follows a click; software rendering is slow
@@ -64,7 +64,7 @@ def steps(page):
 
 def step_size(page):
     """The time step in s."""
-    return size_in(re.search(r"steps\s+[\d,]+ of (\S+ \S*s)\b", readout(page))[1], "s")
+    return parse_size(re.search(r"steps\s+[\d,]+ of (\S+ \S*s)\b", readout(page))[1], "s")
 
 
 def again_until(act, condition, what):

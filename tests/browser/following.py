@@ -4,7 +4,7 @@ import re
 from contextlib import suppress
 
 from app.lessons.lesson import NUMBER, OBSERVE, PREDICT, draw_numbers, fill_numbers
-from app.words import size_in
+from app.words import parse_size
 from tests.browser.driving import FOLDERS, again_until, click, row, scene, time, unfold, until
 
 #: An act on a line of its own, or a reading: "Read **norm** of **true**".
@@ -80,7 +80,7 @@ def reckoned(page, text):
 
     def read(part):
         said = reading(page, *part.group(1, 2))
-        return str(size_in(said, values[unit] if part[1] == "norm" else ""))
+        return str(parse_size(said, values[unit] if part[1] == "norm" else ""))
 
     return f"{eval(PART.sub(read, found[1])):.4g}"
 

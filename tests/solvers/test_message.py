@@ -9,8 +9,8 @@ from types import SimpleNamespace
 
 import pytest
 
-from solvers.message import Message, from_json, join, to_json
 from solvers.scene.validation import SceneError
+from solvers.translatable_message import Message, join_messages, message_from_json, messages_to_json
 from tests.sentences import CALLS
 from tests.support.paths import ROOT
 
@@ -31,7 +31,8 @@ def test_a_message_is_its_english_text():
 @pytest.mark.parametrize("through", [
     lambda message: pickle.loads(pickle.dumps(message)), copy.deepcopy, str, Message,
     lambda message: str(ValueError(message)),
-    lambda message: json.loads(json.dumps(to_json([{"sentence": message}])), object_hook=from_json)[0]["sentence"]])
+    lambda message: json.loads(json.dumps(messages_to_json([{"sentence": message}])),
+                               object_hook=message_from_json)[0]["sentence"]])
 def test_a_message_stays_one_on_its_way(through):
     came = through(NESTED)
     assert (came, came.template, came.values) == (NESTED, NESTED.template, NESTED.values)
@@ -41,8 +42,8 @@ def test_a_message_stays_one_on_its_way(through):
 def test_messages_are_put_together_as_texts_are():
     parts = "at first: " + NESTED + "; " + Message("leave it out")
     assert parts == f"at first: {NESTED}; leave it out" and isinstance(parts, Message)
-    assert join(" or ", ("a", "b", "c")) == "a or b or c"
-    assert join(" or ", ()) == "" and (NESTED + "") is NESTED * True and NESTED * False == ""
+    assert join_messages(" or ", ("a", "b", "c")) == "a or b or c"
+    assert join_messages(" or ", ()) == "" and (NESTED + "") is NESTED * True and NESTED * False == ""
 
 
 def test_an_error_is_a_message():

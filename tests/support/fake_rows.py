@@ -10,7 +10,7 @@ from solvers.problems.bar.scene import BarScene
 from solvers.scene.effects import EFFECTS
 from solvers.solver.samples import QUANTITIES
 from solvers.study.parameter_grid import Task
-from solvers.study.row import fingerprint, refused_row
+from solvers.study.row import refused_row, solver_source_hash
 
 
 def fake_row(method: str = "ugimp", cells: int = 20, cfl: float = 0.05, order: float = 2.0, status: str = "ok",
@@ -30,7 +30,7 @@ def fake_row(method: str = "ugimp", cells: int = 20, cfl: float = 0.05, order: f
            "seconds": {"repeats": [seconds], "min": seconds, "full": 1.5 * seconds, "compile": 0.1, "setup": 0.0,
                        "estimators": {name: 0.2 * seconds for name in each}, "effects": {}},
            "rate": 50.0, "arch": "x64", "threads": 1, "plan": "serial", "host": "here", "version": "1",
-           "life": {"accurate": None, "sound": None, "first_period": None}, "solvers": fingerprint()}
+           "life": {"accurate": None, "sound": None, "first_period": None}, "solvers": solver_source_hash()}
     return {**row, **changed}
 
 

@@ -15,10 +15,10 @@ from solvers.judging.frames import Frame
 from solvers.judging.reference_runs import frame_of_snapshot
 from solvers.problems import PROBLEMS
 from solvers.running.run import run
-from solvers.scene.remedies import CENTRED, COUPLED, FILTER, FROZEN
 from solvers.scene.scene import Scene
+from solvers.scene.stabilisations import CENTRED, COUPLED, FILTER, FROZEN
 from solvers.scene.validation import SceneError
-from solvers.solver.snapshot import Snapshot
+from solvers.solver.particle_snapshot import Snapshot
 from solvers.solver.soundness import LOST, LOST_FROM, OK, UNSTABLE, findings
 from solvers.solver.verdict_basis import large_errors
 

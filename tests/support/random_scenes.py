@@ -17,8 +17,8 @@ from typing import Any
 from hypothesis import strategies as st
 
 from solvers.problems import PROBLEMS
-from solvers.scene.remedies import CENTRED, COUPLED, FILTER, FROZEN
 from solvers.scene.scene import Scene
+from solvers.scene.stabilisations import CENTRED, COUPLED, FILTER, FROZEN
 from solvers.scene.validation import SceneError
 
 #: Scenes asked for, with fresh seeds; None for those of every run of the tests, always the same.

@@ -4,7 +4,7 @@ from types import SimpleNamespace
 
 import numpy as np
 
-from app.frame.primitives import Bounds
+from app.frame.primitives import StageMetrics
 
 
 class Handle(SimpleNamespace):
@@ -32,9 +32,9 @@ class RecordingSurface:
     """Keeps what was shown last under each name."""
 
     def __init__(self):
-        self.marks, self.visible, self.bounds = {}, True, Bounds(600.0)
+        self.marks, self.visible, self.stage_metrics = {}, True, StageMetrics(600.0)
 
-    def show(self, *marks):
+    def show_marks(self, *marks):
         self.marks.update((mark.name, mark) for mark in marks)
 
     def add_child(self, name):

@@ -18,7 +18,7 @@ from itertools import pairwise
 from time import monotonic
 from typing import Any
 
-from app.viewer.websocket_client import connect
+from app.viewer.websocket_client import connect_to_page
 from solvers.workers.worker_process import HOME, LINUX, descendants, free_port, processor_seconds, proportional_bytes
 
 SCHEMA = "mpm-lab/class/1"
@@ -77,30 +77,30 @@ class Visitor:
     async def receive_messages(self) -> None:
         """Connects, and stays until the connection is closed by either side."""
         self.asked_at = monotonic()
-        async with connect(self.address) as connection:
+        async with connect_to_page(self.address) as connection:
             self._connection = connection
             await connection.send(CAMERA)
             async for messages in connection:
-                self._handle(messages)
+                self._handle_messages(messages)
 
     async def set_control(self, control: str, value: Any) -> None:
         """Sets the control with this id."""
         self.choices.append(monotonic())
         await self._connection.send({"type": "GuiUpdateMessage", "uuid": control, "updates": {"value": value}})
 
-    def find(self, label: str, kind: str = "") -> str | None:
+    def find_control(self, label: str, kind: str = "") -> str | None:
         """Returns the id of the control whose label begins so, of a kind whose name contains ``kind``."""
         return next((number for number, control in self.controls.items()
                      if str(control.props.get("label", "")).startswith(label) and kind in control.kind), None)
 
-    async def play_with(self, label: str, dice: random.Random) -> None:
+    async def move_slider(self, label: str, dice: random.Random) -> None:
         """Sets a slider to a random value, if it exists."""
-        if number := self.find(label, "Slider"):
+        if number := self.find_control(label, "Slider"):
             low, high, step = (self.controls[number].props[name] for name in ("min", "max", "step"))
             steps = max(1, round((high - low) / step))
             await self.set_control(number, round(low + step * dice.randint(0, steps), 9))
 
-    def rate(self, begin: float, end: float) -> float | None:
+    def frame_rate(self, begin: float, end: float) -> float | None:
         """Returns frames per second between two times, without pauses after broken runs; None if nothing is left."""
         seconds = sum(until - since for since, until in self._pauses(begin, end))
         seen = sum(begin <= at < end for k, at in enumerate(self.frames) if k not in self.broken)
@@ -122,7 +122,7 @@ class Visitor:
         return [(max(earlier, begin), min(later, end)) for k, (earlier, later) in enumerate(pairwise(times))
                 if later > begin and earlier < end and k not in broken]
 
-    def _handle(self, messages: list[dict[str, Any]]) -> None:
+    def _handle_messages(self, messages: list[dict[str, Any]]) -> None:
         framed = False
         for message in messages:
             match message["type"]:
@@ -130,7 +130,7 @@ class Visitor:
                     framed |= is_frame(message)
                 case "GuiUpdateMessage" if message["uuid"] in self.controls:
                     self.controls[message["uuid"]].props.update(message["updates"])
-                    self._read(message["uuid"], message["updates"].get("content"))
+                    self._handle_text_update(message["uuid"], message["updates"].get("content"))
                 case "GuiRemoveMessage":
                     self.controls.pop(message["uuid"], None)
                 case kind if kind.startswith("Gui") and "props" in message:
@@ -140,7 +140,7 @@ class Visitor:
                 self.broken.add(len(self.frames))
             self.frames.append(monotonic())
 
-    def _read(self, text: str, content: Any) -> None:
+    def _handle_text_update(self, text: str, content: Any) -> None:
         """Handles a text's new content."""
         if BROKEN in str(content):
             self.notice = text
@@ -170,13 +170,14 @@ def start_server(*arguments: str) -> Iterator[tuple[str, int]]:
         process.kill()
 
 
-def class_load(load: ClassLoad, on_progress: Callable[[float], None]) -> dict[str, Any]:
+def run_class_load(load: ClassLoad, on_progress: Callable[[float], None]) -> dict[str, Any]:
     """Runs the load test; returns the service that its visitors got."""
     with start_server("--max-sessions", str(load.visitors)) as (address, server):
-        return asyncio.run(_attend(address, server, load, on_progress))
+        return asyncio.run(_run_visits(address, server, load, on_progress))
 
 
-async def _attend(address: str, server: int, load: ClassLoad, on_progress: Callable[[float], None]) -> dict[str, Any]:
+async def _run_visits(address: str, server: int, load: ClassLoad,
+                      on_progress: Callable[[float], None]) -> dict[str, Any]:
     dice = random.Random(load.seed)
     visitors = [Visitor(address) for _ in range(load.visitors)]
     visits = [asyncio.create_task(_visit(visitor, random.Random(dice.random()))) for visitor in visitors]
@@ -210,14 +211,14 @@ async def _visit(visitor: Visitor, dice: random.Random) -> None:
     await asyncio.sleep(JOINING * dice.random())
     stay = asyncio.create_task(visitor.receive_messages())
     try:
-        while not (store := visitor.find(STORE)) and not stay.done():
+        while not (store := visitor.find_control(STORE)) and not stay.done():
             await asyncio.wait([stay], timeout=0.05)
         if store:
             await visitor.set_control(store, json.dumps({"link": SCENE}))
         while not stay.done():
             await asyncio.wait([stay], timeout=dice.uniform(*PAUSES))
             if visitor.frames and not stay.done():
-                await visitor.play_with(dice.choice(SLIDERS), dice)
+                await visitor.move_slider(dice.choice(SLIDERS), dice)
         await stay  # with the reason why it ended
         raise ConnectionError("the server has closed a connection")
     finally:
@@ -234,7 +235,7 @@ def memory_held(server: int) -> dict[str, int] | None:
 
 def load_report(visitors: list[Visitor], begin: float, end: float, lost: list[str]) -> dict[str, Any]:
     """Returns the service between two times; ``lost`` has a reason for each visit that ended by itself."""
-    rates = sorted(rate for visitor in visitors if (rate := visitor.rate(begin, end)) is not None) or [0.0]
+    rates = sorted(rate for visitor in visitors if (rate := visitor.frame_rate(begin, end)) is not None) or [0.0]
     joined = sorted(visitor.frames[0] - visitor.asked_at for visitor in visitors if visitor.frames)
     load = os.getloadavg()[0] if hasattr(os, "getloadavg") else None
     return {"schema": SCHEMA, "visitors": len(visitors), "seconds": end - begin, "cores": os.cpu_count(), "load": load,
@@ -247,7 +248,7 @@ def load_report(visitors: list[Visitor], begin: float, end: float, lost: list[st
             "lost": lost}
 
 
-def class_table(found: dict[str, Any], /) -> str:
+def class_load_table(found: dict[str, Any], /) -> str:
     def seconds(value: float | None) -> str:
         return "none" if value is None else f"{value:.1f} s"
 

@@ -8,7 +8,7 @@ from typing import Annotated, Any, ClassVar
 import tyro
 
 from app.commands import flags
-from app.commands.expectations import Expectations
+from app.commands.expect_flag import ClaimChecker
 from app.commands.output import Folder, json_target, json_text, put_report, put_text
 from app.commands.progress import show_progress
 from app.templates import render_template
@@ -17,7 +17,7 @@ from solvers.study.markdown import markdown_table
 from solvers.untrusted.quoting import FileError, code_span, escape_markdown, file_name
 
 CONTRADICTED = 3
-EXPECTABLE = Expectations("run", dict.fromkeys(("contradictions", "broken", "suspicious", "particles"), ()))
+EXPECTABLE = ClaimChecker("run", dict.fromkeys(("contradictions", "broken", "suspicious", "particles"), ()))
 
 
 @dataclass(frozen=True)
@@ -46,8 +46,8 @@ class Check:
     """No progress bar and no report on standard output."""
 
     def execute(self) -> int:
-        EXPECTABLE.check(self.expect)
-        times = flags.times_for(self.files, self.time)
+        EXPECTABLE.validate_claims(self.expect)
+        times = flags.parse_file_times(self.files, self.time)
         target = json_target(self.json)
         folder = None if self.out is None else Folder(self.out)
         try:
@@ -57,14 +57,14 @@ class Check:
         except FileError as error:
             raise flags.BadInput("", error.file, error.sentence) from None
         values = checked.to_dict()
-        status = self._write(folder, checked, values)
+        status = self._write_reports(folder, checked, values)
         if target:
             target.write(json_text(values, lines=not target.is_stdout).encode())
         if self.expect:
-            return max(status, EXPECTABLE.report(self.expect, [claims_outcome(values)]))
+            return max(status, EXPECTABLE.report_claims(self.expect, [values_for_claims(values)]))
         return status or (CONTRADICTED if checked.contradictions else 0)
 
-    def _write(self, folder: Folder | None, checked: Any, values: dict) -> int:
+    def _write_reports(self, folder: Folder | None, checked: Any, values: dict) -> int:
         """Writes the requested reports."""
         if not self.quiet and self.json != "-":
             put_text(verdict_text(values) + "\n")
@@ -74,7 +74,7 @@ class Check:
         return put_report(folder, values, checked, CHECKED, lambda drawn: as_markdown(values, drawn))
 
 
-def claims_outcome(values: Mapping[str, Any]) -> dict[str, Any]:
+def values_for_claims(values: Mapping[str, Any]) -> dict[str, Any]:
     """Returns the report in the form that claims use."""
     count = {word: sum(one["verdict"] == word for one in values["findings"]) for word in ("broken", "suspicious")}
     return {"contradictions": values["contradictions"], "particles": values["particles"], **count}
@@ -89,7 +89,7 @@ NO_CONTRADICTION = "No contradiction was found. That is not to say that the run 
 def verdict_text(values: dict) -> str:
     """Returns the verdict, the contradictions, and what could not be checked."""
     lines = [*map(escape_markdown, values["not_told"]), *values["never_told"]]
-    return "\n\n".join([_verdict(values), *([_findings_list(values)] if _findings_list(values) else []),
+    return "\n\n".join([_verdict_sentence(values), *([_findings_list(values)] if _findings_list(values) else []),
                         "What could not be told:\n\n" + "\n".join(f"* {line}" for line in lines)])
 
 
@@ -98,8 +98,8 @@ def as_markdown(values: dict, pictures: list[str]) -> str:
     files, count = values["files"], len(values["files"])
     notes = ["\n".join(f"* {escape_markdown(note)}" for note in values["notes"])] if values["notes"] else []
     listed = ", ".join(code_span(file_name(file)) for file in files[:20]) + f" and {count - 20} more" * (count > 20)
-    rows = [[one["finding"], _size(one["measured"], one["unit"]), _size(one["limit"], one["unit"]), one["verdict"],
-             escape_markdown(one["says"]) or NOTHING] for one in values["findings"]]
+    rows = [[one["finding"], _format_size(one["measured"], one["unit"]), _format_size(one["limit"], one["unit"]),
+             one["verdict"], escape_markdown(one["says"]) or NOTHING] for one in values["findings"]]
     looked = "## What was looked at\n\n" + markdown_table(["looked at", "measured", "limit", "verdict", "remark"], rows,
                                                           words=("looked at", "verdict", "remark"))
     shown = [f"![{CAPTION}]({name})" for name in pictures]
@@ -107,7 +107,7 @@ def as_markdown(values: dict, pictures: list[str]) -> str:
                         *shown, looked, *notes, f"Files: {listed}.", render_template(HERE / "how.md")])
 
 
-def _verdict(values: dict) -> str:
+def _verdict_sentence(values: dict) -> str:
     times = values["times"]
     what = (f"{values['particles']:,} particles in {('one', 'two', 'three')[values['dimensions'] - 1]} "
             f"direction{'s' * (values['dimensions'] != 1)} at {len(times)} moments, t = {times[0]:.4g} to "
@@ -129,7 +129,7 @@ def _findings_list(values: dict) -> str:
     return "\n".join(lines)
 
 
-def _size(value: Any, unit: str) -> str:
+def _format_size(value: Any, unit: str) -> str:
     if value is None:
         return NOTHING
     return with_unit(value, unit) if unit in ("m", "m/s", "Pa", "s") else f"{value:.3g} {unit}".strip()

@@ -9,7 +9,7 @@ import numpy as np
 import tyro
 
 from app.commands import flags
-from app.commands.expectations import Expectations
+from app.commands.expect_flag import ClaimChecker
 from app.commands.output import Folder, put_report, put_text
 from app.commands.progress import show_progress
 from app.commands.scene_flags import SceneFlags
@@ -30,7 +30,7 @@ COMPANION = "companion"
 #: Paths for ``--expect``: error.x.max of each grid, last(error.x.max) of the finest; order.x of the largest
 #: errors over the common times of all grids; index.companion.x, the companion's estimate over the truth;
 #: contradictions, the number of failed checks.
-EXPECTABLE = Expectations("grids", {
+EXPECTABLE = ClaimChecker("grids", {
     "error": (JUDGED, NORMS), "order": (JUDGED,), "estimate": ((COMPANION,), JUDGED, NORMS),
     "index": ((COMPANION,), JUDGED), "distance": ((COMPANION,), JUDGED), "contradictions": (), "particles": (),
     "scene": (("cells",),)})
@@ -64,8 +64,8 @@ class Judge(SceneFlags):
     """No progress bar and no summary on standard output."""
 
     def execute(self) -> int:
-        EXPECTABLE.check(self.expect)
-        times = flags.times_for(self.files, self.time)
+        EXPECTABLE.validate_claims(self.expect)
+        times = flags.parse_file_times(self.files, self.time)
         cells = self._cells()
         scene, *_ = (self.scene(cells=count) for count in cells)  # each validates itself
         folder = None if self.out is None else Folder(self.out)
@@ -76,19 +76,19 @@ class Judge(SceneFlags):
                                on_progress=show)
         except FileError as error:
             raise flags.BadInput("", error.file, error.sentence) from None
-        return self._write(folder, judged)
+        return self._write_reports(folder, judged)
 
     def _cells(self) -> list[Any]:
         """Returns the cells of the grid, one number for all files or one for each."""
         given = self.inputs()["cells"]
         words = given.replace(",", " ").split() if isinstance(given, str) else []
-        cells = [flags.parse_number([word]) for word in words] or [given]
+        cells = [flags.parse_number_or_text([word]) for word in words] or [given]
         if len(cells) > 1 and len(cells) != len(self.files):
             raise flags.BadInput("cells", given, f"gives {len(cells)} grids for {len(self.files)} files; give one "
                                                  "number for all or one for each")
         return cells
 
-    def _write(self, folder: Folder | None, judged: Any) -> int:
+    def _write_reports(self, folder: Folder | None, judged: Any) -> int:
         """Writes the summary, the requested reports, and the outcomes of the claims."""
         values, status = judged.to_dict(), 0
         if not self.quiet:
@@ -96,11 +96,11 @@ class Judge(SceneFlags):
         if folder is not None:
             from app.pictures.judge import FIGURES
             status = put_report(folder, values, judged, FIGURES, lambda drawn: as_markdown(values, judged, drawn))
-        grids = claims_outcomes(values)
-        return max(status, EXPECTABLE.report(self.expect, grids, "cells" if len(grids) > 1 else ""))
+        grids = grid_values_for_claims(values)
+        return max(status, EXPECTABLE.report_claims(self.expect, grids, "cells" if len(grids) > 1 else ""))
 
 
-def claims_outcomes(values: Mapping[str, Any]) -> list[Mapping[str, Any]]:
+def grid_values_for_claims(values: Mapping[str, Any]) -> list[Mapping[str, Any]]:
     """Returns each grid's part of the report in the form of a run's JSON object."""
     orders = values["order"] or {}
     return [{
@@ -129,8 +129,8 @@ def judgement_text(values: dict, judged: "Judgement") -> str:
             f"{values['problem'].capitalize()}: {motion_text(scene)}, E = {asked['modulus']:g} Pa, density "
             f"{asked['density']:g} kg/m³, {''.join(f'{one}, ' for one in more)}body force {asked['body_force']}, "
             f"{particles_per_cell(values['problem'], asked['ppc'])} unless files say which they are, against the "
-            f"{values['against']}.", _largest(values, judged)]
-    head += [_verdict(g, values) for g in values["grids"]]
+            f"{values['against']}.", _largest_error_table(values, judged)]
+    head += [_grid_verdict(g, values) for g in values["grids"]]
     if values["order"]:
         known = [f"{fit['order']:.2f} of {QUANTITIES[q].symbol}" for q, fit in values["order"].items() if fit]
         head.append(f"**Order in h:** {', '.join(known) or 'none could be found'}.")
@@ -140,70 +140,74 @@ def judgement_text(values: dict, judged: "Judgement") -> str:
 def as_markdown(values: dict, judged: "Judgement", pictures: list[str]) -> str:
     """Returns the report; pictures follow the summary."""
     shown = [f"![{CAPTIONS[name]}]({name})" for name in pictures]
-    body = [_grid(g, values, several=len(values["grids"]) > 1) for g in values["grids"]]
-    order = [_order(values)] if values["order"] else []
+    body = [_grid_section(g, values, several=len(values["grids"]) > 1) for g in values["grids"]]
+    order = [_order_section(values)] if values["order"] else []
     return "\n\n".join([judgement_text(values, judged), *shown, *order, *body, render_template(HERE / "how.md")])
 
 
-def _largest(values: dict, judged: "Judgement") -> str:
+def _largest_error_table(values: dict, judged: "Judgement") -> str:
     heads = ["cells", "h", "particles", "times", *(f"largest {QUANTITIES[q].symbol}" for q in JUDGED), "of the motion"]
     rows = []
     for g, one in zip(values["grids"], judged.grids, strict=True):
-        errors, times = _errors(g), g["times"]
+        errors, times = _true_or_estimated_errors(g), g["times"]
         x = errors["x"]["max"]
         when = f"t = {times[0]:.4g} s" if len(times) == 1 else f"{len(times)}, {times[0]:.4g} to {times[-1]:.4g} s"
         rows.append([str(g["cells"]), with_unit(g["h"], "m"), f"{g['particles']:,}", when,
-                     *(_size(errors[q]["max"], q) for q in JUDGED),
+                     *(_format_size(errors[q]["max"], q) for q in JUDGED),
                      NOTHING if x is None else f"{100 * x / one.scene.size_of('x'):.3g} %"])
     return markdown_table(heads, rows, words=("times",))
 
 
-def _errors(g: dict) -> dict:
+def _true_or_estimated_errors(g: dict) -> dict:
     """Returns the true errors, or else the companion's estimates."""
     return g["error"] or g["estimate"]["companion"]
 
 
-def _verdict(g: dict, values: dict) -> str:
+def _grid_verdict(g: dict, values: dict) -> str:
     """Returns two or three sentences on a grid: the error, its ratio to ours, and outliers."""
     from solvers.judging.judgement import BY_PLACE
-    x = _errors(g)["x"]["max"]
-    sentences = [f"**{g['cells']} cells:** the error of x is up to {_size(x, 'x')}." if any(g["times"]) else
+    x = _true_or_estimated_errors(g)["x"]["max"]
+    sentences = [f"**{g['cells']} cells:** the error of x is up to {_format_size(x, 'x')}." if any(g["times"]) else
                  f"**{g['cells']} cells: only the start was given, t = 0, and nothing that was computed.**"]
     ours = [run for run in g["ours"] if run["status"] == "ok" and run["error"]["x"]["max"]]
     if ours and x is not None:
         best = min(ours, key=lambda run: run["error"]["x"]["max"])
         worst = max(ours, key=lambda run: run["error"]["x"]["max"])
-        sentences.append(f"Of our methods on this grid {_method(best)} has the least, "
-                         f"{_size(best['error']['x']['max'], 'x')} (these particles: "
-                         f"{format_ratio(x / best['error']['x']['max'])} "
-                         f"times), and {_method(worst)} the most, {_size(worst['error']['x']['max'], 'x')}.")
+        sentences.append(
+            f"Of our methods on this grid {_full_method_name(best)} has the least, "
+            f"{_format_size(best['error']['x']['max'], 'x')} (these particles: "
+            f"{format_ratio(x / best['error']['x']['max'])} "
+            f"times), and {_full_method_name(worst)} the most, {_format_size(worst['error']['x']['max'], 'x')}."
+        )
     sentences += [f"**{check['says'][:1].upper()}{check['says'][1:]}.**" for check in g["checks"]
                   if check["verdict"] == OFF and check["check"] != BY_PLACE]
     if found := g["neighbour_gap"]:
-        sentences.append(f"**{found['count']:,} particle{'s' * (found['count'] != 1)} ({100 * found['share']:.2g} %) "
-                         f"{'are' if found['count'] != 1 else 'is'} not where the neighbours are**, by up to "
-                         f"{found['farthest_over_h']:.2g} h, at t = {found['t']:.4g} s: the farthest is particle "
-                         f"{found['particle']} at {_point(found['X'])}, {_region(values['problem'], found['X'])} "
-                         f"({escape_markdown(file_name(found['file']))}).")
+        sentences.append(
+            f"**{found['count']:,} particle{'s' * (found['count'] != 1)} ({100 * found['share']:.2g} %) "
+            f"{'are' if found['count'] != 1 else 'is'} not where the neighbours are**, by up to "
+            f"{found['farthest_over_h']:.2g} h, at t = {found['t']:.4g} s: the farthest is particle "
+            f"{found['particle']} at {_format_point(found['X'])}, {_region_name(values['problem'], found['X'])} "
+            f"({escape_markdown(file_name(found['file']))})."
+        )
     return " ".join(sentences)
 
 
-def _grid(g: dict, values: dict, several: bool) -> str:
-    rows = [[str(QUANTITIES[q]), _size(found["size"], q), str(found["particle"]), _point(found["X"]),
-             _region(values["problem"], found["X"]), f"{found['t']:.4g} s", code_span(file_name(found['file']))]
+def _grid_section(g: dict, values: dict, several: bool) -> str:
+    rows = [[str(QUANTITIES[q]), _format_size(found["size"], q), str(found["particle"]), _format_point(found["X"]),
+             _region_name(values["problem"], found["X"]), f"{found['t']:.4g} s", code_span(file_name(found['file']))]
             for q, found in g["worst"].items() if found]
     parts = [f"## {g['cells']} cells" if several else "## Errors", _error_table(g),
              "Worst of all particles and times:\n\n" + markdown_table(["error of", "size", "particle", "X", "where",
                                                                        "t", "file"],
                                                            rows, words=("error of", "where", "file"))]
     parts.append(f"At least {g['crossings_at_least']:,} grid crossings between the times given.")
-    rows = [[check["check"], _number(check["measured"]), _number(check["tolerance"]), check["unit"], check["verdict"],
-             check["says"]] for check in g["checks"]]
+    rows = [[check["check"], _format_number(check["measured"]), _format_number(check["tolerance"]), check["unit"],
+             check["verdict"], check["says"]] for check in g["checks"]]
     parts.append("What was compared, with what tolerance:\n\n" + markdown_table(
         ["compared", "measured", "tolerance", "in", "verdict", "remark"], rows,
         words=("compared", "in", "verdict", "remark")))
     if g["ours"]:
-        parts += ["Our own methods on the same grid, at the same times:", _reference_table(g)]
+        parts += ["Our own methods on the same grid, at the same times:", _own_methods_table(g)]
     told = {check["says"] for check in g["checks"]}  # shown in the table and above
     if notes := [note for note in g["notes"] if note not in told]:
         parts.append("\n".join(f"* {escape_markdown(note)}" for note in notes))
@@ -217,27 +221,27 @@ def _error_table(g: dict) -> str:
     estimate, rows = g["estimate"], []
     for q in JUDGED:
         true = (g["error"] or {}).get(q, {"final": None, "max": None, "mean": None})
-        rows.append([str(QUANTITIES[q]), *(_size(true[part], q) for part in ("final", "max", "mean")),
-                     _size(estimate["companion"][q]["max"], q), _ratio((estimate["index"] or {}).get(q)),
-                     _ratio((estimate["distance"] or {}).get(q)), _size(estimate["own_error"][q], q)])
+        rows.append([str(QUANTITIES[q]), *(_format_size(true[part], q) for part in ("final", "max", "mean")),
+                     _format_size(estimate["companion"][q]["max"], q), _format_ratio((estimate["index"] or {}).get(q)),
+                     _format_ratio((estimate["distance"] or {}).get(q)), _format_size(estimate["own_error"][q], q)])
     return markdown_table(heads, rows, words=("error of",))
 
 
-def _reference_table(g: dict) -> str:
-    here = _errors(g)
+def _own_methods_table(g: dict) -> str:
+    here = _true_or_estimated_errors(g)
     heads = ["method", *(f"largest {QUANTITIES[q].symbol}" for q in JUDGED),
              *(f"these over ours, {QUANTITIES[q].symbol}" for q in JUDGED), "ran"]
     rows = []
     for run in g["ours"]:
         theirs = run["error"]
         both = [(here[q]["max"], theirs[q]["max"]) for q in JUDGED]
-        rows.append([_method(run), *(_size(theirs[q]["max"], q) for q in JUDGED),
+        rows.append([_full_method_name(run), *(_format_size(theirs[q]["max"], q) for q in JUDGED),
                      *(NOTHING if one is None or not other else format_ratio(one / other) for one, other in both),
                      f"{run['status']}, cfl {run['cfl']:.3g}"])
     return markdown_table(heads, rows, words=("method", "ran"))
 
 
-def _order(values: dict) -> str:
+def _order_section(values: dict) -> str:
     common = values["common_times"]
     if not any(t > 0 for t in common):
         return "## Order in h\n\nThe grids have no time in common after the start, so that no order can be found."
@@ -248,26 +252,26 @@ def _order(values: dict) -> str:
             f"have.\n\n" + markdown_table(["error of", "order", "between neighbours"], rows, words=("error of",)))
 
 
-def _method(run: dict) -> str:
+def _full_method_name(run: dict) -> str:
     return method_name(run["method"]) + (", linearity preserving" if run["linearity_preserving"] else "")
 
 
-def _point(X: list[float]) -> str:
+def _format_point(X: list[float]) -> str:
     return "X = " + ", ".join(f"{c:.4f}" for c in X)
 
 
-def _region(problem: str, X: list[float]) -> str:
+def _region_name(problem: str, X: list[float]) -> str:
     regions = VIEWS[problem].regions(np.array([X]))
     return regions.names[int(regions.number[0])]
 
 
-def _size(value: Any, quantity: str) -> str:
+def _format_size(value: Any, quantity: str) -> str:
     return NOTHING if value is None else f"{value:.3e} {QUANTITIES[quantity].unit}"
 
 
-def _number(value: float | None) -> str:
+def _format_number(value: float | None) -> str:
     return NOTHING if value is None else f"{value:.3g}"
 
 
-def _ratio(value: float | None) -> str:
+def _format_ratio(value: float | None) -> str:
     return NOTHING if value is None else f"{value:.3f}"

@@ -7,12 +7,12 @@ from typing import Annotated, Any, ClassVar
 
 import numpy as np
 
-from app.commands.flags import BadInput, NamesFlag, PathFlag, default_hint, times_of
+from app.commands.flags import BadInput, NamesFlag, PathFlag, default_hint, parse_times
 from app.commands.output import Folder, json_text, print_message
 from app.commands.scene_flags import SceneFlags
 from app.templates import render_template
 from app.words import per_cell
-from solvers.judging.column_names import column_names
+from solvers.judging.column_names import output_column_names
 from solvers.problems import PROBLEMS
 from solvers.problems.reference import METHOD_FIELDS, Texts
 from solvers.scene.scene import Scene
@@ -46,27 +46,27 @@ class ProblemCommand(SceneFlags):
     def execute(self) -> int:
         scene = self.scene()
         quarters = max(1, min(LIMITS.times, round(QUARTERS * scene.end_time / scene.period)))
-        times = sorted(set(times_of(self.times, "times"))) or \
+        times = sorted(set(parse_times(self.times, "times"))) or \
             [k * scene.period / QUARTERS for k in range(1, quarters + 1)]
         if len(times) > LIMITS.times or len(times) * scene.particles > LIMITS.rows:
             raise BadInput("times", f"{len(times)} times", f"make {len(times) * scene.particles:,} rows; at most "
                            f"{LIMITS.rows:,} are allowed, of at most {LIMITS.times:,} times")
         folder = Folder(self.out)
-        for name, content in _files(scene, times).items():
+        for name, content in _handout_files(scene, times).items():
             folder.write_file(name, content)
         print_message(f"{folder.text}: begin with problem.md")
         return 0
 
 
-def _files(scene: Scene, times: list[float]) -> dict[str, bytes]:
+def _handout_files(scene: Scene, times: list[float]) -> dict[str, bytes]:
     from solvers.judging import particle_writers, problem_handout  # here: bad input must not wait for them
 
     start, first = problem_handout.start(scene), problem_handout.initial_frame(scene)
     more = {"volume": start.volume, "mass": problem_handout.particle_masses(scene), **start.more}
     force = problem_handout.body_force_table(scene, TABLE_POINTS, TABLE_TIMES)
     said: dict[str, Any] = {"problem": scene.problem, "cells": scene.cells, "ppc": scene.ppc}
-    data = {"id": first.number, "material_position": _in_space(first.material_position),
-            "velocity": _in_space(np.asarray(first.velocity)), **more}
+    data = {"id": first.number, "material_position": _pad_to_3d(first.material_position),
+            "velocity": _pad_to_3d(np.asarray(first.velocity)), **more}
     solution = [problem_handout.exact_frame(scene, t) for t in times] if scene.solution_known else \
         problem_handout.companion_frames(scene, times)
     numbers, name = problem_handout.problem_parameters(scene), "exact" if scene.solution_known else "companion"
@@ -79,14 +79,14 @@ def _files(scene: Scene, times: list[float]) -> dict[str, bytes]:
         "problem.md": problem_page(scene, PROBLEMS[scene.problem].reference.texts(scene), times, name).encode()}
 
 
-def _in_space(vectors: np.ndarray) -> np.ndarray:
+def _pad_to_3d(vectors: np.ndarray) -> np.ndarray:
     """Pads vectors (P, D) to three components, for VTK."""
     return np.pad(vectors, ((0, 0), (0, 3 - vectors.shape[1])))
 
 
 def problem_page(scene: Scene, texts: Texts, times: Sequence[float], solution: str) -> str:
     """Returns a page that explains the problem, the files, and how to judge results."""
-    columns = {key: ", ".join(f"`{name}`" for name in column_names(key, scene.DIMENSIONS))
+    columns = {key: ", ".join(f"`{name}`" for name in output_column_names(key, scene.DIMENSIONS))
                for key in ("X", "x", "v", "F", "sigma")}
     period = "A period of the motion is" if scene.swings else f"Times are counted in periods of the {scene.TITLE},"
     known = "the exact solution" if scene.solution_known else \

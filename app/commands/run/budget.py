@@ -7,7 +7,7 @@ from app.commands.flags import BadInput, PathFlag, Switch, default_hint, one_of
 from app.commands.output import Target, json_target, print_message, put_result
 from app.commands.progress import show_progress
 from app.commands.run.command import BROKEN, OK
-from app.commands.run.text import budget_table, take_away_table
+from app.commands.run.text import budget_table, removed_cause_table
 from app.commands.scene_flags import SceneFlags
 from solvers.problems import PROBLEMS
 from solvers.scene.error_causes import CAUSES, NOTHING
@@ -48,7 +48,7 @@ class Budget(SceneFlags):
         with show_progress(self.quiet) as show:
             from solvers.running.budget import run_budget  # here: bad input and --help must not wait for Taichi
             if (on_demand := PROBLEMS[scene.problem].budget) is not None:
-                on_demand.check(scene, self.take_away)  # rejects before warnings
+                on_demand.require_budget(scene, self.take_away)  # rejects before warnings
             for sentence in () if self.quiet else scene.warnings():
                 print_message(f"warning: {sentence}")
             found = run_budget(scene, self.take_away, show)
@@ -81,5 +81,5 @@ def _tables(values: dict) -> str:
     """Returns the tables of the budget and of a removed cause."""
     parts = [budget_table(values["budget"])]
     if values["take_away"]:
-        parts.append(take_away_table(values["take_away"]))
+        parts.append(removed_cause_table(values["take_away"]))
     return "\n\n".join(parts)

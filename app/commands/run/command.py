@@ -18,7 +18,7 @@ from solvers.judging.frames import Frame
 from solvers.running.quantities_of_interest import parse_goals
 from solvers.running.result import Result
 from solvers.scene.scene import Scene
-from solvers.solver.snapshot import Snapshot
+from solvers.solver.particle_snapshot import Snapshot
 from solvers.untrusted.size_limits import LIMITS
 
 OK, FAILED, BROKEN = 0, 1, 3
@@ -63,7 +63,7 @@ class ParticleWriter:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Output:
+class OutputFlags:
     """Flags for the output of a run."""
 
     json: Annotated[PathFlag, default_hint("a table is printed instead")] = None
@@ -91,7 +91,7 @@ class Output:
             print_message(f"warning: {sentence}")
         result = _run(scene, self.quiet, writer, self.goal)
         if scene.arch == "gpu" and result.arch in ("x64", "arm64") and not self.quiet:
-            why = "no GPU was found" if scene.for_gpu else f"the {scene.problem} is built for processors"
+            why = "no GPU was found" if scene.prefers_gpu else f"the {scene.problem} is built for processors"
             print_message(f"{why}: this ran on the processor ({result.arch})")
         put_result(result.to_dict(), target, lambda values: run_table(values) + goal_table(scene, values["goals"]))
         if writer:
@@ -105,7 +105,7 @@ class Output:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Run(Output, SceneFlags):
+class Run(OutputFlags, SceneFlags):
     """Flags of a scene and of the output of its run."""
 
     HELP: ClassVar[str] = """Run the {title} once and report its true and estimated errors.
@@ -120,7 +120,7 @@ class Run(Output, SceneFlags):
 
 
 @dataclass(frozen=True, kw_only=True)
-class RunText(Output):
+class RunSceneText(OutputFlags):
     """Run a scene that is given as a text, as a link to the page or a lesson has it.
 
     Such as "bar;method=mpm;cells=80"; what it says of the view and of a pinned run is left aside. Exit status: 0 ok,

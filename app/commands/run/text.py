@@ -6,7 +6,7 @@ from app.words import QUANTITIES, particles_per_cell, unit_of
 from solvers.motion.laws.material import NEO_HOOKEAN
 from solvers.problems import PROBLEMS
 from solvers.running.quantities_of_interest import SAFETY
-from solvers.scene.effects import ALL, EFFECTS, PER_CENT, Number, effect_lines
+from solvers.scene.effects import ALL, EFFECTS, PER_CENT, Number, output_lines_by_effect
 from solvers.scene.error_causes import CAUSES, FIELDS
 from solvers.scene.scene import Scene
 from solvers.study.coverage import track_record
@@ -21,16 +21,16 @@ GOAL_MEANING = (f"bar: {SAFETY:g} times the estimated error of the number; held:
 
 def run_table(result: dict) -> str:
     """Returns heading, errors, estimates of each estimator, and run times."""
-    errors = [_norm(key, summary) for key, summary in result["error"].items()]
-    parts = [_heading(result), _columns([("true error, RMS", *SUMMARY), *errors])]
+    errors = [_norm_row(key, summary) for key, summary in result["error"].items()]
+    parts = [_heading(result), _align_columns([("true error, RMS", *SUMMARY), *errors])]
     names = result["scene"]["estimator"] if "estimate" in result["effects"] else []
     estimates = [name for name in names if name not in result["not_valid"]]
     for name in estimates:  # a single estimator's values are not keyed by its name
         estimate, index, distance = (result[key] if len(names) == 1 else result[key][name]
                                      for key in ("estimate", "index", "distance"))
-        rows = [(*_norm(q, estimate[q]), format_value(index[q], ".3f"),
+        rows = [(*_norm_row(q, estimate[q]), format_value(index[q], ".3f"),
                  format_value(distance[q], ".3f")) for q in QUANTITIES]
-        parts.append(_columns([(f"estimate: {name}", *SUMMARY, "index", "distance"), *rows]))
+        parts.append(_align_columns([(f"estimate: {name}", *SUMMARY, "index", "distance"), *rows]))
     if estimates:
         parts += ["index: estimate over truth, 1 is perfect; distance: their difference over truth, 0 is perfect"]
     if estimates and result["rounding"]:
@@ -38,14 +38,14 @@ def run_table(result: dict) -> str:
     parts += [f"estimate: {name}\n{sentence}" for name, sentence in result["not_valid"].items()]
     if result.get("budget"):
         parts.append(budget_table(result["budget"]))
-    return "\n\n".join([*parts, _cost(result)])
+    return "\n\n".join([*parts, _cost_text(result)])
 
 
 def budget_table(budget: dict) -> str:
     """Returns each cause's share of the error; or why shares are not valid."""
     rows = [(cause, *(format_value(budget[field][name], ".3f") for field in FIELDS)) for name, cause in CAUSES.items()]
     whose = "the error" if budget["reference"] == "exact" else f"what the {budget['reference']} has the error is"
-    text = _columns([("share of the error of", *FIELDS), *rows])
+    text = _align_columns([("share of the error of", *FIELDS), *rows])
     return f"{text}\n{budget['not_valid'] or f'shares of {whose} over the run, adding up to 1'}"
 
 
@@ -69,40 +69,41 @@ def _heading(result: dict) -> str:
             + f"\n{result['not_checked']}" * bool(result["not_checked"]))
 
 
-def _norm(key: str, summary: dict) -> tuple[str, ...]:
+def _norm_row(key: str, summary: dict) -> tuple[str, ...]:
     """Returns an error with its unit, and its sizes; a problem's own norms begin with their quantity: a_nodes."""
     name = f"{key} ({QUANTITIES[key.partition('_')[0]].unit})"
     return name, *(format_value(summary[part], ".3e") for part in SUMMARY)
 
 
-def take_away_table(values: dict) -> str:
+def removed_cause_table(values: dict) -> str:
     """Returns the errors before, as predicted without a cause, and actual."""
     heads = {"before": "before", "predicted": "predicted", "again": "run again"}
     rows = [(words, *(format_value(values[key][field], ".3e") for field in FIELDS)) for key, words in heads.items()]
-    return _columns([(f"without {CAUSES[values['class']]}, RMS", *(f"{field} ({UNITS[field]})" for field in FIELDS)),
-                     *rows])
+    return _align_columns([(f"without {CAUSES[values['class']]}, RMS",
+                            *(f"{field} ({UNITS[field]})" for field in FIELDS)),
+                           *rows])
 
 
-def _effects(result: dict) -> Iterator[tuple[str, str]]:
+def _effect_lines(result: dict) -> Iterator[tuple[str, str]]:
     """Yields a line for each effect with numbers; for effects of some problems only if it is on."""
-    for name, line in effect_lines(lambda effect: effect.text).items():
+    for name, line in output_lines_by_effect(lambda effect: effect.text).items():
         effect, found = ALL[name], result[ALL[name].json_key]
         if found is not None or name in EFFECTS:
             values = found if isinstance(found, dict) else {"": found}
-            texts = {number.key: _number(values.get(number.key), number) for number in effect.numbers}
+            texts = {number.key: _format_number(values.get(number.key), number) for number in effect.numbers}
             yield line.name, line.words.format(*texts.values(), **texts)
 
 
-def _number(value: float | None, number: Number) -> str:
+def _format_number(value: float | None, number: Number) -> str:
     if number.unit == PER_CENT:
         return NOTHING if value is None else f"{100 * value:.3g} %"
     return format_value(value, "," if number.kind is int else ".4g") + f" {number.unit}" * bool(number.unit)
 
 
-def _cost(result: dict) -> str:
+def _cost_text(result: dict) -> str:
     seconds = result["seconds"]
     estimators = "" if seconds["estimate"] is None else f"; estimators {seconds['estimate']:.3g} s of it"
-    rows = [*_effects(result),
+    rows = [*_effect_lines(result),
             ("time", f"{seconds['run']:.3g} s{estimators}; and {seconds['compile']:.3g} s to compile"),
             ("rate", f"{result['rate']:.3g} million particle-steps/s on {result['arch']}, "
              f"{result['threads']} thread{'s' * (result['threads'] != 1)}, {result['plan']} plan"
@@ -110,7 +111,7 @@ def _cost(result: dict) -> str:
     return "\n".join(f"{name:<15} {value}" for name, value in rows)
 
 
-def _columns(rows: list[tuple[str, ...]]) -> str:
+def _align_columns(rows: list[tuple[str, ...]]) -> str:
     return "\n".join(f"{row[0]:<24}" + "".join(f"{cell:>12}" for cell in row[1:]) for row in rows)
 
 

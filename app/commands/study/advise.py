@@ -9,13 +9,22 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 
 from app.commands import flags
-from app.commands.flags import BadInput, PathFlag, RealFlag, Switch, choices_of, default_hint, parse_float, several_of
+from app.commands.flags import (
+    BadInput,
+    PathFlag,
+    RealFlag,
+    Switch,
+    choices_of,
+    default_hint,
+    parse_float_or_text,
+    several_of,
+)
 from app.commands.output import json_target, print_message, put_result
 from app.commands.progress import record_interrupts, stdout_to_stderr
 from app.words import command_line, per_cell
 from solvers.scene.scene import Scene
 from solvers.scene.validation import require_choice, require_number
-from solvers.solver.error_norms import finite
+from solvers.solver.error_norms import finite_or_none
 from solvers.solver.samples import QUANTITIES
 from solvers.study.background_jobs import COURANT_NUMBERS, PARTICLES_PER_CELL
 
@@ -81,7 +90,7 @@ class Advise:
         return OK if advice.met else UNREACHABLE
 
     def _search(self, base: Scene, quantity: str, tolerance: float, check_interrupts) -> Advice:
-        from solvers.study.advise import Goal, advise, families
+        from solvers.study.advise import Goal, advise, refinement_families
 
         def report_run(looks: int, certain: int, scene: Scene) -> None:
             check_interrupts()
@@ -92,13 +101,15 @@ class Advise:
         for method in self.method:
             require_choice("method", method, base.choices("method"))
         methods = [pair for pair in self.SCENE.candidates() if not self.method or pair[0] in self.method]
-        choices = families(base, methods, self._numbers("ppc", self.ppc, PARTICLES_PER_CELL),
-                           self._numbers("cfl", self.cfl, COURANT_NUMBERS), quantity)
+        choices = refinement_families(base, methods, self._numbers("ppc", self.ppc, PARTICLES_PER_CELL),
+                                      self._numbers("cfl", self.cfl, COURANT_NUMBERS), quantity)
         return advise(choices, Goal(quantity, tolerance, self.budget), report_run)
 
     def _numbers(self, flag: str, words: tuple[str, ...], default: tuple[Any, ...]) -> tuple[Any, ...]:
         """Returns the words of a flag as numbers, validated by a scene."""
-        numbers = tuple(parse_float([word]) if flag == "cfl" else flags.parse_number([word]) for word in words)
+        numbers = tuple(
+            parse_float_or_text([word]) if flag == "cfl" else flags.parse_number_or_text([word]) for word in words
+        )
         for value in numbers:
             self.SCENE(**{flag: value})  # says what is wrong with it
         return numbers or default
@@ -122,7 +133,7 @@ def as_dict(advice: Advice, base: Scene, tolerance: float, relative: bool, spent
     chosen, goal, other, size = advice.chosen, advice.goal, advice.runner_up, base.size_of(advice.goal.quantity)
 
     def errors(value: float) -> dict:
-        return {"error": finite(value), "relative": finite(value / size)}
+        return {"error": finite_or_none(value), "relative": finite_or_none(value / size)}
 
     return {
         "schema": SCHEMA, "status": "ok" if advice.met else "unreachable",
@@ -134,7 +145,8 @@ def as_dict(advice: Advice, base: Scene, tolerance: float, relative: bool, spent
         "budget": goal.budget, "recommended": _inputs(chosen.scene), "command": command_line(chosen.scene),
         "predicted": {**errors(advice.predicted_error), "seconds": chosen.seconds},
         "verified": errors(chosen.error) if chosen.is_measured else None,
-        "runner_up": other and {**_inputs(other.scene), **errors(other.error), "seconds": finite(other.seconds)},
+        "runner_up": other and {**_inputs(other.scene), **errors(other.error),
+                                "seconds": finite_or_none(other.seconds)},
         "why": advice.why, "runs": advice.looks, "seconds": spent}
 
 

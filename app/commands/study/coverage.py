@@ -43,10 +43,10 @@ class Coverage(StudyFlags):
     workers: ProcessesFlag = None
     """Processes on this machine that run rows side by side; nothing is timed."""
 
-    def questions(self) -> list[RandomRun]:
+    def measurement_tasks(self) -> list[RandomRun]:
         require_whole("runs", self.runs, 1, MOST_ROWS)
         require_whole("seed", self.seed, 0, MOST_SEED)
-        self.check_place(self.runs)
+        self.check_study_flags(self.runs)
         return [RandomRun(self.SCENE.problem, self.seed, number) for number in range(self.runs)]
 
     def write_tables(self, rows: list[dict]) -> int:
@@ -57,11 +57,11 @@ class Coverage(StudyFlags):
             "coverage.json": json_text(counted), "coverage.md": coverage_summary(counted, *drawn)},
                           printed="coverage.md")
 
-    def given_up(self, task: RandomRun, reason: str) -> dict:
+    def failed_task_row(self, task: RandomRun, reason: str) -> dict:
         return failed_row(task, reason)
 
     def describe_row(self, row: dict, tasks: Sequence[RandomRun]) -> str:
         return f"run {row['number']}: {row['status']}" + (f": {row['reason']}" if row["status"] == FAILED else "")
 
-    def with_timing(self, row: dict) -> dict:
+    def with_timing_conditions(self, row: dict) -> dict:
         return row

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from typing import Annotated, Any, ClassVar
 
 from app import __version__
-from app.commands.flags import ProcessesFlag, RealFlag, choices_of, default_hint, parse_number, several_of
+from app.commands.flags import ProcessesFlag, RealFlag, choices_of, default_hint, parse_number_or_text, several_of
 from app.commands.output import json_text
 from app.commands.study.study_command import StudyFlags
 from app.words import unit_of
@@ -43,18 +43,18 @@ class Stability(StudyFlags):
     workers: ProcessesFlag = None
     """Processes on this machine that run rows side by side; what a step costs is timed alone, at the end."""
 
-    def questions(self) -> list[Task]:
+    def measurement_tasks(self) -> list[Task]:
         inputs = combinations(self.axes())
         for treatment in self.treatment:
             require_choice("treatment", treatment, offered_treatments(self.SCENE))
-        self.check_place(len(inputs) * len(TREATMENTS))
+        self.check_study_flags(len(inputs) * len(TREATMENTS))
         return map_tasks(self.SCENE.problem, inputs, self.treatment or offered_treatments(self.SCENE), __version__)
 
     def write_tables(self, rows: list[dict]) -> int:
-        from app.pictures.study_parts import stability_figure
+        from app.pictures.study_parts import stability_map_figure
 
         values = as_dict(self.SCENE.problem, rows, measure_prices(self.SCENE, rows))
-        return self.write({"stability": stability_figure}, rows, lambda _: {
+        return self.write({"stability": stability_map_figure}, rows, lambda _: {
             "stability.csv": csv_text(rows), "stability.json": json_text(values, lines=True),
             "stability.md": as_markdown(values)}, printed="stability.md")
 
@@ -62,10 +62,12 @@ class Stability(StudyFlags):
         """Returns the values of each input of a scene, by the name of its flag."""
         for method in self.method:
             require_choice("method", method, self.SCENE.choices("method"))
-        axes = {"method": list(self.method or self.SCENE.choices("method")),
-                **{name: [getattr(self, name)] for name in ("cells", "ppc", "periods")},
-                "amplitude": [parse_number([word]) for word in self.amplitude] or list(self.SCENE.HARD_AMPLITUDES),
-                "cfl": [parse_number([word]) for word in self.cfl] or list(DEFAULT_CFL)}
+        axes = {
+            "method": list(self.method or self.SCENE.choices("method")),
+            **{name: [getattr(self, name)] for name in ("cells", "ppc", "periods")},
+            "amplitude": [parse_number_or_text([word]) for word in self.amplitude] or list(self.SCENE.HARD_AMPLITUDES),
+            "cfl": [parse_number_or_text([word]) for word in self.cfl] or list(DEFAULT_CFL),
+        }
         for name, values in axes.items():
             for value in values:
                 self.SCENE(**{name: value})  # validates it

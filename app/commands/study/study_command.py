@@ -18,7 +18,7 @@ from solvers.untrusted.quoting import quote
 from solvers.workers.cpu_count import default_processes
 
 if TYPE_CHECKING:
-    from solvers.study.executors import Cluster, LocalExecutor, MeasurementTask
+    from solvers.study.executors import DaskExecutor, LocalExecutor, MeasurementTask
 
 INCOMPLETE = 1  # exit status
 ADDRESS = re.compile(r"(tcp|tls|ucx|ws|wss)://\S+:\d+/?")
@@ -38,7 +38,7 @@ class Study:
     out: Any
     quiet: bool
 
-    def questions(self) -> Sequence["MeasurementTask"]:
+    def measurement_tasks(self) -> Sequence["MeasurementTask"]:
         """Returns all rows to measure, in order; rejects bad input."""
         raise NotImplementedError
 
@@ -47,7 +47,7 @@ class Study:
         raise NotImplementedError
 
     def execute(self) -> int:
-        rows = self._run_missing(self.questions())
+        rows = self._run_missing(self.measurement_tasks())
         return INCOMPLETE if rows is None else self.write_tables(rows)
 
     @property
@@ -55,7 +55,7 @@ class Study:
         """The problem of all rows, or None if they have several."""
         return self.SCENE.problem
 
-    def given_up(self, task: Any, reason: str) -> dict:
+    def failed_task_row(self, task: Any, reason: str) -> dict:
         """Returns the row for a question that was lost."""
         return failed_row(task, reason)
 
@@ -69,15 +69,15 @@ class Study:
             return f"{inputs}: {row['status']}, {outcome}{row['seconds']['min']:.3g} s"
         return f"{inputs}: {row['status']}" + (f": {row['reason']}" if row["status"] == FAILED else "")
 
-    def stages(self, tasks: Sequence[Any]) -> Iterable[Sequence[Any]]:
+    def parallel_groups(self, tasks: Sequence[Any]) -> Iterable[Sequence[Any]]:
         """Returns the rows to measure in groups, each run in parallel, one after the other."""
         return [tasks]
 
-    def with_timing(self, row: dict) -> dict:
+    def with_timing_conditions(self, row: dict) -> dict:
         """Returns a row with the conditions of its times."""
-        return {**row, "side_by_side": None if self.scheduler else self._workers()}
+        return {**row, "side_by_side": None if self.scheduler else self._worker_count()}
 
-    def check_place(self, count: int) -> None:
+    def check_study_flags(self, count: int) -> None:
         """Rejects flags that no study can run with; ``count`` is the number of rows."""
         if not (self.out or "").strip():
             raise BadInput("out", "", "give a directory for the rows, tables and pictures")
@@ -104,7 +104,7 @@ class Study:
     def _write_file(self, name: str, content: bytes) -> None:
         Target("out", f"{self.out.rstrip('/')}/{name}").write(content)
 
-    def _workers(self) -> int:
+    def _worker_count(self) -> int:
         """Returns the number of local processes: the one given, or the default."""
         return self.workers or (1 if self.TIMED else default_processes())
 
@@ -124,12 +124,12 @@ class Study:
         order = {task.key: k for k, task in enumerate(tasks)}
         return sorted(store.rows.values(), key=lambda row: order.get(row["key"], len(order)))
 
-    def _executor(self) -> "LocalExecutor | Cluster":
+    def _executor(self) -> "LocalExecutor | DaskExecutor":
         """Returns the executor of rows."""
-        from solvers.study.executors import Cluster, ClusterUnavailable, LocalExecutor
+        from solvers.study.executors import ClusterUnavailable, DaskExecutor, LocalExecutor
         try:
-            return LocalExecutor(self._workers(), self.WORK) if self.scheduler is None else \
-                Cluster(self.scheduler, self.WORK)
+            return LocalExecutor(self._worker_count(), self.WORK) if self.scheduler is None else \
+                DaskExecutor(self.scheduler, self.WORK)
         except ClusterUnavailable as error:
             raise BadInput("scheduler", self.scheduler, str(error)) from None
 
@@ -144,7 +144,8 @@ class Study:
         for sentence in dict.fromkeys(sentence for task in tasks for sentence in task.remarks()):
             print_message(sentence)
 
-    def _measure(self, tasks: Sequence["MeasurementTask"], place: "LocalExecutor | Cluster", store: RowStore) -> bool:
+    def _measure(self, tasks: Sequence["MeasurementTask"], place: "LocalExecutor | DaskExecutor",
+                 store: RowStore) -> bool:
         """Fills the store; returns False if the executor was lost."""
         from solvers.study.executors import ExecutorLost, execute
         todo = [task for task in tasks if not store.is_finished(task.key)]
@@ -154,13 +155,13 @@ class Study:
             nonlocal done
             done += 1
             with report_write_errors(f"--out {quote(self.out)}"):
-                store.append(self.with_timing(row))
+                store.append(self.with_timing_conditions(row))
             if not self.quiet and row["status"] != REFUSED:  # already reported
                 print_message(f"{done}/{len(tasks)} {self.describe_row(row, tasks)}")
 
         try:
-            for group in self.stages(todo):
-                execute(group, place, keep, self.given_up)
+            for group in self.parallel_groups(todo):
+                execute(group, place, keep, self.failed_task_row)
         except ExecutorLost as error:
             print_message(f"{error}; {done} of {len(tasks)} rows are kept: give --resume to run the others")
             return False

@@ -34,10 +34,10 @@ class Sweep(StudyFlags, SceneFlags):
     each_effect: Annotated[Switch, default_hint("off")] = False
     """Time each effect alone as well, which compiles and runs more."""
 
-    def questions(self) -> list[Task]:
+    def measurement_tasks(self) -> list[Task]:
         require_whole("repeats", self.repeats, 1, 1000)
         axes = self.axes()
-        self.check_place(math.prod(map(len, axes.values())))
+        self.check_study_flags(math.prod(map(len, axes.values())))
         return plan_tasks(self.SCENE.problem, axes, repeats=self.repeats, price_effects=self.each_effect,
                           version=__version__)
 

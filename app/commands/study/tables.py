@@ -8,7 +8,7 @@ from typing import Annotated
 
 import tyro
 
-from app.commands.flags import BadInput, PathFlag, ProcessesFlag, Switch, TextFlag, default_hint, side_by_side
+from app.commands.flags import BadInput, PathFlag, ProcessesFlag, Switch, TextFlag, default_hint, process_count
 from app.commands.output import Target, json_text, print_message
 from app.commands.study.study_command import INCOMPLETE, Study
 from app.words import NOTHING, QUANTITIES, method_name
@@ -18,7 +18,14 @@ from solvers.study.parameter_grid import Task
 from solvers.study.row import FAILED
 from solvers.study.tables import paper_tables
 from solvers.study.tables.paper_tables import PaperTable, format_digits
-from solvers.study.tables.table_runs import MEASURED, PAPERS_ESTIMATOR, all_runs, results_of, rows_by_part, table_dict
+from solvers.study.tables.table_runs import (
+    MEASURED,
+    PAPERS_ESTIMATOR,
+    all_runs,
+    results_by_row,
+    rows_by_part,
+    table_to_dict,
+)
 
 UNSTABLE = 3
 KINDS = ("json", "md", "png")  # suffixes of a table's files
@@ -50,13 +57,13 @@ class Tables(Study):
     def only_problem(self) -> None:
         """None, as rows belong to several problems."""
 
-    def questions(self) -> list[Task]:
+    def measurement_tasks(self) -> list[Task]:
         if self.table not in (*paper_tables.NUMBERS, "all"):
             raise BadInput("", self.table,
                            f"is not a table of the paper; give {', '.join(paper_tables.NUMBERS)} or all")
-        side_by_side(self.processes)
+        process_count(self.processes)
         wanted = all_runs(tables := self._tables())
-        self.check_place(len(wanted))
+        self.check_study_flags(len(wanted))
         for path in (f"{self.out.rstrip('/')}/table{table.number}.{kind}" for table in tables for kind in KINDS):
             if os.path.isdir(path):
                 Target("out", path)  # rejects it now and not after the runs
@@ -67,18 +74,18 @@ class Tables(Study):
         numbers = paper_tables.NUMBERS if self.table == "all" else (self.table,)
         return [paper_tables.make_table(number, estimators) for number in numbers]
 
-    def stages(self, tasks: Sequence[Task]) -> Iterable[Sequence[Task]]:
+    def parallel_groups(self, tasks: Sequence[Task]) -> Iterable[Sequence[Task]]:
         return [[task for task in tasks if not task.repeats], *([task] for task in tasks if task.repeats)]
 
     def describe_row(self, row: dict, tasks: Sequence[Task]) -> str:
         asked = row["asked"]
         return f"{row['problem']}, {asked['method']}, {asked['cells']} cells: {row['status']}"
 
-    def with_timing(self, row: dict) -> dict:
+    def with_timing_conditions(self, row: dict) -> dict:
         return row
 
-    def _workers(self) -> int:
-        return side_by_side(self.processes)
+    def _worker_count(self) -> int:
+        return process_count(self.processes)
 
     def write_tables(self, rows: list[dict]) -> int:
         from app.pictures.paper_tables import table_figure
@@ -88,7 +95,7 @@ class Tables(Study):
         if failed := [row for row in rows if row["key"] in keys and row["status"] == FAILED]:
             print_message(f"{len(failed)} runs failed, the first of them: {failed[0]['reason']}; the others are kept")
             return INCOMPLETE
-        made = [table_dict(table, results_of(table, rows)) for table in wanted]
+        made = [table_to_dict(table, results_by_row(table, rows)) for table in wanted]
         status = self.write({f"table{table['table']}": functools.partial(lambda table, _: table_figure(table), table)
                              for table in made}, made,
                             lambda _: {f"table{table['table']}.{kind}": text for table in made
@@ -113,9 +120,10 @@ def table_markdown(table: dict) -> str:
     notes: Footnotes = {}
     blocks = [f"# {table['title']}", *table["setup"]]
     for part, rows in rows_by_part(table).items():
-        blocks += [f"## {part}", _comparison(table["table"], rows, notes)]
+        blocks += [f"## {part}", _paper_comparison(table["table"], rows, notes)]
         if table["table"] != "2":
-            blocks += [f"Index of each estimator, its distance and its cost — {part}:", _estimators(table, rows, notes)]
+            blocks += [f"Index of each estimator, its distance and its cost — {part}:",
+                       _estimator_table(table, rows, notes)]
     seconds = table["seconds"]
     blocks.append(f"These runs took {seconds['run']:.0f} s, and {seconds['setup'] + seconds['compile']:.0f} s to set "
                   "up and compile; all but those for the cost may have been made side by side.")
@@ -127,7 +135,7 @@ def _footnote_mark(sentence: str, notes: Footnotes) -> str:
     return f"[^{notes.setdefault(sentence, len(notes) + 1)}]"
 
 
-def _comparison(number: str, rows: list[dict], notes: Footnotes) -> str:
+def _paper_comparison(number: str, rows: list[dict], notes: Footnotes) -> str:
     heads = list(INPUTS[number])
     for key, heading in COMPARED[number].items():
         ours = [f"{heading} to {rows[0]['inputs'][end]:g} s" for end in ("t_end_crossings", "t_end")] \
@@ -142,15 +150,15 @@ def _comparison(number: str, rows: list[dict], notes: Footnotes) -> str:
             if key == "index_x":
                 cells.append(_index_of_x(row, PAPERS_ESTIMATOR, notes))
             elif key == "grid_crossings":
-                cells += map(_count, (row["ours"][key], row["ours"]["grid_crossings_short"]))
+                cells += map(_format_count, (row["ours"][key], row["ours"]["grid_crossings_short"]))
             else:
                 cells.append(NOTHING if row["ours"][key] is None else format_digits(row["ours"][key], 3))
-            cells += [_format_printed(key, row["paper"][key]), _factor(row["ratio"][key])]
+            cells += [_format_printed(key, row["paper"][key]), _format_factor(row["ratio"][key])]
         lines.append([*cells, *(_index_of_x(row, name, notes) for name in others)])
     return markdown_table(heads, lines, words=("method",))
 
 
-def _estimators(table: dict, rows: list[dict], notes: Footnotes) -> str:
+def _estimator_table(table: dict, rows: list[dict], notes: Footnotes) -> str:
     """Returns index, distance and cost, one line per estimator of a row; for Table 1 the paper's indices first."""
     number, symbols = table["table"], [quantity.symbol for quantity in QUANTITIES.values()]
     heads = [*INPUTS[number], "estimator", *(f"{kind} {s}" for kind in ("index", "distance") for s in symbols), "cost"]
@@ -160,7 +168,7 @@ def _estimators(table: dict, rows: list[dict], notes: Footnotes) -> str:
             printed = [_format_printed(f"index_{q}", row["paper"].get(f"index_{q}")) for q in QUANTITIES]
             lines.append([*_row_cells(number, row, notes), "the paper's, printed", *printed, *[NOTHING] * 5])
         for name, said in row["estimators"].items():
-            values = [_factor(said[kind][q]) for kind in ("index", "distance") for q in QUANTITIES]
+            values = [_format_factor(said[kind][q]) for kind in ("index", "distance") for q in QUANTITIES]
             cost = NOTHING if said["cost"] is None else f"{100 * said['cost']:.0f} %"
             lines.append([*_row_cells(number, row, notes), name + _reason_mark(name, said, notes), *values, cost])
     return markdown_table(heads, lines, words=("method", "estimator"))
@@ -169,7 +177,7 @@ def _estimators(table: dict, rows: list[dict], notes: Footnotes) -> str:
 def _index_of_x(row: dict, name: str, notes: Footnotes) -> str:
     """Returns an estimator's index; if it is not valid, a dash and the footnote's mark."""
     said = row["estimators"].get(name)
-    return _factor(said["index"]["x"]) + _reason_mark(name, said, notes) if said else NOTHING
+    return _format_factor(said["index"]["x"]) + _reason_mark(name, said, notes) if said else NOTHING
 
 
 def _reason_mark(name: str, said: dict, notes: Footnotes) -> str:
@@ -189,17 +197,17 @@ def _format_printed(key: str, value: float | None) -> str:
     if value is None:
         return NOTHING
     if key == "grid_crossings":
-        return _count(round(value))
+        return _format_count(round(value))
     if key.startswith("index"):
         return f"{value:.1f}" if value < 10 and value == round(value, 1) else f"{value:g}"
     return format_digits(value, 2)
 
 
-def _count(value: int | None) -> str:
+def _format_count(value: int | None) -> str:
     return NOTHING if value is None else f"{value:,}"
 
 
-def _factor(value: float | None) -> str:
+def _format_factor(value: float | None) -> str:
     """Formats a ratio or an index: at least two digits, hundredths where they are meaningful."""
     if value is None:
         return NOTHING

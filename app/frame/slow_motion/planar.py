@@ -1,10 +1,10 @@
-"""Slow motion of a plane problem's step: the cells around one particle, with shape functions graph_points them."""
+"""Slow motion of a plane problem's step: the cells around one particle, with shape functions plotted over them."""
 
 import numpy as np
 
 from app.frame.layout import Rectangle
-from app.frame.primitives import Bounds, Colour
-from app.frame.slow_motion.stage import DOMAINS, FRONT, OTHERS, SlowStage, averaged_hat
+from app.frame.primitives import Colour, StageMetrics
+from app.frame.slow_motion.stage import DOMAINS, FRONT, OTHERS, SlowMotionStage, averaged_hat
 from solvers.problems.planar.layout import CORNERS
 from solvers.scene.scene import Scene
 from solvers.solver.step_breakdown import StepBreakdown
@@ -15,15 +15,15 @@ BESIDE = 0.36  # width of the text graph_points the picture
 POINTS = 121  # of a curve
 
 
-class PlanarSlowStage(SlowStage):
+class PlanarSlowMotionStage(SlowMotionStage):
     """Slow-motion stage of a plane problem."""
 
     _above, _aside = 0.02, np.array([0.0, 0.0])
 
-    def _split_bounds(self, room: Bounds) -> tuple[float, Rectangle]:
+    def _split_text_and_picture(self, room: StageMetrics) -> tuple[float, Rectangle]:
         return BESIDE, (BESIDE + 0.03, 1.0, 0.0, room.high)
 
-    def _look_at(self, a: StepBreakdown) -> None:
+    def _fit_step_in_picture(self, a: StepBreakdown) -> None:
         x = np.concatenate([a.nodes, a.place[:1]])
         low, high = x.min(axis=0) - AROUND * a.spacing, x.max(axis=0) + AROUND * a.spacing
         x0, x1, y0, y1 = self._picture
@@ -36,14 +36,14 @@ class PlanarSlowStage(SlowStage):
 
     _particle_spots = _node_spots = _to_stage
 
-    def _aim(self, vectors: np.ndarray) -> np.ndarray:
+    def _stage_vectors(self, vectors: np.ndarray) -> np.ndarray:
         return vectors
 
-    def _outline(self, x: np.ndarray, edges: np.ndarray, colour: Colour, thickness: float) -> None:
+    def _draw_domains(self, x: np.ndarray, edges: np.ndarray, colour: Colour, thickness: float) -> None:
         corners = x[:, None] + np.einsum("ce,ked->kcd", 2 * np.array(CORNERS), edges)
         self._sketch.outline(self._to_stage(corners), colour, thickness)
 
-    def _ground(self, a: StepBreakdown) -> None:
+    def _draw_cells(self, a: StepBreakdown) -> None:
         for axis in range(2):
             h, low, high = a.spacing, self._low[axis], self._high[axis]
             at = h * np.arange(np.ceil(low / h), np.floor(high / h) + 1)
@@ -53,7 +53,7 @@ class PlanarSlowStage(SlowStage):
             starts, stops = self._to_stage(ends)
             self._sketch.line(starts, stops, DOMAINS)
 
-    def _functions(self, scene: Scene, a: StepBreakdown, s: float) -> None:
+    def _draw_shape_functions(self, scene: Scene, a: StepBreakdown, s: float) -> None:
         """Draws a weight as the product of a function of x and one of y; CPDI's at the corners of the domain."""
         cpdi = scene.method == "cpdi"
         feet = a.place[0] + 2 * np.array(CORNERS) @ a.edges[0] if cpdi else a.place[:1]

@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 
 from app.frame.layout import Rectangle, drawing_rectangle
-from app.frame.primitives import Anchor, Bounds, Colour, Surface, wrap_text
+from app.frame.primitives import Anchor, Colour, StageMetrics, Surface, wrap_text
 from app.frame.slow_motion.sketch import SIZES, Sketch
 from app.frame.slow_motion.step_phases import PHASES, format_scaled
 from app.language.translation import tr
@@ -28,7 +28,7 @@ THICKEST = 9.0  # pixels of a line of weight one
 MAGNIFIED = 0.3  # approximate drawn displacement of particles in cells
 
 
-class SlowStage(ABC):
+class SlowMotionStage(ABC):
     """Draws the phases of one step on a surface; subclasses define where things are drawn."""
 
     def __init__(self, sheet: Surface):
@@ -38,18 +38,18 @@ class SlowStage(ABC):
     @property
     def rectangle(self) -> Rectangle:
         """The rectangle of everything drawn."""
-        return drawing_rectangle(self._bounds.high)
+        return drawing_rectangle(self._stage_metrics.high)
 
     def _lay_out(self) -> None:
         """Divides the present bounds between text and picture."""
-        room = self.sheet.bounds.rounded()
-        self._bounds = replace(room, high=min(max(room.high, HIGH[0]), HIGH[1]))
-        self._words, self._picture = self._split_bounds(self._bounds)
+        room = self.sheet.stage_metrics.rounded()
+        self._stage_metrics = replace(room, high=min(max(room.high, HIGH[0]), HIGH[1]))
+        self._words, self._picture = self._split_text_and_picture(self._stage_metrics)
 
     def draw(self, scene: Scene, a: StepBreakdown, phase: int, s: float) -> None:
         """Draws a phase at ``s``, from 0 at its beginning to 1 at its end."""
         self._lay_out()
-        self._look_at(a)
+        self._fit_step_in_picture(a)
         self._nodes = self._node_spots(a.nodes)
         self._scale = self._per_metre * a.spacing  # a cell, on the stage
         self._legend: list[str] = []
@@ -58,68 +58,71 @@ class SlowStage(ABC):
         progress = {4: max(0.0, 2 * s - 1), 5: 1.0}.get(phase, 0.0)
         self._places = a.place + moved * progress * shift
         self._spots = self._particle_spots(self._places)
-        self._ground(a)
+        self._draw_cells(a)
         if phase < 5:
             seen = self._is_inside(self._spots, self._per_metre * float(np.abs(a.edges).sum(axis=1).max()))
-            self._outline(self._places[seen], a.edges[seen], DOMAINS, 1.0)
-            self._outline(self._places[:1], a.edges[:1], FRONT, 2.0)
-        draw = (self._functions_phase, self._draw_particles_to_nodes, self._forces, self._velocities,
-                self._draw_nodes_to_particles, self._strain)[phase]
+            self._draw_domains(self._places[seen], a.edges[seen], DOMAINS, 1.0)
+            self._draw_domains(self._places[:1], a.edges[:1], FRONT, 2.0)
+        draw = (self._draw_functions_phase, self._draw_particles_to_nodes, self._draw_forces, self._draw_velocities,
+                self._draw_nodes_to_particles, self._draw_strain)[phase]
         draw(scene, a, s)
         if phase >= 4 and moved > 1:
             self._legend.append(tr("particles' way drawn × {factor:g}", factor=moved))
         self._sketch.dots(self._spots[1:][self._is_inside(self._spots[1:])], OTHERS, 1)
         self._sketch.dots(self._spots[:1], FRONT, 2)
         self._sketch.dots(self._nodes, NODE, 0)
-        self._numbers(a, phase)
+        self._write_node_numbers(a, phase)
         which = tr("Particle {particle} in step {step}", particle=a.particle, step=a.step)
-        caption = "\n".join(wrap_text(line, self.width) for line in [which, *PHASES[phase].front(scene, a)])
-        self._sketch.text(0.0, self._bounds.high, wrap_text("; ".join(self._legend), self.width), "top-left", CAPTION)
+        caption = "\n".join(
+            wrap_text(line, self.letters_per_caption_line) for line in [which, *PHASES[phase].front(scene, a)]
+        )
+        self._sketch.text(0.0, self._stage_metrics.high,
+                          wrap_text("; ".join(self._legend), self.letters_per_caption_line), "top-left", CAPTION)
         self._sketch.text(0.0, 0.0, caption, "bottom-left", CAPTION)
-        self.sheet.show(*self._sketch.marks())
+        self.sheet.show_marks(*self._sketch.marks())
 
-    def _functions_phase(self, scene: Scene, a: StepBreakdown, s: float) -> None:
-        self._functions(scene, a, s)
-        self._weights(a, FRONT, s)
+    def _draw_functions_phase(self, scene: Scene, a: StepBreakdown, s: float) -> None:
+        self._draw_shape_functions(scene, a, s)
+        self._draw_weight_lines(a, FRONT, s)
         self._legend.append(tr("green: the particle; its lines to nodes are as thick as the weight"))
 
     def _draw_particles_to_nodes(self, _: Scene, a: StepBreakdown, s: float) -> None:
         """Moves parcels from particles to nodes, whose squares grow; the selected particle's share is green."""
-        self._weights(a, FRONT, 1.0)
-        self._parcels(a, s, slice(None))
+        self._draw_weight_lines(a, FRONT, 1.0)
+        self._draw_parcels(a, s, slice(None))
         most = a.node_mass.max()
         for mass, colour, thickness in ((a.node_mass, NODE, 2.0), (a.links.weight[0] * a.mass[0], FRONT, 3.5)):
             half = 0.5 * WIDEST * self._scale * np.sqrt(s * np.maximum(mass, 0) / most)
             corners = self._nodes[:, None] + half[:, None, None] * np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]])
             self._sketch.outline(corners, colour, thickness)
         seen = self._is_inside(self._spots)
-        self._arrows(self._spots[seen], a.before.velocity[seen], OTHERS)
-        self._arrows(self._nodes, s * a.momentum, NODE, a.momentum)
+        self._draw_arrows(self._spots[seen], a.before.velocity[seen], OTHERS)
+        self._draw_arrows(self._nodes, s * a.momentum, NODE, a.momentum)
         self._legend.append(tr("squares: mass of the nodes (green: from the particle); arrows: v of particles, "
                                "momentum"))
 
-    def _forces(self, _: Scene, a: StepBreakdown, s: float) -> None:
-        self._weights(a, FRONT, 1.0)
+    def _draw_forces(self, _: Scene, a: StepBreakdown, s: float) -> None:
+        self._draw_weight_lines(a, FRONT, 1.0)
         both = np.concatenate([a.internal_force, a.body_force])
-        self._arrows(self._nodes, s * a.internal_force, STRESS, both, 3.5)
-        self._arrows(self._nodes - 0.05 * self._scale * self._aside, s * a.body_force, BODY, both, 3.5)
+        self._draw_arrows(self._nodes, s * a.internal_force, STRESS, both, 3.5)
+        self._draw_arrows(self._nodes - 0.05 * self._scale * self._aside, s * a.body_force, BODY, both, 3.5)
         self._legend.append(tr("orange: force of stress; blue: body force"))
 
-    def _velocities(self, _: Scene, a: StepBreakdown, s: float) -> None:
+    def _draw_velocities(self, _: Scene, a: StepBreakdown, s: float) -> None:
         """Draws velocities, and their changes on a larger scale of their own."""
         old, gained = a.before_velocity, a.velocity - a.before_velocity
         factor = _round(np.abs(a.velocity).max() / max(np.abs(gained).max(), 1e-300))
-        self._arrows(self._nodes, old, OTHERS, np.concatenate([old, a.velocity]), 2.0)
-        self._arrows(self._nodes, old + s * gained, NODE, np.concatenate([old, a.velocity]), 3.5)
-        self._arrows(self._nodes - 0.07 * self._scale * self._aside, s * gained, STRESS, gained, 3.5)
+        self._draw_arrows(self._nodes, old, OTHERS, np.concatenate([old, a.velocity]), 2.0)
+        self._draw_arrows(self._nodes, old + s * gained, NODE, np.concatenate([old, a.velocity]), 3.5)
+        self._draw_arrows(self._nodes - 0.07 * self._scale * self._aside, s * gained, STRESS, gained, 3.5)
         self._legend.append(tr("grey: old v; black: new v; orange: what is gained, drawn × {factor:g}", factor=factor))
 
     def _draw_nodes_to_particles(self, _: Scene, a: StepBreakdown, s: float) -> None:
         """Moves parcels back in the first half, the particles in the second."""
-        self._weights(a, FRONT, 1.0)
-        self._arrows(self._nodes, a.velocity, NODE)
+        self._draw_weight_lines(a, FRONT, 1.0)
+        self._draw_arrows(self._nodes, a.velocity, NODE)
         if s < 0.5:
-            self._parcels(a, 1 - 2 * s, slice(0, 1))
+            self._draw_parcels(a, 1 - 2 * s, slice(0, 1))
         else:
             start = self._particle_spots(a.place)
             seen = self._is_inside(start) & self._is_inside(self._spots)
@@ -127,28 +130,28 @@ class SlowStage(ABC):
             self._sketch.dots(start[seen], DOMAINS, 1)
         self._legend.append(tr("black: new v of the nodes"))
 
-    def _strain(self, _: Scene, a: StepBreakdown, s: float) -> None:
+    def _draw_strain(self, _: Scene, a: StepBreakdown, s: float) -> None:
         """Draws the selected particle's domain as it deforms, magnified."""
-        self._weights(a, FRONT, 1.0)
-        self._arrows(self._nodes, a.velocity, NODE)
+        self._draw_weight_lines(a, FRONT, 1.0)
+        self._draw_arrows(self._nodes, a.velocity, NODE)
         F = a.before.deformation_gradient[0]
         gained = a.after.deformation_gradient[0] @ np.linalg.pinv(F) - np.eye(len(F))
         factor = _round(0.5 / max(np.abs(gained).max(), 1e-300))
         edges = a.edges[0] if np.abs(a.edges[0]).max() > 0 else 0.25 * a.spacing * np.eye(len(F))
         for share, colour, thickness in ((0.0, OTHERS, 1.0), (s * factor, FRONT, 3.5)):
-            self._outline(self._places[:1], (edges @ (np.eye(len(F)) + share * gained).T)[None], colour, thickness)
+            self._draw_domains(self._places[:1], (edges @ (np.eye(len(F)) + share * gained).T)[None], colour, thickness)
         self._legend.append(tr("outline: the particle's material before and after, its strain in this step × "
                                "{factor:g}", factor=factor))
 
-    def _weights(self, a: StepBreakdown, colour: Colour, s: float) -> None:
+    def _draw_weight_lines(self, a: StepBreakdown, colour: Colour, s: float) -> None:
         """Draws lines from the selected particle to its nodes, as thick as the weights."""
         start = np.broadcast_to(self._spots[:1], self._nodes.shape)
         self._sketch.line(start, start + s * (self._nodes - start), colour, THICKEST * a.links.weight[0])
 
-    def _parcels(self, a: StepBreakdown, s: float, members: slice) -> None:
+    def _draw_parcels(self, a: StepBreakdown, s: float, members: slice) -> None:
         """Draws parcels between particles and nodes with a nonzero weight."""
         k, n = np.nonzero(a.links.weight[members])
-        start, end = self._within(self._spots[k], self._nodes[n]), self._nodes[n]
+        start, end = self._picture_entry_points(self._spots[k], self._nodes[n]), self._nodes[n]
         if len(self._spots[members]) > 1:
             self._sketch.line(start[k > 0], end[k > 0], DOMAINS, 1.0)
         if 0 < s < 1:
@@ -156,20 +159,21 @@ class SlowStage(ABC):
             self._sketch.dots(at[k > 0], OTHERS, 0)
             self._sketch.dots(at[k == 0], FRONT, 1)
 
-    def _arrows(self, at: np.ndarray, vectors: np.ndarray, colour: Colour,
-                among: np.ndarray | None = None, thickness: float = 2.0) -> None:
+    def _draw_arrows(self, at: np.ndarray, vectors: np.ndarray, colour: Colour,
+                     among: np.ndarray | None = None, thickness: float = 2.0) -> None:
         """Draws arrows; the longest of ``among``, by default of all, has the length ``LONGEST``."""
         most = np.hypot.reduce(vectors if among is None else among, axis=1).max()
         if most > 0:
-            self._sketch.arrow(at, LONGEST * self._scale / most * self._aim(vectors), colour, thickness)
+            self._sketch.arrow(at, LONGEST * self._scale / most * self._stage_vectors(vectors), colour, thickness)
 
-    def _numbers(self, a: StepBreakdown, phase: int) -> None:
+    def _write_node_numbers(self, a: StepBreakdown, phase: int) -> None:
         """Writes the solver's numbers beside each node, on the side away from its arrows."""
         shown = PHASES[phase].columns[:PHASES[phase].drawn]
         digits = DIGITS[a.nodes.shape[1]]
         texts, units = zip(*(format_scaled(c.scale * c.values(a), c.unit, digits) for c in shown), strict=True)
         arrows = [c.values(a) for c in shown] + [a.velocity - a.before_velocity] * (phase == 3)
-        taken = np.max([self._aim(values / max(np.abs(values).max(), 1e-300)) @ np.array([side for _, side in SIDES]).T
+        taken = np.max([self._stage_vectors(values / max(np.abs(values).max(),
+                                                         1e-300)) @ np.array([side for _, side in SIDES]).T
                         if values.ndim > 1 else np.zeros((len(self._nodes), len(SIDES))) for values in arrows], axis=0)
         away = self._above + 0.5 * WIDEST * self._scale * (phase == 1)
         written: list[tuple[np.ndarray, np.ndarray]] = []
@@ -188,7 +192,7 @@ class SlowStage(ABC):
         """Returns the index in ``SIDES`` for a node's numbers: never over the selected particle, away from arrows,
         which extend by ``taken`` to each side, and off labels ``written`` so far (middles and half sizes; adds this
         one)."""
-        half = 0.5 * self._bounds.extent(text, NUMBERS)
+        half = 0.5 * self._stage_metrics.text_extent(text, NUMBERS)
         middles = spot + np.array([side for _, side in SIDES]) * (away + half)
         front = np.all(np.abs(self._spots[0] - middles) < half + 0.5 * SIZES[2], axis=1)
         others = sum((np.all(np.abs(at - middles) < half + size, axis=1) for at, size in written), np.zeros(len(SIDES)))
@@ -197,16 +201,16 @@ class SlowStage(ABC):
         return best
 
     @property
-    def width(self) -> int:
+    def letters_per_caption_line(self) -> int:
         """Number of letters in a line of the captions."""
-        return self._bounds.letters(self._words, CAPTION)
+        return self._stage_metrics.letters_per_line(self._words, CAPTION)
 
     def _is_inside(self, spots: np.ndarray, reach: float = 0.0) -> np.ndarray:
         """Returns which points (m, 2) of the stage lie in the picture, with a margin of ``reach``."""
         x0, x1, y0, y1 = self._picture
         return np.all((spots - reach >= (x0, y0)) & (spots + reach <= (x1, y1)), axis=1)
 
-    def _within(self, starts: np.ndarray, ends: np.ndarray) -> np.ndarray:
+    def _picture_entry_points(self, starts: np.ndarray, ends: np.ndarray) -> np.ndarray:
         """Returns the points (m, 2) where lines from starts to ends, which lie in the picture, enter it."""
         x0, x1, y0, y1 = self._picture
         with np.errstate(divide="ignore", invalid="ignore"):
@@ -220,11 +224,11 @@ class SlowStage(ABC):
     _per_metre: float
 
     @abstractmethod
-    def _split_bounds(self, room: Bounds) -> tuple[float, Rectangle]:
+    def _split_text_and_picture(self, room: StageMetrics) -> tuple[float, Rectangle]:
         """Returns the width of lines of text, beside or around the picture, and the picture's x0, x1, y0, y1."""
 
     @abstractmethod
-    def _look_at(self, a: StepBreakdown) -> None:
+    def _fit_step_in_picture(self, a: StepBreakdown) -> None:
         """Sets ``_per_metre`` and the picture's position so that the whole step is visible."""
 
     @abstractmethod
@@ -236,19 +240,19 @@ class SlowStage(ABC):
         """Returns points (n, 2) of the stage for nodes at x (n, D) in m."""
 
     @abstractmethod
-    def _aim(self, vectors: np.ndarray) -> np.ndarray:
+    def _stage_vectors(self, vectors: np.ndarray) -> np.ndarray:
         """Returns vectors (m, D) as vectors (m, 2) on the stage, of the same length."""
 
     @abstractmethod
-    def _outline(self, x: np.ndarray, edges: np.ndarray, colour: Colour, thickness: float) -> None:
+    def _draw_domains(self, x: np.ndarray, edges: np.ndarray, colour: Colour, thickness: float) -> None:
         """Draws the domains of particles at x (k, D) with half edge vectors (k, D, D)."""
 
     @abstractmethod
-    def _ground(self, a: StepBreakdown) -> None:
+    def _draw_cells(self, a: StepBreakdown) -> None:
         """Draws the cells."""
 
     @abstractmethod
-    def _functions(self, scene: Scene, a: StepBreakdown, s: float) -> None:
+    def _draw_shape_functions(self, scene: Scene, a: StepBreakdown, s: float) -> None:
         """Draws the shape functions; they grow with ``s``."""
 
 

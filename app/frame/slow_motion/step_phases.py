@@ -8,8 +8,8 @@ import numpy as np
 
 from app.language.translation import lazy, tr
 from app.words import PREFIXES
-from solvers.scene.remedies import PIECES
 from solvers.scene.scene import Scene
+from solvers.scene.stabilisations import PIECES
 from solvers.solver.step_breakdown import StepBreakdown
 
 #: Explanation of a node's weight, by method.
@@ -41,7 +41,7 @@ MOTION = {
 
 
 @dataclass(frozen=True)
-class Column:
+class NodalQuantity:
     """Number (n,) or vector (n, D) of each node, with its unit after ``scale`` and a translatable ``name``."""
 
     name: str
@@ -50,15 +50,15 @@ class Column:
     scale: float = 1.0
 
 
-WEIGHTS = Column(lazy("weight S"), "", lambda a: a.links.weight[0])
-SLOPES = Column(lazy("slope of S"), "1/m", lambda a: a.links.slope[0])
-MASS = Column(lazy("mass"), "g", lambda a: a.node_mass, 1000.0)
-MOMENTUM = Column(lazy("momentum"), "N s", lambda a: a.momentum)
-INTERNAL = Column(lazy("force of stress"), "N", lambda a: a.internal_force)
-BODY = Column(lazy("body force"), "N", lambda a: a.body_force)
-OLD = Column(lazy("old v"), "m/s", lambda a: a.before_velocity)
-NEW = Column(lazy("new v"), "m/s", lambda a: a.velocity)
-ACCELERATION = Column(lazy("acceleration a"), "m/s²", lambda a: a.acceleration)
+WEIGHTS = NodalQuantity(lazy("weight S"), "", lambda a: a.links.weight[0])
+SLOPES = NodalQuantity(lazy("slope of S"), "1/m", lambda a: a.links.slope[0])
+MASS = NodalQuantity(lazy("mass"), "g", lambda a: a.node_mass, 1000.0)
+MOMENTUM = NodalQuantity(lazy("momentum"), "N s", lambda a: a.momentum)
+INTERNAL = NodalQuantity(lazy("force of stress"), "N", lambda a: a.internal_force)
+BODY = NodalQuantity(lazy("body force"), "N", lambda a: a.body_force)
+OLD = NodalQuantity(lazy("old v"), "m/s", lambda a: a.before_velocity)
+NEW = NodalQuantity(lazy("new v"), "m/s", lambda a: a.velocity)
+ACCELERATION = NodalQuantity(lazy("acceleration a"), "m/s²", lambda a: a.acceleration)
 
 
 @dataclass(frozen=True)
@@ -68,12 +68,12 @@ class Phase:
 
     title: str
     words: Callable[[Scene], str]
-    columns: tuple[Column, ...]
+    columns: tuple[NodalQuantity, ...]
     drawn: int
     front: Callable[[Scene, StepBreakdown], list[str]]
 
 
-def _of_force(scene: Scene) -> str:
+def _force_equation(scene: Scene) -> str:
     forces = FORCE_OF_PIECES if PIECES in scene.remedies else FORCE
     words = forces.get(scene.body_force, forces[""])
     corrected = tr(", corrected to be exact for linear stress") if scene.linearity_preserving else ""
@@ -81,7 +81,7 @@ def _of_force(scene: Scene) -> str:
     return tr(words, volume=volume, corrected=corrected)
 
 
-def _of_stress(scene: Scene) -> str:
+def _stress_equation(scene: Scene) -> str:
     if PIECES in scene.remedies:
         return tr("F grows by time step × difference of the nodes' new v at the corners of the piece / its length × F; "
                   "stress follows from the new F")
@@ -116,8 +116,9 @@ def _to_particles_lines(_: Scene, a: StepBreakdown) -> list[str]:
     before, after = a.before, a.after
     lines = [f"v = {format_change(before.velocity[0], after.velocity[0], 'm/s')}",
              f"x = {format_change(before.position[0], after.position[0], 'm')}"]
-    if np.abs(a.left_over).max() > 1e-9 * np.abs(after.velocity[0]).max():  # far above round-off
-        lines.append(tr("the remedies changed v by {amount}", amount=format_amount(a.left_over, "m/s")))
+    if np.abs(a.velocity_change_by_remedies).max() > 1e-9 * np.abs(after.velocity[0]).max():  # far above round-off
+        lines.append(tr("the remedies changed v by {amount}",
+                        amount=format_amount(a.velocity_change_by_remedies, "m/s")))
     return lines
 
 
@@ -133,7 +134,7 @@ PHASES = (
     Phase(lazy("Mass and momentum go to the nodes"),
           lambda _: tr("mass of a node = sum of weight × mass of the particles; its momentum likewise"),
           (MASS, MOMENTUM, WEIGHTS), 2, _to_nodes_lines),
-    Phase(lazy("Forces at the nodes"), _of_force, (INTERNAL, BODY, SLOPES), 2, _force_lines),
+    Phase(lazy("Forces at the nodes"), _force_equation, (INTERNAL, BODY, SLOPES), 2, _force_lines),
     Phase(lazy("New velocities of the nodes"),
           lambda _: tr("new v of a node = momentum / mass + time step × a, with a = force / mass"),
           (OLD, NEW, ACCELERATION), 2,
@@ -141,7 +142,7 @@ PHASES = (
     Phase(lazy("Velocities come back, the particles move"),
           lambda scene: tr(MOTION.get(scene.velocity, MOTION[""])), (NEW, ACCELERATION, WEIGHTS), 1,
           _to_particles_lines),
-    Phase(lazy("Stress last"), _of_stress, (NEW, SLOPES), 1, _strain_lines))
+    Phase(lazy("Stress last"), _stress_equation, (NEW, SLOPES), 1, _strain_lines))
 
 
 def format_scaled(values: np.ndarray, unit: str, digits: int) -> tuple[list[str], str]:

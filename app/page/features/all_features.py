@@ -2,7 +2,7 @@
 
 from app.page.feature import Feature
 from app.page.features.board.panel import BoardPanel
-from app.page.features.budget.panel import BudgetFold
+from app.page.features.budget.panel import BudgetPanel
 from app.page.features.cost.panel import CostTab
 from app.page.features.lesson.panel import LessonPlayer
 from app.page.features.opening_tour import OpeningTour
@@ -12,4 +12,4 @@ from app.page.features.suggestions import Suggestions
 from app.page.features.upload.panel import UploadPanel
 
 FEATURES: tuple[type[Feature], ...] = (
-    UploadPanel, SlowMotion, BudgetFold, LessonPlayer, CostTab, Sharing, OpeningTour, Suggestions, BoardPanel)
+    UploadPanel, SlowMotion, BudgetPanel, LessonPlayer, CostTab, Sharing, OpeningTour, Suggestions, BoardPanel)

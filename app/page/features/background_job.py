@@ -27,7 +27,7 @@ class JobStatus:
 S = TypeVar("S", bound=JobStatus)
 
 
-class Background(ABC, Generic[S]):
+class BackgroundJobs(ABC, Generic[S]):
     """A visitor's jobs, each one function of the module ``WORK``, in ``slots`` shared by all visitors. Thread-safe."""
 
     WORK: ClassVar[str]
@@ -44,7 +44,7 @@ class Background(ABC, Generic[S]):
         """Whether jobs of other visitors run on this server."""
         return self.slots.taken > self.status.running
 
-    def forget(self) -> None:
+    def discard_status(self) -> None:
         """Discards the status of the last job, which no longer applies."""
         with self._lock:
             if not self.status.running:
@@ -57,7 +57,7 @@ class Background(ABC, Generic[S]):
                 self.status = replace(self.status, cancelled=True)
                 self._pool.kill()
 
-    def give_way(self) -> None:
+    def lower_priority(self) -> None:
         """Lowers the priority of the running job in favour of running stages."""
         with self._lock:
             if self._pool is not None:
@@ -73,7 +73,7 @@ class Background(ABC, Generic[S]):
     def update_status(self, before: S, message: dict[str, Any]) -> S:
         """Returns the status after a message of the running job."""
 
-    def _process(self, kind: str) -> WorkerPool:
+    def _worker_for_kind(self, kind: str) -> WorkerPool:
         """Returns the worker process for a job of this kind; called with the lock held."""
         return WorkerPool(f"{self.WORK}:{kind}")
 
@@ -90,7 +90,7 @@ class Background(ABC, Generic[S]):
                 self.status = replace(status, trouble=tr(self.BUSY, n=MOST_JOBS))
                 return
             self.status = replace(status, running=True)
-            self._pool = self._process(status.kind)
+            self._pool = self._worker_for_kind(status.kind)
             job = self._pool.submit(question, with_language(self._on_message), patience)
         job.add_done_callback(with_language(self._end))
 

@@ -13,8 +13,8 @@ from app.frame.headline import Headline
 from app.language.translation import tr, trn
 from app.page.feature import Feature, PageView
 from app.page.page_context import PageContext
-from app.page.visit.frame_buffer import Frame
 from app.page.visit.pinned_run import PinnedRun
+from app.page.visit.recent_frames import Frame
 from app.page.visit.session import Session
 from app.words import METHODS, per_cent, with_unit
 from solvers.engine.engine_messages import FrameReport
@@ -55,7 +55,7 @@ class OpeningTour(Feature):
             else:
                 page.controls.show(OPENING)
 
-        tour = cls(page.gui, page.session, open_on, page.controls.usual_speed)
+        tour = cls(page.gui, page.session, open_on, page.controls.reset_speed)
         page.is_touring = lambda: tour.beat > 0
         with page.tabs["about"]:
             page.gui.add_html("<i class='lab-replay'></i>")
@@ -76,20 +76,20 @@ class OpeningTour(Feature):
     def refresh(self, view: PageView) -> None:
         """Advances the tour; it ends if a lesson opens or anything else is on the stage."""
         session, report = self._session, self._session.report
-        pinned, restarts = session.pinned.scene if session.pinned else None, session.motion_key[1]
+        pinned, restarts = session.pinned.scene if session.pinned else None, session.playback_request_key[1]
         if (session.scene, pinned) != (OPENING.scene, OPENING.pinned) or not view.has_stage:
             if self._opened and restarts == self._restarts:  # changed, not replaced
-                session.open_end()
+                session.continue_past_end()
             self._opened = False
             self._end()
         if report is None or report.scene != OPENING.scene:
             return
         self._restarts, periods = restarts, report.time / report.scene.period
         # A pinned run that is compiled late restarts both; they would stay at t = 0 if the first were paused.
-        if self._opened and session.is_over and ((other := session.pinned) is None or other.shortfall() or (
+        if self._opened and session.is_over and ((other := session.pinned) is None or other.stop_reason() or (
                 other.last is not None and other.last[0].step >= other.scene.steps)):
             self._opened = False
-            session.open_end()
+            session.continue_past_end()
             self._hurry()
         if self.beat == 1 and periods >= HALF_WAY:
             self._go(2)
@@ -103,7 +103,7 @@ class OpeningTour(Feature):
         """Returns the headline of the present step; an empty one outside the tour."""
         if not self.beat or frame is None or frame[0].scene != OPENING.scene:
             return Headline()
-        headline, facts, places = _beat(self.beat, *frame, self._session.pinned)
+        headline, facts, places = _beat_headline(self.beat, *frame, self._session.pinned)
         said = Headline.from_template(headline, *facts, **places)
         return Headline(said.headline, said.facts, ("beat", self.beat))
 
@@ -121,8 +121,8 @@ class OpeningTour(Feature):
         self._mark.content = f"<i class='lab-story' data-beat='{self.beat}'></i>"
 
 
-def _beat(beat: int, report: FrameReport, arrays: FrameArrays, pinned: PinnedRun | None,
-          ) -> tuple[str, list[str], dict[str, str]]:
+def _beat_headline(beat: int, report: FrameReport, arrays: FrameArrays, pinned: PinnedRun | None,
+                   ) -> tuple[str, list[str], dict[str, str]]:
     """Returns a step's headline, its facts, and the values of the headline's placeholders."""
     scene, size = report.scene, report.scene.size_of("sigma")
     error = arrays.error[:, SIGMA].astype(float)

@@ -35,7 +35,7 @@ def parse_link(text: str) -> tuple[str, str]:
     return lesson, rest
 
 
-class PageLink:
+class BrowserAddress:
     """Applies links opened in the browser, and updates the browser's address with the state shown."""
 
     def __init__(self, page: PageContext):
@@ -51,13 +51,13 @@ class PageLink:
         with self._keeping:  # otherwise a refresh could overwrite a newer state
             lesson = self._page.lesson
             name, answers = (lesson.name, lesson.answers) if lesson else ("", "")
-            self._page.store.keep(state_link(self._page.controls.state, name), name, answers)
+            self._page.store.store(state_link(self._page.controls.state, name), name, answers)
 
     def _follow(self, link: str) -> None:
         """Shows the state of an address; refuses an invalid one with a message."""
         page = self._page
         name, text = parse_link(link)
-        with page.store.keep_after():
+        with page.store.defer_storing():
             if name and page.lesson:
                 page.lesson.open(name)
             try:
@@ -72,7 +72,7 @@ class Sharing(Feature):
 
     def __init__(self, page: PageContext):
         self._page, gui = page, page.gui
-        self.shortcuts = {"code": self.show_code}
+        self.shortcuts = {"code": self.show_qr_code}
         with page.tabs["explore"], gui.add_folder(None, order=LAST):
             gui.add_html("<i class='lab-beside lab-copy'></i>")
             gui.add_button(tr("Copy link"), icon=viser.Icon.LINK, hint=tr(
@@ -80,9 +80,9 @@ class Sharing(Feature):
             gui.add_html(BESIDE)
             code = gui.add_button(tr("QR code"), icon=viser.Icon.QRCODE,
                                   hint=tr("the same, to be read off this screen by a phone"))
-        code.on_click(lambda _: self.show_code())
+        code.on_click(lambda _: self.show_qr_code())
 
-    def show_code(self) -> None:
+    def show_qr_code(self) -> None:
         """Shows the state as a QR code, as large as the window, and as text."""
         gui, here, seen = self._page.gui, self._page.store.here, self._page.controls.state
         address = f"{here}#{state_link(seen, '')}"

@@ -9,14 +9,14 @@ import viser
 
 from app.frame.headline import Headline
 from app.frame.layout import Rectangle
-from app.frame.primitives import Bounds
-from app.frame.slow_motion.stage import DIGITS, SlowStage
+from app.frame.primitives import StageMetrics
+from app.frame.slow_motion.stage import DIGITS, SlowMotionStage
 from app.frame.slow_motion.step_phases import PHASES, format_scaled
 from app.language.translation import lazy, tr, with_language
-from app.page.display_source import Choice, Display, FrameView, Source
 from app.page.feature import Feature, PageView
 from app.page.page_context import PageContext
-from app.page.panels.page_header import BARE, add_anchor
+from app.page.panels.page_header import BARE, add_widget_marker
+from app.page.stage_source import FrameView, StageContent, StageSource, ViewChoice
 from app.problems.views import VIEWS
 from solvers.engine.engine_messages import FrameReport
 from solvers.scene.scene import Scene
@@ -36,21 +36,21 @@ class SlowMotion(Feature):
     def __init__(self, page: PageContext):
         self._client, self._canvas, self._session, self._on_view = (
             page.client, page.canvas, page.session, page.stage.draw)
-        self.source = SlowStep(self, page.run)
+        self.source = SlowMotionSource(self, page.run)
         self.shortcuts = {"phase": self.go_forward, "phase back": self.go_back}
         self._lock = threading.RLock()
         self._over = threading.Event()  # stops the thread that draws while the mode is on
-        self._stages: dict[str, SlowStage] = {}  # made when they are first needed
+        self._stages: dict[str, SlowMotionStage] = {}  # made when they are first needed
         self._step: tuple[Scene, StepBreakdown] | None = None
         self.on = self._walking = False
         self.sentence = Headline()  # describes the stage while the mode is on
         self._phase, self._s, self._seconds, self._asked = 0, 0.0, SECONDS[2], 0
-        self._drawn: tuple[int, float, Bounds] | None = None  # phase, progress in it, and bounds
+        self._drawn: tuple[int, float, StageMetrics] | None = None  # phase, progress in it, and bounds
 
         mark = page.gui.add_html("<i class='lab-at-slow'></i>")
         self._button = page.gui.add_button(tr(SLOW), hint=tr("pause, and walk through one time step phase by phase"))
         self._button.on_click(lambda _: self.leave_stage() if self.on else self.go_forward())
-        page.controls.extend("slow-motion", lambda: self._build_fold(page.gui), mark, self._button)
+        page.controls.add_extension("slow-motion", lambda: self._build_fold(page.gui), mark, self._button)
 
     @property
     def is_showing(self) -> bool:
@@ -58,14 +58,14 @@ class SlowMotion(Feature):
         return self._step is not None
 
     @property
-    def rectangle(self) -> Rectangle | None:
+    def stage_rectangle(self) -> Rectangle | None:
         """The rectangle of the step drawn on the stage, or None."""
         step = self._step  # without the lock: the drawing thread reads it, and holders of the lock wait for that thread
         return None if step is None else self._stages[step[0].problem].rectangle
 
     def _build_fold(self, gui: viser.GuiApi) -> None:
         """Builds the widgets among the controls, for the session's present scene."""
-        add_anchor(gui, "lab-slow-fold", words=tr("phase by phase"))
+        add_widget_marker(gui, "lab-slow-fold", words=tr("phase by phase"))
         least, most, _ = SECONDS
         with self._lock, gui.add_folder(tr("One step in slow motion"), expand_by_default=False):
             self._box = gui.add_checkbox(tr("Slow motion"), self.on, hint=tr(
@@ -84,7 +84,7 @@ class SlowMotion(Feature):
         self._box.on_update(lambda event: self._switch(event.target.value) if event.client else None)
         buttons.on_click(lambda event: acts[event.target.value]())
         seconds.on_update(lambda event: setattr(self, "_seconds", event.target.value))
-        self._particle.on_update(lambda event: self._again() if event.client else None)
+        self._particle.on_update(lambda event: self._change_particle() if event.client else None)
 
     def on_frame(self, report: FrameReport) -> None:
         """Handles a new frame: shows its step, or ends the mode if the run has been advanced."""
@@ -94,14 +94,16 @@ class SlowMotion(Feature):
             if report.breakdown is not None:
                 problem = report.scene.problem
                 if problem not in self._stages:
-                    self._stages[problem] = VIEWS[problem].slow(self._canvas.add_surface(f"/slow-{problem}"))
+                    self._stages[problem] = VIEWS[problem].slow_motion_stage(
+                        self._canvas.add_surface(f"/slow-{problem}")
+                    )
                 before, self._step, self._drawn = self._step, (report.scene, report.breakdown), None
                 if before is None or (before[0], before[1].step) != (report.scene, report.step):
                     self._phase, self._s = 0, 0.0
                 if before is None:
                     self._on_view()
             elif report.fresh and not report.playing:  # another scene, or a restart
-                self._request()
+                self._request_breakdown()
             else:
                 self._leave()
 
@@ -113,7 +115,7 @@ class SlowMotion(Feature):
             elif self._phase < LAST:
                 self._phase, self._s = self._phase + 1, 0.0
             elif self._step is not None:
-                self._request()
+                self._request_breakdown()
 
     def go_back(self) -> None:
         """Shows the phase before, as it ended."""
@@ -145,15 +147,15 @@ class SlowMotion(Feature):
             if walking and not self.on:
                 self._enter()
 
-    def _again(self) -> None:
+    def _change_particle(self) -> None:
         """Takes the same step apart around another particle."""
         with self._lock:
             if self.on:
-                self._request(step=self._step is None)
+                self._request_breakdown(step=self._step is None)
 
     def _enter(self) -> None:
         self.on, self._box.value, self._over = True, True, threading.Event()  # type: ignore[misc]
-        self._request()
+        self._request_breakdown()
         threading.Thread(target=with_language(self._draw_loop), args=(self._over,), name="slow-motion",
                          daemon=True).start()
 
@@ -167,7 +169,7 @@ class SlowMotion(Feature):
         self._session.break_down(None)
         self._on_view()
 
-    def _request(self, step: bool = True) -> None:
+    def _request_breakdown(self, step: bool = True) -> None:
         """Requests the next step, or the last one again; the present one stays on view until the answer comes."""
         particle = max(0, min(int(self._particle.value), self._session.scene.particles - 1))
         self._asked = self._session.break_down(particle, step)
@@ -177,17 +179,17 @@ class SlowMotion(Feature):
             try:
                 with self._lock:
                     if not over.is_set() and self._step is not None:
-                        self._go_on(*self._step)
+                        self._draw_next_tick(*self._step)
             except Exception:  # one bad picture must not end the mode
                 logging.getLogger(__name__).exception("the step could not be drawn")
 
-    def _go_on(self, scene: Scene, step: StepBreakdown) -> None:
+    def _draw_next_tick(self, scene: Scene, step: StepBreakdown) -> None:
         """Draws the step after another tick."""
         stage = self._stages[scene.problem]
-        now = self._phase, self._s, stage.sheet.bounds
+        now = self._phase, self._s, stage.sheet.stage_metrics
         if now != self._drawn:
             if self._drawn is None or self._phase != self._drawn[0]:
-                self._text.content = _table(scene, step, self._phase)
+                self._text.content = _phase_table_html(scene, step, self._phase)
                 phase = PHASES[self._phase]  # for the text above the stage
                 self.sentence = Headline.from_template(tr("{n} of {all}: {title}.", n=self._phase + 1, all=len(PHASES),
                                                           title=tr(phase.title)), phase.words(scene))
@@ -205,10 +207,10 @@ class SlowMotion(Feature):
             self.go_forward()
 
 
-class SlowStep:
+class SlowMotionSource:
     """The step shown, as a source with its own stage and the numbers of the paused ``run``."""
 
-    def __init__(self, slow: SlowMotion, run: Source):
+    def __init__(self, slow: SlowMotion, run: StageSource):
         self._slow, self._run = slow, run
         self.numbers, self.notice = run.numbers, run.notice
 
@@ -217,19 +219,19 @@ class SlowStep:
         return self._slow.is_showing
 
     @property
-    def is_immediate(self) -> bool:
+    def needs_immediate_headline(self) -> bool:
         return bool(self._slow.sentence)
 
-    def display(self, choice: Choice) -> Display | None:
-        sight = self._run.display(choice)
-        return sight and replace(sight, hidden=self._slow.rectangle)
+    def stage_content(self, choice: ViewChoice) -> StageContent | None:
+        sight = self._run.stage_content(choice)
+        return sight and replace(sight, hidden=self._slow.stage_rectangle)
 
-    def sentence(self, choice: Choice, picture: FrameView) -> Headline:
+    def sentence(self, choice: ViewChoice, picture: FrameView) -> Headline:
         said = self._run.sentence(choice, picture)
         return said and (self._slow.sentence or said)
 
 
-def _table(scene: Scene, a: StepBreakdown, phase: int) -> str:
+def _phase_table_html(scene: Scene, a: StepBreakdown, phase: int) -> str:
     """Returns all numbers of a phase as html: the equation, the particle's, and a table of the nodes'."""
     what = PHASES[phase]
     names, rows = [tr("node at, m")], [[", ".join(f"{x:.4g}".replace("-", "−") for x in place) for place in a.nodes]]

@@ -11,17 +11,17 @@ import viser
 
 from app.language.translation import lazy, tr, translate_message
 from app.page.feature import Feature, PageView
-from app.page.headline import in_common, periods_of
+from app.page.headline import elapsed_periods, live_to_pinned_ratio
 from app.page.page_context import PageContext
 from app.page.visit.history import series_until
 from app.page.visit.session import Session
-from app.problems.suggestion import Answer, ComparedRuns, NotNow, Suggestion, changed_state
+from app.problems.suggestion import Answer, ComparedRuns, Suggestion, SuggestionNotApplicable, changed_state
 from app.problems.views import VIEWS
 from app.state import State
 from app.words import METHODS, format_number
 from solvers.engine.engine_messages import FrameReport
-from solvers.scene.remedies import COUPLED, FILTER, FROZEN, REMEDIES
 from solvers.scene.scene import AUTO, Scene
+from solvers.scene.stabilisations import COUPLED, FILTER, FROZEN, REMEDIES
 from solvers.solver.soundness import OK, UNSTABLE
 
 BEFORE = 0.03  # periods to go back before a run broke: more than half the time between frames
@@ -44,8 +44,8 @@ class Card:
     off: bool = False
 
 
-def what_now(state: State, report: FrameReport, seek: Callable[[float], bool], show: Callable[[State], None],
-             ) -> list[tuple[Card, Callable[[], None]]]:
+def lost_run_cards(state: State, report: FrameReport, seek: Callable[[float], bool], show: Callable[[State], None],
+                   ) -> list[tuple[Card, Callable[[], None]]]:
     """Returns buttons and their actions. ``seek`` looks back to a time in s, and returns False if it is not stored."""
     scene = report.scene
     back = max(scene.time_step, (report.since or report.time) - BEFORE * scene.period)
@@ -57,7 +57,7 @@ def what_now(state: State, report: FrameReport, seek: Callable[[float], bool], s
     other = next(name for name in OTHERS if name in scene.choices("method") and name != scene.method)
     hint = tr("back to t = {time} s, paused", time=format_number(back))
     return [(Card("back", "back", tr("See the moment it broke"), hint), look_back),
-            _restart_card("cure", "filter", state, show, *_cure(scene)),
+            _restart_card("cure", "filter", state, show, *_remedy_changes(scene)),
             _restart_card("other", "halve", state, show, tr("Take {method} instead", method=METHODS[other].name),
                           tr(OTHERS[other], problem=scene.problem), {"method": other})]
 
@@ -67,12 +67,12 @@ def _restart_card(key: str, icon: str, state: State, show: Callable[[State], Non
     """Returns a button that restarts the scene with changes; disabled if they are invalid."""
     try:
         wanted = changed_state(state, changes, pinned=False)
-    except NotNow as reason:
+    except SuggestionNotApplicable as reason:
         return Card(key, icon, title, translate_message(str(reason)), off=True), lambda: None
     return Card(key, icon, title, hint, off=not changes), lambda: show(wanted)
 
 
-def _cure(scene: Scene) -> tuple[str, str, dict[str, object]]:
+def _remedy_changes(scene: Scene) -> tuple[str, str, dict[str, object]]:
     """Returns title, hint and changes: a stable time step, or the remedies that are not on yet."""
     if scene.time_step > scene.step_bound:
         return tr("Take a stable step"), tr("Auto step: longest stable step"), {"dt": AUTO, "cfl": None}
@@ -94,7 +94,7 @@ class Suggestions(Feature):
                  seek: Callable[[float], bool], is_touring: Callable[[], bool]):
         self._session, self._state, self._show, self._seek = session, state, show, seek
         self._is_touring = is_touring
-        self.messages = {"spark": self.press}
+        self.messages = {"spark": self.on_button_click}
         self._html = gui.add_html("")
         self._done: set[str] = set()
         # The suggestion, the state before it, and the state it has put on the stage.
@@ -106,22 +106,22 @@ class Suggestions(Feature):
     def build(cls, page: PageContext) -> "Suggestions":
         with page.tabs["explore"]:
             page.gui.add_html("<div class='lab-sparks-here'></div>")  # on a phone
-        return cls(page.gui, page.session, lambda: page.controls.state, page.controls.show, page.history.back_to,
+        return cls(page.gui, page.session, lambda: page.controls.state, page.controls.show, page.history.seek_if_stored,
                    lambda: page.is_touring())
 
-    def press(self, key: object) -> None:
+    def on_button_click(self, key: object) -> None:
         """Handles the click on a button."""
         if isinstance(key, str) and key in self._ways:
             self._running, ways, self._ways = None, self._ways, {}
             ways[key]()
             return
-        base = self._base()
+        base = self._base_state()
         spark = next((spark for spark in VIEWS[base.scene.problem].suggestions(base) if spark.key == key), None)
         if spark is None:
             return
         try:
             state = spark.offer(base).state
-        except NotNow:
+        except SuggestionNotApplicable:
             return
         self._done.add(f"{base.scene.problem} {spark.key}")
         self._running, self._answers = None, {}
@@ -139,18 +139,18 @@ class Suggestions(Feature):
         self._html.content = content
 
     def _current(self) -> tuple[str, Answer | None, list[Card]]:
-        self._forget()
+        self._discard_outdated_suggestion()
         report, asked = self._session.report, self._running
         assert report is not None
         here = report.scene == self._session.scene
         lost = here and report.status != OK
         answer = self._answer() if asked and here and not (lost and asked[0].breaks) else None
         if lost and answer is None and (asked is None or asked[0].breaks or report.status == UNSTABLE):
-            ways = what_now(self._state(), report, self._seek, self._show)
+            ways = lost_run_cards(self._state(), report, self._seek, self._show)
             self._ways = {card.key: act for card, act in ways}
             return LOST, None, [card for card, _ in ways]
         self._ways = {}
-        cards = self._cards(self._base())
+        cards = self._cards(self._base_state())
         if asked is None:
             return TRY, None, cards
         if answer is None:
@@ -168,17 +168,17 @@ class Suggestions(Feature):
             try:
                 offer = spark.offer(base)
                 cards.append(Card(spark.key, spark.icon, offer.title, offer.hint, done))
-            except NotNow as reason:
+            except SuggestionNotApplicable as reason:
                 why = translate_message(str(reason))
                 cards.append(Card(spark.key, spark.icon, tr(spark.title), why, done, off=True))
         return cards
 
-    def _base(self) -> State:
+    def _base_state(self) -> State:
         """Returns the state that a suggestion changes: the one on the stage, or before the last suggestion."""
-        self._forget()
+        self._discard_outdated_suggestion()
         return self._state() if self._running is None else self._running[1]
 
-    def _forget(self) -> None:
+    def _discard_outdated_suggestion(self) -> None:
         """Discards the suggestion when anything else is on the stage."""
         if self._running:
             shown, pinned = self._running[2], self._session.pinned
@@ -202,10 +202,10 @@ class Suggestions(Feature):
         if report is None or [history.scene for history in histories] != scenes:
             return None
         series = [history.series for history in histories]
-        if min(map(periods_of, series, scenes)) < spark.periods - WHOLE:
+        if min(map(elapsed_periods, series, scenes)) < spark.periods - WHOLE:
             return None
         series = [series_until(one, spark.periods * its.period * (1 + WHOLE)) for one,
                   its in zip(series, scenes, strict=True)]
         ratio = math.nan if pinned is None or state.pinned is None else \
-            in_common(series[0], series[1], f"error_{state.quantity}", (scene, state.pinned))
+            live_to_pinned_ratio(series[0], series[1], f"error_{state.quantity}", (scene, state.pinned))
         return ComparedRuns(state, series[0], series[1] if pinned else {}, ratio, report.not_valid)

@@ -7,7 +7,7 @@ from app.page.panels.page_header import WEB, language_links
 from app.problems.views import VIEWS
 from solvers.problems import PROBLEMS
 from solvers.scene.estimator_registry import ESTIMATORS
-from solvers.scene.remedies import REMEDIES
+from solvers.scene.stabilisations import REMEDIES
 from solvers.scene.step_bound import SAFE
 from solvers.solver.soundness import CONTRADICTIONS, LOST_FROM
 

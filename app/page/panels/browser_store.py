@@ -37,7 +37,7 @@ class BrowserStore:
         self._waiting: deque[str] = deque(maxlen=MOST_KINDS)  # messages not handled yet
         self._hearing = threading.Lock()
         self._text.on_update(self._receive)
-        self._text.on_update(lambda _: self._hear_all())
+        self._text.on_update(lambda _: self._handle_queued_messages())
 
     def listen(self, on_link: Callable[[str], None], on_answers: Callable[[str, str], None]) -> None:
         """Handles messages from now on, and earlier ones: the address's state, a lesson's name and stored answers."""
@@ -45,7 +45,7 @@ class BrowserStore:
         self._dispatch(self._early)
 
     @contextmanager
-    def keep_after(self) -> Iterator[None]:
+    def defer_storing(self) -> Iterator[None]:
         """Context manager: stores nothing until a change of several parts is complete, so that reloads find it all."""
         self._changing = True
         try:
@@ -53,9 +53,9 @@ class BrowserStore:
         finally:
             self._changing, held, self._pending = False, self._pending, None
             if held:
-                self.keep(*held)
+                self.store(*held)
 
-    def keep(self, link: str, lesson: str = "", answers: str = "") -> None:
+    def store(self, link: str, lesson: str = "", answers: str = "") -> None:
         """Makes the browser store a state and the answers to a lesson; without answers it sends the stored ones."""
         if self._changing:
             self._pending = link, lesson, answers
@@ -69,7 +69,7 @@ class BrowserStore:
         """Queues a message at once, before the next one overwrites it in the text widget."""
         self._waiting.append(self._text.value)
 
-    def _hear_all(self) -> None:
+    def _handle_queued_messages(self) -> None:
         """Handles queued messages in order, on one thread at a time."""
         while self._waiting and self._hearing.acquire(blocking=False):
             try:
@@ -118,7 +118,7 @@ class LayoutMetrics:
     letters: float = LETTERS
 
 
-class Window:
+class BrowserWindow:
     """One visitor's window: ``on_change`` receives a new size, ``on_dark`` dark or light. Messages are validated."""
 
     def __init__(self, store: BrowserStore, on_change: Callable[[LayoutMetrics], None],

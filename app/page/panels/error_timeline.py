@@ -13,7 +13,7 @@ from app.colours import LINES, PINNED
 from app.frame.captions import TRUE
 from app.frame.colour_scale import largest_finite, round_up
 from app.language.translation import lazy, tr
-from app.page.panels.plots import EMPTY, clip_estimate, finite_series, grey_curves, series_options, set_series
+from app.page.panels.time_plots import EMPTY, clip_estimate, pinned_curves, plottable_series, series_options, set_series
 from app.page.visit.history import RunSeries
 from app.page.visit.pinned_run import PinnedRun
 from app.words import QUANTITIES, in_periods, with_unit
@@ -75,19 +75,19 @@ class Timeline:
     def show(self, past: RunSeries, valid: tuple[str, ...], quantity: str, latest: bool, pinned: PinnedRun | None,
              drawn: str | None, now: TimelineState) -> None:
         """Draws a run's error norms up to now, or those of its ``latest`` periods, and a ``pinned`` run's in grey."""
-        series = past.latest if latest else past.series
+        series = past.latest_periods_series if latest else past.series
         time = series["time"]
-        grey = grey_curves(pinned, past, series, quantity, drawn, latest)[0]
+        grey = pinned_curves(pinned, past, series, quantity, drawn, latest)[0]
         true = series[f"error_{quantity}"]
         estimated = [clip_estimate(series[f"{name}/estimate_{quantity}"], true) if name in valid
                      else np.full(len(time), np.nan) for name in self._estimators]
         top = self._grow_axes(past, (quantity, latest), time, [*grey, true, *estimated])
         start, end, _ = self._ends or (0.0, 1.0, 1.0)
-        set_series(self._plot, finite_series(time - start, *grey, true, *estimated))
+        set_series(self._plot, plottable_series(time - start, *grey, true, *estimated))
         self._read = time, {tr(TRUE): true, **dict(zip(self._estimators, estimated, strict=True))}
-        self._say(past, series, quantity, start, end, top, now)
+        self._send_axis_and_marks(past, series, quantity, start, end, top, now)
 
-    def point(self, part: float | None) -> None:
+    def show_values_at(self, part: float | None) -> None:
         """Shows the curves' values at a fraction of the time axis, or nowhere."""
         self._pointed = part
 
@@ -98,8 +98,8 @@ class Timeline:
 
     def clear(self, now: TimelineState) -> None:
         """Clears the curves, at t = 0."""
-        set_series(self._plot, finite_series(EMPTY, *(np.full(2, np.nan) for _ in self._plot.data[1:])))
-        self._tell({"symbol": "", "top": [0, ""], "start": "", "ticks": [], "now": 0, "reach": [0, 0], "strip": "",
+        set_series(self._plot, plottable_series(EMPTY, *(np.full(2, np.nan) for _ in self._plot.data[1:])))
+        self._send({"symbol": "", "top": [0, ""], "start": "", "ticks": [], "now": 0, "reach": [0, 0], "strip": "",
                     "clock": with_unit(now.time, "s"), "playing": now.playing, "read": [], "lost": None, "says": ""})
 
     def _grow_axes(self, past: RunSeries, of: object, time: np.ndarray, curves: Sequence[np.ndarray]) -> float:
@@ -117,8 +117,8 @@ class Timeline:
             self._plot.scales = {"x": {"time": False, "range": [0.0, ends[1] - ends[0]]}, "y": {"range": [0.0, top]}}
         return top
 
-    def _say(self, past: RunSeries, series: dict[str, np.ndarray], quantity: str, start: float, end: float, top: float,
-             now: TimelineState) -> None:
+    def _send_axis_and_marks(self, past: RunSeries, series: dict[str, np.ndarray], quantity: str, start: float,
+                             end: float, top: float, now: TimelineState) -> None:
         def part(time: float) -> float:
             return round(min(1.0, max(0.0, (time - start) / (end - start))), 4)
 
@@ -134,18 +134,18 @@ class Timeline:
         words = QUANTITIES[quantity]
         said = {"symbol": words.symbol, "top": [round(1 - tick / top, 4), with_unit(tick, words.unit)],
                 "start": begin, "ticks": marks, "now": part(now.time),
-                "reach": [*map(part, now.reach)], "strip": self._strip(past, series, start, end),
+                "reach": [*map(part, now.reach)], "strip": self._crossing_digits(past, series, start, end),
                 "clock": with_unit(now.time, "s"), "playing": now.playing,
-                "read": self._at_pointer(past.scene, words.unit), "lost": None if now.lost is None else part(now.lost),
-                "says": "" if now.lost is None else
+                "read": self._values_at_pointer(past.scene, words.unit),
+                "lost": None if now.lost is None else part(now.lost), "says": "" if now.lost is None else
                 tr(UNSTABLE if now.unstable else LOST, time=with_unit(now.lost, "s"))}
-        self._tell(said)
+        self._send(said)
 
-    def _tell(self, said: dict[str, object]) -> None:
+    def _send(self, said: dict[str, object]) -> None:
         text = json.dumps(said, separators=(",", ":"), ensure_ascii=False)
         self._html.content = f"<i class='lab-times' data-said='{escape(text)}'></i>"
 
-    def _at_pointer(self, scene: Scene, unit: str) -> list[str]:
+    def _values_at_pointer(self, scene: Scene, unit: str) -> list[str]:
         """Returns the time at the pointer and each curve's value there; nothing beyond the run."""
         time, curves = self._read
         if self._pointed is None or not curves or (at := self.time_at(self._pointed)) > time[-1]:
@@ -155,7 +155,7 @@ class Timeline:
         return [with_unit(at, "s") + periods, *(f"{name} {with_unit(value, unit)}" for name, value in values.items()
                                                 if np.isfinite(value))]
 
-    def _strip(self, past: RunSeries, series: dict[str, np.ndarray], start: float, end: float) -> str:
+    def _crossing_digits(self, past: RunSeries, series: dict[str, np.ndarray], start: float, end: float) -> str:
         """Returns a digit per time interval until now: the number of crossings relative to the largest."""
         time, rate = past.crossings_per_second(series)
         if not past.scene.has("crossings") or not len(time) or not np.isfinite(rate).any():

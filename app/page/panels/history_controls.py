@@ -7,9 +7,9 @@ import viser
 from app.frame.captions import DIFFERENCE, SIDE_BY_SIDE
 from app.frame.colour_scale import ColourScale
 from app.language.translation import lazy, tr
-from app.page.visit.frame_buffer import FrameBuffer
 from app.page.visit.history import LAST_PERIODS
 from app.page.visit.particle_trace import ParticleTracer
+from app.page.visit.recent_frames import RecentFrames
 from app.page.visit.session import Session
 from app.problems.views import VIEWS
 from solvers.untrusted import number_parsing, quoting
@@ -21,7 +21,7 @@ LINEAR, LOGARITHMIC = lazy("linear"), lazy("logarithmic")
 class HistoryControls:
     """One visitor's widgets for past frames; ``on_view`` is called when another frame or particle is shown."""
 
-    def __init__(self, session: Session, recent: FrameBuffer, trace: ParticleTracer, on_view: Callable[[], None]):
+    def __init__(self, session: Session, recent: RecentFrames, trace: ParticleTracer, on_view: Callable[[], None]):
         self._session, self._recent, self._trace, self._on_view = session, recent, trace, on_view
         self.latest = False  # whether plots show the last periods only
         self._refused = False
@@ -33,7 +33,7 @@ class HistoryControls:
         self._at = 0
         return self._slider
 
-    def build_trace(self, gui: viser.GuiApi) -> None:
+    def build_plot_widgets(self, gui: viser.GuiApi) -> None:
         """Builds the widgets for the plots over time."""
         shown = tr(ALL), tr(LATEST, n=LAST_PERIODS)
         show = gui.add_dropdown(tr("Plots show"), shown, initial_value=shown[self.latest],
@@ -59,7 +59,7 @@ class HistoryControls:
 
     def refresh(self) -> None:
         """Shows the traced particle and how far back frames go; each only when changed, see ``Controls.refresh``."""
-        report, (most, periods), back = self._session.report, self._recent.reach, self._recent.back
+        report, (most, periods), back = self._session.report, self._recent.stored_frames_and_periods, self._recent.back
         paused = report is not None and not report.playing and most > 0
         self._slider.disabled = not paused
         if paused:
@@ -79,7 +79,7 @@ class HistoryControls:
             self._session.play(False)
         self._on_view()
 
-    def back_to(self, time: float) -> bool:
+    def seek_if_stored(self, time: float) -> bool:
         """Calls :meth:`seek` if frames are stored as far back; returns whether they are."""
         first, last = self._recent.span
         if kept := first <= time <= last:
@@ -118,7 +118,7 @@ def _hint(frames: int, periods: float) -> str:
               "{periods:.2g} periods.", frames=frames, periods=periods)
 
 
-class DrawingOptions:
+class DrawingWidgets:
     """One visitor's drawing options; ``part`` returns a folder that a lesson may hide, ``on_view`` redraws."""
 
     def __init__(self, session: Session, scale: ColourScale, looking: HistoryControls, on_view: Callable[[], None]):
@@ -150,7 +150,7 @@ class DrawingOptions:
             hold = gui.add_checkbox(tr("Hold colours"), scale.held,
                                     hint=tr("keep the colour scale while settings change"))
         with part("trace"):
-            self._looking.build_trace(gui)
+            self._looking.build_plot_widgets(gui)
         if hint := VIEWS[self._session.scene.problem].stage.DOMAINS_HINT:
             with part("domains"):
                 domains = gui.add_checkbox(tr("Show domains"), self.domains, hint=tr(hint))
@@ -163,7 +163,7 @@ class DrawingOptions:
 
         def on_difference(_: viser.GuiEvent) -> None:
             self.difference = compare.value == tr(DIFFERENCE)
-            self._session.show(differences=self.difference)
+            self._session.set_frame_options(differences=self.difference)
             self._on_view()
 
         def on_colours(_: viser.GuiEvent) -> None:

@@ -9,9 +9,9 @@ import numpy as np
 import viser
 
 from app.language.translation import lazy, tr, with_language
-from app.page.panels.page_header import add_anchor
-from app.page.panels.scene_widgets import SceneWidgets
-from app.words import size_in, with_unit
+from app.page.panels.page_header import add_widget_marker
+from app.page.panels.scene_widgets import SceneWidgetFactory
+from app.words import parse_size, with_unit
 from solvers.untrusted import quoting
 
 TYPING = 0.8  # seconds without a key after which the input is applied
@@ -23,7 +23,7 @@ NO_NUMBER = lazy("{name}: '{typed}' is not a number above 0; give one such as {e
 
 
 @dataclass(frozen=True)
-class Size:
+class SliderSpec:
     """The number: name, unit, slider's range, default, hint, and ``words`` beside it; ``place`` is a CSS class."""
 
     name: str
@@ -35,28 +35,29 @@ class Size:
     place: str = ""
 
 
-class SizeControl:
+class NumberSlider:
     """Slider and text for one number; ``act`` receives what the visitor sets, and a refused value is reset."""
 
-    def __init__(self, gui: viser.GuiApi, bound: SceneWidgets, size: Size, value: float, act: Callable[[float], None]):
+    def __init__(self, gui: viser.GuiApi, bound: SceneWidgetFactory, size: SliderSpec, value: float,
+                 act: Callable[[float], None]):
         self._bound, self._size, self._act = bound, size, act
         self._typed: threading.Timer | None = None
         self._value = value  # the last accepted value
         low, high = _ends(size, value)
-        marks = [add_anchor(gui, "lab-logarithmic", *filter(None, [size.place]), words=size.words)]
+        marks = [add_widget_marker(gui, "lab-logarithmic", *filter(None, [size.place]), words=size.words)]
         self._slider = gui.add_slider(size.name, low, high, STEP, float(np.log10(value)), hint=size.hint)
-        marks.append(add_anchor(gui, "lab-typed", *filter(None, [size.place])))
+        marks.append(add_widget_marker(gui, "lab-typed", *filter(None, [size.place])))
         self._text = gui.add_text(
             tr("{name}, typed", name=size.name), self._format(value),
             hint=tr(TYPE_SIZE if size.unit else TYPE, unit=size.unit, example=self._format(size.default)))
         # Removed with its widget, as it would otherwise mark the next one.
         self._parts: tuple[Any, ...] = (*marks, self._slider, self._text)
-        self._read_in_turn = bound.in_turn(self._read)
+        self._read_in_turn = bound.serialised_callback(self._read)
         bound.on_change(self._slider, self._on_slider_moved)
-        bound.on_change(self._text, self._on_typing)
+        bound.on_change(self._text, self._read_after_typing)
         bound.on_enter(self._text, self._on_entered)
 
-    def begin(self, size: Size, value: float) -> None:
+    def set_range_and_value(self, size: SliderSpec, value: float) -> None:
         """Shows a number with another range."""
         self._size = size
         self._slider.min, self._slider.max = _ends(size, value)
@@ -92,10 +93,10 @@ class SizeControl:
         self._try(value)
 
     def _try(self, value: float) -> None:
-        if self._bound.ask(self._slider, lambda: self._act(value), lambda: self.show(self._value)):
+        if self._bound.apply_or_reset(self._slider, lambda: self._act(value), lambda: self.show(self._value)):
             self._value = value
 
-    def _on_typing(self, text: str) -> None:
+    def _read_after_typing(self, text: str) -> None:
         """Waits for the rest of the input: half a number is another number."""
         if self._typed:
             self._typed.cancel()
@@ -114,17 +115,18 @@ class SizeControl:
         if self._text.value != text:  # the slider has been moved since
             return
         try:
-            value = size_in(text, self._size.unit)
+            value = parse_size(text, self._size.unit)
         except ValueError:
             size = self._size
             refusal = tr(NO_SIZE if size.unit else NO_NUMBER, name=size.name, typed=quoting.quote(text, 20),
                          unit=size.unit, example=self._format(size.default))
-            self._bound.ask(self._slider, lambda: self._bound.refuse(refusal), lambda: self.show(self._value))
+            self._bound.apply_or_reset(self._slider, lambda: self._bound.refuse(refusal),
+                                       lambda: self.show(self._value))
             return
         self._set_slider(value)
         self._try(value)
 
 
-def _ends(size: Size, value: float) -> tuple[float, float]:
+def _ends(size: SliderSpec, value: float) -> tuple[float, float]:
     """Returns the decimal logarithms of the slider's ends, extended to this value."""
     return float(np.log10(min(*size.reach, value))), float(np.log10(max(*size.reach, value)))

@@ -12,10 +12,10 @@ from typing import Any
 import viser
 
 from app.colours import TEXTS, rgb
-from app.identity import MARK, font_faces_css
 from app.language.translation import LANGUAGES, current_language, lazy, load_catalogue, tr
 from app.page.panels.browser_store import BrowserStore
 from app.templates import render_template
+from app.visual_identity import MARK, font_faces_css
 from app.words import in_a_line
 from solvers.problems import PROBLEMS
 from solvers.scene.scene import Scene
@@ -28,21 +28,24 @@ BARE = "<i class='lab-bare'></i>"  # a row of buttons that needs all of the widt
 WEB = Path(__file__).parents[1] / "web"
 
 
-def _web(folder: str, ending: str) -> str:
+def _joined_web_files(folder: str, ending: str) -> str:
     """Returns all files of a folder joined in the order of their names."""
     return "".join(path.read_text(encoding="utf-8") for path in sorted((WEB / folder).glob(f"*.{ending}")))
 
 
-def initial_html() -> str:
+def initial_page_html() -> str:
     """Returns our part of a browser's first html: style, frame, scripts and their texts."""
-    words = json.dumps(load_catalogue(current_language()).of_files("app/page/web/js/"),
+    words = json.dumps(load_catalogue(current_language()).translations_for_files("app/page/web/js/"),
                        ensure_ascii=False).replace("<", "\\u003c")
     frame = render_template(WEB / "ground.html", mark=MARK, languages=language_links())
-    return f"<style>\n{font_faces_css()}{_web('css', 'css')}</style>\n{frame}" \
-        + f"<script type='application/json' id='lab-words'>{words}</script>\n<script>\n{_web('js', 'js')}</script>"
+    return (
+        f"<style>\n{font_faces_css()}{_joined_web_files('css', 'css')}</style>\n{frame}"
+        + f"<script type='application/json' id='lab-words'>{words}</script>\n"
+        + f"<script>\n{_joined_web_files('js', 'js')}</script>"
+    )
 
 
-def set_up(gui: viser.GuiApi, dark: bool = False) -> None:
+def set_up_theme(gui: viser.GuiApi, dark: bool = False) -> None:
     """Sets theme and panel of a page."""
     # The theme colour for which buttons have the accent colour: they are drawn two shades lighter.
     hue, light, full = colorsys.rgb_to_hls(*(part / 255 for part in rgb(TEXTS["accent"][dark])))
@@ -60,12 +63,12 @@ def language_links() -> str:
                     for code, other in LANGUAGES.items() if code != current_language())
 
 
-def add_anchor(gui: viser.GuiApi, *names: str, words: str = "") -> viser.GuiHtmlHandle:
-    """Marks the next widget with names, and ``words`` beside its label; :func:`anchor_html` changes the mark."""
-    return gui.add_html(anchor_html(*names, words=words))
+def add_widget_marker(gui: viser.GuiApi, *names: str, words: str = "") -> viser.GuiHtmlHandle:
+    """Marks the next widget with names, and ``words`` beside its label; :func:`widget_marker_html` changes the mark."""
+    return gui.add_html(widget_marker_html(*names, words=words))
 
 
-def anchor_html(*names: str, words: str = "") -> str:
+def widget_marker_html(*names: str, words: str = "") -> str:
     """Returns the html of a mark."""
     return f"<i class='{' '.join(('lab-words', *names))}' data-words='{escape(words)}'></i>"
 
@@ -86,7 +89,7 @@ class PresentationMode:
             tr(PRESENT), hint=tr("for a projector: stage and one plot, large text; ? lists the keys"))
         self._button.on_click(lambda _: self._toggle())
 
-    def name(self, scene: Scene) -> None:
+    def show_scene_name(self, scene: Scene) -> None:
         """Shows the scene's name in the presenter's view."""
         if scene != self._scene:
             self._scene = scene

@@ -18,10 +18,10 @@ from app.page.visit.session import Session
 from app.words import NOTHING, QUANTITIES, difference_text, format_ratio, with_unit
 from solvers.engine.engine_messages import FrameReport
 from solvers.running.quantities_of_interest import ENERGY, STRESS
-from solvers.scene.effects import ALL, PER_CENT, Line, Number, effect_lines
+from solvers.scene.effects import ALL, PER_CENT, Number, OutputLine, output_lines_by_effect
 from solvers.scene.estimator_registry import ESTIMATORS
 from solvers.solver.error_norms import is_only_rounding
-from solvers.solver.rounding import rounding
+from solvers.solver.rounding import largest_rounding_error
 from solvers.solver.soundness import OK, UNSTABLE
 from solvers.study.coverage import track_record
 
@@ -55,12 +55,13 @@ DRAG = lazy("drag a rectangle on the stage")
 
 
 @dataclass(frozen=True)
-class Readout:
-    """Html tables of the ``errors`` by estimator and of the rest, ``beside``; ``judged`` is the cards' data as JSON."""
+class ReadoutTables:
+    """Html tables of the ``errors`` by estimator and of the rest, ``beside``; ``cards_json`` is the cards' data as
+    JSON."""
 
     errors: str
     beside: str
-    judged: str = ""
+    cards_json: str = ""
 
     @property
     def html(self) -> str:
@@ -69,13 +70,14 @@ class Readout:
 
 
 def live_readout(session: Session, history: NormHistory, report: FrameReport, quantity: str, drawn: str | None,
-                 probed: str | None, worst: WorstRegions, ago: float = 0.0) -> Readout:
+                 probed: str | None, worst: WorstRegions, ago: float = 0.0) -> ReadoutTables:
     """Returns the numbers of a run and of its ``quantity`` (a key), with the estimator ``drawn`` on the stage, for a
     frame ``ago`` periods before the newest. The ``history`` is that of the frame's run, not of a later one."""
     series = series_until(history.series, report.time)
-    return Readout(_estimates(session, report, series, quantity, drawn),
-                   _worst_rows(worst, drawn, quantity) + _run(session, history, report, series, drawn, probed, ago),
-                   estimator_cards_json(report, series, quantity, drawn))
+    return ReadoutTables(_estimate_rows(session, report, series, quantity, drawn),
+                         _worst_rows(worst, drawn,
+                                     quantity) + _run_table(session, history, report, series, drawn, probed, ago),
+                         estimator_cards_json(report, series, quantity, drawn))
 
 
 def estimator_cards_json(report: FrameReport, series: dict[str, np.ndarray], quantity: str, drawn: str | None) -> str:
@@ -91,7 +93,7 @@ def estimator_cards_json(report: FrameReport, series: dict[str, np.ndarray], qua
             judges[name] = {"says": says[:1].upper() + says[1:]}
         else:
             at = gauge_position(last_value(series, f"{name}/index_{quantity}"))
-            counts = track_record.accurate_runs(report.scene, name, quantity)  # None if not counted
+            counts = track_record.accurate_run_counts(report.scene, name, quantity)  # None if not counted
             judges[name] = {"index": _ratio(series, f"{name}/index_{quantity}"), "at": at,
                             "trust": "" if counts is None else tr(
                                 "right within 10\N{NO-BREAK SPACE}% in {n} of {all} runs like this",
@@ -108,15 +110,15 @@ def gauge_position(index: float) -> float | None:
     return round(min(1.0, max(0.0, 0.5 + 0.5 * math.log10(index))), 2) if index > 0 else 0.0
 
 
-def _run(session: Session, history: NormHistory, report: FrameReport, series: dict[str, np.ndarray], drawn: str | None,
-         probed: str | None, ago: float) -> str:
+def _run_table(session: Session, history: NormHistory, report: FrameReport, series: dict[str, np.ndarray],
+               drawn: str | None, probed: str | None, ago: float) -> str:
     scene = report.scene
     speed = report.real_speed / scene.period if report.playing and report.real_speed is not None else None
     slow = speed is not None and speed < CAPPED_BELOW * session.speed
     moves = tr("{speed} of {asked:.3g} periods/s", speed=NOTHING if speed is None else f"{speed:.2g}",
                asked=session.speed) + f" <span class='lab-capped'>{tr('CAPPED')}</span>" * slow
     rests = tr("stopped") if report.status == UNSTABLE else tr("at its end") if session.is_over else tr("paused")
-    margin = history.margin
+    margin = history.step_to_bound_ratio
     if ago:
         known = series.get("margin", np.zeros(0))
         margin = next(reversed(known[np.isfinite(known)]), math.nan)
@@ -124,14 +126,14 @@ def _run(session: Session, history: NormHistory, report: FrameReport, series: di
             ("shown", tr("<b>{periods:.2f} periods back</b>, {rests}", periods=ago, rests=rests)) if ago else
             ("speed", moves if report.playing else
              tr("<b>{rests}</b>, {speed:.3g} periods/s asked", rests=rests, speed=session.speed))]
-    lines = effect_lines(lambda effect: effect.readout)
+    lines = output_lines_by_effect(lambda effect: effect.readout)
     rows += [(line.name, text) for name, line in lines.items()
              if scene.has(name) and (text := _effect_html(name, line, series))]
     if scene.has("margin"):
         text = tr("{margin} of its bound", margin=format_ratio(margin))
         rows.append(("step", NOTHING if math.isnan(margin) else  # no node has mass before the first step
                      f"<span class='lab-over'>{text}</span>" if margin > 1 else text))
-    rows += [] if ago else list(_goals(report, drawn))
+    rows += [] if ago else list(_goal_rows(report, drawn))
     rows += [
         ("steps", tr("{steps:,} of {length}", steps=report.step, length=with_unit(scene.time_step, "s"))),
         ("solver", tr("{rate:.1f} M particle-steps/s on {arch}", rate=report.rate, arch=html.escape(report.arch))),
@@ -145,7 +147,7 @@ def _run(session: Session, history: NormHistory, report: FrameReport, series: di
                       "lab-run")
 
 
-def _goals(report: FrameReport, drawn: str | None) -> Iterator[tuple[str, str]]:
+def _goal_rows(report: FrameReport, drawn: str | None) -> Iterator[tuple[str, str]]:
     """Yields quantities of the whole body, with error bars by the estimator on the stage and how often these held."""
     for name, goal in report.goals.items():
         if goal["value"] is None:
@@ -157,18 +159,18 @@ def _goals(report: FrameReport, drawn: str | None) -> Iterator[tuple[str, str]]:
         yield GOALS[name], html.escape(text)
 
 
-def _effect_html(name: str, line: Line, series: dict[str, np.ndarray]) -> str:
+def _effect_html(name: str, line: OutputLine, series: dict[str, np.ndarray]) -> str:
     """Returns an effect's numbers so far as html, bounded ones after their lights; "" if unknown."""
     numbers, values = ALL[name].numbers, ALL[name].values(series) if len(series.get("time", ())) else {}
     if all(value is None for value in values.values()):
         return ""
     lights = "".join(traffic_light(abs(value), number.bounds) for number in numbers
                      if number.bounds and (value := values[number.key]) is not None)
-    texts = {number.key: _said_number(values[number.key], number) for number in numbers}
+    texts = {number.key: _format_number(values[number.key], number) for number in numbers}
     return lights + html.escape(tr(line.words)).format(*texts.values(), **texts)
 
 
-def _said_number(value: float | None, number: Number) -> str:
+def _format_number(value: float | None, number: Number) -> str:
     if number.unit == PER_CENT or value is None:
         return _percent(value)
     return f"{value:,}" if number.kind is int else with_unit(value, number.unit) if number.unit else f"{value:.3g}"
@@ -190,8 +192,8 @@ def _percent(share: float | None) -> str:
     return f"{sign}{abs(share):.2%}" if abs(share) < 10 else f"{sign}{format_ratio(100 * abs(share))}%"
 
 
-def _estimates(session: Session, report: FrameReport, series: dict[str, np.ndarray], key: str,
-               drawn: str | None) -> str:
+def _estimate_rows(session: Session, report: FrameReport, series: dict[str, np.ndarray], key: str,
+                   drawn: str | None) -> str:
     """Returns a row for the truth, each estimator and a pinned run: norm now, index and distance so far."""
     unit = QUANTITIES[key].unit
     heads = (f"<span title=\"{html.escape(tr(hint))}\">{head}</span>" for head, hint in
@@ -199,13 +201,15 @@ def _estimates(session: Session, report: FrameReport, series: dict[str, np.ndarr
     rows = [row_html("head", tr("error of {symbol}", symbol=QUANTITIES[key].symbol), *heads)]
     for name, silence in missing_reasons(report, series, key).items():
         if len(silence) > SHORT:
-            rows.append(row_html("", f"<span class='lab-name'>{name_with_sample(name)}</span>: {html.escape(silence)}"))
+            rows.append(
+                row_html("", f"<span class='lab-name'>{name_with_line_sample(name)}</span>: {html.escape(silence)}")
+            )
         elif silence:
-            rows.append(row_html("", name_with_sample(name), html.escape(silence)))
+            rows.append(row_html("", name_with_line_sample(name), html.escape(silence)))
         elif name == TRUE:
-            rows.append(row_html("", name_with_sample(name), format_norm(series, f"error_{key}", unit), "", ""))
+            rows.append(row_html("", name_with_line_sample(name), format_norm(series, f"error_{key}", unit), "", ""))
         else:
-            rows.append(row_html("", name_with_sample(name), format_norm(series, f"{name}/estimate_{key}", unit),
+            rows.append(row_html("", name_with_line_sample(name), format_norm(series, f"{name}/estimate_{key}", unit),
                                  _ratio(series, f"{name}/index_{key}"), _ratio(series, f"{name}/distance_{key}")))
     if session.pinned:
         # How it differs: the stage shows it, but not to screen readers.
@@ -221,7 +225,7 @@ def _pinned_rows(run: PinnedRun, said: str, key: str, drawn: str | None) -> str:
     what = tr("norm: its true error; index and distance: its estimate by {estimator}", estimator=estimator) \
         if estimator else tr(NORM)
     name = f"<span title='{html.escape(what)}'>{line_svg(PINNED)} {tr('pinned')}</span>"
-    if trouble := run.shortfall():
+    if trouble := run.stop_reason():
         said = f"{said}; {trouble}"
     ratios = (_ratio(series, f"{estimator}/{ratio}_{key}") for ratio in ("index", "distance"))
     return row_html("", name, format_norm(series, f"error_{key}", QUANTITIES[key].unit), *ratios) \
@@ -234,7 +238,7 @@ def missing_reasons(report: FrameReport, series: dict[str, np.ndarray], quantity
     silent = {name for name, values in norms.items() if len(values) and not np.isfinite(values).any()}
     reasons = why_no_numbers(report.scene, report.not_valid, quantity, silent)
     true = series.get(f"error_{quantity}", np.zeros(0))
-    if len(true) > 1 and is_only_rounding(true, rounding(report.scene, quantity, report.step)):
+    if len(true) > 1 and is_only_rounding(true, largest_rounding_error(report.scene, quantity, report.step)):
         reasons |= {name: reason or tr(ROUNDED) for name, reason in reasons.items() if name != TRUE}
     return reasons
 
@@ -245,12 +249,12 @@ def _worst_rows(worst: WorstRegions, drawn: str | None, quantity: str) -> str:
     heads = "".join(f"<td>{head}</td>" for head in (tr("estim."), tr(TRUE)))
     rows = [f"<tr class='lab-head' title='{html.escape(tr(WORST))}'>"
             f"<td colspan='2'>{tr('worst region')}</td>{heads}</tr>",
-            *(row_html("", html.escape(_title(name)), *_region(region, QUANTITIES[quantity].unit))
+            *(row_html("", html.escape(_row_label(name)), *_region_cells(region, QUANTITIES[quantity].unit))
               for name, region in (*by, (TRUE, worst.by_truth)))]
     return table_html("".join(rows), "lab-numbers lab-worst")
 
 
-def _region(region: WorstRegion | None, unit: str) -> tuple[str, ...]:
+def _region_cells(region: WorstRegion | None, unit: str) -> tuple[str, ...]:
     if region is None:
         return tr("unknown"), "", ""
     place = ", ".join(f"<span class='lab-together'>{html.escape(part)}</span>" for part in region.name.split(", "))
@@ -271,12 +275,12 @@ def row_html(kind: str, *cells: str) -> str:
     return f"<tr class='lab-{kind}'>{first}{last}{cells[-1]}</td></tr>\n"
 
 
-def name_with_sample(name: str) -> str:
+def name_with_line_sample(name: str) -> str:
     """Returns a name after a sample of its line in the plots."""
-    return f"{line_sample(name)} {html.escape(_title(name))}"
+    return f"{line_sample(name)} {html.escape(_row_label(name))}"
 
 
-def _title(name: str) -> str:
+def _row_label(name: str) -> str:
     """Returns the name to show for the truth, an estimate or an estimator."""
     return tr(name) if name in (TRUE, ESTIMATED) else name
 

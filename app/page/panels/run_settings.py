@@ -10,9 +10,9 @@ import viser
 from app import words
 from app.language.translation import lazy, tr
 from app.page.panels.browser_store import BrowserStore
-from app.page.panels.number_slider import Size, SizeControl
-from app.page.panels.page_header import add_anchor, anchor_html
-from app.page.panels.scene_widgets import SceneWidgets
+from app.page.panels.number_slider import NumberSlider, SliderSpec
+from app.page.panels.page_header import add_widget_marker, widget_marker_html
+from app.page.panels.scene_widgets import SceneWidgetFactory
 from app.page.visit.session import Session
 from app.problems.views import VIEWS
 from app.words import METHODS, Method, with_unit
@@ -31,10 +31,10 @@ FOLLOWS = ("cpgimp", "cpgimp-v", "cpdi")
 NAMES = {"mpm": lazy("hat")}  # where the picture has another name than the method
 
 
-class RunWidgets:
+class RunSettingsWidgets:
     """Widgets of one visitor; ``part`` returns a folder for a control that a lesson may hide."""
 
-    def __init__(self, session: Session, bound: SceneWidgets, store: BrowserStore):
+    def __init__(self, session: Session, bound: SceneWidgetFactory, store: BrowserStore):
         self._session, self._bound = session, bound
         store.heard["method"] = self._choose_method
 
@@ -44,31 +44,34 @@ class RunWidgets:
         default = type(scene)()
         gui.add_html(f"<h2 class='lab-h2'>{tr('Change the run')}<small>{tr('takes effect at once')}</small></h2>")
         with part("method"):
-            self._method(gui)
+            self._build_method(gui)
         with part("cells"):
-            self._cells(gui)
+            self._build_cells(gui)
         with part("ppc"):
-            low, high = view.reach.ppc
+            low, high = view.slider_ranges.ppc
             step, hint = (1, tr("in each direction")) if scene.swings else (0.5, tr("need not be whole here"))
-            add_anchor(gui, words=tr("how fine the body is"))
+            add_widget_marker(gui, words=tr("how fine the body is"))
             per_cell = gui.add_slider(tr("Particles / cell"), low, max(high, scene.ppc), step, scene.ppc, hint=hint)
-            self._bound.follow(per_cell, lambda count: session.set(ppc=count))
-        if "amplitude" in scene.moved_by:
+            self._bound.on_change_or_reset(per_cell, lambda count: session.set_scene_fields(ppc=count))
+        if "amplitude" in scene.motion_fields:
             with part("amplitude"):
-                amplitude = Size(tr("Amplitude A"), words.unit_of(type(scene), "amplitude"), view.reach.amplitude,
-                                 default.amplitude, tr(view.amplitude_hint), tr("how far it swings"))
-                SizeControl(gui, self._bound, amplitude, scene.amplitude, lambda value: session.set(amplitude=value))
+                amplitude = SliderSpec(tr("Amplitude A"), words.unit_of(type(scene), "amplitude"),
+                                       view.slider_ranges.amplitude, default.amplitude, tr(view.amplitude_hint),
+                                       tr("how far it swings"))
+                NumberSlider(gui, self._bound, amplitude, scene.amplitude,
+                             lambda value: session.set_scene_fields(amplitude=value))
         elif view.motion and not scene.swings:
             with part("stretch"):
-                self._bound.sliders(view.motion.sliders)
+                self._bound.add_sliders(view.motion.sliders)
         with part("modulus"):
-            modulus = Size(tr("Modulus E"), "Pa", view.reach.modulus, default.modulus, tr(view.modulus_hint),
-                           tr("how stiff it is"))
-            SizeControl(gui, self._bound, modulus, scene.modulus, lambda value: session.set(modulus=value))
+            modulus = SliderSpec(tr("Modulus E"), "Pa", view.slider_ranges.modulus, default.modulus,
+                                 tr(view.modulus_hint), tr("how stiff it is"))
+            NumberSlider(gui, self._bound, modulus, scene.modulus,
+                         lambda value: session.set_scene_fields(modulus=value))
         with part("step"):
-            self._step(gui)
+            self._build_time_step(gui)
 
-    def _method(self, gui: viser.GuiApi) -> None:
+    def _build_method(self, gui: viser.GuiApi) -> None:
         scene = self._session.scene
         self._names = words.choice_labels(type(scene), "method")
         codes = {name: code for code, name in self._names.items()}
@@ -77,17 +80,19 @@ class RunWidgets:
             hint=tr("shape functions that carry data between particles and grid"))
         self._pictured = scene.method
         self._pictures = gui.add_html(method_pictures(tuple(self._names), scene.method))
-        self._bound.follow(self._shown_method, lambda name: self._session.set(method=codes[name]))
+        self._bound.on_change_or_reset(self._shown_method,
+                                       lambda name: self._session.set_scene_fields(method=codes[name]))
 
     def _choose_method(self, method: Any) -> None:
         """Handles a click on a method's picture."""
         with self._bound.turn:
             if isinstance(method, str) and method in self._names and self._shown_method.visible:
                 self._shown_method.value = self._names[method]  # type: ignore[misc]
-                self._bound.ask(self._shown_method, lambda: self._session.set(method=method), lambda: setattr(
-                    self._shown_method, "value", self._names[self._session.scene.method]))
+                self._bound.apply_or_reset(
+                    self._shown_method, lambda: self._session.set_scene_fields(method=method),
+                    lambda: setattr(self._shown_method, "value", self._names[self._session.scene.method]))
 
-    def _cells(self, gui: viser.GuiApi) -> None:
+    def _build_cells(self, gui: viser.GuiApi) -> None:
         scene = self._session.scene
         across = scene.cells * scene.spacing
 
@@ -97,43 +102,43 @@ class RunWidgets:
         def size(count: int) -> str:
             return tr("{size} each", size=with_unit(across / count, "m", 3))
 
-        low, high, step = VIEWS[scene.problem].reach.cells
+        low, high, step = VIEWS[scene.problem].slider_ranges.cells
         high = max(high, scene.cells)  # of a scene that was loaded
-        words_beside = add_anchor(gui, words=size(scene.cells))
+        words_beside = add_widget_marker(gui, words=size(scene.cells))
         cells = gui.add_slider(label(scene.cells), low, high, step, scene.cells,
                                hint=tr("grid cells across {across:g} m", across=across))
 
         def on_cells(count: int) -> None:
-            cells.label, words_beside.content = label(count), anchor_html(words=size(count))
-            self._session.set(cells=count)
+            cells.label, words_beside.content = label(count), widget_marker_html(words=size(count))
+            self._session.set_scene_fields(cells=count)
 
-        self._bound.follow(cells, on_cells)
+        self._bound.on_change_or_reset(cells, on_cells)
 
-    def _step(self, gui: viser.GuiApi) -> None:
+    def _build_time_step(self, gui: viser.GuiApi) -> None:
         """Builds the step's widgets: a number, or "auto", whose step the slider shows too."""
         session, scene = self._session, self._session.scene
 
         def by_hand(cfl: float) -> None:
             self._auto.value = False  # type: ignore[misc]
-            session.set(cfl=cfl, dt=None)
+            session.set_scene_fields(cfl=cfl, dt=None)
 
         def automatic(wanted: bool) -> None:
             if wanted:
-                session.set(cfl=None, dt=AUTO)
+                session.set_scene_fields(cfl=None, dt=AUTO)
             else:  # the step stays as it was
                 by_hand(float(f"{session.scene.courant_number:.3g}"))
 
-        add_anchor(gui, "lab-auto")
+        add_widget_marker(gui, "lab-auto")
         self._auto = gui.add_checkbox(tr("Auto step"), scene.dt == AUTO, hint=tr(
             "take {safe:g} of the longest stable step along the motion, by linear theory; the slider shows it",
             safe=SAFE))
         self._shown_step = scene.courant_number
-        self._step_size = SizeControl(gui, self._bound,
-                                      Size(tr("CFL number"), "", CFL, DEFAULT_CFL,
-                                           tr("time step as a share of the time a wave takes through a cell"),
-                                           tr("time step")),
-                                      scene.courant_number, by_hand)
-        self._bound.follow(self._auto, automatic)
+        self._step_size = NumberSlider(gui, self._bound,
+                                       SliderSpec(tr("CFL number"), "", CFL, DEFAULT_CFL,
+                                                  tr("time step as a share of the time a wave takes through a cell"),
+                                                  tr("time step")),
+                                       scene.courant_number, by_hand)
+        self._bound.on_change_or_reset(self._auto, automatic)
 
     def refresh(self) -> None:
         """Shows the "auto" step and the method of the present scene, if they have changed."""
@@ -146,16 +151,17 @@ class RunWidgets:
             self._pictures.content = method_pictures(tuple(self._names), scene.method)
 
 
-def shape_weights(method: str) -> tuple[np.ndarray, np.ndarray]:
+def shape_function_curve(method: str) -> tuple[np.ndarray, np.ndarray]:
     """Returns positions (S,) in cells relative to a node, and a method's weights (S,) of a particle there."""
     at = np.linspace(-REACH, REACH, POINTS)
     half = np.full_like(at, STRETCHED if method in FOLLOWS else HALF_WIDTH)
     if method == "cpdi":
-        return at, 0.5 * (_weight("mpm", at - half, half) + _weight("mpm", at + half, half))
-    return at, _weight(method, at, half)
+        return at, 0.5 * (_shape_function_values("mpm", at - half,
+                                                 half) + _shape_function_values("mpm", at + half, half))
+    return at, _shape_function_values(method, at, half)
 
 
-def _weight(method: str, at: np.ndarray, half_width: np.ndarray) -> np.ndarray:
+def _shape_function_values(method: str, at: np.ndarray, half_width: np.ndarray) -> np.ndarray:
     """Returns the weights of the node at 0 for particles at these positions."""
     first, values, _ = stencil(method.removesuffix("-v"), at, half_width)
     here = np.clip(-first, 0, 2)
@@ -167,16 +173,22 @@ def method_pictures(methods: tuple[str, ...], chosen: str) -> str:
     def name(method: str) -> str:
         return tr(NAMES[method]) if method in NAMES else (METHODS[method].name if method in METHODS else method)
 
-    return "<div class='lab-methods' aria-hidden='true'>" + "".join(
-        f"<span class='lab-method{' lab-chosen' * (method == chosen)}' data-method='{escape(method)}' "
-        f"title='{escape(str(METHODS.get(method) or Method(method)))}'>{_curve(method)}{escape(name(method))}</span>"
-        for method in methods) + "</div>"
+    return (
+        "<div class='lab-methods' aria-hidden='true'>"
+        + "".join(
+            f"<span class='lab-method{' lab-chosen' * (method == chosen)}' data-method='{escape(method)}' "
+            f"title='{escape(str(METHODS.get(method) or Method(method)))}'>"
+            f"{_shape_function_svg(method)}{escape(name(method))}</span>"
+            for method in methods
+        )
+        + "</div>"
+    )
 
 
-def _curve(method: str) -> str:
+def _shape_function_svg(method: str) -> str:
     if method not in (*METHODS,):
         return ""
-    at, weight = shape_weights(method)
+    at, weight = shape_function_curve(method)
     points = " ".join(f"{(x / REACH + 1) / 2 * WIDTH:.1f},{HEIGHT - 3 - (HEIGHT - 6) * w:.1f}"
                       for x, w in zip(at, weight, strict=True))
     nodes = "".join(f"<circle cx='{(x / REACH + 1) / 2 * WIDTH:.1f}' cy='{HEIGHT - 3:.0f}' r='1.5'/>"

@@ -12,22 +12,22 @@ import viser
 
 from app import words
 from app.language.translation import tr, translate_message
-from app.page.panels.page_header import add_anchor
+from app.page.panels.page_header import add_widget_marker
 from app.page.visit.session import Session, first_scene
 from app.problems.interface import LinearSlider
 from app.problems.views import VIEWS
 from app.viewer.widgets import is_removed, set_max_length, widget_id
 from solvers.motion.formula import MOST_CHARACTERS
 from solvers.scene.effects import Effect
-from solvers.scene.remedies import Remedy
 from solvers.scene.scene import Scene
+from solvers.scene.stabilisations import Remedy
 from solvers.scene.validation import SceneError, field_label
 
 REST = 0.7  # seconds without another refusal after which the control is reset: not while it is being moved
 TO_BE_READ = 8.0  # seconds that a refusal is shown
 
 
-class WidgetAnswers:
+class WidgetMessages:
     """Message below the widget changed last (``js/answers.js``). Call :meth:`refresh` a few times a second."""
 
     def __init__(self, gui: viser.GuiApi, clock: Callable[[], float] = monotonic):
@@ -37,7 +37,7 @@ class WidgetAnswers:
         self._refusal: tuple[float, str] | None = None
         self._back: Callable[[], None] | None = None
 
-    def on_changed(self, widget: Any) -> None:
+    def record_change(self, widget: Any) -> None:
         """Notes that the visitor has changed a widget."""
         with self._lock:
             self._last, self._refusal, self._back = widget, None, None
@@ -59,41 +59,41 @@ class WidgetAnswers:
         if widget is None or is_removed(widget):
             content = ""
         elif self._refusal:
-            content = _answer_html(widget, "refused", f"{sentence[:1].upper()}{sentence[1:]}.")
+            content = _message_html(widget, "refused", f"{sentence[:1].upper()}{sentence[1:]}.")
         else:
-            content = _answer_html(widget, "compiling", tr("compiling …")) if compiling else ""
+            content = _message_html(widget, "compiling", tr("compiling …")) if compiling else ""
         self._html.content = content
         if back and not is_removed(widget):
             back()
 
 
-def _answer_html(widget: Any, kind: str, sentence: str) -> str:
+def _message_html(widget: Any, kind: str, sentence: str) -> str:
     return f"<i class='lab-answer' data-of='{widget_id(widget)}' data-kind='{kind}' data-says='{escape(sentence)}'></i>"
 
 
-class SceneWidgets:
+class SceneWidgetFactory:
     """Factory of one visitor's widgets; their callbacks take the lock ``turn``, so that the last change wins."""
 
-    def __init__(self, gui: viser.GuiApi, session: Session, answers: WidgetAnswers, turn: threading.RLock):
+    def __init__(self, gui: viser.GuiApi, session: Session, answers: WidgetMessages, turn: threading.RLock):
         self._gui, self._session, self._answers = gui, session, answers
         self.turn, self._made = turn, object()
         self._enters: dict[str, Callable[[], None]] = {}
 
-    def forget(self) -> None:
+    def disable_callbacks(self) -> None:
         """Disables the callbacks of all widgets, which are about to be removed."""
         self._made = object()
         self._enters = {}
 
     def on_enter(self, text: viser.GuiTextHandle, act: Callable[[], None]) -> None:
         """Calls ``act`` when the visitor has finished a text: pressed Enter, or left the field."""
-        self._enters[widget_id(text)] = self.in_turn(act)
+        self._enters[widget_id(text)] = self.serialised_callback(act)
 
-    def enter(self, text: str) -> None:
+    def apply_entered_text(self, text: str) -> None:
         """Handles the end of typing in the text of this id, if it is one of these."""
         if act := self._enters.get(text):
             act()
 
-    def in_turn(self, act: Callable[..., None]) -> Callable[..., None]:
+    def serialised_callback(self, act: Callable[..., None]) -> Callable[..., None]:
         """Returns ``act`` as a callback that takes the lock and does nothing once its widget is removed."""
         made = self._made
 
@@ -104,7 +104,7 @@ class SceneWidgets:
 
         return run_in_turn
 
-    def boxes(self, field: str, kinds: Mapping[str, Effect] | Mapping[str, Remedy]) -> None:
+    def add_checkboxes(self, field: str, kinds: Mapping[str, Effect] | Mapping[str, Remedy]) -> None:
         """Adds a checkbox for each value that the scene's field may contain."""
         session, scene = self._session, self._session.scene
         boxes = {}
@@ -112,14 +112,16 @@ class SceneWidgets:
             boxes[name] = self._gui.add_checkbox(tr(kinds[name].label), name in getattr(scene, field),
                                                  hint=tr(kinds[name].explanation))
         for box in boxes.values():
-            self.follow(box, lambda _: session.set(**{field: tuple(name for name, b in boxes.items() if b.value)}))
+            self.on_change_or_reset(
+                box, lambda _: session.set_scene_fields(**{field: tuple(name for name, b in boxes.items() if b.value)})
+            )
 
-    def follow(self, widget: Any, act: Callable[[Any], None]) -> None:
+    def on_change_or_reset(self, widget: Any, act: Callable[[Any], None]) -> None:
         """Calls ``act`` with each value that the visitor sets; a refused value is reset to the one before."""
         met = [widget.value]
 
         def apply(value: Any) -> None:
-            if self.ask(widget, lambda: act(value), lambda: setattr(widget, "value", met[0])):
+            if self.apply_or_reset(widget, lambda: act(value), lambda: setattr(widget, "value", met[0])):
                 met[0] = value
 
         self.on_change(widget, apply)
@@ -127,26 +129,26 @@ class SceneWidgets:
 
     def on_change(self, widget: Any, act: Callable[[Any], None]) -> None:
         """Calls ``act`` with the widget's value whenever the visitor changes it, one widget at a time."""
-        asked = self.in_turn(lambda: act(widget.value))
+        asked = self.serialised_callback(lambda: act(widget.value))
 
         def on_update(event: viser.GuiEvent) -> None:
             if event.client is not None:  # otherwise the page has set the value
-                self._answers.on_changed(widget)
+                self._answers.record_change(widget)
                 asked()
 
         widget.on_update(on_update)
 
-    def ask(self, widget: Any, act: Callable[[], None], back: Callable[[], None]) -> bool:
+    def apply_or_reset(self, widget: Any, act: Callable[[], None], back: Callable[[], None]) -> bool:
         """Calls ``act`` for a widget; returns False and resets the widget with ``back`` if it is refused."""
         before = self._session.refused
         act()
         refused = self._session.refused
         if refused is None or refused is before:
             return True
-        self._answers.refuse(widget, refused[1], self.in_turn(back))
+        self._answers.refuse(widget, refused[1], self.serialised_callback(back))
         return False
 
-    def field(self, field: str, hint: str) -> None:
+    def add_field(self, field: str, hint: str) -> None:
         """Adds a dropdown for a field with several choices, or a checkbox for a bool."""
         scene, label, hint = self._session.scene, tr(field_label(field)), tr(hint)
         label = label[:1].upper() + label[1:]
@@ -154,11 +156,12 @@ class SceneWidgets:
         codes = {name: code for code, name in names.items()}
         widget = self._gui.add_dropdown(label, tuple(codes), hint=hint, initial_value=names[value]) if names \
             else self._gui.add_checkbox(label, value, hint=hint)
-        self.follow(widget, lambda shown: self._session.set(**{field: codes.get(shown, shown)}))
+        self.on_change_or_reset(widget,
+                                lambda shown: self._session.set_scene_fields(**{field: codes.get(shown, shown)}))
 
-    def formula(self, field: str, label: str, hint: str) -> None:
+    def add_formula(self, field: str, label: str, hint: str) -> None:
         """Adds a text for a formula of the scene, checked while it is typed and applied when it is finished."""
-        add_anchor(self._gui, "lab-formula")
+        add_widget_marker(self._gui, "lab-formula")
         text = self._gui.add_text(tr(label), getattr(self._session.scene, field), hint=tr(hint))
         set_max_length(text, MOST_CHARACTERS)
         said = self._gui.add_html("")
@@ -172,23 +175,23 @@ class SceneWidgets:
                 said.content = f"<p class='lab-formula-says'>{escape(sentence[:1].upper() + sentence[1:])}.</p>"
 
         def apply() -> None:
-            self.ask(text, lambda: self._session.set(**{field: text.value}), lambda: None)
+            self.apply_or_reset(text, lambda: self._session.set_scene_fields(**{field: text.value}), lambda: None)
 
         self.on_change(text, check)
         self.on_enter(text, apply)
 
-    def sliders(self, sliders: Mapping[str, LinearSlider]) -> None:
+    def add_sliders(self, sliders: Mapping[str, LinearSlider]) -> None:
         """Adds a slider for each of these fields."""
         values = self._session.scene.to_dict()
         for field, (label, low, high, step, hint) in sliders.items():
             value = values[field]
             slider = self._gui.add_slider(tr(label), min(low, value), max(high, value), step, value, hint=tr(hint))
-            self.follow(slider, functools.partial(self._set, field))
+            self.on_change_or_reset(slider, functools.partial(self._set_scene_field, field))
 
-    def _set(self, field: str, value: float) -> None:
-        self._session.set(**{field: value})
+    def _set_scene_field(self, field: str, value: float) -> None:
+        self._session.set_scene_fields(**{field: value})
 
-    def motions(self, move: Callable[[Scene, str | None, float | None], None]) -> None:
+    def add_motion_dropdown(self, move: Callable[[Scene, str | None, float | None], None]) -> None:
         """Adds a dropdown of the problem's motions; ``move`` receives a scene, and a quantity and speed or None."""
         scene = self._session.scene
         motion = VIEWS[scene.problem].motion
@@ -201,7 +204,7 @@ class SceneWidgets:
         def on_chosen(_: viser.GuiEvent) -> None:
             now = self._session.scene
             code = next(code for code, name in names.items() if name == shown.value)
-            changed = motion.change(now, code, first_scene(now.problem).estimators)
+            changed = motion.change_motion(now, code, first_scene(now.problem).estimators)
             move(changed, *((None, None) if changed.swings else (motion.quantity, motion.speed)))
 
         shown.on_update(on_chosen)

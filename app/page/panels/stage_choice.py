@@ -14,7 +14,7 @@ from app.frame.colour_scale import ColourScale
 from app.language.translation import lazy, tr
 from app.page.panels.browser_store import BrowserStore
 from app.page.panels.readout import line_sample
-from app.page.panels.scene_widgets import SceneWidgets
+from app.page.panels.scene_widgets import SceneWidgetFactory
 from app.page.visit.session import Session
 from app.problems.views import VIEWS
 from solvers.engine.shared_frames import FrameArrays
@@ -57,22 +57,22 @@ class StageChoice:
             "quantity": (quantity_mark, self._quantity), "estimators": (estimator_mark, self._estimator),
             "magnify": (magnify_mark, self._magnify)}
         self._quantity.on_update(
-            lambda event: self.measure(self._quantities[event.target.value]) if event.client else None)
+            lambda event: self.show_quantity(self._quantities[event.target.value]) if event.client else None)
         self._estimator.on_update(lambda event: self.show_estimator(
             None if event.target.value == tr(NONE) else event.target.value) if event.client else None)
-        self._magnify.on_update(lambda event: self._choose_factor() if event.client else None)
+        self._magnify.on_update(lambda event: self._choose_magnification() if event.client else None)
 
     def show(self, quantity: str, estimator: str | None, magnified: int) -> None:
-        """Shows quantity, estimator and magnification; the estimator only if it runs, see :meth:`judge_by`."""
+        """Shows quantity, estimator and magnification; the estimator only if it runs, see :meth:`set_estimators`."""
         self.quantity, self.estimator, self.magnified = quantity, estimator, magnified
         for widget, shown in ((self._quantity, self._shown_quantity), (self._magnify, _NAMES[magnified])):
             widget.value = shown  # type: ignore[misc]
 
-    def go_to(self, problem: str) -> None:
+    def restore_last_estimator(self, problem: str) -> None:
         """Restores the estimator last shown of a problem that is put on the stage."""
         self.estimator, self._silent = self._by_problem.get(problem), True
 
-    def on_frame(self, scene: Scene, arrays: FrameArrays) -> None:
+    def ensure_estimator_has_values(self, scene: Scene, arrays: FrameArrays) -> None:
         """Handles a new frame: replaces an estimator without values of a newly chosen quantity by one that has some."""
         if not self._silent or scene != self._session.scene:
             return
@@ -82,7 +82,7 @@ class StageChoice:
             self.estimator = self._estimator.value = says[0]  # type: ignore[misc]
             self._on_view()
 
-    def judge_by(self, estimators: tuple[str, ...]) -> None:
+    def set_estimators(self, estimators: tuple[str, ...]) -> None:
         """Sets the estimators that run; one of them is on the stage."""
         before = self.estimator
         if before not in estimators:
@@ -102,7 +102,7 @@ class StageChoice:
             self._by_problem[self._session.scene.problem] = estimator
         self._on_view()
 
-    def next_judge(self) -> None:
+    def next_estimator(self) -> None:
         """Puts the next of the estimators that run on the stage."""
         running = [name for name in self._estimator.options if name != tr(NONE)]
         if running:
@@ -116,11 +116,11 @@ class StageChoice:
         self._magnify.value = _NAMES[self.magnified]  # type: ignore[misc]
         self._on_view()
 
-    def measure(self, quantity: str) -> None:
+    def show_quantity(self, quantity: str) -> None:
         """Shows the error of a quantity, by its key."""
         self.quantity, self._silent = quantity, True
         self._quantity.value = self._shown_quantity  # type: ignore[misc]
-        self._session.show(plotted=quantity)
+        self._session.set_frame_options(plotted=quantity)
         self._scale.reset()
         self._on_view()
 
@@ -128,7 +128,7 @@ class StageChoice:
     def _shown_quantity(self) -> str:
         return str(words.QUANTITIES[self.quantity])
 
-    def _choose_factor(self) -> None:
+    def _choose_magnification(self) -> None:
         self.magnified = _FACTORS[self._magnify.value]
         self._on_view()
 
@@ -143,12 +143,12 @@ INDEX = lazy("error index: estimated over true, summed over the run so far; pric
 class EstimatorCards:
     """One visitor's cards of estimators; a click on a name puts an estimator that runs on the ``stage``."""
 
-    def __init__(self, gui: viser.GuiApi, session: Session, stage: StageChoice, bound: SceneWidgets,
+    def __init__(self, gui: viser.GuiApi, session: Session, stage: StageChoice, bound: SceneWidgetFactory,
                  store: BrowserStore):
         self._session, self._stage, self._bound = session, stage, bound
         self._boxes: dict[str, viser.GuiCheckboxHandle] = {}
         self._html = gui.add_html("")
-        store.heard["judge"] = self._show_estimator
+        store.heard["judge"] = self._show_estimator_on_stage
 
     @property
     def chosen_names(self) -> tuple[str, ...]:
@@ -166,32 +166,32 @@ class EstimatorCards:
         for name in (*usual, *(name for name in PROBLEMS[problem].estimators if name not in usual)):
             gui.add_html("<i class='lab-switch'></i>")
             self._boxes[name] = gui.add_checkbox(ESTIMATORS[name].title, name in wished)
-            gui.add_html(_card(name, problem))
+            gui.add_html(_estimator_card_html(name, problem))
         for box in self._boxes.values():
-            self._bound.follow(box, lambda _: self._choose())
-        self._stage.judge_by(wished)
+            self._bound.on_change_or_reset(box, lambda _: self._run_chosen_estimators())
+        self._stage.set_estimators(wished)
 
-    def show(self, judged: str) -> None:
+    def fill_cards(self, judged: str) -> None:
         """Fills the cards with :func:`app.page.panels.readout.estimator_cards_json`; clears them if that is ""."""
         self._html.content = f"<i class='lab-judged' data-said='{escape(judged)}'></i>"
 
-    def _choose(self) -> None:
-        self._stage.judge_by(self.chosen_names)
-        self._session.set(estimators=self.chosen_names)
+    def _run_chosen_estimators(self) -> None:
+        self._stage.set_estimators(self.chosen_names)
+        self._session.set_scene_fields(estimators=self.chosen_names)
 
-    def _show_estimator(self, name: Any) -> None:
+    def _show_estimator_on_stage(self, name: Any) -> None:
         """Shows the errors by an estimator, and switches it on if it is off."""
         with self._bound.turn:
             if not isinstance(name, str) or (box := self._boxes.get(name)) is None or not box.visible:
                 return
             if not box.value:
                 box.value = True  # type: ignore[misc]
-                self._session.set(estimators=self.chosen_names)
-                self._stage.judge_by(self.chosen_names)
+                self._session.set_scene_fields(estimators=self.chosen_names)
+                self._stage.set_estimators(self.chosen_names)
             self._stage.show_estimator(name)
 
 
-def _card(name: str, problem: str) -> str:
+def _estimator_card_html(name: str, problem: str) -> str:
     """Returns a card, whose numbers the browser fills in. The price is the run time added by the estimator."""
     estimator, price = ESTIMATORS[name], VIEWS[problem].prices.get(name)
     cost = "" if price is None else f"+{100 * price / (1 - price):.0f}\N{NO-BREAK SPACE}%"

@@ -27,7 +27,7 @@ SETTLE_SECONDS = 1.5
 REPEAT_SECONDS = 0.5
 
 
-class FlatCamera:
+class OrthographicCamera:
     """Keeps ``rectangle`` = (x0, x1, y0, y1) in a client's view."""
 
     def __init__(self, client: viser.ClientHandle, rectangle: Rectangle):
@@ -40,20 +40,20 @@ class FlatCamera:
         client.camera.on_update(lambda _: self.fit())
         self.fit(force=True)
 
-    def show(self, rectangle: Rectangle) -> None:
+    def show_rectangle(self, rectangle: Rectangle) -> None:
         """Looks at another rectangle."""
         if rectangle != self._rectangle:
             self._rectangle = rectangle
             self.fit(force=True)
 
-    def settle(self) -> None:
+    def refit_while_settling(self) -> None:
         """Repeats the fit while the canvas is settling; call it periodically."""
         now = monotonic()
         if now < self._settle_until + 1 and now > self._next_fit:
             self._next_fit = now + REPEAT_SECONDS
             self.fit(force=True)
 
-    def on_stage(self, screen: tuple[float, float]) -> tuple[float, float]:
+    def stage_point(self, screen: tuple[float, float]) -> tuple[float, float]:
         """Returns the point of the plane z = 0 at a position on the canvas, (0, 0) top left to (1, 1) bottom right."""
         camera = self._client.camera
         x, y, distance = (float(v) for v in camera.position)
@@ -98,15 +98,15 @@ _ANGLES = np.linspace(0, 2 * np.pi, 25)
 _RING = RADIUS * np.stack([np.cos(_ANGLES), np.sin(_ANGLES), 0 * _ANGLES], axis=1).astype(np.float32)
 
 
-class ErrorProbe:
+class RegionErrorProbe:
     """One visitor's selected region and the errors read in it, as ``text``."""
 
-    def __init__(self, client: viser.ClientHandle, sheet: ViewerSurface, camera: FlatCamera):
+    def __init__(self, client: viser.ClientHandle, sheet: ViewerSurface, camera: OrthographicCamera):
         self._rectangle: tuple[tuple[float, float], tuple[float, float]] | None = None
         self._sheet = sheet
         self.text: str | None = None
         # Rectangle selection also takes the left drag, which would otherwise rotate the view.
-        client.scene.on_rect_select()(lambda event: self._select(camera, event))
+        client.scene.on_rect_select()(lambda event: self._select_region(camera, event))
 
     def measure(self, stage: Stage, arrays: FrameArrays, estimated: np.ndarray | None, true: np.ndarray | None,
                 unit: str) -> None:
@@ -118,7 +118,7 @@ class ErrorProbe:
         inside = stage.particles_in(*rectangle, arrays)
         if not inside.any():
             self._rectangle, self.text = None, None
-            self._show(np.empty((0, 2, 3), np.float32))
+            self._draw_outline(np.empty((0, 2, 3), np.float32))
             return
         parts = [tr("{n} particles", n=np.count_nonzero(inside))]
         for said, sizes in ((ESTIMATED, estimated), (TRUE, true)):
@@ -127,15 +127,15 @@ class ErrorProbe:
                 parts.append(tr(said, mean=mean, worst=worst))
         self.text = "; ".join(parts)
 
-    def _select(self, camera: FlatCamera, event: viser.SceneRectSelectEvent) -> None:
-        ends = camera.on_stage(event.screen_min), camera.on_stage(event.screen_max)
+    def _select_region(self, camera: OrthographicCamera, event: viser.SceneRectSelectEvent) -> None:
+        ends = camera.stage_point(event.screen_min), camera.stage_point(event.screen_max)
         (left, right), (bottom, top) = (sorted(coordinates) for coordinates in zip(*ends, strict=True))
         self._rectangle = (left, bottom), (right, top)
         corners = in_plane(np.array([left, right, right, left]), np.array([bottom, bottom, top, top]), 0.03)
-        self._show(join_points(corners, np.roll(corners, -1, axis=0)))
+        self._draw_outline(join_points(corners, np.roll(corners, -1, axis=0)))
 
-    def _show(self, frame: np.ndarray) -> None:
-        self._sheet.show(Lines("rectangle", frame, self._sheet.bounds.palette.dot, 1.5))
+    def _draw_outline(self, frame: np.ndarray) -> None:
+        self._sheet.show_marks(Lines("rectangle", frame, self._sheet.stage_metrics.palette.dot, 1.5))
 
 
 class TraceRings:
@@ -145,7 +145,7 @@ class TraceRings:
         self._trace = trace
         self._last_drawn: tuple[Stage, FrameArrays] | None = None
         self._sheet = sheet
-        client.scene.on_click()(lambda event: self._click(_on_stage(event)))
+        client.scene.on_click()(lambda event: self._click(_clicked_stage_point(event)))
 
     def update(self, stage: Stage, arrays: FrameArrays) -> None:
         """Draws the ring around the traced particle, if any."""
@@ -153,12 +153,12 @@ class TraceRings:
         if traced is None or traced.particle >= len(arrays.position):
             self._sheet.visible = False
             return
-        middles = stage.image_points(arrays, slice(traced.particle, traced.particle + 1))[:, 0]
+        middles = stage.drawn_particle_points(arrays, slice(traced.particle, traced.particle + 1))[:, 0]
         around = middles[:, None] + _RING  # (images, angles, 3)
         for name, width, height in RINGS:
             around[:, :, 2] = height
-            self._sheet.show(Lines(name, join_points(around[:, :-1].reshape(-1, 3), around[:, 1:].reshape(-1, 3)),
-                                   getattr(self._sheet.bounds.palette, name), width))
+            self._sheet.show_marks(Lines(name, join_points(around[:, :-1].reshape(-1, 3), around[:, 1:].reshape(-1, 3)),
+                                         getattr(self._sheet.stage_metrics.palette, name), width))
         self._sheet.visible = True
 
     def hide(self) -> None:
@@ -170,12 +170,12 @@ class TraceRings:
         if self._last_drawn is None:
             return
         stage, arrays = self._last_drawn
-        particle, traced = stage.nearest(point, arrays), self._trace.traced
+        particle, traced = stage.nearest_particle(point, arrays), self._trace.traced
         self._trace.choose(None if traced is not None and particle == traced.particle else particle)
         self.update(stage, arrays)
 
 
-def _on_stage(event: viser.SceneClickEvent) -> tuple[float, float]:
+def _clicked_stage_point(event: viser.SceneClickEvent) -> tuple[float, float]:
     """Returns where the ray of a click meets the plane z = 0; correct also while the camera settles."""
     (x, y, z), (dx, dy, dz) = event.ray_origin, event.ray_direction
     return x - z * dx / dz, y - z * dy / dz

@@ -7,16 +7,16 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from app.frame.captions import View
+from app.frame.captions import ErrorView
 from app.frame.headline import ROUND_OFF
-from app.frame.stage import NOTHING, Annotations, Worst
+from app.frame.stage import NOTHING, Annotations, WorstRegionMark
 from app.problems.views import VIEWS
 from app.words import QUANTITIES, with_unit
 from solvers.engine.engine_messages import FrameReport
 from solvers.engine.shared_frames import FrameArrays
 from solvers.scene.scene import Scene
 from solvers.solver import soundness
-from solvers.solver.rounding import rounding
+from solvers.solver.rounding import largest_rounding_error
 
 ALIKE = 0.8, 1.25  # range of an estimate's norm over the true one that looks right
 LEAD = 1.05  # factor by which another region must be worse to take over, so that ties do not flicker
@@ -59,17 +59,17 @@ class WorstRegions:
         self.by_truth: WorstRegion | None = None
         self._remarks: tuple[Scene | None, Annotations] = None, NOTHING  # and of which scene: threads differ
 
-    def remarks(self, scene: Scene) -> Annotations:
+    def annotations(self, scene: Scene) -> Annotations:
         """Returns the annotations for a picture of a scene."""
         whose, remarks = self._remarks
         return remarks if scene == whose else NOTHING
 
-    def find(self, report: FrameReport, arrays: FrameArrays, view: View, quantity: str) -> None:
+    def find(self, report: FrameReport, arrays: FrameArrays, view: ErrorView, quantity: str) -> None:
         """Finds both regions in a frame, for a quantity by its key."""
         with self._lock, np.errstate(all="ignore"):  # a run gone bad holds anything
             self._find(report, arrays, view, quantity)
 
-    def _find(self, report: FrameReport, arrays: FrameArrays, view: View, quantity: str) -> None:
+    def _find(self, report: FrameReport, arrays: FrameArrays, view: ErrorView, quantity: str) -> None:
         if report.scene != self.scene:
             self.by_estimate = self.by_truth = None
             self.scene, self._worst = report.scene, (SteadyMaximum(), SteadyMaximum())
@@ -78,18 +78,19 @@ class WorstRegions:
         if len(self._regions.number) != len(arrays.position):
             return  # the view is of another frame
         self._remarks = None, NOTHING
-        errors = [None if sizes is None or len(sizes) != len(arrays.position) else self._regions.errors(sizes)
+        errors = [None if sizes is None or len(sizes) != len(arrays.position) else self._regions.rms_errors(sizes)
                   for sizes in (view.estimated, view.true)]
         self.by_estimate, self.by_truth = (self._region(worst, own, errors)
                                            for worst, own in zip(self._worst, errors, strict=True))
         estimate, truth = self.by_estimate, self.by_truth
         scene, unit = report.scene, QUANTITIES[quantity].unit
         least = 0.0 if scene.swings else max(ROUND_OFF * scene.size_of(quantity),
-                                             rounding(scene, quantity, scene.steps))
+                                             largest_rounding_error(scene, quantity, scene.steps))
 
-        def describe(region: WorstRegion | None, estimated: bool) -> Worst | None:
+        def describe(region: WorstRegion | None, estimated: bool) -> WorstRegionMark | None:
             size = (region.estimated if estimated else region.true) if region else None
-            return Worst(region.particles, with_unit(size, unit, 2)) if region and size and size > least else None
+            return WorstRegionMark(region.particles,
+                                   with_unit(size, unit, 2)) if region and size and size > least else None
 
         alike = False  # whether the estimate looks as large as the truth
         if view.estimated is not None and view.true is not None:

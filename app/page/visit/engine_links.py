@@ -16,7 +16,7 @@ MOST_WATCHED = 40_000  # particles; browsers show not much more
 FASTEST = 1000.0  # periods per second; nothing is visible at such a speed
 
 
-class SessionCount:
+class EventRateCounter:
     """Thread-safe counter of events per second, over the last whole second."""
 
     def __init__(self) -> None:
@@ -29,7 +29,7 @@ class SessionCount:
             self._count += 1
 
     @property
-    def a_second(self) -> int:
+    def events_per_second(self) -> int:
         with self._lock:
             self._begin_second()
             return self._last
@@ -42,7 +42,7 @@ class SessionCount:
             self._second, self._count = now, 0
 
 
-def too_many(scene: Scene) -> str:
+def scene_size_refusal(scene: Scene) -> str:
     """Returns why the stage cannot show a scene, or ""."""
     return tr("{particles:,} particles are too many to watch; at most {most:,} go on the stage",
               particles=scene.particles, most=MOST_WATCHED) if scene.particles > MOST_WATCHED else ""
@@ -62,14 +62,14 @@ class _ListenerInLanguage:
 class PageLinks:
     """The engine pool for one page; ``close`` closes all its links. ``frames`` counts those of all pages."""
 
-    def __init__(self, pool: EnginePool, frames: SessionCount | None = None):
-        self._pool, self.frames = pool, frames or SessionCount()
+    def __init__(self, pool: EnginePool, frames: EventRateCounter | None = None):
+        self._pool, self.frames = pool, frames or EventRateCounter()
         self._opening, self._closed = threading.Lock(), False
         self._links = WeakSet[SessionLink]()  # weak: a closed link and its listener are not kept alive
 
     def open(self, listener: SessionListener, beside: SessionLink | None = None) -> SessionLink:
         """Opens a link; if the page is closed already, the link is closed at once."""
-        link = self._pool.open(cast(SessionListener, _ListenerInLanguage(listener)), beside)
+        link = self._pool.open_session(cast(SessionListener, _ListenerInLanguage(listener)), beside)
         with self._opening:
             self._links.add(link)
             closed = self._closed
@@ -87,4 +87,4 @@ class PageLinks:
     @property
     def playing(self) -> int:
         """The number of running stages of all visitors."""
-        return self._pool.playing
+        return self._pool.playing_sessions

@@ -8,12 +8,12 @@ from itertools import product
 
 import numpy as np
 
-from app.frame.crossings import WINDOW
+from app.frame.recent_crossings import WINDOW
 from solvers.scene.scene import Scene
-from solvers.scene.step_bound import margin_unit
+from solvers.scene.step_bound import gershgorin_to_linear_factor
 from solvers.solver import samples
-from solvers.solver.error_norms import RATIOS, RunningIndex
-from solvers.solver.rounding import rounding
+from solvers.solver.error_norms import RATIOS, RunningEffectivityIndex
+from solvers.solver.rounding import largest_rounding_error
 from solvers.solver.samples import QUANTITIES
 
 MOST_ROWS = 800  # then every other row is dropped: a long run keeps its whole course, more coarsely
@@ -68,13 +68,13 @@ class RunSeries:
 
     @property
     def series(self) -> dict[str, np.ndarray]:
-        self._take_in()
+        self._append_pending_rows()
         return self._whole.series
 
     @property
-    def latest(self) -> dict[str, np.ndarray]:
+    def latest_periods_series(self) -> dict[str, np.ndarray]:
         """The series of the last periods only."""
-        self._take_in()
+        self._append_pending_rows()
         return self._latest.series
 
     def append(self, new: Mapping[str, np.ndarray]) -> None:
@@ -82,7 +82,7 @@ class RunSeries:
         self._whole.add(new)
         self._latest.add(new)
 
-    def _take_in(self) -> None:
+    def _append_pending_rows(self) -> None:
         """Appends rows that wait for a reader, if any."""
 
     def crossings_per_second(self, series: dict[str, np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
@@ -133,7 +133,7 @@ class NormHistory(RunSeries):
         self._lock = threading.Lock()
         self._waiting: list[np.ndarray] = []
         self._margin = math.nan
-        self._ratios: defaultdict[str, RunningIndex] = defaultdict(RunningIndex)
+        self._ratios: defaultdict[str, RunningEffectivityIndex] = defaultdict(RunningEffectivityIndex)
 
     def add(self, rows: np.ndarray) -> None:
         """Appends rows of samples (``solvers.solver.samples``)."""
@@ -142,15 +142,15 @@ class NormHistory(RunSeries):
                 self._waiting.append(rows)
             many = len(self._waiting) > MOST_WAITING
         if many:
-            self._take_in()
+            self._append_pending_rows()
 
     @property
-    def margin(self) -> float:
+    def step_to_bound_ratio(self) -> float:
         """The time step over its stability bound, as last read: few samples have it."""
-        self._take_in()
+        self._append_pending_rows()
         return self._margin
 
-    def _take_in(self) -> None:
+    def _append_pending_rows(self) -> None:
         with self._lock:
             waiting, self._waiting = self._waiting, []
             if waiting:
@@ -158,11 +158,11 @@ class NormHistory(RunSeries):
 
     def _extend(self, rows: np.ndarray) -> None:
         scene = self.scene
-        new = samples.read_rows(rows, scene, self._particles, margin_unit(scene))
+        new = samples.read_rows(rows, scene, self._particles, gershgorin_to_linear_factor(scene))
         for estimator, q, (ratio, norm) in product(scene.active_estimators, QUANTITIES, RATIOS.items()):
             name = f"{estimator}/{ratio}_{q}"
-            new[name] = self._ratios[name].extend(new[f"{estimator}/{norm}_{q}"], new[f"error_{q}"], rounding(
-                scene, q, new["time"] / scene.time_step))
+            rounding = largest_rounding_error(scene, q, new["time"] / scene.time_step)
+            new[name] = self._ratios[name].extend(new[f"{estimator}/{norm}_{q}"], new[f"error_{q}"], rounding)
         looked = np.flatnonzero(np.isfinite(new["margin"]))
         self._margin = float(new["margin"][looked[-1]]) if len(looked) else self._margin
         self.append(new)

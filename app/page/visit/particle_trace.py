@@ -6,8 +6,8 @@ from collections.abc import Sequence
 import numpy as np
 
 from app.language.translation import tr
-from app.page.visit.frame_buffer import Frame, FrameBuffer
 from app.page.visit.history import MOST_ROWS, RunSeries
+from app.page.visit.recent_frames import Frame, RecentFrames
 from solvers.engine.engine_messages import FrameReport
 from solvers.engine.shared_frames import FrameArrays
 from solvers.solver.samples import QUANTITIES
@@ -61,7 +61,7 @@ class TracedParticle(RunSeries):
 class ParticleTracer:
     """The particle that one visitor traces, if any. Frames come on one thread, choices on any."""
 
-    def __init__(self, recent: FrameBuffer):
+    def __init__(self, recent: RecentFrames):
         self._recent, self._lock = recent, threading.Lock()
         self.traced: TracedParticle | None = None
         self._next: int | None = None  # to be followed in the next run

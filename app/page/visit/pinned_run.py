@@ -3,7 +3,7 @@
 from collections.abc import Callable
 from dataclasses import replace
 
-from app.frame.captions import View, view_of_frame
+from app.frame.captions import ErrorView, frame_error_view
 from app.language.translation import tr, translate_message
 from app.page.visit.history import NormHistory
 from solvers.engine.engine_messages import FrameReport, Pace
@@ -35,15 +35,15 @@ class PinnedRun:
         """Returns the estimator on the visitor's stage, or the run's first if it does not have that one."""
         return drawn if drawn in self.scene.estimators else next(iter(self.scene.estimators), None)
 
-    def view(self, quantity: str, drawn: str | None, difference: bool) -> View | None:
+    def view(self, quantity: str, drawn: str | None, difference: bool) -> ErrorView | None:
         """Returns the view of the last frame; None before there is one."""
         if self.last is None:
             return None
         report, arrays = self.last
         estimator = self.estimator(drawn)
-        return view_of_frame(report, arrays, quantity, estimator, difference and estimator in arrays.difference)
+        return frame_error_view(report, arrays, quantity, estimator, difference and estimator in arrays.difference)
 
-    def shortfall(self) -> str | None:
+    def stop_reason(self) -> str | None:
         """Returns why the run has stopped, in few words; None while it goes on."""
         if self._error:
             return translate_message(self._error)

@@ -8,12 +8,12 @@ from time import monotonic
 from typing import Any
 
 from app.language.translation import lazy, tr, translate_message
-from app.page.visit.engine_links import FASTEST, PageLinks, too_many
+from app.page.visit.engine_links import FASTEST, PageLinks, scene_size_refusal
 from app.page.visit.history import NormHistory
 from app.page.visit.pinned_run import PinnedRun
 from app.page.visit.status_message import Notice, doubt_notice
 from app.problems.views import VIEWS
-from app.words import on_page
+from app.words import reword_for_page
 from solvers.engine.engine_messages import FrameReport, Pace
 from solvers.engine.shared_frames import FrameArrays, FrameOptions
 from solvers.problems import PROBLEMS
@@ -67,25 +67,26 @@ class Session:
         self._pool, self._link = pool, pool.open(self)
         self._send_request()
 
-    def set(self, **fields: object) -> None:
+    def set_scene_fields(self, **fields: object) -> None:
         """Requests some fields of the scene; a refused request leaves the present scene running (:attr:`refused`)."""
         with self._lock:
             wished = self._requested | fields
             try:
                 scene = PROBLEMS[wished["problem"]].scene(**wished)
             except SceneError as refusal:
-                self.refuse(on_page(str(refusal)), refusal.field if refusal.field in fields else next(iter(fields)))
+                self.refuse(reword_for_page(str(refusal)),
+                            refusal.field if refusal.field in fields else next(iter(fields)))
                 return
-            if crowd := too_many(scene):
+            if crowd := scene_size_refusal(scene):
                 self.refuse(crowd, next(iter(fields)))
                 return
             self._requested, self.scene, self._beyond = wished, scene, False
             self._send_request()
 
-    def choose(self, scene: Scene, speed: float | None = None, ends: bool = False) -> None:
+    def set_scene(self, scene: Scene, speed: float | None = None, ends: bool = False) -> None:
         """Requests a whole scene, at so many periods per second, to its end or further; drops earlier requests."""
         with self._lock:
-            if crowd := too_many(scene):
+            if crowd := scene_size_refusal(scene):
                 self.refuse(crowd)
                 return
             if scene.problem != self.scene.problem and self.pinned:
@@ -101,13 +102,13 @@ class Session:
             self._beyond = self._beyond or (self.is_over and (playing or single_steps > 0))
             self._send_request(playing=playing, single_steps=self._pace.single_steps + single_steps)
 
-    def rest(self) -> None:
+    def pause_until_return(self) -> None:
         """Pauses until the visitor comes back."""
         with self._lock:
             self._rests = True
             self._send_request(playing=False)
 
-    def attend(self, watched: bool) -> None:
+    def set_watched(self, watched: bool) -> None:
         """Pauses the run while nobody watches; later it goes on as if no time had passed."""
         with self._lock:
             if watched != self.watched:
@@ -146,7 +147,7 @@ class Session:
         return self._pace.ends
 
     @property
-    def motion_key(self) -> tuple:
+    def playback_request_key(self) -> tuple:
         """The requests that advance the run: a change since the last time is the visitor's."""
         return self.scene, self._pace.restarts, self._pace.single_steps, self.playing
 
@@ -162,7 +163,7 @@ class Session:
             self._beyond = False
             self._send_request(restarts=self._pace.restarts + 1)
 
-    def open_end(self) -> None:
+    def continue_past_end(self) -> None:
         """Lets the run go on beyond the end of its scene."""
         with self._lock:
             self._send_request(playing=self.playing and not self.is_over, ends=False)
@@ -181,7 +182,7 @@ class Session:
                 return
             self._send_request(speed=speed)
 
-    def show(self, **options: object) -> None:
+    def set_frame_options(self, **options: object) -> None:
         """Sets what frames contain (:class:`~solvers.engine.shared_frames.FrameOptions`)."""
         with self._lock:
             self._frame = replace(self._frame, **options)  # type: ignore[arg-type]
@@ -247,7 +248,7 @@ class Session:
         if waiting and waited > SLOW_ANSWER and not (self.report and self.compiling):
             return Notice("wait", tr(PREPARING if waited <= SAID_AFTER else STILL_PREPARING, seconds=f"{waited:.0f}"))
         if self.report and self.report.status != OK and self.report.reason and not waiting:
-            return Notice(self.report.status, f"{on_page(self.report.reason)}.")
+            return Notice(self.report.status, f"{reword_for_page(self.report.reason)}.")
         happened, sentence = self._news
         return Notice("wait", sentence) if monotonic() < happened + TO_BE_READ else None
 

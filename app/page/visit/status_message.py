@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 from app.language.translation import tr
 from app.page.visit.history import NormHistory
-from app.words import format_ratio, on_page
+from app.words import format_ratio, reword_for_page
 from solvers.untrusted.quoting import escape_html
 
 LONGEST = 1000  # most letters of a sentence; refusals have less
@@ -37,4 +37,4 @@ def doubt_notice(history: NormHistory, valid: tuple[str, ...]) -> Notice | None:
             return Notice("refused", tr("The estimate {estimator} has failed: it is {index} times the true error of x. "
                                         "Do not trust it here.", estimator=estimator, index=format_ratio(index)))
     warnings = scene.warnings()
-    return Notice("refused", f"{on_page(warnings[0])}.") if warnings else None
+    return Notice("refused", f"{reword_for_page(warnings[0])}.") if warnings else None

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 from app.frame.field_plot import ROOM
 from app.frame.layout import PlotBox, RunSlot, Spot, StageLayout, colour_bar_box, drawing_rectangle
-from app.frame.primitives import Bounds
+from app.frame.primitives import StageMetrics
 
 #: In pixels: space above the upper and below the lower lane; least lane and gap, height of a strip, distance between
 #: two runs; half the height of a plot with space for keys; and the height of the number at the end of its axis.
@@ -23,37 +23,37 @@ class BarLayout(StageLayout):
     heading: float
 
 
-def bar_places(room: Bounds, seat: RunSlot) -> BarLayout:
+def make_bar_layout(room: StageMetrics, seat: RunSlot) -> BarLayout:
     """Returns the layout in settled bounds."""
-    return _single_layout(room) if seat == RunSlot.ALONE else _paired_layout(room, seat)
+    return _single_run_layout(room) if seat == RunSlot.ALONE else _paired_run_layout(room, seat)
 
 
-def _single_layout(room: Bounds) -> BarLayout:
+def _single_run_layout(room: StageMetrics) -> BarLayout:
     pixel, end = room.pixel, colour_bar_box(room, room.high).end
     lane = min(max(LANE * end, LEAST_LANE * pixel), MOST_LANE * pixel)
     gap = max(GAP * lane, LEAST_GAP * pixel)
     estimate = end - BRACKET * pixel - 0.5 * lane
     truth = estimate - lane - gap
-    low = 1.3 * room.line  # for the numbers below the plot
-    high = truth - 0.5 * lane - BRACKET * pixel - 0.4 * room.line
+    low = 1.3 * room.line_height  # for the numbers below the plot
+    high = truth - 0.5 * lane - BRACKET * pixel - 0.4 * room.line_height
     half = 0.5 * (high - low) / ROOM
     middle = 0.5 * (high + low)
     keys = half > KEYS * pixel  # below its name; beside the axis's numbers, wherever it is
-    at = (-room.gutter, middle + 1.55 * room.line * keys) if room.gutter else None
+    at = (-room.gutter, middle + 1.55 * room.line_height * keys) if room.gutter else None
     below = low - 2 * pixel
     remark: Spot = (0.78, below, "top-center") if room.gutter else (1 - END * pixel, below, "top-right")
     box = PlotBox(0.0, 1.0, middle, half, below, (0.5, below, "top-center"), remark, at, keys)
     return BarLayout(room, RunSlot.ALONE, drawing_rectangle(room.high), box, estimate, truth, lane,
-                     0.5 * (estimate + truth), end - room.line)
+                     0.5 * (estimate + truth), end - room.line_height)
 
 
-def _paired_layout(room: Bounds, seat: RunSlot) -> BarLayout:
+def _paired_run_layout(room: StageMetrics, seat: RunSlot) -> BarLayout:
     """Returns the layout of one of two runs, half as high: a heading, its plot, and two adjacent strips."""
     pixel, end, second = room.pixel, colour_bar_box(room, room.high).end, seat == RunSlot.SECOND
-    low = 1.2 * room.line  # for the numbers below both
+    low = 1.2 * room.line_height  # for the numbers below both
     each = 0.5 * (end - low - APART * pixel)
     start = end - (each + APART * pixel) * second
-    heading = start - 1.2 * room.line
+    heading = start - 1.2 * room.line_height
     strip = max(STRIP * pixel, 0.1 * each)
     lowest = start - each
     truth, estimate = lowest + 0.5 * strip, lowest + 1.5 * strip

@@ -11,25 +11,25 @@ from app.colours import COLOUR_MAP, ESTIMATE_INK, INK, LINE2, TRUTH, TRUTH_INK
 from app.frame.layout import RunSlot
 from app.problems.bar.stage import BarStage
 from app.renderers import panel_style
-from app.renderers.picture_style import TRUTH_WIDTH, in_sizes
+from app.renderers.picture_style import TRUTH_WIDTH, format_size_axis
 from solvers.problems.bar import exact_solution
 from solvers.problems.bar.scene import BarScene
 from solvers.running.result import Result
 
 
-def draw(figure: Figure, space: Axes, particles: SubplotSpec, result: Result) -> None:
-    _draw_curve(space, result)
-    _draw_lanes(figure, figure.add_subplot(particles), result)
+def draw_picture(figure: Figure, space: Axes, particles: SubplotSpec, result: Result) -> None:
+    _draw_displacement(space, result)
+    _draw_error_lanes(figure, figure.add_subplot(particles), result)
 
 
-def _draw_curve(axes: Axes, result: Result) -> None:
+def _draw_displacement(axes: Axes, result: Result) -> None:
     """Draws the particles' displacements and the exact curve."""
     shown, scene = result.picture_snapshot, cast(BarScene, result.scene)
     fine = np.linspace(0, 1, 801)
     even = scene.initial_velocity * shown.time if scene.is_patch else 0.0  # which would hide the rest
     curve = exact_solution.displacement(scene, fine, shown.time) - even
     axes.plot(fine, curve, color=TRUTH, linewidth=TRUTH_WIDTH, label="exact", zorder=2)
-    few = panel_style.subsample_indices(len(shown.position))
+    few = panel_style.random_subsample_indices(len(shown.position))
     moved = panel_style.drawable_or_gap((shown.position - shown.material_position - even)[few])
     size = float(np.clip(1500 / len(few), 2.0, 12.0))
     axes.scatter(shown.material_position[few], moved, s=size, color=INK, linewidths=0, label="particles", zorder=3)
@@ -37,11 +37,11 @@ def _draw_curve(axes: Axes, result: Result) -> None:
     axes.set_title(f"{name} {panel_style.when_text(result)}")
     limit = 1.4 * max(abs(curve).max(), panel_style.robust_size(moved)) or scene.motion_amplitude
     axes.set(xlabel="material coordinate X; line: exact, dots: computed", xlim=(0, 1), ylim=(-limit, limit))
-    in_sizes(axes.xaxis, "m", few=False)
-    in_sizes(axes.yaxis, "m")
+    format_size_axis(axes.xaxis, "m", few=False)
+    format_size_axis(axes.yaxis, "m")
 
 
-def _draw_lanes(figure: Figure, axes: Axes, result: Result) -> None:
+def _draw_error_lanes(figure: Figure, axes: Axes, result: Result) -> None:
     """Draws a lane for each estimate and one for the truth, on one colour scale."""
     shown, cells = result.picture_snapshot, result.scene.cells
     position = cast(BarScene, result.scene).wrap_into_period(shown.position)
@@ -49,11 +49,11 @@ def _draw_lanes(figure: Figure, axes: Axes, result: Result) -> None:
     lanes += [(f"estimate\n({name})", np.abs(shown.estimate[name][:, 0]), ESTIMATE_INK)
               for name in result.scene.active_estimators]
     lanes = [lane for lane in lanes if lane[1] is not None] or [("particles", None, INK)]
-    few = panel_style.subsample_indices(len(shown.position))
+    few = panel_style.random_subsample_indices(len(shown.position))
     few = few[(position[few] >= 0) & (position[few] <= 1)]  # an unstable run leaves NaN and worse
     known = [sizes[few] for _, sizes, _ in lanes if sizes is not None]
     truth = known.pop(0) if shown.error is not None else None
-    scale = panel_style.shared_scale(truth, known)
+    scale = panel_style.shared_colour_scale(truth, known)
     width = float(np.clip(700 / max(1, len(few)), 0.7, 10.0))
     for height, (_, sizes, _) in enumerate(lanes):
         look = {"color": "0.4"} if sizes is None else {"array": sizes[few], "cmap": COLOUR_MAP, "norm": scale}
@@ -73,7 +73,7 @@ def _draw_lanes(figure: Figure, axes: Axes, result: Result) -> None:
     axes.set(xlabel=f"position x{'; grey lines: cell boundaries' if lined else ''}", xlim=(-0.01, 1.01),
              ylim=(-0.5, len(lanes) - 0.5))
     axes.grid(visible=False)
-    in_sizes(axes.xaxis, "m", few=False)
+    format_size_axis(axes.xaxis, "m", few=False)
     axes.set_title(f"Particles {panel_style.when_text(result)}, coloured by the size of the position's error")
     if len(few) and lanes[0][1] is not None:
-        panel_style.colour_bar(figure, strokes, axes, "error of x, one scale for all lanes", "m", aspect=80)
+        panel_style.add_colour_bar(figure, strokes, axes, "error of x, one scale for all lanes", "m", aspect=80)

@@ -5,12 +5,23 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from app.frame.field_plot import ROOM, PlotSettings
+from app.frame.field_plot import ROOM, FieldPlotDefinition
 from app.frame.layout import HALVES, RunSlot
-from app.frame.primitives import Anchor, Bounds, Dots, Label, Lines, Mark, Tone, fade_colours, in_plane, join_points
-from app.frame.stage import TOUCH, Stage, StageLabels, Worst
+from app.frame.primitives import (
+    Anchor,
+    Dots,
+    Label,
+    Lines,
+    Mark,
+    StageMetrics,
+    Tone,
+    fade_colours,
+    in_plane,
+    join_points,
+)
+from app.frame.stage import TOUCH, Stage, StageLabels, WorstRegionMark
 from app.language.translation import lazy, tr
-from app.problems.bar.layout import BarLayout, bar_places
+from app.problems.bar.layout import BarLayout, make_bar_layout
 from app.words import short_reason
 from solvers.engine.shared_frames import FrameArrays
 from solvers.problems.bar import exact_solution
@@ -33,33 +44,34 @@ def exact_positions(scene: BarScene, X: np.ndarray, t: float) -> np.ndarray:
 class BarStage(Stage[BarScene]):
     """Stage of the bar."""
 
-    PLOT = PlotSettings(0.0, 1.0, ("x = 0", "1 m"), exact_solution.field, where=exact_positions)
+    PLOT = FieldPlotDefinition(0.0, 1.0, ("x = 0", "1 m"), exact_solution.field_as_sampled, where=exact_positions)
     MOST_MARKED, HALVES = 200, lazy("Lanes")
 
     @staticmethod
-    def layout(room: Bounds, seat: RunSlot) -> BarLayout:
-        return bar_places(room, seat)
+    def layout(room: StageMetrics, seat: RunSlot) -> BarLayout:
+        return make_bar_layout(room, seat)
 
     @staticmethod
     def labels(words: StageLabels, places: BarLayout) -> Iterator[Label]:
         for name, silence, lane in zip(HALVES, words.silences, (places.estimate, places.truth), strict=True):
-            text, width = places.bounds.fit((silence, short_reason(silence)), LONGEST, places.lane)
+            text, width = places.stage_metrics.first_fitting_text((silence, short_reason(silence)), LONGEST,
+                                                                  places.lane)
             yield Label(f"{name}-silence", text, 0.5, lane, "center-center", "silence", width=min(width, WIDEST_LINE))
-        yield from (_names if places.slot == RunSlot.ALONE else _pair_names)(words, places)
+        yield from (_single_run_labels if places.slot == RunSlot.ALONE else _paired_run_labels)(words, places)
 
     def particles_in(self, low: tuple[float, float], high: tuple[float, float], arrays: FrameArrays) -> np.ndarray:
         """Returns which particles (P,) lie in the rectangle from ``low`` to ``high`` of the stage, at any height."""
         x = self._stage_x(arrays)
         return (x >= low[0]) & (x <= high[0])
 
-    def nearest(self, point: tuple[float, float], arrays: FrameArrays) -> int | None:
+    def nearest_particle(self, point: tuple[float, float], arrays: FrameArrays) -> int | None:
         """Returns the nearest particle: in the lanes by x alone, below by its dot in the field plot."""
         (x, y), places = point, self._layout
         if abs(y - 0.5 * (places.truth + places.estimate)) < 0.5 * (places.estimate - places.truth) + places.lane:
             return int(np.argmin(np.abs(self._stage_x(arrays) - x))) if -TOUCH < x < 1 + TOUCH else None
-        return super().nearest(point, arrays)
+        return super().nearest_particle(point, arrays)
 
-    def image_points(self, arrays: FrameArrays, particles: slice) -> np.ndarray:
+    def drawn_particle_points(self, arrays: FrameArrays, particles: slice) -> np.ndarray:
         x = self._stage_x(arrays)[particles]
         lanes = [in_plane(x, lane) for lane in (self._layout.estimate, self._layout.truth)]
         return np.stack([*lanes, self._field.dot_positions(particles, len(x))])
@@ -71,23 +83,27 @@ class BarStage(Stage[BarScene]):
             x = self._drawn_scene.wrap_into_period(x)
         return np.fmin(np.fmax(x, -0.5), 1.5)  # fmax ignores NaN
 
-    def _axis_positions(self, arrays: FrameArrays) -> np.ndarray:
+    def _plot_axis_positions(self, arrays: FrameArrays) -> np.ndarray:
         return self._now
 
     def _static_marks(self, scene: BarScene, particles: int, at_rest: np.ndarray | None) -> Iterator[Mark]:
-        edges, places, colours = np.arange(scene.cells + 1) * scene.spacing, self._layout, self._layout.bounds.palette
-        box, over = places.field, 6 * places.bounds.pixel
+        edges, places, colours = (
+            np.arange(scene.cells + 1) * scene.spacing,
+            self._layout,
+            self._layout.stage_metrics.palette,
+        )
+        box, over = places.field, 6 * places.stage_metrics.pixel
         for name, low, high, colour, depth in (
                 ("cells", places.truth - 0.5 * places.lane - over, places.estimate + 0.5 * places.lane + over,
                  colours.cell, -0.01),
                 ("cells-below", box.middle - ROOM * box.half, box.middle + ROOM * box.half, colours.grid, -0.02)):
             yield Lines(name, join_points(*(in_plane(edges, y, depth) for y in (low, high))), colour, 1.0)
-        self._lanes = _Lanes(particles, places)
+        self._lanes = _LaneTiling(particles, places)
 
     def _moving_marks(self, scene: BarScene, arrays: FrameArrays, estimated: np.ndarray, true: np.ndarray, t: float,
                       crossed: np.ndarray, age: np.ndarray) -> Iterator[Mark]:
         self._now = x = self._stage_x(arrays)
-        room, between = self._layout.bounds, self._layout.crossings
+        room, between = self._layout.stage_metrics, self._layout.crossings
         yield self._lanes.dots(x, estimated, true)
         if between is None:
             yield Dots("crossings", NONE, NONE, 1.0)
@@ -95,10 +111,11 @@ class BarStage(Stage[BarScene]):
             yield Dots("crossings", in_plane(x[crossed], between, 0.02), fade_colours(age, room.palette),
                        CROSSING * room.pixel)
 
-    def _worst_marks(self, worst: tuple[Worst | None, Worst | None], arrays: FrameArrays) -> Iterator[Mark]:
+    def _worst_region_marks(self, worst: tuple[WorstRegionMark | None, WorstRegionMark | None],
+                            arrays: FrameArrays) -> Iterator[Mark]:
         """Yields a bracket above the estimate's lane and one below the truth's, if labels leave space."""
         places, segments = self._layout, [np.empty((0, 2, 3), np.float32)]
-        room, wanted = places.bounds, places.bounds.gutter > 0 and places.slot == RunSlot.ALONE
+        room, wanted = places.stage_metrics, places.stage_metrics.gutter > 0 and places.slot == RunSlot.ALONE
         for found, name, lane, up in zip(worst, HALVES, (places.estimate, places.truth), (1, -1), strict=True):
             at = self._stage_x(arrays)[found.particles] if found and wanted else np.empty(0)
             at = at[(at >= 0) & (at <= 1)]
@@ -110,19 +127,19 @@ class BarStage(Stage[BarScene]):
                 corners = in_plane(ends[[0, 0, 1, 1]], np.array([y, high, high, y]), 0.02)
                 segments.append(join_points(corners[:-1], corners[1:]))
                 text, y = tr("worst: {size}", size=found.size), high + up * 2 * room.pixel
-                beside = 1.1 * room.extent(text)[0]
+                beside = 1.1 * room.text_extent(text)[0]
                 x = float(np.clip(ends.mean(), 0.5 * beside, 1 - 0.5 * beside))
             yield Label(f"{name}-worst", text, x, y, "bottom-center" if up > 0 else "top-center", "note", bold=True)
             taken = (x - 0.5 * beside, x + 0.5 * beside) if text else (0.0, 0.0)
         if places.slot == RunSlot.ALONE:
-            yield _alike_label(self._labels.alike, places, taken)  # where the truth's bracket leaves space
+            yield _equal_lanes_label(self._labels.alike, places, taken)  # where the truth's bracket leaves space
         yield Lines("worst", np.concatenate(segments), room.palette.dot, 1.5)
 
 
-def _alike_label(text: str, places: BarLayout, taken: tuple[float, float] = (0.0, 0.0)) -> Label:
+def _equal_lanes_label(text: str, places: BarLayout, taken: tuple[float, float] = (0.0, 0.0)) -> Label:
     """Returns the hint about equal lanes, below the lower one: right, or left if ``taken`` (from, to) is occupied."""
-    room, below = places.bounds, places.truth - 0.5 * places.lane - 8 * places.bounds.pixel
-    wide = room.extent(text + "  ")[0]
+    room, below = places.stage_metrics, places.truth - 0.5 * places.lane - 8 * places.stage_metrics.pixel
+    wide = room.text_extent(text + "  ")[0]
     right = taken[1] < 1 - wide
     fits = room.gutter > 0 and (right or taken[0] > wide)
     x: float = 1.0 if right else 0.0
@@ -130,36 +147,36 @@ def _alike_label(text: str, places: BarLayout, taken: tuple[float, float] = (0.0
     return Label("alike", text if fits else "", x, below, anchor, "note", tone="faint")
 
 
-def _names(words: StageLabels, places: BarLayout) -> Iterator[Label]:
+def _single_run_labels(words: StageLabels, places: BarLayout) -> Iterator[Label]:
     """Yields names in the gutter beside the lanes, or above and below them."""
-    room, half = places.bounds, 0.5 * places.lane
+    room, half = places.stage_metrics, 0.5 * places.lane
     below = places.truth - half - 8 * room.pixel
     if room.gutter:
         left = -room.gutter
-        for name, title, by, y in _halves(words, places):
-            yield Label(f"{name}-title", title, left, y + 0.1 * room.line, "bottom-left", "gutter", 1.1, tone=name,
-                        bold=True)
-            yield Label(f"{name}-by", by, left, y - 0.1 * room.line, "top-left", "gutter")
-        note, _ = room.fit((words.crossings, words.crossings.partition(" ")[0]),
-                           room.gutter - room.extent("key")[0], room.line)
+        for name, title, by, y in _lane_titles(words, places):
+            yield Label(f"{name}-title", title, left, y + 0.1 * room.line_height, "bottom-left", "gutter", 1.1,
+                        tone=name, bold=True)
+            yield Label(f"{name}-by", by, left, y - 0.1 * room.line_height, "top-left", "gutter")
+        note, _ = room.first_fitting_text((words.crossings, words.crossings.partition(" ")[0]),
+                                          room.gutter - room.text_extent("key")[0], room.line_height)
         yield Label("crossings-note", note, left, places.crossings or 0.0, "center-left", "gutter", tone="crossing",
                     sign="dot")
     else:
         off = half + 4 * room.pixel
         sides: tuple[tuple[float, Anchor], ...] = (off, "bottom-left"), (-off, "top-left")
-        for (name, title, by, y), (up, anchor) in zip(_halves(words, places), sides, strict=True):
+        for (name, title, by, y), (up, anchor) in zip(_lane_titles(words, places), sides, strict=True):
             yield Label(f"{name}-title", title, 0.0, y + up, anchor, "title", tone=name, bold=True)
-            yield Label(f"{name}-by", by, 1.25 * room.extent(title)[0] + 6 * room.pixel, y + up, anchor, "note")
+            yield Label(f"{name}-by", by, 1.25 * room.text_extent(title)[0] + 6 * room.pixel, y + up, anchor, "note")
         yield Label("crossings-note", words.crossings, 1.0, below + 4 * room.pixel, "top-right", "note",
                     tone="crossing", sign="dot")
-    yield _alike_label(words.alike, places)
+    yield _equal_lanes_label(words.alike, places)
     yield Label("run", "", 0.0, places.heading, "bottom-left", "name")
 
 
-def _pair_names(words: StageLabels, places: BarLayout) -> Iterator[Label]:
+def _paired_run_labels(words: StageLabels, places: BarLayout) -> Iterator[Label]:
     """Yields a heading above the plot, and names beside the strips."""
-    room, first = places.bounds, places.slot == RunSlot.FIRST
-    for name, _, _, y in _halves(words, places):
+    room, first = places.stage_metrics, places.slot == RunSlot.FIRST
+    for name, _, _, y in _lane_titles(words, places):
         yield Label(f"{name}-title", tr(name) if room.gutter else "", -0.01, y, "center-right", "number", tone=name)
         by = words.by[0] if first and name == "estimate" else ""
         if room.gutter:
@@ -168,8 +185,9 @@ def _pair_names(words: StageLabels, places: BarLayout) -> Iterator[Label]:
         else:
             yield Label(f"{name}-by", by, 1.0, places.heading, "bottom-right", "note")
     parts = (words.run[:1].upper() + words.run[1:]).split(", ")
-    beside = 0.0 if room.gutter else 1.3 * room.extent(words.by[0] + "  ")[0]
-    run, _ = room.fit((", ".join(parts[:k]) for k in range(len(parts), 0, -1)), (1 - beside) / 1.2, room.line)
+    beside = 0.0 if room.gutter else 1.3 * room.text_extent(words.by[0] + "  ")[0]
+    run, _ = room.first_fitting_text((", ".join(parts[:k]) for k in range(len(parts), 0, -1)), (1 - beside) / 1.2,
+                                     room.line_height)
     yield Label("run", run, 0.0, places.heading, "bottom-left", "name", 1.1, tone="plain" if first else "faint",
                 bold=True)
     note = words.crossings if first else ""
@@ -178,12 +196,12 @@ def _pair_names(words: StageLabels, places: BarLayout) -> Iterator[Label]:
     yield Label("alike", "", 1.0, places.heading, "bottom-right", "note", tone="faint")
 
 
-def _halves(words: StageLabels, places: BarLayout) -> Iterator[tuple[Tone, str, str, float]]:
+def _lane_titles(words: StageLabels, places: BarLayout) -> Iterator[tuple[Tone, str, str, float]]:
     """Returns name, title, source and middle of the lane of estimate and truth."""
     return zip(HALVES, words.titles, words.by, (places.estimate, places.truth), strict=True)
 
 
-class _Lanes:
+class _LaneTiling:
     """Tiling of two lanes of P particles with square points: ``rows`` of ``size`` each, and so many ``across`` per
     particle that gaps show only under large stretch.
 

@@ -8,10 +8,18 @@ import numpy as np
 
 from app.language.translation import lazy, tr
 from app.problems import suggestion
-from app.problems.bar.slow import BarSlowStage
+from app.problems.bar.slow_motion import BarSlowMotionStage
 from app.problems.bar.stage import BarStage
-from app.problems.interface import Motion, ProblemView, Reach, Regions
-from app.problems.suggestion import Answer, ComparedRuns, NotNow, Offer, Suggestion, changed_state, suggest_breaking
+from app.problems.interface import MaterialRegions, MotionChoice, ProblemView, SliderRanges
+from app.problems.suggestion import (
+    Answer,
+    ComparedRuns,
+    Offer,
+    Suggestion,
+    SuggestionNotApplicable,
+    changed_state,
+    suggest_breaking,
+)
 from app.state import State
 from app.words import format_factor, per_cent
 from solvers.problems.bar.patch_test import PATCH
@@ -23,7 +31,7 @@ MISFITS = 2.5  # particles per cell: their positions differ in every other cell
 PASSED = 1e-9  # relative error of the stress: round-off
 
 
-def _cross(state: State) -> Offer:
+def _crossing_offer(state: State) -> Offer:
     if state.scene.method == "mpm":  # already so: offer smoother functions
         return Offer(tr("Smooth the crossing"), tr("uGIMP: particles as intervals"),
                      changed_state(state, {"method": "ugimp"}))
@@ -36,32 +44,32 @@ def _crossing_answer(ran: ComparedRuns) -> Answer:
                   for series in (ran.series, ran.pinned))
     if ran.ratio >= 1:
         return tr("The error of the {noun} is {factor} times as "
-                  "large.", noun=ran.noun, factor=format_factor(ran.ratio)), \
+                  "large.", noun=ran.quantity_noun, factor=format_factor(ran.ratio)), \
             tr("{own:,.0f} crossings, {other:,.0f} in the pinned run. It is the functions, not the crossing.", own=own,
                other=other)
     return tr("The error of the {noun} is {factor} times the previous "
-              "one.", noun=ran.noun, factor=format_factor(ran.ratio)), \
+              "one.", noun=ran.quantity_noun, factor=format_factor(ran.ratio)), \
         tr("{own:,.0f} crossings, {other:,.0f} in the pinned run.", own=own, other=other)
 
 
 VIBRATING = (suggestion.suggest_halving_cells(MOST_CELLS),
-             Suggestion("cross", "cross", lazy("Let particles cross"), _cross, _crossing_answer),
+             Suggestion("cross", "cross", lazy("Let particles cross"), _crossing_offer, _crossing_answer),
              suggest_breaking(lazy("A = 100 mm: which method fails first?"),
                               {"method": "mpm", "amplitude": BREAKING, "displacement": ""}, 1.5))
 
 
-def _misfit(title: str, hint: str, method: str) -> Suggestion:
+def _suggest_patch_test(title: str, hint: str, method: str) -> Suggestion:
     def offer(state: State) -> Offer:
         if (state.scene.method, state.scene.ppc) == (method, MISFITS):
-            raise NotNow(tr("it is on the stage"))
+            raise SuggestionNotApplicable(tr("it is on the stage"))
         return Offer(tr(title), tr(hint),
                      changed_state(state, {"method": method, "ppc": MISFITS}, pinned=False, quantity="sigma"))
 
     icon = {"mpm": "break", "bspline": "cross", "ugimp": "halve"}[method]
-    return Suggestion(f"misfit-{method}", icon, title, offer, _misfit_answer, 0.5)
+    return Suggestion(f"misfit-{method}", icon, title, offer, _patch_test_answer, 0.5)
 
 
-def _misfit_answer(ran: ComparedRuns) -> Answer:
+def _patch_test_answer(ran: ComparedRuns) -> Answer:
     values = ran.series.get("error_sigma", ())
     wrong = float(sum(values) / len(values)) / ran.state.scene.size_of("sigma") if len(values) else math.nan
     if wrong < PASSED:
@@ -71,9 +79,9 @@ def _misfit_answer(ran: ComparedRuns) -> Answer:
         tr("Nothing should happen, but every other cell has one more particle, which matters here.")
 
 
-PATCH_TEST = (_misfit(lazy("Particles that do not fit"), lazy("2.5 a cell, hat functions"), "mpm"),
-              _misfit(lazy("Smoother functions"), lazy("the same particles, B-splines"), "bspline"),
-              _misfit(lazy("Particles that tile"), lazy("the same as intervals: uGIMP"), "ugimp"))
+PATCH_TEST = (_suggest_patch_test(lazy("Particles that do not fit"), lazy("2.5 a cell, hat functions"), "mpm"),
+              _suggest_patch_test(lazy("Smoother functions"), lazy("the same particles, B-splines"), "bspline"),
+              _suggest_patch_test(lazy("Particles that tile"), lazy("the same as intervals: uGIMP"), "ugimp"))
 
 
 def bar_suggestions(state: State) -> tuple[Suggestion, ...]:
@@ -87,12 +95,12 @@ STIFF, STIFF_CFL = 1000.0, 0.2
 LENGTHS = 20  # regions of the bar, of 0.05 m
 
 
-def regions(X: np.ndarray) -> Regions:
+def regions(X: np.ndarray) -> MaterialRegions:
     number = np.clip((X[:, 0] * LENGTHS).astype(int), 0, LENGTHS - 1)
-    return Regions(tuple(f"X = {k / LENGTHS:.2f}–{(k + 1) / LENGTHS:.2f} m" for k in range(LENGTHS)), number)
+    return MaterialRegions(tuple(f"X = {k / LENGTHS:.2f}–{(k + 1) / LENGTHS:.2f} m" for k in range(LENGTHS)), number)
 
 
-def change(scene: BarScene, motion: str, usual: tuple[str, ...]) -> BarScene:
+def change_motion(scene: BarScene, motion: str, usual: tuple[str, ...]) -> BarScene:
     """Returns a scene with another motion; fields without meaning there get their defaults."""
     plain = BarScene()
     if motion == PATCH:
@@ -103,24 +111,25 @@ def change(scene: BarScene, motion: str, usual: tuple[str, ...]) -> BarScene:
                    dt=None, cfl=None)
 
 
-MOTION = Motion(
+MOTION = MotionChoice(
     lazy("vibrate, or be stretched evenly and move on at constant speed, so that exactly nothing should happen"),
-    change,
+    change_motion,
     {"stretch": (lazy("Stretch F"), 0.8, 1.2, 0.01,
                  lazy("length of the bar over that at rest; at 1 it has no stress")),
      "initial_velocity": (lazy("Velocity v, m/s"), 0.0, 2.0, 0.05,
                           lazy("at which the whole bar moves through the grid"))}, speed=1.0, quantity="sigma")
 
 
-def draw(*places: Any) -> None:
+def draw_picture(*places: Any) -> None:
     from app.problems.bar import pictures
 
-    pictures.draw(*places)
+    pictures.draw_picture(*places)
 
 
 BAR = ProblemView(
-    "bar", BarStage, BarSlowStage, draw, regions, lazy("the bar into 20 lengths"), picture=(10.0, 1.25 / 3),
-    speed=0.5, reach=Reach((8, 160, 1), (1, 8), (1e-4, 0.2), (1.0, 1000.0), (1e-2, 10.0)),
+    "bar", BarStage, BarSlowMotionStage, draw_picture, regions, lazy("the bar into 20 lengths"),
+    picture=(10.0, 1.25 / 3), speed=0.5,
+    slider_ranges=SliderRanges((8, 160, 1), (1, 8), (1e-4, 0.2), (1.0, 1000.0), (1e-2, 10.0)),
     amplitude_hint=lazy("amplitude of the vibration; from 0.159 m on the exact bar turns inside out"),
     prices={"transport": 0.09, "recovered": 0.09, "companion": 0.06, "two-grid": 0.18},  # two-grid: of 80 cells
     formula=("displacement", lazy("Displacement u"),

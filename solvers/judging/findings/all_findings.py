@@ -8,8 +8,8 @@ import numpy as np
 from solvers.judging.findings import completeness, constitutive_law, deformation, outliers, placement, time_consistency
 from solvers.judging.findings.evidence import Evidence, detect_precision, sample_numbers
 from solvers.judging.findings.finding import HOLDS, OFF, Finding, unknown
-from solvers.judging.findings.motion import Motion
-from solvers.judging.findings.outliers import Deviation
+from solvers.judging.findings.outliers import FrameOutliers
+from solvers.judging.findings.recorded_motion import RecordedMotion
 from solvers.judging.findings.time_fits import rms
 
 FIGURES = "rounding of the positions in the files"
@@ -22,17 +22,18 @@ class FindingGroup:
     ``needs`` beside positions."""
 
     names: tuple[str, ...]
-    check: Callable[[Motion], list[Finding]]
+    check: Callable[[RecordedMotion], list[Finding]]
     needs: str = "x"
 
-    def find_in(self, motion: Motion) -> list[Finding]:
+    def find_in(self, motion: RecordedMotion) -> list[Finding]:
         if motion.get(self.needs) is None:
             what = "F" if self.needs == "gradient" else self.needs
             return [unknown(name, f"no {what} in the files (or not always a number)") for name in self.names]
         return self.check(motion)
 
 
-def _for_quantity(check: Callable[[Motion, str], Finding], key: str) -> Callable[[Motion], list[Finding]]:
+def _for_quantity(check: Callable[[RecordedMotion, str], Finding],
+                  key: str) -> Callable[[RecordedMotion], list[Finding]]:
     return lambda motion: [check(motion, key)]
 
 
@@ -47,11 +48,11 @@ MOTION_FINDINGS = (
     *(FindingGroup((), _for_quantity(outliers.check_roughness, key)) for key in ("v", "sigma")))
 
 
-def find_in_run(evidence: Evidence) -> tuple[list[Finding], Deviation | None]:
+def find_in_run(evidence: Evidence) -> tuple[list[Finding], FrameOutliers | None]:
     """Returns the findings of a run against its problem, and the frame in which most particles are not where their
     neighbours are, with these. Means over particles with many outliers are not evaluated."""
     with np.errstate(all="ignore"):  # files may have any numbers, and what is made of the largest may be none
-        places, axes = placement.check_positions(evidence), placement.check_axes(evidence)
+        places, axes = placement.check_initial_positions(evidence), placement.check_alternative_readings(evidence)
         beside = outliers.position_outliers(evidence)
         order, drift = (unknown(name, "particles are not where they belong")
                         for name in (placement.ORDER, placement.DRIFT))
@@ -60,12 +61,13 @@ def find_in_run(evidence: Evidence) -> tuple[list[Finding], Deviation | None]:
         if order.verdict == HOLDS and not (beside and beside.most):
             drift = placement.check_mean_error(evidence)
         fewest = min(evidence.frames, key=lambda frame: len(frame.number))
-        return [completeness.check(evidence.scene, fewest), _check_precision(evidence), places,
-                placement.check_velocities(evidence), axes, order, drift, outliers.outliers_finding("x", beside),
+        return [completeness.check_completeness(evidence.scene, fewest), _check_precision(evidence), places,
+                placement.check_initial_velocities(evidence), axes, order, drift,
+                outliers.outliers_finding("x", beside),
                 *(outliers.outliers_finding(q, outliers.value_outliers(evidence, q)) for q in ("v", "sigma")),
-                outliers.check_masses(evidence.frames[0]), time_consistency.check_clock(evidence),
+                outliers.check_masses(evidence.frames[0]), time_consistency.check_clock_rate(evidence),
                 time_consistency.check_velocity_time(evidence), time_consistency.check_stress_time(evidence),
-                constitutive_law.check(evidence)], beside.most if beside else None
+                constitutive_law.check_constitutive_law(evidence)], beside.most if beside else None
 
 
 def _check_precision(evidence: Evidence) -> Finding:

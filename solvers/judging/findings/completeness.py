@@ -8,11 +8,11 @@ import numpy as np
 from solvers.judging.findings.finding import Finding, compare, unknown
 from solvers.judging.findings.neighbours import MOST_ASKED, NeighbourSearch
 from solvers.judging.frames import Frame
-from solvers.message import Message
 from solvers.problems import PROBLEMS
 from solvers.problems.reference import ProblemReference
 from solvers.scene.scene import Scene
 from solvers.scene.validation import SceneError
+from solvers.translatable_message import Message
 
 NAME, UNIT = "part of the body that no particle stands for", "of the body"
 ON_LATTICE = 1e-3  # of the distance of particles, within which a place coincides with one of a lattice
@@ -41,7 +41,7 @@ class BodyShare:
                                "these alone", count, 100 * self.share, self.how), self.how)
 
 
-def check(scene: Scene, frame: Frame) -> Finding:
+def check_completeness(scene: Scene, frame: Frame) -> Finding:
     """Checks the frame with the fewest particles."""
     reference, count = PROBLEMS[scene.problem].reference, len(frame.number)
     found = _share_by_mass(scene, reference, frame) or _share_by_lattice(scene, reference, frame.material_position) \

@@ -10,10 +10,10 @@ from solvers.judging.findings import time_fits
 from solvers.judging.findings.evidence import Evidence, Tracks, detect_precision, sample_numbers
 from solvers.judging.findings.finding import HOLDS, OFF, Finding, unknown
 from solvers.judging.findings.time_fits import interpolate_before, time_derivative
-from solvers.message import Message
 from solvers.problems import PROBLEMS
 from solvers.scene.scene import Scene
 from solvers.scene.validation import SceneError
+from solvers.translatable_message import Message
 
 NAME = "stress against the law of the material"
 UNIT = "of the stress"
@@ -23,7 +23,7 @@ EXPLAINS = 0.3  # of the difference, at most, is left by what explains it
 RATIOS = np.linspace(0.0, 0.49, 50)  # candidates of Poisson's ratio
 
 
-def check(evidence: Evidence) -> Finding:
+def check_constitutive_law(evidence: Evidence) -> Finding:
     scene, frames = evidence.scene, evidence.frames
     both = [(f.deformation_gradient, f.stress) for f in frames
             if f.stress is not None and f.deformation_gradient is not None]
@@ -136,7 +136,7 @@ def _stress_of_law(scene: Scene, tracks: Tracks, F: np.ndarray | None = None) ->
     return PROBLEMS[scene.problem].reference.stress(scene, F.reshape(-1, *F.shape[2:])).reshape(F.shape)
 
 
-def _stress_measure(measure: Callable[[np.ndarray, np.ndarray, np.ndarray], np.ndarray]) -> Callable:
+def _conversion_from_cauchy_stress(measure: Callable[[np.ndarray, np.ndarray, np.ndarray], np.ndarray]) -> Callable:
     def other(F: np.ndarray, sigma: np.ndarray) -> np.ndarray:
         return measure(np.linalg.det(F)[..., None, None], np.linalg.inv(F), sigma)
     return other
@@ -145,6 +145,11 @@ def _stress_measure(measure: Callable[[np.ndarray, np.ndarray, np.ndarray], np.n
 #: Other stresses that a code may have written, from F and the Cauchy stress.
 MEASURES: dict[str, Callable[[np.ndarray, np.ndarray], np.ndarray]] = {
     "the stress with the other sign": lambda F, sigma: -sigma,
-    "the Kirchhoff stress": _stress_measure(lambda J, G, sigma: J * sigma),
-    "the first Piola-Kirchhoff stress": _stress_measure(lambda J, G, sigma: J * sigma @ np.swapaxes(G, -1, -2)),
-    "the second Piola-Kirchhoff stress": _stress_measure(lambda J, G, sigma: J * G @ sigma @ np.swapaxes(G, -1, -2))}
+    "the Kirchhoff stress": _conversion_from_cauchy_stress(lambda J, G, sigma: J * sigma),
+    "the first Piola-Kirchhoff stress": _conversion_from_cauchy_stress(
+        lambda J, G, sigma: J * sigma @ np.swapaxes(G, -1, -2)
+    ),
+    "the second Piola-Kirchhoff stress": _conversion_from_cauchy_stress(
+        lambda J, G, sigma: J * G @ sigma @ np.swapaxes(G, -1, -2)
+    ),
+}

@@ -10,8 +10,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from solvers.judging.findings.finding import BROKEN, HOLDS, SUSPICIOUS, Finding, unknown
-from solvers.judging.findings.motion import TINY, Edges, Motion
 from solvers.judging.findings.neighbours import departures
+from solvers.judging.findings.recorded_motion import TINY, NeighbourPairs, RecordedMotion
 
 NAMES_OF_F = "F against where neighbours stand", "F against the gradient of x", "F summed up against x"
 GAP, FOLLOWS, TORN = NAMES_OF_F
@@ -31,41 +31,41 @@ DEEP = 0.7  # of their distance in the reference: where a body is crushed, a few
 
 
 @dataclass(frozen=True)
-class Mismatch:
-    """At one time, for each pair of neighbours: ``now`` (n, D) the distance vector, ``told`` (n, D) the one by F, in m,
-    and ``size`` (n,) of the difference."""
+class NeighbourPairMismatch:
+    """At one time, for each pair of neighbours: ``actual_vectors`` (n, D) the distance vector, ``implied_vectors`` (n,
+    D) the one by F, in m, and ``size`` (n,) of the difference."""
 
-    edges: Edges
-    now: np.ndarray
-    told: np.ndarray
-
-    @functools.cached_property
-    def miss(self) -> np.ndarray:
-        return self.now - self.told
+    edges: NeighbourPairs
+    actual_vectors: np.ndarray
+    implied_vectors: np.ndarray
 
     @functools.cached_property
-    def size(self) -> np.ndarray:
-        return np.linalg.norm(self.miss, axis=1)
+    def difference_vectors(self) -> np.ndarray:
+        return self.actual_vectors - self.implied_vectors
+
+    @functools.cached_property
+    def difference_lengths(self) -> np.ndarray:
+        return np.linalg.norm(self.difference_vectors, axis=1)
 
     @property
     def rms(self) -> float:
-        return float(np.sqrt(np.mean(self.size**2)))
+        return float(np.sqrt(np.mean(self.difference_lengths**2)))
 
     @property
-    def relative(self) -> float:
+    def relative_rms(self) -> float:
         """RMS of the mismatch over the distance in the reference configuration: comparable with the error of F."""
-        return float(np.sqrt(np.mean((self.size / self.edges.length) ** 2)))
+        return float(np.sqrt(np.mean((self.difference_lengths / self.edges.length) ** 2)))
 
     @property
-    def worst(self) -> int:
+    def worst_particle(self) -> int:
         """Index of a particle of the pair with the largest mismatch."""
-        return int(self.edges.one[np.argmax(self.size)])
+        return int(self.edges.one[np.argmax(self.difference_lengths)])
 
 
-def mismatch_of_pairs(motion: Motion, moment: int, F: np.ndarray) -> Mismatch:
-    edges, x = motion.edges, motion.x[moment]
+def neighbour_pair_mismatch(motion: RecordedMotion, moment: int, F: np.ndarray) -> NeighbourPairMismatch:
+    edges, x = motion.neighbour_pairs, motion.x[moment]
     assert edges is not None
-    return Mismatch(edges, x[edges.other] - x[edges.one], edges.moved_by(F))
+    return NeighbourPairMismatch(edges, x[edges.other] - x[edges.one], edges.deformed_vectors(F))
 
 
 def strain_rms(F: np.ndarray) -> float:
@@ -73,7 +73,7 @@ def strain_rms(F: np.ndarray) -> float:
     return float(np.sqrt(np.mean(np.sum((F - np.eye(F.shape[-1])) ** 2, axis=(-2, -1)))))
 
 
-def integrate_edges(edges: Edges, values: np.ndarray, count: int, rounds: int = 300) -> np.ndarray:
+def integrate_pair_differences(edges: NeighbourPairs, values: np.ndarray, count: int, rounds: int = 300) -> np.ndarray:
     """Returns the field (P, D) with mean 0 whose differences between neighbours are nearest to ``values`` (n, D), by
     least squares: conjugate gradients, preconditioned by the numbers of neighbours."""
     one, other = edges.one, edges.other
@@ -98,85 +98,111 @@ def integrate_edges(edges: Edges, values: np.ndarray, count: int, rounds: int = 
     return field - field.mean(axis=0)
 
 
-def check_f(motion: Motion) -> list[Finding]:
+def check_f(motion: RecordedMotion) -> list[Finding]:
     """Checks whether neighbours are where the F of both imply."""
-    F, few = motion.gradient, FEWEST[motion.dimensions]
+    F, few = motion.deformation_gradient, FEWEST[motion.dimensions]
     assert F is not None
-    if motion.edges is None or len(motion.reference) < few:
+    if motion.neighbour_pairs is None or len(motion.reference) < few:
         return [unknown(name, f"fewer than {few} particles lie so that they have neighbours") for name in NAMES_OF_F]
     if not motion.amplitude > 0:
         return [unknown(name, "nothing moves") for name in NAMES_OF_F]
-    every = [(moment, mismatch_of_pairs(motion, moment, F[moment])) for moment in motion.moments]
-    follows = _explain(motion, F, every)
+    every = [(moment, neighbour_pair_mismatch(motion, moment, F[moment])) for moment in motion.checked_time_indices]
+    follows = _explain_mismatch(motion, F, every)
     if follows is None:
-        moment, worst = max(every, key=lambda pair: pair[1].relative)
-        follows = _judge(FOLLOWS, worst.relative, MOST_OFF, NO_F, "of F",
-                         f"what parts neighbours differs from what F says by {{share}} of what parted them, RMS, at "
-                         f"t = {motion.times[moment]:.4g} s", motion.at(moment, worst.worst))
-    return [_check_gap(motion, F, every), follows, _check_sum(motion, every)]
+        moment, worst = max(every, key=lambda pair: pair[1].relative_rms)
+        follows = _finding_from_limits(
+            FOLLOWS,
+            worst.relative_rms,
+            MOST_OFF,
+            NO_F,
+            "of F",
+            f"what parts neighbours differs from what F says by {{share}} of what parted them, RMS, at "
+            f"t = {motion.times[moment]:.4g} s",
+            motion.finding_location(moment, worst.worst_particle),
+        )
+    return [_check_neighbour_gap(motion, F, every), follows, _check_integrated_mismatch(motion, every)]
 
 
-def _check_gap(motion: Motion, F: np.ndarray, every: list[tuple[int, Mismatch]]) -> Finding:
+def _check_neighbour_gap(motion: RecordedMotion, F: np.ndarray,
+                         every: list[tuple[int, NeighbourPairMismatch]]) -> Finding:
     """Checks the largest RMS mismatch over the pairs, relative to the motion's amplitude."""
     moment, worst = max(every, key=lambda pair: pair[1].rms)
-    assert motion.near is not None
-    rough = float(np.sqrt(np.mean(departures(motion.near, F[moment].reshape(len(F[moment]), -1)) ** 2)))
+    assert motion.neighbourhood is not None
+    rough = float(np.sqrt(np.mean(departures(motion.neighbourhood, F[moment].reshape(len(F[moment]), -1)) ** 2)))
     excuse = TRAPEZOID * rough * motion.spacing / motion.amplitude
-    return _judge(GAP, worst.rms / motion.amplitude, MOST_GAP + excuse, NO_GAP + excuse, "of the motion",
-                  f"neighbours are not where their F says, by {worst.rms:.3g} m (RMS), {{share}} of the motion, "
-                  f"at t = {motion.times[moment]:.4g} s", motion.at(moment, worst.worst))
+    return _finding_from_limits(
+        GAP,
+        worst.rms / motion.amplitude,
+        MOST_GAP + excuse,
+        NO_GAP + excuse,
+        "of the motion",
+        f"neighbours are not where their F says, by {worst.rms:.3g} m (RMS), {{share}} of the motion, "
+        f"at t = {motion.times[moment]:.4g} s",
+        motion.finding_location(moment, worst.worst_particle),
+    )
 
 
-def _check_sum(motion: Motion, every: list[tuple[int, Mismatch]]) -> Finding:
+def _check_integrated_mismatch(motion: RecordedMotion, every: list[tuple[int, NeighbourPairMismatch]]) -> Finding:
     """Checks mismatches integrated over the body: late waves, of which each pair shows little."""
-    fields = ((moment, integrate_edges(pairs.edges, pairs.miss, len(motion.reference))) for moment, pairs in every)
+    fields = ((moment,
+               integrate_pair_differences(pairs.edges, pairs.difference_vectors, len(motion.reference))) for moment,
+              pairs in every)
     squares = ((moment, np.sum(field**2, axis=1)) for moment, field in fields)
     size, moment, p = max((float(np.sqrt(np.mean(one))), moment, int(np.argmax(one))) for moment, one in squares)
-    return _judge(TORN, size / motion.amplitude, MOST_TORN, NO_SUM, "of the motion",
-                  f"the displacements are not the sum of what F says, by {size:.3g} m (RMS), {{share}} of the motion, "
-                  f"at t = {motion.times[moment]:.4g} s", motion.at(moment, p))
+    return _finding_from_limits(
+        TORN,
+        size / motion.amplitude,
+        MOST_TORN,
+        NO_SUM,
+        "of the motion",
+        f"the displacements are not the sum of what F says, by {size:.3g} m (RMS), {{share}} of the motion, "
+        f"at t = {motion.times[moment]:.4g} s",
+        motion.finding_location(moment, p),
+    )
 
 
-def _judge(name: str, measured: float, most: float, nothing_left: float, unit: str, says: str, at: dict) -> Finding:
+def _finding_from_limits(name: str, measured: float, most: float, nothing_left: float, unit: str, says: str,
+                         at: dict) -> Finding:
     if measured <= most:
         return Finding(name, HOLDS, measured, most, unit)
     verdict = BROKEN if not measured <= nothing_left else SUSPICIOUS
     return Finding(name, verdict, measured, most, unit, says.format(share=f"{measured:.2g}"), **at)
 
 
-def _explain(motion: Motion, F: np.ndarray, every: list[tuple[int, Mismatch]]) -> Finding | None:
+def _explain_mismatch(motion: RecordedMotion, F: np.ndarray,
+                      every: list[tuple[int, NeighbourPairMismatch]]) -> Finding | None:
     """Returns a finding on the meaning of F or x where another one fits far better; otherwise None."""
     moment, now = max(every, key=lambda pair: strain_rms(F[pair[0]]))
     edges, told = now.edges, strain_rms(F[moment])
     if not told > 0 or now.rms <= 0.1 * told * motion.spacing:
         return None
-    best = min(((float(np.sqrt(np.mean(np.sum((now.now - other) ** 2, axis=1)))) / max(now.rms, TINY), words)
+    best = min(((float(np.sqrt(np.mean(np.sum((now.actual_vectors - other) ** 2, axis=1)))) / max(now.rms, TINY), words)
                 for words, other in _readings(motion, F[moment], now)), default=(1.0, ""))
     if not best[0] < OTHERWISE:
         return None
-    p = int(edges.one[int(np.argmax(now.size))])
-    return Finding(FOLLOWS, SUSPICIOUS, now.relative, MOST_OFF, "of F",
+    p = int(edges.one[int(np.argmax(now.difference_lengths))])
+    return Finding(FOLLOWS, SUSPICIOUS, now.relative_rms, MOST_OFF, "of F",
                    f"at t = {motion.times[moment]:.4g} s {best[1]}: read so, {best[0]:.2g} is left of what neighbours "
-                   "are off", **motion.at(moment, p))
+                   "are off", **motion.finding_location(moment, p))
 
 
-def _readings(motion: Motion, F: np.ndarray, now: Mismatch) -> Iterator[tuple[str, np.ndarray]]:
+def _readings(motion: RecordedMotion, F: np.ndarray, now: NeighbourPairMismatch) -> Iterator[tuple[str, np.ndarray]]:
     """Yields other possible meanings of the file in words, each with the distance vectors (n, D) that it implies."""
     edges, D = now.edges, motion.dimensions
-    yield "F seems to be its inverse, dX/dx", edges.moved_by(np.linalg.pinv(F))
-    yield "F seems to be the gradient of the displacement, F - 1", edges.moved_by(F + np.eye(D))
+    yield "F seems to be its inverse, dX/dx", edges.deformed_vectors(np.linalg.pinv(F))
+    yield "F seems to be the gradient of the displacement, F - 1", edges.deformed_vectors(F + np.eye(D))
     if D > 1:
-        yield "F seems to be transposed", edges.moved_by(np.swapaxes(F, -1, -2))
-    yield "x seems to be the displacement, not the position", now.told - edges.apart
-    size = float(np.sum(now.now * now.told)) / max(float(np.sum(now.told**2)), TINY)
+        yield "F seems to be transposed", edges.deformed_vectors(np.swapaxes(F, -1, -2))
+    yield "x seems to be the displacement, not the position", now.implied_vectors - edges.apart
+    size = float(np.sum(now.actual_vectors * now.implied_vectors)) / max(float(np.sum(now.implied_vectors**2)), TINY)
     if abs(np.log10(max(abs(size), TINY))) > 0.3:
         yield (f"x seems to be in another unit than {'X' if not motion.from_start else 'at the start'}, {size:.4g} "
-               "times", size * now.told)
+               "times", size * now.implied_vectors)
     if D > 1:
-        yield "the axes of x seem to be exchanged", now.told[:, ::-1]
+        yield "the axes of x seem to be exchanged", now.implied_vectors[:, ::-1]
 
 
-def check_inverted(motion: Motion) -> Finding:
+def check_inverted(motion: RecordedMotion) -> Finding:
     J = np.linalg.det(motion.fields["F"])
     flat = J < FLATTEST
     if not flat.any():
@@ -186,22 +212,22 @@ def check_inverted(motion: Motion) -> Finding:
     word = "turned inside out" if J[moment, p] <= 0 else "crushed to nothing"
     return Finding(INSIDE_OUT, BROKEN if J[moment, p] <= 0 else SUSPICIOUS, float(J[moment, p]), FLATTEST, "",
                    f"{count:,} particle{'s are' if count != 1 else ' is'} {word} at t = {motion.times[moment]:.4g} s: "
-                   f"det F is {J[moment, p]:.3g}", **motion.at(moment, p))
+                   f"det F is {J[moment, p]:.3g}", **motion.finding_location(moment, p))
 
 
-def check_overtaken(motion: Motion) -> Finding:
+def check_overtaken(motion: RecordedMotion) -> Finding:
     """Checks that the distance vector of neighbours is not opposite to that by the motion around them: on a line by
     their order in the reference configuration, otherwise by a plane through the neighbours, and by F."""
-    edges, near = motion.edges, motion.near
+    edges, near = motion.neighbour_pairs, motion.neighbourhood
     if edges is None or near is None:
         return unknown(OVERTAKEN, "too few particles have neighbours")
-    F, found = motion.gradient, []
-    for moment in motion.moments:
+    F, found = motion.deformation_gradient, []
+    for moment in motion.checked_time_indices:
         x = motion.x[moment]
         now, told = x[edges.other] - x[edges.one], [edges.apart]
         if motion.dimensions > 1:  # by the plane, and by F where there is one: at a rim either may be wrong
             slopes = [neighbour_gradients(motion, x), *([] if F is None else [F[moment]])]
-            told = [edges.moved_by(one) for one in slopes]
+            told = [edges.deformed_vectors(one) for one in slopes]
         ahead = np.max([np.sum(now * one, axis=1) / np.maximum(np.linalg.norm(one, axis=1), TINY) for one in told],
                        axis=0)
         turned, deep = ahead <= 0, ahead <= -DEEP * edges.length
@@ -213,17 +239,17 @@ def check_overtaken(motion: Motion) -> Finding:
                        f"of up to {100 * MANY:.0f} % of them a shallow change would not count")
     k = int(np.argmax(shares))
     first = next(k for k, share in enumerate(shares) if share > 0)
-    moment, p = motion.moments[k], int(edges.one[np.argmax(found[k])])
+    moment, p = motion.checked_time_indices[k], int(edges.one[np.argmax(found[k])])
     return Finding(OVERTAKEN, BROKEN if shares[k] > MANY else SUSPICIOUS, shares[k], 0.0, "of all pairs",
                    f"{int(found[k].sum()):,} of {len(found[k]):,} pairs of neighbours have changed their order at t = "
-                   f"{motion.times[moment]:.4g} s (first at {motion.times[motion.moments[first]]:.4g} s)",
-                   **motion.at(moment, p))
+                   f"{motion.times[moment]:.4g} s (first at {motion.times[motion.checked_time_indices[first]]:.4g} s)",
+                   **motion.finding_location(moment, p))
 
 
-def neighbour_gradients(motion: Motion, values: np.ndarray) -> np.ndarray:
+def neighbour_gradients(motion: RecordedMotion, values: np.ndarray) -> np.ndarray:
     """Returns the gradients (P, C, D), in the reference configuration, of planes through the values (P, C) of each
     particle's neighbours."""
-    near = motion.near
+    near = motion.neighbourhood
     assert near is not None
     away = motion.reference[near.who] - motion.reference[:, None, :]
     weight = near.there[:, :, None]

@@ -6,10 +6,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from solvers.judging.error_norms import Errors, stress
+from solvers.judging.error_norms import Errors, frame_stress
 from solvers.judging.frames import Frame
-from solvers.message import Message
 from solvers.scene.scene import Scene
+from solvers.translatable_message import Message
 
 MOST_FOLLOWED, MOST_TIMES = 4000, 400  # particles and times in trajectories
 LOOKED_AT, OF_EACH = 1024, 64  # numbers of a quantity; particles of a frame
@@ -54,7 +54,7 @@ class Evidence:
         picked = [order[::-(-len(X) // MOST_FOLLOWED)] for order in orders]
         own: dict[str, list[np.ndarray | None]] = {
             "x": [f.position for f in frames], "v": [f.velocity for f in frames],
-            "sigma": [stress(self.scene, f) for f in frames], "F": [f.deformation_gradient for f in frames],
+            "sigma": [frame_stress(self.scene, f) for f in frames], "F": [f.deformation_gradient for f in frames],
             "stress": [f.stress for f in frames]}
         said = {q: np.stack([values[at] for values, at in zip(found, picked, strict=True) if values is not None])
                 for q, found in own.items()

@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 from typing import Any
 
-from solvers.solver.error_norms import finite
+from solvers.solver.error_norms import finite_or_none
 
 HOLDS, UNKNOWN = "holds", "cannot be told"
 OFF = "does not hold"  # against what a problem's particles should be
@@ -33,14 +33,14 @@ class Finding:
 
     def to_dict(self) -> dict[str, Any]:
         """Returns the JSON object of ``mpm-lab check``."""
-        measured, limit = map(finite, (self.measured, self.limit))
+        measured, limit = map(finite_or_none, (self.measured, self.limit))
         return {"finding": self.name, "verdict": self.verdict, "measured": measured, "limit": limit, "unit": self.unit,
                 "says": self.says, "t": self.time, "particle": self.particle,
                 "X": None if self.place is None else list(self.place)}
 
     def to_judge_dict(self) -> dict[str, Any]:
         """Returns the JSON object of ``mpm-lab judge``."""
-        measured, tolerance = map(finite, (self.measured, self.limit))
+        measured, tolerance = map(finite_or_none, (self.measured, self.limit))
         return {"check": self.name, "measured": measured, "tolerance": tolerance, "unit": self.unit,
                 "verdict": self.verdict, "says": self.says}
 

@@ -30,7 +30,7 @@ class NeighbourSearch:
         self.width = width
         own = self._bin_of(points)
         self._shape = own.max(axis=0) + 3  # an empty bin on every side
-        number = self._number(own)
+        number = self._bin_number(own)
         self._order = np.argsort(number, kind="stable")
         self._number_of = number[self._order]
         self._offsets = np.array(list(itertools.product((-1, 0, 1), repeat=D)))
@@ -40,7 +40,7 @@ class NeighbourSearch:
         infinite where the bins around have fewer. ``skip_itself`` if ``asked`` are the points themselves."""
         most = min(MOST_IN_A_BIN, int(np.unique(self._number_of, return_counts=True)[1].max()))
         step = max(1, AT_ONCE // (most * len(self._offsets)))
-        parts = [self._nearest(asked[k:k + step], count, k if skip_itself else None, most)
+        parts = [self._nearest_in_batch(asked[k:k + step], count, k if skip_itself else None, most)
                  for k in range(0, len(asked), step)]
         return np.concatenate([far for far, _ in parts]), np.concatenate([who for _, who in parts])
 
@@ -48,10 +48,11 @@ class NeighbourSearch:
         """Returns distances (n,) to the nearest point, for at most ``MOST_ASKED`` of ``asked``, evenly chosen."""
         return self.nearest(asked[::-(-len(asked) // MOST_ASKED)], 1)[0][:, 0]
 
-    def _nearest(self, asked: np.ndarray, count: int, first: int | None, most: int) -> tuple[np.ndarray, np.ndarray]:
+    def _nearest_in_batch(self, asked: np.ndarray, count: int, first: int | None,
+                          most: int) -> tuple[np.ndarray, np.ndarray]:
         around = self._bin_of(asked)[:, None, :] + self._offsets
         inside = ((around >= -1) & (around < self._shape - 1)).all(axis=2)
-        number = np.where(inside, self._number(np.where(inside[..., None], around, 0)), -1)
+        number = np.where(inside, self._bin_number(np.where(inside[..., None], around, 0)), -1)
         slot = np.searchsorted(self._number_of, number)[:, :, None] + np.arange(most)
         there = np.minimum(slot, len(self._order) - 1)
         there_is = (slot < len(self._order)) & (self._number_of[there] == number[:, :, None])
@@ -69,7 +70,7 @@ class NeighbourSearch:
     def _bin_of(self, points: np.ndarray) -> np.ndarray:
         return np.clip(np.floor((points - self._corner) / self.width), -10, 2**31 // 4).astype(int)
 
-    def _number(self, bins: np.ndarray) -> np.ndarray:
+    def _bin_number(self, bins: np.ndarray) -> np.ndarray:
         number = np.zeros(bins.shape[:-1], int)
         for k in range(bins.shape[-1]):
             number = number * int(self._shape[k]) + bins[..., k] + 1

@@ -8,11 +8,11 @@ import numpy as np
 
 from solvers.judging.findings.evidence import Evidence
 from solvers.judging.findings.finding import BROKEN, HOLDS, OFF, SUSPICIOUS, Finding, unknown
-from solvers.judging.findings.motion import Motion
 from solvers.judging.findings.neighbours import MOST, USUAL, Neighbourhood, departures, find_neighbours, find_outliers
+from solvers.judging.findings.recorded_motion import RecordedMotion
 from solvers.judging.frames import Frame
-from solvers.message import Message
 from solvers.scene.scene import Scene
+from solvers.translatable_message import Message
 
 MOST_FRAMES = 24  # in which velocities and stresses are checked, evenly spread
 LEAST_APART = 0.02  # of a cell; rims and crossings of sound runs of ours leave less on evenly laid particles
@@ -41,7 +41,7 @@ SMOOTH_START = 0.3  # of the size: a field that is rougher at the start already 
 
 
 @dataclass(frozen=True)
-class Deviation:
+class FrameOutliers:
     """Particles that are not where their neighbours are: indices ``which`` (n,) in a frame, and distances (n,) in m."""
 
     frame: Frame
@@ -63,7 +63,7 @@ class Outliers:
     """Outliers of a quantity: the frame with the most, if any, the departure closest to the limit or farthest beyond
     it, and that limit."""
 
-    most: Deviation | None
+    most: FrameOutliers | None
     largest: float
     limit: float
 
@@ -73,7 +73,7 @@ def position_outliers(evidence: Evidence) -> Outliers | None:
     scene, found = evidence.scene, []
     for frame, error, near in _with_neighbours(evidence, "x", len(evidence.frames)):
         which, far, limit = find_outliers(near, error, TIMES["x"], LEAST_APART * scene.spacing)
-        found.append((Deviation(frame, which, far[which]), float(far.max()), limit))
+        found.append((FrameOutliers(frame, which, far[which]), float(far.max()), limit))
     if not found:
         return None
     most = max((one for one, *_ in found), key=lambda one: len(one.which))
@@ -100,7 +100,7 @@ def value_outliers(evidence: Evidence, quantity: str) -> Outliers | None:
     at, beyond, factor = _lasting_outliers(every_far / every_limit[:, None], len(frames) // LASTS, PASSES)
     worst, which = int(np.argmax(beyond)), np.flatnonzero(beyond > 1)
     k = int(at[worst])
-    return Outliers(Deviation(frames[k], which, every_far[k, which].astype(float)) if len(which) else None,
+    return Outliers(FrameOutliers(frames[k], which, every_far[k, which].astype(float)) if len(which) else None,
                     float(every_far[k, worst]), float(every_limit[k]) * float(factor[worst]))
 
 
@@ -158,9 +158,9 @@ def check_masses(frame: Frame) -> Finding:
                            frame.mass[worst]))
 
 
-def check_outliers(motion: Motion, key: str) -> Finding:
+def check_outliers(motion: RecordedMotion, key: str) -> Finding:
     """Checks each particle against a plane through those around it, without other outliers."""
-    name, near = NAMES_OF_MOTION[key], motion.near
+    name, near = NAMES_OF_MOTION[key], motion.neighbourhood
     if near is None or len(motion.reference) < FEWEST:
         return unknown(name, f"not of {FEWEST} particles and more")
     times, least = ALONE[key]
@@ -169,7 +169,7 @@ def check_outliers(motion: Motion, key: str) -> Finding:
     if not size > 0:
         return unknown(name, "it is zero everywhere")
     scores, limits = [], []
-    for moment in motion.moments:
+    for moment in motion.checked_time_indices:
         _, far, limit = find_outliers(near, every[moment].reshape(len(motion.reference), -1), times, least * size)
         if key == "x":  # bent as it may be, a whole place aside is no bend, but where most are so
             limit = min(limit, max(A_PLACE * size, NOISE * float(np.quantile(far, USUAL))))
@@ -183,19 +183,20 @@ def check_outliers(motion: Motion, key: str) -> Finding:
                                       SOON_PASSES)  # places do not pass
     p, count = int(np.argmax(beyond)), int(np.sum(beyond > 1))
     k = int(at[p])
-    moment, far_off, limit = motion.moments[k], float(scores[k][p]) * limits[k], limits[k]
+    moment, far_off, limit = motion.checked_time_indices[k], float(scores[k][p]) * limits[k], limits[k]
     if not count:
         return Finding(name, HOLDS, far_off, max(limit, far_off), UNITS[key])
     return Finding(name, SUSPICIOUS, far_off, limit, UNITS[key],
                    f"the {WORDS[key]} of {count:,} particle{'s' * (count != 1)} differs from the neighbours "
-                   f"by up to {far_off:.3g} {UNITS[key]} at t = {motion.times[moment]:.4g} s", **motion.at(moment, p))
+                   f"by up to {far_off:.3g} {UNITS[key]} at t = {motion.times[moment]:.4g} s",
+                   **motion.finding_location(moment, p))
 
 
-def check_roughness(motion: Motion, key: str) -> Finding:
+def check_roughness(motion: RecordedMotion, key: str) -> Finding:
     """Checks how much v or the stress jumps from one particle to the next, relative to its own size, where it was
     smooth at first."""
     name = f"{key} is smooth from particle to particle"
-    near = motion.near
+    near = motion.neighbourhood
     if key not in motion.fields or near is None or len(motion.reference) < FEWEST:
         return unknown(name, f"no {key} in the files" if key not in motion.fields
                        else f"not of {FEWEST} particles and more")
@@ -203,20 +204,21 @@ def check_roughness(motion: Motion, key: str) -> Finding:
     if not size > 0:
         return unknown(name, "it is zero everywhere")
     every = [departures(near, motion.fields[key][moment].reshape(len(motion.reference), -1))
-             for moment in motion.moments]
+             for moment in motion.checked_time_indices]
     shares = [float(np.sqrt(np.mean(far**2))) / size for far in every]
     k = int(np.argmax(shares))
-    moment, p = motion.moments[k], int(np.argmax(every[k]))
+    moment, p = motion.checked_time_indices[k], int(np.argmax(every[k]))
     if shares[0] > SMOOTH_START:
         return unknown(name, f"it jumps by {shares[0]:.2g} of its size at the first moment already")
     if shares[k] <= ROUGH:
         return Finding(name, HOLDS, shares[k], ROUGH, "of its size")
     return Finding(name, BROKEN if shares[k] > ROUGHEST else SUSPICIOUS, shares[k], ROUGH, "of its size",
                    f"the {WORDS[key]} jumps from particle to particle by {shares[k]:.2g} of its size at t = "
-                   f"{motion.times[moment]:.4g} s, and by {shares[0]:.2g} at first", **motion.at(moment, p))
+                   f"{motion.times[moment]:.4g} s, and by {shares[0]:.2g} at first",
+                   **motion.finding_location(moment, p))
 
 
-def _largest_rms(motion: Motion, key: str) -> float:
+def _largest_rms(motion: RecordedMotion, key: str) -> float:
     """Returns the largest RMS of a quantity, for F that of F - 1."""
     values = motion.fields[key] - (np.eye(motion.dimensions) if key == "F" else 0.0)
     return float(np.sqrt(np.max(np.mean(np.sum(values.reshape(*values.shape[:2], -1) ** 2, axis=2), axis=1))))

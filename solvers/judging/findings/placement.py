@@ -13,9 +13,9 @@ from solvers.judging.findings.finding import HOLDS, OFF, Finding, compare, unkno
 from solvers.judging.findings.neighbours import MOST_ASKED, NeighbourSearch, departures, find_neighbours
 from solvers.judging.findings.time_fits import rms
 from solvers.judging.frames import Frame
-from solvers.message import Message
 from solvers.problems import PROBLEMS
 from solvers.scene.scene import Scene
+from solvers.translatable_message import Message
 
 ORDER = "particles where others should be"
 DRIFT, AXES = "mean error of x, where symmetry allows none", "axes, and the components of F"
@@ -35,7 +35,7 @@ POWERS = 7.0  # powers of ten that one unit may be of another
 NONE = "no data at t = 0 in the files"
 
 
-def check_positions(evidence: Evidence) -> Finding:
+def check_initial_positions(evidence: Evidence) -> Finding:
     """Checks positions against those of the problem's particles at the start."""
     found = _start_frame(evidence, "x")
     if found is None:
@@ -52,7 +52,7 @@ def check_positions(evidence: Evidence) -> Finding:
                            size, Message(evidence.scene.problem), told))
 
 
-def check_velocities(evidence: Evidence) -> Finding:
+def check_initial_velocities(evidence: Evidence) -> Finding:
     """Checks velocities against the problem's initial ones."""
     found = _start_frame(evidence, "v")
     if found is None:
@@ -171,7 +171,7 @@ def _spacing(X: np.ndarray) -> float:
     return float(np.median(NeighbourSearch(X).nearest(X[::-(-len(X) // MOST_ASKED)], 2)[0][:, 1]))
 
 
-def check_axes(evidence: Evidence) -> Finding:
+def check_alternative_readings(evidence: Evidence) -> Finding:
     """Checks whether the error would be far smaller if the file were interpreted differently."""
     frames = sorted(evidence.frames, key=lambda f: -float(np.sum((f.position - f.material_position)**2)))[:LOOKED_AT]
     some: list[dict[str, Any]] = [{field.name: value[::-(-len(frame.number) // MOST_FOLLOWED)]

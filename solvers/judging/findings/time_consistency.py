@@ -8,9 +8,9 @@ import numpy as np
 
 from solvers.judging.findings.evidence import Evidence
 from solvers.judging.findings.finding import BROKEN, HOLDS, OFF, SUSPICIOUS, Finding, unknown
-from solvers.judging.findings.motion import Motion
-from solvers.judging.findings.time_fits import fit_parts, jackknife_error, rms, time_derivative
-from solvers.message import Message
+from solvers.judging.findings.recorded_motion import RecordedMotion
+from solvers.judging.findings.time_fits import jackknife_error, jackknife_least_squares, rms, time_derivative
+from solvers.translatable_message import Message
 
 FEWEST_TIMES = 5
 SURE, SMOOTHED = 6.0, 3.0  # times that uncertainty; times what smoothing can make of the error of v
@@ -54,8 +54,9 @@ def check_velocity_time(evidence: Evidence) -> Finding:
     x, v = (tracks.own[q] - tracks.exact[q] for q in ("x", "v"))
     gap = 0.5 * np.diff(tracks.time)[:, None, None] * (v[1:] + v[:-1]) - np.diff(x, axis=0)
     moved, gained = np.diff(tracks.exact["x"], axis=0), np.diff(tracks.exact["v"], axis=0)
-    late, sure = fit_parts(gap, [-gained, moved])
-    slack = (SURE * sure[0] + _smoothing_lag(late[0, 1], v, time_derivative(tracks.time, tracks.exact["v"]))) / step
+    late, sure = jackknife_least_squares(gap, [-gained, moved])
+    slack = (SURE * sure[0] + _apparent_lag_by_smoothing(late[0, 1], v,
+                                                         time_derivative(tracks.time, tracks.exact["v"]))) / step
     return _lag_finding(VELOCITY, late[0, 0] / step, slack, (-SLACK, HALF + SLACK), step, Message("the velocities are"))
 
 
@@ -70,26 +71,27 @@ def check_stress_time(evidence: Evidence) -> Finding:
     of_place = [-speed, tracks.exact["x"] - tracks.material_position]
     outwards = np.argsort(np.linalg.norm(tracks.material_position - tracks.material_position.mean(axis=0), axis=1),
                           kind="stable")
-    late = [(fit_parts(turn(sigma), [turn(part) for part in parts])[0]
-             - fit_parts(turn(x), [turn(part) for part in of_place])[0])[:, 0] / step
+    late = [(jackknife_least_squares(turn(sigma), [turn(part) for part in parts])[0]
+             - jackknife_least_squares(turn(x), [turn(part) for part in of_place])[0])[:, 0] / step
             for turn in (lambda values: values, lambda values: np.moveaxis(values[:, outwards], 0, 1))]
     # What is really late is so at all times and everywhere, and of the right size.
-    slack = SURE * max(map(jackknife_error, late)) + _smoothing_lag(fit_parts(sigma, parts)[0][0, 1], sigma,
-                                                                    parts[0]) / step
+    slack = SURE * max(map(jackknife_error,
+                           late)) + _apparent_lag_by_smoothing(jackknife_least_squares(sigma, parts)[0][0, 1], sigma,
+                                                                                parts[0]) / step
     return _lag_finding(STRESS, float(late[0][0]), slack, (-HALF, HALF), step, Message("F or the stress is"))
 
 
-def check_clock(evidence: Evidence) -> Finding:
+def check_clock_rate(evidence: Evidence) -> Finding:
     """Checks for a fast or slow clock, whose error grows with time in proportion to the motion's rate."""
     tracks = evidence.tracks
     if tracks is None or len(tracks.time) < FEWEST_TIMES:
         return unknown(CLOCK, FEW)
     x, speed = tracks.own["x"] - tracks.exact["x"], time_derivative(tracks.time, tracks.exact["x"])
     growing = tracks.time[:, None, None] * speed
-    found, sure = fit_parts(x, [-speed, -growing])
+    found, sure = jackknife_least_squares(x, [-speed, -growing])
     late, slow = found[0]
     rest = x + late * speed + slow * growing
-    apart, _ = fit_parts(growing, [speed])  # what of a growing lag is not a lag that stays
+    apart, _ = jackknife_least_squares(growing, [speed])  # what of a growing lag is not a lag that stays
     size, scene = rms(growing - apart[0, 0] * speed), evidence.scene
     grid = DISPERSION * (scene.angular_frequency * scene.spacing / scene.wave_speed) ** 2
     left = rms(rest) / size if size > 0 else np.inf
@@ -107,7 +109,7 @@ def check_clock(evidence: Evidence) -> Finding:
                            "input that sets the speed", 100 * abs(slow), pace, 1 - slow, rms(rest) / rms(x)))
 
 
-def _smoothing_lag(part: float, error: np.ndarray, slope: np.ndarray) -> float:
+def _apparent_lag_by_smoothing(part: float, error: np.ndarray, slope: np.ndarray) -> float:
     """Returns the apparent lag in s by a grid that smooths the motion by a ``part``, and its errors similarly."""
     return SMOOTHED * abs(part) * rms(error) / max(rms(slope), 1e-300)
 
@@ -126,7 +128,7 @@ def _lag_finding(name: str, steps: float, slack: float, allowed: tuple[float, fl
                            abs(steps) * step, when, abs(steps), step))
 
 
-def check_velocity(motion: Motion) -> list[Finding]:
+def check_velocity(motion: RecordedMotion) -> list[Finding]:
     """Checks that a particle's displacement between two times is its mean velocity times the interval."""
     if len(motion.times) < 3 or not motion.speed > 0:
         why = "fewer than three moments" if len(motion.times) < 3 else "v is zero"
@@ -147,7 +149,7 @@ def _interval_rms(values: np.ndarray, interval: np.ndarray) -> np.ndarray:
     return np.sqrt(np.mean(np.sum(values**2, axis=2), axis=1)) / interval[:, 0, 0]
 
 
-def _check_speed(motion: Motion, gap: np.ndarray, bend: np.ndarray, interval: np.ndarray, told: np.ndarray,
+def _check_speed(motion: RecordedMotion, gap: np.ndarray, bend: np.ndarray, interval: np.ndarray, told: np.ndarray,
                  moved: np.ndarray) -> Finding:
     doubt = RULE * _interval_rms(bend, interval) / motion.speed
     wide = np.pad(doubt, AROUND, mode="edge")
@@ -164,7 +166,7 @@ def _check_speed(motion: Motion, gap: np.ndarray, bend: np.ndarray, interval: np
     off = np.where(sure, _interval_rms(gap, interval) / motion.speed - doubt, -1.0)
     k = int(np.argmax(off))
     size = float(np.sum(told[sure] * moved[sure]) / max(float(np.sum(told[sure] ** 2)), 1e-300))
-    at = motion.at(k + 1, int(np.argmax(np.sum(gap[k] ** 2, axis=1))))
+    at = motion.finding_location(k + 1, int(np.argmax(np.sum(gap[k] ** 2, axis=1))))
     when = f"between t = {motion.times[k]:.4g} and {motion.times[k + 1]:.4g} s"
     if size > 0 and abs(np.log10(size)) > OTHER_UNIT:
         return Finding(SPEED, BROKEN, float(off[k]), MOST, "of v",
@@ -175,12 +177,12 @@ def _check_speed(motion: Motion, gap: np.ndarray, bend: np.ndarray, interval: np
                    f"the particles do not move as their v says {when}: what is left is {off[k]:.2g} of v (RMS)", **at)
 
 
-def _check_lag(motion: Motion, gap: np.ndarray, moved: np.ndarray, gained: np.ndarray) -> Finding:
+def _check_lag(motion: RecordedMotion, gap: np.ndarray, moved: np.ndarray, gained: np.ndarray) -> Finding:
     """Checks the lag of v, in proportion to which the mismatch grows with the change of v. The trapezoidal rule's own
     error is proportional to the displacement, and fitted as well."""
     if len(motion.times) < FEWEST:
         return unknown(MOMENT, f"fewer than {FEWEST} moments")
-    found, sure = fit_parts(gap, [-gained, moved])
+    found, sure = jackknife_least_squares(gap, [-gained, moved])
     late, doubt = float(found[0, 0]), SURE * float(sure[0])
     left = rms(gap + late * gained - found[0, 1] * moved) / max(rms(gap), 1e-300)
     if not np.isfinite(late + doubt):
@@ -199,7 +201,7 @@ def _check_lag(motion: Motion, gap: np.ndarray, moved: np.ndarray, gained: np.nd
     return Finding(MOMENT, SUSPICIOUS if wrong else HOLDS, late, most, "s", says)
 
 
-def _check_centre(motion: Motion, moved: np.ndarray) -> Finding:
+def _check_centre(motion: RecordedMotion, moved: np.ndarray) -> Finding:
     """Checks that the centre of mass moves by momentum over mass; walls and rims make that inexact, but never by the
     same amount at all times."""
     mass = motion.fields.get("mass")

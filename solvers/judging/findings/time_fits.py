@@ -31,7 +31,7 @@ def interpolate_before(times: np.ndarray, values: np.ndarray, late: float) -> tu
                     + s * s * (3 - 2 * s) * values[at + 1] - s * s * (1 - s) * H * slopes[at + 1])
 
 
-def fit_parts(target: np.ndarray, parts: Sequence[np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
+def jackknife_least_squares(target: np.ndarray, parts: Sequence[np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
     """Returns the coefficients (1 + n, parts) of the parts (T, ...) in the target (T, ...), by least squares: first for
     all times, then with each of n groups of times left out; and their standard errors (parts,) by the jackknife."""
     def products(one: np.ndarray, other: np.ndarray) -> np.ndarray:

@@ -39,7 +39,7 @@ def kirchhoff(F: Any, q: Any, r: Any) -> Any:
             q * (F[2] * F[2] + F[3] * F[3] - 1) + r)
 
 
-def rate(L: Any, b: Any, q: Any, r: Any, A: Any, x: Any) -> Any:
+def stress_increment(L: Any, b: Any, q: Any, r: Any, A: Any, x: Any) -> Any:
     """Returns dP F^T as (xx, xy, yx, yy)."""
     trace, grown = x * (L[0] + L[3]), A * (L[0] * b[0] + (L[1] + L[2]) * b[1] + L[3] * b[2])
     return (q * (L[0] * b[0] + L[1] * b[1]) + trace + (q - r) * L[0] + grown * b[0],
@@ -48,7 +48,7 @@ def rate(L: Any, b: Any, q: Any, r: Any, A: Any, x: Any) -> Any:
             q * (L[2] * b[1] + L[3] * b[2]) + trace + (q - r) * L[3] + grown * b[2])
 
 
-def metric(F: Any, J: Any, q: Any, r: Any, A: Any, x: Any) -> Any:
+def stiffness_metric(F: Any, J: Any, q: Any, r: Any, A: Any, x: Any) -> Any:
     """Returns M = q b + A b^2 + (x + q - r) I: the stiffness between nodes whose weights have gradients g and h in
     space is bounded by the product of their sizes in M. By Cayley and Hamilton b^2 = (F:F) b - J^2 I."""
     xx, xy, yy = F[0] * F[0] + F[1] * F[1], F[0] * F[2] + F[1] * F[3], F[2] * F[2] + F[3] * F[3]
@@ -56,13 +56,13 @@ def metric(F: Any, J: Any, q: Any, r: Any, A: Any, x: Any) -> Any:
     return of_b * xx + rest, of_b * xy, of_b * yy + rest
 
 
-def material_metric(F: Any, J: Any, q: Any, r: Any, A: Any, x: Any) -> Any:
+def reference_stiffness_metric(F: Any, J: Any, q: Any, r: Any, A: Any, x: Any) -> Any:
     """Returns the metric for gradients at rest, F^-1 M F^-T = q I + A C + (x + q - r) C^-1, C = F^T F."""
     xx, xy, yy = F[0] * F[0] + F[2] * F[2], F[0] * F[1] + F[2] * F[3], F[1] * F[1] + F[3] * F[3]
     per = (x + q - r) / (J * J)
     return q + A * xx + per * yy, (A - per) * xy, q + A * yy + per * xx
 
 
-def stiffness(q: Any, r: Any, A: Any, x: Any, stretched: Any, pressed: Any) -> Any:
+def wave_stiffness(q: Any, r: Any, A: Any, x: Any, stretched: Any, pressed: Any) -> Any:
     """Returns the stiffness of waves along a principal axis N that move along F N, from |F N|^2 and |F^-T N|^2."""
     return q + A * stretched + (x + q - r) * pressed

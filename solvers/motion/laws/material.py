@@ -6,7 +6,7 @@ import numpy as np
 
 from solvers.motion.jets import log
 from solvers.motion.laws import neo_hookean, st_venant_kirchhoff
-from solvers.motion.laws.law import MaterialLaw, determinant, kirchhoff, piola, stiffness
+from solvers.motion.laws.law import MaterialLaw, determinant, kirchhoff, piola, wave_stiffness
 
 LAWS: dict[str, MaterialLaw] = {one.LAW.name: one.LAW for one in (neo_hookean, st_venant_kirchhoff)}
 NEO_HOOKEAN = neo_hookean.LAW.name
@@ -37,13 +37,13 @@ class Material(NamedTuple):
         xx, xy, yy = kirchhoff(F, *self.coefficients(F, J)[:2])
         return xx / J, xy / J, yy / J
 
-    def stiffening(self, F: Any, stretched: Any, pressed: Any) -> Any:
+    def max_frequency_factor(self, F: Any, stretched: Any, pressed: Any) -> Any:
         """Returns the largest factor by which F raises the frequencies of waves along a principal axis, at least 1: the
         root of their stiffness, from |F N|^2 and |F^-T N|^2, over that at rest."""
-        found = stiffness(*self.coefficients(F, determinant(F)), stretched, pressed)
+        found = wave_stiffness(*self.coefficients(F, determinant(F)), stretched, pressed)
         return max(1.0, float(np.max(found)) / (self.bulk + 2 * self.mu)) ** 0.5
 
-    def least_stiffness(self, F: np.ndarray) -> float:
+    def least_wave_stiffness(self, F: np.ndarray) -> float:
         """Returns the smallest stiffness of waves in any direction over mu: where it is not above 0 the law is not
         elliptic, and the shorter a wave, the faster it grows."""
         c, s, J = np.cos(ANGLES), np.sin(ANGLES), determinant(F)

@@ -4,7 +4,7 @@ u = A sin(2 pi X) sin(wt), w = c pi, solves rho0 u_tt = P_X + rho0 b with P = E(
 b = 3 w^2 u per unit mass (the paper's eq 34 prints another A: u already carries it). Without the body force the
 same initial velocity gives the free vibration u = (A/2) sin(2 pi X) sin(2wt); ``BarScene.motion_amplitude`` and
 ``BarScene.angular_frequency`` are those of whichever solution holds. In a patch test X is where a particle begins, and
-u = v0 t, F = F0 for ever. Where a displacement is typed, all follows from that (``solvers.motion.line_solution``).
+u = v0 t, F = F0 for ever. Where a displacement is typed, all follows from that (``solvers.motion.exact_solution_1d``).
 """
 
 import math
@@ -13,8 +13,8 @@ from typing import Any
 import numpy as np
 
 from solvers.motion.exact_solution import SECOND_FREQUENCY
-from solvers.motion.line_solution import motion_table
-from solvers.scene.momentum_balance import Moments
+from solvers.motion.exact_solution_1d import motion_table
+from solvers.scene.momentum_balance_moments import DisplacementMoments
 
 WAVENUMBER = 2 * np.pi
 SECOND_RATIO = 0.5  # of the force's second tone, of the first
@@ -62,7 +62,7 @@ def stress(scene: Any, X: np.ndarray, t: float) -> np.ndarray:
     return scene.modulus * (deformation_gradient(scene, X, t) - 1)
 
 
-def field(scene: Any, quantity: str, X: np.ndarray, t: float) -> np.ndarray:
+def field_as_sampled(scene: Any, quantity: str, X: np.ndarray, t: float) -> np.ndarray:
     """Returns a quantity (a key of ``samples.QUANTITIES``), u for x, as a method has it at the time t: the acceleration
     is that of its last step, one step before. For a patch test it is u - v0 t, because v0 t would hide all else."""
     if scene.is_patch and quantity == "x":
@@ -87,9 +87,9 @@ def body_force(scene: Any, X: np.ndarray, t: float) -> np.ndarray:
     return force
 
 
-def moments(scene: Any, times: np.ndarray) -> Moments:
-    """Returns the moments (see ``solvers.problems.bar.method.soundness``) at the times (T,) in s of the motion by the
-    balance of momentum (see ``solvers.scene.momentum_balance``).
+def displacement_moments(scene: Any, times: np.ndarray) -> DisplacementMoments:
+    """Returns the moments (see ``solvers.problems.bar.method.contradictions``) at the times (T,) in s of the motion by
+    the balance of momentum (see ``solvers.scene.momentum_balance_moments``).
 
     P = E(F - 1) is linear, so that the modes sin(2 pi X) and sin(4 pi X), which start and body force feed, swing each
     for itself: q'' = -(n w0)^2 q + b_n(t), w0 = 2 pi c, n = 1 and 2. With w the frequency of the force,
@@ -107,7 +107,8 @@ def moments(scene: Any, times: np.ndarray) -> Moments:
     if scene.displacement:
         motion = motion_table(scene)
         modes, T = motion.modes[:P, :, 0] - motion.modes[P, :, 0], np.stack([motion.time_functions(t) for t in times])
-        return Moments(T @ (shapes @ modes).T, np.einsum("tk,kl,tl->t", T, modes.T @ modes, T), inverse, P, trusted)
+        return DisplacementMoments(T @ (shapes @ modes).T, np.einsum("tk,kl,tl->t", T, modes.T @ modes, T), inverse, P,
+                                   trusted)
     size = np.zeros((len(times), 2))
     if not scene.is_patch:
         size[:, 0] = A * np.sin(w * times)
@@ -116,4 +117,4 @@ def moments(scene: Any, times: np.ndarray) -> Moments:
         force = SECOND_RATIO * 3 * w * w * scene.amplitude
         size[:, 1] = force / (own * own - tone * tone) * (np.sin(tone * times) - tone / own * np.sin(own * times))
     gram = shapes @ shapes.T
-    return Moments(size @ gram, np.einsum("tm,mn,tn->t", size, gram, size), inverse, P, trusted)
+    return DisplacementMoments(size @ gram, np.einsum("tm,mn,tn->t", size, gram, size), inverse, P, trusted)

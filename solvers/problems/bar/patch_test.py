@@ -17,11 +17,11 @@ from typing import Any
 
 import numpy as np
 
-from solvers.message import Message, join
-from solvers.scene.defaults import MOST_PER_CELL
-from solvers.scene.remedies import PIECES
+from solvers.scene.derived_quantities import MOST_PER_CELL
 from solvers.scene.scene import Scene
+from solvers.scene.stabilisations import PIECES
 from solvers.scene.validation import SceneError, require_number
+from solvers.translatable_message import Message, join_messages
 
 VIBRATE, PATCH = "vibrate", "patch"
 STRETCH, VELOCITY = 1.02, 1.0  # defaults of F0, and v0 in m/s
@@ -47,7 +47,7 @@ def normalise_inputs(cells: object, ppc: object, body_force: object) -> dict[str
     return meant
 
 
-def check_per_cell(cells: int, ppc: object) -> None:
+def check_particles_per_cell(cells: int, ppc: object) -> None:
     """Raises :class:`SceneError` unless all cells together contain a whole number of particles, 1 to 64 each."""
     allowed = Message("give a number from 1 to {most}", MOST_PER_CELL)
     require_number("ppc", ppc, 0, math.inf, allowed)
@@ -60,10 +60,10 @@ def check_per_cell(cells: int, ppc: object) -> None:
         nearest = [f"{number / cells:.7g} ({number})" for number in (below, above)
                    if cells <= number <= MOST_PER_CELL * cells]
         raise SceneError("ppc", ppc, "{cells} cells would hold {count:.7g} particles, and they must be a whole number; "
-                         "give {nearest}, or other cells", cells, count, join(" or ", nearest))
+                         "give {nearest}, or other cells", cells, count, join_messages(" or ", nearest))
 
 
-def check_numbers(stretch: float, velocity: float) -> None:
+def check_stretch_and_velocity(stretch: float, velocity: float) -> None:
     """Raises :class:`SceneError` for a stretch or a velocity that no patch test can have."""
     least, most = STRETCHES
     allowed = Message("give a number from {least:g} to {most:g}, but not 1", least, most)
@@ -79,7 +79,7 @@ def check_numbers(stretch: float, velocity: float) -> None:
         raise SceneError("initial_velocity", velocity, allowed)
 
 
-def check_fields(scene: Any) -> None:
+def check_inputs_fit_motion(scene: Any) -> None:
     """Raises :class:`SceneError` for inputs that have no meaning in this motion, patch test or vibration."""
     names: tuple[str, ...] = ("stretch", "initial_velocity")
     why = Message("is for the patch test; give motion patch, or leave it out")

@@ -31,4 +31,4 @@ class BarProblem(Problem):
         return REFERENCE
 
     def predicted_life(self, scene: BarScene) -> float | None:
-        return step_bound.predicted_life(scene)
+        return step_bound.predicted_life_in_periods(scene)

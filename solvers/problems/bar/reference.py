@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 
 from solvers.estimators.spectral_elements import Elements
-from solvers.estimators.standalone import ElasticBody
+from solvers.estimators.standalone_companion import ElasticBody
 from solvers.problems.bar import exact_solution
 from solvers.problems.bar.scene import BarScene
 from solvers.problems.reference import ProblemReference, Start, Texts, read_texts
@@ -62,7 +62,9 @@ class BarReference(ProblemReference):
         return np.where(np.isfinite(turns) & (turns != 0), x - turns, x)
 
     def companion(self, scene: BarScene, fine: bool) -> ElasticBody:
-        return BarCompanionBody(scene, max(FINE, 4 * scene.waves) if fine else max(COARSE, 3 * scene.waves))
+        return BarCompanionBody(scene,
+                                max(FINE,
+                                    4 * scene.highest_harmonic) if fine else max(COARSE, 3 * scene.highest_harmonic))
 
 
 class BarCompanionBody(ElasticBody):
@@ -73,7 +75,7 @@ class BarCompanionBody(ElasticBody):
 
     def __init__(self, scene: BarScene, count: int):
         self._scene, self._elements = scene, Elements(0.0, 1.0, count, ELEMENT_ORDER)
-        self._X = self._elements.nodes
+        self._X = self._elements.node_coordinates
         self._stiffness = self._elements.derivative.T @ (self._elements.weights[:, None] * self._elements.derivative)
         mass = self._elements.assembled_weights
         mass[0] = mass[-1] = mass[0] + mass[-1]  # the last node is the image of the first
@@ -81,9 +83,9 @@ class BarCompanionBody(ElasticBody):
         self.velocity = exact_solution.velocity(scene, self._X, 0.0)[:, None]
         whole = np.eye(len(self._X))
         self.frequency = float(np.sqrt(np.abs(np.linalg.eigvals(
-            np.stack([self._inverse_mass * self._pull(row) for row in whole], axis=1))).max()))
+            np.stack([self._inverse_mass * self._internal_forces(row) for row in whole], axis=1))).max()))
 
-    def _pull(self, u: np.ndarray) -> np.ndarray:
+    def _internal_forces(self, u: np.ndarray) -> np.ndarray:
         of_node = self._elements.node_of_point
         modulus = self._scene.modulus * self._scene.initial_stretch
         pull = modulus * np.bincount(of_node.ravel(), (u[of_node] @ self._stiffness).ravel())
@@ -91,10 +93,11 @@ class BarCompanionBody(ElasticBody):
         return pull
 
     def accelerations(self, u: np.ndarray, t: float) -> np.ndarray:
-        return (exact_solution.body_force(self._scene, self._X, t) - self._inverse_mass * self._pull(u[:, 0]))[:, None]
+        return (exact_solution.body_force(self._scene, self._X,
+                                          t) - self._inverse_mass * self._internal_forces(u[:, 0]))[:, None]
 
-    def read(self, u: np.ndarray, X: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        element, values, slopes = self._elements.locate(X[:, 0])
+    def values_and_gradients(self, u: np.ndarray, X: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        element, values, slopes = self._elements.evaluate_basis(X[:, 0])
         local = u[self._elements.node_of_point[element], 0]
         return (np.einsum("pi,pi->p", values, local)[:, None], np.einsum("pi,pi->p", slopes, local)[:, None, None])
 

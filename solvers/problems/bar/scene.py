@@ -9,20 +9,20 @@ from typing import Any
 
 import numpy as np
 
-from solvers.message import Message
-from solvers.motion.line_solution import HALF_ERROR, LineSizes, line_sizes
-from solvers.motion.typed_motion import LineMotionInputs
-from solvers.problems.bar import exact_solution, limits, patch_test, step_bound
+from solvers.motion.exact_solution_1d import HALF_ERROR, MotionMagnitudes, motion_magnitudes
+from solvers.motion.typed_motion import MotionInputs1D
+from solvers.problems.bar import estimator_limits, exact_solution, patch_test, step_bound
 from solvers.problems.bar.patch_test import PATCH, VIBRATE
-from solvers.scene.defaults import MOST_PER_CELL
+from solvers.scene.derived_quantities import MOST_PER_CELL
 from solvers.scene.error_causes import CAUSES, NOTHING
 from solvers.scene.field_options import document_fields, option
-from solvers.scene.momentum_balance import Moments
-from solvers.scene.remedies import CENTRED, COUPLED, FILTER, FROZEN, PIECES
+from solvers.scene.momentum_balance_moments import DisplacementMoments
 from solvers.scene.scene import Scene
+from solvers.scene.stabilisations import CENTRED, COUPLED, FILTER, FROZEN, PIECES
 from solvers.scene.step_bound import StepBound
-from solvers.scene.typed import TYPED, TypedMotionScene
+from solvers.scene.typed_motion_scene import TYPED, TypedMotionScene
 from solvers.scene.validation import SceneError, require_number
+from solvers.translatable_message import Message
 
 #: Above this amplitude the exact bar turns inside out: F = 1 + 2 pi A cos(2 pi X) sin(wt) reaches 0.
 BAR_AMPLITUDE_LIMIT = 1 / (2 * math.pi)
@@ -59,7 +59,7 @@ class BarScene(TypedMotionScene, Scene):
     SETTING = "The bar is 1 m long."
     EXTRA_ERROR = "sigma_log"
     ESTIMATORS = ("transport", "recovered", "companion", "two-grid")
-    LIMITS = limits.LIMITS
+    LIMITS = estimator_limits.LIMITS
     OWN_EFFECTS = ("budget",)
     REMEDIES = (FILTER, COUPLED, CENTRED, FROZEN, PIECES)
     RUN_ONLY = dict.fromkeys(("motion", "stretch", "initial_velocity"), patch_test.NOTHING_TO_SEARCH)
@@ -91,13 +91,13 @@ class BarScene(TypedMotionScene, Scene):
         return Message("patch test of the bar") if self.is_patch else super().title
 
     @property
-    def waves(self) -> int:
+    def highest_harmonic(self) -> int:
         """Number of waves in the bar, of the shortest that matters."""
         return self._sizes.waves if self.displacement else 1 + (self.body_force == "two-tone")
 
     @property
-    def moved_by(self) -> tuple[str, ...]:
-        return ("stretch", "initial_velocity") if self.is_patch else super().moved_by
+    def motion_fields(self) -> tuple[str, ...]:
+        return ("stretch", "initial_velocity") if self.is_patch else super().motion_fields
 
     @property
     def compiled_motion(self) -> str:
@@ -105,15 +105,15 @@ class BarScene(TypedMotionScene, Scene):
         return TYPED if self.displacement else self.motion
 
     @property
-    def motion_inputs(self) -> LineMotionInputs:
-        return LineMotionInputs(self.base_frequency, self.amplitude, self.wave_speed)
+    def motion_inputs(self) -> MotionInputs1D:
+        return MotionInputs1D(self.base_frequency, self.amplitude, self.wave_speed)
 
     @property
     def swings(self) -> bool:
         return not self.is_patch
 
     @property
-    def lattice_gap(self) -> float:
+    def neighbour_mismatch(self) -> float:
         """Mismatch of neighbours in the exact motion, in amplitudes. The sine moves neighbours dX apart by 2 A sin(pi
         dX) cos(2 pi X_m), X_m their middle, and their mean F implies 2 pi dX A cos(pi dX) cos(2 pi X_m): 0.21 with four
         particles, 0.03 with eight. An F - 1 that is half wrong adds dX times that, 0.56 and 0.28."""
@@ -157,8 +157,8 @@ class BarScene(TypedMotionScene, Scene):
         return self.amplitude / 2 if self.body_force == "none" else self.amplitude
 
     @functools.cached_property
-    def _sizes(self) -> LineSizes:
-        return line_sizes(self)
+    def _sizes(self) -> MotionMagnitudes:
+        return motion_magnitudes(self)
 
     def size_of(self, quantity: str) -> float:
         return self._sizes.largest[quantity] if self.displacement else super().size_of(quantity)
@@ -184,8 +184,8 @@ class BarScene(TypedMotionScene, Scene):
         known = effect != "budget" or super().has("truth") or "companion" in self.active_estimators
         return known and super().has(effect)
 
-    def balanced_motion(self, times: np.ndarray) -> Moments:
-        return exact_solution.moments(self, times)
+    def momentum_balance_moments(self, times: np.ndarray) -> DisplacementMoments:
+        return exact_solution.displacement_moments(self, times)
 
     def to_dict(self) -> dict:
         """Returns every input with defaults filled in, None for those without meaning in this motion."""
@@ -202,7 +202,7 @@ class BarScene(TypedMotionScene, Scene):
 
     def warnings(self) -> list[str]:
         sentences = super().warnings()
-        if "two-grid" in self.active_estimators and limits.is_noisy(self):
+        if "two-grid" in self.active_estimators and estimator_limits.is_too_noisy_for_two_grid(self):
             sentences.append(Message("two-grid does not estimate a here: particles that cross cells add noise to it, "
                                      "in different places on the two grids"))
         if "budget" in self.effects and not self.has("budget"):
@@ -221,13 +221,13 @@ class BarScene(TypedMotionScene, Scene):
     def critical_time_step(self) -> StepBound:
         return step_bound.critical_time_step(self, self.initial_stretch, self.initial_velocity)
 
-    def _normalized(self) -> dict[str, Any]:
+    def _normalized_inputs(self) -> dict[str, Any]:
         meant = patch_test.normalise_inputs(self.cells, self.ppc, self.body_force) if self.motion == PATCH else {}
-        return {**super()._normalized(), **meant}
+        return {**super()._normalized_inputs(), **meant}
 
     def _check_per_cell(self) -> None:
         if self.is_patch:
-            return patch_test.check_per_cell(self.cells, self.ppc)
+            return patch_test.check_particles_per_cell(self.cells, self.ppc)
         if isinstance(self.ppc, float) and 1 <= self.ppc <= MOST_PER_CELL:
             raise SceneError("ppc", self.ppc, "give a whole number from 1 to {most}; only a patch test (motion patch) "
                              "may have a part of one", MOST_PER_CELL)
@@ -244,10 +244,10 @@ class BarScene(TypedMotionScene, Scene):
 
     def _check_numbers(self) -> None:
         super()._check_numbers()
-        patch_test.check_numbers(self.stretch, self.initial_velocity)
+        patch_test.check_stretch_and_velocity(self.stretch, self.initial_velocity)
 
     def _check_combinations(self) -> None:
-        patch_test.check_fields(self)
+        patch_test.check_inputs_fit_motion(self)
         if self.displacement and self.body_force != "material":
             raise SceneError("body_force", self.body_force, "does not go with a typed displacement, which is the "
                              "solution with a force at material points alone; give material")
@@ -258,9 +258,9 @@ class BarScene(TypedMotionScene, Scene):
             raise SceneError("velocity", "corners", "moves the corners of convected domains and needs "
                              "the method cpgimp; with other methods give grid or particle")
         if self.frozen:
-            self._check_frozen()
+            self._check_frozen_weights()
 
-    def _check_frozen(self) -> None:
+    def _check_frozen_weights(self) -> None:
         """Raises :class:`SceneError` for remedies beside frozen weights, which have nothing to correct: the material at
         rest fills the grid evenly."""
         others = [name for name in self.remedies if name != FROZEN]

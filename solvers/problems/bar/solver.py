@@ -5,16 +5,16 @@ import time
 import numpy as np
 
 from solvers.kernels import runtime
-from solvers.message import Message
 from solvers.problems.bar import exact_solution, step_breakdown
 from solvers.problems.bar.scene import BarScene
 from solvers.problems.bar.state import HOOKS, BarState, InstrumentedBar, allocate_state, escape_distance
 from solvers.problems.bar.step import KERNELS, PHASES
 from solvers.scene.kernel_options import kernel_options_of
-from solvers.scene.remedies import CENTRED, COUPLED, FILTER, FROZEN, PIECES
+from solvers.scene.stabilisations import CENTRED, COUPLED, FILTER, FROZEN, PIECES
 from solvers.solver.base import REPORT, Solver
-from solvers.solver.run_loop import SerialStepper
-from solvers.solver.snapshot import TRUTH, Fields, Snapshot, Values
+from solvers.solver.particle_snapshot import TRUTH, ParticleFields, ParticleValues, Snapshot
+from solvers.solver.serial_stepping import SerialStepper
+from solvers.translatable_message import Message
 
 HATS_LIMIT = 0.14  # amplitude from which on no rate of a remedy holds hat functions together
 
@@ -65,17 +65,18 @@ class BarSolver(Solver):
             values = {"x": a.position - X - moved, "v": a.velocity,
                       "sigma": a.modulus * (a.deformation_gradient - a.unstretched),
                       "a": a.acceleration if scene.has("acceleration") else np.nan}[quantity]
-            deviation = values - exact_solution.field(scene, quantity, X, t) if scene.solution_known else np.nan
+            deviation = values - exact_solution.field_as_sampled(scene, quantity, X,
+                                                                 t) if scene.solution_known else np.nan
         return np.stack(np.broadcast_arrays(values, deviation, X)[:2], axis=1)
 
-    def fields(self) -> Fields:
+    def fields(self) -> ParticleFields:
         a, shot = self._arrays, self.snapshot()
         said = shot.estimate if shot.error is None else {TRUTH: shot.error, **shot.estimate}
         values = np.stack([shot.position - shot.material_position, shot.velocity,
                            self.scene.modulus * (shot.deformation_gradient - 1)], axis=1)
-        return Fields(a.material_position[:, None].copy(), np.full(a.particles, a.density * a.volume),
-                      np.full(a.particles, a.volume), _columns(values),
-                      {name: _columns(errors) for name, errors in said.items()})
+        return ParticleFields(a.material_position[:, None].copy(), np.full(a.particles, a.density * a.volume),
+                              np.full(a.particles, a.volume), _without_acceleration(values),
+                              {name: _without_acceleration(errors) for name, errors in said.items()})
 
     def _escape_sentence(self) -> str:
         return Message("moved {scene:.3g} m or more from where it began", escape_distance(self.scene))
@@ -86,7 +87,7 @@ class BarSolver(Solver):
                            "particles per cell, ugimp or cpgimp, or linearity preservation")
         return super()._advice()
 
-    def _other_advice(self) -> str:
+    def _fallback_advice(self) -> str:
         """Returns the remedies that the scene does not use yet; measured in ``assets/stability.md``."""
         scene = self.scene
         whole = scene.method == "mpm" and not scene.frozen and PIECES not in scene.remedies
@@ -100,6 +101,6 @@ class BarSolver(Solver):
         return Message("choose a smaller amplitude or fewer periods")
 
 
-def _columns(values: np.ndarray) -> Values:
+def _without_acceleration(values: np.ndarray) -> ParticleValues:
     """Returns the first three of four columns (P, 4): x, v and sigma."""
-    return Values(values[:, :1], values[:, 1:2], values[:, 2:3])
+    return ParticleValues(values[:, :1], values[:, 1:2], values[:, 2:3])

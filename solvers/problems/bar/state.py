@@ -26,7 +26,7 @@ class InstrumentedBar(Diagnostics, BarBody):
     @property
     def cause_errors(self) -> np.ndarray:
         """Errors of x, v and F of the P particles by cause (3, P, causes), a view; only with the effect ``budget``."""
-        return BUDGET.parts(self.memory)["cause_errors"][:3 * self.particles].reshape(3, self.particles, -1)
+        return BUDGET.unpack(self.memory)["cause_errors"][:3 * self.particles].reshape(3, self.particles, -1)
 
 
 #: Numbers and arrays as one kernel argument: nothing of a scene is baked into compiled code but its switches.

@@ -3,16 +3,16 @@
 import taichi as ti
 
 from solvers.estimators import estimator_loop
-from solvers.problems.bar.budget import error_propagation, reference
-from solvers.problems.bar.budget.budget_arrays import with_budget
-from solvers.problems.bar.method import remedies
+from solvers.problems.bar.budget import error_propagation, reference_motion
+from solvers.problems.bar.budget.budget_arrays import state_with_budget_arrays
+from solvers.problems.bar.method import stabilisations
 from solvers.problems.bar.method.phases import find_weights, nodes_to_particles, update_grid
-from solvers.problems.bar.method.samples import sample
+from solvers.problems.bar.method.sample_rows import write_sample_row
 from solvers.problems.bar.method.stability_margin import step_margin
 from solvers.problems.bar.state import HOOKS, BarState
 from solvers.scene.effects import samplers
-from solvers.scene.typed import TYPED
-from solvers.solver.run_loop import Phases, check_particles, sample_effects, serial_kernels
+from solvers.scene.typed_motion_scene import TYPED
+from solvers.solver.serial_stepping import StepFunctions, check_particles, sample_effects, serial_kernels
 
 SAMPLERS = samplers("bar", {})
 
@@ -40,29 +40,31 @@ def one_step(bar: ti.template(), step, on: ti.template()):
     update_grid(bar, (step - 1) * bar.dt, on)
     estimator_loop.in_step(bar, step, HOOKS, on)
     if ti.static(on.budget):
-        error_propagation.update_grid(with_budget(bar), (step - 1) * bar.dt, on)
-    remedies.in_step(bar, step, on)
+        error_propagation.update_grid(state_with_budget_arrays(bar), (step - 1) * bar.dt, on)
+    stabilisations.in_step(bar, step, on)
     if ti.static(on.budget):
-        error_propagation.in_step(with_budget(bar), step, on)
+        error_propagation.in_step(state_with_budget_arrays(bar), step, on)
     nodes_to_particles(bar, step, on)
     if ti.static(on.budget):
-        error_propagation.after_step(with_budget(bar), on)
-    remedies.after_step(bar, on)
+        error_propagation.correct_particles_after_step(state_with_budget_arrays(bar), on)
+    stabilisations.subtract_mean_velocity(bar, on)
     estimator_loop.after_step(bar, step, HOOKS, on)
     if ti.static(on.budget and on.truth and on.motion == TYPED):
-        reference.typed_after_step(with_budget(bar), step)
+        reference_motion.add_typed_time_step_error(state_with_budget_arrays(bar), step)
     elif ti.static(on.budget and not on.truth):
-        reference.companion_after_step(estimator_loop.with_memory(with_budget(bar), HOOKS, "companion"), step)
+        reference_motion.add_companion_time_step_error(
+            estimator_loop.with_memory(state_with_budget_arrays(bar), HOOKS, "companion"), step
+        )
 
 
 @ti.func
 def sample_all(bar: ti.template(), row, step, looks, on: ti.template()):
     """Writes one row of samples: the method's, the effects', and the budget's."""
-    sample(bar, row, step, looks, on)
+    write_sample_row(bar, row, step, looks, on)
     sample_effects(bar, row, step, SAMPLERS, on)
     if ti.static(on.budget):
-        error_propagation.sample_budget_sums(with_budget(bar), row, step, on)
+        error_propagation.sample_budget_sums(state_with_budget_arrays(bar), row, step, on)
 
 
-PHASES = Phases(one_step, check_state, sample_all, HOOKS, find_weights, step_margin)
+PHASES = StepFunctions(one_step, check_state, sample_all, HOOKS, find_weights, step_margin)
 KERNELS = serial_kernels(BarState, PHASES)

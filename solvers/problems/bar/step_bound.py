@@ -8,10 +8,10 @@ from typing import Any
 import numpy as np
 
 from solvers.problems.bar import patch_test
-from solvers.scene.linear_stability import Configurations, NodeLinks, longest_steps
-from solvers.scene.remedies import PIECES
+from solvers.scene.linear_stability import Configurations, NodeLinks, longest_step_per_instant
 from solvers.scene.scene import Scene
-from solvers.scene.step_bound import StepBound, circle_bound, motion_bound, motion_parts, stencil
+from solvers.scene.stabilisations import PIECES
+from solvers.scene.step_bound import StepBound, combine_instant_bounds, gershgorin_step_bound, motion_fractions, stencil
 
 MOST_PARTICLES = 600  # of the bar that are evaluated; a finer bar has more cells of the same kind
 PATCH_POSITIONS = 17  # of a patch test in its cell
@@ -32,10 +32,10 @@ class BarConfiguration:
     stiffness: np.ndarray
     mass: float
 
-    def circle_bound(self) -> float:
+    def gershgorin_bound(self) -> float:
         """Returns the bound by Gershgorin's circles, in s."""
         mass = np.bincount(self.nodes.ravel(), (self.mass * self.weights).ravel(), self.cells)
-        return circle_bound(self.force_nodes, np.abs(self.gradients), self.stiffness, mass)
+        return gershgorin_step_bound(self.force_nodes, np.abs(self.gradients), self.stiffness, mass)
 
 
 def critical_time_step(scene: Any, stretch: float, velocity: float) -> StepBound:
@@ -51,14 +51,15 @@ def critical_time_step(scene: Any, stretch: float, velocity: float) -> StepBound
         shapes = [(solution.displacement(scene, X, t), solution.deformation_gradient(scene, X, t))
                   for t in scene.period * np.linspace(0, 1, INSTANTS_PER_PERIOD)]
     else:
-        part, sizes = 0.5, scene.motion_amplitude * np.sin(np.pi * (motion_parts(scene) - 0.5))
+        part, sizes = 0.5, scene.motion_amplitude * np.sin(np.pi * (motion_fractions(scene) - 0.5))
         shapes = [(size * np.sin(2 * np.pi * X), 1 + 2 * np.pi * size * np.cos(2 * np.pi * X)) for size in sizes]
     found = [configuration_at(scene, cells, X if scene.frozen else X + u, F) for u, F in shapes]
-    each = longest_steps(stack_configurations(found))
+    each = longest_step_per_instant(stack_configurations(found))
     seconds = part * scene.period * scene.cells / cells  # as many steps as on the cells that the scene has
     stretch = 1 + scene.size_of("sigma") / scene.modulus
-    return motion_bound(scene, each, seconds, stretch,
-                        found[int(np.argmin(each))].circle_bound()).on_cells(cells / scene.cells)
+    return combine_instant_bounds(
+        scene, each, seconds, stretch, found[int(np.argmin(each))].gershgorin_bound()
+    ).scaled_by_cell_size(cells / scene.cells)
 
 
 def _patch_time_step(scene: Scene, stretch: float, velocity: float) -> StepBound:
@@ -69,9 +70,10 @@ def _patch_time_step(scene: Scene, stretch: float, velocity: float) -> StepBound
     X = (np.arange(particles) + 0.5) / particles
     shifts = np.linspace(0, 1, PATCH_POSITIONS) / cells if velocity and not scene.frozen else [0.0]
     found = [configuration_at(scene, cells, X + shift, np.ones_like(X), stretch) for shift in shifts]
-    each = longest_steps(stack_configurations(found))
+    each = longest_step_per_instant(stack_configurations(found))
     least = float(each.min())
-    return StepBound(least, least, found[int(np.argmin(each))].circle_bound()).on_cells(cells / scene.cells)
+    return StepBound(least, least,
+                     found[int(np.argmin(each))].gershgorin_bound()).scaled_by_cell_size(cells / scene.cells)
 
 
 def configuration_at(scene: Scene, cells: int, x: np.ndarray, F: np.ndarray, stretch: float = 1.0) -> BarConfiguration:
@@ -137,7 +139,7 @@ def null_space_drift(scene: Scene) -> float:
     return float(np.sqrt(np.mean((total * scene.period / DRIFT_INSTANTS) ** 2)))
 
 
-def predicted_life(scene: Any) -> float | None:
+def predicted_life_in_periods(scene: Any) -> float | None:
     """Returns the periods until the drift reaches A w; None where a remedy corrects it or something else comes first,
     and for a typed motion."""
     if scene.remedies or scene.linearity_preserving or scene.velocity != "grid" or scene.method == "mpm" \

@@ -2,10 +2,10 @@
 
 import numpy as np
 
-from solvers.problems.bar.method.nodes import MOST_HALF_WIDTH
+from solvers.problems.bar.method.periodic_nodes import MOST_HALF_WIDTH
 from solvers.problems.bar.scene import BarScene
 from solvers.problems.bar.state import InstrumentedBar
-from solvers.solver.step_breakdown import Image, ParticleState, StepBreakdown, find_links
+from solvers.solver.step_breakdown import NodeImage, ParticleState, StepBreakdown, find_links
 
 
 def particle_state(scene: BarScene, a: InstrumentedBar) -> ParticleState:
@@ -53,7 +53,7 @@ def _weights(a: InstrumentedBar, some: np.ndarray) -> tuple[np.ndarray, np.ndarr
             np.stack([slope_left, -slope_left - slope_right, slope_right], axis=1)[:, :, None])
 
 
-def _images(node: int, cells: int, spacing: float) -> list[Image]:
+def _images(node: int, cells: int, spacing: float) -> list[NodeImage]:
     home = (node - 1) % cells + 1
-    return [Image(other, (1.0,), ((node - other) * spacing,)) for other in (home - cells, home, home + cells)
+    return [NodeImage(other, (1.0,), ((node - other) * spacing,)) for other in (home - cells, home, home + cells)
             if 0 <= other <= cells + 3]

@@ -32,7 +32,8 @@ def body_force_at(scene: Any, X: np.ndarray, t: Any) -> np.ndarray:
         return np.zeros_like(X)
     force = scene.EXACT.body_force(scene, X, t)
     if scene.body_force == "two-tone":
-        force = force + _second_tone(scene, X, t) * np.sin(SECOND_FREQUENCY * scene.angular_frequency * t)[..., None]
+        force = force + _second_tone_amplitude(scene, X,
+                                               t) * np.sin(SECOND_FREQUENCY * scene.angular_frequency * t)[..., None]
     return force
 
 
@@ -41,11 +42,11 @@ def tabulate_body_force(scene: Any, points: np.ndarray) -> BodyForce:
     if scene.body_force == "none":
         return BodyForce(len(points))
     first = separate(lambda X, t: scene.EXACT.body_force(scene, X, t), points, scene.period)
-    second = separate(lambda X, t: _second_tone(scene, X, t), points, scene.period) \
+    second = separate(lambda X, t: _second_tone_amplitude(scene, X, t), points, scene.period) \
         if scene.body_force == "two-tone" else None
     return BodyForce(len(points), first, second)
 
 
-def _second_tone(scene: Any, X: np.ndarray, t: Any) -> np.ndarray:
+def _second_tone_amplitude(scene: Any, X: np.ndarray, t: Any) -> np.ndarray:
     """Returns the amplitude (P, 2) in m/s^2 of the second tone, whose shape in m the scene defines."""
-    return SECOND_RATIO * scene.angular_frequency**2 * scene.second_tone(X, t)
+    return SECOND_RATIO * scene.angular_frequency**2 * scene.second_tone_shape(X, t)

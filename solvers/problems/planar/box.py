@@ -9,17 +9,17 @@ from dataclasses import dataclass
 import numpy as np
 
 from solvers.estimators.spectral_elements import Elements
-from solvers.message import Message
 from solvers.motion.laws.material import LAWS, NEO_HOOKEAN
 from solvers.motion.separable_field import SeparableField, separate
-from solvers.problems.planar.estimators.patch import CARTESIAN, Patch
+from solvers.problems.planar.estimators.companion_patch import CARTESIAN, CompanionPatch
 from solvers.problems.planar.scene import GHOSTS, PlanarScene, motion_table
 from solvers.scene.estimator_limits import Limit
 from solvers.scene.estimator_registry import HALF_REASON, MOVING_WEIGHTS, REMEDIES_REASON
 from solvers.scene.field_options import option
-from solvers.scene.momentum_balance import MODES, Moments
-from solvers.scene.remedies import COUPLED, FILTER, FROZEN
+from solvers.scene.momentum_balance_moments import MODES, DisplacementMoments
+from solvers.scene.stabilisations import COUPLED, FILTER, FROZEN
 from solvers.scene.validation import require_number
+from solvers.translatable_message import Message
 
 LINE, INSTANTS = 24, 16  # points a side and times of a period at which the motion is evaluated
 NEWTON_STEPS, NEWTON_END = 20, 1e-9  # for the material point at a node; tolerance in m, with quadratic convergence
@@ -85,7 +85,7 @@ class BoxScene(PlanarScene):
     MOST_AMPLITUDE = math.inf
 
     @staticmethod
-    def polar_counts(cells: int, ppc: int) -> tuple[int, int]:
+    def lattice_counts(cells: int, ppc: int) -> tuple[int, int]:
         return cells * ppc, cells * ppc
 
     @classmethod
@@ -101,14 +101,14 @@ class BoxScene(PlanarScene):
         return self.SIDE + self.spacing
 
     @functools.cached_property
-    def crossing_rate(self) -> float:
+    def relative_wave_rate(self) -> float:
         """Largest speed of waves along x or y in the material frame, anywhere in the motion, over that at rest."""
         rate = 1.0
         for t in (np.arange(INSTANTS) + 0.5) / INSTANTS * self.period:
-            F = self.EXACT.deformation_gradient(self, self._points, t)
+            F = self.EXACT.deformation_gradient(self, self._evaluation_points, t)
             back = np.linalg.inv(F)
-            rate = max(rate, *(self.material.stiffening(F.reshape(-1, 4).T, (F[:, :, k] ** 2).sum(axis=1),
-                                                        (back[:, k] ** 2).sum(axis=1)) for k in (0, 1)))
+            rate = max(rate, *(self.material.max_frequency_factor(F.reshape(-1, 4).T, (F[:, :, k] ** 2).sum(axis=1),
+                                                                  (back[:, k] ** 2).sum(axis=1)) for k in (0, 1)))
         return rate
 
     def warnings(self) -> list[str]:
@@ -122,16 +122,17 @@ class BoxScene(PlanarScene):
     @functools.cached_property
     def least_stiffness(self) -> float:
         """Smallest stiffness of waves in any direction, anywhere along the exact motion, over mu."""
-        F = (self.EXACT.deformation_gradient(self, self._points, t) for t in np.arange(LINE) / LINE * self.period)
-        return min(self.material.least_stiffness(one.reshape(-1, 4).T) for one in F)
+        F = (self.EXACT.deformation_gradient(self, self._evaluation_points,
+                                             t) for t in np.arange(LINE) / LINE * self.period)
+        return min(self.material.least_wave_stiffness(one.reshape(-1, 4).T) for one in F)
 
-    def grid_field(self) -> SeparableField:
+    def node_acceleration_field(self) -> SeparableField:
         """Returns the exact acceleration in m/s^2 of the material that is at the nodes."""
         line = (np.arange(self.row) - self.origin) * self.spacing
-        return separate(lambda x, t: self.EXACT.acceleration(self, x if self.frozen else self._material_at(x, t), t),
+        return separate(lambda x, t: self.EXACT.acceleration(self, x if self.frozen else self._invert_motion(x, t), t),
                         np.stack(np.meshgrid(line, line), axis=-1).reshape(-1, 2), self.period)
 
-    def _material_at(self, x: np.ndarray, t: np.ndarray) -> np.ndarray:
+    def _invert_motion(self, x: np.ndarray, t: np.ndarray) -> np.ndarray:
         """Returns the material points (n, 2) at the places x (n, 2) at the times t (n,), by Newton's method."""
         X = x.copy()
         for _ in range(NEWTON_STEPS):
@@ -143,13 +144,13 @@ class BoxScene(PlanarScene):
         return X
 
     @functools.cached_property
-    def _sizes(self) -> dict[str, tuple[float, float]]:
+    def _largest_and_rms(self) -> dict[str, tuple[float, float]]:
         """Largest value and RMS of x, v, sigma and a over the body and a period."""
         return {name: (float(np.sqrt(squares.max())), float(np.sqrt(squares.mean())))
-                for name, squares in self.exact_squares(self._points, INSTANTS).items()}
+                for name, squares in self.exact_squares(self._evaluation_points, INSTANTS).items()}
 
     @property
-    def _points(self) -> np.ndarray:
+    def _evaluation_points(self) -> np.ndarray:
         """Material points (n, 2) throughout the body at which its motion is evaluated."""
         line = np.linspace(0, self.SIDE, LINE + 1)
         return np.stack(np.meshgrid(line, line), axis=-1).reshape(-1, 2)
@@ -160,64 +161,67 @@ class BoxScene(PlanarScene):
         return self.size_of("x")
 
     def size_of(self, quantity: str) -> float:
-        return self._sizes[quantity][0]
+        return self._largest_and_rms[quantity][0]
 
     def rms_of(self, quantity: str) -> float:
-        return self._sizes[quantity][1]
+        return self._largest_and_rms[quantity][1]
 
-    def exact_along(self, quantity: str, X: np.ndarray, t: float) -> np.ndarray:
+    def exact_plotted_component(self, quantity: str, X: np.ndarray, t: float) -> np.ndarray:
         """Returns the component along x of the exact quantity (P,)."""
         exact = self.EXACT
         if quantity == "a":
             return exact.acceleration(self, X, max(0.0, t - self.time_step))[:, 0]
         return {"x": exact.displacement, "v": exact.velocity, "sigma": exact.stress}[quantity](self, X, t)[:, 0]
 
-    def companion_body(self, fine: bool | None) -> Patch:
+    def companion_body(self, fine: bool | None) -> CompanionPatch:
         """Returns the companion's patch, with as many elements as the motion needs, of higher order if ``fine``."""
         usual = max(k for k, (fewest_cells, *_) in enumerate(COMPANION_ELEMENTS) if fewest_cells <= self.cells)
         for _, count, own_order in COMPANION_ELEMENTS[usual:]:
             line = Elements(0.0, self.SIDE, count, FINE_ORDER if fine else own_order)
             if self._unresolved_part(line) <= MAX_UNRESOLVED:
                 break
-        return Patch(self, (line, line), CARTESIAN,
-                     lambda X: np.any([np.abs(X - end) < 1e-12 * self.SIDE for end in (0.0, self.SIDE)], axis=0))
+        return CompanionPatch(self, (line, line), CARTESIAN,
+                              lambda X: np.any([np.abs(X - end) < 1e-12 * self.SIDE for end in (0.0, self.SIDE)],
+                                               axis=0))
 
     def _unresolved_part(self, line: Elements) -> float:
         """Returns the RMS over body and period of the displacement that the elements' polynomials omit, over that of
         the displacement."""
         between = (np.arange(TEST_POINTS * line.count) + 0.5) / (TEST_POINTS * line.count) * self.SIDE
-        element, values, _ = line.locate(between)
-        basis = np.zeros((len(between), len(line.nodes)))
+        element, values, _ = line.evaluate_basis(between)
+        basis = np.zeros((len(between), len(line.node_coordinates)))
         np.put_along_axis(basis, line.node_of_point[element], values, axis=1)
         at_nodes, there = (np.stack(np.meshgrid(x, x, indexing="ij"), axis=-1).reshape(-1, 2)
-                           for x in (line.nodes, between))
+                           for x in (line.node_coordinates, between))
         missed = squares = 0.0
         for t in (np.arange(INSTANTS) + 0.5) / INSTANTS * self.period:
-            u = self.EXACT.displacement(self, at_nodes, t).reshape(len(line.nodes), len(line.nodes), 2)
+            u = self.EXACT.displacement(self, at_nodes, t).reshape(len(line.node_coordinates),
+                                                                   len(line.node_coordinates), 2)
             exact = self.EXACT.displacement(self, there, t)
             missed += float(((np.einsum("ai,bj,ijc->abc", basis, basis, u).reshape(-1, 2) - exact) ** 2).sum())
             squares += float((exact**2).sum())
         return math.sqrt(missed / squares)
 
-    def balanced_motion(self, times: np.ndarray) -> Moments:
+    def momentum_balance_moments(self, times: np.ndarray) -> DisplacementMoments:
         """Returns the motion's moments at the times (T,) in s, with the modes of the exact one."""
         if not self.solution_known:
-            return Moments(np.zeros((len(times), MODES)), np.zeros(len(times)), np.eye(MODES), self.particles,
-                           np.zeros(len(times), bool))
-        motion, gram = motion_table(self), products_of_modes(self)
+            return DisplacementMoments(np.zeros((len(times), MODES)), np.zeros(len(times)), np.eye(MODES),
+                                       self.particles, np.zeros(len(times), bool))
+        motion, gram = motion_table(self), mode_gram_matrix(self)
         T = np.stack([motion.time_functions(float(t)) for t in times])
         few = min(MODES, motion.rank)
         sums, inverse = np.zeros((len(times), MODES)), np.zeros((MODES, MODES))
         sums[:, :few] = T @ gram[:, :few]
         inverse[:few, :few] = np.linalg.pinv(gram[:few, :few], hermitian=True)
-        return Moments(sums, np.einsum("tk,kl,tl->t", T, gram, T), inverse, self.particles, np.ones(len(times), bool))
+        return DisplacementMoments(sums, np.einsum("tk,kl,tl->t", T, gram, T), inverse, self.particles,
+                                   np.ones(len(times), bool))
 
     def _check_amplitude(self) -> None:
         require_number("amplitude", self.amplitude, 1e-12, self.MOST_AMPLITUDE)
 
 
 @functools.lru_cache(maxsize=2)
-def products_of_modes(scene: BoxScene) -> np.ndarray:
+def mode_gram_matrix(scene: BoxScene) -> np.ndarray:
     """Returns sum_p u_k . u_l (r, r) of the displacements of the motion's modes."""
     u = motion_table(scene).modes[:, :, :2]
     return np.einsum("pkc,plc->kl", u, u)

@@ -15,11 +15,11 @@ from numpy.polynomial import chebyshev
 
 from solvers.motion.separable_field import SeparableField, separate
 from solvers.problems.planar import circular_diagnostics
-from solvers.problems.planar.estimators.circular_body import CircularBody
-from solvers.problems.planar.layout import on_axis
+from solvers.problems.planar.estimators.circular_companion_body import CircularBody
+from solvers.problems.planar.layout import points_on_x_axis
 from solvers.problems.planar.scene import GHOSTS, PlanarScene
 from solvers.scene.field_options import option
-from solvers.scene.momentum_balance import Moments
+from solvers.scene.momentum_balance_moments import DisplacementMoments
 
 CIRCLES, INSTANTS = 32, 32  # of the means over the body and over a period
 FINE, COARSE = (8, 6), (6, 5)  # of the companion beside another code: elements across the body, their order
@@ -59,12 +59,12 @@ class CircularScene(PlanarScene):
     @functools.cached_property
     def motion_amplitude(self) -> float:
         """Largest displacement of the exact solution, in m."""
-        X = on_axis(np.linspace(self.INNER, self.OUTER, 2 * CIRCLES + 1))
+        X = points_on_x_axis(np.linspace(self.INNER, self.OUTER, 2 * CIRCLES + 1))
         return max(float(np.linalg.norm(self.EXACT.displacement(self, X, part * self.period), axis=1).max())
                    for part in self.EXTREMES)
 
     @property
-    def crossing_rate(self) -> float:
+    def relative_wave_rate(self) -> float:
         """Angle in radians that a wave runs on the fastest circle while one at rest runs a metre."""
         return 1 / self.INNER
 
@@ -73,43 +73,44 @@ class CircularScene(PlanarScene):
             else FINE if fine else COARSE
         return CircularBody(self, count, order)
 
-    def grid_field(self) -> SeparableField:
+    def node_acceleration_field(self) -> SeparableField:
         """Returns the displacement in m on the x axis as coefficients of Chebyshev polynomials of the radius between
         the rims, in increasing order, as many as needed."""
         middle, half = 0.5 * (self.OUTER + self.INNER), 0.5 * (self.OUTER - self.INNER)
         there = chebyshev.chebpts1(MOST_TERMS)
-        field = separate(lambda X, t: self.EXACT.displacement(self, X, t), on_axis(middle + half * there), self.period)
+        field = separate(lambda X, t: self.EXACT.displacement(self, X, t), points_on_x_axis(middle + half * there),
+                         self.period)
         modes = np.einsum("mk,krc->mrc", np.linalg.inv(chebyshev.chebvander(there, MOST_TERMS - 1)), field.modes)
         sizes = np.abs(modes).max(axis=(1, 2))
         terms = 1 + int(np.flatnonzero(sizes > LEAST_TERM * sizes.max())[-1])
         return SeparableField(modes[:terms], field.series, field.angular_frequency)
 
-    def exact_along(self, quantity: str, X: np.ndarray, t: float) -> np.ndarray:
+    def exact_plotted_component(self, quantity: str, X: np.ndarray, t: float) -> np.ndarray:
         """Returns the component along e_R or e_Theta at radii (P,) or points (P, 2): see :func:`plot_direction`."""
-        points, exact = on_axis(X if X.ndim == 1 else np.linalg.norm(X, axis=1)), self.EXACT
+        points, exact = points_on_x_axis(X if X.ndim == 1 else np.linalg.norm(X, axis=1)), self.EXACT
         now = max(0.0, t - self.time_step) if quantity == "a" else t
         x = points + exact.displacement(self, points, now)
         c, s = plot_direction(self.PLOTTED, quantity, points, x).T
         if quantity == "sigma":
             xx, xy, yy = exact.stress(self, points, now).T
-            return along_frame(self.PLOTTED, c, s, xx, xy, yy)
+            return polar_component(self.PLOTTED, c, s, xx, xy, yy)
         field = {"x": exact.displacement, "v": exact.velocity, "a": exact.acceleration}[quantity]
-        return along_frame(self.PLOTTED, c, s, *field(self, points, now).T)
+        return polar_component(self.PLOTTED, c, s, *field(self, points, now).T)
 
     @functools.cached_property
-    def _own_sizes(self) -> dict[str, float]:
+    def _rms_sizes(self) -> dict[str, float]:
         """RMS over the body and a period of x (its displacement), v, sigma and a in the exact motion, from lengths of
         vectors and Frobenius norms."""
         edges = np.linspace(self.INNER, self.OUTER, CIRCLES + 1)
         R = 0.5 * (edges[1:] + edges[:-1])
         return {name: float(np.sqrt(np.mean([np.average(now, weights=R) for now in squares])))
-                for name, squares in self.exact_squares(on_axis(R), INSTANTS).items()}
+                for name, squares in self.exact_squares(points_on_x_axis(R), INSTANTS).items()}
 
     def rms_of(self, quantity: str) -> float:
-        return self._own_sizes[quantity]
+        return self._rms_sizes[quantity]
 
-    def balanced_motion(self, times: np.ndarray) -> Moments:
-        return circular_diagnostics.circle_motion(self).moments(times)
+    def momentum_balance_moments(self, times: np.ndarray) -> DisplacementMoments:
+        return circular_diagnostics.cached_circle_motion(self).moments(times)
 
 
 def plot_direction(component: str, quantity: str, X: np.ndarray, x: np.ndarray) -> np.ndarray:
@@ -120,7 +121,7 @@ def plot_direction(component: str, quantity: str, X: np.ndarray, x: np.ndarray) 
     return place / np.linalg.norm(place, axis=1)[:, None]
 
 
-def along_frame(component: str, c: np.ndarray, s: np.ndarray, *parts: np.ndarray) -> np.ndarray:
+def polar_component(component: str, c: np.ndarray, s: np.ndarray, *parts: np.ndarray) -> np.ndarray:
     """Returns the component "radial", along e_r = (c, s), or "angular", along e_theta, of a vector (x, y), or rr or r
     theta of a tensor (xx, xy, yy), each (P,)."""
     if len(parts) == 2:

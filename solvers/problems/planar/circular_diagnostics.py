@@ -1,4 +1,4 @@
-"""Motion of a ring's circles by the balance of momentum (see ``solvers.scene.momentum_balance``).
+"""Motion of a ring's circles by the balance of momentum (see ``solvers.scene.momentum_balance_moments``).
 
 Start, loads and material are the same all around, so that each circle of material stays one, widens and turns as a
 whole: a particle at R e_R goes to z = p + i q, p along e_R and q along e_Theta of where it is at rest. These are the
@@ -15,9 +15,9 @@ import numpy as np
 from numpy.polynomial import legendre
 
 from solvers.estimators.spectral_elements import unresolved_size
-from solvers.problems.planar.estimators.circular_body import CircularBody
+from solvers.problems.planar.estimators.circular_companion_body import CircularBody
 from solvers.problems.planar.layout import circle_counts
-from solvers.scene.momentum_balance import MODES, Moments
+from solvers.scene.momentum_balance_moments import MODES, DisplacementMoments
 
 #: Orders of the element, up to an amplitude: of 500 random motions with an exact solution they missed at most 0.03 of
 #: the amplitude in two periods, mostly a thousandth. A ring that all but turns inside out needs the higher one.
@@ -46,17 +46,17 @@ class CircleMotion:
         self._scene = scene
         order = next(order for most, order in ORDERS if scene.amplitude <= most)
         self._body = CircularBody(scene, 1, order)
-        self._R = self._body.elements.nodes
+        self._R = self._body.elements.node_coordinates
         self._instants = [CircleState(0.0, self._R.astype(complex), self._body.velocity @ TO_COMPLEX)]
         self._steps = 0
         radii, self._counts = circle_counts(scene)
-        _, self._read, _ = self._body.elements.locate(radii)
+        _, self._read, _ = self._body.elements.evaluate_basis(radii)
         middle = 0.5 * (scene.INNER + scene.OUTER)
         self._shapes = legendre.legvander((radii - middle) / (scene.OUTER - middle), MODES // 2 - 1)
         gram = np.kron(np.eye(2), self._shapes.T @ (self._counts[:, None] * self._shapes))
         self._inverse = np.linalg.pinv(gram, hermitian=True)
 
-    def moments(self, times: np.ndarray) -> Moments:
+    def moments(self, times: np.ndarray) -> DisplacementMoments:
         """Returns the moments at times (T,), with Legendre polynomials of R along e_R, then along e_Theta."""
         sums, squares = np.zeros((len(times), MODES)), np.zeros(len(times))
         trusted = np.zeros(len(times), bool)
@@ -67,7 +67,7 @@ class CircleMotion:
                 weighted = self._shapes.T @ (self._counts * u)
                 sums[row], squares[row] = [*weighted.real, *weighted.imag], self._counts @ np.abs(u) ** 2
                 trusted[row] = True
-        return Moments(sums, squares, self._inverse, int(self._counts.sum()), trusted)
+        return DisplacementMoments(sums, squares, self._inverse, int(self._counts.sum()), trusted)
 
     def _state_at(self, time: float) -> CircleState:
         """Returns the circles at a time, computed from the last known state before it."""
@@ -116,6 +116,6 @@ class CircleMotion:
 
 
 @functools.lru_cache(maxsize=4)
-def circle_motion(scene: Any) -> CircleMotion:
+def cached_circle_motion(scene: Any) -> CircleMotion:
     """Returns the motion of a scene's circles, cached so that it continues while a run is watched."""
     return CircleMotion(scene)

@@ -35,7 +35,7 @@ def particle_layout(scene: Any) -> Layout:
     if scene.layout == "box":
         return square_layout(scene.cells * scene.ppc, scene.SIDE)
     if scene.layout == "polar":
-        return polar_layout(scene.INNER, scene.OUTER, scene.ANGLE, *scene.polar_counts(scene.cells, scene.ppc))
+        return polar_layout(scene.INNER, scene.OUTER, scene.ANGLE, *scene.lattice_counts(scene.cells, scene.ppc))
     least = -scene.OUTER if scene.ANGLE >= 2 * np.pi else 0.0
     return cartesian_layout(scene.INNER, scene.OUTER, scene.spacing / scene.ppc, least)
 
@@ -43,7 +43,7 @@ def particle_layout(scene: Any) -> Layout:
 def circle_counts(scene: Any) -> tuple[np.ndarray, np.ndarray]:
     """Returns the radii (K,) of the scene's layout and the number of particles on each (K,)."""
     if scene.layout == "polar":
-        around, across = scene.polar_counts(scene.cells, scene.ppc)
+        around, across = scene.lattice_counts(scene.cells, scene.ppc)
         return polar_radii(scene.INNER, scene.OUTER, across), np.full(across, around)
     layout = particle_layout(scene)
     return layout.orbits[:, 0], np.bincount(layout.orbit)
@@ -89,7 +89,7 @@ def polar_layout(inner: float, outer: float, angle: float, around: int, across: 
     R, c, s = radii[radius], np.cos(theta), np.sin(theta)
     edges = np.stack([R * d_angle * s, -R * d_angle * c, d_radius * c, d_radius * s], axis=1)
     e = np.stack([c, s], axis=1)
-    return Layout(R[:, None] * e, R * d_radius * d_angle, edges, on_axis(radii), radius.astype(np.int32), e,
+    return Layout(R[:, None] * e, R * d_radius * d_angle, edges, points_on_x_axis(radii), radius.astype(np.int32), e,
                   lattice_neighbours(np.arange(around * across).reshape(around, across), angle >= 2 * np.pi))
 
 
@@ -115,11 +115,11 @@ def cartesian_layout(inner: float, outer: float, side: float, least: float) -> L
     radii, radius = np.unique(R[kept].round(12), return_inverse=True)
     edges, position = np.tile([side, 0.0, 0.0, side], (len(x), 1)), np.stack([x, y], axis=1)
     number = np.where(kept, np.cumsum(kept) - 1, -1).reshape(len(line), len(line))
-    return Layout(position, np.full(len(x), side**2), edges, on_axis(radii), radius.astype(np.int32),
+    return Layout(position, np.full(len(x), side**2), edges, points_on_x_axis(radii), radius.astype(np.int32),
                   position / R[kept][:, None], lattice_neighbours(number))
 
 
-def on_axis(radii: np.ndarray) -> np.ndarray:
+def points_on_x_axis(radii: np.ndarray) -> np.ndarray:
     """Returns points (K, 2) of these radii on the x axis, where e_R and e_Theta are the axes."""
     return np.stack([radii, np.zeros_like(radii)], axis=1)
 

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from solvers.problems.descriptor import OnDemand, Problem
+from solvers.problems.descriptor import BudgetProvider, Problem
 from solvers.problems.planar.scene import PlanarScene
 
 if TYPE_CHECKING:
@@ -20,7 +20,7 @@ class ViewSettings(NamedTuple):
 
     ``speed`` is the lowest, the first and the highest, in periods a second. ``estimators`` are those that the page
     begins with, the first of them drawn. ``details`` are fields of the method, each with its hint. ``sparks`` are the
-    questions that the page asks, by name (``app/problems/plane_suggestions.py``); ``breaking`` is the run that will
+    questions that the page asks, by name (``app/problems/planar_suggestions.py``); ``breaking`` is the run that will
     not last: a hint, what is otherwise in its scene, and for how many periods it may hold.
     """
 
@@ -60,7 +60,7 @@ class PlanarProblem(Problem):
         return PlanarReference(self.scene)
 
     @property
-    def budget(self) -> OnDemand:
-        from solvers.problems.planar.budget.on_demand import PlanarBudget
+    def budget(self) -> BudgetProvider:
+        from solvers.problems.planar.budget.on_demand_budget import PlanarBudget
 
         return PlanarBudget(self.solver)

@@ -6,10 +6,10 @@ from typing import Any
 
 import numpy as np
 
-from solvers.estimators.standalone import ElasticBody
+from solvers.estimators.standalone_companion import ElasticBody
 from solvers.problems.planar.body_force import body_force_at
-from solvers.problems.planar.circular import along_frame, plot_direction
-from solvers.problems.planar.layout import on_axis, particle_layout
+from solvers.problems.planar.circular import plot_direction, polar_component
+from solvers.problems.planar.layout import particle_layout, points_on_x_axis
 from solvers.problems.planar.scene import PlanarScene
 from solvers.problems.reference import ProblemReference, Start, Texts, read_texts
 
@@ -42,7 +42,7 @@ class PlanarReference(ProblemReference):
 
     def table_points(self, scene: Any, count: int) -> np.ndarray:
         if scene.CIRCULAR:
-            return on_axis(np.linspace(scene.INNER, scene.OUTER, count))
+            return points_on_x_axis(np.linspace(scene.INNER, scene.OUTER, count))
         a_side = max(2, round(count**0.5))
         line = (np.arange(a_side) + 0.5) / a_side * scene.SIDE
         return np.stack(np.meshgrid(line, line), axis=-1).reshape(-1, 2)
@@ -58,7 +58,8 @@ class PlanarReference(ProblemReference):
         """Returns the component along x; with rotational symmetry, along the radius or around the centre."""
         parts = values.T if values.ndim == 2 else (values[:, 0, 0], values[:, 0, 1], values[:, 1, 1])
         component = self._component
-        return along_frame(component, *plot_direction(component, quantity, X, x).T, *parts) if component else parts[0]
+        return polar_component(component, *plot_direction(component, quantity, X, x).T,
+                               *parts) if component else parts[0]
 
     def is_outside(self, scene: Any, X: np.ndarray) -> np.ndarray:
         outside = (X < -POSITION_TOLERANCE).any(axis=1) & scene.PLANES[0]

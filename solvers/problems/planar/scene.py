@@ -11,17 +11,17 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from solvers.estimators.standalone import ElasticBody
-from solvers.message import Message
-from solvers.motion.exact_solution import ExactSolution, columns
+from solvers.estimators.standalone_companion import ElasticBody
+from solvers.motion.exact_solution import ExactSolution, stack_components
 from solvers.motion.laws.material import LAWS, NEO_HOOKEAN, Material
 from solvers.motion.separable_field import SeparableField, separate
 from solvers.problems.planar import step_bound
 from solvers.problems.planar.layout import particle_layout
-from solvers.scene.remedies import COUPLED
 from solvers.scene.scene import Scene
+from solvers.scene.stabilisations import COUPLED
 from solvers.scene.step_bound import StepBound
 from solvers.scene.validation import SceneError, require_number, require_whole
+from solvers.translatable_message import Message
 
 MOST_CELLS = 10_000
 GHOSTS = 2  # rows of nodes beyond a symmetry plane
@@ -70,7 +70,7 @@ class PlanarScene(Scene):
 
     @staticmethod
     @abstractmethod
-    def polar_counts(cells: int, ppc: int) -> tuple[int, int]:
+    def lattice_counts(cells: int, ppc: int) -> tuple[int, int]:
         """Returns the numbers of particles around and across the body that make their domains about h/ppc wide."""
 
     @classmethod
@@ -84,11 +84,12 @@ class PlanarScene(Scene):
         """Largest absolute coordinate of a particle in a sound run, in m."""
 
     @abstractmethod
-    def grid_field(self) -> SeparableField:
-        """Returns the reference for the nodes' acceleration: see ``solvers.problems.planar.method.node_errors``."""
+    def node_acceleration_field(self) -> SeparableField:
+        """Returns the reference for the nodes' acceleration: see
+        ``solvers.problems.planar.method.node_acceleration_errors``."""
 
     @abstractmethod
-    def exact_along(self, quantity: str, X: np.ndarray, t: float) -> np.ndarray:
+    def exact_plotted_component(self, quantity: str, X: np.ndarray, t: float) -> np.ndarray:
         """Returns the component (P,) of the exact solution that a plot shows of a quantity (a key of
         ``samples.QUANTITIES``), u for x, as a method has it at the time t: the acceleration is that of its last step,
         one step before."""
@@ -108,7 +109,7 @@ class PlanarScene(Scene):
         return {name: np.stack([field(self, X, t) ** 2 @ np.array(weights) for t in times])
                 for name, (field, weights) in fields.items()}
 
-    def other_advice(self) -> str:
+    def fallback_advice(self) -> str:
         """Returns advice for an unstable run without a more specific cause, as an imperative."""
         if self.method == "mpm":
             return Message("hat functions fail in such a motion: choose CPDI")
@@ -142,7 +143,7 @@ class PlanarScene(Scene):
     @property
     def particles(self) -> int:
         """Number of particles in the polar layout; close to it in the Cartesian one."""
-        return math.prod(self.polar_counts(self.cells, self.ppc))
+        return math.prod(self.lattice_counts(self.cells, self.ppc))
 
     @property
     def lame_moduli(self) -> tuple[float, float]:
@@ -205,7 +206,7 @@ class PlanarScene(Scene):
         if self.plan == "serial" and self.threads > 1:
             raise SceneError("threads", self.threads,
                              "the serial plan runs on one; give 1, or the plan parallel or auto")
-        if self.for_gpu and self.plan != "auto":
+        if self.prefers_gpu and self.plan != "auto":
             raise SceneError("plan", self.plan, "is for CPUs, and a GPU has its own plan; give auto, or --arch cpu")
 
     def _check_remedies(self) -> None:
@@ -223,6 +224,6 @@ class PlanarScene(Scene):
 def motion_table(scene: PlanarScene) -> SeparableField:
     """Returns the table of u_x, u_y, and Grad u as xX, xY, yX, yY, at the orbits' representative points."""
     def field(X: np.ndarray, t: np.ndarray) -> np.ndarray:
-        return columns(scene.EXACT.jets(scene, X, t).displacement_and_gradient, len(X))
+        return stack_components(scene.EXACT.jets(scene, X, t).displacement_and_gradient, len(X))
 
     return separate(field, particle_layout(scene).orbits, scene.period)

@@ -7,27 +7,27 @@ from typing import Any, ClassVar
 import numpy as np
 
 from solvers.kernels import runtime
-from solvers.message import Message
 from solvers.motion.separable_field import SeparableField
 from solvers.problems.planar import step_breakdown
 from solvers.problems.planar.estimators import circular_companion, companion, recovered, transport, two_grid
-from solvers.problems.planar.estimators.recovered_operators import BOX, Lattice
+from solvers.problems.planar.estimators.recovered_operators import BOX, LatticeOptions
 from solvers.problems.planar.kernel_parts import PlanarParts
 from solvers.problems.planar.method.body import InstrumentedBody, initial_body, initial_instruments
 from solvers.problems.planar.method.diagnostic_kernels import make_diagnostic_kernels
 from solvers.problems.planar.method.problem_kernels import make_problem_kernels
-from solvers.problems.planar.plans.cpu_plan import CpuKernels, CpuStepper, make_kernels
+from solvers.problems.planar.plans.cpu_plan import CpuKernels, CpuStepper, make_cpu_kernels
 from solvers.problems.planar.plans.gpu_plan import CompanionOnCpu, GpuStepper
 from solvers.problems.planar.scene import PlanarScene, motion_table
-from solvers.problems.planar.snapshot import Errors, cauchy_stress_of, plotted_field, true_fields
+from solvers.problems.planar.snapshot_errors import Errors, cauchy_stress_of, plotted_field, true_errors
 from solvers.scene import estimator_registry
 from solvers.scene.kernel_options import kernel_options_of
 from solvers.scene.scene import MOST_PARTICLES
 from solvers.scene.validation import SceneError
 from solvers.solver import devices
 from solvers.solver.base import REPORT, Solver
+from solvers.solver.particle_snapshot import TRUTH, ParticleFields, ParticleValues, Snapshot
 from solvers.solver.samples import column_index
-from solvers.solver.snapshot import TRUTH, Fields, Snapshot, Values
+from solvers.translatable_message import Message
 
 PARALLEL_FROM = 300_000  # particles from which on two threads beat one: a parallel step has a launch to pay for
 
@@ -65,7 +65,7 @@ class PlanarSolver(Solver):
                                                                      parts.hooks))
         if self.plan == "gpu":
             makers = [make for name in on.estimators if (make := self.HOOKS[name].standalone)]
-            beside = CompanionOnCpu(makers[0](scene), self._memory, scene.time_step) if makers else None
+            beside = CompanionOnCpu(makers[0](scene), self._estimator_arrays, scene.time_step) if makers else None
             self._stepping: CpuStepper | GpuStepper = GpuStepper(
                 self.KERNELS.gpu_kernels, self.KERNELS.state, scene, self._arrays, self._switches, beside)
         else:
@@ -78,8 +78,8 @@ class PlanarSolver(Solver):
         self._stepping.inspect_state(self.step, REPORT)
         self._stepping.fetch()
         F = a.deformation_gradient.reshape(-1, 2, 2)
-        true = true_fields(self.scene, a, self.step) if on.truth else None
-        estimates = {name: estimated_fields(a, k) for k, name in enumerate(on.estimators)}
+        true = true_errors(self.scene, a, self.step) if on.truth else None
+        estimates = {name: estimated_errors(a, k) for k, name in enumerate(on.estimators)}
         missed = {name: distances(fields, true) for name, fields in estimates.items()} if true and differences else {}
         return Snapshot(step=self.step, time=self.time, material_position=a.material_position,
                         position=a.position_velocity[:, :2].copy(), velocity=a.position_velocity[:, 2:].copy(),
@@ -92,31 +92,32 @@ class PlanarSolver(Solver):
         self._stepping.fetch()
         return plotted_field(self.scene, self._arrays, quantity, self.time)
 
-    def fields(self) -> Fields:
+    def fields(self) -> ParticleFields:
         a, on = self._arrays, self._switches
         self._stepping.inspect_state(self.step, REPORT)
         self._stepping.fetch()
-        said = {TRUTH: true_fields(self.scene, a, self.step)} if on.truth else {}
-        said |= {name: estimated_fields(a, k) for k, name in enumerate(on.estimators)}
+        said = {TRUTH: true_errors(self.scene, a, self.step)} if on.truth else {}
+        said |= {name: estimated_errors(a, k) for k, name in enumerate(on.estimators)}
         motion, X = a.position_velocity, a.material_position
         with np.errstate(all="ignore"):  # for unstable runs
             stress = cauchy_stress_of(self.scene, a)
-        return Fields(X.copy(), a.mass.copy(), a.mass / self.scene.density,
-                      error_columns([(motion[:, 0] - X[:, 0], motion[:, 1] - X[:, 1]), tuple(motion.T[2:]), stress]),
-                      {name: error_columns(parts[:3]) for name, parts in said.items()})
+        return ParticleFields(X.copy(), a.mass.copy(), a.mass / self.scene.density,
+                              error_columns([(motion[:, 0] - X[:, 0], motion[:, 1] - X[:, 1]), tuple(motion.T[2:]),
+                                             stress]),
+                              {name: error_columns(parts[:3]) for name, parts in said.items()})
 
     def advance(self, steps: int) -> np.ndarray:
-        return self._with_exact_spin(super().advance(steps))
+        return self._with_exact_angular_momentum(super().advance(steps))
 
     def measure(self) -> np.ndarray:
-        return self._with_exact_spin(super().measure())
+        return self._with_exact_angular_momentum(super().measure())
 
     @functools.cached_property
-    def _motion(self) -> SeparableField:
+    def _motion_table(self) -> SeparableField:
         """Table of the exact motion, stored here because other runs could displace it from a shared cache."""
         return motion_table(self.scene)
 
-    def _with_exact_spin(self, rows: np.ndarray) -> np.ndarray:
+    def _with_exact_angular_momentum(self, rows: np.ndarray) -> np.ndarray:
         """Returns the rows of samples with the exact angular momentum of the particles, if requested: that of half a
         step before, to which velocities belong."""
         scene, a = self.scene, self._arrays
@@ -124,18 +125,18 @@ class PlanarSolver(Solver):
             mass = np.bincount(a.orbit, a.mass)
             for row in rows:
                 t = (row[column_index("step")] - 0.5) * scene.time_step
-                (x, y), (v_x, v_y) = (a.orbit_point + self._motion(t)[:, :2]).T, self._motion(t, 1)[:, :2].T
+                (x, y), (v_x, v_y) = (a.orbit_point + self._motion_table(t)[:, :2]).T, self._motion_table(t, 1)[:, :2].T
                 row[column_index("spin/exact_momentum", self._switches)] = mass @ (x * v_y - y * v_x)
         return rows
 
     def _escape_sentence(self) -> str:
         return Message(self.scene.ESCAPE_SENTENCE, farthest=self.scene.farthest)
 
-    def _other_advice(self) -> str:
-        return self.scene.other_advice()
+    def _fallback_advice(self) -> str:
+        return self.scene.fallback_advice()
 
 
-def estimated_fields(a: InstrumentedBody, estimator: int) -> Errors:
+def estimated_errors(a: InstrumentedBody, estimator: int) -> Errors:
     """Returns the errors of x, v, sigma and a that the estimator of this number reports."""
     part = slice(estimator * len(a.position_velocity), (estimator + 1) * len(a.position_velocity))
     motion = a.estimate[part].T
@@ -143,9 +144,9 @@ def estimated_fields(a: InstrumentedBody, estimator: int) -> Errors:
             tuple(a.estimate_acceleration[part].T)]
 
 
-def error_columns(parts: Errors) -> Values:
+def error_columns(parts: Errors) -> ParticleValues:
     """Returns the errors of x, v and sigma, those that are known, with a column for each component."""
-    return Values(*(np.stack(one, axis=1) for one in parts if one is not None))
+    return ParticleValues(*(np.stack(one, axis=1) for one in parts if one is not None))
 
 
 def error_sizes(errors: Errors) -> np.ndarray:
@@ -174,11 +175,11 @@ def make_solver_class(kind: type[PlanarScene]) -> type[PlanarSolver]:
     traits = make_problem_kernels(kind)
     box = kind.layout == "box"
     made = {"companion": lambda: circular_companion.HOOKS if kind.CIRCULAR else companion.HOOKS,
-            "recovered": lambda: recovered.hooks(BOX if box else Lattice(closed=not kind.PLANES[0])),
+            "recovered": lambda: recovered.hooks(BOX if box else LatticeOptions(closed=not kind.PLANES[0])),
             "transport": lambda: transport.hooks(traits),
             "two-grid": lambda: two_grid.hooks(traits, two_grid.BOX if box else two_grid.POLAR)}
     hooks = estimator_registry.hooks_of(kind.problem, {name: made[name]() for name in kind.ESTIMATORS})
     parts = PlanarParts(hooks, traits, make_diagnostic_kernels(kind, traits.first))
-    its = make_kernels(parts)
+    its = make_cpu_kernels(parts)
     return type("PlanarSolver", (PlanarSolver,), {
         "HOOKS": hooks, "PARTS": parts, "KERNELS": its, "PHASES": its.phases, "STATE": InstrumentedBody})

@@ -9,11 +9,11 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from solvers.motion.laws.law import determinant, material_metric, metric, rate
+from solvers.motion.laws.law import determinant, reference_stiffness_metric, stiffness_metric, stress_increment
 from solvers.problems.planar.layout import CORNERS, MOST_HALF_WIDTH, box_stretch, particle_layout
-from solvers.scene.linear_stability import Configurations, Fields, NodeLinks, longest_steps
+from solvers.scene.linear_stability import Configurations, Fields, NodeLinks, longest_step_per_instant
 from solvers.scene.scene import Scene
-from solvers.scene.step_bound import StepBound, circle_bound, motion_bound, motion_parts, stencil
+from solvers.scene.step_bound import StepBound, combine_instant_bounds, gershgorin_step_bound, motion_fractions, stencil
 
 #: Largest numbers of particles in a quarter of the body: for every moment, and for a few.
 MOST_PARTICLES, MOST_AT_FEW_MOMENTS = 500, 6000
@@ -74,22 +74,22 @@ class MotionSamples:
         self.weights = [particle_weights(scene, x + middle, one, layout.edges[kept]) for x,
                         one in zip(places, F, strict=True)]
         self.F = np.stack(F)
-        self.limits = longest_steps(self._configurations())
+        self.limits = longest_step_per_instant(self._configurations())
 
     def stretch(self) -> float:
         """Returns the largest stretch in the motion."""
         return max(float(np.linalg.norm(self._gradient_at(part), 2, axis=(1, 2)).max())
                    for part in np.linspace(0, 1, STRETCH_INSTANTS))
 
-    def circle_bound(self, moment: int) -> float:
+    def gershgorin_bound(self, moment: int) -> float:
         """Returns the bound by Gershgorin's circles at a moment, in s."""
         one, F = self.weights[moment], np.moveaxis(self.F[moment].reshape(-1, 4), -1, 0)[..., None]
         number = self._images(one.i, one.j).number
         mass = np.bincount(number.ravel(), (self.scene.density * self._volume[:, None] * one.S).ravel())
-        J, bound = determinant(F), material_metric if self.scene.frozen else metric
+        J, bound = determinant(F), reference_stiffness_metric if self.scene.frozen else stiffness_metric
         xx, xy, yy = bound(F, J, *self.scene.material.coefficients(F, J))
         lengths = np.sqrt(np.maximum(xx * one.x * one.x + 2 * xy * one.x * one.y + yy * one.y * one.y, 0.0))
-        return circle_bound(number, lengths, self._volume, mass)
+        return gershgorin_step_bound(number, lengths, self._volume, mass)
 
     def _time_at(self, part: float) -> float:
         start, end = self.scene.EXTREMES
@@ -125,7 +125,7 @@ class MotionSamples:
         tangent = (b[..., 0, 0], b[..., 0, 1], b[..., 1, 1]), *scene.material.coefficients(F, determinant(F))
 
         def stress(L: Fields) -> Fields:
-            return [V * part for part in rate(L, *tangent)]
+            return [V * part for part in stress_increment(L, *tangent)]
 
         return Configurations(2 * N, links, S, links, [x, y], scene.density * V, stress, np.flatnonzero(held))
 
@@ -138,22 +138,22 @@ def critical_time_step(fine: Any) -> StepBound:
     themselves. So the hardest moment, and another where weights move, are evaluated again on the scene's own cells, and
     if they give a lower bound there, it scales all moments.
     """
-    parts = motion_parts(fine)
+    parts = motion_fractions(fine)
     few = MotionSamples(coarsen(fine, MOST_PARTICLES), parts)
     hardest = int(np.argmin(few.limits))
     whole, share = coarsen(fine, MOST_AT_FEW_MOMENTS), 1.0
-    by_circles = few.circle_bound(hardest)
+    by_circles = few.gershgorin_bound(hardest)
     if whole.cells > few.scene.cells:
         again = MotionSamples(whole, parts[sorted({hardest, hardest if fine.frozen else len(parts) // 2})])
         larger, least = few.scene.spacing / whole.spacing, int(np.argmin(again.limits))
         share = larger * float(again.limits[least] / few.limits[hardest])
         if share < 1:
-            by_circles = larger * again.circle_bound(least)
+            by_circles = larger * again.gershgorin_bound(least)
     finer, first = few.scene.spacing / fine.spacing, few.weights[0]
     crossed = any(np.any(one.i[:, 0] != first.i[:, 0]) or np.any(one.j[:, 0] != first.j[:, 0]) for one in few.weights)
     seconds = (fine.EXTREMES[1] - fine.EXTREMES[0]) * fine.period
-    return motion_bound(few.scene, min(1.0, share) * few.limits, seconds * finer, few.stretch(), by_circles,
-                        crossed).on_cells(1 / finer)
+    return combine_instant_bounds(few.scene, min(1.0, share) * few.limits, seconds * finer, few.stretch(), by_circles,
+                                  crossed).scaled_by_cell_size(1 / finer)
 
 
 def coarsen(scene: Any, most: int) -> Any:
@@ -174,11 +174,11 @@ def particle_weights(scene: Scene, x: np.ndarray, F: np.ndarray, edges: np.ndarr
     """Returns the weights of particles at ``x`` (P, 2), deformed by ``F`` (P, 2, 2), with ``edges`` (P, 4) at rest."""
     if scene.frozen:
         F = np.tile(IDENTITY, (len(x), 1, 1))
-    return corner_weights(scene, x, F.reshape(-1, 4), edges) if scene.method == "cpdi" \
-        else box_weights(scene, x, box_stretch(scene.method, F))
+    return cpdi_weights(scene, x, F.reshape(-1, 4), edges) if scene.method == "cpdi" \
+        else gimp_weights(scene, x, box_stretch(scene.method, F))
 
 
-def box_weights(scene: Scene, x: np.ndarray, stretch: np.ndarray) -> Weights:
+def gimp_weights(scene: Scene, x: np.ndarray, stretch: np.ndarray) -> Weights:
     """Returns hat and GIMP functions, M = 9, of particles at ``x`` (P, 2), whose boxes are ``stretch`` (P, 2) times as
     wide as at rest, except with uGIMP."""
     axes = []
@@ -194,7 +194,7 @@ def box_weights(scene: Scene, x: np.ndarray, stretch: np.ndarray) -> Weights:
     return Weights(*(part.reshape(P, 9) for part in (i[:, :, None] + square, j[:, None, :] + square, *pairs)))
 
 
-def corner_weights(scene: Scene, x: np.ndarray, F: np.ndarray, edges: np.ndarray) -> Weights:
+def cpdi_weights(scene: Scene, x: np.ndarray, F: np.ndarray, edges: np.ndarray) -> Weights:
     """Returns CPDI's weights: corners of a domain may share nodes, where gradients add up. ``F`` (P, 4) are the
     deformation gradients, ``edges`` (P, 4) those of the domains at rest."""
     first = np.stack([F[:, 0] * edges[:, 0] + F[:, 1] * edges[:, 1], F[:, 2] * edges[:, 0] + F[:, 3] * edges[:, 1]], 1)

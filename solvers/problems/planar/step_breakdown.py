@@ -5,9 +5,9 @@ import numpy as np
 from solvers.problems.planar.layout import half_edges
 from solvers.problems.planar.method.body import InstrumentedBody
 from solvers.problems.planar.scene import GHOSTS, PlanarScene
-from solvers.problems.planar.snapshot import body_force, cauchy_stress_of
-from solvers.problems.planar.weights import SymmetricNodeGrid, nodes_of, weights_of
-from solvers.solver.step_breakdown import Image, ParticleState, StepBreakdown, find_links, mirror_tensors
+from solvers.problems.planar.snapshot_errors import body_force, cauchy_stress_of
+from solvers.problems.planar.weights import MirroredNodeGrid, particle_node_numbers, shape_function_values
+from solvers.solver.step_breakdown import NodeImage, ParticleState, StepBreakdown, find_links, mirror_tensors
 
 
 @np.errstate(all="ignore")  # for unstable runs
@@ -23,8 +23,9 @@ def breakdown(scene: PlanarScene, a: InstrumentedBody, particle: int, step: int,
     """Returns the breakdown of the last step, number ``step``, around a particle; ``before`` is the state before."""
     ghosts = GHOSTS if scene.PLANES[0] else 0  # rows of nodes beyond a symmetry plane
     edges, row = half_edges(scene, before.deformation_gradient, a.edges), a.row
-    grid = SymmetricNodeGrid(row, ghosts, scene.PLANES[1])
-    links = find_links(particle, nodes_of(scene, a), lambda some: weights_of(scene, a, edges, some),
+    grid = MirroredNodeGrid(row, ghosts, scene.PLANES[1])
+    links = find_links(particle, particle_node_numbers(scene, a),
+                       lambda some: shape_function_values(scene, a, edges, some),
                        lambda node: _images(node, row, ghosts, grid.last))
     seen, k, ij = before.mirror(links), links.members, np.stack([links.nodes % row, links.nodes // row], axis=1)
     home, signs = grid.resolve_images(links.nodes)  # a node beyond a plane has what its mirror image has
@@ -43,12 +44,12 @@ def breakdown(scene: PlanarScene, a: InstrumentedBody, particle: int, step: int,
         motion[:, 2:].copy(), motion[:, :2].copy())
 
 
-def _images(node: int, row: int, ghosts: int, last: int) -> list[Image]:
+def _images(node: int, row: int, ghosts: int, last: int) -> list[NodeImage]:
     """Returns the mirror images of nodes in the rows next to a plane, on either side; nodes on a plane have none."""
     def along(index: int) -> list[int]:
         found = [index, 2 * ghosts - index] if index <= 2 * ghosts and index != ghosts else [index]
         return [*found, 2 * last - index] if index >= last - ghosts and index != last else found
 
     i, j = node % row, node // row
-    return [Image(jj * row + ii, (1.0 if ii == i else -1.0, 1.0 if jj == j else -1.0), (0.0, 0.0))
+    return [NodeImage(jj * row + ii, (1.0 if ii == i else -1.0, 1.0 if jj == j else -1.0), (0.0, 0.0))
             for jj in along(j) for ii in along(i)]

@@ -15,7 +15,7 @@ from solvers.problems.planar.method.stored_weights import weights_by_particle
 from solvers.scene.scene import Scene
 
 
-class SymmetricNodeGrid:
+class MirroredNodeGrid:
     """Nodes row by row, the first ``ghosts`` rows and columns beyond symmetry planes."""
 
     def __init__(self, row: int, ghosts: int, far: bool = False):
@@ -48,10 +48,10 @@ class SymmetricNodeGrid:
 class StepWeights:
     """Weights of a solver's last step, which began with ``F`` (P, 2, 2)."""
 
-    def __init__(self, scene: Scene, a: InstrumentedBody, F: np.ndarray, grid: SymmetricNodeGrid):
+    def __init__(self, scene: Scene, a: InstrumentedBody, F: np.ndarray, grid: MirroredNodeGrid):
         self.grid = grid
-        self.node_numbers, signs = grid.resolve_images(nodes_of(scene, a))
-        S, dS = weights_of(scene, a, half_edges(scene, F, a.edges), np.arange(a.particles))
+        self.node_numbers, signs = grid.resolve_images(particle_node_numbers(scene, a))
+        S, dS = shape_function_values(scene, a, half_edges(scene, F, a.edges), np.arange(a.particles))
         self.particle_mass = a.mass
         self.S = S[:, :, None] * signs  # (P, M, 2), of a vector's components
         self.dS = dS[:, :, None, :] * signs[:, :, :, None]  # (P, M, 2, 2), component and direction
@@ -59,17 +59,17 @@ class StepWeights:
         carries = mass > EMPTY * a.density * a.spacing**2
         self.per_mass = np.where(carries, 1 / np.where(carries, mass, 1.0), 0.0)[:, None] * grid.free
 
-    def to_nodes(self, vectors: np.ndarray) -> np.ndarray:
+    def average_to_nodes(self, vectors: np.ndarray) -> np.ndarray:
         """Returns mass-weighted means at the nodes."""
         given = self.particle_mass[:, None, None] * self.S * vectors[:, :, None, :]
         return self.per_mass * self.grid.sum_at_nodes(self.node_numbers, given)
 
-    def acceleration_of(self, moments: np.ndarray) -> np.ndarray:
+    def stress_acceleration(self, moments: np.ndarray) -> np.ndarray:
         """Returns the nodes' acceleration by stresses times volume (C, P, 2, 2) in N m: -sum grad S over the mass."""
         given = np.stack([np.einsum("pmij,pij->pmi", self.dS, one) for one in moments])
         return -self.per_mass * self.grid.sum_at_nodes(self.node_numbers, given)
 
-    def to_particles(self, vectors: np.ndarray) -> np.ndarray:
+    def interpolate_to_particles(self, vectors: np.ndarray) -> np.ndarray:
         """Returns the nodes' values at the particles."""
         return np.stack([np.einsum("pmi,pmi->pi", self.S, one[self.node_numbers]) for one in vectors])
 
@@ -78,7 +78,7 @@ class StepWeights:
         return np.stack([np.einsum("pmij,pmi->pij", self.dS, one[self.node_numbers]) for one in vectors])
 
 
-def nodes_of(scene: Scene, a: InstrumentedBody) -> np.ndarray:
+def particle_node_numbers(scene: Scene, a: InstrumentedBody) -> np.ndarray:
     """Returns the nodes (P, M) of each particle, possibly repeated."""
     row = a.row
     if scene.method == "cpdi":
@@ -87,13 +87,14 @@ def nodes_of(scene: Scene, a: InstrumentedBody) -> np.ndarray:
     return a.first_node[:, None] + (row * np.arange(3)[:, None] + np.arange(3)).ravel()
 
 
-def weights_of(scene: Scene, a: InstrumentedBody, edges: np.ndarray, some: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def shape_function_values(scene: Scene, a: InstrumentedBody, edges: np.ndarray,
+                          some: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Returns S (c, M) and its gradient (c, M, 2) of ``some`` particles (c,), with half ``edges`` (P, 2, 2)."""
     kept = weights_by_particle(a.weights, scene.method, a.particles)[some]
-    return _corner_weights(kept, edges[some]) if scene.method == "cpdi" else _stencil_weights(kept)
+    return _cpdi_weights(kept, edges[some]) if scene.method == "cpdi" else _gimp_weights(kept)
 
 
-def _stencil_weights(kept: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def _gimp_weights(kept: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     w = kept.reshape(-1, 4, 2)  # left, right and their slopes, each in x and y
     S = np.stack([w[:, 0], 1 - w[:, 0] - w[:, 1], w[:, 1]], axis=1)
     dS = np.stack([w[:, 2], -w[:, 2] - w[:, 3], w[:, 3]], axis=1)
@@ -105,7 +106,7 @@ def _stencil_weights(kept: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     return product(y, x), np.stack([product(y, by_x), product(by_y, x)], axis=2)
 
 
-def _corner_weights(kept: np.ndarray, edges: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def _cpdi_weights(kept: np.ndarray, edges: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Returns S = 1/4 sum N(corner) and its gradient, in which N at opposite corners have opposite signs."""
     x, y = kept[:, :4], kept[:, 4:8]
     N = np.stack([(1 - x) * (1 - y), x * (1 - y), (1 - x) * y, x * y], axis=2)  # (c, corner, node)

@@ -38,17 +38,17 @@ TWO_GRIDS, THREE_GRIDS = 3.0, 1.25  # Roache's factors of safety
 MOST_ORDER = 2.0  # of three grids: an observed order above the formal one is taken for that, as is recommended
 
 
-def regime(moved: float, ppc: float) -> str:
+def motion_regime(moved: float, ppc: float) -> str:
     """Returns the regime of motion by ``moved`` cells: particles next to an edge stay in theirs up to 1/(2 ppc)."""
     return IN_CELL if moved <= 0.5 / ppc else ONE_CELL if moved <= 1 else SEVERAL_CELLS
 
 
-def regime_of(row: Mapping) -> str:
+def row_motion_regime(row: Mapping) -> str:
     """Returns the regime of a row."""
-    return regime(row["moved"], row["scene"]["ppc"])
+    return motion_regime(row["moved"], row["scene"]["ppc"])
 
 
-def wilson(held: int, of: int) -> tuple[float, float]:
+def wilson_interval(held: int, of: int) -> tuple[float, float]:
     """Returns the 95 % confidence interval of a share, if ``held`` of ``of`` runs hold (E. B. Wilson, 1927)."""
     share, z = held / of, NORMAL**2 / of
     middle, half = share + z / 2, NORMAL * math.sqrt(share * (1 - share) / of + z / (4 * of))
@@ -64,8 +64,9 @@ def tally(problem: str, seed: int, rows: Sequence[dict]) -> dict:
     return {"schema": SCHEMA, "problem": problem, "seed": seed, "runs": len(rows),
             "status": {status: statuses.count(status) for status in dict.fromkeys(statuses)},
             "estimators": {name: _count_by_group(usable,
-                                                 functools.partial(_count_within, name=name)) for name in names},
-            "refusals": {name: _refusals(usable, name) for name in names},
+                                                 functools.partial(_count_within_factors,
+                                                                   name=name)) for name in names},
+            "refusals": {name: _count_refusals(usable, name) for name in names},
             "goals": {kind: _count_by_group(usable,
                                             functools.partial(_count_bars, kind=kind, names=names)) for kind in goals}}
 
@@ -74,14 +75,14 @@ def _count_by_group(rows: Sequence[dict], count: Callable[[Sequence[dict]], dict
     """Returns the same counts for all rows, by regime, by method, and by both."""
     methods = sorted({row["scene"]["method"] for row in rows})
     return {"all": count(rows),
-            "regime": {one: count([row for row in rows if regime_of(row) == one]) for one in REGIMES},
+            "regime": {one: count([row for row in rows if row_motion_regime(row) == one]) for one in REGIMES},
             "method": {one: count([row for row in rows if row["scene"]["method"] == one]) for one in methods},
-            "method and regime": {method: {one: count([row for row in rows if regime_of(row) == one
+            "method and regime": {method: {one: count([row for row in rows if row_motion_regime(row) == one
                                                        and row["scene"]["method"] == method]) for one in REGIMES}
                                   for method in methods}}
 
 
-def _count_within(rows: Iterable[dict], name: str) -> dict:
+def _count_within_factors(rows: Iterable[dict], name: str) -> dict:
     """Returns by quantity the number of runs with an estimate, and in how many it is within each factor."""
     said = [row["estimators"][name] for row in rows if not row["estimators"][name]["refused"]]
     found = {}
@@ -89,12 +90,12 @@ def _count_within(rows: Iterable[dict], name: str) -> dict:
         indices = [one["index"][q] for one in said if one["index"][q] is not None]
         ends = [one["end"][q] for one in said if one["end"][q] is not None]
         middle = np.quantile(ends, [(1 - CENTRAL) / 2, (1 + CENTRAL) / 2]).tolist() if ends else None
-        found[q] = {"runs": len(indices), "within": _by_factor(indices), "median": _median(indices),
-                    "at the end": {"runs": len(ends), "within": _by_factor(ends), "middle": middle}}
+        found[q] = {"runs": len(indices), "within": _count_by_factor(indices), "median": _median(indices),
+                    "at the end": {"runs": len(ends), "within": _count_by_factor(ends), "middle": middle}}
     return found
 
 
-def _by_factor(indices: Sequence[float]) -> dict[str, int]:
+def _count_by_factor(indices: Sequence[float]) -> dict[str, int]:
     return {f"{factor:g}": sum(is_within(index, factor) for index in indices) for factor in FACTORS}
 
 
@@ -103,7 +104,7 @@ def is_within(index: float, factor: float) -> bool:
     return 1 / factor <= index <= factor
 
 
-def _refusals(rows: Sequence[dict], name: str) -> dict:
+def _count_refusals(rows: Sequence[dict], name: str) -> dict:
     """Returns how often an estimator refused, and how many of the verifiable refusals were needless."""
     found: dict[str, Any] = {"runs": len(rows)}
     for kind in (BEFORE, AFTER, IMPOSSIBLE):
@@ -162,7 +163,7 @@ def three_grid_gci(values: Sequence[float]) -> float | None:
     return None if order is None else THREE_GRIDS * abs(values[1] - values[0]) / (RATIO**min(order, MOST_ORDER) - 1)
 
 
-def factor_of_safety(values: Sequence[float]) -> float | None:
+def xing_stern_uncertainty(values: Sequence[float]) -> float | None:
     """Returns the uncertainty of Xing and Stern, whose factor grows with the deviation from the formal order."""
     order = observed_order(values)
     if order is None:
@@ -174,4 +175,4 @@ def factor_of_safety(values: Sequence[float]) -> float | None:
 
 #: The half width of an interval around the number on the finest grid, by what it is called.
 INTERVALS: Mapping[str, Callable[[Sequence[float]], float | None]] = {
-    "GCI, 2 grids": two_grid_gci, "GCI, 3 grids": three_grid_gci, "Xing and Stern": factor_of_safety}
+    "GCI, 2 grids": two_grid_gci, "GCI, 3 grids": three_grid_gci, "Xing and Stern": xing_stern_uncertainty}

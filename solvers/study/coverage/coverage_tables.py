@@ -4,7 +4,7 @@ import math
 from collections.abc import Iterable, Mapping, Sequence
 
 from solvers.running.quantities_of_interest import DISPLACEMENT, ENERGY, SAFETY, STRESS
-from solvers.study.coverage.coverage_counts import CENTRAL, FACTORS, INTERVALS, NEEDLESS, REGIMES, wilson
+from solvers.study.coverage.coverage_counts import CENTRAL, FACTORS, INTERVALS, NEEDLESS, REGIMES, wilson_interval
 from solvers.study.coverage.random_runs import AFTER, BEFORE, IMPOSSIBLE, QUANTITIES, draw_ranges_of
 from solvers.study.markdown import markdown_table
 
@@ -24,8 +24,8 @@ def coverage_summary(counted: Mapping, picture: str = "") -> str:
              f"{reach.amplitude[0]:g} to {reach.amplitude[1]:g}, {reach.periods[0]:g} to {reach.periods[1]:g} periods, "
              f"steps of {reach.step[0]:g} to {reach.step[1]:g} of the longest, up to {reach.work:,.0f} particle-steps. "
              "Only runs that ended as ok count.",
-             estimates_table(counted), middles_table(counted), regimes_table(counted), refusals_table(counted),
-             bars_table(counted), regime_bars_table(counted)]
+             estimates_table(counted), central_ranges_table(counted), motion_regimes_table(counted),
+             refusals_table(counted), error_bars_table(counted), regime_error_bars_table(counted)]
     return "\n\n".join([*parts, *([f"![{picture}]({picture})"] if picture else [])]) + "\n"
 
 
@@ -43,16 +43,16 @@ def estimates_table(counted: Mapping) -> str:
             + markdown_table(["estimator", "of", "runs", *(f"factor {f:g}" for f in FACTORS), "median index"], lines))
 
 
-def middles_table(counted: Mapping) -> str:
+def central_ranges_table(counted: Mapping) -> str:
     """Returns a table of the central ranges of true errors over each estimate at the end."""
-    lines = [[name, *(_middle_text(split["all"][q]["at the end"]["middle"]) for q in QUANTITIES)]
+    lines = [[name, *(_central_range_text(split["all"][q]["at the end"]["middle"]) for q in QUANTITIES)]
              for name, split in counted["estimators"].items()]
     return f"## Where {100 * CENTRAL:g} of 100 true errors lie\n\nAt the end of the run, in multiples of the " \
         "estimate; as many lie below as above. Between these an estimator bets in lesson 10.\n\n" \
         + markdown_table(["estimator", *(PARTS[q] for q in QUANTITIES)], lines)
 
 
-def regimes_table(counted: Mapping) -> str:
+def motion_regimes_table(counted: Mapping) -> str:
     """Returns a table of how often x is within the smallest factor, by how far particles move."""
     least = f"{FACTORS[0]:g}"
     lines = []
@@ -78,9 +78,9 @@ def refusals_table(counted: Mapping) -> str:
             + markdown_table(["estimator", "before the run", "needless", "after it", "needless", "cannot run"], lines))
 
 
-def bars_table(counted: Mapping) -> str:
+def error_bars_table(counted: Mapping) -> str:
     """Returns a table of how often bars around the numbers at the end contained the truth."""
-    names = main_bars(counted)
+    names = main_bar_names(counted)
     lines = [[_bar_label(name),
               *(cell for kind in counted["goals"] for cell in _bar_cells(counted["goals"][kind]["all"][name]))]
              for name in names]
@@ -91,10 +91,10 @@ def bars_table(counted: Mapping) -> str:
             "promises nothing.\n\n" + markdown_table(["bar", *heads], lines))
 
 
-def regime_bars_table(counted: Mapping) -> str:
+def regime_error_bars_table(counted: Mapping) -> str:
     """Returns a table of how often bars contained the truth, all goals together, by how far particles move."""
     lines = []
-    for name in main_bars(counted):
+    for name in main_bar_names(counted):
         cells = []
         for one in REGIMES:
             found = [split["regime"][one][name] for split in counted["goals"].values()]
@@ -103,7 +103,7 @@ def regime_bars_table(counted: Mapping) -> str:
     return "### All three numbers, by how far particles move\n\n" + markdown_table(["bar", *REGIMES], lines)
 
 
-def main_bars(counted: Mapping) -> list[str]:
+def main_bar_names(counted: Mapping) -> list[str]:
     """Returns the names of the bars of twice the estimated error, and of grid convergence."""
     return [*(f"{SAFETY:g} x {name}" for name in counted["estimators"]), *INTERVALS]
 
@@ -112,7 +112,7 @@ def format_share(held: int, of: int, bounds: bool = False) -> str:
     """Returns a share in per cent, with its 95 % interval if ``bounds``."""
     if not of:
         return NOTHING
-    low, high = (100 * part for part in wilson(held, of))
+    low, high = (100 * part for part in wilson_interval(held, of))
     return f"{100 * held / of:.1f}" + (f" ({low:.0f}–{high:.0f})" if bounds else "")
 
 
@@ -120,7 +120,7 @@ def _bar_label(name: str) -> str:
     return name.replace(" x ", " × ")
 
 
-def _middle_text(ratios: Sequence[float] | None) -> str:
+def _central_range_text(ratios: Sequence[float] | None) -> str:
     """Returns a range of true over estimated error, from the inverse ratios."""
     if not ratios:
         return NOTHING

@@ -33,11 +33,11 @@ from solvers.scene.kernel_options import kernel_key
 from solvers.scene.scene import Scene
 from solvers.scene.validation import SceneError
 from solvers.solver import error_norms
-from solvers.solver.error_norms import finite
-from solvers.solver.rounding import rounding
+from solvers.solver.error_norms import finite_or_none
+from solvers.solver.rounding import largest_rounding_error
 from solvers.solver.soundness import OK
 from solvers.study.json_schema import NUMBER, NUMBER_OR_NONE, MapOf
-from solvers.study.row import FAILED, fingerprint
+from solvers.study.row import FAILED, solver_source_hash
 
 SCHEMA = "mpm-lab/coverage-row/1"
 QUANTITIES = ("x", "v", "sigma")
@@ -107,7 +107,7 @@ class RandomRun:
                 return scene
         raise AssertionError(f"no scene of the {self.problem} is cheap enough")
 
-    def point(self) -> str:
+    def point_goal_name(self) -> str:
         """Returns the name of the goal at a random material point of the body."""
         kind, chance = PROBLEMS[self.problem].scene, self._random_generator(POINTS)
         if kind.DIMENSIONS == 1:
@@ -196,8 +196,8 @@ def _measure_run(draw: RandomRun) -> dict:
     from solvers.running.run import run  # here: a row can be read, kept and drawn without Taichi
 
     begun, scene = time.perf_counter(), draw.scene()
-    goals = {DISPLACEMENT: draw.point(), STRESS: STRESS, ENERGY: ENERGY}
-    result = run(allow_refused(scene), mid_run=False, goals=list(goals.values()))
+    goals = {DISPLACEMENT: draw.point_goal_name(), STRESS: STRESS, ENERGY: ENERGY}
+    result = run(allow_refused_estimators(scene), mid_run=False, goals=list(goals.values()))
     others = [run(coarsen(scene, 2**k), mid_run=False, goals=list(goals.values())) for k in range(1, GRIDS)] \
         if result.status == OK else []
     numbers = {kind: [one.goals[name]["value"] for one in (result, *others)] for kind, name in goals.items()}
@@ -210,7 +210,8 @@ def _measure_run(draw: RandomRun) -> dict:
 
 
 def refusal_kind(name: str, scene: Scene, result: Result) -> str:
-    """Returns how an estimator was refused in the ``result`` of a scene's :func:`allow_refused` version; "" if not."""
+    """Returns how an estimator was refused in the ``result`` of a scene's :func:`allow_refused_estimators` version; ""
+    if not."""
     if name not in result.scene.active_estimators:
         return IMPOSSIBLE
     return BEFORE if name in scene.not_valid else AFTER if name in result.not_valid else ""
@@ -224,9 +225,9 @@ def _ratios(result: Result, estimator: str) -> dict[str, dict[str, float | None]
         if said is None:
             found["index"][q] = found["end"][q] = None
             continue
-        least = float(rounding(result.scene, q, result.steps))
+        least = float(largest_rounding_error(result.scene, q, result.steps))
         found["index"][q] = error_norms.error_index(said, true, least)
-        found["end"][q] = finite(float(said[-1] / true[-1])) if true[-1] > least else None
+        found["end"][q] = finite_or_none(float(said[-1] / true[-1])) if true[-1] > least else None
     return found
 
 
@@ -239,10 +240,10 @@ def _unrefused_kind(kind: type[Scene]) -> type[Scene]:
     return type(kind.__name__, (kind,), {"active_estimators": property(active)})
 
 
-def allow_refused(scene: Scene) -> Scene:
+def allow_refused_estimators(scene: Scene) -> Scene:
     """Returns the scene with estimators that run although they are refused, if possible."""
     return _unrefused_kind(type(scene))(**{one.name: getattr(scene, one.name) for one in fields(scene)})
 
 
 def _identity(draw: RandomRun) -> dict:
-    return {"schema": SCHEMA, "key": draw.key, **draw.to_dict(), "solvers": fingerprint()}
+    return {"schema": SCHEMA, "key": draw.key, **draw.to_dict(), "solvers": solver_source_hash()}

@@ -21,8 +21,8 @@ from typing import Any
 
 from solvers.running.quantities_of_interest import DISPLACEMENT, SAFETY
 from solvers.scene.scene import Scene
-from solvers.study.coverage.coverage_counts import CENTRAL, FACTORS, NORMAL, TWO_GRIDS, regime
-from solvers.study.coverage.random_runs import QUANTITIES, allow_refused, refusal_kind
+from solvers.study.coverage.coverage_counts import CENTRAL, FACTORS, NORMAL, TWO_GRIDS, motion_regime
+from solvers.study.coverage.random_runs import QUANTITIES, allow_refused_estimators, refusal_kind
 
 FOLDER = Path(__file__).parents[3] / "assets" / "coverage"
 FEWEST = 20  # runs: no statement for fewer
@@ -41,10 +41,10 @@ def load_counts(problem: str) -> Mapping[str, Any] | None:
     return json.loads(path.read_text(encoding="utf-8")) if path.exists() else None
 
 
-def accurate_runs(scene: Scene, estimator: str, quantity: str = "x") -> tuple[int, int] | None:
+def accurate_run_counts(scene: Scene, estimator: str, quantity: str = "x") -> tuple[int, int] | None:
     """Returns in how many runs like a scene, by method and by how far particles move, the estimate of a quantity was
     within a factor of 1.1 of the true error, and of how many; None where there were too few."""
-    split = _counts_like(scene, "estimators", estimator)
+    split = _counts_of_similar_runs(scene, "estimators", estimator)
     found = split and split.get(quantity)
     return (found["within"][f"{FACTORS[0]:g}"], found["runs"]) if found and found["runs"] >= FEWEST else None
 
@@ -63,18 +63,18 @@ def central_ratios(problem: str, estimator: str, quantity: str) -> tuple[float, 
 def bars_held(scene: Scene, goal: str, estimator: str) -> tuple[int, int] | None:
     """Returns in how many runs like a scene a bar of twice the estimated error around a goal (by its name) contained
     the truth, and of how many; None where there were too few."""
-    split = _counts_like(scene, "goals", DISPLACEMENT if goal.startswith(DISPLACEMENT) else goal)
+    split = _counts_of_similar_runs(scene, "goals", DISPLACEMENT if goal.startswith(DISPLACEMENT) else goal)
     found = split and split.get(f"{SAFETY:g} x {estimator}")
     return (found["held"], found["runs"]) if found and found["runs"] >= FEWEST else None
 
 
-def _counts_like(scene: Scene, group: str, name: str) -> Mapping[str, Any] | None:
+def _counts_of_similar_runs(scene: Scene, group: str, name: str) -> Mapping[str, Any] | None:
     """Returns counts of runs like a scene, None for remedies and motions that no random run had."""
     known = load_counts(scene.problem)
     if known is None or name not in known[group] or scene.remedies or not scene.swings or not scene.solution_known:
         return None
     methods = known[group][name]["method and regime"]
-    return methods.get(scene.method, {}).get(regime(scene.motion_amplitude / scene.spacing, scene.ppc))
+    return methods.get(scene.method, {}).get(motion_regime(scene.motion_amplitude / scene.spacing, scene.ppc))
 
 
 def bets(scene: Scene) -> dict[str, dict[str, Ends | None]]:
@@ -83,7 +83,7 @@ def bets(scene: Scene) -> dict[str, dict[str, Ends | None]]:
     from solvers.running.run import run  # here: what a judge is called can be known without Taichi
 
     asked = replace(scene, estimators=scene.choices("estimators"), effects=EFFECTS)
-    result = run(allow_refused(asked), mid_run=False, prices=False)
+    result = run(allow_refused_estimators(asked), mid_run=False, prices=False)
 
     def positive_estimate(name: str, quantity: str) -> float | None:
         """Returns an estimator's value, refused or not; None where it is not positive and finite."""

@@ -43,7 +43,7 @@ def _printed_numbers() -> dict:
     return json.loads(PRINTED.read_text(encoding="utf-8"))
 
 
-def printed_bar(modulus: float, cells: int) -> dict[str, float]:
+def printed_bar_row(modulus: float, cells: int) -> dict[str, float]:
     """Returns Table 1's errors, ``grid_crossings`` and indices ``index_x`` ...; empty without such a row."""
     for case in _printed_numbers()["table1"]["cases"]:
         for row in case["rows"]:
@@ -54,16 +54,16 @@ def printed_bar(modulus: float, cells: int) -> dict[str, float]:
 
 def printed_ring_errors(method: str, cells: int) -> dict[str, float]:
     """Returns Table 2's errors of x, v and of the acceleration."""
-    return {KEYS[key]: value for key, value in _ring_row("table2", cells).get(method, {}).items()}
+    return {KEYS[key]: value for key, value in _printed_ring_row("table2", cells).get(method, {}).items()}
 
 
 def printed_ring_index(method: str, cells: int) -> dict[str, float]:
     """Returns Table 3's index of the displacement error."""
-    row = _ring_row("table3", cells)
+    row = _printed_ring_row("table3", cells)
     return {"index_x": row[method]} if method in row else {}
 
 
-def _ring_row(table: str, cells: int) -> dict:
+def _printed_ring_row(table: str, cells: int) -> dict:
     return next((row for row in _printed_numbers()[table]["rows"] if row["cells"] == cells), {})
 
 
@@ -74,7 +74,7 @@ def format_digits(value: float, count: int) -> str:
     return f"{value:.{max(0, count - 1 - power)}f}" if -2 <= power <= 2 else f"{mantissa}e{power}"
 
 
-def format_round(value: float) -> str:
+def format_round_number(value: float) -> str:
     """Returns a round number as text: 0.025, 2.5e-4, 1e7."""
     mantissa, _, exponent = f"{value:.1e}".partition("e")
     return f"{value:g}" if 1e-3 <= value < 1e4 else f"{mantissa.removesuffix('.0')}e{int(exponent)}"
@@ -117,9 +117,9 @@ def table_1(estimators: Mapping[str, Iterable[str]], cells: Iterable[int] = BAR_
         scene = BarScene(method="ugimp", linearity_preserving=True, cells=n, ppc=4, modulus=modulus, dt=2.5e-5,
                          amplitude=amplitude, t_end=end, body_force=force, estimators=tuple(estimators["bar"]))
         crossings = replace(scene, t_end=long, estimators=(), effects=("crossings",))
-        part = f"E = {modulus:g} Pa, A = {format_round(amplitude)} m, {BAR_FORCES[force]}"
-        rows.append(TableRow(f"bar-{case}-{force}-{n}", part, {**_errors_and_cost(scene), "crossings": crossings},
-                             printed_bar(modulus, n)))
+        part = f"E = {modulus:g} Pa, A = {format_round_number(amplitude)} m, {BAR_FORCES[force]}"
+        rows.append(TableRow(f"bar-{case}-{force}-{n}", part, {**_error_and_cost_scenes(scene), "crossings": crossings},
+                             printed_bar_row(modulus, n)))
     notes = read_parts(NOTES, end=f"{end:g}", long=f"{long:g}")
     setup = tuple(notes[name] for name in ("bar: taken", "bar: chosen", "bar: force", "bar: index", "index", "cost"))
     caption = f"linearity-preserving uGIMP, 4 particles per cell, dt = 2.5e-5 s, T = {end:g} s"
@@ -137,8 +137,8 @@ def _ring_table(number: str, title: str, names: tuple[str, ...], printed: Callab
         amplitude, modulus, ppc, what = RING_SETUPS[name]
         scene = RingScene(method=method, cells=n, ppc=ppc, amplitude=amplitude, modulus=modulus, dt=2e-5, t_end=end,
                           estimators=tuple(estimators["ring"]))
-        part = f"A = {amplitude:g} m, E = {format_round(modulus)} Pa, {ppc} × {ppc} particles per cell ({what})"
-        rows.append(TableRow(f"ring-{name}-{method}-{n}", part, _errors_and_cost(scene), printed(method, n)))
+        part = f"A = {amplitude:g} m, E = {format_round_number(modulus)} Pa, {ppc} × {ppc} particles per cell ({what})"
+        rows.append(TableRow(f"ring-{name}-{method}-{n}", part, _error_and_cost_scenes(scene), printed(method, n)))
     notes = read_parts(NOTES, end=f"{end:g}", long="")
     setup = tuple(notes[name] for name in ("ring: taken", "ring: chosen", *names))
     return PaperTable(number, title, RING_CAPTION.format(end=end), setup, tuple(rows))
@@ -150,6 +150,6 @@ table_3 = functools.partial(_ring_table, "3", "Table 3. Expanding ring: error in
                             ("ring: index", "index", "cost"), printed_ring_index)
 
 
-def _errors_and_cost(scene: Scene) -> dict[str, Scene]:
+def _error_and_cost_scenes(scene: Scene) -> dict[str, Scene]:
     return {"errors": replace(scene, sample_every=scene.estimate_interval),
             "cost": replace(scene, t_end=COST_PART * scene.end_time)}

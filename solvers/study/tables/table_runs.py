@@ -7,7 +7,7 @@ Everything that is printed or drawn of a table is made from this object and noth
 from collections.abc import Callable, Iterable, Mapping
 
 from solvers.scene.scene import Scene
-from solvers.solver.error_norms import finite
+from solvers.solver.error_norms import finite_or_none
 from solvers.solver.samples import QUANTITIES
 from solvers.study.json_schema import NUMBER, MapOf
 from solvers.study.parameter_grid import Task, task_of
@@ -36,10 +36,10 @@ def all_runs(tables: Iterable[PaperTable]) -> list[Task]:
 
 def measure_in_worker(task: dict, answer: Callable[[dict], None]) -> None:
     """Measures one run in a worker process, with prices of estimators where it is timed."""
-    answer(measure(Task(**task), _result))
+    answer(measure(Task(**task), _run_to_row))
 
 
-def _result(task: Task, scene: Scene) -> dict:
+def _run_to_row(task: Task, scene: Scene) -> dict:
     from solvers.running.run import run  # here: a row can be read, kept and drawn without Taichi
 
     result = run(scene, prices=task.repeats > 0, mid_run=False).to_dict()
@@ -47,13 +47,13 @@ def _result(task: Task, scene: Scene) -> dict:
             "result": result}
 
 
-def results_of(table: PaperTable, rows: Iterable[dict]) -> dict[str, Results]:
+def results_by_row(table: PaperTable, rows: Iterable[dict]) -> dict[str, Results]:
     """Returns the results of each row of a table by its name, from the measured runs."""
     found = {row["key"]: row["result"] for row in rows if "result" in row}
     return {row.name: {name: found[task_of(scene).key] for name, scene in row.scenes.items()} for row in table.rows}
 
 
-def table_dict(table: PaperTable, results: Mapping[str, Results]) -> dict:
+def table_to_dict(table: PaperTable, results: Mapping[str, Results]) -> dict:
     """Returns the object of a table; ``results`` has each row's by its name."""
     names = dict.fromkeys(name for row in table.rows for name in row.scenes["errors"].estimators)
     seconds = [result["seconds"] for row in table.rows for result in results[row.name].values()]
@@ -80,7 +80,7 @@ def _row_to_dict(number: str, row: TableRow, results: Results) -> dict:
     return {"name": row.name, "part": row.part, "inputs": inputs, "particles": run["particles"],
             "h": row.scenes["errors"].spacing, "unstable": gone_bad, "paper": paper, "ours": ours,
             "ratio": {key: _ratio(ours[key], paper[key]) for key in ours},
-            "estimators": {name: _estimator(name, results) for name in run["scene"]["estimator"]}}
+            "estimators": {name: _estimator_to_dict(name, results) for name in run["scene"]["estimator"]}}
 
 
 def _computed_values(number: str, results: Results) -> dict:
@@ -97,7 +97,7 @@ def _computed_values(number: str, results: Results) -> dict:
             **indices}
 
 
-def _estimator(name: str, results: Results) -> dict:
+def _estimator_to_dict(name: str, results: Results) -> dict:
     run, cost = results["errors"], results["cost"]
     seconds = cost["seconds"]["estimators"].get(name)
     reason = run["not_valid"].get(name) or cost["not_valid"].get(name)
@@ -115,4 +115,4 @@ def _estimator_value(run: dict, kind: str, name: str, quantity: str) -> float | 
 
 
 def _ratio(above: float | None, below: float | None) -> float | None:
-    return finite(above / below) if above is not None and below else None
+    return finite_or_none(above / below) if above is not None and below else None

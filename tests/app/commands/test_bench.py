@@ -13,15 +13,15 @@ import pytest
 
 from app.cli import main
 from app.commands.bench.command import bench_table
-from solvers.bench import bench, cpp_reference, solver_benchmarks, start_up
-from solvers.bench.solver_benchmarks import QUICK, bare_scene, optional_inputs
+from solvers.bench import all_benchmarks, cpp_reference, solver_benchmarks, start_up
+from solvers.bench.solver_benchmarks import QUICK, bare_scene, optional_part_inputs
 from solvers.kernels import runtime
 from solvers.problems import PROBLEMS
 from solvers.problems.bar.scene import BarScene
 from solvers.problems.ring import RingScene
 from solvers.running import timing
 from solvers.running.run import build
-from solvers.running.timing import TimedSteps, particle_step_rate, time_interleaved
+from solvers.running.timing import RepeatedSteps, particle_step_rate, time_interleaved
 from solvers.workers.worker_process import ProcessDied, ask_fresh
 
 #: What an effect that is off may cost in a quick run beside other work; the bench itself, at rest, shows 0 to 3 %.
@@ -42,16 +42,16 @@ def object_of(capsys) -> dict:
 def printed(monkeypatch, capsys) -> dict:
     """A bench of everything in which nothing is compiled: each step takes a microsecond."""
     runtime.start()
-    monkeypatch.setattr(bench, "start_times", lambda command, problems: {
+    monkeypatch.setattr(all_benchmarks, "start_times", lambda command, problems: {
         "command": 0.4, "import": 1.0, "taichi": 0.3, "failed": None,
         "cold": dict.fromkeys(problems, 2.0), "warm": dict.fromkeys(problems, 0.5)})
-    monkeypatch.setattr(bench, "measure_gpu", lambda quick: {"missing": "no GPU was found"})
-    monkeypatch.setattr(bench, "measure_ratios", lambda problem, quick: {
+    monkeypatch.setattr(all_benchmarks, "measure_gpu", lambda quick: {"missing": "no GPU was found"})
+    monkeypatch.setattr(all_benchmarks, "measure_ratios", lambda problem, quick: {
         "problem": problem, "missing": None, "cases": [CASE]})
     monkeypatch.setattr(solver_benchmarks, "build", lambda scene: scene)
     monkeypatch.setattr(solver_benchmarks, "particle_step_rate", lambda scene, turns: 100.0)
     monkeypatch.setattr(solver_benchmarks, "time_ratios", lambda pairs, turns: dict.fromkeys(pairs, 1.0))
-    monkeypatch.setattr(solver_benchmarks, "measure_options_overhead", lambda problem, effort: {
+    monkeypatch.setattr(solver_benchmarks, "measure_inactive_overhead", lambda problem, effort: {
         "problem": problem, "method": "ugimp", "cells": 40, "ratio": 1.01, "low": 1.0, "high": 1.02, "same": 1.0,
         "call": 1e-4, "call_stripped": 1e-4})
     return object_of(capsys)
@@ -75,7 +75,7 @@ def test_every_problem_method_and_size_has_a_rate_and_all_that_is_optional_a_pri
     assert all(row["not_valid"] or row["ratio"] == 1 for row in estimators.values())
     effects = {(row["problem"], row["name"]): row["ratio"] for row in printed["effects"]}
     assert set(effects) == {(problem,
-                             name) for problem in PROBLEMS for name in optional_inputs(PROBLEMS[problem].scene)}
+                             name) for problem in PROBLEMS for name in optional_part_inputs(PROBLEMS[problem].scene)}
     assert set(effects.values()) == {1.0}
     assert [row["problem"] for row in printed["off"]] == list(PROBLEMS)
 
@@ -83,7 +83,7 @@ def test_every_problem_method_and_size_has_a_rate_and_all_that_is_optional_a_pri
 def test_a_ratio_is_the_median_over_turns_and_each_scene_is_measured_once(monkeypatch):
     runtime.start()
     measured = []
-    monkeypatch.setattr(timing, "TimedSteps", lambda solver: solver.scene)
+    monkeypatch.setattr(timing, "RepeatedSteps", lambda solver: solver.scene)
     monkeypatch.setattr(timing, "time_interleaved", lambda scenes, turns: measured.append((scenes, turns)) or np.array(
         [[2.0, 1.0], [6.0, 2.0], [5.0, 1.0]]))
     one, other = BarScene(cells=8), BarScene(cells=16)
@@ -114,7 +114,7 @@ def test_table_says_in_words_what_is_missing(printed):
 @pytest.mark.slow
 def test_what_is_measured_makes_sense(monkeypatch, capsys):
     """Of the bar alone: all problems take a minute."""
-    monkeypatch.setattr(bench, "PROBLEMS", {"bar": PROBLEMS["bar"]})
+    monkeypatch.setattr(all_benchmarks, "PROBLEMS", {"bar": PROBLEMS["bar"]})
     found = object_of(capsys)
     assert all(row["rate"] > 0 and row["particles"] > 0 for row in found["rates"])
     assert all(row["not_valid"] or 0.8 < row["ratio"] < 20 for row in found["estimators"])
@@ -147,7 +147,7 @@ def test_our_rate_over_the_limits(bar, monkeypatch):
     monkeypatch.setattr(cpp_reference, "QUICK_TURNS", 1)
     monkeypatch.setattr(cpp_reference, "SECONDS", 0.01)
     monkeypatch.setattr(cpp_reference, "comparison_cases",
-                        lambda problem: [cpp_reference.Case("ugimp", 16, (16, 2000))])
+                        lambda problem: [cpp_reference.ComparisonCase("ugimp", 16, (16, 2000))])
     monkeypatch.setattr(cpp_reference, "CppProgram", lambda problem, folder: bar)
     found = cpp_reference.measure_ratios("bar", quick=True)
     [case] = found["cases"]
@@ -187,11 +187,11 @@ def test_the_stripped_step_is_the_solvers_own_and_bare_scenes_hold_nothing_optio
 
 def test_a_stretch_is_whole_rounds_and_leaves_the_state_as_it_was():
     scene = replace(bare_scene("bar", 8), effects=("estimate",), estimators=("companion",))
-    stretch = TimedSteps(build(scene), 1e-3)
+    stretch = RepeatedSteps(build(scene), 1e-3)
     assert stretch.steps % scene.sample_interval == 0 and stretch.steps % scene.estimate_interval == 0
-    stretch.time()
+    stretch.seconds_per_step()
     once = stretch.solver.snapshot().position
-    stretch.time()
+    stretch.seconds_per_step()
     assert np.array_equal(once, stretch.solver.snapshot().position)
     assert time_interleaved([stretch, stretch], 3).shape == (3, 2)
 
@@ -202,8 +202,8 @@ def test_what_is_compared_takes_the_same_steps():
     scene = RingScene(cells=24, method="ugimp", dt=2e-5, estimators=("companion",))
     solver = build(scene)
     solver.advance(scene.margin_interval + 1)
-    stretch = TimedSteps(solver, 1e-3)
-    bare = TimedSteps(solver.without_estimators(), steps=stretch.steps)
+    stretch = RepeatedSteps(solver, 1e-3)
+    bare = RepeatedSteps(solver.without_estimators(), steps=stretch.steps)
     assert solver.step == bare.solver.step == scene.margin_interval + 1
     assert bare.steps == stretch.steps and stretch.steps % scene.margin_interval == 0
     assert stretch.steps % bare.solver.scene.margin_interval == 0

@@ -13,7 +13,7 @@ import pytest
 
 from app.cli import INTERRUPTED, main
 from app.commands import commands, dispatch
-from app.commands.output import NotWritten, Target, print_message, showing_places
+from app.commands.output import NotWritten, Target, print_message, show_tracebacks
 from app.commands.run import command as run_command
 from tests.support.paths import ROOT
 from tests.support.processes import HANG, children, has_ended, has_library, wait_until
@@ -70,7 +70,7 @@ def test_verbose_shows_the_place_of_what_should_not_happen(words, monkeypatch, c
 
 def test_verbose_ends_with_its_command_and_shows_what_is_told_on_the_way(capsys):
     for wanted in (True, False):
-        with showing_places(wanted):
+        with show_tracebacks(wanted):
             try:
                 raise ValueError("a picture\x1b[2J")
             except ValueError as error:

@@ -10,7 +10,7 @@ import pytest
 from app.cli import main
 from app.commands import commands
 from app.commands.output import json_text
-from app.commands.run.command import Output
+from app.commands.run.command import OutputFlags
 from app.commands.run.text import run_table
 from solvers.problems import PROBLEMS
 from solvers.scene.effects import EFFECTS
@@ -66,7 +66,7 @@ def test_the_scene_has_every_flag_with_its_default(printed, problem):
     typed, own, without, _ = RUNS[problem]
     scene = printed[problem]["scene"]
     assert set(scene) == SCENE | own and {name for name, value in scene.items() if value is None} == without
-    flags = {field.name for field in fields(commands()["run", problem])} - {field.name for field in fields(Output)}
+    flags = {field.name for field in fields(commands()["run", problem])} - {field.name for field in fields(OutputFlags)}
     assert set(scene) == flags | {"problem"} | without
     kind, given = PROBLEMS[problem].scene, {word.removeprefix("--") for word in typed.split()[::2]}
     alike = {"method", "amplitude", "modulus", "body_force", "velocity", "arch", "motion", "layout"} - given

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from app.cli import main
-from solvers.estimators.standalone import solve
+from solvers.estimators.standalone_companion import solve
 from solvers.judging.particle_readers import read_file
 from solvers.judging.problem_handout import companion_frames, exact_frame
 from solvers.problems import PROBLEMS
@@ -105,8 +105,8 @@ def test_the_companion_alone_finds_the_exact_solution(problem):
     for fine, allowed in ((True, 1e-6), (False, 1e-4)):
         body = reference.companion(scene, fine)
         for t, (u, v) in zip(times, solve(body, times), strict=True):
-            moved, gradient = body.read(u, X)
-            speed = body.read(v, X)[0]
+            moved, gradient = body.values_and_gradients(u, X)
+            speed = body.values_and_gradients(v, X)[0]
             assert np.abs(moved - reference.displacement(scene, X, t)).max() < allowed * scene.size_of("x")
             assert np.abs(speed - reference.velocity(scene, X, t)).max() < 10 * allowed * scene.size_of("v")
             F = np.eye(X.shape[1]) + gradient

@@ -8,12 +8,12 @@ import sys
 import pytest
 
 from app.commands import progress
-from app.commands.progress import MEASURED, Remaining, show_progress
+from app.commands.progress import MEASURED, RemainingTime, show_progress
 
 
 def test_what_is_left_is_reckoned_from_the_first_part_on():
     """Sixty seconds of compiling before the first part count for nothing."""
-    idle, remaining = Remaining(), Remaining()
+    idle, remaining = RemainingTime(), RemainingTime()
     assert idle.text(0.0, 0.0) == idle.text(0.0, 100.0) == ""  # nothing was done
     assert remaining.text(0.001, 60.0) == "" and remaining.text(0.011, 61.0) == ""  # too early to say
     assert remaining.text(0.101, 70.0) == "90 s left"

@@ -32,7 +32,7 @@ LONGEST = 410  # letters of a message
 SLOW = ("app.page.page_server.serve", "app.commands.run.command._run", "app.commands.run.budget.show_progress",
         "app.commands.bench.command.show_progress", "app.commands.lesson.show_progress",
         "app.commands.export.show_progress", "app.commands.judge.command.show_progress",
-        "app.commands.check.command.show_progress", "app.commands.judge.problem._files",
+        "app.commands.check.command.show_progress", "app.commands.judge.problem._handout_files",
         "app.commands.study.study_command.Study._executor", "app.commands.study.advise.Advise._search")
 
 
@@ -127,7 +127,7 @@ def test_every_part_of_a_lesson(place, wrong, text):
 @pytest.mark.parametrize("text", TEXTS, ids=range(len(TEXTS)))
 def test_claims_pictures_names_and_notices(text):
     for act, refusal in ((lambda: check_claim(text, {}, ""), ClaimError),
-                         (lambda: catalogue.resolve_name(text), catalogue.UnknownLesson),
+                         (lambda: catalogue.resolve_lesson_name(text), catalogue.UnknownLesson),
                          (lambda: to_html(f"![]({'x' * 9000}.svg)"), RenderError)):
         with pytest.raises(refusal) as found:
             act()
@@ -161,7 +161,8 @@ def test_every_field_of_handed_in_answers(text, tmp_path, monkeypatch, capsys):
 def test_tables_hold_no_formula_and_nothing_that_does_not_show(text):
     lesson = catalogue.load_lessons()["01-one-step"]
     key = next(key for key, step in lesson.questions.items())
-    found = grading.GradedFile(text, student_progress.Progress("01-one-step", "", text), lesson, lesson.questions,
+    found = grading.GradedFile(text, student_progress.StudentProgress("01-one-step", "", text), lesson,
+                               lesson.questions,
                             {key: (text, None)})
     row = {"scene": {"method": text, text: text}, "asked": {}, "status": "failed", "reason": text, "index": None}
     for table in (grading.grades_csv([found]), csv_text([row])):

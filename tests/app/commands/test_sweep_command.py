@@ -10,7 +10,7 @@ import pytest
 from app.cli import main
 from app.commands import commands
 from app.pictures.study import FIGURES
-from solvers.study.row import fingerprint
+from solvers.study.row import solver_source_hash
 from tests.support.fake_rows import InstantExecutor
 
 SweepBar = commands()["sweep", "bar"]
@@ -62,7 +62,7 @@ def test_rows_of_other_source_are_measured_again_and_said(tmp_path, monkeypatch,
     flags = ["sweep", "bar", "--cells", "20", "40", "--out", str(tmp_path)]
     path = tmp_path / "rows.jsonl"
     assert main(flags) == 0
-    path.write_text(path.read_text().replace(fingerprint(), "0" * 64, 1))
+    path.write_text(path.read_text().replace(solver_source_hash(), "0" * 64, 1))
     for again in (True, False):
         capsys.readouterr()
         assert main([*flags, "--resume"]) == 0

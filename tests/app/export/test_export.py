@@ -18,11 +18,11 @@ import pytest
 from app import state
 from app.cli import main
 from app.export import export_plan, slider_grid
-from app.export.html_file import _title, scene_page
-from app.export.lesson_data import lesson_page, manifest, package_lessons, question_rules
+from app.export.html_file import _page_title, scene_page
+from app.export.lesson_export import lesson_page, make_scorm_package, marking_rules, scorm_manifest
 from app.export.quantise import NONE, NUMBER, PLACE, SIGNED, SIZE, TOPS, Track, pack_tracks
 from app.export.recording import RecordingRequest, record_scene
-from app.frame.stage import one_in
+from app.frame.stage import marking_stride
 from app.lessons.lesson_parser import parse_lesson
 from app.problems.views import VIEWS
 from solvers.problems.planar.layout import particle_layout
@@ -99,7 +99,7 @@ def test_a_track_of_a_run_gone_bad_is_written(kind):
     ("bar motion=patch cells=10 periods=0.1", "Patch test of the bar"), ("bar cells=10 periods=0.1", "Vibrating bar"),
     ("ring cells=12 periods=0.02", "Expanding ring")])
 def test_a_file_is_titled_by_what_it_shows(text, heading):
-    assert _title(export_plan.make_plan(state.parse_state(text), (), ("x",))) == heading
+    assert _page_title(export_plan.make_export_plan(state.parse_state(text), (), ("x",))) == heading
 
 
 def test_zeros_and_nothing_stay_what_they_are():
@@ -127,7 +127,7 @@ def test_a_recording_holds_the_numbers_of_the_run(text, simulate):
             index = result.index[name][key]
             assert index is None or found[f"index.{name}"][-1, k] == pytest.approx(index, rel=1e-5)
     crossed = found["crossings.who"].round().astype(int)[:, 0]
-    every = one_in(len(result.final.position), VIEWS[scene.problem].stage.MOST_MARKED)
+    every = marking_stride(len(result.final.position), VIEWS[scene.problem].stage.MOST_MARKED)
     assert set(crossed) == {p for p in np.flatnonzero(result.final.last_crossing > 0) if p % every == 0} != set()
     assert (np.diff(found["crossings.time"][:, 0]) >= 0).all()
 
@@ -174,11 +174,12 @@ def test_of_many_particles_some_are_kept():
 def test_a_lattice_has_sixty_runs_and_stays_within_the_budget(problem):
     shown = state.parse_state(f"{problem} estimators=recovered,transport")
     axes = slider_grid.axes_around(shown.scene, slider_grid.FULL)
-    one = export_plan.make_plan(shown, axes, ("x", "v", "sigma"))
-    assert [len(axis.values) for axis in axes] == [5, 4, 3] and len(one.runs) == 60
+    one = export_plan.make_export_plan(shown, axes, ("x", "v", "sigma"))
+    assert [len(axis.values) for axis in axes] == [5, 4, 3] and len(one.run_texts) == 60
     assert all(axis.values[axis.start] == getattr(shown.scene, axis.field) for axis in axes)
     most = next(iter(export_plan.recordings_needed([one]).values())).particles
-    sizes = [export_plan._bytes(one, min(state.parse_state(text).scene.particles, most)) for text in one.runs]
+    sizes = [export_plan._recording_bytes(one,
+                                          min(state.parse_state(text).scene.particles, most)) for text in one.run_texts]
     assert sum(sizes) <= export_plan.BUDGET
 
 
@@ -186,7 +187,7 @@ def test_what_a_lesson_names_is_on_the_sliders():
     text = "- Set **Cells** to `80`.\n- Choose **Method** `B-spline`.\n- Set **CFL number** to `0.025`.\nRead **norm**."
     axes = {
         axis.field: axis.values
-        for axis in slider_grid.axes_named_in(state.parse_state("bar cells=20 cfl=0.4").scene, text)
+        for axis in slider_grid.axes_for_instructions(state.parse_state("bar cells=20 cfl=0.4").scene, text)
     }
     assert axes == {"cells": (20, 80), "method": ("ugimp", "bspline"), "cfl": (0.025, 0.4)}
 
@@ -208,7 +209,7 @@ def test_a_file_is_small_and_asks_nobody_for_anything():
 
 
 def test_what_is_right_is_known_for_every_variant():
-    found = question_rules(parse_lesson(TEXT, "99-test"), 1, lambda part, what: None)
+    found = marking_rules(parse_lesson(TEXT, "99-test"), 1, lambda part, what: None)
     assert [rule["options"] for rule in found["what-happens"]] == [[2], [2]]
     first, second = (rule["value"] for rule in found["and"])
     assert 0 < first < second
@@ -226,8 +227,8 @@ def silent(part, what):
 
 @pytest.fixture(scope="module")
 def archive():
-    made = package_lessons(LESSONS, 1, silent)
-    assert made == package_lessons(LESSONS, 1, silent)
+    made = make_scorm_package(LESSONS, 1, silent)
+    assert made == make_scorm_package(LESSONS, 1, silent)
     with zipfile.ZipFile(io.BytesIO(made)) as files:
         yield files
 
@@ -254,7 +255,7 @@ def test_the_manifest_names_every_page_as_the_standard_has_it(archive):
 
 
 def test_a_lesson_that_has_changed_is_another_package():
-    one, other = (manifest([replace(READ, fingerprint=letter * 64)]) for letter in "ab")
+    one, other = (scorm_manifest([replace(READ, fingerprint=letter * 64)]) for letter in "ab")
     assert "mpm-lab-10-read-aaaaaaaaaaaa" in one and "mpm-lab-10-read-bbbbbbbbbbbb" in other
 
 
@@ -267,7 +268,7 @@ def test_only_a_package_speaks_to_a_system(archive):
 
 def test_several_lessons_are_packed_once_each(capsys, monkeypatch, tmp_path):
     asked = []
-    monkeypatch.setattr("app.export.lesson_data.package_lessons", lambda lessons, *others,
+    monkeypatch.setattr("app.export.lesson_export.make_scorm_package", lambda lessons, *others,
                         core: asked.extend(lessons) or b"PK")
     assert main(["export", "1", "04", "1", "--scorm", "--quiet", "--out", str(tmp_path / "a.zip")]) == 0
     assert [lesson.name for lesson in asked] == ["01-one-step", "04-grid-crossing"]

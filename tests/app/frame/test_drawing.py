@@ -9,7 +9,7 @@ from html import unescape
 from types import SimpleNamespace
 
 from app.frame.primitives import Label
-from app.renderers.viewer_renderer import Lettering, ViewerSurface
+from app.renderers.viewer_renderer import LabelLayer, ViewerSurface
 
 NOTE = Label("note", "a", 0.0, 0.5, "center-center", "note")
 
@@ -37,8 +37,8 @@ class Gui:
 
 def sheet_of(gui, at="/stage"):
     scene = SimpleNamespace(add_frame=lambda name, **options: SimpleNamespace(visible=True))
-    lettering = Lettering(gui)
-    lettering.set_rectangle((-0.015, 1.015, 0.0, 0.5))
+    lettering = LabelLayer(gui)
+    lettering.set_visible_rectangle((-0.015, 1.015, 0.0, 0.5))
     return ViewerSurface(SimpleNamespace(scene=scene), lettering, at), lettering
 
 

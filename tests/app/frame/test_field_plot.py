@@ -6,9 +6,9 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from app.frame.field_plot import ROOM, Axis, FieldPlot, magnify_deviation
+from app.frame.field_plot import ROOM, FieldPlot, ValueAxis, magnify_deviation
 from app.frame.layout import RunSlot
-from app.frame.primitives import Bounds
+from app.frame.primitives import StageMetrics
 from app.problems.bar.stage import BarStage
 from app.problems.views import VIEWS
 from solvers.problems.bar.scene import BarScene
@@ -84,7 +84,7 @@ def test_magnified_is_exact_plus_so_many_deviations():
 
 def test_axis_ends_at_round_numbers_and_holds_everything():
     """For 1,000 random peaks one after the other, in either direction."""
-    axis = Axis()
+    axis = ValueAxis()
     for peak in 10 ** np.random.default_rng(0).uniform(-12, 12, 1000):
         axis.update(peak, 0.0)
         assert peak <= ROOM * axis.top * (1 + 1e-12)
@@ -93,7 +93,7 @@ def test_axis_ends_at_round_numbers_and_holds_everything():
 
 def test_axis_is_calm():
     """A vibration, and a peak that comes and goes by a hair around a round number, do not move it after the first."""
-    axis, tops = Axis(), []
+    axis, tops = ValueAxis(), []
     for frame in range(600):
         axis.update(abs(np.sin(0.05 * frame)) * (1 + 0.002 * np.sin(0.3 * frame)), 0.0)
         tops.append(axis.top)
@@ -104,14 +104,14 @@ def test_axis_is_calm():
 
 
 def test_axis_comes_back_once_a_peak_is_gone():
-    axis = Axis()
+    axis = ValueAxis()
     axis.update(1000.0, 1.0)
     for _ in range(600):
         axis.update(0.5, 1.0)
     assert 1 / ROOM <= axis.top < 3
 
 
-PLACES = BarStage.layout(Bounds(720.0, high=0.5, gutter=0.16), RunSlot.ALONE)
+PLACES = BarStage.layout(StageMetrics(720.0, high=0.5, gutter=0.16), RunSlot.ALONE)
 BOX = PLACES.field
 AT, UNCROSSED = (np.arange(20) + 0.5) / 20, np.zeros(20, bool)
 
@@ -187,7 +187,7 @@ def test_a_plot_says_what_is_drawn():
 
 
 def test_where_a_name_has_no_room_the_remark_says_it():
-    places = BarStage.layout(Bounds(358.0, high=0.84), RunSlot.ALONE)
+    places = BarStage.layout(StageMetrics(358.0, high=0.84), RunSlot.ALONE)
     draw, made = plot(places)
     draw(BAR, "x", 10, AT, np.zeros((20, 2), np.float32), 0.1, UNCROSSED)
     assert made["remark"].text == "Displacement" and not made["name"].text

@@ -5,18 +5,18 @@ from itertools import product
 import numpy as np
 import pytest
 
-from app.frame.crossings import LEAST_SECONDS, WINDOW, crossing_ages, crossing_window, is_recent
 from app.frame.field_plot import ROOM
 from app.frame.layout import RunSlot, colour_bar_box
-from app.frame.planar_layout import AROUND, planar_labels, planar_places
-from app.frame.primitives import Bounds
+from app.frame.planar_layout import AROUND, make_planar_layout, planar_labels
+from app.frame.primitives import StageMetrics
+from app.frame.recent_crossings import LEAST_SECONDS, WINDOW, crossing_ages, crossing_window, is_recent_crossing
 from app.frame.stage import StageLabels
 from app.problems.views import VIEWS
 from solvers.problems.bar.scene import BarScene
 
 #: 1280 × 720, 1920 × 1080, 800 × 1100 and a phone.
-ROOMS = (Bounds(736.0, high=0.45, gutter=0.16), Bounds(1248.0, 1.17, 0.53, 0.12), Bounds(632.0, high=0.5, gutter=0.15),
-         Bounds(358.0, high=0.84))
+ROOMS = (StageMetrics(736.0, high=0.45, gutter=0.16), StageMetrics(1248.0, 1.17, 0.53, 0.12),
+         StageMetrics(632.0, high=0.5, gutter=0.15), StageMetrics(358.0, high=0.84))
 SAID = StageLabels(("Estimate", "Truth"), ("by recovered", "exact solution"), ("", ""), "this run: 80 cells", "a note",
              "crosses an edge", "Alike?")
 
@@ -27,7 +27,7 @@ def test_everything_stands_in_the_rectangle_below_the_scale(problem, seat, room)
     stage = VIEWS[problem].stage
     places = stage.layout(room.rounded(), seat)
     (x0, x1, y0, y1), box = places.rectangle, places.field
-    end = colour_bar_box(places.bounds, room.high).end
+    end = colour_bar_box(places.stage_metrics, room.high).end
     assert y0 == 0 and y1 == pytest.approx(room.high)
     assert 0 <= box.left < box.right <= 1 and box.half * room.pixels > 15
     assert y0 < box.middle - ROOM * box.half and box.middle + ROOM * box.half < end
@@ -42,7 +42,7 @@ def test_a_crossing_is_shown_for_a_part_of_a_period_and_long_enough_to_be_seen()
         long = crossing_window(scene, speed * scene.period)
         assert long == pytest.approx(max(WINDOW * scene.period, LEAST_SECONDS * speed * scene.period))
         steps = np.array([-1.0, 0.0, 0.4 * long / scene.time_step, 1.1 * long / scene.time_step], np.float32)
-        shown = is_recent(steps, scene, speed * scene.period)
+        shown = is_recent_crossing(steps, scene, speed * scene.period)
         np.testing.assert_array_equal(shown, [False, True, True, False])
         np.testing.assert_allclose(crossing_ages(steps[shown], scene, speed * scene.period), [0, 0.4], rtol=1e-5)
 
@@ -50,6 +50,6 @@ def test_a_crossing_is_shown_for_a_part_of_a_period_and_long_enough_to_be_seen()
 @pytest.mark.parametrize("letters", (1.0, 1.7, 2.5))
 def test_a_body_keeps_its_room_beside_letters_of_any_size(letters):
     """On a projector they are large: names stand above the body then, and none gets a line of no length."""
-    places = planar_places(Bounds(593.0, letters, 0.72, 0.26).rounded(), RunSlot.ALONE)
+    places = make_planar_layout(StageMetrics(593.0, letters, 0.72, 0.26).rounded(), RunSlot.ALONE)
     assert 2 * AROUND * places.radius >= 0.29
     assert all(label.width >= 0 for label in planar_labels(StageLabels(crossings="crosses an edge"), places))

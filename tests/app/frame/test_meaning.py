@@ -66,7 +66,7 @@ def test_a_rectangle_on_any_quarter_of_the_ring_holds_the_particles_that_are_dra
     sizes = np.zeros(len(arrays.position))
     stage.draw(scene, arrays, sizes, sizes, 0.0, 1.0)
     middle, far = np.array(stage._layout.middle), np.array([10.0, 10.0])
-    for image, side in zip(stage.image_points(arrays, slice(5, 6))[:4, 0, :2], stage.MIRRORS, strict=True):
+    for image, side in zip(stage.drawn_particle_points(arrays, slice(5, 6))[:4, 0, :2], stage.MIRRORS, strict=True):
         assert (np.sign(image - middle) == side).all()
         assert np.flatnonzero(stage.particles_in(tuple(image - 1e-4), tuple(image + 1e-4), arrays)).tolist() == [5]
         ends = np.sort([middle, middle + side * far], axis=0)
@@ -88,7 +88,7 @@ def assert_shades(ticks, logarithmic, row_of):
     assert len(ticks) > 3 and ticks[0][0] == 0 and ticks[-1][0] == 1
     unit = "" if logarithmic else ticks[-1][1].split()[1]
     for at, text in ticks:
-        value = 0.0 if text == ZERO else words.size_in(text if text.endswith("m") else f"{text} {unit}", "m")
+        value = 0.0 if text == ZERO else words.parse_size(text if text.endswith("m") else f"{text} {unit}", "m")
         assert abs(row_of(value) - 255 * at) <= 1 + logarithmic
 
 

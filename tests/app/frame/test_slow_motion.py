@@ -9,7 +9,7 @@ import pytest
 from app.frame.slow_motion.stage import NUMBERS, averaged_hat
 from app.frame.slow_motion.step_phases import PHASES, format_scaled
 from app.problems.views import VIEWS
-from app.renderers.viewer_renderer import Lettering, ViewerSurface
+from app.renderers.viewer_renderer import LabelLayer, ViewerSurface
 from app.words import PREFIXES
 from solvers.engine.engine_messages import Pace, SessionRequest
 from solvers.engine.shared_frames import FrameOptions
@@ -76,7 +76,7 @@ def test_the_parts_of_a_step_add_up(name):
         L, F = np.einsum("nd,ne->de", a.velocity, dS[0]), carried.deformation_gradient[0]
         if name == "bar mended":
             continue
-        assert close(a.left_over, 0.0, np.abs(carried.velocity).max())
+        assert close(a.velocity_change_by_remedies, 0.0, np.abs(carried.velocity).max())
         if name == "bar pieces":
             continue
         assert close(F + dt * (L if scene.frozen else L @ F), a.after.deformation_gradient[0], 1.0)
@@ -85,7 +85,7 @@ def test_the_parts_of_a_step_add_up(name):
 def test_what_remedies_add_is_said():
     """With the filter, the new velocity is not of the nodes alone, and the rest is reported."""
     solver = build(SCENES["bar mended"])
-    rest = [np.abs(solver.break_down(5)[1].left_over).max() for _ in range(40)]
+    rest = [np.abs(solver.break_down(5)[1].velocity_change_by_remedies).max() for _ in range(40)]
     assert max(rest) > 1e3 * ROUND_OFF
 
 
@@ -164,27 +164,28 @@ def test_the_drawn_shape_function_is_that_of_the_solver():
 @pytest.mark.parametrize("name", ["bar ugimp", "ring cpdi"])
 def test_words_stay_on_a_small_stage(name):
     """A narrower window has shorter lines; words that were there are broken anew when the window changes."""
-    lettering = Lettering(GUI)
-    stage = VIEWS[SCENES[name].problem].slow(ViewerSurface(SimpleNamespace(scene=RecordingScene()), lettering, "/slow"))
+    lettering = LabelLayer(GUI)
+    stage = VIEWS[SCENES[name].problem].slow_motion_stage(ViewerSurface(SimpleNamespace(scene=RecordingScene()),
+                                                                        lettering, "/slow"))
     solver = build(SCENES[name])
     solver.advance(40)
     _, breakdown = solver.break_down(7)
     longest = []
     for width in (773.0, 390.0):
-        lettering.fit(width, 340.0, 0.0)
+        lettering.set_pixel_layout(width, 340.0, 0.0)
         for phase in range(len(PHASES)):
             stage.draw(SCENES[name], breakdown, phase, 1.0)
-            lines = [line for _, label in lettering.visible for line in label.text.split("\n")]
-            assert max(map(len, lines)) <= stage.width
-        longest.append(stage.width)
+            lines = [line for _, label in lettering.visible_labels for line in label.text.split("\n")]
+            assert max(map(len, lines)) <= stage.letters_per_caption_line
+        longest.append(stage.letters_per_caption_line)
     assert longest[1] < 0.65 * longest[0]
 
 
 @pytest.mark.parametrize("name", ["bar ugimp", "ring cpdi", "vortex cpdi"])
 def test_numbers_lie_neither_over_the_particle_in_front_nor_over_each_other(name):
     scene = replace(SCENES[name], cells=16 if name == "vortex cpdi" else 12)
-    drawn, lettering = RecordingScene(), Lettering(GUI)
-    stage = VIEWS[scene.problem].slow(ViewerSurface(SimpleNamespace(scene=drawn), lettering, "/slow"))
+    drawn, lettering = RecordingScene(), LabelLayer(GUI)
+    stage = VIEWS[scene.problem].slow_motion_stage(ViewerSurface(SimpleNamespace(scene=drawn), lettering, "/slow"))
     solver = build(scene)
     solver.advance(40)
     sides = {"bottom-center": (0, 1), "top-center": (0, -1), "center-left": (1, 0), "center-right": (-1, 0)}
@@ -193,9 +194,9 @@ def test_numbers_lie_neither_over_the_particle_in_front_nor_over_each_other(name
         for phase in range(len(PHASES)):
             stage.draw(scene, breakdown, phase, 1.0)
             front = drawn.made["dots2"].points[-1, :2]
-            numbers = [label for _, label in lettering.visible if label.anchor in sides]
+            numbers = [label for _, label in lettering.visible_labels if label.anchor in sides]
             assert len(numbers) == len(breakdown.nodes)
-            halves = [0.5 * stage.sheet.bounds.extent(label.text, NUMBERS) for label in numbers]
+            halves = [0.5 * stage.sheet.stage_metrics.text_extent(label.text, NUMBERS) for label in numbers]
             middles = [np.array((label.x, label.y)) + half * sides[label.anchor]
                        for label, half in zip(numbers, halves, strict=True)]
             for k, (half, middle) in enumerate(zip(halves, middles, strict=True)):

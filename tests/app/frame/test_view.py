@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from app import words
-from app.frame.captions import ESTIMATE_OFF, NONE_CHOSEN, OFF, TRUTH_OFF, UNKNOWN, view_of_frame
+from app.frame.captions import ESTIMATE_OFF, NONE_CHOSEN, OFF, TRUTH_OFF, UNKNOWN, frame_error_view
 from app.frame.colour_scale import DECADES, MOST_TICKS, ColourScale
 from app.frame.stage import Stage
 from app.page.panels.readout import _percent, live_readout
@@ -51,7 +51,7 @@ SIGNED, TRUE = np.linspace(-1, 1, 20), np.linspace(1, -1, 20)
 
 
 def view_of(scene=BAR, estimator="transport", difference=False, quantity="x", not_valid=None):
-    return view_of_frame(report_of(scene, not_valid), arrays_of(SIGNED, TRUE), quantity, estimator, difference)
+    return frame_error_view(report_of(scene, not_valid), arrays_of(SIGNED, TRUE), quantity, estimator, difference)
 
 
 @pytest.mark.parametrize(("difference", "title", "times"), [(False, "Estimate", 1), (True, "Estimate − truth", 2)])
@@ -146,7 +146,7 @@ def test_scale_is_used_and_its_numbers_are_round(logarithmic):
         size = scale.top / float(ticks[-1][1].split()[0])  # what the numbers without a unit are counted in
         for at, text in ticks[not logarithmic:-1]:
             exact = scale.top * 10 ** (DECADES * (at - 1)) if logarithmic else scale.top * at
-            shown = words.size_in(text, "m") if logarithmic else size * float(text)
+            shown = words.parse_size(text, "m") if logarithmic else size * float(text)
             assert shown == pytest.approx(exact, rel=1e-9)  # nothing was rounded away
             assert len(f"{float(text.split()[0]):.12e}".split("e")[0].rstrip("0")) <= 4  # 2.25 at most
         assert logarithmic or ticks[0] == (0.0, "0, exact")
@@ -221,20 +221,20 @@ def test_every_problem_is_shown(problem):
     view, scene, first = VIEWS[problem], PROBLEMS[problem].scene(periods=1), first_scene(problem)
     assert not first.warnings() and not first.not_valid and ESTIMATORS[first.estimators[0]].judges
     for field in ("cells", "ppc", "amplitude", "modulus"):
-        low, high, *_ = getattr(view.reach, field)
+        low, high, *_ = getattr(view.slider_ranges, field)
         assert low <= getattr(scene, field) <= high
-    assert view.reach.speed[0] <= view.speed <= view.reach.speed[1]
+    assert view.slider_ranges.speed[0] <= view.speed <= view.slider_ranges.speed[1]
     for field in view.details:
         value, names = getattr(scene, field), words.choice_labels(type(scene), field)
         assert value in names if scene.choices(field) else isinstance(value, bool)
-    assert issubclass(view.stage, Stage) and callable(view.draw)
+    assert issubclass(view.stage, Stage) and callable(view.draw_picture)
 
 
 def test_regions_of_the_bar():
     regions = BAR_VIEW.regions(PLACES)
     assert len(regions.names) == LENGTHS and regions.names[4] == "X = 0.20–0.25 m"
     np.testing.assert_array_equal(regions.number, np.arange(20))
-    np.testing.assert_allclose(regions.errors(SIGNED), np.abs(SIGNED))
+    np.testing.assert_allclose(regions.rms_errors(SIGNED), np.abs(SIGNED))
 
 
 @pytest.mark.parametrize("scene, count, least", [(RingScene(cells=36), 18, 0.8), (VortexScene(cells=24), 40, 0.6)],
@@ -268,12 +268,12 @@ def test_worst_places_by_estimate_and_by_truth():
     places, estimate, error = WorstRegions(), np.full(20, 0.1), np.full(20, 0.2)
     estimate[3], error[7] = 1.0, -2.0
     arrays, report = arrays_of(estimate, error), report_of(BAR)
-    places.find(report, arrays, view_of_frame(report, arrays, "x", "transport", False), "x")
+    places.find(report, arrays, frame_error_view(report, arrays, "x", "transport", False), "x")
     assert (places.by_estimate.name, places.by_truth.name) == ("X = 0.15–0.20 m", "X = 0.35–0.40 m")
     assert (places.by_estimate.estimated, places.by_estimate.true) == (1.0, 0.2)
     assert (places.by_truth.estimated, places.by_truth.true) == (0.1, 2.0)
     report = report_of(replace(BAR, body_force="two-tone"))
-    places.find(report, arrays, view_of_frame(report, arrays, "x", "transport", False), "x")
+    places.find(report, arrays, frame_error_view(report, arrays, "x", "transport", False), "x")
     assert places.by_truth is None and places.by_estimate.true is None
 
 

@@ -12,7 +12,7 @@ from app import words
 from app.frame import budget_chart, captions, headline
 from app.frame.slow_motion.step_phases import PHASES
 from app.language.translation import tr, use_language
-from app.problems.suggestion import NotNow
+from app.problems.suggestion import SuggestionNotApplicable
 from app.problems.views import VIEWS
 from app.state import State
 from solvers.problems import PROBLEMS
@@ -48,16 +48,18 @@ def test_what_is_said_of_a_run_and_its_errors(problem):
     kind, stage = PROBLEMS[problem].scene, VIEWS[problem].stage
     with use_language(CODE):
         for scene in scenes(kind):
-            assert not outside(f"{words.difference_text(scene, kind())} {words.motion_text(scene)} {stage.note(scene)}")
+            assert not outside(
+                f"{words.difference_text(scene, kind())} {words.motion_text(scene)} {stage.scale_note(scene)}"
+            )
             for quantity in words.QUANTITIES:
                 for estimator in (None, *kind.ESTIMATORS):
                     no_truth = captions.why_no_truth(scene, quantity)
                     no_estimate = captions.why_no_estimate(scene, scene.not_valid, estimator, quantity)
                     told = astuple(captions.make_captions(quantity, estimator, estimator is None, no_estimate,
                                                           no_truth))
-                    said = headline.error_words(scene, quantity, estimator, no_estimate, no_truth)
-                    plot = captions.field_words(scene, stage.PLOT.component, quantity)
-                    run = headline.format_errors(said, "m", 0.2, 0.1, 0.5, tr(headline.SO_FAR))
+                    said = headline.error_headline_templates(scene, quantity, estimator, no_estimate, no_truth)
+                    plot = captions.field_plot_caption(scene, stage.PLOT.component, quantity)
+                    run = headline.format_error_headline(said, "m", 0.2, 0.1, 0.5, tr(headline.SO_FAR))
                     assert not outside(f"{told} {plot} {captions.add_unknown_count(plot.remark, 3)} {run}")
 
 
@@ -67,7 +69,7 @@ def test_what_a_problem_says_of_itself_and_asks(problem):
     with use_language(CODE):
         said = [*view.regions(np.ones((1, kind.DIMENSIONS))).names, *map(tr, view.details.values()),
                 tr(view.amplitude_hint), tr(view.modulus_hint), tr(view.division), tr(view.stage.HALVES),
-                captions.marks_note(view.stage.MARKED, 3), *words.choice_labels(kind, "body_force").values()]
+                captions.crossing_marks_legend(view.stage.MARKED, 3), *words.choice_labels(kind, "body_force").values()]
         for scene in scenes(kind):
             state = State(scene)
             for spark in view.suggestions(state):
@@ -75,7 +77,7 @@ def test_what_a_problem_says_of_itself_and_asks(problem):
                 try:
                     offer = spark.offer(state)
                     said += [offer.title, offer.hint]
-                except NotNow as reason:
+                except SuggestionNotApplicable as reason:
                     said.append(str(reason))
                 for ratio in (0.25, 0.5, 2.0, np.nan):
                     ran = SimpleNamespace(ratio=ratio, series={}, pinned={}, noun=tr("stress"), state=state,

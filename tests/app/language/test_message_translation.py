@@ -8,15 +8,15 @@ import pytest
 
 from app.frame.captions import why_no_estimate
 from app.language.translation import translate_message, use_language
-from app.words import on_page, short_reason
+from app.words import reword_for_page, short_reason
 from solvers import BarScene, RingScene, SquareScene, VortexScene
-from solvers.message import Message, join
 from solvers.problems import PROBLEMS
 from solvers.scene.effects import EFFECTS
 from solvers.scene.scene import Scene
 from solvers.scene.validation import SceneError
 from solvers.solver.base import Solver
 from solvers.solver.soundness import CONTRADICTIONS, NOUNS, Finding
+from solvers.translatable_message import Message, join_messages
 from solvers.untrusted.quoting import FileError
 
 #: Words of English that no German sentence has; names of flags and estimators are the same in both.
@@ -52,7 +52,7 @@ def test_a_refusal_is_heard_as_a_whole(kind: type[Scene], inputs: dict):
     with pytest.raises(SceneError) as refused:
         kind(**inputs)
     with use_language("de"):
-        said = on_page(str(refused.value))
+        said = reword_for_page(str(refused.value))
     assert not ENGLISH.search(said), said
     assert translate_message(str(refused.value)) == str(refused.value)
 
@@ -63,7 +63,7 @@ def test_of_any_scene_warnings_and_estimators_that_do_not_hold_are_heard(problem
     found = {sentence for seed in range(150) for sentence in said_of(problem, random.Random(seed))}
     assert len(found) > 10
     with use_language("de"):
-        assert not [said for said in map(on_page, found) if ENGLISH.search(said)]
+        assert not [said for said in map(reword_for_page, found) if ENGLISH.search(said)]
 
 
 @pytest.mark.parametrize("rule", CONTRADICTIONS.values(), ids=CONTRADICTIONS)
@@ -75,7 +75,7 @@ def test_why_a_run_is_lost_is_heard_with_all_its_parts(rule, scene):
     finding = Finding(0.34, Message(rule.sentence, size="0.21"), 0.21, 5)
     sentence = Solver.loss_sentence(solver, finding)  # type: ignore[arg-type]
     with use_language("de"):
-        said = on_page(sentence)
+        said = reword_for_page(sentence)
     assert "Partikel 5 (X = 0.1250, 0.3000)" in said
     assert not ENGLISH.search(said), said
     assert not re.search(r"--|null-space|coupled", said)
@@ -86,7 +86,8 @@ def test_what_stands_in_a_sentence_is_heard_too_and_names_stay():
         error = FileError("f.csv", "has no names in its first line; begin with a line such as id,x,vx")
         assert translate_message(Message("The file {name} {sentence}", name="f.csv", sentence=error.sentence)) \
             == "Die Datei f.csv hat keine Namen in ihrer ersten Zeile; fang mit einer Zeile wie id,x,vx an"
-        assert translate_message(join(" and ", NOUNS.values())) == "Geschwindigkeit und Spannung und Beschleunigung"
+        assert translate_message(join_messages(" and ",
+                                               NOUNS.values())) == "Geschwindigkeit und Spannung und Beschleunigung"
 
 
 @pytest.mark.parametrize("sentence", ["", "nobody knows this", "so: is this; and, this (too)", "{} {name}", "x" * 5000])

@@ -84,10 +84,10 @@ def test_a_file_has_its_translation_beside_it_or_stands_for_itself(tmp_path):
 
 
 def test_scripts_get_their_own_words(other):
-    assert translation.load_catalogue(other).of_files("app/page/web/js/") == WORDS
+    assert translation.load_catalogue(other).translations_for_files("app/page/web/js/") == WORDS
     assert (
-        translation.load_catalogue(other).of_files("app/export/")
-        == translation.load_catalogue("en").of_files("app/")
+        translation.load_catalogue(other).translations_for_files("app/export/")
+        == translation.load_catalogue("en").translations_for_files("app/")
         == {}
     )
 
@@ -103,6 +103,11 @@ def test_the_address_goes_first_then_what_the_browser_likes_best(query, accepted
 
 
 def test_a_cookie_tells_the_websocket_and_one_of_nobodys_tells_nothing():
-    assert translation.of_cookie([f"mpm-lab-8080=x; {translation.as_cookie('de').partition(';')[0]}"]) == "de"
+    assert (
+        translation.language_from_cookies(
+            [f"mpm-lab-8080=x; {translation.language_cookie_header('de').partition(';')[0]}"]
+        )
+        == "de"
+    )
     for cookies in ([], ["mpm-lab-language=klingon"], ["mpm-lab-language"]):
-        assert translation.of_cookie(cookies) == "en"
+        assert translation.language_from_cookies(cookies) == "en"

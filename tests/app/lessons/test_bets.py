@@ -9,13 +9,13 @@ import pytest
 
 from app import state
 from app.lessons import catalogue
-from app.lessons.answer_check import bets_shown, right_answer
-from app.lessons.bet_chart import draw_bets
-from app.lessons.claims import ClaimError, check_claim, decide
+from app.lessons.answer_check import bettors_of_step, right_answer
+from app.lessons.bet_chart import make_bet_chart
+from app.lessons.claims import ClaimError, check_claim, decide_claim
 from app.lessons.interval_bets import BY_ROUND, JUDGES, YOURS, Bet, Bettor, interval_score
 from app.lessons.lesson import LessonError
 from app.lessons.lesson_parser import parse_lesson
-from app.lessons.lesson_runs import RunCache, work
+from app.lessons.lesson_runs import RunCache, run_in_worker
 from solvers.study.coverage.random_runs import RandomRun
 
 HEAD = """+++
@@ -57,10 +57,10 @@ def lesson_of(**bettors):
 class Here(RunCache):
     """Runs in this process, which others would take seconds to start for."""
 
-    def _run(self, text, judged=False):
+    def _submit_run(self, text, judged=False):
         if (text, judged) not in self._runs:
             self._runs[text, judged] = Future()
-            work({"scene": text, "politeness": 0, "judged": judged}, self._runs[text, judged].set_result)
+            run_in_worker({"scene": text, "politeness": 0, "judged": judged}, self._runs[text, judged].set_result)
         return self._runs[text, judged]
 
 
@@ -96,15 +96,15 @@ def test_nobody_scores_less_than_by_what_he_thinks(level):
 def test_bets_are_drawn_as_multiples_of_the_truth():
     """Factors of ten are equally wide; what goes on beyond ten thousand is cut."""
     yours = Bettor(YOURS, (Bet(1, 100, 10), Bet(20, 30, 10)))
-    picture = draw_bets([yours, Bettor("GCI", (Bet(9.99, 10.01, 10), None))])
+    picture = make_bet_chart([yours, Bettor("GCI", (Bet(9.99, 10.01, 10), None))])
     own, gci = picture.bettors
     assert picture.reach == 1 and [text for _, text in picture.ticks] == ["÷ 10", "truth", "× 10"]
     assert own.lines[0] == (0, 100, True)
     assert own.lines[1][:2] == pytest.approx((50 + 50 * np.log10(2), 50 + 50 * np.log10(3)))
     assert own.result == "1 of 2 contain the truth, mean score 2.59" and (own.name, own.own) == ("Your bets", True)
     assert gci.result == "1 of 1 contain the truth, 1 without a bet, mean score 0.00" and gci.lines[1] is None
-    assert draw_bets([Bettor(YOURS, (Bet(1e-12, 1e12, 1),))]).bettors[0].lines == ((0, 100, True),)
-    assert draw_bets([Bettor("transport", (None,))]).bettors[0].result == "does not bet on these"
+    assert make_bet_chart([Bettor(YOURS, (Bet(1e-12, 1e12, 1),))]).bettors[0].lines == ((0, 100, True),)
+    assert make_bet_chart([Bettor("transport", (None,))]).bettors[0].result == "does not bet on these"
 
 
 def test_bets_are_laid_beside_those_of_judges():
@@ -113,17 +113,17 @@ def test_bets_are_laid_beside_those_of_judges():
     with closing(Here()) as outcomes:
         truths = [outcomes.result(lesson.runs[name].texts[0])["error"]["x"]["final"] for name in ("first", "second")]
         given = {"bet-first": [truths[0] / 2, truths[0] * 2], "bet-second": [truths[1] * 2, truths[1] * 3]}
-        [yours] = bets_shown(lesson, lesson.steps[2], given, {}, outcomes)
+        [yours] = bettors_of_step(lesson, lesson.steps[2], given, {}, outcomes)
         assert yours == Bettor(YOURS, (Bet(truths[0] / 2, truths[0] * 2, truths[0]),))
-        one, two, companion, *others = bets_shown(lesson, lesson.steps[-1], given, {}, outcomes)
-        assert [(bettor.round, bettor.hits, len(bettor.placed)) for bettor in (one, two)] == [(1, 1, 1), (2, 0, 1)]
+        one, two, companion, *others = bettors_of_step(lesson, lesson.steps[-1], given, {}, outcomes)
+        assert [(bettor.round, bettor.hits, len(bettor.placed_bets)) for bettor in (one, two)] == [(1, 1, 1), (2, 0, 1)]
         assert companion.score < 0.01  # it may miss by as little: the grids are coarser than any that was drawn
-        assert [bettor.name for bettor in others] == [*JUDGES[1:]] and others[-1].placed
-        assert bets_shown(lesson, lesson.steps[-1], {}, {}, outcomes) == []
+        assert [bettor.name for bettor in others] == [*JUDGES[1:]] and others[-1].placed_bets
+        assert bettors_of_step(lesson, lesson.steps[-1], {}, {}, outcomes) == []
         scope = outcomes.scope(lesson, lesson.steps[-1], {}, ["first.bet.companion.x.score"])
         said = scope.outcomes["first"].results[0]["bet"]["companion"]["x"]
         assert said["low"] <= truths[0] * (1 + 1e-3) and said["score"] == pytest.approx(companion.bets[0].score)
-        assert decide("first.bet.companion.x.score < 0.01", scope).holds
+        assert decide_claim("first.bet.companion.x.score < 0.01", scope).holds
         below = parse_lesson(HEAD + BET.format(name="z", expected="-1 * first.error.x.final") + ROUND.format(
             name="first", cells=8, bettors=YOURS), "99-below")
         with pytest.raises(ClaimError, match="intervals are bets on a size; ask for one above 0"):

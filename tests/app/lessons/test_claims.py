@@ -2,7 +2,15 @@
 
 import pytest
 
-from app.lessons.claims import ClaimError, Outcome, Scope, check_claim, decide, evaluate, runs_needed
+from app.lessons.claims import (
+    ClaimError,
+    ClaimScope,
+    RunOutcome,
+    check_claim,
+    decide_claim,
+    evaluate_expression,
+    runs_needed,
+)
 
 FINE = {"scene": {"estimator": ["recovered"], "cells": 40, "amplitude": 0.1}, "not_valid": {}, "status": "ok",
         "error": {"x": {"final": 1e-4, "max": 2e-4, "mean": None}}, "index": {"x": 0.98}, "grid_crossings": 12,
@@ -11,7 +19,8 @@ FINE = {"scene": {"estimator": ["recovered"], "cells": 40, "amplitude": 0.1}, "n
 COARSE = {**FINE, "scene": {**FINE["scene"], "cells": 20}, "error": {"x": {"final": 4e-4, "max": 8e-4, "mean": 1e-4}}}
 LOST = {**FINE, "status": "lost", "scene": {"estimator": ["recovered", "transport"]},
         "not_valid": {"transport": "not valid here"}, "index": {"recovered": {"x": 1.1}, "transport": {"x": None}}}
-SCOPE = Scope({"fine": Outcome([FINE]), "grids": Outcome([COARSE, FINE], "cells"), "gone": Outcome([LOST])}, "fine")
+SCOPE = ClaimScope({"fine": RunOutcome([FINE]), "grids": RunOutcome([COARSE, FINE], "cells"),
+                    "gone": RunOutcome([LOST])}, "fine")
 
 
 @pytest.mark.parametrize("claim, holds", [
@@ -29,7 +38,7 @@ SCOPE = Scope({"fine": Outcome([FINE]), "grids": Outcome([COARSE, FINE], "cells"
     ("grid_crossings == 12", True)])
 def test_a_claim_is_judged(claim, holds):
     check_claim(claim, SCOPE.outcomes, SCOPE.main)
-    assert decide(claim, SCOPE).holds is holds
+    assert decide_claim(claim, SCOPE).holds is holds
 
 
 @pytest.mark.parametrize("claim, said", [
@@ -55,7 +64,7 @@ def test_what_claims_nothing_is_told(claim, said):
     ("error.x.max / 0", "has no value")])
 def test_what_has_no_value_is_told(text, said):
     with pytest.raises(ClaimError) as told:
-        evaluate(text, SCOPE)
+        evaluate_expression(text, SCOPE)
     assert said in str(told.value)
 
 

@@ -48,13 +48,13 @@ class NoRuns:
 
 def wrong(text: str, lessons=LESSONS) -> list[str]:
     """Of a page, the checks that fail."""
-    found = list(class_plans.check_class_page(class_plans.parse_class_page(text, "morning"), lessons, NoRuns()))
+    found = list(class_plans.check_class_plan(class_plans.parse_class_plan(text, "morning"), lessons, NoRuns()))
     assert len(found) == 4
     return [str(check) for check in found if not check.holds]
 
 
 def test_a_page_is_read_and_holds():
-    found = class_plans.parse_class_page(TEXT, "morning")
+    found = class_plans.parse_class_plan(TEXT, "morning")
     rows = [(row.start, row.minutes, row.lesson) for row in found.sessions["Morning"]]
     assert rows == [(0, 10, ""), (10, 30, "01-one")]
     assert [claim.text for step in found.claims.steps for claim in step.claims] == ["1 + 1 == 2"]
@@ -88,7 +88,7 @@ def test_a_core_gets_its_time_and_a_little_more(least, fits):
 def test_a_mistake_is_told_with_its_line(old, new, where, said):
     text = TEXT.replace(old, new, 1)
     with pytest.raises(LessonError) as mistake:
-        class_plans.parse_class_page(text, "morning")
+        class_plans.parse_class_plan(text, "morning")
     assert said in mistake.value.sentence
     assert mistake.value.line == text[:text.index(where)].count("\n") + 1
 
@@ -106,8 +106,8 @@ def test_checks_find_pages_by_name_and_all_where_none_is_given(tmp_path, monkeyp
 
 
 def test_there_are_pages_for_one_class_and_for_a_course_of_all_lessons():
-    assert class_plans.class_page_names() == ["ninety-minutes", "three-sessions"]
-    one, course = map(class_plans.load_class_page, class_plans.class_page_names())
+    assert class_plans.class_plan_names() == ["ninety-minutes", "three-sessions"]
+    one, course = map(class_plans.load_class_plan, class_plans.class_plan_names())
     assert one.minutes == course.minutes == 90 and (len(one.sessions), len(course.sessions)) == (1, 3)
     taken = [[row.lesson for rows in page.sessions.values() for row in rows if row.lesson] for page in (one, course)]
     assert len(taken[0]) == 3

@@ -23,8 +23,8 @@ from app.lessons.lesson import (
     draw_numbers,
 )
 from app.lessons.lesson_parser import parse_lesson
-from app.lessons.rounds import split_rounds
-from app.lessons.student_progress import Progress, parse_progress
+from app.lessons.prediction_rounds import split_rounds
+from app.lessons.student_progress import StudentProgress, parse_progress
 from tests.app.lessons.test_lesson_format import TEXT as ROUND
 
 DEEPER = """
@@ -60,7 +60,7 @@ def test_a_round_is_of_the_core_as_its_first_step_says(two):
     assert two.extra == two.steps[4:]
     assert two.steps_to_take(core=True) == two.steps[:4] and two.steps_to_take(core=False) == two.steps
     plain = parse_lesson(ROUND + DEEPER, "plain")
-    assert plain.extra == () and plain.steps_to_take(core=True) == plain.steps
+    assert plain.optional_steps == () and plain.steps_to_take(core=True) == plain.steps
     assert [step.key for step in two.steps] == [step.key for step in plain.steps]  # a mark is not part of the title
 
 
@@ -74,7 +74,7 @@ def test_the_core_needs_no_run_of_a_deeper_step(old, new, where):
 
 
 def test_a_deeper_step_may_need_a_run_of_the_core():
-    assert parse_lesson(TWO.replace("fine.error.x.final", "first(grids.error.x.final)"), "two").extra
+    assert parse_lesson(TWO.replace("fine.error.x.final", "first(grids.error.x.final)"), "two").optional_steps
 
 
 def test_who_takes_the_core_goes_past_what_is_deeper(two):
@@ -105,12 +105,12 @@ def step(kind: str = RUN, text: str = "", **more) -> Step:
 def test_what_a_step_takes(text, stage, seconds):
     """Beyond turning the page. A word is a third of a second."""
     found = step(text=text, stage=stage)
-    assert duration.round_seconds((found,), lesson(found)) - duration.TURN_SECONDS == pytest.approx(seconds)
+    assert duration.seconds_of_rounds((found,), lesson(found)) - duration.TURN_SECONDS == pytest.approx(seconds)
 
 
 def test_a_run_that_is_only_offered_is_not_counted():
     found = step(EXPLAIN, stage=PLAYS)
-    assert duration.round_seconds((found,), lesson(found)) == duration.TURN_SECONDS
+    assert duration.seconds_of_rounds((found,), lesson(found)) == duration.TURN_SECONDS
 
 
 def test_thinking_takes_longer_than_telling_and_what_is_compared_counts():
@@ -118,7 +118,7 @@ def test_thinking_takes_longer_than_telling_and_what_is_compared_counts():
     predict, observe, explain = step(PREDICT, question=asked), step(OBSERVE, question=asked), step(EXPLAIN)
 
     def seconds(*steps):
-        spent = duration.round_seconds(steps, lesson(*steps))
+        spent = duration.seconds_of_rounds(steps, lesson(*steps))
         return spent - len(steps) * duration.TURN_SECONDS - len(steps[:2]) * 4 / 3
 
     assert seconds(predict, predict) == pytest.approx(120) and seconds(observe, observe) == pytest.approx(60)
@@ -141,7 +141,7 @@ def test_the_core_of_our_lessons_is_some_twenty_minutes_and_stands_by_itself(nam
     found = catalogue.load_lesson(name)
     assert 15 <= found.core_minutes <= 25 and found.core_minutes <= found.minutes
     core = "\n".join((found.intro, *(f"{step.title}\n{step.text}" for step in found.steps_to_take(core=True))))
-    assert not any(step.title in core for step in found.extra if len(step.title) > 20)
+    assert not any(step.title in core for step in found.optional_steps if len(step.title) > 20)
     assert not re.search(r"\b(last|first|second|third|fourth) (round|part) of this lesson|deeper", core)
     notes = "\n".join((found.notes, *(step.notes for step in found.steps)))
     assert not re.search(r"\b(\d+|ten|twenty) min(utes)?\b", notes)
@@ -158,12 +158,12 @@ def test_which_is_told_by_the_list(capsys):
 
 def test_whether_the_core_is_taken_is_kept_and_an_older_file_still_reads(two):
     find = {"two": two}.get
-    assert parse_progress(Progress("two", two.fingerprint, core=True).text(), find).core is True
-    old = Progress("two", two.fingerprint, core=True).text().replace(', "core": true', "")
+    assert parse_progress(StudentProgress("two", two.fingerprint, core=True).text(), find).core is True
+    old = StudentProgress("two", two.fingerprint, core=True).text().replace(', "core": true', "")
     assert '"core"' not in old and parse_progress(old, find).core is False
     assert parse_progress(old.replace('"step"', '"core": "yes", "step"'), find).core is False
     whole = parse_lesson(ROUND, "whole")  # where nothing is deeper there is nothing to skip
-    assert parse_progress(Progress("whole", "", core=True).text(), {"whole": whole}.get).core is False
+    assert parse_progress(StudentProgress("whole", "", core=True).text(), {"whole": whole}.get).core is False
 
 
 class NoRuns:
@@ -174,7 +174,7 @@ def test_of_the_core_alone_its_questions_count(two):
     """Answered or not; what was answered beyond them is neither marked nor in the table."""
     said = Step(OBSERVE, "", "said", 1, question=Question(TEXT, 1))
     asked = replace(two, steps=(said, replace(said, key="more", core=False), *two.steps[4:]))
-    progress = Progress("two", two.fingerprint, "Ada", core=True)
+    progress = StudentProgress("two", two.fingerprint, "Ada", core=True)
     for key in ("said", "more"):
         progress.record(key, "words", 1.0)
     core, every = (grading.grade_file("file", progress, asked, NoRuns(), core) for core in (True, False))
@@ -186,9 +186,9 @@ def test_of_the_core_alone_its_questions_count(two):
 
 def test_the_guide_says_what_is_deeper_or_leaves_it_out(monkeypatch, capsys):
     """Of lesson 6, which has two deeper rounds; the right answers are not run here."""
-    monkeypatch.setattr("app.lessons.teacher_guide._answer", lambda *_: "42")
+    monkeypatch.setattr("app.lessons.teacher_guide._right_answer_text", lambda *_: "42")
     found = catalogue.load_lesson("06-ring")
-    title = found.extra[0].title
+    title = found.optional_steps[0].title
     assert main(["lesson", "guide", "6", "--quiet"]) == 0
     text = capsys.readouterr().out
     assert title in text and text.count("*Deeper: this round is not part of the core and takes") == 2

@@ -15,7 +15,7 @@ from app.lessons.answer_check import format_answer, mark_answer, why_invalid
 from app.lessons.lesson import draw_numbers, fill_numbers
 from app.lessons.lesson_parser import parse_lesson
 from app.lessons.lesson_runs import RunCache
-from app.lessons.student_progress import NotAnswers, Progress, parse_progress
+from app.lessons.student_progress import InvalidProgress, StudentProgress, parse_progress
 from tests.app.lessons.test_lesson_format import TEXT, use_folder
 
 SAVED = TEXT + """
@@ -59,8 +59,8 @@ def outcomes():
     found.close()
 
 
-def answers(lesson, name="Ada", **given) -> Progress:
-    progress = Progress(lesson.name, lesson.fingerprint, name)
+def answers(lesson, name="Ada", **given) -> StudentProgress:
+    progress = StudentProgress(lesson.name, lesson.fingerprint, name)
     for key, value in given.items():
         progress.record(key.replace("_", "-"), value, 1.5)
     return progress
@@ -146,7 +146,7 @@ def test_grade_makes_one_table(shelf_of_one, outcomes, tmp_path, capfd):
     (json.dumps({**EMPTY, "schema": "x"}), "another version"), (json.dumps(EMPTY), "a lesson that is not here"),
     (json.dumps({**EMPTY, "lesson": 3}), "lesson is of the wrong kind")])
 def test_a_file_of_something_else_is_told(text, said, tmp_path, capfd):
-    with pytest.raises(NotAnswers, match=said):
+    with pytest.raises(InvalidProgress, match=said):
         parse_progress(text, {}.get)
     (tmp_path / "file.json").write_text(text)
     assert main(["lesson", "grade", str(tmp_path / "file.json"), str(tmp_path / "none.json")]) == 1

@@ -6,7 +6,7 @@ import pytest
 
 from app import state
 from app.lessons import catalogue, class_plans
-from app.lessons.catalogue import FOLDER, UnknownLesson, lesson_names, load_lessons, resolve_name
+from app.lessons.catalogue import FOLDER, UnknownLesson, lesson_names, load_lessons, resolve_lesson_name
 from app.lessons.lesson import EXPLAIN, LessonError, draw_numbers, fill_numbers
 from app.lessons.lesson_parser import parse_lesson, read_lesson
 from solvers.scene.estimator_registry import ESTIMATORS
@@ -63,10 +63,10 @@ Ask them.
 
 def use_folder(monkeypatch, folder):
     """Have all that reads lessons and pages for a class read those of this folder."""
-    for function in (catalogue.lesson_names, catalogue.resolve_name, catalogue.load_lesson, catalogue.load_lessons,
-                     catalogue.in_every_language):
+    for function in (catalogue.lesson_names, catalogue.resolve_lesson_name, catalogue.load_lesson,
+                     catalogue.load_lessons, catalogue.load_every_language):
         monkeypatch.setattr(function, "__defaults__", (folder,))
-    for function in (class_plans.class_page_names, class_plans.load_class_page):
+    for function in (class_plans.class_plan_names, class_plans.load_class_plan):
         monkeypatch.setattr(function, "__defaults__", (folder / "classes",))
 
 
@@ -142,14 +142,14 @@ def test_lessons_are_found_by_name_and_number():
     full = lesson_names()
     assert len(full) == len(load_lessons()) == 10
     assert (
-        resolve_name("4")
-        == resolve_name("04")
-        == resolve_name("grid-crossing")
-        == resolve_name("04-grid-crossing")
+        resolve_lesson_name("4")
+        == resolve_lesson_name("04")
+        == resolve_lesson_name("grid-crossing")
+        == resolve_lesson_name("04-grid-crossing")
         == full[3]
     )
     with pytest.raises(UnknownLesson, match="give one of 01-"):
-        resolve_name("99")
+        resolve_lesson_name("99")
 
 
 def test_prerequisites_and_pictures_of_our_lessons_are_there():

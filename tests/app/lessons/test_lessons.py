@@ -116,10 +116,10 @@ def test_every_claim_of_a_lesson_holds(name, outcomes):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", class_plans.class_page_names())
+@pytest.mark.parametrize("name", class_plans.class_plan_names())
 def test_every_claim_of_a_page_for_a_class_holds(name, outcomes):
     """Most of its runs are those of lessons."""
-    found = list(class_plans.check_class_page(class_plans.load_class_page(name), load_lessons(), outcomes))
+    found = list(class_plans.check_class_plan(class_plans.load_class_plan(name), load_lessons(), outcomes))
     assert [str(check) for check in found if not check.holds] == [] and len(found) > 20
 
 

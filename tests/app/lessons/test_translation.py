@@ -11,8 +11,8 @@ from app.lessons import catalogue
 from app.lessons.grading import grade_file
 from app.lessons.lesson import LessonError, draw_numbers
 from app.lessons.lesson_runs import RunCache
-from app.lessons.student_progress import Progress, parse_progress
-from app.page.features.lesson.step_html import head_html, intro_html, shelf_html, step_html
+from app.lessons.student_progress import StudentProgress, parse_progress
+from app.page.features.lesson.step_html import head_html, intro_html, lesson_list_html, step_html
 from tests.app.lessons.test_lesson_format import TEXT, use_folder
 
 GRID = "04-grid-crossing"
@@ -79,14 +79,17 @@ def test_a_translation_is_no_lesson_of_its_own(folder):
     with use_language("de"):
         assert catalogue.load_lessons(folder)["01-test"].title == "Ein Test"
     assert catalogue.load_lessons(folder)["01-test"].title == "A test"
-    assert [lesson.file_stem for lesson in catalogue.in_every_language("01-test", folder)] == ["01-test", "01-test.de"]
+    assert [lesson.file_stem for lesson in catalogue.load_every_language("01-test", folder)] == [
+        "01-test",
+        "01-test.de",
+    ]
 
 
 @pytest.mark.parametrize("written, graded_in", [("de", "en"), ("en", "de")])
 def test_what_is_handed_in_is_graded_in_any_language(written, graded_in):
     """By a question that needs no run."""
     lesson, key = in_language(GRID, written), "where-does-the-trouble-begin"
-    handed = Progress(lesson.name, lesson.fingerprint, "Ada")
+    handed = StudentProgress(lesson.name, lesson.fingerprint, "Ada")
     handed.record(key, 3.125, 1.0)
     with use_language(graded_in), closing(RunCache()) as outcomes:
         found = parse_progress(handed.text(), catalogue.load_lessons().get)
@@ -100,11 +103,13 @@ def test_a_lesson_that_is_in_english_only_says_so():
         own, other = (catalogue.load_lesson(name) for name in (GRID, "03-order"))
         assert "nur auf Englisch" in intro_html(other, other.variants[0], False)
         assert "nur auf Englisch" not in intro_html(own, own.variants[0], False)
-        assert " lang='en'>" in head_html(other, Progress("", "")) and "Einführung" in head_html(own, Progress("", ""))
-        assert shelf_html(catalogue.load_lessons()).count("lang='en'") == len(catalogue.lesson_names()) - len(
+        assert " lang='en'>" in head_html(other, StudentProgress("", "")) and "Einführung" in head_html(
+            own, StudentProgress("", "")
+        )
+        assert lesson_list_html(catalogue.load_lessons()).count("lang='en'") == len(catalogue.lesson_names()) - len(
             TRANSLATED
         )
-    assert "lang=" not in shelf_html(catalogue.load_lessons()) + intro_html(other, other.variants[0], False)
+    assert "lang=" not in lesson_list_html(catalogue.load_lessons()) + intro_html(other, other.variants[0], False)
 
 
 def test_what_a_text_tells_to_do_is_a_button_in_its_own_words():

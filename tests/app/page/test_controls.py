@@ -13,7 +13,7 @@ from app.page.visit.session import FIRST_SCENE
 from app.words import CHOICES
 from solvers.scene.effects import ALL
 from solvers.scene.estimator_registry import ESTIMATORS
-from solvers.scene.remedies import REMEDIES
+from solvers.scene.stabilisations import REMEDIES
 from tests.support import page_server
 from tests.support.processes import wait_until
 from tests.support.raw_client import RawClient

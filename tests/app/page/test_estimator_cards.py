@@ -46,7 +46,7 @@ def test_cards_say_what_the_run_has():
     assert set(cards["judges"]) == {"transport", "recovered"}
     index = history.series["transport/index_x"][-1]
     assert float(cards["judges"]["transport"]["index"]) == pytest.approx(index, abs=0.0051)
-    held, of = track_record.accurate_runs(scene, "transport")
+    held, of = track_record.accurate_run_counts(scene, "transport")
     trust = cards["judges"]["transport"]["trust"]
     assert trust == f"right within 10\N{NO-BREAK SPACE}% in {held} of {of} runs like this"
     assert cards["judges"]["recovered"] == {"says": "Not valid here: why"}

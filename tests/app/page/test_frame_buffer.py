@@ -6,14 +6,14 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from app.frame.captions import NOT_COMPARED, view_of_frame
-from app.frame.crossings import WINDOW
+from app.frame.captions import NOT_COMPARED, frame_error_view
+from app.frame.recent_crossings import WINDOW
 from app.page.features.upload.uploaded_run import UploadedRun
 from app.page.headline import frame_headline
 from app.page.panels.readout import live_readout
 from app.page.stage.worst_region import WorstRegions
-from app.page.visit.frame_buffer import MOST_BYTES, MOST_FRAMES, FrameBuffer, frame_bytes
 from app.page.visit.history import LAST_PERIODS, MOST_ROWS, DownsampledSeries, NormHistory, series_until
+from app.page.visit.recent_frames import MOST_BYTES, MOST_FRAMES, RecentFrames, frame_bytes
 from solvers.engine.shared_frames import FrameOptions, block_bytes, read_frame, write_frame
 from solvers.problems.bar.scene import BarScene
 from solvers.running.run import build
@@ -33,7 +33,7 @@ def frame(step, playing=True, fresh=False, particles=20, scene=BAR):
 
 def recent_of(steps, **last):
     """Frames of so many steps, the last of which stands still."""
-    recent = FrameBuffer()
+    recent = RecentFrames()
     for step in range(steps):
         recent.add(*frame(step, fresh=step == 0))
     recent.add(*frame(steps, playing=False, **last))
@@ -57,7 +57,7 @@ def test_the_last_frames_are_kept():
 
 def test_memory_is_bounded_and_large_frames_are_fewer():
     """And what is counted is all that a frame of the engine brings."""
-    recent, particles = FrameBuffer(), 200_000
+    recent, particles = RecentFrames(), 200_000
     held = frame_bytes(frame(0, particles=particles)[1])
     for step in range(20):
         recent.add(*frame(step, particles=particles, fresh=step == 0))
@@ -75,8 +75,8 @@ def engine_frame(solver):
 
 def test_looking_back_needs_a_pause_and_ends_when_the_run_moves_or_begins_anew():
     """A frame that only holds something else, of the same step, changes nothing but itself."""
-    recent = FrameBuffer()
-    assert recent.shown_frame is None and recent.reach == (0, 0.0)
+    recent = RecentFrames()
+    assert recent.shown_frame is None and recent.stored_frames_and_periods == (0, 0.0)
     for step in range(10):
         recent.add(*frame(step, fresh=step == 0))
     recent.go_back(3)
@@ -115,7 +115,7 @@ def test_numbers_are_those_of_the_frame():
     cut = then.index("<td>energy</td>")
     assert then[cut:] == now[now.index("<td>energy</td>"):]
     arrays = engine_frame(solver)
-    view = view_of_frame(report, arrays, "x", "transport", False)
+    view = frame_error_view(report, arrays, "x", "transport", False)
     said = [frame_headline(report, arrays, view, WorstRegions(), series, "x", "transport", ago)
             for series, ago in ((series_until(history.series, report.time), 0.0), (history.series, 0.314))]
     now, then = (str(one).partition(" the displacement is ") for one in said)
@@ -123,7 +123,7 @@ def test_numbers_are_those_of_the_frame():
 
 
 def test_a_frame_from_before_the_comparison_says_so():
-    view = view_of_frame(report_of(BAR), arrays_of(SIGNED, TRUE, differences=False), "x", "transport", True)
+    view = frame_error_view(report_of(BAR), arrays_of(SIGNED, TRUE, differences=False), "x", "transport", True)
     assert view.left.sizes is None and view.left.silence == NOT_COMPARED
 
 
@@ -144,7 +144,7 @@ def test_the_latest_periods_stay_fine_however_long_the_run():
     for few in np.split(steps, len(steps) // 8):
         history.add(np.pad(few[:, None], ((0, 0), (0, columns - 1))))
     assert np.diff(history.series["time"]).min() > 7.9 * scene.period / each
-    time = history.latest["time"]
+    time = history.latest_periods_series["time"]
     assert len(time) == pytest.approx(LAST_PERIODS * each, abs=1)
     assert time[-1] - time[0] <= LAST_PERIODS * scene.period * (1 + 1e-12)
 

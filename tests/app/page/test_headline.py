@@ -8,9 +8,9 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from app.frame.captions import NONE_CHOSEN, UNKNOWN, view_of_frame
-from app.frame.crossings import WINDOW
+from app.frame.captions import NONE_CHOSEN, UNKNOWN, frame_error_view
 from app.frame.headline import Headline
+from app.frame.recent_crossings import WINDOW
 from app.frame.stage import NOTHING
 from app.page.headline import SAY_SECONDS, WAITING, HeadlinePanel, compare_with_pinned, frame_headline
 from app.page.stage.worst_region import WorstRegions
@@ -32,7 +32,7 @@ def told(scene=BAR, drawn="transport", series=SERIES, crossed=(), ago=0.0, **cha
     """What is said of a frame of the bar whose estimate is half the error; ``crossed`` steps ago."""
     report, arrays = replace(report_of(scene), time=0.35, **changes), arrays_of(ERROR / 2, ERROR)
     arrays.steps_since_crossing[:len(crossed)] = crossed
-    view, worst = view_of_frame(report, arrays, "x", drawn, False), WorstRegions()
+    view, worst = frame_error_view(report, arrays, "x", drawn, False), WorstRegions()
     worst.find(report, arrays, view, "x")
     return frame_headline(report, arrays, view, worst, {name: np.array(v) for name, v in series.items()}, "x", drawn,
                           ago)
@@ -57,15 +57,16 @@ def test_no_place_of_a_run_is_marked_in_another_one(monkeypatch):
 
     def found(scene):
         report, arrays = replace(report_of(scene), time=0.35), arrays_of(ERROR / 2, ERROR)
-        worst.find(report, arrays, view_of_frame(report, arrays, "x", "transport", False), "x")
+        worst.find(report, arrays, frame_error_view(report, arrays, "x", "transport", False), "x")
 
     found(BAR)
-    assert worst.remarks(BAR).worst[1] is not None and worst.remarks(other) == NOTHING
+    assert worst.annotations(BAR).worst[1] is not None and worst.annotations(other) == NOTHING
     view, usual = VIEWS["bar"], VIEWS["bar"].regions
     monkeypatch.setitem(VIEWS, "bar", replace(view, regions=lambda at_rest: [
-        drawn.extend((worst.remarks(other), worst.by_truth)), usual(at_rest)][1]))
+        drawn.extend((worst.annotations(other), worst.by_truth)), usual(at_rest)][1]))
     found(other)
-    assert drawn == [NOTHING, None] and worst.remarks(BAR) == NOTHING and worst.remarks(other).worst[1] is not None
+    assert drawn == [NOTHING,
+                     None] and worst.annotations(BAR) == NOTHING and worst.annotations(other).worst[1] is not None
 
 
 def test_where_it_is_worst_is_looked_for_in_each_of_the_two():
@@ -73,11 +74,11 @@ def test_where_it_is_worst_is_looked_for_in_each_of_the_two():
     estimated, report = np.full(20, 0.001), replace(report_of(BAR), time=0.35)
     estimated[17] = 0.002
     arrays = arrays_of(estimated, ERROR)
-    view, worst = view_of_frame(report, arrays, "x", "transport", False), WorstRegions()
+    view, worst = frame_error_view(report, arrays, "x", "transport", False), WorstRegions()
     worst.find(report, arrays, view, "x")
     assert worst.by_estimate.particles[17] and not worst.by_estimate.particles[6]
     assert worst.by_truth.particles[6] and not worst.by_truth.particles[17]
-    drawn = worst.remarks(BAR).worst
+    drawn = worst.annotations(BAR).worst
     assert [np.flatnonzero(one.particles).tolist() for one in drawn] == [
         np.flatnonzero(one.particles).tolist() for one in (worst.by_estimate, worst.by_truth)]
 
@@ -133,11 +134,11 @@ def test_sentences_come_calmly():
     speaker = HeadlinePanel(SimpleNamespace(add_html=lambda _: Html()), lambda: now)
     for sentence, now in (("one", 5.0), ("two", 5.0 + 0.9 * SAY_SECONDS), ("three", 5.0 + SAY_SECONDS),  # noqa: B007
                           ("three", 5.0 + 3 * SAY_SECONDS)):
-        speaker.say(Headline.from_template(sentence))
+        speaker.show(Headline.from_template(sentence))
     assert heard == [("One.", 0), ("Three.", 0)]
-    speaker.say(Headline((("", "paused"),), moment="another"))  # said at once, and read aloud
+    speaker.show(Headline((("", "paused"),), moment="another"))  # said at once, and read aloud
     assert heard[2:] == [("Paused.", 1)]
-    speaker.say(Headline((("", "a click's answer"),), moment="another"), is_immediate=True)
+    speaker.show(Headline((("", "a click's answer"),), moment="another"), is_immediate=True)
     assert heard[3:] == [("A click&#x27;s answer.", 2)]
 
 

@@ -10,7 +10,7 @@ from types import SimpleNamespace
 
 import pytest
 
-from app.language.translation import as_cookie, tr, use_language, with_language
+from app.language.translation import language_cookie_header, tr, use_language, with_language
 from app.page.features import background_job
 from app.page.features.budget.jobs import BudgetJobs
 from app.page.page_server import OVER, Visitors
@@ -38,7 +38,7 @@ def on_a_thread(work, *args):
 def visitors():
     """One who reads German and one who reads English, with what each is to read: made at once, on two threads."""
     with page_server.start_server() as (_, address):
-        both = [RawClient(address, {"Cookie": as_cookie(code).partition(";")[0]}) for code in CODES]
+        both = [RawClient(address, {"Cookie": language_cookie_header(code).partition(";")[0]}) for code in CODES]
         yield dict(zip(CODES, both, strict=True))
         for visitor in both:
             visitor.close()
@@ -99,13 +99,13 @@ def test_what_becomes_of_a_job(monkeypatch, code, bad, died):
     pool, jobs = Pool(), BudgetJobs(Slots(1))
     monkeypatch.setattr(background_job, "WorkerPool", lambda _: pool)
     with use_language(code):
-        jobs.budget(first_scene("ring"))
+        jobs.start_budget(first_scene("ring"))
     on_a_thread(pool.tell, {"bad": "boom"})
     assert jobs.status.trouble == bad
     on_a_thread(pool.future.set_result, {})
     assert not jobs.status.running and jobs.status.trouble == bad
     with use_language(code):
-        jobs.budget(first_scene("ring"))
+        jobs.start_budget(first_scene("ring"))
     on_a_thread(pool.future.set_exception, ProcessDied("was closed"))
     assert jobs.status.trouble == died
 
@@ -128,6 +128,6 @@ def test_a_goodbye_is_everyones_own():
         (CODES[client.client_id], text)))
     for page in pages.values():
         with_language(house.connect, page.language)(page.client)
-    for thread in house.say_goodbye():
+    for thread in house.close_all_pages():
         thread.join()
     assert sorted(told) == [(code, label(code, OVER)) for code in CODES]

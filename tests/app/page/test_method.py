@@ -3,14 +3,14 @@
 import numpy as np
 import pytest
 
-from app.page.panels.run_settings import HALF_WIDTH, REACH, method_pictures, shape_weights
+from app.page.panels.run_settings import HALF_WIDTH, REACH, method_pictures, shape_function_curve
 from app.words import METHODS
 
 
 @pytest.mark.parametrize("method", METHODS)
 def test_weights_are_even_and_add_up_to_one(method):
     """Over the nodes they do, and so their integral over the places is a cell's width."""
-    at, weight = shape_weights(method)
+    at, weight = shape_function_curve(method)
     assert (at[0], at[-1]) == (-REACH, REACH)
     assert np.allclose(weight, weight[::-1]) and weight.min() >= 0
     assert weight.sum() * (at[1] - at[0]) == pytest.approx(1, abs=1e-3)
@@ -18,10 +18,10 @@ def test_weights_are_even_and_add_up_to_one(method):
 
 def test_what_tells_the_methods_apart():
     """A hat has a peak, an interval rounds it off, a wide one more; CPDI's is flat between its corners."""
-    top = {method: shape_weights(method)[1].max() for method in METHODS}
+    top = {method: shape_function_curve(method)[1].max() for method in METHODS}
     assert top["ugimp"] == pytest.approx(1 - HALF_WIDTH / 2)
     assert top["mpm"] == 1 > top["ugimp"] > top["cpgimp"] > top["bspline"] == 0.75
-    middle = shape_weights("cpdi")[1][35:46]
+    middle = shape_function_curve("cpdi")[1][35:46]
     assert np.ptp(middle) < 1e-12
 
 

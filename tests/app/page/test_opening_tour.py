@@ -30,7 +30,7 @@ class Visit:
 
     def __init__(self):
         self.now, self.asked, self.report, self.is_over = 0.0, [], None, False
-        self.motion_key = None, 0
+        self.playback_request_key = None, 0
         self.compiled = True  # the pinned run
         self.scene = OPENING.scene
         self.pinned = SimpleNamespace(scene=OPENING.pinned, last=None, shortfall=lambda: None)
@@ -39,7 +39,7 @@ class Visit:
         self.story = OpeningTour(gui, self, lambda: self.asked.append("open"), lambda: self.asked.append("hurry"),
                            lambda: self.now)
 
-    def open_end(self):
+    def continue_past_end(self):
         self.asked.append("no end")
 
     def at(self, periods):
@@ -111,7 +111,8 @@ def test_it_can_be_left_and_anything_else_ends_it():
         assert other.story.beat == 0 and other.asked == ["open", "no end"]  # a slider was moved, or the run unpinned
     chosen = Visit()
     chosen.at(0.01)
-    chosen.scene, chosen.motion_key = replace(chosen.scene, cells=20), (None, 1)  # whole, and with an end of its own
+    chosen.scene, chosen.playback_request_key = replace(chosen.scene,
+                                                        cells=20), (None, 1)  # whole, and with an end of its own
     chosen.at(0.02)
     assert chosen.asked == []
     lesson = Visit()

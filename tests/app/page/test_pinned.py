@@ -6,7 +6,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from app.page.panels.plots import grey_curves
+from app.page.panels.time_plots import pinned_curves
 from app.page.visit import session as page
 from app.words import difference_text
 from solvers.engine import compiling_fork
@@ -146,7 +146,7 @@ def test_a_pinned_run_stays_while_the_session_changes(visit):
     view = run.view("x", "companion", False)
     assert view.left.by == "by transport" and view.right.sizes.shape == (SCENE.particles,)
     series = visit.history.series
-    norm, estimate = grey_curves(run, visit.history, series, "x", "transport", False)[0]
+    norm, estimate = pinned_curves(run, visit.history, series, "x", "transport", False)[0]
     assert len(norm) == len(estimate) == len(series["time"]) and np.isfinite(norm[:3]).all()
     visit.play(False)
     wait_until(lambda: not run.last[0].playing, "a pinned run paused", PATIENCE)
@@ -168,14 +168,14 @@ def test_grey_curves_are_put_at_the_same_number_of_periods():
 
     live, fast = history(SCENE, 2.0), history(replace(SCENE, modulus=16.0), 1.0)
     run = SimpleNamespace(history=fast, estimator=lambda drawn: drawn)
-    (norm, estimate), (index,), (crossings,) = grey_curves(run, live, live.series, "x", "transport", False)
+    (norm, estimate), (index,), (crossings,) = pinned_curves(run, live, live.series, "x", "transport", False)
     periods = live.series["time"] / SCENE.period
     there = periods <= 1.0
     for curve in (norm, estimate, index):
         np.testing.assert_allclose(curve[there], periods[there], atol=1e-12)  # rounding
         assert np.isnan(curve[periods > 1.06]).all()
     assert np.isnan(crossings[-1])
-    assert grey_curves(None, live, live.series, "x", "transport", False) == [[], [], []]
+    assert pinned_curves(None, live, live.series, "x", "transport", False) == [[], [], []]
 
 
 def test_a_caption_names_what_differs():

@@ -17,12 +17,12 @@ BAR, RING = BarScene(estimators=("recovered", "transport")), RingScene(estimator
 def choice():
     session = SimpleNamespace(scene=BAR, show=lambda **_: None)
     made = StageChoice(Gui(), session, SimpleNamespace(reset=lambda: None), lambda: None)
-    made.judge_by(BAR.estimators)
+    made.set_estimators(BAR.estimators)
 
     def put(scene):
-        made.go_to(scene.problem)
+        made.restore_last_estimator(scene.problem)
         session.scene = scene
-        made.judge_by(scene.estimators)
+        made.set_estimators(scene.estimators)
 
     return made, put
 

@@ -6,10 +6,10 @@ from types import SimpleNamespace
 import pytest
 
 from app import state
-from app.page.features.suggestions import Suggestions, what_now
+from app.page.features.suggestions import Suggestions, lost_run_cards
 from app.page.visit.history import NormHistory
 from app.page.visit.session import first_scene
-from app.problems.suggestion import NotNow
+from app.problems.suggestion import SuggestionNotApplicable
 from app.problems.views import VIEWS
 from app.state import State
 from app.words import per_cent
@@ -45,10 +45,10 @@ def test_three_a_problem_each_of_which_can_be_asked(base):
 
 def test_what_cannot_be_asked_says_why():
     bar = replace(first_scene("bar"), cells=100)
-    with pytest.raises(NotNow, match="160 cells are the most here"):
+    with pytest.raises(SuggestionNotApplicable, match="160 cells are the most here"):
         VIEWS["bar"].suggestions(State(bar))[0].offer(State(bar))
     broken = VIEWS["bar"].suggestions(State(bar))[2].offer(State(bar)).state
-    with pytest.raises(NotNow, match="it is on the stage"):
+    with pytest.raises(SuggestionNotApplicable, match="it is on the stage"):
         VIEWS["bar"].suggestions(broken)[2].offer(broken)
     crossing = replace(bar, method="mpm")
     assert VIEWS["bar"].suggestions(State(crossing))[1].offer(State(crossing)).title == "Smooth the crossing"
@@ -80,7 +80,7 @@ def test_an_answer_is_the_ratio_of_the_runs_own_errors(key, quantity, says):
     """Once both have gone on for a period, and not before; after that it stays as it is."""
     stage = Stage(replace(first_scene("bar"), cells=20, ppc=2))
     assert "Try one" in stage.look() and stage.look().count("&quot;done&quot;: true") == 0
-    stage.sparks.press(key)
+    stage.sparks.on_button_click(key)
     session, pinned = stage.session, stage.session.pinned
     assert pinned.scene.cells == 20 and stage.state.quantity == quantity
     session.history, pinned.history = ran(session.scene, 0.5), ran(pinned.scene, 1.0)
@@ -99,11 +99,11 @@ def test_an_answer_is_the_ratio_of_the_runs_own_errors(key, quantity, says):
 def test_the_next_one_is_compared_with_the_run_before_the_first():
     stage = Stage(first_scene("bar"))
     base = stage.state.scene
-    stage.sparks.press("halve")
-    stage.sparks.press("cross")
+    stage.sparks.on_button_click("halve")
+    stage.sparks.on_button_click("cross")
     assert stage.state.pinned == replace(base, periods=None) == replace(stage.state.scene, method="ugimp")
-    stage.sparks.press(["no key"])
-    stage.sparks.press("nor this")
+    stage.sparks.on_button_click(["no key"])
+    stage.sparks.on_button_click("nor this")
     assert stage.state.scene.method == "mpm"
 
 
@@ -112,7 +112,7 @@ def test_a_lost_run_has_ways_on():
     scene = state.parse_state("bar;method=mpm;amplitude=0.1;estimators=companion").scene
     report = replace(report_of(scene), status="lost", since=1.225, reason="the run is lost from t = 1.225 s on: so")
     shown, sought = [], []
-    ways = dict((card.key, act) for card, act in what_now(State(scene), report, sought.append, shown.append))
+    ways = dict((card.key, act) for card, act in lost_run_cards(State(scene), report, sought.append, shown.append))
     ways["back"]()
     assert sought == [pytest.approx(1.195)] and shown[0].stops and shown[0].scene.end_time == sought[0]
     ways["cure"]()
@@ -120,11 +120,11 @@ def test_a_lost_run_has_ways_on():
     assert shown[1].scene == replace(scene, remedies=("null-space-filter", "coupled-deformation"))
     assert shown[2].scene == replace(scene, method="ugimp")
     on = replace(scene, remedies=shown[1].scene.remedies)
-    assert {card.hint for card, _ in what_now(State(on), replace(report, scene=on), sought.append, shown.append)
+    assert {card.hint for card, _ in lost_run_cards(State(on), replace(report, scene=on), sought.append, shown.append)
             if card.off} == {"it is on already"}
     long = replace(scene, cfl=1.9)
-    dict((card.key, act) for card, act in what_now(State(long), replace(report, scene=long), sought.append,
-                                                   shown.append))["cure"]()
+    dict((card.key, act) for card, act in lost_run_cards(State(long), replace(report, scene=long), sought.append,
+                                                         shown.append))["cure"]()
     assert shown[-1].scene.dt == AUTO
     stage = Stage(scene)
     stage.session.report = report
@@ -135,7 +135,7 @@ def test_an_answer_of_a_patch_test_is_how_wrong_its_stress_is():
     scene = BASES[-1]
     stage = Stage(scene)
     for key in ("misfit-mpm", "misfit-ugimp"):
-        stage.sparks.press(key)
+        stage.sparks.on_button_click(key)
         stage.session.history = history = ran(stage.session.scene, 0.5)
         wrong = history.series["error_sigma"].mean() / stage.session.scene.size_of("sigma")
         said = f"The stress is {per_cent(wrong)} wrong" if wrong > 0.1 else "Nothing happens, as expected."

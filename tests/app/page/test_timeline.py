@@ -8,7 +8,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from app.page.panels.browser_store import LayoutMetrics, Window
+from app.page.panels.browser_store import BrowserWindow, LayoutMetrics
 from app.page.panels.error_timeline import BINS, Timeline, TimelineState
 from solvers.problems.bar.scene import BarScene
 from solvers.problems.ring import RingScene
@@ -24,7 +24,8 @@ class Past:
     def __init__(self, end, scene=SCENE):
         time = np.linspace(0, end, 200)
         self.scene = scene
-        self.series = self.latest = {"time": time, "error_x": 1e-4 * time, "transport/estimate_x": 2e-4 * time}
+        self.series = self.latest_periods_series = {"time": time, "error_x": 1e-4 * time,
+                                                    "transport/estimate_x": 2e-4 * time}
 
     def crossings_per_second(self, series):
         return series["time"][1:], np.full(len(series["time"]) - 1, 600.0)
@@ -114,7 +115,7 @@ def test_while_it_moves_a_frame_is_shown_as_soon_as_the_run_stands():
                                    [1, 2, 3, 4, 5, 1e9], [1, 2, 3, 4, 5, float("nan")], [True] * 6, {"a": 1}])
 def test_what_a_browser_says_of_its_window_is_believed_in_nothing(wrong):
     store, sizes = SimpleNamespace(heard={}), []
-    window = Window(store, sizes.append, sizes.append)
+    window = BrowserWindow(store, sizes.append, sizes.append)
     store.heard["room"](wrong)
     store.heard["dark"]("yes")
     assert not sizes and window.size == LayoutMetrics()

@@ -8,14 +8,14 @@ import pytest
 
 from app.frame.colour_scale import ColourScale
 from app.frame.layout import RunSlot
-from app.page.stage.error_probe import RADIUS, ErrorProbe, TraceRings
-from app.page.visit.frame_buffer import FrameBuffer
+from app.page.stage.error_probe import RADIUS, RegionErrorProbe, TraceRings
 from app.page.visit.history import LAST_PERIODS, MOST_ROWS
 from app.page.visit.particle_trace import ParticleTracer
+from app.page.visit.recent_frames import RecentFrames
 from app.problems.bar.stage import BarStage
 from app.problems.views import VIEWS
 from app.renderers import viewer_renderer
-from app.renderers.viewer_renderer import Lettering
+from app.renderers.viewer_renderer import LabelLayer
 from solvers.problems.bar.scene import BarScene
 from solvers.problems.ring import RingScene
 from solvers.running.run import build
@@ -45,7 +45,7 @@ def run(request):
 
 def traced_after(frames, particle, chosen_after=FRAMES // 2):
     """What is traced when the particle is chosen in the middle of a run."""
-    recent = FrameBuffer()
+    recent = RecentFrames()
     trace = ParticleTracer(recent)
     for k, frame in enumerate(frames):
         recent.add(*frame)
@@ -141,21 +141,21 @@ def test_height_in_the_lanes_does_not_count():
     report, arrays = frame_of(BAR)
     stage = BarStage(RecordingSurface(), ColourScale())
     stage.draw(report.scene, arrays, None, arrays.error[:, 0], 0.0, 1.0)
-    places = stage.layout(stage.sheet.bounds.rounded(), RunSlot.ALONE)
+    places = stage.layout(stage.sheet.stage_metrics.rounded(), RunSlot.ALONE)
     for y in (places.estimate + 0.04, places.crossings, places.truth - 0.04):
-        assert [stage.nearest((x, y), arrays) for x in (0.001, 0.374, 0.424, 0.999)] == [0, 7, 8, 19]
-    assert stage.nearest((1.2, places.truth), arrays) is None
+        assert [stage.nearest_particle((x, y), arrays) for x in (0.001, 0.374, 0.424, 0.999)] == [0, 7, 8, 19]
+    assert stage.nearest_particle((1.2, places.truth), arrays) is None
 
 
 def test_a_click_marks_and_another_ends_it(run, stage):
     """Rings stand around every image of the particle; they go with a click into the empty place or on it again."""
     report, arrays = run[-1]
-    recent = FrameBuffer()
+    recent = RecentFrames()
     recent.add(report, arrays)
     clicks, scene = [], RecordingScene()
     scene.on_click = lambda: clicks.append
     trace, client = ParticleTracer(recent), SimpleNamespace(scene=scene)
-    mark = TraceRings(client, viewer_renderer.ViewerSurface(client, Lettering(GUI), "/trace"), trace)
+    mark = TraceRings(client, viewer_renderer.ViewerSurface(client, LabelLayer(GUI), "/trace"), trace)
     mark.update(stage, arrays)
     assert not scene.made["trace"].visible
     images = stage.image_points(arrays, slice(5, 6))[:, 0, :2]
@@ -182,7 +182,7 @@ def test_mean_and_worst_are_of_the_particles_in_the_rectangle_alone():
     camera = SimpleNamespace(on_stage=lambda place: place)
     x = np.array([0.1, 0.2, 0.3, 0.9])
     stage = SimpleNamespace(particles_in=lambda low, high, arrays: (x >= low[0]) & (x <= high[0]))
-    probe = ErrorProbe(client, RecordingSurface(), camera)
+    probe = RegionErrorProbe(client, RecordingSurface(), camera)
     estimated, true = np.array([1e-3, np.nan, 5e-3, 1.0]), np.array([2e-3, 3e-3, 10e-3, 1.0])
     probe.measure(stage, None, estimated, true, "m")
     assert probe.text is None

@@ -89,5 +89,5 @@ def test_icons_and_kinds_of_values_are_the_viewers():
         drawing = archive.read(f"{icon}.svg").decode()
     assert viser_patches.icon_svg(icon) == drawing and drawing.startswith("<svg")
     handle = SimpleNamespace(_impl=SimpleNamespace(props=GuiSliderProps.__new__(GuiSliderProps)))
-    found = viser_patches.kinds_of_values(handle)
-    assert found == get_type_hints(GuiSliderProps) and found is viser_patches.kinds_of_values(handle)
+    found = viser_patches.widget_property_types(handle)
+    assert found == get_type_hints(GuiSliderProps) and found is viser_patches.widget_property_types(handle)

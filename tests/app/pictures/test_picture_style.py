@@ -7,8 +7,8 @@ import pytest
 from matplotlib import font_manager
 from matplotlib.figure import Figure
 
-from app.identity import FONTS
-from app.renderers.picture_style import FAMILY, in_sizes, name_ends
+from app.renderers.picture_style import FAMILY, format_size_axis, label_curve_ends
+from app.visual_identity import FONTS
 from app.words import PREFIXES, QUANTITIES, SUPERSCRIPTS
 
 
@@ -41,7 +41,7 @@ def test_type_is_in_the_package_and_has_every_letter_that_is_written():
     (0.0, 2.6e-4, ["0", "100", "200 µm"]), (-0.03, 0.03, ["−20", "0", "20 mm"]), (0.0, 1.3, ["0", "0.5", "1 m"])])
 def test_a_linear_axis_has_one_prefix_and_its_unit_at_the_top(low, high, expected):
     figure, axes = drawn(low, high)
-    in_sizes(axes.yaxis, "m")
+    format_size_axis(axes.yaxis, "m")
     assert said(figure, axes) == expected
 
 
@@ -49,15 +49,16 @@ def test_a_linear_axis_has_one_prefix_and_its_unit_at_the_top(low, high, expecte
     (3e-6, 4e-3, ["10 µm", "100 µm", "1 mm"]), (4e3, 6e4, ["5 km", "10 km", "20 km", "50 km"])])
 def test_a_logarithmic_axis_has_a_unit_at_each_tick(low, high, expected):
     figure, axes = drawn(low, high, "log")
-    in_sizes(axes.yaxis, "m")
+    format_size_axis(axes.yaxis, "m")
     assert said(figure, axes) == expected
 
 
 def test_names_at_the_ends_of_curves_keep_apart_and_in_order():
     _, axes = drawn(0.0, 1.0)
     same = np.array([0.1, 0.5, np.nan])
-    name_ends(axes, [("a", same, "k"), ("b", same + 0.01, "k"), ("c", same + 0.02, "k"), ("none", same * np.nan, "k")],
-              apart=0.1)
+    label_curve_ends(axes,
+                     [("a", same, "k"), ("b", same + 0.01, "k"), ("c", same + 0.02, "k"), ("none", same * np.nan, "k")],
+                     apart=0.1)
     heights = [text.get_position()[1] for text in axes.texts]
     assert [text.get_text() for text in axes.texts] == ["a", "b", "c"]
     assert np.diff(heights) == pytest.approx(0.1, abs=2e-3) and np.mean(heights) == pytest.approx(0.51, abs=1e-3)

@@ -17,7 +17,7 @@ from app.pictures.run import png_bytes, run_figure
 from solvers.problems.bar.scene import BarScene
 from solvers.problems.ring import RingScene
 from solvers.running.result import Result
-from solvers.running.run import run, shown_step
+from solvers.running.run import picture_step, run
 from solvers.scene.error_causes import CAUSES, FIELDS
 from solvers.scene.estimator_registry import ESTIMATORS, Estimator
 
@@ -196,7 +196,7 @@ def test_a_fifth_estimator_is_drawn_as_it_is_registered(result, monkeypatch):
     ids=["bar", "ring", "three halves", "large at its end", "too short", "few steps"])
 def test_the_moment_shown_has_something_to_see(scene, share):
     """Not the end of whole and half periods, where u = 0; never a step beyond the run."""
-    step = shown_step(scene)
+    step = picture_step(scene)
     assert 0 < step <= scene.steps and (share is None or step == pytest.approx(share * scene.steps, abs=1))
 
 
@@ -209,7 +209,7 @@ def test_the_moment_changes_no_bit_of_the_result():
     np.testing.assert_array_equal(kept.final.estimate["transport"], without.final.estimate["transport"])
     np.testing.assert_array_equal(kept.final.position, without.final.position)
     pictured = kept.picture_snapshot
-    assert without.picture_snapshot is without.final and pictured.step == shown_step(scene) < kept.final.step
+    assert without.picture_snapshot is without.final and pictured.step == picture_step(scene) < kept.final.step
     ended = run(replace(scene, periods=None, t_end=pictured.time, sample_every=scene.sample_interval), prices=False)
     assert ended.steps == pictured.step
     np.testing.assert_array_equal(pictured.position, ended.final.position)

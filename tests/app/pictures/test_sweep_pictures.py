@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from app.pictures.run import png_bytes
-from app.pictures.study import FIGURES, error_spacing_figure, error_step_figure, error_time_figure
+from app.pictures.study import FIGURES, error_run_time_figure, error_spacing_figure, error_time_step_figure
 from app.pictures.study_parts import UNSTABLE_LOOK
 from solvers.study import convergence, row
 from solvers.study import summary as table
@@ -101,7 +101,7 @@ def test_nothing_to_show_is_said(name):
 
 def test_unstable_runs_are_crosses_and_not_dropped():
     rows = [fake_row(cells=20), fake_row(cells=40), fake_row(cells=80, status="unstable", error={"x": {"max": None}})]
-    for figure in (error_time_figure(rows), error_spacing_figure(rows)):
+    for figure in (error_run_time_figure(rows), error_spacing_figure(rows)):
         crosses = [line for line in figure.axes[0].get_lines() if line.get_marker() == UNSTABLE_LOOK["marker"]]
         assert len(crosses) == 1
 
@@ -110,5 +110,5 @@ def test_orders_and_balance_are_shown():
     shown = error_spacing_figure(MANY[:1] + MANY[3:4]).axes[0].get_legend().get_texts()
     assert [text.get_text() for text in shown] == ["order 2.00"]
     rows = [fake_row(cells=20, cfl=cfl, error={"x": {"max": 1 + cfl / 0.1}}) for cfl in (0.025, 0.05, 0.1, 0.2)]
-    stars = [line for line in error_step_figure(rows).axes[0].get_lines() if line.get_marker() == "*"]
+    stars = [line for line in error_time_step_figure(rows).axes[0].get_lines() if line.get_marker() == "*"]
     assert stars[0].get_xdata()[0] == pytest.approx(rows[2]["scene"]["dt"])

@@ -49,7 +49,7 @@ def test_foreign_pages_and_hosts_are_refused(here, headers, allowed):
 def test_names_of_a_lab_that_others_reach(host, names, asked, origin, allowed):
     headers = Headers({"Host": asked, **({"Origin": origin} if origin else {})})
     assert (Addresses(host, names).refusal(headers) is None) == allowed
-    assert not Addresses(host, names).private and Addresses("localhost").private
+    assert not Addresses(host, names).is_local_only and Addresses("localhost").is_local_only
 
 
 def raw(address, *lines):

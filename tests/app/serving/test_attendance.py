@@ -10,7 +10,7 @@ import pytest
 from app.page.page_server import OVER
 from app.page.visit import engine_links
 from app.page.visit import session as page
-from app.page.visit.engine_links import SessionCount
+from app.page.visit.engine_links import EventRateCounter
 from app.viewer import upload
 from tests.app.page.features.test_upload import Sender
 from tests.browser.conftest import serving
@@ -105,22 +105,22 @@ def test_the_end_is_told_and_leaves_nothing(end, thread, tmp_path):
 def test_a_tally_counts_whole_seconds(monkeypatch):
     now = 10.0
     monkeypatch.setattr(engine_links, "monotonic", lambda: now)
-    tally = SessionCount()
+    tally = EventRateCounter()
     for _ in range(3):
         tally.add()
-    assert tally.a_second == 0
+    assert tally.events_per_second == 0
     now = 11.2
-    assert tally.a_second == 3
+    assert tally.events_per_second == 3
     tally.add()
     now = 13.0
-    assert tally.a_second == 0  # nothing in the second before
+    assert tally.events_per_second == 0  # nothing in the second before
 
 
 def test_a_run_that_nobody_touches_rests(pool):
     """And says so; Play wakes it."""
     one = page.Session(page.PageLinks(pool), SCENE, lambda report, arrays: None)
     wait_until(lambda: one.report is not None and one.idle_seconds < 60, "a frame", PATIENCE)
-    one.rest()
+    one.pause_until_return()
     wait_until(lambda: not one.report.playing, "at rest", PATIENCE)
     assert one.notice().sentence.startswith("The run is paused") and one.notice().sentence.endswith("to continue.")
     one.play(True)

@@ -6,8 +6,8 @@ from contextlib import ExitStack
 
 import pytest
 
-from app.classroom.board import NEXT, Board
-from app.classroom.class_context import Classroom
+from app.classroom.class_board import NEXT, ClassBoard
+from app.classroom.class_context import ClassroomContext
 from app.lessons import catalogue
 from app.lessons.lesson_runs import RunCache, RunFailed
 from app.lessons.student_progress import SCHEMA
@@ -31,8 +31,8 @@ class Broken(RunCache):
 @pytest.fixture
 def room():
     """A board, the address of its lab, which has four places, and a way to let pupils in who leave in the end."""
-    board, outcomes = Board(LESSON, Broken()), Broken()
-    with start_server(code=CODE, notes=NOTES, classroom=Classroom(LESSON.name, True, outcomes), board=board,
+    board, outcomes = ClassBoard(LESSON, Broken()), Broken()
+    with start_server(code=CODE, notes=NOTES, classroom=ClassroomContext(LESSON.name, True, outcomes), board=board,
                       board_code=OWN) \
             as (_, address), ExitStack() as stack:
         def come(cookie, ready="Next"):
@@ -41,7 +41,7 @@ def room():
             return pupil
 
         yield board, address, come
-    board.close()
+    board.stop_computations()
     outcomes.close()
 
 

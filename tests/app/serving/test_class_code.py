@@ -12,7 +12,7 @@ from websockets.exceptions import InvalidStatus
 from app.access import class_code
 from app.access.class_code import ALL, CLASS, LETTERS, ONE, ClassCode, generate_code
 from app.access.network_limits import REMEMBERED, TokenBucket
-from app.classroom.class_context import Classroom
+from app.classroom.class_context import ClassroomContext
 from app.lessons import catalogue
 from tests.browser.conftest import serving
 from tests.support.page_server import http_get, start_server
@@ -126,7 +126,7 @@ def test_limit_reaches_the_page_and_lets_the_right_code_through(monkeypatch):
 def test_the_teachers_code_opens_the_notes_and_the_class_code_does_not():
     """Where there is one; a code of use to nobody who is in already changes no cookie."""
     with start_server(code=CODE, notes=NOTES,
-                      classroom=Classroom(next(iter(catalogue.load_lessons())), teacher=True)) as (_,
+                      classroom=ClassroomContext(next(iter(catalogue.load_lessons())), teacher=True)) as (_,
                                                                                                                            address):
         cookies = {guess: enter(address, guess)[2][1] for guess in (CODE, NOTES)}
         for guess, cookie in cookies.items():

@@ -12,16 +12,16 @@ from websockets.datastructures import Headers
 from websockets.http11 import Request
 
 from app.colours import ESTIMATE, TRUTH
-from app.identity import ICON, MARK
-from app.page.panels.page_header import initial_html
-from app.viewer.index_page import Index, has_page, unpacked_script
+from app.page.panels.page_header import initial_page_html
+from app.viewer.index_page import IndexPage, is_page_path, unpacked_script
+from app.visual_identity import ICON, MARK
 
 BUILD = Path(viser.__file__).parent / "client" / "build"
 
 
 @pytest.fixture(scope="module")
 def index():
-    return Index(initial_html, ICON)
+    return IndexPage(initial_page_html, ICON)
 
 
 def ask(index, path="/", code="en", **headers):
@@ -32,7 +32,7 @@ def test_it_has_our_title_our_mark_and_our_ground(index):
     body = ask(index).body.decode()
     icon = unquote(body.split('rel="icon"')[1].split('href="')[1].split('"')[0])
     assert icon == f"data:image/svg+xml,{MARK}" and ESTIMATE in MARK and TRUTH in MARK
-    assert "<title>mpm-lab</title>" in body and initial_html() in body
+    assert "<title>mpm-lab</title>" in body and initial_page_html() in body
     assert ask(index, "/other.js").status_code == 404
 
 
@@ -63,10 +63,10 @@ ELSEWHERE = ("/C:/Windows/win.ini", "/c:\\Windows\\win.ini", "//server/share/fil
 @pytest.mark.parametrize("path", ELSEWHERE)
 def test_no_path_leads_to_a_file(index, path):
     """Paths are names of the page or nothing: none is put behind a folder, where drives, devices and streams wait."""
-    assert not has_page(path) and not has_page(unquote(path))
+    assert not is_page_path(path) and not is_page_path(unquote(path))
     assert ask(index, path or "/x").status_code == 404
 
 
 def test_the_viewers_page_is_one_file():
-    """If this fails, the viewer has more to be asked for: see ``Index.answer``."""
+    """If this fails, the viewer has more to be asked for: see ``Index.answer_in_language``."""
     assert [path.name for path in BUILD.rglob("*") if path.is_file()] == ["index.html"]

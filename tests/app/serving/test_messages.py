@@ -11,7 +11,7 @@ import viser._viser
 from viser import _messages
 
 from app.page.controls import Controls
-from app.page.visit.engine_links import FASTEST, MOST_WATCHED, too_many
+from app.page.visit.engine_links import FASTEST, MOST_WATCHED, scene_size_refusal
 from app.page.visit.session import FIRST_SCENE, Session
 from app.problems.views import VIEWS
 from app.viewer import incoming_messages, web_server, widgets
@@ -197,8 +197,8 @@ def test_every_message_goes_through_the_check(here, visitor, monkeypatch):
     ``Hearing`` in ``app/viewer/incoming_messages.py`` and ``Doors._widget`` in ``app/viewer/web_server.py``."""
     one, _ = here
     heard = []
-    check = incoming_messages.why_refused
-    monkeypatch.setattr(incoming_messages, "why_refused", lambda message,
+    check = incoming_messages.why_message_refused
+    monkeypatch.setattr(incoming_messages, "why_message_refused", lambda message,
                         *how: heard.append(message) or check(message, *how))
     widget = visitor.find("Longest run, s")
     visitor.set(widget, "8")
@@ -254,16 +254,16 @@ def test_what_is_refused_is_wished_no_longer():
     than one visitor may have is asked for, whatever the widgets let through: particles, and with them memory; and
     periods a second."""
     session = Session(SilentPool(), FIRST_SCENE, lambda *_: None)
-    session.set(amplitude=0.2)
+    session.set_scene_fields(amplitude=0.2)
     field, sentence = session.refused
     assert field == "amplitude" and "0.159" in sentence and session.scene == FIRST_SCENE
-    session.set(cells=20)
+    session.set_scene_fields(cells=20)
     fits, many, fast = replace(FIRST_SCENE, cells=20), "particles are too many", "periods a second are too many"
     assert session.refused is None and session.scene == fits
-    for ask, field, said in ((lambda: session.set(cells=MOST_WATCHED), "cells", many),
+    for ask, field, said in ((lambda: session.set_scene_fields(cells=MOST_WATCHED), "cells", many),
                              (lambda: session.set_speed(1e300), "speed", fast),
                              (lambda: session.refuse("no number", "modulus"), "modulus", "no number"),
-                             (lambda: session.choose(replace(fits, cells=MOST_WATCHED)), "", many)):
+                             (lambda: session.set_scene(replace(fits, cells=MOST_WATCHED)), "", many)):
         ask()
         assert session.refused[0] == field and session.idle_seconds < 1
         notice = session.notice()
@@ -275,6 +275,6 @@ def test_what_is_refused_is_wished_no_longer():
 
 @pytest.mark.parametrize("problem", PROBLEMS)
 def test_sliders_reach_no_scene_that_is_refused(problem):
-    reach = VIEWS[problem].reach
-    assert not too_many(PROBLEMS[problem].scene(cells=reach.cells[1], ppc=reach.ppc[1]))
+    reach = VIEWS[problem].slider_ranges
+    assert not scene_size_refusal(PROBLEMS[problem].scene(cells=reach.cells[1], ppc=reach.ppc[1]))
     assert reach.speed[1] <= FASTEST

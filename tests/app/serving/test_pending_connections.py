@@ -8,7 +8,7 @@ import pytest
 from websockets.exceptions import ConnectionClosed, InvalidStatus
 
 from app.access.network_limits import PendingConnections, TokenBucket, TokenBuckets, network_of
-from app.viewer import connection, upload, web_server
+from app.viewer import browser_connection, upload, web_server
 from tests.app.page.features.test_upload import Sender
 from tests.support.page_server import start_server
 from tests.support.processes import measure_starvation, wait_until
@@ -30,7 +30,7 @@ def test_networks(address, network):
 def test_a_bucket_for_each_network_and_only_for_the_latest():
     buckets = TokenBuckets(lambda: TokenBucket(1, 0.1), remembered=3)
     for network in "abc":
-        buckets.get(network).spend()
+        buckets.get(network).debit()
     assert buckets.get("a").delay() > 9 and buckets.get("d").delay() == 0 and len(buckets) == 3
     assert buckets.get("a").delay() > 9 and buckets.get("b").delay() == 0  # b had not been met for longest
 
@@ -76,7 +76,7 @@ def test_half_open_lines_take_nobodys_place(address):
         lines[0].settimeout(10)
         with suppress(ConnectionResetError):
             assert lines[0].recv(1) == b""  # cut
-        lines[-1].settimeout(connection.HEADS_WITHIN + 5)
+        lines[-1].settimeout(browser_connection.HEADS_WITHIN + 5)
         with suppress(ConnectionResetError):
             assert lines[-1].recv(1) == b""  # and the others after a while
 
@@ -96,12 +96,12 @@ def test_silent_websockets_take_nobodys_place(address, monkeypatch):
     """Of one network so many may be silent at once; nothing is made for them, and others come in beside them."""
     with ExitStack() as stack:
         silent = []
-        for _ in range(connection.SOCKETS[0] + 20):
+        for _ in range(browser_connection.SOCKETS[0] + 20):
             with suppress(InvalidStatus):
                 silent.append(stack.enter_context(RawClient(address, arrive=False, source_address=STRANGER)))
-        assert len(silent) > connection.SOCKETS[0]
+        assert len(silent) > browser_connection.SOCKETS[0]
         assert comes_in(address) < WITHIN
-        gone = len(silent) - connection.SOCKETS[0]
+        gone = len(silent) - browser_connection.SOCKETS[0]
         wait_until(lambda: sum(one.closed == 1008 for one in silent) == gone, "the oldest sent away")
         assert silent[0].closed == 1008 and silent[0].socket.close_reason == web_server.CROWDED
         assert silent[-1].closed is None

@@ -11,7 +11,7 @@ import zstandard
 from viser._messages import GuiUpdateMessage, ReplayDoneMessage, SceneNodeUpdateMessage, SetCameraFovMessage
 from viser.infra import _infra
 
-from app.viewer.message_encoding import SHORT, ChangedArrays, send
+from app.viewer.message_encoding import SHORT, ChangedArrays, send_messages
 from app.viewer.send_queue import SendBuffer, batch_messages
 from tests.support.processes import wait_until
 from tests.support.session_listener import PATIENCE
@@ -132,7 +132,7 @@ def test_messages_are_packed_as_the_viewer_packs_them(words, monkeypatch):
         return sent.pop()
 
     read = []
-    for producer, messages in ((_infra._message_producer, usual), (send, ours)):
+    for producer, messages in ((_infra._message_producer, usual), (send_messages, ours)):
         packed = asyncio.run(tell(producer, messages))
         size, length = (int.from_bytes(packed[k:k + 8], "little") for k in (0, 8))
         inside = msgspec.msgpack.decode(zstandard.ZstdDecompressor().decompress(packed[16:16 + length]))

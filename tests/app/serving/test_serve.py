@@ -106,13 +106,13 @@ def test_goodbye_while_the_page_is_made_closes_it(first):
     def ending(client, pool):
         if first == "leave":
             house.leave(client.client_id)
-        house.visitors.say_goodbye()
-        assert not house.visitors.all_told()
+        house.visitors.close_all_pages()
+        assert not house.visitors.has_no_pending_page()
         return Page(client, pool)
 
     house = House(ending)
     house.come(1)
-    assert house.visitors.all_told()
+    assert house.visitors.has_no_pending_page()
     house.come(2)
     assert len(house.pool.links) == 1 and house.open_links == 0 and not house.visitors._pages
     assert house.shown == [OVER] * (2 if first == "stay" else 1)
@@ -178,7 +178,7 @@ def test_engine_that_cannot_start_is_given_up(starts, monkeypatch):
     monkeypatch.setattr(engine_process.EngineProcess, "_restart", lambda self: asked.wait(PATIENCE) and restart(self))
     pool, listener = EnginePool(SCENE), Listener()
     try:
-        link = pool.open(listener)
+        link = pool.open_session(listener)
         link.ask(SCENE)
         asked.set()  # no engine was lost before somebody was there to hear of it
         listener.wait(lambda: listener.troubles)

@@ -15,7 +15,7 @@ from types import SimpleNamespace
 import numpy as np
 from viser import _threadpool_exceptions
 
-from app.access.log_limit import RateLimitFilter, place_of
+from app.access.log_limit import RateLimitFilter, error_location
 from app.access.network_limits import DiskQuota
 from app.page import page
 from app.page.stage.worst_region import WorstRegions
@@ -40,17 +40,17 @@ def test_what_fails_in_a_callback_is_one_line(capfd, caplog, monkeypatch):
     """Of the viewer's threads and of its loop: the kind of the error and its place, and nothing of what was said."""
     for name in ("traceback", "print"):
         monkeypatch.setattr(_threadpool_exceptions, name, None, raising=False)  # put back afterwards
-    viser_patches.mend_callbacks()
+    viser_patches.log_callback_failures()
     with ThreadPoolExecutor(1) as thread:
         thread.submit(fail).add_done_callback(_threadpool_exceptions.print_threadpool_errors)
     try:
         fail()
     except ValueError as error:
-        viser_patches.of_loop(None, {"message": SECRET, "exception": error})
+        viser_patches.log_loop_failure(None, {"message": SECRET, "exception": error})
     lines = [record.getMessage() for record in caplog.records]
     place = f"ValueError in test_visitor_cleanup.py, line {fail.__code__.co_firstlineno + 1}"
     assert len(lines) == 2 and all(line.endswith(place) for line in lines), lines
-    assert place_of(KeyError(SECRET)) == "KeyError"  # without a trace
+    assert error_location(KeyError(SECRET)) == "KeyError"  # without a trace
     assert SECRET not in caplog.text and "Traceback" not in caplog.text and capfd.readouterr() == ("", "")
 
 
@@ -82,16 +82,17 @@ def test_a_page_that_has_gone_keeps_no_line():
 def test_room_is_shared_out():
     """A network has its part and no more, all together have no more than there is; what is given back is there."""
     room = DiskQuota(of_one=10, of_all=25)
-    assert room.take("10.0.0.1", 6) and not room.take("10.0.0.2", 6) and room.take("10.0.0.2", 4)
-    assert room.take("10.0.1.1", 10) and not room.take("10.0.2.1", 6) and room.take("10.0.2.1", 5) and room.used == 25
+    assert room.reserve("10.0.0.1", 6) and not room.reserve("10.0.0.2", 6) and room.reserve("10.0.0.2", 4)
+    assert room.reserve("10.0.1.1", 10) and not room.reserve("10.0.2.1",
+                                                             6) and room.reserve("10.0.2.1", 5) and room.used == 25
     room.release("10.0.0.9", 6)
-    assert room.used == 19 and room.take("10.0.0.1", 6) and not room.take("10.0.0.1", 1)
+    assert room.used == 19 and room.reserve("10.0.0.1", 6) and not room.reserve("10.0.0.1", 1)
 
 
 def an_upload(arrived, refused):
     gui = SimpleNamespace(_websock_interface=SimpleNamespace(queue_message=lambda _: None))
     button = SimpleNamespace(_impl=SimpleNamespace(uuid="box"))
-    one = upload.Upload(gui, button, lambda name, path: arrived.append(path), refused.append)
+    one = upload.VisitorUploads(gui, button, lambda name, path: arrived.append(path), refused.append)
     assert start(one, 3) == "a file for nobody"  # before all is there that it is for
     one.open()
     return one
@@ -155,7 +156,7 @@ def test_nothing_is_asked_for_while_the_browser_takes_nothing(here, monkeypatch)
     asked, still = [], [0.0]
     monkeypatch.setattr(page_server.SilentLink, "ask", lambda link, scene, pace,
                         frame: asked.append(pace.playing) or len(asked))
-    monkeypatch.setattr(page, "stands_still", lambda client: still[0])
+    monkeypatch.setattr(page, "stalled_seconds", lambda client: still[0])
     with RawClient(here[1]) as visitor:
         visitor.find("Download CSV")
         token = next(found[1] for text in visitor.html.values() if (found := re.search("data-visitor='([^']*)'", text)))

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from app.export.lesson_data import package_lessons
+from app.export.lesson_export import make_scorm_package
 from app.export.recording import record_scene
 from app.lessons.lesson import draw_numbers
 from app.lessons.lesson_parser import parse_lesson
@@ -34,7 +34,7 @@ def packed():
     with pytest.MonkeyPatch.context() as patch:  # a process of their own would take seconds to start
         patch.setattr("app.export.html_file.record_scenes",
                       lambda wanted, *others: [record_scene(one) for one in wanted])
-        return package_lessons(LESSONS, 1, lambda part, what: None, {})
+        return make_scorm_package(LESSONS, 1, lambda part, what: None, {})
 
 
 @pytest.fixture(scope="module")

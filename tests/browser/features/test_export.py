@@ -9,10 +9,10 @@ import pytest
 from app import state, words
 from app.colours import TRUTH
 from app.export.html_file import recorded_quantities, scene_page
-from app.export.lesson_data import lesson_page
+from app.export.lesson_export import lesson_page
 from app.export.recording import record_scene
 from app.frame.budget_chart import CAPTION, format_percent
-from app.frame.captions import field_words, make_captions, not_estimated, why_no_estimate, why_no_truth
+from app.frame.captions import field_plot_caption, make_captions, not_estimated_text, why_no_estimate, why_no_truth
 from app.lessons import student_progress
 from app.lessons.answer_check import mark_answer
 from app.lessons.lesson import draw_numbers
@@ -103,7 +103,7 @@ def lesson_file(lesson, tmp_path_factory):
     """The lesson's file, and what came of its runs."""
     path = tmp_path_factory.mktemp("export") / "lesson.html"
     with closing(RunCache()) as outcomes, pytest.MonkeyPatch.context() as patch:
-        patch.setattr("app.export.lesson_data.RunCache", lambda processes: outcomes)
+        patch.setattr("app.export.lesson_export.RunCache", lambda processes: outcomes)
         patch.setattr(outcomes, "close", lambda: None)
         path.write_text(lesson_page(lesson, 1, silent, {}), encoding="utf-8")
         patch.undo()
@@ -155,12 +155,12 @@ def test_whatever_is_looked_at_is_said_as_on_the_page(play, name):
                                    "Magnify error": f"× {magnified}"})
             no_estimate = why_no_estimate(scene, scene.not_valid, estimator, key)
             row = page.locator("#norms tr").filter(has=page.get_by_role("rowheader", name=estimator)).inner_text()
-            if not no_estimate and row.endswith(not_estimated(key)):
-                no_estimate = f"{estimator} {not_estimated(key)}"
+            if not no_estimate and row.endswith(not_estimated_text(key)):
+                no_estimate = f"{estimator} {not_estimated_text(key)}"
             said = make_captions(key, estimator, apart, no_estimate, no_truth)
-            field = field_words(scene, stage.PLOT.component, key)
+            field = field_plot_caption(scene, stage.PLOT.component, key)
             larger = f"error × {magnified}" * scene.solution_known
-            for part in (*said.titles, *said.by, *said.silences, stage.note(scene), stage.MARKED, field.name,
+            for part in (*said.titles, *said.by, *said.silences, stage.scale_note(scene), stage.MARKED, field.name,
                          field.remark, larger, str(words.QUANTITIES[key])):
                 assert part in drawn, (key, estimator)
             seen = page.locator("#summary").inner_text()
@@ -173,12 +173,12 @@ def test_a_vortex_has_its_exact_lines(play):
     scene, stage = state.parse_state(text).scene, VIEWS["vortex"].stage
     drawn, lines = look(play(text), {"Colours": "logarithmic"})
     spokes = np.array([points for colour, width, points in lines if (colour, width) == (TRUTH.lower(), 1.5)])
-    exact = stage.exact_lines(scene, scene.steps * scene.time_step, stage.LINES)[:, ::2] * (1, -1)
+    exact = stage.exact_material_lines(scene, scene.steps * scene.time_step, stage.LINES)[:, ::2] * (1, -1)
     assert spokes.shape == exact.shape and ", blue: exact lines" in drawn
     middle = spokes[:, 0].mean(axis=0)
     metre = np.linalg.norm(spokes[0, 0] - middle) / np.linalg.norm(exact[0, 0])
     assert np.abs((spokes - middle) / metre - exact).max() < 1e-3
-    assert np.abs(exact - stage.exact_lines(scene, 0.0, stage.LINES)[:, ::2] * (1, -1)).max() > 0.05
+    assert np.abs(exact - stage.exact_material_lines(scene, 0.0, stage.LINES)[:, ::2] * (1, -1)).max() > 0.05
 
 
 def test_a_patch_test_that_is_passed_says_so(play):

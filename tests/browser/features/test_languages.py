@@ -4,7 +4,7 @@ from contextlib import closing, contextmanager
 
 import pytest
 
-from app.export.lesson_data import lesson_page
+from app.export.lesson_export import lesson_page
 from app.export.recording import record_scene
 from app.language.translation import use_language
 from app.lessons import catalogue

@@ -8,7 +8,7 @@ import pytest
 from app.cli import main
 from app.lessons import catalogue
 from app.lessons.lesson import OBSERVE, PREDICT, TEXT
-from app.lessons.student_progress import Progress
+from app.lessons.student_progress import StudentProgress
 from tests.browser.conftest import PHONE, serving, visit
 from tests.browser.driving import again_until, click, downloaded, scene, shown, until
 from tests.browser.following import answer, follow, go_on
@@ -97,8 +97,8 @@ def test_a_lesson_from_start_to_hand_in(lesson_page, chromium, tmp_path, capfd):
 def test_the_core_is_taken_alone(class_room, chromium):
     """From a deeper step one goes past all that is deeper; it outlives a reload."""
     lesson = catalogue.load_lesson(NAME)
-    deeper = lesson.steps.index(lesson.extra[0]) + 1
-    begun = Progress(NAME, lesson.fingerprint, step=deeper).text()
+    deeper = lesson.steps.index(lesson.optional_steps[0]) + 1
+    begun = StudentProgress(NAME, lesson.fingerprint, step=deeper).text()
     keep = f"localStorage['mpm-lab/{NAME}'] ||= {json.dumps(begun)};"
     with visit(chromium, class_room[0], script=keep) as page:
         head, count = page.locator(".lab-lesson-head"), len(lesson.steps_to_take(core=True))
@@ -108,7 +108,7 @@ def test_the_core_is_taken_alone(class_room, chromium):
 
         at(f"step {deeper} of {len(lesson.steps)}")
         assert page.locator(".lab-kind-deeper").inner_text() == "deeper"
-        assert page.locator(".lab-segments .lab-deep").count() == len(lesson.extra)
+        assert page.locator(".lab-segments .lab-deep").count() == len(lesson.optional_steps)
         click(page, "Core only: skip what is deeper")
         at(f"step {deeper} of {count} of the core")
         until(lambda: page.locator(".lab-kind-deeper").count() == 0, "a step of the core")

@@ -9,10 +9,10 @@ import pytest
 
 from app import words
 from app.export.html_file import PLAYER
-from app.export.lesson_data import bet_words
-from app.export.player_data import vocabulary
+from app.export.lesson_export import bet_chart_texts
+from app.export.player_display_data import shared_display_data
 from app.frame.colour_scale import TOPS
-from app.lessons.bet_chart import draw_bets
+from app.lessons.bet_chart import make_bet_chart
 from app.lessons.interval_bets import BY_ROUND, YOURS, Bet, Bettor
 from app.page.features.lesson.answer_widgets import parse_number
 from solvers.problems import PROBLEMS
@@ -55,8 +55,8 @@ DRAW = """
 def player(chromium):
     """A page that knows the player's functions, and no run."""
     page = chromium.new_page()
-    data = json.dumps(vocabulary(PROBLEMS), ensure_ascii=False)
-    lesson = json.dumps({"bets": bet_words()}, ensure_ascii=False)
+    data = json.dumps(shared_display_data(PROBLEMS), ensure_ascii=False)
+    lesson = json.dumps({"bets": bet_chart_texts()}, ensure_ascii=False)
     scripts = [(PLAYER / f"{name}.js").read_text(encoding="utf-8") for name in SCRIPTS]
     page.evaluate("(text) => (0, eval)(text)", "\n".join([f"var DATA = {data}, LESSON = {lesson};", PEN, *scripts,
                                                          f"var drawBare = {DRAW}; var shadeOf = shade;",
@@ -108,7 +108,7 @@ def test_bets_are_scored_and_drawn_as_in_python(player):
             assert (one is None) == (bet is None)
             assert bet is None or (one[1] == bet.holds and one[0] == pytest.approx(bet.score, rel=1e-13, abs=1e-13))
     for some in (bettors, bettors[2:3], bettors[:1]):
-        picture, seen = draw_bets(some), player.evaluate(f"(told) => picture({again})", [
+        picture, seen = make_bet_chart(some), player.evaluate(f"(told) => picture({again})", [
             told[bettors.index(one)] for one in some])
         assert (seen["reach"], seen["said"]) == (picture.reach, picture.description)
         assert [tuple(tick) for tick in seen["ticks"]] == picture.ticks
@@ -119,7 +119,7 @@ def test_bets_are_scored_and_drawn_as_in_python(player):
                 assert line is None or line[:2] == pytest.approx(drawn_line[:2], abs=1e-9)
     labels = player.evaluate(f"(told) => [...figure({again}).querySelectorAll('svg')].map((one) => "
                              "one.getAttribute('aria-label'))", told)
-    assert labels == [f"{one.name}: {one.result}" for one in draw_bets(bettors).bettors]
+    assert labels == [f"{one.name}: {one.result}" for one in make_bet_chart(bettors).bettors]
 
 
 def test_an_answer_is_read_as_on_the_page(player):
@@ -156,7 +156,7 @@ def test_a_number_is_written_as_on_the_page(player):
     found = player.evaluate(f"(texts) => texts.map(Number).map((x) => [{', '.join(forms)}])",
                             [repr(value).replace("inf", "Infinity") for value in values])
     assert player.evaluate("(all) => all.map(powerText)", list(range(-30, 31))) == [
-        words.power_text(k) for k in range(-30, 31)]
+        words.format_power_of_ten(k) for k in range(-30, 31)]
     wrong = [(form, value, said, write(value)) for value, row in zip(values, found, strict=True)
              for (form, write), said in zip(forms.items(), row, strict=True)
              if said != write(value) and not (form.startswith("fixed") and abs(value) > 1e20)]

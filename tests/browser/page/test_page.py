@@ -5,7 +5,7 @@ import re
 import numpy as np
 import pytest
 
-from app.words import size_in
+from app.words import parse_size
 from tests.browser import driving
 from tests.browser.driving import click, plotted, press, readout, row, stage, steps, tick, time, until
 
@@ -35,7 +35,7 @@ def chosen(page, label, unit):
     ends = row(page, label).get_by_role("slider")
 
     def said():
-        return size_in(typed(page, label).input_value(), unit)
+        return parse_size(typed(page, label).input_value(), unit)
 
     until(lambda: said() == pytest.approx(10 ** float(ends.get_attribute("aria-valuenow")), rel=6e-3), "the text")
     return said()

@@ -10,7 +10,7 @@ from solvers.problems.bar.scene import BarScene
 from solvers.problems.bar.solver import BarSolver
 from solvers.running.run import run
 from solvers.scene.effects import EFFECTS
-from solvers.solver.run_loop import CHECK_EVERY
+from solvers.solver.serial_stepping import CHECK_EVERY
 
 SCENE = BarScene(amplitude=0.05, cells=20, periods=1)
 STATE = ("position", "velocity", "deformation_gradient")

@@ -7,10 +7,10 @@ import pytest
 
 from app import state
 from app.export.recording import RecordingRequest, record_scene
-from app.problems.bar.view import change
+from app.problems.bar.view import change_motion
 from solvers.problems.bar import exact_solution, patch_test
 from solvers.problems.bar.scene import BarScene
-from solvers.running.run import build, run, shown_step
+from solvers.running.run import build, picture_step, run
 from solvers.scene.validation import SceneError
 
 EPSILON = np.finfo(float).eps
@@ -78,7 +78,7 @@ def test_the_exact_solution_is_that_nothing_happens():
     assert exact_solution.stress(PATCH, X, t) == pytest.approx(20)
     assert not exact_solution.acceleration(PATCH, X, t).any()
     assert PATCH.size_of("sigma") == pytest.approx(20)  # errors of the stress are counted by the stress itself
-    assert shown_step(PATCH) == PATCH.steps
+    assert picture_step(PATCH) == PATCH.steps
 
 
 def test_at_the_start_all_is_exact():
@@ -176,9 +176,9 @@ def test_a_step_around_the_end_of_the_bar_is_told_whole():
 
 def test_the_page_passes_from_one_motion_to_the_other():
     first = BarScene(amplitude=.1, body_force="node", estimators=("recovered", "transport"))
-    there = change(first, "patch", first.estimators)
+    there = change_motion(first, "patch", first.estimators)
     assert there.is_patch and there.active_estimators == ("companion",)
-    back = change(replace(there, cells=20, ppc=2.5, stretch=1.1), "vibrate", first.estimators)
+    back = change_motion(replace(there, cells=20, ppc=2.5, stretch=1.1), "vibrate", first.estimators)
     assert back == replace(BarScene(), cells=20, ppc=2, estimators=first.estimators)
 
 

@@ -21,7 +21,7 @@ def test_the_built_in_motions_can_be_typed(method, force, text):
     """And are the same to rounding, sizes, errors and all; the bound of a step is of a whole period."""
     own = BarScene(cells=20, periods=1, method=method, body_force=force, estimators=())
     typed = replace(own, displacement=text, body_force="material")
-    assert [typed.period, typed.lattice_gap] == pytest.approx([own.period, own.lattice_gap], rel=1e-8)
+    assert [typed.period, typed.neighbour_mismatch] == pytest.approx([own.period, own.neighbour_mismatch], rel=1e-8)
     assert typed.step_bound == pytest.approx(own.step_bound, rel=0.02)
     one, other = (run(scene, prices=False) for scene in (own, typed))
     for name in ("position", "velocity", "deformation_gradient"):

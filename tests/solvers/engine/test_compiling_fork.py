@@ -12,7 +12,7 @@ import pytest
 from solvers.engine import compiling_fork
 from solvers.engine.engine_messages import Pace
 from solvers.engine.engine_pool import EnginePool
-from solvers.engine.engine_worker import FAILED
+from solvers.engine.engine_server import FAILED
 from solvers.problems.ring import RingScene
 from tests.support.processes import children, has_ended, process_state, stop_processes, wait_until
 from tests.support.session_listener import PATIENCE, SCENE, Listener
@@ -136,7 +136,7 @@ def test_what_is_usual_is_compiled_unasked():
             PATIENCE,
             pause=0.2,
         )
-        link = pool.open(listener)
+        link = pool.open_session(listener)
         for scene in usual:
             assert listener.frame(link.ask(scene))[0].scene == scene
         assert not listener.compilings
@@ -149,9 +149,9 @@ def test_what_is_usual_is_compiled_unasked():
 def test_a_successor_that_rests_takes_over_all_the_same(monkeypatch):
     """It has compiled two scenes of three and prepared for what was announced; then it stands still when it is told,
     goes on when it is told, and does not keep its parent waiting."""
-    monkeypatch.setattr(compiling_fork, "_compile", lambda scenes: 2)
+    monkeypatch.setattr(compiling_fork, "_compile_scenes", lambda scenes: 2)
     prepared = []
-    replacement = compiling_fork.fork([SCENE] * 3, asked_for=False, prepare=prepared.append)
+    replacement = compiling_fork.fork_to_compile([SCENE] * 3, asked_for=False, prepare=prepared.append)
     if not isinstance(replacement, compiling_fork.CompilingFork):  # the child
         os._exit(int(prepared == ["coming"] and replacement == "all"))
     wait_until(lambda: replacement.can_take_over(lambda: "coming"), "its preparations")
@@ -159,7 +159,7 @@ def test_a_successor_that_rests_takes_over_all_the_same(monkeypatch):
     for rests in (True, False, True):
         replacement.pause(rests)
         wait_until(lambda rests=rests: (process_state(replacement.process_id) == "T") == rests, "obedience")
-    replacement.take_over("all")
+    replacement.hand_over("all")
     assert os.waitstatus_to_exitcode(os.waitpid(replacement.process_id, 0)[1]) == 1
     replacement.pipe.close()
 
@@ -167,10 +167,10 @@ def test_a_successor_that_rests_takes_over_all_the_same(monkeypatch):
 @pytest.mark.parametrize("answered", [False, True])
 def test_a_successor_whose_parent_has_ended_says_nothing(answered, monkeypatch, capfd):
     """As Ctrl-C while the server warms up leaves one: it ends, without a word, also if it had answered unheard."""
-    monkeypatch.setattr(compiling_fork, "_compile", len)
+    monkeypatch.setattr(compiling_fork, "_compile_scenes", len)
     log = logging.getLogger(compiling_fork.__name__)
     monkeypatch.setattr(log, "exception", lambda *_: os.write(2, b"what it would log"))  # elsewhere in a test
-    left = compiling_fork.fork([SCENE], asked_for=True, prepare=str)
+    left = compiling_fork.fork_to_compile([SCENE], asked_for=True, prepare=str)
     if answered:
         wait_until(left.pipe.poll, "its answer")
     left.pipe.close()

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from solvers.engine.engine_messages import Pace, SessionRequest
-from solvers.engine.engine_worker import FAILED
+from solvers.engine.engine_server import FAILED
 from solvers.engine.shared_frames import FrameOptions
 from solvers.problems.bar.scene import BarScene
 from solvers.problems.ring import RingScene

@@ -11,7 +11,7 @@ import pytest
 from solvers.engine import session_stepper
 from solvers.engine import shared_frames as memory
 from solvers.engine.engine_messages import FRAME_SECONDS, Pace, SessionRequest
-from solvers.engine.session_stepper import Stepper
+from solvers.engine.session_stepper import SessionStepper
 from solvers.engine.shared_frames import FrameOptions
 from solvers.engine.soundness_watch import SoundnessWatch
 from solvers.problems.bar.scene import BarScene
@@ -28,7 +28,7 @@ SCENE = BarScene(cells=20, periods=1)
 def one_session(wish):
     """A stepper in this process that serves a wish, with a block of its own."""
     block = SharedMemory(create=True, size=memory.block_bytes(wish.scene))
-    session = Stepper(replace(wish, memory=block.name))
+    session = SessionStepper(replace(wish, memory=block.name))
     try:
         yield session
     finally:
@@ -150,7 +150,7 @@ def test_a_session_goes_on_with_a_solver_that_has_been_prepared_for_it(clock):
         session.accept(replace(session.wish, pace=Pace(False, single_steps=12)))
         right, wrong = BarSolver(SCENE), BarSolver(replace(SCENE, cells=24))
         for prepared in (right, wrong, None):
-            replacement = Stepper.from_state(session.state(), prepared)
+            replacement = SessionStepper.from_state(session.state(), prepared)
             assert (replacement.solver is prepared) == (prepared is right) and replacement.solver.scene == SCENE
             assert replacement.solver.step == session.solver.step == 7
             np.testing.assert_array_equal(replacement.solver.snapshot().position, session.solver.snapshot().position)
@@ -162,7 +162,7 @@ def test_a_step_taken_apart_can_be_looked_at_from_another_particle_after_a_hand_
     first = SessionRequest(1, 1, "", SCENE, Pace(False, single_steps=0), FrameOptions(broken_down=3))
     with one_session(first) as session:
         session.accept(replace(session.wish, pace=Pace(False, single_steps=5)))
-        replacement = Stepper.from_state(session.state(), None)
+        replacement = SessionStepper.from_state(session.state(), None)
         for one in (session, replacement):
             one.accept(replace(one.wish, frame=FrameOptions(broken_down=7)))
         theirs, ours = session.write_frame().breakdown, replacement.write_frame().breakdown

@@ -13,7 +13,7 @@ import pytest
 
 from app.frame.colour_scale import ColourScale
 from app.problems.views import VIEWS
-from app.renderers.viewer_renderer import Lettering, ViewerSurface
+from app.renderers.viewer_renderer import LabelLayer, ViewerSurface
 from solvers.engine import shared_frames as memory
 from solvers.engine.shared_frames import FrameOptions
 from solvers.problems.ring import RingScene
@@ -64,7 +64,7 @@ def test_a_redraw_is_cheap(frame):
     nothing was plotted. Twice the present cost."""
     _, arrays = frame
     scale = ColourScale()
-    stage = VIEWS["ring"].stage(ViewerSurface(SimpleNamespace(scene=RecordingScene()), Lettering(GUI), "/ring"), scale)
+    stage = VIEWS["ring"].stage(ViewerSurface(SimpleNamespace(scene=RecordingScene()), LabelLayer(GUI), "/ring"), scale)
     stage.plotted = "sigma"
     true, estimated = arrays.error[:, 0], arrays.estimate["transport"][:, 0]
 

@@ -21,7 +21,7 @@ from solvers.running.result import Result
 from solvers.running.run import run
 from solvers.scene.scene import Scene
 from solvers.solver.error_norms import RATIOS, error_index
-from solvers.solver.rounding import rounding
+from solvers.solver.rounding import largest_rounding_error
 from solvers.solver.samples import QUANTITIES
 from tests.support.paths import ASSETS
 from tests.support.reference_bar import NUMBERS
@@ -274,7 +274,7 @@ def watched(scene: Scene) -> Scene:
 def ratio_of(result: Result, kind: str, estimator: str) -> dict[str, float | None]:
     """Its "index" or "distance" also where it says itself that it does not hold, and the result has none."""
     return {q: error_index(result.series[f"{estimator}/{RATIOS[kind]}_{q}"], result.series[f"error_{q}"],
-                           rounding(result.scene, q, result.steps)) for q in QUANTITIES}
+                           largest_rounding_error(result.scene, q, result.steps)) for q in QUANTITIES}
 
 
 @pytest.mark.parametrize("name", [pytest.param(name, id=name, marks=pytest.mark.slow if slow else ())

@@ -12,7 +12,7 @@ from solvers.estimators.spectral_elements import Elements, unresolved_size
 from solvers.problems.bar import exact_solution as bar_exact
 from solvers.problems.bar.estimators import companion as companion_bar
 from solvers.problems.bar.scene import BarScene
-from solvers.problems.planar.estimators import circular_body, circular_companion
+from solvers.problems.planar.estimators import circular_companion, circular_companion_body
 from solvers.problems.ring import RingScene
 from solvers.problems.vortex import VortexScene
 from solvers.running.run import build
@@ -33,13 +33,13 @@ def test_elements_are_exact_for_their_polynomials(order):
     """Values and derivatives up to x^p, integrals up to x^(2p-1), as Gauss-Lobatto quadrature has it."""
     elements = Elements(-0.3, 1.1, 3, order)
     x = np.linspace(-0.3, 1.1, 23)
-    element, values, slopes = elements.locate(x)
-    at = elements.nodes[elements.node_of_point[element]]
+    element, values, slopes = elements.evaluate_basis(x)
+    at = elements.node_coordinates[elements.node_of_point[element]]
     for k in range(order + 1):
         np.testing.assert_allclose(np.sum(values * at**k, axis=1), x**k, rtol=0, atol=1e-13)
         np.testing.assert_allclose(np.sum(slopes * at**k, axis=1), k * x**max(k - 1, 0), rtol=0, atol=1e-11)
     for k in range(2 * order):
-        integral = np.sum(elements.assembled_weights * elements.nodes**k)
+        integral = np.sum(elements.assembled_weights * elements.node_coordinates**k)
         assert integral == pytest.approx((1.1**(k + 1) - (-0.3)**(k + 1)) / (k + 1), rel=1e-13)
 
 
@@ -49,8 +49,8 @@ def test_what_the_polynomials_leave_out_is_told_from_the_last_modes():
         for count in (2, 4, 8):
             elements = Elements(0.0, 1.0, count, order)
             x = np.linspace(0, 1, 401)
-            element, values, _ = elements.locate(x)
-            field = np.sin(4 * elements.nodes + 0.3)[elements.node_of_point]
+            element, values, _ = elements.evaluate_basis(x)
+            field = np.sin(4 * elements.node_coordinates + 0.3)[elements.node_of_point]
             true = np.sqrt(np.mean((np.sum(values * field[element], axis=1) - np.sin(4 * x + 0.3))**2))
             assert 2 < np.sqrt(np.mean(unresolved_size(field, 1)**2)) / true < 4
 
@@ -77,14 +77,14 @@ def test_its_error_in_space_is_of_order_p_plus_one_or_better(order, monkeypatch)
     scene = replace(BAR, cells=20, t_end=0.3, amplitude=2.5e-4)
     errors = []
     for elements in (Elements(0.0, 1.0, n, order) for n in (3, 6)):
-        true = bar_exact.displacement(scene, elements.nodes, scene.t_end) / scene.amplitude
+        true = bar_exact.displacement(scene, elements.node_coordinates, scene.t_end) / scene.amplitude
         errors.append(np.abs(own_displacement(scene, elements, monkeypatch) - true).max())
     assert errors[0] / errors[1] > 0.8 * 2**(order + 1)
 
 
 def test_its_error_in_time_is_of_fourth_order(monkeypatch):
     """One step of its own to each of the particles', each time half as long: differences fall by 2^4."""
-    monkeypatch.setattr(companion, "interval", lambda frequency, dt: 1)
+    monkeypatch.setattr(companion, "steps_per_companion_step", lambda frequency, dt: 1)
     scene = replace(BAR, cells=10, amplitude=1e-3, dt=None, t_end=None, periods=3)
     coarse, middle, fine = (own_displacement(replace(scene, cfl=cfl), Elements(0.0, 1.0, 3, 4), monkeypatch)
                             for cfl in (0.1, 0.05, 0.025))
@@ -101,21 +101,23 @@ def test_the_vortexs_marches_to_the_exact_solution_without_knowing_it(monkeypatc
     for mesh in ((8, 4), (16, 4), VortexScene.COMPANION_MESHES[0][1:]):
         monkeypatch.setattr(VortexScene, "COMPANION_MESHES", ((np.inf, *mesh),))
         elements = Elements(0.75, 1.25, *mesh)
-        u, on_axis = own_nodes(scene)[:, :2], np.stack([elements.nodes, 0 * elements.nodes], axis=1)
+        u, on_axis = own_nodes(scene)[:, :2], np.stack([elements.node_coordinates, 0 * elements.node_coordinates],
+                                                       axis=1)
         errors.append(np.abs(u - scene.EXACT.displacement(scene, on_axis, scene.steps * scene.time_step)).max())
-    assert np.degrees(np.arctan2(u[:, 1], elements.nodes + u[:, 0]).max()) == pytest.approx(180 / np.pi, abs=0.01)
+    assert np.degrees(np.arctan2(u[:, 1],
+                                 elements.node_coordinates + u[:, 0]).max()) == pytest.approx(180 / np.pi, abs=0.01)
     assert errors[0] / errors[1] > 2**5 and errors[2] < 4e-7
 
 
 def test_the_highest_frequency_of_the_vortex_is_found():
     elements = VORTEX.companion_body(None).elements
-    N, D = len(elements.nodes), elements.derivative
+    N, D = len(elements.node_coordinates), elements.derivative
     K = np.zeros((N, N))
     for row in elements.node_of_point:
-        R = elements.nodes[row]
+        R = elements.node_coordinates[row]
         K[np.ix_(row, row)] += D.T @ np.diag(elements.weights * R) @ D + np.diag(elements.weights / R)
-    true = np.sqrt(np.linalg.eigvals(K / circular_body.sector_masses(elements)[:, None]).real.max())
-    assert 0.98 * true < circular_body.unit_frequency(elements) < 1.0001 * true
+    true = np.sqrt(np.linalg.eigvals(K / circular_companion_body.sector_masses(elements)[:, None]).real.max())
+    assert 0.98 * true < circular_companion_body.unit_frequency(elements) < 1.0001 * true
 
 
 @EACH

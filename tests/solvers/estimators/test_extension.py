@@ -14,7 +14,7 @@ import pytest
 
 from solvers.problems.bar.scene import BarScene
 from solvers.problems.ring import RingScene
-from solvers.scene.extensions import EXTENSIONS
+from solvers.scene.extension_modules import EXTENSIONS
 from tests.support.processes import run_python
 
 ENVIRONMENT = {EXTENSIONS: "tests.extension_example"}

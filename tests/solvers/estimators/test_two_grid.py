@@ -9,9 +9,9 @@ import taichi as ti
 
 from solvers.estimators import two_grid
 from solvers.estimators.estimator_memory import unpack_arrays
-from solvers.estimators.two_grid_dispersion import phase_lag
+from solvers.estimators.two_grid_phase_lag import phase_lag
 from solvers.kernels.dtypes import matrix, pairs, quads, real, reals
-from solvers.kernels.packing import Packing
+from solvers.kernels.packing import ArrayPacking
 from solvers.problems.bar.scene import BarScene
 from solvers.problems.ring import RingScene
 from solvers.running.run import build, run
@@ -73,7 +73,7 @@ def test_waves_fall_behind_as_linear_theory_says(method, ppc, simulate):
 
 def stencil_rows(targets: int, count: int, windows: tuple[int, int], ends: str) -> np.ndarray:
     """As matrices (2, targets, count), of the two kinds of weights."""
-    t = two_grid.stencils(two_grid.point_positions(targets, count), count, windows, ends)
+    t = two_grid.stencils(two_grid.target_point_positions(targets, count), count, windows, ends)
     rows, taps = np.zeros((2, targets, count)), np.arange(t["taps"])
     for q, (first, row) in enumerate(zip(t["first"], t["row"], strict=True)):
         rows[:, q, (first + taps) % count] = t["weights"][row + taps].T
@@ -83,7 +83,7 @@ def stencil_rows(targets: int, count: int, windows: tuple[int, int], ends: str) 
 @pytest.mark.parametrize("targets", [12, 23, 50])
 def test_stencils_are_exact_for_cubics_on_a_free_line(targets):
     """Both windows, from 24 points to more and fewer."""
-    x, places = np.arange(24) / 24, two_grid.point_positions(targets, 24) / 24
+    x, places = np.arange(24) / 24, two_grid.target_point_positions(targets, 24) / 24
     for degree in range(two_grid.CUBIC_COEFFICIENTS):
         np.testing.assert_allclose(stencil_rows(targets, 24, (8, 12), "free") @ x**degree, [places**degree] * 2,
                                    atol=1e-12)
@@ -113,10 +113,10 @@ def test_a_packing_gives_back_what_it_took():
     members = {"n": ti.i32, "x": real, "a": reals, "b": reals, "c": pairs, "d": quads, "e": matrix}
     values = {"n": 7, "x": 2.5, "a": np.arange(3.0), "b": np.arange(5.0), "c": np.ones((2, 2)), "d": np.ones((4, 4)),
               "e": np.ones((2, 9))}
-    packing = Packing(members)
-    held = packing.values(values)
+    packing = ArrayPacking(members)
+    held = packing.pack(values)
     assert held.keys() == packing.types.keys() and len(held) == 5 and len(held["memory_reals"]) == 1 + 3 + 5
-    parts = packing.parts(held)
+    parts = packing.unpack(held)
     assert parts.keys() == set("abcde")
     for name, array in parts.items():
         np.testing.assert_array_equal(array, values[name])

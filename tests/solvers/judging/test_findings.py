@@ -14,7 +14,7 @@ from solvers.judging.findings.evidence import DOUBLE, SINGLE, detect_precision
 from solvers.judging.findings.finding import HOLDS, OFF, UNKNOWN
 from solvers.judging.findings.neighbours import find_neighbours, find_outliers
 from solvers.judging.findings.outliers import NAMES
-from solvers.judging.findings.time_fits import fit_parts, interpolate_before, time_derivative
+from solvers.judging.findings.time_fits import interpolate_before, jackknife_least_squares, time_derivative
 from solvers.judging.judgement import judge
 from solvers.problems import PROBLEMS
 from tests.findings import FORMS, drawn, honest, judged, judgement
@@ -204,7 +204,7 @@ def test_what_is_between_times_is_of_third_order_and_rates_of_second():
 def test_a_fit_finds_its_parts_and_how_sure_they_are():
     chance = np.random.default_rng(6)
     one, other, noise = (chance.normal(size=(200, 7)) for _ in range(3))
-    found, sure = fit_parts(2 * one - 3 * other + 0.5 * noise, [one, other])
+    found, sure = jackknife_least_squares(2 * one - 3 * other + 0.5 * noise, [one, other])
     assert found[0] == pytest.approx([2, -3], abs=4 * 0.5 / np.sqrt(1400))
     assert (sure < 2.5 * 0.5 / np.sqrt(1400)).all() and (sure > 0.3 * 0.5 / np.sqrt(1400)).all()
 
@@ -242,7 +242,11 @@ def test_one_that_is_stuck_on_the_ring_is_blamed_alone(particle):
     arrays["x"] = arrays["x"].copy()
     arrays["x"][:, particle] = arrays["X"][particle]
     found = judgement(run.scene, arrays)
-    assert found.gaps is not None and found.gaps.which.tolist() == [particle] and not found.notes()
+    assert (
+        found.position_outliers is not None
+        and found.position_outliers.which.tolist() == [particle]
+        and not found.notes()
+    )
 
 
 CELLS = {"bar": 20, "ring": 12, "vortex": 16}

@@ -95,7 +95,7 @@ def test_moved_particles_are_found_with_their_place(problem):
     x[moved] += 0.1 * scene.spacing * turn / np.linalg.norm(turn, axis=1)[:, None]
     judged = judge(scene, {"t": frame.time, "x": x, "X": X, "cells": 24})
     [grid] = judged.to_dict()["grids"]
-    assert set(judged.grids[0].gaps.which) == set(moved)
+    assert set(judged.grids[0].position_outliers.which) == set(moved)
     assert grid["neighbour_gap"]["farthest_over_h"] == pytest.approx(0.1, rel=0.2)
     assert grid["neighbour_gap"]["particle"] in moved and grid["worst"]["x"]["particle"] in moved
     assert grid["worst"]["x"]["X"] in X[moved].tolist()

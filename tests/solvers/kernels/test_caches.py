@@ -44,5 +44,5 @@ def test_where_all_is_well_nothing_changes(tmp_path, monkeypatch):
     monkeypatch.setenv(kernel_cache.HOME, str(tmp_path / "new"))
     monkeypatch.delenv(kernel_cache.KERNELS, raising=False)
     before = dict(os.environ)
-    kernel_cache.ensure_cache_folder()
+    kernel_cache.ensure_writable_cache_folder()
     assert dict(os.environ) == before and not (tmp_path / "new").exists()

@@ -5,7 +5,7 @@ import pytest
 import taichi as ti
 
 from solvers.kernels import runtime
-from solvers.kernels.shape_functions import outer_weights, stencil
+from solvers.kernels.shape_functions import complete_stencil, outer_weights
 from tests.support.reference_bar import weight
 
 METHODS = ["mpm", "ugimp", "cpgimp", "bspline"]
@@ -19,7 +19,7 @@ triples = ti.types.ndarray(dtype=ti.f64, ndim=2)
 def evaluate(method: ti.template(), x: reals, half: reals, first: reals, S: triples, dS: triples):
     for p in range(x.shape[0]):
         node, left, right, slope_left, slope_right = outer_weights(method, x[p], half[p])
-        weights, slopes = stencil(left, right, slope_left, slope_right)
+        weights, slopes = complete_stencil(left, right, slope_left, slope_right)
         first[p] = node
         for k in ti.static(range(3)):
             S[p, k] = weights[k]

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from solvers.motion.jets import Jet, cos, exp, log, sin, sqrt, variables
-from solvers.motion.laws.law import determinant, rate
+from solvers.motion.laws.law import determinant, stress_increment
 from solvers.motion.laws.material import LAWS, Material
 from solvers.motion.separable_field import NotPeriodic, separate
 from solvers.problems.planar.body_force import body_force_at
@@ -54,7 +54,7 @@ def test_a_law_is_the_slope_of_its_energy(law):
         np.testing.assert_allclose(P[k], (W[0] - W[1]) / (2 * h), rtol=0, atol=1e-8)
         dP = (np.subtract(*map(material.first_piola_stress, near)) / (2 * h)).T.reshape(-1, 2, 2)
         L = (np.eye(4)[k].reshape(2, 2) @ np.linalg.inv(tensor)).reshape(-1, 4).T
-        found = rate(L, (b[:, 0, 0], b[:, 0, 1], b[:, 1, 1]), *material.coefficients(F, J))
+        found = stress_increment(L, (b[:, 0, 0], b[:, 0, 1], b[:, 1, 1]), *material.coefficients(F, J))
         np.testing.assert_allclose(np.stack(found, axis=1).reshape(-1, 2, 2), dP @ tensor.swapaxes(1, 2), rtol=0,
                                    atol=1e-7)
     xx, xy, yy = material.cauchy_stress(F)
@@ -65,7 +65,7 @@ def test_a_law_is_the_slope_of_its_energy(law):
 def test_where_a_law_is_no_longer_elliptic():
     """Pressed to s along both axes waves of shear have lambda (s^2 - 1) + mu (2 s^2 - 1); the other law keeps mu."""
     F, (lam, mu) = np.array([[0.8], [0.0], [0.0], [0.8]]), (3.0, 2.0)
-    least = {law: Material(LAWS[law], lam, mu).least_stiffness(F) for law in LAWS}
+    least = {law: Material(LAWS[law], lam, mu).least_wave_stiffness(F) for law in LAWS}
     assert least == pytest.approx({"neo-hookean": 1, "st-venant-kirchhoff": lam * (0.64 - 1) / mu + 2 * 0.64 - 1})
 
 

@@ -15,13 +15,13 @@ from solvers.problems.planar.method import phases
 from solvers.problems.planar.method.cpdi import NODES
 from solvers.problems.planar.method.stored_weights import weights_by_particle
 from solvers.problems.planar.scene import GHOSTS
-from solvers.problems.planar.snapshot import body_force
+from solvers.problems.planar.snapshot_errors import body_force
 from solvers.problems.planar.solver import PlanarSolver
 from solvers.problems.ring import RingScene
 from solvers.problems.vortex import VortexScene
 from solvers.running.run import build
 from solvers.solver.samples import read_rows
-from solvers.solver.state_arrays import align
+from solvers.solver.state_arrays import aligned_copies
 
 BARE = {"cells": 16, "estimators": (), "effects": ()}
 RING, VORTEX = RingScene(**BARE), VortexScene(**BARE)
@@ -60,7 +60,7 @@ def to_nodes(solver: PlanarSolver, time: float = 0.0) -> None:
 
 def at_particles(solver: PlanarSolver) -> list[np.ndarray]:
     """The nodes' four numbers at the particles, and their derivatives in x and y, each (P, 4)."""
-    parts = [align(np.zeros((len(solver._arrays.mass), 4))) for _ in range(3)]
+    parts = [aligned_copies(np.zeros((len(solver._arrays.mass), 4))) for _ in range(3)]
     kernels(type(solver))[1](solver._stepping.pack, *parts, solver._switches)
     return parts
 

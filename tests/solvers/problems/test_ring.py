@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from solvers.problems.ring import RingScene
-from solvers.problems.ring_limits import expected_life
+from solvers.problems.ring_estimator_limits import expected_life
 from solvers.scene.validation import SceneError
 from tests.closed_forms import ring
 
@@ -26,7 +26,7 @@ def test_energy_balance(method, simulate):
 def test_resonance_growth_and_expected_life():
     """The factors computed for the exact motion, and the periods that CPDI lasts at A = 0.15 on 24, 48 and 96 cells."""
     for A, growth in ((0.1, 1.0), (0.12, 1.44), (0.13, 1.84), (0.14, 2.20), (0.15, 2.57)):
-        assert RingScene(amplitude=A).growth == pytest.approx(growth, abs=5e-3)
+        assert RingScene(amplitude=A).disturbance_growth == pytest.approx(growth, abs=5e-3)
     large = RingScene(amplitude=0.15)
     for first, periods in ((1.07e-3, 5.8), (1.64e-4, 7.8), (2.26e-5, 9.9)):
         assert expected_life(large, first) == pytest.approx(periods, abs=0.05)

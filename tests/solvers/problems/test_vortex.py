@@ -12,17 +12,17 @@ from solvers.kernels import runtime
 from solvers.kernels.dtypes import reals
 from solvers.problems.planar import step_bound
 from solvers.problems.planar.layout import CORNERS, box_stretch, particle_layout
-from solvers.problems.planar.method.neo_hookean import FAR, logarithms
+from solvers.problems.planar.method.neo_hookean_logarithms import FAR, logarithms
 from solvers.problems.vortex import VortexScene
 from solvers.running.result import Result
 from solvers.running.run import build, run
-from solvers.scene.linear_stability import longest_steps
-from solvers.scene.step_bound import motion_parts
+from solvers.scene.linear_stability import longest_step_per_instant
+from solvers.scene.step_bound import motion_fractions
 from solvers.scene.validation import SceneError
 from solvers.solver import samples
-from solvers.solver.error_norms import largest
+from solvers.solver.error_norms import largest_finite_or_none
 from solvers.solver.soundness import BROKEN
-from solvers.solver.state_arrays import align
+from solvers.solver.state_arrays import aligned_copies
 from tests.closed_forms import vortex as printed
 from tests.support.paths import ASSETS
 
@@ -45,7 +45,7 @@ def largest_errors(row: dict) -> dict[str, float]:
     rows = [solver.advance(min(500, scene.steps - done)) for done in range(0, scene.steps, 500)]
     assert solver.sound, solver.reason()
     series = samples.read_rows(np.concatenate(rows), scene, len(solver._arrays.mass))
-    return {name: largest(series[f"error_{name}"]) for name in ("x", "v", "sigma")}
+    return {name: largest_finite_or_none(series[f"error_{name}"]) for name in ("x", "v", "sigma")}
 
 
 @pytest.mark.parametrize("row", [pytest.param(row, marks=pytest.mark.slow if row["cells"] > 48 else ())
@@ -85,9 +85,10 @@ def test_bound_on_the_step(cells, amplitude, monkeypatch):
     """The limits at two moments are those of the whole matrices of the step (measured within .021); an odd number of
     cells has none of its nodes in the middle."""
     scene, found = VortexScene(method="cpdi", cells=cells, ppc=2, amplitude=amplitude), []
-    monkeypatch.setattr(step_bound, "longest_steps", lambda of: found.append(longest_steps(of)) or found[0])
+    monkeypatch.setattr(step_bound, "longest_step_per_instant",
+                        lambda of: found.append(longest_step_per_instant(of)) or found[0])
     bound = step_bound.critical_time_step(scene)
-    times = 0.25 * scene.period * motion_parts(scene)
+    times = 0.25 * scene.period * motion_fractions(scene)
     for k in (len(times) // 2, len(times) - 1):
         assert found[0][k] == pytest.approx(exact_limit(scene, times[k]), rel=0.03)
     assert bound.longest < 1.2 * found[0].min() and bound.certain
@@ -164,10 +165,10 @@ def test_logarithms_are_good_to_rounding():
     near = np.concatenate([1 + np.geomspace(1e-15, edge - 1, 100), 1 - np.geomspace(1e-15, 1 - 1 / edge, 100)])
     far = np.concatenate([np.geomspace(1e-200, 1 / edge, 100), np.geomspace(edge, 1e10, 100)])
     J = np.concatenate([near, far])
-    found = align(J)
+    found = aligned_copies(J)
     take_logarithms(found, len(J) // 4)
     np.testing.assert_allclose(found, np.concatenate([np.log1p(near - 1), np.log(far)]), rtol=4 * np.finfo(float).eps)
-    broken = align(np.array([1.0, -1.0, 0.0, np.nan]))
+    broken = aligned_copies(np.array([1.0, -1.0, 0.0, np.nan]))
     take_logarithms(broken, 1)
     assert broken[0] == 0 and broken[1] < -600 and broken[2] < -600
 

@@ -10,8 +10,8 @@ from solvers.problems.planar.circular_diagnostics import CircleMotion
 from solvers.problems.planar.layout import particle_layout
 from solvers.problems.ring import RingScene
 from solvers.problems.vortex import VortexScene
-from solvers.scene.momentum_balance import Moments
-from solvers.solver.soundness import balance_gap
+from solvers.scene.momentum_balance_moments import DisplacementMoments
+from solvers.solver.soundness import momentum_balance_distance
 
 BLIND = ("soundness",)
 MISSED = 0.03  # of the amplitude: what the circles' own solve may be off, as its file says
@@ -39,7 +39,7 @@ def test_a_drift_that_agrees_with_itself_is_lost(scene, simulate):
 
 def gaps(result) -> tuple[np.ndarray, np.ndarray]:
     """Where the balance says how far the run is off, and by how much."""
-    gap = balance_gap(result.scene, result.series)
+    gap = momentum_balance_distance(result.scene, result.series)
     looked = np.isfinite(gap)
     assert looked.sum() > 5
     return looked, gap[looked]
@@ -57,12 +57,12 @@ def test_the_gap_is_a_lower_bound_of_the_error_and_close_to_it(scene, simulate):
 def test_what_no_function_has_part_in_counts_by_its_size():
     """Displacements along (1, 0, 1, 0) and, of the run, 3 and -4 along the others, of which no function knows: two
     particles' worth of 0.5 within, and 5 outside less the motion's 2."""
-    known = Moments(np.array([[2.0]]), np.array([2.0 + 4.0]), np.array([[0.5]]), 4, np.array([True]))
+    known = DisplacementMoments(np.array([[2.0]]), np.array([2.0 + 4.0]), np.array([[0.5]]), 4, np.array([True]))
     run = np.array([1.5, 3.0, 1.5, -4.0])
-    gap = known.distance(np.array([[run[0] + run[2]]]), np.array([run @ run]))
+    gap = known.rms_distance_bound(np.array([[run[0] + run[2]]]), np.array([run @ run]))
     assert gap == pytest.approx(np.sqrt((2 * 0.5**2 + (5 - 2) ** 2) / 4), rel=1e-12)
-    assert known.distance(np.array([[2.0]]), np.array([6.0])) == 0
-    assert np.isnan(known._replace(trusted=np.array([False])).distance(np.array([[2.0]]), np.array([6.0])))
+    assert known.rms_distance_bound(np.array([[2.0]]), np.array([6.0])) == 0
+    assert np.isnan(known._replace(trusted=np.array([False])).rms_distance_bound(np.array([[2.0]]), np.array([6.0])))
 
 
 @pytest.mark.parametrize("scene", [
@@ -97,7 +97,7 @@ def test_circles_move_as_the_exact_solution_has_it(scene):
         turn = np.array([[np.cos(angle), np.sin(angle)], [-np.sin(angle), np.cos(angle)]])
         u = [x @ turn - layout.position for x in placed]
         sums = np.array([[*(shapes.T @ (one * e).sum(1)), *(shapes.T @ (one * around).sum(1))] for one in u])
-        return motion.moments(times).distance(sums, np.array([(one**2).sum() for one in u]))
+        return motion.moments(times).rms_distance_bound(sums, np.array([(one**2).sum() for one in u]))
 
     A = scene.motion_amplitude
     moved = 2 * np.sin(0.5 * A) * np.array([np.sqrt(np.mean(np.sum(x**2, axis=1))) for x in placed])
@@ -124,7 +124,7 @@ def test_what_cannot_be_followed_is_not_held_against_a_run(simulate, monkeypatch
 
 
 def test_a_run_that_does_not_look_works_nothing_out(simulate, monkeypatch):
-    monkeypatch.setattr("solvers.problems.planar.circular_diagnostics.circle_motion",
+    monkeypatch.setattr("solvers.problems.planar.circular_diagnostics.cached_circle_motion",
                         lambda scene: pytest.fail("worked out"))
     scene = VortexScene(cells=20, ppc=2, amplitude=0.25, cfl=0.2, frequency=0.35, estimators=(), effects=("truth",))
     assert simulate(scene).verdict["checked"] == {"x": ["truth"], "v": ["truth"], "sigma": ["truth"], "a": []}

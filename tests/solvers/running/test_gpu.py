@@ -24,12 +24,12 @@ from solvers.problems.ring import RingScene
 from solvers.problems.square import SquareScene
 from solvers.problems.vortex import VortexScene
 from solvers.running.run import build, run
-from solvers.scene.remedies import COUPLED, FILTER, FROZEN
 from solvers.scene.scene import MOST_ON_GPU, Scene
+from solvers.scene.stabilisations import COUPLED, FILTER, FROZEN
 from solvers.scene.validation import SceneError
 from solvers.solver import devices, samples
 from solvers.solver.base import Solver
-from solvers.solver.snapshot import Snapshot
+from solvers.solver.particle_snapshot import Snapshot
 from tests.support.gpus import ARCH, require_gpu
 
 RING = RingScene(cells=16, estimators=("companion",), arch=ARCH, sample_every=20)

@@ -9,16 +9,16 @@ import numpy as np
 import pytest
 
 from solvers.problems.bar.scene import BarScene
-from solvers.problems.planar.budget.on_demand import BudgetRun
-from solvers.problems.planar.budget.pieces import MovedBodyPieces, PieceLattice
-from solvers.problems.planar.weights import SymmetricNodeGrid
+from solvers.problems.planar.budget.body_pieces import MovedBodyPieces, PieceLattice
+from solvers.problems.planar.budget.on_demand_budget import BudgetRun
+from solvers.problems.planar.weights import MirroredNodeGrid
 from solvers.problems.ring import RingScene
 from solvers.problems.vortex import VortexScene
 from solvers.running.budget import run_budget
 from solvers.running.run import build, run
 from solvers.scene.error_causes import CAUSES, FIELDS
-from solvers.scene.remedies import FROZEN
 from solvers.scene.scene import Scene
+from solvers.scene.stabilisations import FROZEN
 from solvers.scene.validation import SceneError
 from tests.budget import GOOD, causal, drawn
 
@@ -39,7 +39,7 @@ def gaps(scene: Scene) -> dict[str, float]:
     missed, largest = dict.fromkeys(FIELDS, 0.0), dict.fromkeys(FIELDS, 0.0)
     while run.solver.step < scene.steps and run.step():
         if run.solver.step % scene.sample_interval == 0 or run.solver.step == scene.steps:
-            for field, error in run.errors().items():
+            for field, error in run.true_errors().items():
                 total = run.causes.fields()[field].sum(axis=0)
                 missed[field] = max(missed[field], float(np.abs(total - error).max()))
                 largest[field] = max(largest[field], float(np.abs(error).max()))
@@ -70,11 +70,11 @@ def test_pieces_leave_no_gap(scene):
     solver = build(scene)
     solver.advance(scene.steps)
     a, lattice = solver._arrays, PieceLattice(scene)
-    grid = SymmetricNodeGrid(a.row, 0)
+    grid = MirroredNodeGrid(a.row, 0)
     F = a.deformation_gradient.reshape(-1, 2, 2)
     for corners in (lattice.place, lattice.corners(a.position_velocity[:, :2] - a.material_position, F)):
         pieces = MovedBodyPieces(lattice, corners, grid, corners * a.cells_per_length + a.origin)
-        force = pieces.force(np.broadcast_to(np.array([[3.0, 1.0], [1.0, -2.0]]), F.shape))
+        force = pieces.nodal_force(np.broadcast_to(np.array([[3.0, 1.0], [1.0, -2.0]]), F.shape))
         total = np.bincount(pieces.node_numbers.ravel(), pieces.weight.ravel(), grid.nodes)
         inside = (total > 0) & (np.bincount(_rim(lattice, pieces).ravel(), minlength=grid.nodes) == 0)
         assert np.sum(inside) >= 4 or scene.problem == "ring"

@@ -12,8 +12,8 @@ from app.pictures.run import run_figure
 from solvers.problems.bar.scene import BarScene
 from solvers.problems.vortex import VortexScene
 from solvers.running.run import build
-from solvers.solver.error_norms import RunningIndex
-from solvers.solver.rounding import ROUNDINGS, rounding
+from solvers.solver.error_norms import RunningEffectivityIndex
+from solvers.solver.rounding import ROUNDINGS, largest_rounding_error
 
 INDEX = ("truth", "acceleration", "estimate")  # what an index needs
 PATCH = BarScene(motion="patch", cells=20, ppc=3, periods=2, estimators=("companion",), effects=INDEX)
@@ -52,7 +52,7 @@ def test_a_run_that_goes_on_has_none_either():
 
 
 def test_the_index_begins_when_an_error_rises_above_rounding():
-    index = RunningIndex()
+    index = RunningEffectivityIndex()
     first = index.extend(np.array([3.0, 3.0]), np.array([1.0, 1.0]), 2.0)
     then = index.extend(np.array([3.0, 5.0, 1.0]), np.array([1.0, 5.0, 1.0]), 2.0)
     assert np.isnan(first).all() and np.isnan(then[0])
@@ -66,7 +66,7 @@ def test_rounding_grows_like_a_random_walk():
     numbers = chance.uniform(-1, 1, (100, steps))
     sums = np.cumsum(numbers, axis=1)[:, -1]
     exact = np.array([float(np.sum(np.sort(row).astype(np.longdouble))) for row in numbers])
-    limit = rounding(PATCH, "x", steps) / (1 + PATCH.drift_speed * PATCH.end_time)
+    limit = largest_rounding_error(PATCH, "x", steps) / (1 + PATCH.drift_speed * PATCH.end_time)
     assert limit / ROUNDINGS / 100 < np.sqrt(np.mean((sums - exact) ** 2)) < limit
 
 

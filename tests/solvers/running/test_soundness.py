@@ -101,7 +101,7 @@ def test_few_particles_of_the_exact_bar_are_no_contradiction(cells):
     u, F = np.sin(2 * np.pi * X), 2 * np.pi * np.cos(2 * np.pi * X)
     miss = np.roll(u, -1) - u - (F + np.roll(F, -1)) / (2 * cells)
     half_wrong = 0.5 * np.sqrt(np.mean(F**2)) / cells
-    assert scene.lattice_gap == pytest.approx(np.sqrt(np.mean(miss**2)) + half_wrong, rel=1e-9)
+    assert scene.neighbour_mismatch == pytest.approx(np.sqrt(np.mean(miss**2)) + half_wrong, rel=1e-9)
     result = run(replace(scene, method="ugimp", amplitude=0.0986482, cfl=0.0816778, periods=0.0750638,
                          velocity="particle"))
     assert result.status == "ok"  # four particles: x was off by 0.01, and it was called lost

@@ -51,7 +51,7 @@ def test_a_run_that_goes_on_is_told_the_same(simulate):
         watch.check_samples(solver.advance(min(500, scene.steps - solver.step)), scene.particles)
     status, reason, since = watch.current_status(solver, {})
     assert (status, since) == ("ok", None)
-    assert reason == result.reason and watch.not_checked({}) is None
+    assert reason == result.reason and watch.unchecked_note({}) is None
 
 
 @pytest.mark.parametrize(("changes", "words"), [

@@ -11,8 +11,8 @@ from solvers.problems.bar.solver import BarSolver
 from solvers.problems.planar import step_bound as planar_bound
 from solvers.problems.ring import RingScene
 from solvers.problems.vortex import VortexScene
-from solvers.scene.linear_stability import longest_step, longest_steps
-from solvers.scene.step_bound import SAFE, circle_bound, scene_step_bound, stencil
+from solvers.scene.linear_stability import longest_step_of_motion, longest_step_per_instant
+from solvers.scene.step_bound import SAFE, gershgorin_step_bound, scene_step_bound, stencil
 from solvers.scene.validation import SceneError
 
 METHODS = ("mpm", "ugimp", "cpgimp", "bspline")
@@ -36,7 +36,7 @@ def test_the_circles_are_below_the_exact_limit_of_the_grid_and_not_far(method):
             K[np.ix_(nodes[p], nodes[p])] += F[p] ** 2 * np.outer(dS[p], dS[p])
         scaled = K / np.sqrt(np.outer(mass, mass))
         exact = 2 / np.sqrt(np.linalg.eigvalsh(scaled).max())
-        found = circle_bound(nodes, np.abs(dS), F**2, mass)
+        found = gershgorin_step_bound(nodes, np.abs(dS), F**2, mass)
         assert 0.6 * exact <= found <= exact * (1 + 1e-12)
 
 
@@ -63,7 +63,7 @@ def test_the_limit_of_a_step_is_that_of_its_matrices(method, remedies):
         eigenvalues = np.linalg.eigvals(given @ (G.T * one.stiffness) @ G)
         assert np.abs(eigenvalues.imag).max() < 1e-6 * eigenvalues.real.max()
         expected.append(2 / np.sqrt(eigenvalues.real.max()))
-    np.testing.assert_allclose(longest_steps(step_bound.stack_configurations(found)), expected, rtol=0.03)
+    np.testing.assert_allclose(longest_step_per_instant(step_bound.stack_configurations(found)), expected, rtol=0.03)
 
 
 @pytest.mark.parametrize("scene", [
@@ -83,9 +83,9 @@ def test_a_step_beyond_the_limit_breaks_and_one_below_it_does_not(scene, simulat
 def test_a_motion_bears_a_step_that_is_too_long_for_a_moment():
     """With even limits it is theirs, but for what e^2 leaves room for; a moment of half the limit shortens it by less
     than a half, and the less the shorter it is."""
-    even = longest_step(np.full(9, 0.01), 10.0)
+    even = longest_step_of_motion(np.full(9, 0.01), 10.0)
     assert 0.01 < even < 0.0101
-    dips = [longest_step(np.where(np.arange(n) == n // 2, 0.005, 0.01), 1.0) for n in (9, 33, 129)]
+    dips = [longest_step_of_motion(np.where(np.arange(n) == n // 2, 0.005, 0.01), 1.0) for n in (9, 33, 129)]
     assert 0.005 < dips[0] < dips[1] < dips[2] < 0.0104
 
 
@@ -102,7 +102,7 @@ def test_the_live_margin_of_a_stretched_bar_is_that_of_its_circles(method):
     present = replace(step_bound.configuration_at(scene, scene.cells, before.position, before.deformation_gradient),
                       stiffness=scene.modulus * F**2 / scene.particles)  # weights are those of the step, F is now
     assert np.ptp(F) > 1
-    assert solver._arrays.step_margin[0] == pytest.approx(scene.time_step / present.circle_bound(), rel=1e-9)
+    assert solver._arrays.step_margin[0] == pytest.approx(scene.time_step / present.gershgorin_bound(), rel=1e-9)
 
 
 @pytest.mark.parametrize("scene", [

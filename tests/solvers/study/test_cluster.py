@@ -47,8 +47,8 @@ def workers(dask, tmp_path) -> Iterator[tuple[str, list[subprocess.Popen]]]:
             process.wait()
 
 
-def wait_for_workers(place: executors.Cluster, count: int) -> None:
-    wait_until(lambda: place.workers == count, f"{count} workers")
+def wait_for_workers(place: executors.DaskExecutor, count: int) -> None:
+    wait_until(lambda: place.worker_count == count, f"{count} workers")
 
 
 def test_rows_are_measured_on_a_cluster(dask):
@@ -58,7 +58,7 @@ def test_rows_are_measured_on_a_cluster(dask):
     rows = []
     with LocalCluster(n_workers=1, threads_per_worker=1, processes=False, protocol="tcp",
                       dashboard_address=None) as one:
-        place = executors.Cluster(one.scheduler_address)
+        place = executors.DaskExecutor(one.scheduler_address)
         try:
             executors.execute(plan_tasks("bar", {"cells": [8], "periods": [1.0]}, repeats=1), place, rows.append)
         finally:
@@ -70,7 +70,7 @@ def test_rows_are_measured_on_a_cluster(dask):
 def test_a_killed_worker_costs_no_row(workers, monkeypatch):
     monkeypatch.setattr(executors, "ANSWER_SECONDS", 60.0)  # the scheduler may only just be starting
     address, processes = workers
-    place, rows = executors.Cluster(address), []
+    place, rows = executors.DaskExecutor(address), []
     wait_for_workers(place, 2)
 
     def keep(found: dict) -> None:

@@ -13,7 +13,15 @@ from solvers.running.quantities_of_interest import ENERGY
 from solvers.solver.soundness import OK
 from solvers.study.coverage import coverage_counts as bars
 from solvers.study.coverage import random_runs, track_record
-from solvers.study.coverage.coverage_counts import CENTRAL, IN_CELL, NORMAL, TWO_GRIDS, regime, tally, wilson
+from solvers.study.coverage.coverage_counts import (
+    CENTRAL,
+    IN_CELL,
+    NORMAL,
+    TWO_GRIDS,
+    motion_regime,
+    tally,
+    wilson_interval,
+)
 from solvers.study.coverage.coverage_tables import coverage_summary
 from solvers.study.coverage.random_runs import BEFORE, DRAW_RANGES, IDENTITY, MEASURED, RandomRun, coarsen, measure
 from solvers.study.coverage.track_record import JUDGES, bet_by_grid_index, bet_by_record, bets
@@ -39,7 +47,7 @@ def test_a_draw_is_a_run_of_its_own_number(problem):
         assert scene.particles * scene.steps <= reach.work and scene.time_step < scene.step_bound
         wide = coarsen(scene, 2)
         assert wide.spacing == pytest.approx(2 * scene.spacing) and wide.time_step == pytest.approx(2 * scene.time_step)
-        assert draw.point() == RandomRun(problem, SEED, draw.number).point()
+        assert draw.point_goal_name() == RandomRun(problem, SEED, draw.number).point_goal_name()
 
 
 def test_bars_of_numbers_that_converge():
@@ -47,21 +55,21 @@ def test_bars_of_numbers_that_converge():
     and formal order are the same, 2.45 - .85 = 1.6 times that."""
     second = [1 + 0.01 * h**2 for h in (1, 2, 4)]
     assert bars.observed_order(second) == pytest.approx(2)
-    said = [bar(second) for bar in (bars.two_grid_gci, bars.three_grid_gci, bars.factor_of_safety)]
+    said = [bar(second) for bar in (bars.two_grid_gci, bars.three_grid_gci, bars.xing_stern_uncertainty)]
     assert said == pytest.approx([0.03, 0.0125, 0.016])
     first = [1 + 0.01 * h for h in (1, 2, 4)]
     assert bars.observed_order(first) == pytest.approx(1) and bars.three_grid_gci(first) == pytest.approx(1.25 * 0.01)
-    assert bars.factor_of_safety(first) == pytest.approx((2.45 - 0.85 / 2) * 0.01)
+    assert bars.xing_stern_uncertainty(first) == pytest.approx((2.45 - 0.85 / 2) * 0.01)
     third = [1 + 0.01 * h**3 for h in (1, 2, 4)]  # taken for the formal order: a wider bar
     assert bars.three_grid_gci(third) == pytest.approx(1.25 * 0.07 / 3)
     for none in ([1, 2, 1], [1, 1, 1], [1.0, 3.0, 4.0]):
-        assert bars.observed_order(none) is bars.three_grid_gci(none) is bars.factor_of_safety(none) is None
+        assert bars.observed_order(none) is bars.three_grid_gci(none) is bars.xing_stern_uncertainty(none) is None
 
 
 def test_the_interval_of_a_share():
     """Wilson's for 95 of 100 at 95 % is 88.8 to 97.8 % (as textbooks have it)."""
-    assert wilson(95, 100) == pytest.approx((0.888, 0.978), abs=5e-4)
-    assert wilson(0, 10)[0] == 0 and wilson(10, 10)[1] == pytest.approx(1)
+    assert wilson_interval(95, 100) == pytest.approx((0.888, 0.978), abs=5e-4)
+    assert wilson_interval(0, 10)[0] == 0 and wilson_interval(10, 10)[1] == pytest.approx(1)
 
 
 @pytest.fixture(scope="module", params=[pytest.param(MANY, marks=pytest.mark.slow)])
@@ -162,19 +170,19 @@ def test_the_text_quotes_what_was_counted(problem):
 def test_a_track_record_is_that_of_runs_alike():
     """By method and by how far particles move; none of a scene that no drawn one is like, or of a handful."""
     scene = BarScene(cells=40, ppc=4, amplitude=1e-3, method="bspline")
-    assert regime(scene.motion_amplitude / scene.spacing, scene.ppc) == IN_CELL
+    assert motion_regime(scene.motion_amplitude / scene.spacing, scene.ppc) == IN_CELL
     split = track_record.load_counts("bar")["estimators"]["companion"]["method and regime"]["bspline"]
-    assert track_record.accurate_runs(scene, "companion") == (split[IN_CELL]["x"]["within"]["1.1"],
-                                                              split[IN_CELL]["x"]["runs"])
-    assert track_record.accurate_runs(replace(scene, amplitude=0.1),
-                                      "companion") != track_record.accurate_runs(scene, "companion")
+    assert track_record.accurate_run_counts(scene, "companion") == (split[IN_CELL]["x"]["within"]["1.1"],
+                                                                    split[IN_CELL]["x"]["runs"])
+    assert track_record.accurate_run_counts(replace(scene, amplitude=0.1),
+                                            "companion") != track_record.accurate_run_counts(scene, "companion")
     assert track_record.bars_held(scene, ENERGY, "companion") is not None
     assert track_record.bars_held(scene, "displacement@0.25", "companion") is not None
     for unlike in (replace(scene, remedies=("null-space-filter",)), BarScene(motion="patch"),
                    replace(scene, body_force="two-tone")):
-        assert track_record.accurate_runs(unlike, "companion") is None
-    assert track_record.accurate_runs(scene, "transport") is None  # it refuses all B-splines
-    assert track_record.accurate_runs(scene, "companion", "a") is None
+        assert track_record.accurate_run_counts(unlike, "companion") is None
+    assert track_record.accurate_run_counts(scene, "transport") is None  # it refuses all B-splines
+    assert track_record.accurate_run_counts(scene, "companion", "a") is None
 
 
 def test_a_judge_bets_by_its_record_and_the_index_by_its_word():

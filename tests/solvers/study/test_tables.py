@@ -13,7 +13,7 @@ from solvers.scene.estimator_registry import ESTIMATORS
 from solvers.study.row import failed_row, find_fault
 from solvers.study.tables import paper_tables
 from solvers.study.tables.paper_tables import format_digits
-from solvers.study.tables.table_runs import MEASURED, all_runs, measure_in_worker, results_of, table_dict
+from solvers.study.tables.table_runs import MEASURED, all_runs, measure_in_worker, results_by_row, table_to_dict
 from tests.support.fake_rows import InstantExecutor
 from tests.support.paths import ROOT
 
@@ -39,7 +39,7 @@ def measured() -> dict[str, dict]:
 
 @pytest.fixture(scope="module")
 def results(measured) -> dict:
-    return {name: runs for table in CUT.values() for name, runs in results_of(table, measured.values()).items()}
+    return {name: runs for table in CUT.values() for name, runs in results_by_row(table, measured.values()).items()}
 
 
 @pytest.fixture
@@ -53,7 +53,7 @@ def place(measured, monkeypatch) -> InstantExecutor:
 @pytest.fixture(scope="module")
 def made(results) -> dict[str, dict]:
     """The three tables' objects, as they read in their files."""
-    return {number: json.loads(json.dumps(table_dict(table, results), allow_nan=False)) for number,
+    return {number: json.loads(json.dumps(table_to_dict(table, results), allow_nan=False)) for number,
             table in CUT.items()}
 
 
@@ -61,12 +61,12 @@ def test_the_papers_numbers_are_those_of_the_bars_reference():
     reference = json.loads((ROOT / "assets/reference/bar.json").read_text())["table1"]
     for case in ("small", "large"):
         for cells, row in reference[case]["rows"].items():
-            printed = paper_tables.printed_bar(reference[case]["modulus"], int(cells))
+            printed = paper_tables.printed_bar_row(reference[case]["modulus"], int(cells))
             assert {key: printed[key] for key in row["paper"]} == row["paper"]
             assert {q: printed[f"index_{q}"] for q in row["paper_index"]} == row["paper_index"]
     assert paper_tables.printed_ring_errors("cpdi", 96) == {"x": 8.9e-6, "v": 1.4e-2, "a_nodes": 7.6e1}
     assert paper_tables.printed_ring_index("ugimp", 12) == {"index_x": 0.69}
-    assert paper_tables.printed_bar(4.0, 21) == paper_tables.printed_ring_errors("cpdi", 13) == {} \
+    assert paper_tables.printed_bar_row(4.0, 21) == paper_tables.printed_ring_errors("cpdi", 13) == {} \
         == paper_tables.printed_ring_index("mpm", 12)
 
 
@@ -127,7 +127,7 @@ def retold(results):
     def table(make):
         row = CUT["3"].rows[0]
         runs = {name: result | make(result) for name, result in results[row.name].items()}
-        return table_dict(paper_tables.PaperTable("3", "t", "c", (), (row,)), {row.name: runs})
+        return table_to_dict(paper_tables.PaperTable("3", "t", "c", (), (row,)), {row.name: runs})
 
     return table
 
@@ -206,7 +206,7 @@ def test_runs_are_made_once_those_that_are_timed_alone(measured):
     """All that is only computed side by side, the longest first; then one at a time, with the price of estimators.
     Tables 2 and 3 share their runs."""
     wanted = all_runs(CUT.values())
-    together, *alone = Tables.stages(Tables.__new__(Tables), wanted)
+    together, *alone = Tables.parallel_groups(Tables.__new__(Tables), wanted)
     work = [task.scene().particles * task.scene().steps for task in together]
     assert work == sorted(work, reverse=True) and len(together) == 4 * 2 + 2
     assert [len(group) for group in alone] == [1] * 6
@@ -238,7 +238,7 @@ def test_all_writes_nine_files_and_goes_on_where_it_was(place, tmp_path, monkeyp
     assert main(["tables", "3", *out]) == 0
     assert capsys.readouterr().err == "mpm-lab: 4 rows, 4 of them there already\n"
     assert len(place.asked) == 16 and (folder / "table3.md").read_text() == first
-    monkeypatch.setattr("solvers.study.row_store.fingerprint", lambda: "another")
+    monkeypatch.setattr("solvers.study.row_store.solver_source_hash", lambda: "another")
     assert main(["tables", "3", *out]) == 0
     assert len(place.asked) == 20
 

@@ -6,11 +6,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from app.commands.flags import BadInput, parse_float, parse_number, times_of
-from app.page.features.cost.cost_texts import NoNumber, parse_positive
+from app.commands.flags import BadInput, parse_float_or_text, parse_number_or_text, parse_times
+from app.page.features.cost.cost_texts import InvalidNumber, parse_positive
 from app.state import StateError
 from app.state import parse_state as read_state
-from app.words import size_in
+from app.words import parse_size
 from solvers.untrusted import number_parsing
 
 NONE = ["", " ", "4_0", "４０", "٣", "0x10", "inf", "-inf", "nan", "Infinity", "1e400", "9" * 10_000, "1e", "e5", ".",
@@ -20,11 +20,13 @@ NONE = ["", " ", "4_0", "４０", "٣", "0x10", "inf", "-inf", "nan", "Infinity"
 @pytest.mark.parametrize("text", NONE)
 def test_what_is_no_number_is_none_anywhere(text):
     assert not number_parsing.is_number(text)
-    assert parse_number([text]) == text and parse_float([text]) == text  # flags, of which the scene says what is wrong
-    for read, refusal in ((lambda: times_of((text,), "time"), BadInput),
-                          (lambda: parse_positive("Tolerance", text), NoNumber),
+    assert (
+        parse_number_or_text([text]) == text and parse_float_or_text([text]) == text
+    )  # flags, of which the scene says what is wrong
+    for read, refusal in ((lambda: parse_times((text,), "time"), BadInput),
+                          (lambda: parse_positive("Tolerance", text), InvalidNumber),
                           (lambda: read_state("bar;cells=" + text.replace(" ", "_")), StateError),
-                          (lambda: size_in(text.replace(",", " "), "m"), ValueError)):
+                          (lambda: parse_size(text.replace(",", " "), "m"), ValueError)):
         with pytest.raises(refusal):
             read()
 

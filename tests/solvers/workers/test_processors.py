@@ -4,7 +4,7 @@ import os
 
 import pytest
 
-from app.commands.flags import side_by_side
+from app.commands.flags import process_count
 from app.commands.study.coverage import Coverage
 from app.commands.study.stability import Stability
 from app.commands.study.sweep import Sweep
@@ -16,8 +16,8 @@ from solvers.workers.cpu_count import MOST_PROCESSES, available_cpus, default_pr
 def test_one_on_each_processor_that_may_be_used(there, used, monkeypatch):
     monkeypatch.setattr(os, "sched_getaffinity", lambda _: set(range(there)), raising=False)
     monkeypatch.setattr(os, "cpu_count", lambda: 1000)
-    assert available_cpus() == there and default_processes() == side_by_side(None) == used
-    assert side_by_side(2) == 2
+    assert available_cpus() == there and default_processes() == process_count(None) == used
+    assert process_count(2) == 2
 
 
 def test_where_nobody_says_what_may_be_used(monkeypatch):
@@ -31,10 +31,10 @@ def test_where_nobody_says_what_may_be_used(monkeypatch):
 @pytest.mark.parametrize("typed", [0, -1, MOST_PROCESSES + 1, "many", 1.5])
 def test_what_is_no_number_of_processes_is_refused(typed):
     with pytest.raises(SceneError, match=f"from 1 to {MOST_PROCESSES}"):
-        side_by_side(typed)
+        process_count(typed)
 
 
 def test_rows_that_are_timed_run_alone_unless_one_says_so(monkeypatch):
     monkeypatch.setattr(os, "sched_getaffinity", lambda _: set(range(5)), raising=False)
     for study, alone in ((Sweep, True), (Stability, False), (Coverage, False)):
-        assert study.__new__(study)._workers() == (1 if alone else 5)
+        assert study.__new__(study)._worker_count() == (1 if alone else 5)

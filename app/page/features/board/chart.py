@@ -11,7 +11,7 @@ from string import ascii_lowercase
 from typing import Any
 
 from app.language.translation import tr
-from app.lessons.answer_check import RightAnswer, in_unit, is_right
+from app.lessons.answer_check import RightAnswer, format_in_unit, is_right
 from app.lessons.lesson import CHOICE, INTERVAL, Numbers, Question, fill_numbers
 
 COLUMNS = 36  # of dots, along the axis
@@ -31,13 +31,13 @@ class Axis:
     high: float
     logarithmic: bool = False
 
-    def place(self, value: float) -> float:
+    def position(self, value: float) -> float:
         """Returns the position of a value, from 0 at the left to 1; values outside are at the ends."""
-        return min(1.0, max(0.0, (self._inner(value) - self.low) / (self.high - self.low)))
+        return min(1.0, max(0.0, (self._to_axis_scale(value) - self.low) / (self.high - self.low)))
 
     def beyond(self, value: float) -> int:
         """Returns -1 or 1 for a value outside the axis, at the left or at the right, else 0."""
-        inner = self._inner(value)
+        inner = self._to_axis_scale(value)
         return -1 if inner < self.low else 1 if inner > self.high else 0
 
     @property
@@ -52,7 +52,7 @@ class Axis:
         first, last = math.ceil(self.low / step), math.floor(self.high / step)
         return [10.0 ** (k * step) if self.logarithmic else float(f"{k * step:.12g}") for k in range(first, last + 1)]
 
-    def _inner(self, value: float) -> float:
+    def _to_axis_scale(self, value: float) -> float:
         if not self.logarithmic:
             return value
         return math.log10(value) if value > 0 else -math.inf
@@ -87,34 +87,34 @@ def answer_options(asked: Question, numbers: Numbers) -> str:
 def answer_chart(asked: Question, answers: Sequence[Any], numbers: Numbers, found: RightAnswer | None) -> str:
     """Returns the answers to a question that is not free text, with the right answer ``found`` once it is revealed."""
     if asked.kind == CHOICE:
-        return _bars(asked, answers, numbers, found)
+        return _choice_bars_html(asked, answers, numbers, found)
     if not answers and found is None:
         return ""
-    low, high = _band(asked, found)
+    low, high = _accepted_range(asked, found)
     ends = [float(end) for answer in answers for end in (answer if asked.kind == INTERVAL else (answer,))]
     axis = axis_for(ends or [low, high], [] if found is None else [low, high])
     if asked.kind == INTERVAL:
-        drawn = _lines(asked, answers, axis, found)
-        words = [tr("{low} to {high}", low=in_unit(asked, float(low)), high=in_unit(asked, float(high)))
+        drawn = _interval_lines_html(asked, answers, axis, found)
+        words = [tr("{low} to {high}", low=format_in_unit(asked, float(low)), high=format_in_unit(asked, float(high)))
                  for low, high in answers]
     else:  # dots, one above the other where they are nearly the same
-        columns = Counter(min(COLUMNS - 1, int(COLUMNS * axis.place(answer))) for answer in answers)
+        columns = Counter(min(COLUMNS - 1, int(COLUMNS * axis.position(answer))) for answer in answers)
         stacks = "".join(f"<div style='left: {100 * (k + 0.5) / COLUMNS:.2f}%'>{'<i></i>' * count}</div>"
                          for k, count in sorted(columns.items()))
         drawn = f"<div class='lab-dots' style='--most: {max(columns.values(), default=1)}'>{stacks}</div>"
-        words = [in_unit(asked, float(answer)) for answer in answers]
-    ticks = "".join(f"<span style='left: {100 * axis.place(tick):.2f}%'>{escape(in_unit(asked, tick))}</span>"
+        words = [format_in_unit(asked, float(answer)) for answer in answers]
+    ticks = "".join(f"<span style='left: {100 * axis.position(tick):.2f}%'>{escape(format_in_unit(asked, tick))}</span>"
                     for tick in axis.ticks)
     return f"<div class='lab-scale' role='img' aria-label='{escape('; '.join(words))}'>{drawn}" \
-           f"{_truth_mark_html(asked, axis, found)}{ticks}</div>{_beyond(ends, axis)}"
+           f"{_right_answer_mark_html(asked, axis, found)}{ticks}</div>{_outside_counts_html(ends, axis)}"
 
 
-def right_among(asked: Question, answers: Sequence[Any], found: RightAnswer) -> int:
+def count_right_answers(asked: Question, answers: Sequence[Any], found: RightAnswer) -> int:
     """Counts the answers that are right, or the intervals that contain the result."""
     return sum(is_right(asked, answer, found) for answer in answers)
 
 
-def _bars(asked: Question, answers: Sequence[int], numbers: Numbers, found: RightAnswer | None) -> str:
+def _choice_bars_html(asked: Question, answers: Sequence[int], numbers: Numbers, found: RightAnswer | None) -> str:
     counts, rows, says = Counter(answers), [], tr("this came out")
     for k, (letter, option) in enumerate(zip(ascii_lowercase, asked.options, strict=False), 1):
         came = found is not None and k in found.options
@@ -125,17 +125,18 @@ def _bars(asked: Question, answers: Sequence[int], numbers: Numbers, found: Righ
     return f"<ol class='lab-bars lab-counted'>{''.join(rows)}</ol>"
 
 
-def _lines(asked: Question, answers: Sequence[Sequence[float]], axis: Axis, found: RightAnswer | None) -> str:
+def _interval_lines_html(asked: Question, answers: Sequence[Sequence[float]], axis: Axis,
+                         found: RightAnswer | None) -> str:
     rows = []
     for low, high in answers:
-        left, right = 100 * axis.place(low), 100 * axis.place(high)
+        left, right = 100 * axis.position(low), 100 * axis.position(high)
         kind = "" if found is None else " class='lab-holds'" if is_right(asked, (low, high), found) else \
             " class='lab-misses'"
         rows.append(f"<i{kind} style='margin-left: {left:.2f}%; width: {right - left:.2f}%'></i>")
     return f"<div class='lab-lines' style='--most: {max(1, len(answers))}'>{''.join(rows)}</div>"
 
 
-def _band(asked: Question, found: RightAnswer | None) -> tuple[float, float]:
+def _accepted_range(asked: Question, found: RightAnswer | None) -> tuple[float, float]:
     """Returns the lower and upper limit between which an answer is right."""
     if found is None or isinstance(found.value, str):
         return 0.0, 0.0
@@ -143,17 +144,17 @@ def _band(asked: Question, found: RightAnswer | None) -> tuple[float, float]:
     return found.value - reach, found.value + reach
 
 
-def _truth_mark_html(asked: Question, axis: Axis, found: RightAnswer | None) -> str:
+def _right_answer_mark_html(asked: Question, axis: Axis, found: RightAnswer | None) -> str:
     if found is None or isinstance(found.value, str):
         return ""
-    low, high = (100 * axis.place(end) for end in _band(asked, found))
-    at, told = 100 * axis.place(found.value), tr("{value} came out", value=in_unit(asked, found.value))
+    low, high = (100 * axis.position(end) for end in _accepted_range(asked, found))
+    at, told = 100 * axis.position(found.value), tr("{value} came out", value=format_in_unit(asked, found.value))
     return f"<div class='lab-band' style='left: {low:.2f}%; width: {high - low:.2f}%'></div>" \
            f"<div class='lab-truth{' lab-leftwards' * (at > 50)}' style='left: {at:.2f}%'>" \
            f"<b>{escape(told)}</b></div>"
 
 
-def _beyond(ends: Sequence[float], axis: Axis) -> str:
+def _outside_counts_html(ends: Sequence[float], axis: Axis) -> str:
     """Returns the counts of values outside the axis, left and right, as html."""
     sides = Counter(axis.beyond(end) for end in ends)
     low = tr("{count} further to the left", count=sides[-1])

@@ -7,14 +7,14 @@ from typing import Any
 
 from app import state
 from app.access.log_limit import log_failure
-from app.classroom.board import BACK, NEXT, REVEALED, Board, has_chart
+from app.classroom.class_board import BACK, NEXT, REVEALED, ClassBoard, has_chart
 from app.classroom.class_context import LecturerContext
 from app.language.translation import with_language
 from app.lessons.answer_check import RightAnswer
 from app.lessons.lesson import fill_numbers
 from app.page.feature import Feature
-from app.page.features.board.chart import right_among
-from app.page.features.board.slides import says_next, slide_html
+from app.page.features.board.chart import count_right_answers
+from app.page.features.board.slides import next_button_label, slide_html
 from app.page.page_context import PageContext
 
 AGAIN = 0.25  # least seconds between two redraws: thirty may answer at once
@@ -29,7 +29,7 @@ class BoardPanel(Feature):
         self._page, self._lecturer = page, lecturer
         self._board = board = lecturer.board
         self._covers, self._at, self._closed = True, "", threading.Event()
-        page.attend(uncovered=False)
+        page.set_frame_conditions(uncovered=False)
         self.messages = {"board": self._on_message}
         self._drawing, self._news = threading.Lock(), threading.Event()
         self._says = page.gui.add_html("")
@@ -53,18 +53,18 @@ class BoardPanel(Feature):
             place = self._board.position
             self._says.content = (
                 f"<template class='lab-board' data-turn='{place.turn}' data-covers='{'yes' * self._covers}' "
-                f"data-next='{escape(says_next(self._board, place))}' data-back='{'yes' * (place.at > 0)}'>"
+                f"data-next='{escape(next_button_label(self._board, place))}' data-back='{'yes' * (place.at > 0)}'>"
                 f"{slide_html(self._board, place, self._lecturer.join_info_for(self._page.store.here))}</template>")
 
-    def _cover(self, step: int) -> None:
+    def _update_stage_cover(self, step: int) -> None:
         """Covers the stage, which pauses it, or uncovers it at this step of the lesson."""
         page = self._page
-        page.attend(uncovered=not self._covers)
+        page.set_frame_conditions(uncovered=not self._covers)
         if not self._covers:
             page.presenter.begin()
             if page.lesson:
-                page.lesson.show_step(self._board.core, step)
-            if (stage := stage_of(self._board, step)) != self._at:
+                page.lesson.go_to_step(self._board.core, step)
+            if (stage := stage_state_text(self._board, step)) != self._at:
                 self._at = stage
                 page.controls.show(state.parse_state(stage))
 
@@ -85,36 +85,36 @@ class BoardPanel(Feature):
             return
         what, turn = said
         if what in (NEXT, BACK):
-            self._board.press(what, turn)
+            self._board.press_button(what, turn)
         elif what == STAGE:
             self._covers = turn == 0
-            self._cover(self._board.position.at)
+            self._update_stage_cover(self._board.position.at)
         elif what == SAVE:
             self._page.client.send_file_download(
                 f"{self._board.lesson.name}-class.json", answers_json(self._board).encode(), save_immediately=True)
         self.draw()
 
 
-def stage_of(board: Board, at: int) -> str:
+def stage_state_text(board: ClassBoard, at: int) -> str:
     """Returns the state for the stage at a position in the lesson: that of the last step up to there that has one."""
     stages = [step.stage for step in board.lesson.steps[:at] if step.stage]
     return fill_numbers(stages[-1], board.numbers) if stages else ""
 
 
-def answers_json(board: Board) -> str:
+def answers_json(board: ClassBoard) -> str:
     """Returns all answers without names as JSON, by question and sorted, with the result if revealed."""
     questions = []
     for at, step in enumerate(board.lesson.steps, 1):
         if step.question is None:
             continue
-        answers, came = board.tally.answers(step.key), board.outcome_of(step)
-        revealed = came if board.reveal_stage(at) == REVEALED and isinstance(came, RightAnswer) else None
+        answers, came = board.tally.answers(step.key), board.computed_right_answer(step)
+        revealed = came if board.question_phase(at) == REVEALED and isinstance(came, RightAnswer) else None
         questions.append({
             "key": step.key, "step": step.kind, "title": fill_numbers(step.title, board.numbers),
             "kind": step.asked_question.kind, "unit": step.asked_question.unit,
             "options": [fill_numbers(option, board.numbers) for option in step.asked_question.options],
             "count": len(answers), "late": board.tally.count_late(step.key),
             "answers": answers if has_chart(step) else None, "came_out": revealed and revealed.text,
-            "right": None if revealed is None else right_among(step.asked_question, answers, revealed)})
+            "right": None if revealed is None else count_right_answers(step.asked_question, answers, revealed)})
     return json.dumps({"schema": SCHEMA, "lesson": board.lesson.name, "fingerprint": board.lesson.fingerprint,
                        "numbers": dict(board.numbers), "questions": questions}, ensure_ascii=False, indent=1) + "\n"

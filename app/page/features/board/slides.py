@@ -5,7 +5,7 @@ from html import escape
 
 import segno
 
-from app.classroom.board import COUNTED, REVEALED, Board, BoardPosition, has_chart
+from app.classroom.class_board import COUNTED, REVEALED, BoardPosition, ClassBoard, has_chart
 from app.classroom.class_context import JoinInfo
 from app.language.translation import lazy, tr, trn
 from app.lessons import catalogue
@@ -31,46 +31,48 @@ class QuestionScore:
     answers: int
 
 
-def slide_html(board: Board, place: BoardPosition, door: JoinInfo) -> str:
+def slide_html(board: ClassBoard, place: BoardPosition, door: JoinInfo) -> str:
     """Returns a slide of the board without its buttons."""
     step = board.step(place.at)
     where = tr("step {at} of {total}", at=board.step_number(place.at), total=board.step_count) if step else \
         tr("the beginning") if place.at == 0 else tr("the end")
-    now = tr("you look back; the class is at step {at}", at=board.step_number(place.last_open))
-    past = "" if place.is_current else f"<b class='lab-looks-back'>{now}</b>"
+    now = tr("you look back; the class is at step {at}", at=board.step_number(place.last_open_step))
+    past = "" if place.shows_last_open_step else f"<b class='lab-looks-back'>{now}</b>"
     here = board.tally.present_count
     here_said = trn("{count} is here", "{count} are here", here) if here else tr("nobody is here")
     count = f"<span>{here_said}</span>" if place.at else ""  # the first slide has it below
     top = f"<header><span>{where}</span>{past}{count}</header>"
-    body = _step(board, place, step) if step else _beginning(board, door) if place.at == 0 else _end(board)
+    body = _step_html(board, place, step) if step else _beginning_html(board,
+                                                                       door) if place.at == 0 else _end_html(board)
     return f"{top}{body}"
 
 
-def says_next(board: Board, place: BoardPosition) -> str:
+def next_button_label(board: ClassBoard, place: BoardPosition) -> str:
     """Returns the label of the button that goes on; "" at the end."""
     step, following = board.step(place.at), board.next_position(place.at)
-    if not place.is_current:
-        return tr("Show how the class did") if following == board.end else \
+    if not place.shows_last_open_step:
+        return tr("Show how the class did") if following == board.end_position else \
             tr("Go forward to step {at}", at=board.step_number(following))
-    if step and has_chart(step) and place.reveal_stage < REVEALED:
-        return tr("Show the answers") if place.reveal_stage == COUNTED else tr("Reveal what came out")
-    if following < board.end:
+    if step and has_chart(step) and place.question_phase < REVEALED:
+        return tr("Show the answers") if place.question_phase == COUNTED else tr("Reveal what came out")
+    if following < board.end_position:
         return tr("Open step {at} for all", at=board.step_number(following))
-    return tr("Show how the class did") if place.at < board.end else ""
+    return tr("Show how the class did") if place.at < board.end_position else ""
 
 
-def question_scores(board: Board) -> list[QuestionScore]:
+def question_scores(board: ClassBoard) -> list[QuestionScore]:
     """Returns the scores of all revealed questions."""
     found = []
     for at, step in enumerate(board.lesson.steps, 1):
-        came = board.outcome_of(step)
-        if board.reveal_stage(at) == REVEALED and isinstance(came, RightAnswer):
+        came = board.computed_right_answer(step)
+        if board.question_phase(at) == REVEALED and isinstance(came, RightAnswer):
             answers = board.tally.answers(step.key)
-            found.append(QuestionScore(step, chart.right_among(step.asked_question, answers, came), len(answers)))
+            found.append(QuestionScore(step, chart.count_right_answers(step.asked_question, answers, came),
+                                       len(answers)))
     return found
 
 
-def _beginning(board: Board, door: JoinInfo) -> str:
+def _beginning_html(board: ClassBoard, door: JoinInfo) -> str:
     picture = segno.make(door.full_link, error="l", micro=False).svg_inline(border=2, omitsize=True)
     warning = f"<p class='lab-warns'>{escape(door.warning)}</p>" if door.warning else ""
     here = board.tally.present_count
@@ -82,7 +84,7 @@ def _beginning(board: Board, door: JoinInfo) -> str:
            f"<figure role='img' aria-label='{tr('the link with the code, for phones')}'>{picture}</figure></div>"
 
 
-def _step(board: Board, place: BoardPosition, step: Step) -> str:
+def _step_html(board: ClassBoard, place: BoardPosition, step: Step) -> str:
     title = escape(fill_numbers(step.title, board.numbers))
     head = f"<h2><span class='lab-kind lab-kind-{step.kind}'>{tr(TITLES[step.kind])}</span> {title}</h2>"
     if step.question is None:
@@ -92,25 +94,25 @@ def _step(board: Board, place: BoardPosition, step: Step) -> str:
                     title=fill_numbers(following.title, board.numbers)) if following else \
             tr("Next: the end, and how the class did")
         said = tr("{come} of {here} have come to this step", come=come, here=here) if here else tr(NOBODY)
-        return f"{head}<div class='lab-waits'>{_meter(said, come, here)}<p>{escape(onward)}</p></div>"
-    if place.reveal_stage == COUNTED:
+        return f"{head}<div class='lab-waits'>{_meter_html(said, come, here)}<p>{escape(onward)}</p></div>"
+    if place.question_phase == COUNTED:
         text, name = to_html(fill_numbers(step.text, board.numbers), catalogue.FOLDER), tr("the question")
         return f"{head}<div class='lab-asked' tabindex='0' role='region' aria-label='{name}'>{text}</div>" \
                f"{chart.answer_options(step.asked_question, board.numbers)}{_count_html(board, step, place.at)}"
     answers = board.tally.answers(step.key)
-    came = board.outcome_of(step) if place.reveal_stage == REVEALED else None
+    came = board.computed_right_answer(step) if place.question_phase == REVEALED else None
     drawn = chart.answer_chart(step.asked_question, answers, board.numbers,
                                came if isinstance(came, RightAnswer) else None)
     after = board.tally.count_late(step.key)
     late = trn("{count} came later and is not counted.", "{count} came later and are not counted.",
                after) if after else ""
     return f"{head}<div class='lab-chart'>{drawn}</div><p class='lab-said' role='status'>" \
-           f"{_count_text(step, len(answers))} {late} {_outcome(place, step, answers, came)}</p>"
+           f"{_count_text(step, len(answers))} {late} {_outcome_sentence(place, step, answers, came)}</p>"
 
 
-def _count_html(board: Board, step: Step, at: int) -> str:
+def _count_html(board: ClassBoard, step: Step, at: int) -> str:
     tally = board.tally
-    said, asked = len(tally.answers(step.key)), tally.count_asked(step.key)
+    said, asked = len(tally.answers(step.key)), tally.count_present_or_answered(step.key)
     behind = tally.present_count - tally.count_reached(at)
     if not asked:
         told = tr(NOBODY)
@@ -121,10 +123,10 @@ def _count_html(board: Board, step: Step, at: int) -> str:
     late = trn("{count} of those who are here has not come to this step yet.",
                "{count} of those who are here have not come to this step yet.", behind)
     more = f"<p>{late}</p>" if behind else ""
-    return f"<div class='lab-count'>{_meter(told, said, asked)}{more}</div>"
+    return f"<div class='lab-count'>{_meter_html(told, said, asked)}{more}</div>"
 
 
-def _meter(told: str, part: int, whole: int) -> str:
+def _meter_html(told: str, part: int, whole: int) -> str:
     return f"<p class='lab-many' role='status'>{told}</p>" \
            f"<div class='lab-meter' aria-hidden='true'><i style='--part: {part / max(1, whole):.4f}'></i></div>"
 
@@ -135,13 +137,13 @@ def _count_text(step: Step, count: int) -> str:
     return trn("{count} answer.", "{count} answers.", count) if count else tr("Nobody has answered.")
 
 
-def _outcome(place: BoardPosition, step: Step, answers: list, came: RightAnswer | str | None) -> str:
+def _outcome_sentence(place: BoardPosition, step: Step, answers: list, came: RightAnswer | str | None) -> str:
     """Returns the sentence on the result of a step, once it is revealed; else ""."""
-    if place.reveal_stage != REVEALED:
+    if place.question_phase != REVEALED:
         return ""
     if came is None or isinstance(came, str):
         return tr(came or WORKING)
-    count = chart.right_among(step.asked_question, answers, came)
+    count = chart.count_right_answers(step.asked_question, answers, came)
     if step.asked_question.kind == INTERVAL:
         told = tr("{right} of {of} contain the result ({level} % expected): {told}.", right=count,
                   of=len(answers), level=f"{100 * step.asked_question.level:g}", told=escape(came.text))
@@ -155,7 +157,7 @@ def _outcome(place: BoardPosition, step: Step, answers: list, came: RightAnswer 
     return f"<b>{told}</b>"
 
 
-def _end(board: Board) -> str:
+def _end_html(board: ClassBoard) -> str:
     found = question_scores(board)
     rows = "".join(f"<li><span>{escape(fill_numbers(one.step.title, board.numbers))}</span>"
                    f"<i style='--part: {one.right / max(1, one.answers):.4f}'></i>"
@@ -163,7 +165,7 @@ def _end(board: Board) -> str:
                    f"{tr(HELD if one.step.asked_question.kind == INTERVAL else RIGHT, right=one.right, of=one.answers)}"
                    "</b>"
                    "</li>" for one in found)
-    sums = "".join(f"<p class='lab-many'>{told}</p>" for told in calibration(found))
+    sums = "".join(f"<p class='lab-many'>{told}</p>" for told in score_sentences(found))
     none, name = tr("No question has been revealed."), tr("question by question")
     nothing = "" if found else f"<p class='lab-said'>{none}</p>"
     return f"<h2>{tr(HOW)}</h2><div class='lab-sums'>{sums}</div>{nothing}" \
@@ -171,7 +173,7 @@ def _end(board: Board) -> str:
            f"aria-label='{name}'>{rows}</ol>"
 
 
-def calibration(found: list[QuestionScore]) -> list[str]:
+def score_sentences(found: list[QuestionScore]) -> list[str]:
     """Returns a sentence each on the class's predictions, observations and intervals, with the share that is right."""
     said = []
     intervals = [one for one in found if one.step.asked_question.kind == INTERVAL]

@@ -7,8 +7,16 @@ from html import escape
 
 import numpy as np
 
-from app.colours import cause_token
-from app.frame.budget_chart import CAPTION, MEANINGS, UNITS, error_rms, error_source_note, format_percent, stack_layers
+from app.colours import cause_css_variable
+from app.frame.budget_chart import (
+    CAPTION,
+    MEANINGS,
+    UNITS,
+    error_rms,
+    estimated_error_note,
+    format_percent,
+    stack_layers,
+)
 from app.frame.colour_scale import round_up
 from app.language.translation import lazy, tr, translate_message
 from app.page.visit.history import series_until
@@ -54,20 +62,20 @@ class _Axes:
         time = run.plotted["time"] / run.scene.period
         kept = np.unique(np.r_[np.arange(0, len(time), -(-len(time) // MOST)), len(time) - 1])
         x = np.rint(WIDTH * (time[kept] - self.start) / (self.end - self.start)).astype(int)
-        y = np.rint((self.top - values[kept]) / self.unit).astype(int)
+        y = np.rint((self.top - values[kept]) / self.error_per_unit_height).astype(int)
         return [f"{at} {high}" for at, high in zip(x.tolist(), y.tolist(), strict=True)]
 
     @property
-    def unit(self) -> float:
+    def error_per_unit_height(self) -> float:
         """Error per unit of the chart's height."""
         return (self.top - self.low) / HEIGHT
 
-    def part(self, value: float) -> str:
+    def css_top(self, value: float) -> str:
         """Returns the distance of a value from the top as a CSS percentage."""
         return f"{100 * (self.top - value) / (self.top - self.low):.1f}%"
 
 
-def taken_away(scene: Scene) -> str:
+def removed_cause(scene: Scene) -> str:
     """Returns the cause removed in a scene's run, or ``NOTHING``."""
     return getattr(scene, "take_away", NOTHING)  # problems without a budget have no such field
 
@@ -76,11 +84,14 @@ def budget_chart(runs: Sequence[BudgetData], field: str) -> str:
     """Returns the stacked errors of a field on one scale, with each cause's share, or why a run has no shares."""
     drawn = [run for run in runs if not run.not_valid]
     axes = _axes(drawn, field) if drawn else None
-    figures = "".join(_figure(run, field, axes) if axes and not run.not_valid else
-                      _panel(run,
-                             f"<p class='lab-no-budget'>{escape(as_sentence(run.not_valid))}</p>") for run in runs)
+    figures = "".join(
+        _chart_figure_html(run, field, axes)
+        if axes and not run.not_valid
+        else _captioned_figure_html(run, f"<p class='lab-no-budget'>{escape(as_sentence(run.not_valid))}</p>")
+        for run in runs
+    )
     caption = f"<p class='lab-caption'>{tr(CAPTION)}</p>" if drawn else ""
-    return f"<div class='lab-budget-chart'>{figures}{_shares(drawn, field) if drawn else ''}{caption}</div>"
+    return f"<div class='lab-budget-chart'>{figures}{_legend_html(drawn, field) if drawn else ''}{caption}</div>"
 
 
 def _axes(runs: Sequence[BudgetData], field: str) -> _Axes:
@@ -96,16 +107,16 @@ def _axes(runs: Sequence[BudgetData], field: str) -> _Axes:
     return _Axes(start, start + span, -round_up(-lowest, ENDS)[0] if lowest < -0.02 * top else min(lowest, 0.0), top)
 
 
-def _figure(run: BudgetData, field: str, axes: _Axes) -> str:
+def _chart_figure_html(run: BudgetData, field: str, axes: _Axes) -> str:
     """Returns one run's chart with its axes as html."""
     paths = []
     for layer in stack_layers(run.plotted, field):
-        colour = f"style='fill:var(--{cause_token(layer.cause)})'"
+        colour = f"style='fill:var(--{cause_css_variable(layer.cause)})'"
         for inner, outer in (layer.above, layer.below):
-            if np.max(np.abs(outer - inner)) > 0.5 * axes.unit:
+            if np.max(np.abs(outer - inner)) > 0.5 * axes.error_per_unit_height:
                 around = [*axes.path_points(run, outer), *axes.path_points(run, inner)[::-1]]
                 paths.append(f"<path {colour} d='M{'L'.join(around)}Z'/>")
-    line, zero = axes.path_points(run, error_rms(run.plotted, field)), axes.part(0.0)
+    line, zero = axes.path_points(run, error_rms(run.plotted, field)), axes.css_top(0.0)
     tick = round_up(0.5 * axes.top, TICKS)[0]
     period, unit = run.scene.period, UNITS[field]
     size = with_unit(tick, unit) if unit else format_number(tick)
@@ -113,13 +124,16 @@ def _figure(run: BudgetData, field: str, axes: _Axes) -> str:
     svg = f"<svg viewBox='0 0 {WIDTH} {HEIGHT}' preserveAspectRatio='none' role='img' " \
           f"aria-label='{_chart_text(run, field)}'>" \
           f"{''.join(paths)}<path class='lab-whole' d='M{'L'.join(line)}'/></svg>"
-    return _panel(run, f"<div class='lab-made'>{svg}<i style='top:{axes.part(tick)}'></i><i style='top:{zero}'></i>"
-                  f"<span style='top:{axes.part(tick)}'>{size}</span><span style='top:{zero}'>0</span></div>"
-                  f"<div class='lab-made-times'><span>{begins}</span><span>t</span>"
-                  f"<span>{with_unit(axes.end * period, 's')}</span></div>")
+    return _captioned_figure_html(
+        run,
+        f"<div class='lab-made'>{svg}<i style='top:{axes.css_top(tick)}'></i><i style='top:{zero}'></i>"
+        f"<span style='top:{axes.css_top(tick)}'>{size}</span><span style='top:{zero}'>0</span></div>"
+        f"<div class='lab-made-times'><span>{begins}</span><span>t</span>"
+        f"<span>{with_unit(axes.end * period, 's')}</span></div>",
+    )
 
 
-def _panel(run: BudgetData, inside: str) -> str:
+def _captioned_figure_html(run: BudgetData, inside: str) -> str:
     title = f"<b>{escape(run.name)}</b>" if run.name else ""
     return f"<figure>{title}{inside}</figure>"
 
@@ -131,17 +145,17 @@ def _chart_text(run: BudgetData, field: str) -> str:
     return escape(tr("error of {field} over time, made by {parts}", field=field, parts=parts), quote=True)
 
 
-def _shares(runs: Sequence[BudgetData], field: str) -> str:
+def _legend_html(runs: Sequence[BudgetData], field: str) -> str:
     """Returns the legend as html: each cause with its explanation and its share in each run."""
     shares = [budget.shares(run.series, field) for run in runs]
     several = len(runs) > 1
     head = "".join(f"<th>{escape(run.name.partition(':')[0])}</th>" for run in runs) if several else "<td></td>"
     rows = "".join(
-        f"<tr data-cause='{cause}'><td><i style='background:var(--{cause_token(cause)})'></i><b>{tr(words)}</b> "
+        f"<tr data-cause='{cause}'><td><i style='background:var(--{cause_css_variable(cause)})'></i><b>{tr(words)}</b> "
         f"<span>{tr(MEANINGS[cause])}</span></td>"
         f"{''.join(f'<td>{format_percent(one[cause])}</td>' for one in shares)}</tr>"
         for cause, words in CAUSES.items())
-    of = tr("share of the error of {field} over the run", field=field) + error_source_note(runs[-1].scene)
+    of = tr("share of the error of {field} over the run", field=field) + estimated_error_note(runs[-1].scene)
     return f"<table class='lab-causes{' lab-two' * several}'><tr><th>{of}</th>{head}</tr>{rows}</table>"
 
 
@@ -149,16 +163,17 @@ def removal_outcome(before: BudgetData, again: BudgetData, field: str, cause: st
     """Returns RMS errors before, as predicted without a cause, and without it, over the time that both runs have."""
     end = min(run.series["time"][-1] for run in (before, again)) * (1 + WHOLE)
     first, second = series_until(before.series, end), series_until(again.series, end)
-    sizes = {"before": budget.rms(first, field), "predicted": budget.rms(first, field, without=cause),
-             "again": budget.rms(second, field)}
+    sizes = {"before": budget.rms_error_over_run(first, field),
+             "predicted": budget.rms_error_over_run(first, field, without=cause),
+             "again": budget.rms_error_over_run(second, field)}
     if not (whole := sizes["before"]):
         return ""
-    rows = "".join(_bar(tr(PHRASES[key]), size, whole, UNITS[field], key) for key, size in sizes.items())
+    rows = "".join(_size_bar_html(tr(PHRASES[key]), size, whole, UNITS[field], key) for key, size in sizes.items())
     of = tr("RMS of {field} over the run, without {cause}", field=field, cause=tr(CAUSES[cause]))
     return f"<div class='lab-outcome'><p>{of}</p>{rows}</div>"
 
 
-def _bar(words: str, size: float | None, whole: float, unit: str, key: str) -> str:
+def _size_bar_html(words: str, size: float | None, whole: float, unit: str, key: str) -> str:
     """Returns a size as a bar and a number, relative to the ``whole``, as html."""
     if size is None:
         return f"<p data-size='{key}'><span>{words}</span> <b>–</b></p>"

@@ -13,12 +13,12 @@ from typing import Any
 import numpy as np
 
 from app.language.translation import lazy, tr, translate_message
-from app.page.features.background_job import SLOTS, Background, JobStatus
+from app.page.features.background_job import SLOTS, BackgroundJobs, JobStatus
 from solvers.running.result import Result
 from solvers.scene.error_causes import NOTHING
 from solvers.scene.scene import Scene
 from solvers.scene.validation import SceneError
-from solvers.solver.error_norms import finite
+from solvers.solver.error_norms import finite_or_none
 from solvers.study.parameter_grid import Task, task_of
 from solvers.workers.worker_pool import Slots
 
@@ -30,7 +30,7 @@ Tell = Callable[[dict[str, Any]], object]
 
 
 @dataclass(frozen=True)
-class BudgetProgress(JobStatus):
+class BudgetJobStatus(JobStatus):
     """Budget of a ``scene``: its progress (``part``), its samples, and those of the run ``again`` without ``cause``."""
 
     scene: Scene | None = None
@@ -40,23 +40,23 @@ class BudgetProgress(JobStatus):
     again: Series | None = None
 
 
-class BudgetJobs(Background[BudgetProgress]):
+class BudgetJobs(BackgroundJobs[BudgetJobStatus]):
     """Budget jobs of one visitor."""
 
     WORK = __name__
     BUSY = lazy("Other visitors' questions keep this server busy: it answers {n} at a time. Try again in a while.")
 
     def __init__(self, slots: Slots = SLOTS):
-        super().__init__(BudgetProgress(), slots)
+        super().__init__(BudgetJobStatus(), slots)
 
-    def budget(self, scene: Scene, cause: str = NOTHING) -> None:
+    def start_budget(self, scene: Scene, cause: str = NOTHING) -> None:
         """Starts the budget of a scene, and of a run without a cause; earlier results of this scene stay meanwhile."""
         before = self.status.series if self.status.scene == scene else None
-        self._start(BudgetProgress("budget", scene=scene, cause=cause, series=before),
+        self._start(BudgetJobStatus("budget", scene=scene, cause=cause, series=before),
                     {"task": task_of(scene).to_dict(), "cause": cause}, PATIENCE)
-        self.give_way()
+        self.lower_priority()
 
-    def update_status(self, before: BudgetProgress, message: dict[str, Any]) -> BudgetProgress:
+    def update_status(self, before: BudgetJobStatus, message: dict[str, Any]) -> BudgetJobStatus:
         given: dict[str, Any] = message | {
             name: columns and {key: np.array(values, float) for key, values in columns.items()}
             for name, columns in message.items() if name in ("series", "again")}
@@ -88,5 +88,6 @@ def budget(question: dict[str, Any], tell: Tell) -> None:
 
 
 def _columns(result: Result) -> dict[str, list[float | None]]:
-    return {name: [finite(value) for value in np.asarray(values).tolist()] for name, values in result.series.items()
+    return {name: [finite_or_none(value) for value in np.asarray(values).tolist()] for name,
+            values in result.series.items()
             if name == "time" or name.startswith("budget/")}

@@ -10,13 +10,13 @@ from typing import Any
 
 import viser
 
-from app.frame.budget_chart import QUESTION, field_of, format_percent, has_budget, largest_share
+from app.frame.budget_chart import QUESTION, budget_field, format_percent, has_budget, largest_share
 from app.language.translation import lazy, tr, translate_message
 from app.page.feature import Feature, PageView
-from app.page.features.budget.chart import BudgetData, as_sentence, budget_chart, removal_outcome, taken_away
-from app.page.features.budget.jobs import BudgetJobs, BudgetProgress
+from app.page.features.budget.chart import BudgetData, as_sentence, budget_chart, removal_outcome, removed_cause
+from app.page.features.budget.jobs import BudgetJobs, BudgetJobStatus
 from app.page.page_context import PageContext
-from app.page.panels.page_header import anchor_html
+from app.page.panels.page_header import widget_marker_html
 from app.page.readout_panel import Numbers
 from app.page.visit.session import Session
 from app.state import State
@@ -36,25 +36,25 @@ PINNED, THIS = (lazy("pinned"), lazy("pinned: {run}")), (lazy("this run"), lazy(
 _NAMES = {"x": lazy("displacement x"), "v": lazy("velocity v"), "F": lazy("deformation F")}
 
 
-def cause_button() -> str:
+def budget_button_html() -> str:
     """Returns the button below the judges' cards that opens the folder (``js/budget.js``)."""
     return (f"<button type='button' class='lab-who'><b>{tr(QUESTION)}</b> "
             f"<span>{tr('crossings, grid, body force or time step')}</span></button>")
 
 
-class BudgetFold(Feature):
+class BudgetPanel(Feature):
     """Widgets of one visitor; ``state`` returns the state shown, ``show`` puts another one on the stage."""
 
     def __init__(self, gui: viser.GuiApi, session: Session, state: Callable[[], State], show: Callable[[State], None],
                  clock: Callable[[], float] = monotonic):
         self._session, self._state, self._show, self._clock = session, state, show, clock
         self.jobs = BudgetJobs()
-        self.messages = {"budget": self.press}
+        self.messages = {"budget": self.on_button_click}
         self._followed, self._drawn_at = "", -math.inf
-        self._mark = gui.add_html(anchor_html("lab-budget"))
+        self._mark = gui.add_html(widget_marker_html("lab-budget"))
         self._fold = gui.add_folder(tr(QUESTION), expand_by_default=False)
         with self._fold:
-            self._offer = gui.add_html(_offer(OFFER))
+            self._offer = gui.add_html(_offer_html(OFFER))
             self._find = gui.add_button(tr("Find out"),
                                         hint=tr("with the causes' errors beside the run, from t = 0 on"))
             self._cancel = gui.add_button(tr("Cancel"), hint=tr("keep the current result"))
@@ -69,31 +69,31 @@ class BudgetFold(Feature):
             self._outcome = gui.add_html("")
             self._back = gui.add_button(tr("Put it back"), hint=tr("the scene as it is, by itself"))
         self._cancel.on_click(lambda _: self.jobs.cancel())
-        self._find.on_click(lambda _: self.find_out())
-        self._again.on_click(lambda _: self._take_away())
+        self._find.on_click(lambda _: self.request_budget())
+        self._again.on_click(lambda _: self._remove_cause())
         self._back.on_click(lambda _: self._show(replace(
             state := self._state(), scene=_scene_without(NOTHING, state.scene), pinned=None)))
         self._field.on_update(lambda _: setattr(self, "_drawn_at", -math.inf))
 
     @classmethod
-    def build(cls, page: PageContext) -> "BudgetFold":
-        page.controls.extend("estimators", lambda: page.gui.add_html(cause_button()))
+    def build(cls, page: PageContext) -> "BudgetPanel":
+        page.controls.add_extension("estimators", lambda: page.gui.add_html(budget_button_html()))
         return cls(page.gui, page.session, lambda: page.controls.state, page.controls.show)
 
     def close(self) -> None:
         self.jobs.close()
 
-    def press(self, said: object) -> None:
+    def on_button_click(self, said: object) -> None:
         """Handles the click on *Who made this error?*."""
         if said is True:
-            self.find_out()
+            self.request_budget()
 
-    def find_out(self) -> None:
+    def request_budget(self) -> None:
         """Starts the error budget of the run, and of a pinned run beside it."""
         state = self._state()
         if EFFECT not in state.scene.OWN_EFFECTS:
             if self.jobs.status.scene != state.scene or self.jobs.status.series is None:
-                self.jobs.budget(state.scene)
+                self.jobs.start_budget(state.scene)
         elif EFFECT not in state.scene.effects:
             self._show(replace(state, scene=_with_budget(state.scene),
                                pinned=None if state.pinned is None else _with_budget(state.pinned)))
@@ -110,73 +110,84 @@ class BudgetFold(Feature):
         _set_visible(scene is not None and (on or not view.in_lesson), self._mark, self._fold)
         if scene is None or not self._fold.visible:
             return
-        runs = _runs_found(found) if not own else self._runs(numbers, scene, choice.latest) if on else []
+        runs = _computed_runs(found) if not own else self._recorded_runs(numbers, scene, choice.latest) if on else []
         _set_visible(not on and not runs and not found.running, self._find)
         _set_visible(not own and found.running, self._cancel)
         _set_visible(not runs or (not own and (found.running or bool(found.trouble))), self._offer)
         _set_visible(on or bool(runs), self._field)
         _set_visible(bool(runs), self._chart)
         _set_visible(bool(runs) and not found.running, self._cause, self._again)
-        _set_visible(own and taken_away(scene) != NOTHING, self._back)
+        _set_visible(own and removed_cause(scene) != NOTHING, self._back)
         # The reason why there is no chart.
         reason = next((text for text in scene.warnings() if text.startswith("error budget")), "") if own and on else ""
         why = f"<p class='lab-budget-offer'>{escape(as_sentence(translate_message(reason).partition(': ')[2]))}</p>" \
             if reason else ""
-        self._offer.content = why or _offer(WAITING if on else OFFER) if own else _status(found) or _offer(ON_DEMAND)
+        self._offer.content = (
+            why or _offer_html(WAITING if on else OFFER) if own else _status_html(found) or _offer_html(ON_DEMAND)
+        )
         if choice.quantity != self._followed:  # show the budget of its field
             self._followed, self._drawn_at = choice.quantity, -math.inf
-            self._field.value = tr(_NAMES[field_of(choice.quantity)])  # type: ignore[misc]
-        self._draw(runs, self._cause_between(runs) if own else found.cause, on, numbers.now.playing)
+            self._field.value = tr(_NAMES[budget_field(choice.quantity)])  # type: ignore[misc]
+        self._draw(runs, self._removed_cause_between(runs) if own else found.cause, on, numbers.now.playing)
 
-    def _current_status(self, scene: Scene | None) -> BudgetProgress:
+    def _current_status(self, scene: Scene | None) -> BudgetJobStatus:
         """Returns the progress of the jobs for a scene; cancels a job for another scene."""
         status = self.jobs.status
         if status.scene == scene:
             return status
         self.jobs.cancel()
-        return BudgetProgress()
+        return BudgetJobStatus()
 
     def _draw(self, runs: list[BudgetData], cause: str, on: bool, playing: bool) -> None:
         """Draws the chart of the runs, and the outcome of removing a ``cause`` from the first."""
         field, now = next(field for field, name in _NAMES.items() if tr(name) == self._field.value), self._clock()
         if not runs:
             self._drawn_at = -math.inf
-            self._mark.content = anchor_html("lab-budget", words="" if on else tr("not asked yet"))
+            self._mark.content = widget_marker_html("lab-budget", words="" if on else tr("not asked yet"))
             self._outcome.content = ""
         elif not playing or now >= self._drawn_at + REDRAWN:
             self._drawn_at = now
             self._chart.content = budget_chart(runs, field)
             most = largest_share(runs[-1].series, field)  # the largest cause
-            self._mark.content = anchor_html("lab-budget", words=tr("not valid here") if most is None else
-                                             f"{tr(CAUSES[most[0]])} {format_percent(most[1])}")
+            self._mark.content = widget_marker_html("lab-budget", words=tr("not valid here") if most is None else
+                                                    f"{tr(CAUSES[most[0]])} {format_percent(most[1])}")
             self._outcome.content = "" if cause == NOTHING or len(runs) < 2 else \
                 removal_outcome(runs[0], runs[-1], field, cause)
 
     @staticmethod
-    def _cause_between(runs: list[BudgetData]) -> str:
+    def _removed_cause_between(runs: list[BudgetData]) -> str:
         """Returns the cause removed in the second of two runs that are otherwise equal, else ``NOTHING``."""
         if len(runs) < 2:
             return NOTHING
         before, again = (run.scene for run in runs)
-        return taken_away(again) if before == _scene_without(NOTHING, again) else NOTHING
+        return removed_cause(again) if before == _scene_without(NOTHING, again) else NOTHING
 
-    def _runs(self, numbers: Numbers, scene: Scene, latest: bool) -> list[BudgetData]:
+    def _recorded_runs(self, numbers: Numbers, scene: Scene, latest: bool) -> list[BudgetData]:
         """Returns the pinned run, if it has a budget, and the one on the stage, if it has one yet."""
         past, pinned = numbers.past, numbers.pinned
-        if past is None or past.scene != scene or not has_budget(past.series) or not has_budget(past.latest):
+        if (
+            past is None
+            or past.scene != scene
+            or not has_budget(past.series)
+            or not has_budget(past.latest_periods_series)
+        ):
             return []
         both = []
-        if pinned is not None and has_budget(pinned.history.series) and has_budget(pinned.history.latest):
+        if (
+            pinned is not None
+            and has_budget(pinned.history.series)
+            and has_budget(pinned.history.latest_periods_series)
+        ):
             both = [BudgetData(_run_name(PINNED, pinned.scene, scene), pinned.scene, pinned.history.series,
-                               pinned.history.latest if latest else pinned.history.series)]
+                               pinned.history.latest_periods_series if latest else pinned.history.series)]
         name = "" if pinned is None or not both else _run_name(THIS, scene, pinned.scene)
-        return [*both, BudgetData(name, scene, past.series, past.latest if latest else past.series)]
+        return [*both, BudgetData(name, scene, past.series, past.latest_periods_series if latest else past.series)]
 
-    def _take_away(self) -> None:
+    def _remove_cause(self) -> None:
         state = self._state()
         suspect = next(cause for cause, words in CAUSES.items() if tr(words) == self._cause.value)
         if EFFECT not in state.scene.OWN_EFFECTS:
-            self.jobs.budget(state.scene, suspect)
+            self.jobs.start_budget(state.scene, suspect)
             return
         before = _scene_without(NOTHING, state.scene)
         try:
@@ -187,7 +198,7 @@ class BudgetFold(Feature):
             self._show(replace(state, scene=after, pinned=before))
 
 
-def _runs_found(found: BudgetProgress) -> list[BudgetData]:
+def _computed_runs(found: BudgetJobStatus) -> list[BudgetData]:
     """Returns the run whose budget a job has computed, and the one without a cause."""
     if found.scene is None or found.series is None:
         return []
@@ -196,7 +207,7 @@ def _runs_found(found: BudgetProgress) -> list[BudgetData]:
     return [BudgetData(name, found.scene, series, series) for name, series in runs.items()]
 
 
-def _status(found: BudgetProgress) -> str:
+def _status_html(found: BudgetJobStatus) -> str:
     """Returns the progress or the failure of a job as html; "" if there is neither."""
     if found.running:
         return f"<p class='lab-budget-offer' role='status'>" \
@@ -212,7 +223,7 @@ def _with_budget(scene: Scene) -> Scene:
 def _scene_without(cause: str, scene: Scene) -> Scene:
     """Returns the scene with this cause removed."""
     change: dict[str, Any] = {"take_away": cause}
-    return replace(scene, **change) if taken_away(scene) != cause else scene
+    return replace(scene, **change) if removed_cause(scene) != cause else scene
 
 
 def _run_name(name: tuple[str, str], scene: Scene, other: Scene) -> str:
@@ -220,7 +231,7 @@ def _run_name(name: tuple[str, str], scene: Scene, other: Scene) -> str:
     return tr(name[bool(said)], run=said)
 
 
-def _offer(text: str) -> str:
+def _offer_html(text: str) -> str:
     return f"<p class='lab-budget-offer'>{tr(text)}</p>"
 
 

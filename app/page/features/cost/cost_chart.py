@@ -16,7 +16,13 @@ from itertools import chain, pairwise
 from app.colours import METHOD_MARKS
 from app.language.translation import lazy, tr, trn
 from app.page.features.cost import cost_texts, visitor_runs
-from app.page.features.cost.cost_texts import error_reference, format_percent, format_seconds, join_names, run_name
+from app.page.features.cost.cost_texts import (
+    format_percent,
+    format_seconds,
+    join_names,
+    reference_length_name,
+    run_name,
+)
 from app.page.features.cost.visitor_runs import SWEEP, NumberedRun, cheapest_run, measured_runs, run_of_scene
 from app.words import METHODS, method_name
 from solvers.problems import PROBLEMS
@@ -35,9 +41,9 @@ ORDER = 2  # order of the methods in the cell size
 
 @dataclass(frozen=True)
 class Tick:
-    """Tick at ``part`` of the axis, from its low end; ``minor`` if its value is no power of ten."""
+    """Tick at ``position`` of the axis, from its low end; ``minor`` if its value is no power of ten."""
 
-    part: float
+    position: float
     label: str
     minor: bool
 
@@ -49,11 +55,11 @@ class LogAxis:
     low: float
     high: float
 
-    def part(self, value: float) -> float:
+    def position(self, value: float) -> float:
         """Returns the position of a value: 0 at the low end, 1 at the high one."""
         return (math.log10(value) - self.low) / (self.high - self.low)
 
-    def around(self, values: Iterable[float]) -> "LogAxis":
+    def extend_to(self, values: Iterable[float]) -> "LogAxis":
         """Returns this axis, extended to contain the values."""
         other = axis_around(values)
         return self if other is None else LogAxis(min(self.low, other.low), max(self.high, other.high))
@@ -64,8 +70,8 @@ class LogAxis:
         for power in range(math.floor(self.low), math.ceil(self.high) + 1):
             for factor in (1, *MINOR):
                 value = float(f"{factor}e{power}")
-                if 0 <= self.part(value) <= 1:
-                    found.append(Tick(self.part(value), label(value), factor in MINOR))
+                if 0 <= self.position(value) <= 1:
+                    found.append(Tick(self.position(value), label(value), factor in MINOR))
         return found
 
 
@@ -86,29 +92,29 @@ class Axes:
     """Axes of time, if any is known, and of error; they only grow, so that dots on view stay in place."""
 
     times: LogAxis | None
-    up: LogAxis
+    error_axis: LogAxis
 
     @property
-    def across(self) -> LogAxis:
+    def time_axis(self) -> LogAxis:
         return self.times or UNTIMED
 
-    def place(self, run: NumberedRun) -> tuple[float, float]:
+    def run_position(self, run: NumberedRun) -> tuple[float, float]:
         """Returns a run's position from left and top in %; a broken run is at the top, an untimed one at the left."""
-        return (_percent(self.across.part(run.seconds)) if run.timed_alone else 0.0,
-                0.0 if run.broken else _percent(1 - self.up.part(run.size)))
+        return (_percent(self.time_axis.position(run.seconds)) if run.timed_alone else 0.0,
+                0.0 if run.broken else _percent(1 - self.error_axis.position(run.error_or_estimate)))
 
 
 def axes_for(runs: Sequence[NumberedRun], tolerance: float, before: Axes | None = None) -> Axes:
     """Returns axes that contain the runs, the tolerance and the range of the axes ``before``."""
     times = [run.seconds for run in runs if run.drawable and run.timed_alone]
-    errors = [run.size for run in runs if run.drawable and not run.broken]
+    errors = [run.error_or_estimate for run in runs if run.drawable and not run.broken]
     least = min(errors, default=1e-2) / 10**MOST_BELOW
     wanted = [max(tolerance, least)] if math.isfinite(tolerance) else []
     if before is None:
         up = axis_around([*errors, *wanted]) if errors else None
-        return Axes(axis_around(times), up or UNMEASURED.around(wanted))
-    return Axes(before.times.around(times) if before.times else axis_around(times),
-                before.up.around([*errors, *wanted]))
+        return Axes(axis_around(times), up or UNMEASURED.extend_to(wanted))
+    return Axes(before.times.extend_to(times) if before.times else axis_around(times),
+                before.error_axis.extend_to([*errors, *wanted]))
 
 
 def draw_runs(runs: Sequence[NumberedRun], like: Sequence[NumberedRun], scene: Scene, inside: Axes) -> str:
@@ -123,7 +129,7 @@ def draw_runs(runs: Sequence[NumberedRun], like: Sequence[NumberedRun], scene: S
     lines = "".join([_grid(inside), _guides(inside, scene.DIMENSIONS) if inside.times else "", under, *drawn])
     texts = [_label(run, inside, "lab-name", words, _colour(run)) for run, words in curve_names(like)]
     texts += [  # names of methods without curves: at the right, at the height of the most accurate run
-        f"<span class='lab-name lab-at-edge' style='left:100%;top:{inside.place(run)[1]}%;{_colour(run)}' "
+        f"<span class='lab-name lab-at-edge' style='left:100%;top:{inside.run_position(run)[1]}%;{_colour(run)}' "
         f"aria-hidden='true'><svg viewBox='-8 -8 16 16'><path d='{SHAPES[METHOD_MARKS[run.method]]}'/></svg>"
         f"{escape(method_name(run.method))}</span>" for run in best_without_curve(like)]
     texts += [_label(run, inside, "lab-cells", str(run.scene.cells)) for run in [*chain(*sweep_curves(like)), *best]]
@@ -131,7 +137,7 @@ def draw_runs(runs: Sequence[NumberedRun], like: Sequence[NumberedRun], scene: S
         texts.append(_label(own, inside, f"lab-on-stage{' lab-untimed' * (not own.timed_alone)}", tr("on the stage")))
     # The comparable runs are drawn last, on top.
     last = sorted(dots, key=lambda run: (run.number in numbers, run in best))
-    words = _titles(scene) + (_keys(dots, best, scene.DIMENSIONS) if inside.times else "")
+    words = _axis_titles_svg(scene) + (_legend_svg(dots, best, scene.DIMENSIONS) if inside.times else "")
     return (f"{band}<svg class='lab-ruled' aria-hidden='true'>{lines}{words}</svg>{''.join(texts)}"
             f"{''.join(_dot(run, inside, run.number not in numbers) for run in last)}")
 
@@ -164,7 +170,7 @@ def best_without_curve(runs: Sequence[NumberedRun]) -> list[NumberedRun]:
     """Returns the most accurate run of each method that has no curve."""
     named = {curve[0].method for curve in sweep_curves(runs)}
     best: dict[str, NumberedRun] = {}
-    for run in sorted(measured_runs(runs), key=lambda run: run.size):
+    for run in sorted(measured_runs(runs), key=lambda run: run.error_or_estimate):
         if run.method not in named:
             best.setdefault(run.method, run)
     return list(best.values())
@@ -181,12 +187,12 @@ def _percent(part: float) -> float:
 
 def _grid(inside: Axes) -> str:
     parts = []
-    for tick in inside.across.ticks(format_seconds):
-        x, kind = _percent(tick.part), " lab-minor" * tick.minor
+    for tick in inside.time_axis.ticks(format_seconds):
+        x, kind = _percent(tick.position), " lab-minor" * tick.minor
         parts.append(f"<line x1='{x}%' x2='{x}%' y1='0' y2='100%' class='lab-grid{kind}'/><text x='{x}%' y='100%' "
                      f"dy='1.6em' text-anchor='middle' class='lab-across{kind}'>{tick.label}</text>")
-    for tick in inside.up.ticks(format_percent):
-        y, kind = _percent(1 - tick.part), " lab-minor" * tick.minor
+    for tick in inside.error_axis.ticks(format_percent):
+        y, kind = _percent(1 - tick.position), " lab-minor" * tick.minor
         parts.append(f"<line x1='0' x2='100%' y1='{y}%' y2='{y}%' class='lab-grid{kind}'/><text x='0' y='{y}%' "
                      f"dy='0.35em' text-anchor='end' class='lab-up{kind}'>{tick.label}</text>")
     return "".join([*parts, "<line x1='0' x2='0' y1='0' y2='100%' class='lab-edge'/>"
@@ -196,7 +202,7 @@ def _grid(inside: Axes) -> str:
 def _guides(inside: Axes, dimensions: int) -> str:
     """Returns faint lines with the slope of a second-order method."""
     slope = ORDER / (dimensions + 1)  # cells in each direction, and steps
-    across, up = inside.across, inside.up
+    across, up = inside.time_axis, inside.error_axis
     lines = []
     for power in range(math.floor(up.low + slope * across.low), math.ceil(up.high + slope * across.high) + 1):
         ends = [_percent(1 - (power - slope * x - up.low) / (up.high - up.low)) for x in (across.low, across.high)]
@@ -204,7 +210,7 @@ def _guides(inside: Axes, dimensions: int) -> str:
     return f"<svg>{''.join(lines)}</svg>"
 
 
-def _keys(dots: Sequence[NumberedRun], best: Sequence[NumberedRun], dimensions: int) -> str:
+def _legend_svg(dots: Sequence[NumberedRun], best: Sequence[NumberedRun], dimensions: int) -> str:
     """Returns the legend, in the corner where no run can be: fast and exact."""
     judges = list(dict.fromkeys(run.estimator for run in dots if run.error is None and not run.broken))
     keys = [tr("hollow: estimated by {judges}", judges=functools.reduce(
@@ -216,24 +222,24 @@ def _keys(dots: Sequence[NumberedRun], best: Sequence[NumberedRun], dimensions: 
     return f"<g class='lab-keys'>{lines}</g>"
 
 
-def _titles(scene: Scene) -> str:
+def _axis_titles_svg(scene: Scene) -> str:
     length = tr("the RMS, largest in the run") if not scene.periods else tr("the RMS, largest in one period") \
         if scene.periods == 1 else tr("the RMS, largest in {n:g} periods", n=scene.periods)
     return f"<text x='0' y='0' class='lab-title lab-above'>" \
-        f"{tr('error of x, in % of {whole}', whole=error_reference(scene))} <tspan>{length}</tspan></text>" \
+        f"{tr('error of x, in % of {whole}', whole=reference_length_name(scene))} <tspan>{length}</tspan></text>" \
         f"<text x='100%' y='100%' dy='3.2em' text-anchor='end' class='lab-title'>{tr('time of one run')} " \
         f"<tspan>{tr('alone on this machine')}</tspan></text>"
 
 
 def _path(runs: Sequence[NumberedRun], inside: Axes, look: str) -> str:
     """Returns lines from run to run."""
-    places = [inside.place(run) for run in runs]
+    places = [inside.run_position(run) for run in runs]
     return "".join(f"<line x1='{x}%' y1='{y}%' x2='{right}%' y2='{below}%' {look}/>"
                    for (x, y), (right, below) in pairwise(places))
 
 
 def _dot(run: NumberedRun, inside: Axes, aside: bool) -> str:
-    x, y = inside.place(run)
+    x, y = inside.run_position(run)
     shape = CROSS if run.broken else SHAPES[METHOD_MARKS[run.method]]
     kinds = [kind for kind, holds in (("lab-broken", run.broken), ("lab-judged", run.error is None),
                                       ("lab-untimed", not run.timed_alone), ("lab-aside", aside)) if holds]
@@ -245,7 +251,7 @@ def _dot(run: NumberedRun, inside: Axes, aside: bool) -> str:
 
 
 def _label(run: NumberedRun, inside: Axes, kind: str, words: str, style: str = "") -> str:
-    x, y = inside.place(run)
+    x, y = inside.run_position(run)
     return f"<span class='{kind}' style='left:{x}%;top:{y}%;{style}' aria-hidden='true'>{escape(words)}</span>"
 
 
@@ -257,7 +263,7 @@ WORSE = 1.1  # a finer grid with more than this times the coarsest one's error m
 def answer_headline(like: Sequence[NumberedRun], scene: Scene, tolerance: float, trouble: str, sweep: int,
                     provisional: bool = False) -> tuple[str, str]:
     """Returns the answer and a second line as html; ``trouble`` is why there is no tolerance, ``sweep`` its runs."""
-    known, of = measured_runs(like), error_reference(scene)
+    known, of = measured_runs(like), reference_length_name(scene)
     if not known:
         begin = tr("Begin with a small sweep of {n} runs", n=sweep)
         button = f"<button data-press='{escape(tr('Small sweep'))}'>{begin}</button>"
@@ -266,24 +272,25 @@ def answer_headline(like: Sequence[NumberedRun], scene: Scene, tolerance: float,
             asked = tr("What does accuracy cost on the {problem}?", problem=tr(PROBLEMS[scene.problem].scene.TITLE))
             return tr("Nothing measured yet."), f"{asked}<br>{button}"
         untimed = tr("The run on the stage has an error of {share} of {whole}, but its time includes pictures and "
-                     "estimates.", share=format_percent(live.size), whole=of)
+                     "estimates.", share=format_percent(live.error_or_estimate), whole=of)
         return tr("Nothing timed yet."), f"{untimed}<br>{button}"
     if trouble:
         return tr("How accurate must it be?"), escape(trouble)
     best = cheapest_run(like, tolerance)
     if best is None:
-        near = min(known, key=lambda run: run.size)
+        near = min(known, key=lambda run: run.error_or_estimate)
         return (tr("No run so far comes below <b>{share} of {whole}</b>.", share=format_percent(tolerance), whole=of),
                 tr("The closest has an error of {error}: {run}, {seconds}. <b>Find the cheapest run</b> looks for a "
-                   "better one.", error=_error(near), run=escape(run_name(near)), seconds=format_seconds(near.seconds)))
+                   "better one.", error=_error_text(near), run=escape(run_name(near)),
+                   seconds=format_seconds(near.seconds)))
     answer = PROVISIONAL if provisional else FINAL
     worse = dict.fromkeys(str(METHODS.get(curve[0].method, curve[0].method)) for curve in sweep_curves(like)
-                          if len(curve) > 1 and curve[-1].size > WORSE * curve[0].size)
+                          if len(curve) > 1 and curve[-1].error_or_estimate > WORSE * curve[0].error_or_estimate)
     says = [trn("{methods} gets worse, however much you pay.", "{methods} get worse, however much you pay.", len(worse),
                 methods=escape(join_names(worse)))] if worse else []
     return (tr(answer, share=format_percent(tolerance), whole=of, seconds=format_seconds(best.seconds),
                run=escape(run_name(best))),
-            " ".join([tr("Its error is {error}; {run}.", error=_error(best),
+            " ".join([tr("Its error is {error}; {run}.", error=_error_text(best),
                          run=escape(cost_texts.run_details(best))), *says]))
 
 
@@ -294,14 +301,14 @@ def tolerance_line(like: Sequence[NumberedRun], scene: Scene, tolerance: float, 
     best, text = cheapest_run(like, tolerance), format_percent(tolerance)
     price = f" data-best='{best.number}' data-price='{format_seconds(best.seconds)}'" if best else ""
     found = f"{format_seconds(best.seconds)}, {run_name(best)}" if best else tr("no run so far")
-    spoken = tr("{share} of {whole}: {found}", share=text, whole=error_reference(scene), found=found)
-    return (f"<i class='lab-cost-line' data-low='{inside.up.low:.6g}' data-high='{inside.up.high:.6g}' "
+    spoken = tr("{share} of {whole}: {found}", share=text, whole=reference_length_name(scene), found=found)
+    return (f"<i class='lab-cost-line' data-low='{inside.error_axis.low:.6g}' data-high='{inside.error_axis.high:.6g}' "
             f"data-value='{math.log10(tolerance):.6g}' data-text='{text}' "
             f"data-spoken='{escape(spoken, quote=True)}'{price}></i>")
 
 
-def _error(run: NumberedRun) -> str:
+def _error_text(run: NumberedRun) -> str:
     """Returns a run's error; with the estimator's name if the true error is not known."""
-    share = format_percent(run.size)
+    share = format_percent(run.error_or_estimate)
     return share if run.error is not None else tr("{share}, estimated by {estimator}", share=share,
                                                   estimator=escape(run.estimator))

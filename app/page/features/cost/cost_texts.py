@@ -6,12 +6,21 @@ from collections.abc import Iterable, Sequence
 from html import escape
 
 from app.language.translation import lazy, tr, translate_message, trn
-from app.page.features.cost.jobs import CostStatus
+from app.page.features.cost.jobs import CostJobStatus
 from app.page.features.cost.visitor_runs import MOST_RUNS, SEARCH, SWEEP, NumberedRun
-from app.words import NOTHING, method_name, motion_text, on_page, particles_per_cell, per_cell, power_text, with_unit
+from app.words import (
+    NOTHING,
+    format_power_of_ten,
+    method_name,
+    motion_text,
+    particles_per_cell,
+    per_cell,
+    reword_for_page,
+    with_unit,
+)
 from solvers.problems import PROBLEMS
-from solvers.scene.remedies import REMEDIES
 from solvers.scene.scene import Scene
+from solvers.scene.stabilisations import REMEDIES
 from solvers.solver.soundness import BROKEN, LOST, UNSTABLE
 from solvers.study.parameter_grid import Task
 from solvers.study.row import FAILED
@@ -39,19 +48,19 @@ BOUNDED = lazy("{name} '{typed}': give a number above 0 and up to {most:g}.")
 POSITIVE = lazy("{name} '{typed}': give a number above 0, such as 1e-3.")
 
 
-class NoNumber(ValueError):
+class InvalidNumber(ValueError):
     """Raised for input that is not a valid number; the message gives the reason."""
 
 
 def parse_positive(name: str, text: str, most: float = math.inf) -> float:
-    """Parses a positive number of at most ``most``; raises :class:`NoNumber`."""
+    """Parses a positive number of at most ``most``; raises :class:`InvalidNumber`."""
     try:
         value = number_parsing.parse_float(text.strip())
     except ValueError:
         value = math.nan
     if not 0 < value <= most:
-        raise NoNumber(tr(BOUNDED if math.isfinite(most) else POSITIVE, name=name, most=most,
-                          typed=quoting.quote(text.strip(), 20)))
+        raise InvalidNumber(tr(BOUNDED if math.isfinite(most) else POSITIVE, name=name, most=most,
+                               typed=quoting.quote(text.strip(), 20)))
     return value
 
 
@@ -79,7 +88,7 @@ def run_sentence(run: NumberedRun) -> str:
              f"{motion_text(scene)}, E {with_unit(scene.modulus, 'Pa')}"]
     if run.status in (*BROKEN, FAILED):
         return "; ".join([*parts, f"{tr(ENDS[run.status])}: {translate_message(run.row['reason'] or '')}"])
-    of = error_reference(scene)
+    of = reference_length_name(scene)
     if run.error is not None:
         parts.append(tr("true error of x {share} of {whole}", share=format_percent(run.error), whole=of))
     if run.estimate is not None:
@@ -104,9 +113,9 @@ def run_details(run: NumberedRun) -> str:
                       *(tr(REMEDIES[name].label) for name in scene.remedies)])
 
 
-def error_reference(scene: Scene) -> str:
+def reference_length_name(scene: Scene) -> str:
     """Returns the name of the length that errors are divided by."""
-    moved = "amplitude" in scene.moved_by and scene.size_of("x") == scene.amplitude
+    moved = "amplitude" in scene.motion_fields and scene.size_of("x") == scene.amplitude
     return "A" if moved else tr("the largest displacement")
 
 
@@ -116,7 +125,7 @@ def format_percent(value: float | None) -> str:
         return NOTHING
     digits, _, power = f"{100 * value:.1e}".partition("e")
     if not LEAST_PLAIN <= int(power) <= MOST_PLAIN:
-        return f"{digits} × {power_text(int(power)).strip()}{TOGETHER}%"
+        return f"{digits} × {format_power_of_ten(int(power)).strip()}{TOGETHER}%"
     plain = f"{float(f'{digits}e{power}'):.{max(0, 1 - int(power))}f}"
     return (plain.rstrip("0").rstrip(".") if "." in plain else plain) + f"{TOGETHER}%"
 
@@ -132,15 +141,15 @@ def runs_table(runs: Sequence[NumberedRun]) -> str:
     """Returns the newest runs as an html table, the newest first; their numbers are buttons."""
     if not runs:
         return ""
-    said = [tr("Errors of x in % of {whole}: the RMS, largest over time.", whole=error_reference(runs[-1].scene)),
+    said = [tr("Errors of x in % of {whole}: the RMS, largest over time.", whole=reference_length_name(runs[-1].scene)),
             *[tr("{n} more are on the chart and in the file.", n=len(runs) - MOST_LINES)] * (len(runs) > MOST_LINES),
             tr("The newest {n} runs are kept.", n=MOST_RUNS)]
-    lines = "".join(_line(run) for run in list(reversed(runs))[:MOST_LINES])
+    lines = "".join(_run_row_html(run) for run in list(reversed(runs))[:MOST_LINES])
     heads = "".join(f"<th>{head}</th>" for head in (tr("run"), tr("method, cells"), tr("error"), tr("time")))
     return f"<table class='lab-runs'><thead><tr>{heads}</tr></thead>{lines}</table><p>{' '.join(said)}</p>"
 
 
-def _line(run: NumberedRun) -> str:
+def _run_row_html(run: NumberedRun) -> str:
     small = [run_details(run)]
     if run.status in (*BROKEN, FAILED):
         error = f"<td class='lab-bad'>{tr(ENDS[run.status])}</td>"
@@ -167,7 +176,7 @@ def other_runs_note(runs: Sequence[NumberedRun], problem: str) -> str:
                len(hidden), problem=tr(name))
 
 
-def job_count_text(status: CostStatus) -> str:
+def job_progress_text(status: CostJobStatus) -> str:
     """Returns the progress of a running job."""
     if not status.total:
         return tr(STARTING[status.kind])
@@ -175,11 +184,11 @@ def job_count_text(status: CostStatus) -> str:
     return tr(said[status.kind], done=status.done, total=status.total)
 
 
-def job_text(status: CostStatus) -> str:
+def job_status_text(status: CostJobStatus) -> str:
     """Returns the progress of a job, or how it ended."""
     if status.running:
         if status.kind == SWEEP or status.task is None:
-            return job_count_text(status)
+            return job_progress_text(status)
         run = scene_summary(status.task.scene())
         if status.done < status.total:
             return tr("Search, run {number} of at least {total}: {run}.", number=status.done + 1, total=status.total,
@@ -211,11 +220,11 @@ def advice_text(advice: dict) -> str:
     size = scene.size_of("x")
     error = tr("no usable error") if advice["error"] is None else tr(
         "an error of {size}, {share} of {whole}", size=with_unit(advice["error"], "m"),
-        share=format_percent(advice["error"] / size), whole=error_reference(scene))
+        share=format_percent(advice["error"] / size), whole=reference_length_name(scene))
     known = tr("by its own estimate") if advice["measured"] else tr("expected, not run")
     run = tr("{run}: {error} ({known}), {seconds} for the bare run", run=scene_summary(scene), error=error, known=known,
              seconds=format_seconds(advice["seconds"]))
-    runner_up = tr("Runner-up: {why}.", why=on_page(advice["why"])) if advice["why"] else ""
+    runner_up = tr("Runner-up: {why}.", why=reword_for_page(advice["why"])) if advice["why"] else ""
     taken = tr("Take {run}.", run=run) if advice["met"] else \
         tr("No run within the limits meets this. The closest is {run}.", run=run)
     return f"{taken} {runner_up} {tr('{n} runs were tried.', n=advice['looks'])}"

@@ -13,9 +13,9 @@ from dataclasses import asdict, dataclass, field, replace
 
 from app import __version__
 from app.language.translation import lazy
-from app.page.features.background_job import SLOTS, Background, JobStatus
+from app.page.features.background_job import SLOTS, BackgroundJobs, JobStatus
 from app.page.features.cost import visitor_runs
-from app.page.features.cost.visitor_runs import LIVE, SEARCH, SWEEP, NumberedRun, Runs, advice_key
+from app.page.features.cost.visitor_runs import LIVE, SEARCH, SWEEP, NumberedRun, VisitorRuns, advice_key
 from app.page.visit.session import Session
 from solvers.scene.scene import Scene
 from solvers.scene.validation import SceneError
@@ -45,7 +45,7 @@ class SearchCache:
         self._lock, self._now = threading.Lock(), now
         self._questions: OrderedDict[str, dict[str, _CachedRun]] = OrderedDict()
 
-    def add(self, question: str, key: str, told: dict, quiet: bool) -> None:
+    def add_point(self, question: str, key: str, told: dict, quiet: bool) -> None:
         """Stores a search's result for a run, and whether its time was measured undisturbed (``quiet``)."""
         with self._lock:
             points = self._questions.setdefault(question, {})
@@ -148,7 +148,7 @@ def search_job(scene: Scene, tolerance: float, budget: float) -> SearchJob:
 
 
 @dataclass(frozen=True)
-class CostStatus(JobStatus):
+class CostJobStatus(JobStatus):
     """A "sweep" or "search": ``done`` of ``total`` certain runs, ``known`` of them cached, and the ``task`` now."""
 
     done: int = 0
@@ -158,15 +158,15 @@ class CostStatus(JobStatus):
     advice: dict | None = None
 
 
-class CostJobs(Background[CostStatus]):
+class CostJobs(BackgroundJobs[CostJobStatus]):
     """Jobs of one visitor, which add rows to ``runs``; results of searches are cached in ``kept`` for all visitors."""
 
     WORK = "solvers.study.background_jobs"
     BUSY = lazy("Other visitors' sweeps and searches keep this server busy: it does {n} at a time. Try again in a "
                 "while.")
 
-    def __init__(self, runs: Runs, slots: Slots = SLOTS, kept: SearchCache = KEPT):
-        super().__init__(CostStatus(), slots)
+    def __init__(self, runs: VisitorRuns, slots: Slots = SLOTS, kept: SearchCache = KEPT):
+        super().__init__(CostJobStatus(), slots)
         self.runs, self._kept = runs, kept
         self._ready = WarmWorker(f"{self.WORK}:search")
         self._quiet, self._about = True, ""  # whether the job runs undisturbed; subject of the search
@@ -182,11 +182,11 @@ class CostJobs(Background[CostStatus]):
         super().close()
         self._ready.end()
 
-    def _process(self, kind: str) -> WorkerPool:
+    def _worker_for_kind(self, kind: str) -> WorkerPool:
         if kind == "search" and (pool := self._ready.take()):
             return pool
         self._ready.end()
-        return super()._process(kind)
+        return super()._worker_for_kind(kind)
 
     def _keeps_worker(self, pool: WorkerPool) -> bool:
         """Keeps a search's process, which has compiled kernels, unless its priority was lowered, which is permanent."""
@@ -195,24 +195,24 @@ class CostJobs(Background[CostStatus]):
             self._ready.end()
         return kept
 
-    def sweep(self, tasks: list[Task]) -> None:
-        self._start(CostStatus("sweep", total=len(tasks)), [task.to_dict() for task in tasks])
+    def start_sweep(self, tasks: list[Task]) -> None:
+        self._start(CostJobStatus("sweep", total=len(tasks)), [task.to_dict() for task in tasks])
 
-    def search(self, job: SearchJob, quiet: bool = True) -> None:
+    def start_search(self, job: SearchJob, quiet: bool = True) -> None:
         """Starts a search; it is ``quiet`` if nothing else runs on this server."""
         if not self.status.running:
             self._quiet, self._about = quiet, json.dumps(advice_key(Task(**job.base).scene()), sort_keys=True)
-        self._start(CostStatus("search"), asdict(replace(job, known=self._kept.recent_points(self._about, quiet))))
+        self._start(CostJobStatus("search"), asdict(replace(job, known=self._kept.recent_points(self._about, quiet))))
 
     def share_cpu(self) -> None:
         """Lowers the job's priority because something else runs; that of a search only after its first run."""
         self._quiet = False
         if self.status.kind != "search" or self.status.done:
-            self.give_way()
+            self.lower_priority()
 
-    def update_status(self, before: CostStatus, message: dict) -> CostStatus:
+    def update_status(self, before: CostJobStatus, message: dict) -> CostJobStatus:
         if "point" in message:
-            self._kept.add(self._about, message["row"]["key"], message["point"], self._quiet)
+            self._kept.add_point(self._about, message["row"]["key"], message["point"], self._quiet)
         if "row" in message:
             self.runs.add(message["row"], SWEEP if before.kind == "sweep" else SEARCH)
             return replace(before, done=before.done + 1, known=before.known + bool(message.get("known")))
@@ -221,14 +221,14 @@ class CostJobs(Background[CostStatus]):
         return replace(before, **message)  # advice or trouble
 
 
-class QuietStage:
+class StagePauser:
     """Pauses a session's stage while its visitor's job runs, unless the visitor lets it play."""
 
     def __init__(self, session: Session):
         self._session, self._running, self._lock = session, False, threading.Lock()
         self.paused = False  # by this class, not by the visitor
 
-    def set_running(self, running: bool) -> None:
+    def set_job_running(self, running: bool) -> None:
         """Pauses or resumes the stage when a job of the visitor starts or ends; idempotent and thread-safe."""
         with self._lock:
             begins, ends, self._running = running and not self._running, self._running and not running, running

@@ -12,11 +12,18 @@ from app.language.translation import tr
 from app.page.feature import Feature, PageView
 from app.page.features.cost import cost_texts, visitor_runs
 from app.page.features.cost.cost_chart import Axes, answer_headline, axes_for, draw_runs, tolerance_line
-from app.page.features.cost.jobs import CostJobs, CostStatus, QuietStage, scenes_to_time, search_job, small_sweep
-from app.page.features.cost.visitor_runs import LIVE, LiveRows, Runs, advice_key, comparable_runs, csv_bytes
+from app.page.features.cost.jobs import CostJobs, CostJobStatus, StagePauser, scenes_to_time, search_job, small_sweep
+from app.page.features.cost.visitor_runs import (
+    LIVE,
+    LiveRunRecorder,
+    VisitorRuns,
+    advice_key,
+    comparable_runs,
+    csv_bytes,
+)
 from app.page.page_context import PageContext
 from app.page.panels.page_header import BESIDE
-from app.page.visit.engine_links import too_many
+from app.page.visit.engine_links import scene_size_refusal
 from app.page.visit.session import Session
 from app.page.visit.status_message import Notice
 from app.words import command_line
@@ -37,10 +44,10 @@ class CostTab(Feature):
 
     def __init__(self, client: viser.ClientHandle, session: Session, load: Callable[[Scene], None]):
         self._client, self._session, self._load = client, session, load
-        self.runs = Runs()
+        self.runs = VisitorRuns()
         self.jobs = CostJobs(self.runs)
         self.messages = {"cost": self.open}
-        self._live, self._quiet = LiveRows(), QuietStage(session)
+        self._live, self._quiet = LiveRunRecorder(), StagePauser(session)
         self._refreshing = Lock()
         self._chart_key: tuple | None = None  # the runs and the scene at the last refresh,
         self._chartable: tuple | None = None  # what the chart depends on of those,
@@ -81,9 +88,9 @@ class CostTab(Feature):
         """Refreshes the tab; called periodically, and when the line of the tolerance has been moved."""
         with self._refreshing:
             status = self.jobs.status  # read once: a job may start before its stage is paused
-            self._quiet.set_running(status.running)
-            self._drop_what_is_old()
-            scene, stage = self._session.scene, self._stage_word(status)
+            self._quiet.set_job_running(status.running)
+            self._discard_outdated_search()
+            scene, stage = self._session.scene, self._disturbance_note(status)
             if self._chart_key != (self.runs.version, scene):  # rarely: for many runs it takes a millisecond
                 self._chart_key = self.runs.version, scene
                 self._chartable = (self.runs.version, advice_key(scene),
@@ -95,14 +102,14 @@ class CostTab(Feature):
             told = (charted, self._tolerance.value, status, self._remark, stage)
             if told != self._written:
                 self._written = told
-                self._show_answer(scene, status, stage)
+                self._show_headline(scene, status, stage)
                 self._show_status(status, stage)
 
     def notice(self) -> Notice | None:
         """Returns the reason why the stage is paused, if that is for a job."""
         return Notice("wait", tr(cost_texts.PAUSED[self.jobs.status.kind])) if self._quiet.paused else None
 
-    def _stage_word(self, status: CostStatus) -> str:
+    def _disturbance_note(self, status: CostJobStatus) -> str:
         """Returns a note on what disturbs the running job, and lowers its priority while any stage runs."""
         if not status.running:
             return ""
@@ -111,28 +118,28 @@ class CostTab(Feature):
             self.jobs.share_cpu()
         return cost_texts.timing_note(self._quiet.paused, self._session.playing, others)
 
-    def _drop_what_is_old(self) -> None:
+    def _discard_outdated_search(self) -> None:
         """Removes a remark and cancels a search whose input has changed."""
-        if self._remark and self._remarked_on != self._input():
+        if self._remark and self._remarked_on != self._entered_values():
             self._remark = ""
-        if self._last_query is None or self._last_query == (asked := self._question()):
+        if self._last_query is None or self._last_query == (asked := self._search_question()):
             return
         if self.jobs.status.running:
             self._last_query = asked
             self.jobs.cancel()
-            self._say(tr("The goal of the search has changed."))
+            self._set_remark(tr("The goal of the search has changed."))
         else:
             self._last_query = None
-            self.jobs.forget()
+            self.jobs.discard_status()
 
-    def _input(self) -> tuple:
+    def _entered_values(self) -> tuple:
         return self._tolerance.value, self._budget.value, self._session.scene
 
-    def _question(self) -> tuple:
+    def _search_question(self) -> tuple:
         return self._tolerance.value, self._budget.value, advice_key(self._session.scene)
 
-    def _say(self, remark: str) -> None:
-        self._remarked_on, self._remark = self._input(), remark
+    def _set_remark(self, remark: str) -> None:
+        self._remarked_on, self._remark = self._entered_values(), remark
 
     def _build(self, gui: viser.GuiApi) -> None:
         self._chart, self._line = gui.add_html(""), gui.add_html("")
@@ -155,7 +162,7 @@ class CostTab(Feature):
         self._cancel.on_click(lambda _: self.jobs.cancel())
         self._take = gui.add_button(tr("Load this scene"), icon=viser.Icon.PLAYER_PLAY, visible=False,
                                     hint=tr("put the run that was found on the stage"))
-        self._take.on_click(lambda _: self._load_advice())
+        self._take.on_click(lambda _: self._load_advised_scene())
         gui.add_html(f"<h2 class='lab-h2'>{tr('Runs so far')}</h2>")
         gui.add_html(BESIDE)
         self._sweep = gui.add_button(tr("Small sweep"), icon=viser.Icon.CHART_DOTS, hint=tr(
@@ -186,7 +193,7 @@ class CostTab(Feature):
         self._download.disabled = not runs
         self._time.visible = bool(scenes_to_time(runs))
 
-    def _show_answer(self, scene: Scene, status: CostStatus, stage: str) -> None:
+    def _show_headline(self, scene: Scene, status: CostJobStatus, stage: str) -> None:
         """Updates the headline above the chart, and the line of the tolerance."""
         like = comparable_runs(self.runs.all(), scene)
         tolerance, trouble = self._read_tolerance()
@@ -194,7 +201,7 @@ class CostTab(Feature):
             self._show_runs(scene)
         says, more = answer_headline(like, scene, tolerance, trouble, len(small_sweep(scene)), status.running)
         if status.running:
-            more = escape(f"{cost_texts.job_count_text(status)} {stage}")
+            more = escape(f"{cost_texts.job_progress_text(status)} {stage}")
         elif status.advice:
             end = tr("The search has ended. A clearly cheaper run is unlikely, but "
                      "possible.") if status.advice["met"] else tr("The search has ended.")
@@ -206,10 +213,10 @@ class CostTab(Feature):
         """Returns the tolerance typed, or NaN and an error message."""
         try:
             return cost_texts.parse_positive(tr("Tolerance"), self._tolerance.value), ""
-        except cost_texts.NoNumber as refusal:
+        except cost_texts.InvalidNumber as refusal:
             return math.nan, str(refusal)
 
-    def _show_status(self, status: CostStatus, stage: str) -> None:
+    def _show_status(self, status: CostJobStatus, stage: str) -> None:
         self._sweep.disabled = self._time.disabled = self._search.disabled = status.running
         self._cancel.visible = self._bar.visible = status.running
         if status.running:
@@ -217,8 +224,8 @@ class CostTab(Feature):
             self._bar.value = min(100.0, 100.0 * share)  # type: ignore[misc]
         self._take.visible = bool(status.advice) and not status.running
         found = " class='lab-found'" * (bool(status.advice) and not status.running)
-        texts = [f"<p{look}>{escape(text)}</p>" for text, look in ((cost_texts.job_text(status), found), (stage, ""),
-                                                                   (self._remark, "")) if text]
+        texts = [f"<p{look}>{escape(text)}</p>" for text, look in (
+            (cost_texts.job_status_text(status), found), (stage, ""), (self._remark, "")) if text]
         self._sentence.content = f"<div class='lab-cost' role='status'>{''.join(texts)}</div>" if texts else ""
 
     def _load_picked_run(self, text: str) -> None:
@@ -229,32 +236,33 @@ class CostTab(Feature):
 
     def _start_sweep(self, tasks: list[Task]) -> None:
         self._remark, self._last_query = "", None
-        self.jobs.sweep(tasks)
-        self._quiet.set_running(self.jobs.status.running)  # at once: else the first times are disturbed
+        self.jobs.start_sweep(tasks)
+        self._quiet.set_job_running(self.jobs.status.running)  # at once: else the first times are disturbed
 
     def _start_search(self) -> None:
         if not self._session.scene.swings:
-            self._say(tr(cost_texts.NOTHING_TO_FIND))
+            self._set_remark(tr(cost_texts.NOTHING_TO_FIND))
             return
         try:
             job = search_job(self._session.scene, cost_texts.parse_positive(tr("Tolerance"), self._tolerance.value),
                              cost_texts.parse_positive(tr("Longest run"), self._budget.value,
                                                        cost_texts.LONGEST_BUDGET))
-        except cost_texts.NoNumber as refusal:
-            self._say(str(refusal))
+        except cost_texts.InvalidNumber as refusal:
+            self._set_remark(str(refusal))
             return
-        self._remark, self._last_query = "", self._question()
-        self.jobs.search(job, quiet=self._is_alone())
-        self._quiet.set_running(self.jobs.status.running)  # at once: else the first times are disturbed
+        self._remark, self._last_query = "", self._search_question()
+        self.jobs.start_search(job, quiet=self._is_alone())
+        self._quiet.set_job_running(self.jobs.status.running)  # at once: else the first times are disturbed
 
-    def _load_advice(self) -> None:
+    def _load_advised_scene(self) -> None:
         if advice := self.jobs.status.advice:
             self._load_scene(Task(**advice["task"]).scene(), tr("The advice is on the stage."))
 
     def _load_scene(self, scene: Scene, done: str) -> None:
         """Puts a scene on the stage and shows the remark ``done``, if a browser can show it; else the reason."""
-        if refusal := too_many(scene):
-            self._say(tr("{refusal}. Run it in a terminal: {command}", refusal=refusal, command=command_line(scene)))
+        if refusal := scene_size_refusal(scene):
+            self._set_remark(tr("{refusal}. Run it in a terminal: {command}", refusal=refusal,
+                                command=command_line(scene)))
             return
         self._load(scene)
-        self._say(done)
+        self._set_remark(done)

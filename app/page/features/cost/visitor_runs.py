@@ -18,7 +18,7 @@ from solvers.solver.soundness import BROKEN, LOST, OK, UNSTABLE
 from solvers.study import summary as table
 from solvers.study.convergence import pareto
 from solvers.study.parameter_grid import Task, task_of
-from solvers.study.row import FAILED, row_of_scene
+from solvers.study.row import FAILED, unmeasured_row
 
 MOST_RUNS = 300  # beyond, the oldest is dropped
 LIVE, SEARCH, SWEEP = "live", "search", "sweep"
@@ -54,7 +54,7 @@ class NumberedRun:
         return next(iter(self.row.get("estimate") or {}), "")
 
     @property
-    def size(self) -> float:
+    def error_or_estimate(self) -> float:
         """The error, or the estimate if no error is known, for its dot; NaN if neither is."""
         size = self.estimate if self.error is None else self.error
         return math.nan if size is None else size
@@ -86,14 +86,14 @@ class NumberedRun:
     @property
     def drawable(self) -> bool:
         """Whether it has a dot: a broken run, whose error is out of bounds, is drawn at the edge."""
-        return 0 < self.seconds < math.inf and (self.broken or (self.status == OK and self.size > 0))
+        return 0 < self.seconds < math.inf and (self.broken or (self.status == OK and self.error_or_estimate > 0))
 
     def _relative(self, norms: dict) -> float | None:
         largest = (norms.get("x") or {}).get("max")
         return None if largest is None or not math.isfinite(largest) else largest / self.scene.size_of("x")
 
 
-class Runs:
+class VisitorRuns:
     """The rows of one visitor. Thread-safe; ``version`` grows with every change."""
 
     def __init__(self, most: int = MOST_RUNS):
@@ -129,7 +129,7 @@ def csv_bytes(runs: Sequence[NumberedRun]) -> bytes:
     return table.csv_text({"run": run.number, "source": run.source, **run.row} for run in runs).encode()
 
 
-class LiveRows:
+class LiveRunRecorder:
     """Creates a row from the frames of one session; a row covers the scene's own length, though the stage runs on."""
 
     def __init__(self) -> None:
@@ -163,7 +163,7 @@ def live_row(report: FrameReport, history: NormHistory) -> dict:
     seconds = 1e-6 * steps * report.particles / report.rate if report.rate > 0 else None
     task = task_of(scene, version=__version__)
     return {
-        **row_of_scene(task, scene), "status": status,
+        **unmeasured_row(task, scene), "status": status,
         "reason": None if status == OK != report.status else report.reason, "t": steps * scene.time_step,
         "steps": steps, "particles": report.particles, "particle_steps": steps * report.particles,
         "error": {q: summary(series[f"error_{q}"][within]) for q in QUANTITIES},
@@ -217,9 +217,9 @@ def measured_runs(runs: Sequence[NumberedRun]) -> list[NumberedRun]:
 def pareto_front(runs: Sequence[NumberedRun]) -> list[NumberedRun]:
     """Returns the runs that no other beats in both error and time, by time."""
     known = measured_runs(runs)
-    return [known[k] for k in pareto([run.seconds for run in known], [run.size for run in known])]
+    return [known[k] for k in pareto([run.seconds for run in known], [run.error_or_estimate for run in known])]
 
 
 def cheapest_run(runs: Sequence[NumberedRun], tolerance: float) -> NumberedRun | None:
     """Returns the cheapest run with an error of at most ``tolerance`` times A."""
-    return next((run for run in pareto_front(runs) if run.size <= tolerance), None)
+    return next((run for run in pareto_front(runs) if run.error_or_estimate <= tolerance), None)

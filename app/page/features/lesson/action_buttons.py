@@ -14,11 +14,11 @@ from app.frame.budget_chart import QUESTION
 from app.language.translation import ENGLISH, current_language, language_cache, lazy, tr, use_language, with_language
 from app.lessons.markdown_html import FIELDS, SENTENCES
 from app.state import State
-from app.words import size_in, unit_of
+from app.words import parse_size, unit_of
 from solvers.scene.scene import Scene
 
 
-class AllowedControls(Protocol):
+class LessonControls(Protocol):
     """The methods of :class:`~app.page.controls.Controls` that lessons use."""
 
     @property
@@ -31,7 +31,7 @@ class AllowedControls(Protocol):
     def show_only(self, controls: tuple[str, ...], place: viser.GuiFolderHandle | None = None) -> None:
         """Shows only these controls, in ``place``; without arguments all controls in their own tab."""
 
-    def change(self, field: str, said: str, meant: Callable[[Scene], object]) -> None:
+    def set_field_from_text(self, field: str, said: str, meant: Callable[[Scene], object]) -> None:
         """Sets a field of the scene to the value in the lesson's text ``said``."""
 
     def show_error(self, quantity: str = "", estimator: str = "") -> None:
@@ -48,7 +48,7 @@ NAMES = (*FIELDS, *LOOKS, *PRESSED, ASKED)
 
 
 @dataclass(frozen=True)
-class Act:
+class Instruction:
     """Instruction: verb and control in English, and a value, if any, in the ``language`` of the text."""
 
     verb: str
@@ -64,42 +64,43 @@ class Act:
         return bool(self.value) and (self.name in FIELDS or self.name in LOOKS)
 
 
-def stage_button() -> str:
+def run_on_stage_button_html() -> str:
     """Returns the button that puts a step's run on the stage."""
     return f"<button type='button' class='lab-act lab-put' data-act='stage'>{tr(STAGE)}</button>"
 
 
-def cause_button() -> str:
+def budget_button_html() -> str:
     """Returns the button that opens the error budget."""
     return f"<button type='button' class='lab-act' data-act='budget'>{tr(ASKED)}</button>"
 
 
-def find_actions(html: str) -> list[Act]:
+def find_instructions(html: str) -> list[Instruction]:
     """Returns the instructions in a step's html that a button can carry out, in order."""
-    return [act for act in map(_act, _lines().finditer(html)) if act.has_button]
+    return [act for act in map(_parse_instruction, _instruction_pattern().finditer(html)) if act.has_button]
 
 
 def with_buttons(html: str) -> str:
-    """Returns html with a button for each act of :func:`find_actions`, for the step's run, and for its error budget."""
+    """Returns html with a button for each act of :func:`find_instructions`, for the step's run, and for its error
+    budget."""
     count = itertools.count()
 
     def button(line: re.Match[str]) -> str:
-        act = _act(line)
+        act = _parse_instruction(line)
         if (act.verb, act.name) == ("Press", STAGE):
-            return f"<li class='lab-to-do'>{stage_button()}</li>"
+            return f"<li class='lab-to-do'>{run_on_stage_button_html()}</li>"
         if (act.verb, act.name) == ("Press", ASKED):
-            return f"<li class='lab-to-do'>{cause_button()}</li>"
+            return f"<li class='lab-to-do'>{budget_button_html()}</li>"
         if not act.has_button:
             return line[0]
-        name, value = (f"<b>{part}</b>" for part in _parts(line))
+        name, value = (f"<b>{part}</b>" for part in _name_and_value(line))
         return f"<li class='lab-to-do'><button type='button' class='lab-act' data-act='{next(count)}'>" \
                f"{tr(SENTENCES[act.verb]).format(name=name, value=value)}</button></li>"
 
-    return _lines().sub(button, html)
+    return _instruction_pattern().sub(button, html)
 
 
 @language_cache(8)
-def _lines() -> re.Pattern[str]:
+def _instruction_pattern() -> re.Pattern[str]:
     """Returns the pattern of html list items that are instructions."""
     patterns = {verb: re.escape(tr(sentence)).replace(r"\{name\}", rf"<strong>(?P<{verb}_name>[^<]+)</strong>").replace(
         r"\{value\}", rf"<code>(?P<{verb}_value>[^<]+)</code>") for verb, sentence in SENTENCES.items()}
@@ -107,13 +108,13 @@ def _lines() -> re.Pattern[str]:
     return re.compile(rf"<li>\s*(?:<p>)?(?:{told})\.?(?:</p>)?\s*</li>")
 
 
-def _parts(line: re.Match[str]) -> tuple[str, str]:
+def _name_and_value(line: re.Match[str]) -> tuple[str, str]:
     """Returns name and value as written in the text."""
     said = line.groupdict()
     return said[f"{line.lastgroup}_name"], said.get(f"{line.lastgroup}_value") or ""
 
 
-def parse_click(said: object, step: int, known: Sequence[Act]) -> Act | str | None:
+def parse_click(said: object, step: int, known: Sequence[Instruction]) -> Instruction | str | None:
     """Returns the act, or :data:`STAGE`, that the browser reports as pressed in this step; None for invalid input."""
     if not isinstance(said, list) or len(said) != 2 or said[0] != step:
         return None
@@ -123,13 +124,13 @@ def parse_click(said: object, step: int, known: Sequence[Act]) -> Act | str | No
     return known[number] if type(number) is int and 0 <= number < len(known) else None
 
 
-def _act(line: re.Match[str]) -> Act:
-    name, value = map(unescape, _parts(line))
+def _parse_instruction(line: re.Match[str]) -> Instruction:
+    name, value = map(unescape, _name_and_value(line))
     known = {tr(one): one for one in NAMES}
-    return Act(f"{line.lastgroup}", known.get(name, name), value, current_language())
+    return Instruction(f"{line.lastgroup}", known.get(name, name), value, current_language())
 
 
-def perform(act: Act, controls: AllowedControls) -> None:
+def perform_instruction(act: Instruction, controls: LessonControls) -> None:
     """Carries out an instruction as the reader would with the widget."""
     if act.verb == "Press":
         controls.press(act.name)
@@ -141,10 +142,11 @@ def perform(act: Act, controls: AllowedControls) -> None:
         else:
             controls.show_error(estimator=act.value)
     else:
-        controls.change(FIELDS[act.name], f"{tr(act.name)} {act.value}", with_language(_field_value(act), act.language))
+        controls.set_field_from_text(FIELDS[act.name], f"{tr(act.name)} {act.value}",
+                                     with_language(_field_value_reader(act), act.language))
 
 
-def _field_value(act: Act) -> Callable[[Scene], object]:
+def _field_value_reader(act: Instruction) -> Callable[[Scene], object]:
     """Returns a function from a scene to the field's value; it raises ValueError if the field has no such value."""
     field = FIELDS[act.name]
 
@@ -152,7 +154,7 @@ def _field_value(act: Act) -> Callable[[Scene], object]:
         names = words.choice_labels(type(scene), field)
         if names:
             return next((code for code, name in names.items() if name == act.value), act.value)
-        number = size_in(act.value, unit_of(type(scene), field))
+        number = parse_size(act.value, unit_of(type(scene), field))
         return int(number) if number.is_integer() and field in ("cells", "ppc") else number
 
     return read_value

@@ -11,7 +11,7 @@ from app.language.translation import tr
 from app.lessons import lesson
 from app.lessons.lesson import Numbers, Question, Step, fill_numbers
 from app.page.features.lesson import step_html as page
-from app.words import PREFIXES, SYMBOLS, size_in, with_unit
+from app.words import PREFIXES, SYMBOLS, parse_size, with_unit
 from solvers.scene.scene import Scene
 from solvers.untrusted import number_parsing
 
@@ -86,7 +86,7 @@ class AnswerWidgets:
             at = float(self._slider.value)
             return float(f"{10**at:.3g}") if control in lesson.POWERS else round(at)
         scene = self._stage()
-        if control == "amplitude" and control not in scene.moved_by:
+        if control == "amplitude" and control not in scene.motion_fields:
             return None
         found = scene.courant_number if control == "cfl" else getattr(scene, control)
         return None if found is None else float(found)
@@ -114,7 +114,7 @@ def parse_number(text: str, unit: str) -> float | None:
     for power, prefix in PREFIXES.items():  # that unit, or another of its prefixes: 330 nm where µm are asked for
         with suppress(ValueError):
             if unit.startswith(prefix) and unit != prefix:
-                return size_in(plain, unit.removeprefix(prefix)) / 1000.0**power
+                return parse_size(plain, unit.removeprefix(prefix)) / 1000.0**power
     return None
 
 

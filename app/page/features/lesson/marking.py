@@ -6,17 +6,17 @@ from concurrent.futures import ThreadPoolExecutor
 from typing import Any
 
 from app.language.translation import lazy, tr, with_language
-from app.lessons.answer_check import TOLD_AFTER, AnswerMark, bets_shown, mark_answer
+from app.lessons.answer_check import TOLD_AFTER, AnswerMark, bettors_of_step, mark_answer
 from app.lessons.claims import ClaimError
 from app.lessons.interval_bets import Bettor
 from app.lessons.lesson import EXPLAIN, PREDICT, Lesson, Step, draw_numbers
 from app.lessons.lesson_runs import RunCache, RunFailed
-from app.lessons.student_progress import Answer, Progress
+from app.lessons.student_progress import RecordedAnswer, StudentProgress
 
 LATER = lazy("could not be checked just now")
 
 
-class Marker:
+class AnswerMarker:
     """Marks answers one after the other in a thread; ``marks`` of first answers by key, or why there is none."""
 
     def __init__(self, outcomes: RunCache):
@@ -28,16 +28,18 @@ class Marker:
     def close(self) -> None:
         self._thread.shutdown(wait=False, cancel_futures=True)
 
-    def forget(self) -> None:
+    def discard_marks(self) -> None:
         """Discards all marks: another lesson or another student has begun."""
         self.marks, self.bets = {}, {}
 
-    def check(self, lesson: Lesson, step: Step, progress: Progress, tell: Callable[[AnswerMark | str], None]) -> None:
+    def mark_last_answer(self, lesson: Lesson, step: Step, progress: StudentProgress,
+                         tell: Callable[[AnswerMark | str], None]) -> None:
         """Marks the last answer to a step, and passes the mark to ``tell``."""
         answer = progress.answers[step.key].last
         self._submit(lambda: tell(self._mark(lesson, step, progress, answer)))
 
-    def mark_first(self, lesson: Lesson, steps: list[Step], progress: Progress, tell: Callable[[], None]) -> None:
+    def mark_first_answers(self, lesson: Lesson, steps: list[Step], progress: StudentProgress,
+                           tell: Callable[[], None]) -> None:
         """Marks the first answers to these steps, and calls ``tell`` when done."""
         marks, answers = self.marks, dict(progress.answers)
 
@@ -49,20 +51,21 @@ class Marker:
 
         self._submit(work)
 
-    def find_bets(self, lesson: Lesson, step: Step, progress: Progress, tell: Callable[[], None]) -> None:
+    def compute_bets(self, lesson: Lesson, step: Step, progress: StudentProgress, tell: Callable[[], None]) -> None:
         """Computes the bets that a step shows, and calls ``tell`` when done."""
         bets, given = self.bets, {key: answer.first for key, answer in progress.answers.items()}
 
         def work() -> None:
             try:
-                bets[step.key] = bets_shown(lesson, step, given, draw_numbers(lesson, progress.name), self._outcomes)
+                bets[step.key] = bettors_of_step(lesson, step, given, draw_numbers(lesson, progress.name),
+                                                 self._outcomes)
             except (RunFailed, ClaimError):
                 bets[step.key] = LATER
             tell()
 
         self._submit(work)
 
-    def _mark(self, lesson: Lesson, step: Step, progress: Progress, answer: Any) -> AnswerMark | str:
+    def _mark(self, lesson: Lesson, step: Step, progress: StudentProgress, answer: Any) -> AnswerMark | str:
         try:
             return mark_answer(lesson, step, answer, draw_numbers(lesson, progress.name), self._outcomes)
         except (RunFailed, ClaimError):
@@ -78,20 +81,20 @@ class Marker:
         self._thread.submit(with_language(safely))
 
 
-def asked_since(lesson: Lesson, step: Step) -> list[Step]:
+def question_steps_of_round(lesson: Lesson, step: Step) -> list[Step]:
     """Returns the steps with questions since the explanation before this one."""
     before = lesson.steps[:lesson.steps.index(step)]
     first = max((k for k, other in enumerate(before, 1) if other.kind == EXPLAIN), default=0)
     return [other for other in before[first:] if other.question]
 
 
-def bets_ahead(lesson: Lesson, step: Step) -> Step | None:
+def upcoming_bets_step(lesson: Lesson, step: Step) -> Step | None:
     """Returns the step that ends a round, if it shows bets: they are computed in advance, from the round's run on."""
     ends = next((other for other in lesson.steps[lesson.steps.index(step):] if other.kind == EXPLAIN), None)
     return ends if ends is not None and ends.bets and step.kind != PREDICT else None
 
 
-def answer_comment(step: Step, answer: Answer, found: AnswerMark | str | None) -> tuple[str, bool | None]:
+def answer_comment(step: Step, answer: RecordedAnswer, found: AnswerMark | str | None) -> tuple[str, bool | None]:
     """Returns the comment on an answer with this mark, and whether it is right; None if that is not revealed."""
     if step.kind == PREDICT:
         return tr("It is recorded; now see what happens."), None

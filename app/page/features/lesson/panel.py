@@ -7,17 +7,17 @@ from time import monotonic
 import viser
 
 from app import state
-from app.classroom.board import BoardSeat
+from app.classroom.class_board import BoardSeat
 from app.language.translation import tr, use_language, with_language
 from app.lessons import catalogue
 from app.lessons import student_progress as kept
 from app.lessons.answer_check import LONGEST, AnswerMark, why_invalid
 from app.lessons.lesson import EXPLAIN, PREDICT, TEXT, Lesson, Numbers, Step, draw_numbers, fill_numbers
 from app.page.feature import Feature, PageView
-from app.page.features.lesson import action_buttons, core, step_html
+from app.page.features.lesson import action_buttons, step_html, step_navigation
 from app.page.features.lesson.answer_widgets import AnswerWidgets
-from app.page.features.lesson.core import KEPT, MAIN, PACED, StepNavigation
-from app.page.features.lesson.marking import Marker, answer_comment, asked_since, bets_ahead
+from app.page.features.lesson.marking import AnswerMarker, answer_comment, question_steps_of_round, upcoming_bets_step
+from app.page.features.lesson.step_navigation import KEPT, MAIN, PACED, StepNavigation
 from app.page.page_context import PageContext
 from app.viewer.widgets import is_removed, set_max_length
 
@@ -29,19 +29,19 @@ class LessonPlayer(Feature):
 
     def __init__(self, page: PageContext):
         page.lesson, self._client, self._gui, self._classroom = self, page.client, page.gui, page.classroom
-        self._tab, self._on_change = page.tabs["lessons"], page.keep
-        self._controls: action_buttons.AllowedControls = page.controls
+        self._tab, self._on_change = page.tabs["lessons"], page.store_state
+        self._controls: action_buttons.LessonControls = page.controls
         self._lock = threading.RLock()
-        self.messages = {"open": self.open, "choice": self._choose, "do": self._act}
-        self._marker = Marker(page.classroom.outcomes)
+        self.messages = {"open": self.open, "choice": self._choose_option, "do": self._on_instruction_click}
+        self._marker = AnswerMarker(page.classroom.outcomes)
         self._lesson: Lesson | None = None
-        self._progress = kept.Progress("", "")  # in the open lesson
+        self._progress = kept.StudentProgress("", "")  # in the open lesson
         self._restored = False  # whether the browser has sent its stored answers
         self._answer: AnswerWidgets | None = None  # for the question that is shown
-        self._acts: list[action_buttons.Act] = []  # with buttons in the step's text
+        self._acts: list[action_buttons.Instruction] = []  # with buttons in the step's text
         self._navigation: StepNavigation | None = None  # from the step that is shown
         if self._classroom.seat:
-            self._classroom.seat.listen(with_language(self._step_opened))
+            self._classroom.seat.watch_open_steps(with_language(self._on_lecturer_opens_step))
         with self._tab:
             self._widgets = self._gui.add_folder(None, order=FIRST)
             self._below = self._gui.add_folder(None)  # for the controls: only one thread may fill a container at a time
@@ -71,7 +71,7 @@ class LessonPlayer(Feature):
             return
         with self._lock:
             self._lesson, self._restored, self._progress = lesson, False, self._classroom.start_progress(lesson)
-            self._marker.forget()
+            self._marker.discard_marks()
         self._controls.show_only(lesson.controls, self._below)
         self._rebuild()
         self._on_change()
@@ -89,10 +89,10 @@ class LessonPlayer(Feature):
             if lesson is None or name != lesson.name or self._restored or self._paced_seat:
                 return
             self._restored = True
-            if (found := kept.of_lesson(text, lesson)) is None:
+            if (found := kept.parse_lesson_progress(text, lesson)) is None:
                 return
             self._progress = found
-            self._marker.forget()
+            self._marker.discard_marks()
         self._rebuild()
 
     def _leave(self) -> None:
@@ -107,7 +107,7 @@ class LessonPlayer(Feature):
             if self._lesson is None:
                 return
             at = self._lesson.neighbour_step(self._progress.step, by, self._progress.core)
-            self._progress.step = min(at, self._paced_seat.last_open) if self._paced_seat else at
+            self._progress.step = min(at, self._paced_seat.last_open_step) if self._paced_seat else at
         self._on_change()  # first, so that a visible step is stored
         self._rebuild()
 
@@ -124,7 +124,7 @@ class LessonPlayer(Feature):
             self._paced_seat.report_step(self._progress.step)
         with self._widgets:
             if self._lesson is None:
-                self._gui.add_html(step_html.shelf_html(catalogue.load_lessons()))
+                self._gui.add_html(step_html.lesson_list_html(catalogue.load_lessons()))
                 return
             head = self._gui.add_html(step_html.head_html(self._lesson, self._progress))
             if (step := self._step) is not None:
@@ -137,49 +137,49 @@ class LessonPlayer(Feature):
     def _build_intro(self, lesson: Lesson, head: viser.GuiHtmlHandle) -> None:
         self._gui.add_html(step_html.intro_html(lesson, self._numbers, self._classroom.teacher))
         if self._paced_seat:  # all have the same numbers
-            self._buttons(back=False, onward=True)
+            self._build_navigation(back=False, onward=True)
             return
         hint = tr("for your own numbers in this lesson, and on the file that you hand in; it is sent to nobody")
         name = self._gui.add_text(tr("Your name"), self._progress.name, hint=hint)
-        name.on_update(lambda _: self._call(name.value))
-        if lesson.extra:
-            only = core.core_checkbox(self._gui, lesson, self._progress.core)
+        name.on_update(lambda _: self._set_student_name(name.value))
+        if lesson.optional_steps:
+            only = step_navigation.core_checkbox(self._gui, lesson, self._progress.core)
             only.on_update(lambda _: self._choose_core(lesson, only.value, head))
-        self._buttons(back=False, onward=True)
+        self._build_navigation(back=False, onward=True)
 
     def _choose_core(self, lesson: Lesson, only: bool, head: viser.GuiHtmlHandle) -> None:
         self._progress.core = only
         self._on_change()
         self._show(head, lambda: step_html.head_html(lesson, self._progress))
 
-    def show_step(self, only: bool, step: int) -> None:
+    def go_to_step(self, only: bool, step: int) -> None:
         """Restricts the lesson to its core, or not, and goes on with the step of this number."""
         with self._lock:
             self._progress.core, self._progress.step = only, step
         self._on_change()
         self._rebuild()
 
-    def _call(self, name: str) -> None:
+    def _set_student_name(self, name: str) -> None:
         with self._lock:
             if not self._progress.answers:
                 self._progress.name = name.strip()[:kept.LONGEST_NAME]
-                self._marker.forget()
+                self._marker.discard_marks()
         self._on_change()
 
     def _build_step(self, lesson: Lesson, step: Step) -> None:
         text = self._gui.add_html(self._text_html(lesson, step))
         if step.kind != PREDICT:  # early, so that marks are ready at the explanation
             self._mark_all(lesson, step, text)
-        if (ahead := bets_ahead(lesson, step)) is not None:
-            self._marker.find_bets(lesson, ahead, self._progress,
-                                   lambda: self._show(text, lambda: self._text_html(lesson, step)))
+        if (ahead := upcoming_bets_step(lesson, step)) is not None:
+            self._marker.compute_bets(lesson, ahead, self._progress,
+                                      lambda: self._show(text, lambda: self._text_html(lesson, step)))
         with use_language(lesson.language):
-            self._acts = action_buttons.find_actions(step_html.text_html(step.text, self._numbers))
+            self._acts = action_buttons.find_instructions(step_html.text_html(step.text, self._numbers))
         if step.question is not None:
-            return self._ask(lesson, step)
-        self._buttons(back=True, onward=True)
+            return self._build_question(lesson, step)
+        self._build_navigation(back=True, onward=True)
 
-    def _ask(self, lesson: Lesson, step: Step) -> None:
+    def _build_question(self, lesson: Lesson, step: Step) -> None:
         answered = self._progress.answers.get(step.key)
         fixed = step.kind == PREDICT and answered is not None  # a prediction stays
         widgets = AnswerWidgets(self._gui, step, self._numbers, answered.last if answered else None, fixed,
@@ -187,11 +187,11 @@ class LessonPlayer(Feature):
         self._answer = None if fixed else widgets
         for text in widgets.texts:
             set_max_length(text, LONGEST)
-        said = self._gui.add_html("" if answered is None else self._reply(step, None))
+        said = self._gui.add_html("" if answered is None else self._reply_html(step, None))
         self._gui.add_html(MAIN)
         does = tr("Record my prediction") if step.kind == PREDICT else tr("Check my answer")
         record = self._gui.add_button(does, disabled=fixed)
-        self._buttons(back=True, onward=answered is not None, main=answered is not None)
+        self._build_navigation(back=True, onward=answered is not None, main=answered is not None)
 
         def take(_: viser.GuiEvent) -> None:
             if why := why_invalid(step.asked_question, answer := widgets.value):
@@ -210,33 +210,34 @@ class LessonPlayer(Feature):
 
         record.on_click(take)
 
-    def _choose(self, option: object) -> None:
+    def _choose_option(self, option: object) -> None:
         """Selects an answer: a question's key and the option's number."""
         with self._lock:
             if self._answer is not None and isinstance(option, list) and len(option) == 2 \
                     and self._step is not None and option[0] == self._step.key:
                 self._answer.choose(option[1])
 
-    def _act(self, said: object) -> None:
+    def _on_instruction_click(self, said: object) -> None:
         """Carries out the button pressed in a step's text: the step's number and the instruction's."""
         with self._lock:
             act, step = action_buttons.parse_click(said, self._progress.step, self._acts), self._step
             stage = fill_numbers(step.stage, self._numbers) if step and act == action_buttons.STAGE else ""
         if stage:
             self._controls.show(state.parse_state(stage))
-        elif isinstance(act, action_buttons.Act):
-            action_buttons.perform(act, self._controls)
+        elif isinstance(act, action_buttons.Instruction):
+            action_buttons.perform_instruction(act, self._controls)
 
     @property
     def _step(self) -> Step | None:
         """The step that is shown."""
         return dict(enumerate(self._lesson.steps if self._lesson else (), 1)).get(self._progress.step)
 
-    def _reply(self, step: Step, found: AnswerMark | str | None) -> str:
+    def _reply_html(self, step: Step, found: AnswerMark | str | None) -> str:
         """Returns the recorded answer of the step, with a comment, as html."""
         assert self._lesson is not None
         answer = self._progress.answers[step.key]
-        return step_html.taken_html(self._lesson, step, answer, self._numbers, *answer_comment(step, answer, found))
+        return step_html.recorded_answer_html(self._lesson, step, answer, self._numbers,
+                                              *answer_comment(step, answer, found))
 
     def _check(self, lesson: Lesson, step: Step, said: viser.GuiHtmlHandle) -> None:
         """Marks the answer, which may need a run, and shows the result; Next is enabled at once."""
@@ -246,22 +247,22 @@ class LessonPlayer(Feature):
             if self._navigation is not None:
                 self._navigation.mark_answered()
             waiting = "" if step.asked_question.kind == TEXT else tr("Being checked against the run …")
-            said.content = self._reply(step, waiting)
-        self._marker.check(lesson, step, self._progress,
-                           lambda found: self._show(said, lambda: self._reply(step, found)))
+            said.content = self._reply_html(step, waiting)
+        self._marker.mark_last_answer(lesson, step, self._progress,
+                                      lambda found: self._show(said, lambda: self._reply_html(step, found)))
 
     def _text_html(self, lesson: Lesson, step: Step) -> str:
         """Returns the step's text as html; an explanation is preceded by the answers and results so far."""
-        before = step_html.compared_html(lesson, asked_since(lesson, step), self._progress.answers, self._marker.marks,
-                                         self._numbers) if step.kind == EXPLAIN else ""
+        before = step_html.answers_table_html(lesson, question_steps_of_round(lesson, step), self._progress.answers,
+                                              self._marker.marks, self._numbers) if step.kind == EXPLAIN else ""
         before += step_html.bets_html(self._marker.bets.get(step.key, step_html.WAITED_FOR)) if step.bets else ""
         return step_html.step_html(lesson, step, self._numbers, before, self._classroom.teacher)
 
     def _mark_all(self, lesson: Lesson, step: Step | None, text: viser.GuiHtmlHandle) -> None:
         """Marks the questions that a step looks back on, or all at the end, and shows the marks in ``text``."""
-        steps = asked_since(lesson, step) if step else list(lesson.questions.values())
-        self._marker.mark_first(lesson, steps, self._progress, lambda: self._show(
-            text, lambda: self._text_html(lesson, step) if step else self._end(lesson)))
+        steps = question_steps_of_round(lesson, step) if step else list(lesson.questions.values())
+        self._marker.mark_first_answers(lesson, steps, self._progress, lambda: self._show(
+            text, lambda: self._text_html(lesson, step) if step else self._end_html(lesson)))
 
     def _show(self, text: viser.GuiHtmlHandle, content: Callable[[], str]) -> None:
         """Sets the content of a text, unless it was removed meanwhile."""
@@ -270,20 +271,20 @@ class LessonPlayer(Feature):
                 text.content = content()
 
     def _build_end(self, lesson: Lesson) -> None:
-        text = self._gui.add_html(self._end(lesson))
+        text = self._gui.add_html(self._end_html(lesson))
         self._mark_all(lesson, None, text)
         if following := catalogue.next_lesson(lesson):
             self._gui.add_html(MAIN)
             onward = self._gui.add_button(tr("Next lesson: {title}", title=following.title))
             onward.on_click(lambda _: self.open(following.name))
         if self._progress.core and not self._paced_seat:
-            self._gui.add_button(tr(core.GO_DEEPER)).on_click(
-                lambda _: self.show_step(False, lesson.steps.index(lesson.extra[0]) + 1))
+            self._gui.add_button(tr(step_navigation.GO_DEEPER)).on_click(
+                lambda _: self.go_to_step(False, lesson.steps.index(lesson.optional_steps[0]) + 1))
         hint = tr("save your answers as a file")
         self._gui.add_button(tr("Hand in"), icon=viser.Icon.DOWNLOAD, hint=hint).on_click(lambda _: self._hand_in())
-        self._buttons(back=True, onward=False)
+        self._build_navigation(back=True, onward=False)
 
-    def _end(self, lesson: Lesson) -> str:
+    def _end_html(self, lesson: Lesson) -> str:
         return step_html.end_html(lesson, self._progress, self._marker.marks, self._numbers, bool(self._paced_seat))
 
     def _hand_in(self) -> None:
@@ -291,18 +292,18 @@ class LessonPlayer(Feature):
             name, text = self._progress.file_name, self._progress.text().encode()
         self._client.send_file_download(name, text, save_immediately=True)
 
-    def _buttons(self, back: bool, onward: bool, main: bool = True) -> None:
+    def _build_navigation(self, back: bool, onward: bool, main: bool = True) -> None:
         """Adds the buttons Back, Next and Close; Next is the ``main`` one if no answer is required."""
         lesson, step, at, paced = self._lesson, self._step, self._progress.step, self._paced_seat
         assert lesson is not None
         self._navigation = StepNavigation(
             self._gui, back, onward, main, step is not None and step.kind == PREDICT,
-            lambda: paced is not None and paced.last_open <= at <= len(lesson.steps),
+            lambda: paced is not None and paced.last_open_step <= at <= len(lesson.steps),
             tr(PACED if paced else KEPT), self._move_by, self._leave,
-            lambda: self.show_step(True, lesson.neighbour_step(at, 1, core=True)),
+            lambda: self.go_to_step(True, lesson.neighbour_step(at, 1, core=True)),
             step is not None and not step.core and not paced)
 
-    def _step_opened(self) -> None:
+    def _on_lecturer_opens_step(self) -> None:
         """Updates Next when the lecturer opens a further step; everything else stays as it is."""
         with self._lock:
             if self._navigation is not None:

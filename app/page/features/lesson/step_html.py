@@ -8,20 +8,20 @@ from string import ascii_lowercase
 from app.language.translation import current_language, lazy, tr, trn, use_language
 from app.lessons import catalogue
 from app.lessons.answer_check import AnswerMark, format_answer
-from app.lessons.bet_chart import BettorLines, draw_bets, format_score
+from app.lessons.bet_chart import BettorLines, expected_answer_text, make_bet_chart
 from app.lessons.duration import minutes_text
 from app.lessons.interval_bets import Bettor
 from app.lessons.lesson import CHOICE, TEXT, TITLES, Lesson, Numbers, Step, fill_numbers
 from app.lessons.markdown_html import to_html
-from app.lessons.student_progress import Answer, Progress
-from app.page.features.lesson import action_buttons, core
+from app.lessons.student_progress import RecordedAnswer, StudentProgress
+from app.page.features.lesson import action_buttons, step_navigation
 
 FIGURE = re.compile(r"(<img [^>]*>)")
 #: CSS class, sign and word of each mark.
 SIGNS = {True: ("right", "✓", lazy("right")), False: ("wrong", "✗", lazy("not so")), None: ("unmarked", "", "")}
 
 
-def shelf_html(lessons: Mapping[str, Lesson]) -> str:
+def lesson_list_html(lessons: Mapping[str, Lesson]) -> str:
     """Returns the list of lessons. The progress in each is known only to the browser (``js/lessons.js``)."""
     in_core = {name: " ".join(str(number) for number, step in enumerate(lesson.steps, 1) if step.core)
                for name, lesson in lessons.items()}
@@ -40,10 +40,12 @@ def lang_attribute(lesson: Lesson) -> str:
     return "" if lesson.language == current_language() else f" lang='{lesson.language}'"
 
 
-def head_html(lesson: Lesson, progress: Progress) -> str:
+def head_html(lesson: Lesson, progress: StudentProgress) -> str:
     """Returns the title and the progress."""
-    return f"<div class='lab-lesson lab-lesson-head'><i class='lab-studying'></i>" \
-           f"<b{lang_attribute(lesson)}>{escape(lesson.title)}</b>{core.progress_html(lesson, progress)}</div>"
+    return (
+        f"<div class='lab-lesson lab-lesson-head'><i class='lab-studying'></i>"
+        f"<b{lang_attribute(lesson)}>{escape(lesson.title)}</b>{step_navigation.progress_html(lesson, progress)}</div>"
+    )
 
 
 def intro_html(lesson: Lesson, numbers: Numbers, teacher: bool) -> str:
@@ -56,22 +58,25 @@ def intro_html(lesson: Lesson, numbers: Numbers, teacher: bool) -> str:
     first = tr("Do before: {lessons}.", lessons="; ".join(before))
     needs = f"<p>{first}</p>" if before else ""
     only = f"<p>{tr('This lesson is in English.')}</p>" if lang_attribute(lesson) else ""
-    return f"<div class='lab-lesson'>{only}<p>{core.duration_text(lesson)}</p>" \
-        f"<ul{lang_attribute(lesson)}>{goals}</ul>{needs}" \
-        f"{_in_lang(lesson, text_html(lesson.intro, numbers))}{_notes(lesson, lesson.notes, teacher)}</div>"
+    return (
+        f"<div class='lab-lesson'>{only}<p>{step_navigation.duration_text(lesson)}</p>"
+        f"<ul{lang_attribute(lesson)}>{goals}</ul>{needs}"
+        f"{_in_lang(lesson, text_html(lesson.intro, numbers))}"
+        f"{_teacher_notes_html(lesson, lesson.notes, teacher)}</div>"
+    )
 
 
 def step_html(lesson: Lesson, step: Step, numbers: Numbers, before: str, teacher: bool) -> str:
     """Returns a step's text, below the html ``before``, with buttons for its instructions."""
     kind = f"<span class='lab-kind lab-kind-{step.kind}'>{tr(TITLES[step.kind])}</span>"
-    deeper = "" if step.core else core.optional_step_mark()
+    deeper = "" if step.core else step_navigation.optional_step_mark()
     title = f"<h2{lang_attribute(lesson)}>{escape(fill_numbers(step.title, numbers))}</h2>"
     with use_language(lesson.language):
         text = action_buttons.with_buttons(text_html(step.text, numbers))
-        if step.stage and action_buttons.stage_button() not in text:
-            text += f"<p>{tr('The run that this is about:')}</p>{action_buttons.stage_button()}"
+        if step.stage and action_buttons.run_on_stage_button_html() not in text:
+            text += f"<p>{tr('The run that this is about:')}</p>{action_buttons.run_on_stage_button_html()}"
     return f"<div class='lab-lesson' data-step='{lesson.steps.index(step) + 1}'>{kind}{deeper}{title}" \
-           f"{before}{_in_lang(lesson, text)}{_notes(lesson, step.notes, teacher)}</div>"
+           f"{before}{_in_lang(lesson, text)}{_teacher_notes_html(lesson, step.notes, teacher)}</div>"
 
 
 def choices_html(options: Sequence[str], chosen: int | None, fixed: bool, key: str, lang: str = "") -> str:
@@ -84,8 +89,8 @@ def choices_html(options: Sequence[str], chosen: int | None, fixed: bool, key: s
     return f"<div class='lab-lesson lab-choices' role='radiogroup' aria-label='{tr('Answer')}'>{rows}</div>"
 
 
-def compared_html(lesson: Lesson, steps: Sequence[Step], answers: Mapping[str, Answer],
-                  marks: Mapping[str, AnswerMark | str], numbers: Numbers) -> str:
+def answers_table_html(lesson: Lesson, steps: Sequence[Step], answers: Mapping[str, RecordedAnswer],
+                       marks: Mapping[str, AnswerMark | str], numbers: Numbers) -> str:
     """Returns a table of answers and results; ``marks`` has a sentence if there is no mark yet."""
     rows, own = [], lang_attribute(lesson)
     for step in steps:
@@ -97,7 +102,7 @@ def compared_html(lesson: Lesson, steps: Sequence[Step], answers: Mapping[str, A
             out = f"<td colspan='2'>{escape(mark)}</td>"
         else:
             kind, sign, word = SIGNS[mark.right]
-            came = tr("for your teacher") if asked.kind == TEXT else escape(format_score(mark))
+            came = tr("for your teacher") if asked.kind == TEXT else escape(expected_answer_text(mark))
             word = tr(word) if word else ""
             out = f"<td{own if asked.kind == CHOICE else ''}>{came}</td>" \
                   f"<td class='lab-{kind}' title='{word}' aria-label='{word}'>{sign}</td>"
@@ -111,7 +116,8 @@ def compared_html(lesson: Lesson, steps: Sequence[Step], answers: Mapping[str, A
     return f"<table class='lab-compared'><tr>{heads}</tr>{''.join(rows)}</table>"
 
 
-def taken_html(lesson: Lesson, step: Step, answer: Answer, numbers: Numbers, comment: str, right: bool | None) -> str:
+def recorded_answer_html(lesson: Lesson, step: Step, answer: RecordedAnswer, numbers: Numbers, comment: str,
+                         right: bool | None) -> str:
     """Returns a recorded answer and a comment on it, which ``js/lesson_aloud.js`` reads aloud."""
     said = fill_numbers(format_answer(step.asked_question, answer.last), numbers)
     own = lang_attribute(lesson) if step.asked_question.kind == CHOICE else ""
@@ -121,16 +127,16 @@ def taken_html(lesson: Lesson, step: Step, answer: Answer, numbers: Numbers, com
            f"{escape(comment)}</div>"
 
 
-def end_html(lesson: Lesson, progress: Progress, marks: Mapping[str, AnswerMark | str], numbers: Numbers,
+def end_html(lesson: Lesson, progress: StudentProgress, marks: Mapping[str, AnswerMark | str], numbers: Numbers,
              paced: bool) -> str:
     """Returns the last page: all answers, what to do with them (``paced`` by a board or not), and links to more."""
-    table = compared_html(lesson, list(lesson.questions.values()), progress.answers, marks, numbers)
+    table = answers_table_html(lesson, list(lesson.questions.values()), progress.answers, marks, numbers)
     missing = sum(step.question is not None and step.key not in progress.answers
                   for step in lesson.steps_to_take(progress.core))
     open_ones = trn("{count} question is still open; go back to answer.",
                     "{count} questions are still open; go back to answer.", missing)
     left = f"<p>{open_ones}</p>" if missing else ""
-    more = core.core_end_note(lesson) if progress.core and not paced else ""
+    more = step_navigation.core_end_note(lesson) if progress.core and not paced else ""
     what = tr("<b>Hand in</b> saves a file with your answers and times, and your name if you have given one. Nothing "
               "is sent to anybody.")
     if paced:
@@ -147,7 +153,7 @@ def text_html(markdown: str, numbers: Numbers) -> str:
                       to_html(fill_numbers(markdown, numbers), catalogue.FOLDER))
 
 
-def _notes(lesson: Lesson, notes: str, teacher: bool) -> str:
+def _teacher_notes_html(lesson: Lesson, notes: str, teacher: bool) -> str:
     if not (notes and teacher):
         return ""
     return (
@@ -170,14 +176,14 @@ def bets_html(bettors: Sequence[Bettor] | str) -> str:
         return f"<p class='lab-bets-later'>{escape(tr(bettors))}</p>"
     if not bettors:
         return ""
-    picture = draw_bets(bettors)
-    rows = "".join(map(_row, picture.bettors))
+    picture = make_bet_chart(bettors)
+    rows = "".join(map(_bettor_row_html, picture.bettors))
     axis = "".join(f"<span>{text}</span>" for _, text in picture.ticks)
     return f"<figure class='lab-bets'><figcaption>{picture.description}</figcaption>{rows}" \
            f"<div class='lab-bets-axis' aria-hidden='true'>{axis}</div></figure>"
 
 
-def _row(bettor: BettorLines) -> str:
+def _bettor_row_html(bettor: BettorLines) -> str:
     """Returns one bettor's row: name, result, and lines."""
     high = OWN_ROW if bettor.own else ROW
     lines = "".join(

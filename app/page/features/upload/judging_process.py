@@ -14,9 +14,9 @@ import viser
 from app.language.translation import lazy, tr, translate_message, with_language
 from app.page.features.background_job import MOST_JOBS
 from app.page.visit.engine_links import MOST_WATCHED
-from app.words import on_page
-from solvers.judging.file_view import ShowRequest
+from app.words import reword_for_page
 from solvers.judging.particle_readers import KINDS
+from solvers.judging.uploaded_file_worker import ShowRequest
 from solvers.problems import PROBLEMS
 from solvers.scene.scene import Scene
 from solvers.study.parameter_grid import task_of
@@ -35,17 +35,19 @@ ASKED, NEITHER = lazy("Which problem is your file of?"), lazy("None of these")
 
 
 class JudgeJob:
-    """File being judged. ``on_message`` receives the messages of the process (``solvers.judging.file_view``) on another
-    thread, and a refusal if the process dies, but none after :meth:`cancel`. A ``chosen`` scene overrides its own."""
+    """File being judged. ``on_message`` receives the messages of the process
+    (``solvers.judging.uploaded_file_worker``) on another thread, and a refusal if the process dies, but none after
+    :meth:`cancel`. A ``chosen`` scene overrides its own."""
 
     def __init__(self, name: str, file: Path, scene: Scene, on_message: Callable[["JudgeJob", dict], None],
                  slots: Slots = SLOTS, chosen: bool = False):
         self.name, self._on_message, self._slots = file_name(name), on_message, slots
         kind = Path(name).suffix.lower()
-        say = with_language(self._say)
+        say = with_language(self._forward_message)
         self.file = file.replace(file.with_name(f"particles{kind if kind in KINDS else '.unknown'}"))
         self.table = file.with_name(f"table-{secrets.token_hex(4)}")
-        self._pool, self._cancelled = (WorkerPool("solvers.judging.file_view:judge_in_worker", environment=ONE_THREAD),
+        self._pool, self._cancelled = (WorkerPool("solvers.judging.uploaded_file_worker:judge_in_worker",
+                                                  environment=ONE_THREAD),
                                        threading.Event())
         if slots.acquire():
             question = ShowRequest(str(self.file), self.name, task_of(scene).to_dict(), str(self.table), MOST_WATCHED,
@@ -65,19 +67,20 @@ class JudgeJob:
         self._cancelled.set()
         self._pool.kill()
 
-    def _say(self, message: dict) -> None:
+    def _forward_message(self, message: dict) -> None:
         if not self._cancelled.is_set():
             self._on_message(self, message)
 
     def _end(self, judged: Future[dict]) -> None:
         error = judged.exception()
         if isinstance(error, WorkerTimeout):
-            self._say({"refused": tr(TOO_LONG, file=self.name, seconds=PATIENCE)})
+            self._forward_message({"refused": tr(TOO_LONG, file=self.name, seconds=PATIENCE)})
         elif isinstance(error, ProcessDied):
-            self._say({"refused": tr("The file {file} could not be judged: the process {has_ended}", file=self.name,
-                                     has_ended=translate_message(str(error)))})
+            self._forward_message({"refused": tr("The file {file} could not be judged: the process {has_ended}",
+                                                 file=self.name, has_ended=translate_message(str(error)))})
         elif isinstance(error, OSError):
-            self._say({"refused": tr("No process could be started: {reason}", reason=error.strerror or error)})
+            self._forward_message({"refused": tr("No process could be started: {reason}",
+                                                 reason=error.strerror or error)})
         self._pool.close()
         self._slots.release()
 
@@ -89,7 +92,8 @@ def question_sentence(name: str, reason: str, problems: tuple[str, ...]) -> str:
     if others:
         before = functools.reduce(lambda before, next: tr("{before}, the {next}", before=before, next=next), others)
         titles = tr("{before} or the {last}", before=before, last=last)
-    return tr("The file {file} {reason}. Is it of the {problems}?", file=name, reason=on_page(reason), problems=titles)
+    return tr("The file {file} {reason}. Is it of the {problems}?", file=name, reason=reword_for_page(reason),
+              problems=titles)
 
 
 class ProblemQuestion:

@@ -12,23 +12,23 @@ import viser
 from app.frame.captions import NO_INDEX
 from app.frame.headline import Headline
 from app.language.translation import lazy, tr, with_language
-from app.page.display_source import Choice, Display, FrameView
 from app.page.feature import Feature
 from app.page.features.upload import uploaded_run
 from app.page.features.upload.judging_process import FIRST, JudgeJob, ProblemQuestion, question_sentence
-from app.page.features.upload.uploaded_run import JUDGE, UploadedRun, file_readout, loaded_notice, scene_of
+from app.page.features.upload.uploaded_run import JUDGE, UploadedRun, file_readout, loaded_notice, page_scene_for_file
 from app.page.page_context import PageContext
 from app.page.panels.error_timeline import TimelineState
 from app.page.panels.page_header import BARE
 from app.page.readout_panel import Numbers
 from app.page.stage.worst_region import WorstRegions
+from app.page.stage_source import FrameView, StageContent, ViewChoice
 from app.page.visit.session import Session, first_scene
 from app.page.visit.status_message import Notice
-from app.viewer.upload import LARGEST, TOO_LARGE, Upload
-from app.words import on_page
+from app.viewer.upload import LARGEST, TOO_LARGE, VisitorUploads
+from app.words import reword_for_page
 from solvers.engine.engine_messages import FrameReport
-from solvers.judging.file_view import FileSummary
 from solvers.judging.particle_readers import KINDS
+from solvers.judging.uploaded_file_worker import FileSummary
 from solvers.scene.scene import Scene
 from solvers.study.parameter_grid import Task
 
@@ -45,7 +45,7 @@ WHAT = lazy("Drop a file of particles anywhere on this page, or choose it ({kind
 class UploadPanel(Feature):
     """Upload panel of one visitor. ``on_view`` redraws, ``on_begin`` is called before a file takes the stage,
     ``on_scene`` with the scene of a file of another problem. While a file is :attr:`shown_frame`
-    (:class:`~app.page.display_source.Source`), in a colour scale common to all its times, the run pauses; that ends
+    (:class:`~app.page.stage_source.StageSource`), in a colour scale common to all its times, the run pauses; that ends
     when something advances the run."""
 
     def __init__(self, client: viser.ClientHandle, session: Session, on_view: Callable[[], None],
@@ -64,12 +64,12 @@ class UploadPanel(Feature):
         gui.add_html(f"<i class='lab-upload' data-largest='{LARGEST}' data-too-large='{large}.' data-busy='{busy}' "
                      f"data-one='{one}'></i>")
         button = gui.add_upload_button(tr("file of particles"), mime_type=",".join(KINDS))
-        self._upload = Upload(gui, button, with_language(self._on_file),
-                              with_language(lambda text: self._refuse(tr(text))))
+        self._upload = VisitorUploads(gui, button, with_language(self._on_file),
+                                      with_language(lambda text: self._refuse(tr(text))))
 
     @classmethod
     def build(cls, page: PageContext) -> "UploadPanel":
-        panel = cls(page.client, page.session, page.stage.draw, page.clear_stage, page.controls.load)
+        panel = cls(page.client, page.session, page.stage.draw, page.show_run_on_stage, page.controls.load)
         with page.tabs["explore"]:
             panel._build_folds(page.gui)
         return panel
@@ -85,7 +85,7 @@ class UploadPanel(Feature):
             self._back = gui.add_button(tr(BACK), icon=viser.Icon.ARROW_BACK_UP, visible=False, hint=tr(BACK_HINT))
             self._text = gui.add_html("")
         self._back.on_click(lambda _: self.leave())
-        self._question = ProblemQuestion(gui, self._answer)
+        self._question = ProblemQuestion(gui, self._on_problem_chosen)
         self._folder = gui.add_folder(tr("Your file on the stage"), order=FIRST, visible=False)
         with self._folder:
             self._slider = gui.add_slider(tr("Frame"), 1, 2, 1, 1,
@@ -107,7 +107,7 @@ class UploadPanel(Feature):
     def on_frame(self, report: FrameReport) -> None:
         """Handles a new frame of the run: shows the run again if the visitor has advanced it."""
         with self._lock:
-            if self._run is not None and self._session.motion_key != self._moves:
+            if self._run is not None and self._session.playback_request_key != self._moves:
                 self._resumes = False
                 self.leave()
 
@@ -127,9 +127,9 @@ class UploadPanel(Feature):
         with self._lock:
             if self._run is None:
                 return
-            self._let_go()
+            self._drop_run()
             self._folder.visible = self._back.visible = False
-            self._say("")
+            self._show_sentence("")
             if self._resumes:
                 self._session.play(True)
         self._on_view()
@@ -138,15 +138,15 @@ class UploadPanel(Feature):
         """Ends upload and judging when the visitor leaves."""
         self._upload.close()  # first, and without the lock, for which an arriving file may wait
         with self._lock:
-            self._let_go()
-        self._upload.clear()
+            self._drop_run()
+        self._upload.delete_files()
 
-    def _let_go(self) -> None:
-        self._forget()
+    def _drop_run(self) -> None:
+        self._cancel_judging()
         self._run, self.playing = None, False
         self._turn.set()
 
-    def _forget(self) -> None:
+    def _cancel_judging(self) -> None:
         """Cancels the judging; the table of a file on the stage stays while it is shown."""
         if self._judging is not None:
             self._judging.cancel()
@@ -156,29 +156,29 @@ class UploadPanel(Feature):
 
     def _on_file(self, name: str, file: Path) -> None:
         with self._lock:
-            self._forget()
+            self._cancel_judging()
             self._question.hide()
             self._news = None
             self._judging = JudgeJob(name, file, self._session.scene, self._on_message)
-            self._say(tr("The file {file} is being read and judged …", file=self._judging.name))
+            self._show_sentence(tr("The file {file} is being read and judged …", file=self._judging.name))
 
     def _on_message(self, judging: JudgeJob, message: dict) -> None:
         if "frames" in message and judging is self._judging:
             # A file of another problem switches the page to that problem.
             own = Task(**FileSummary(**message["frames"]).task).scene()
             if own.problem != self._session.scene.problem:
-                self._on_scene(scene_of(own, first_scene(own.problem)))
+                self._on_scene(page_scene_for_file(own, first_scene(own.problem)))
         with self._lock:
             if judging is not self._judging:
                 return
             if sentence := message.get("refused"):
                 self._refuse(sentence)
                 if self._run is not None and self._run.table == judging.table:
-                    self._run.trouble = on_page(sentence)
+                    self._run.trouble = reword_for_page(sentence)
                 else:
-                    self._forget()
+                    self._cancel_judging()
             elif asks := message.get("asks"):
-                self._ask(judging.name, asks["reason"], tuple(asks["problems"]))
+                self._ask_problem(judging.name, asks["reason"], tuple(asks["problems"]))
             elif "frames" in message:
                 self._show(UploadedRun(judging.name, FileSummary(**message["frames"]), judging.table))
             elif self._run is not None and "estimate" in message:
@@ -187,20 +187,20 @@ class UploadPanel(Feature):
                 self._run.verdict = message["verdict"]
         self._on_view()
 
-    def _ask(self, name: str, reason: str, problems: tuple[str, ...]) -> None:
+    def _ask_problem(self, name: str, reason: str, problems: tuple[str, ...]) -> None:
         """Asks for the problem of a file that does not fit the one on the stage."""
         said = question_sentence(name, reason, problems)
         self._news = monotonic(), Notice("refused", tr("{question} Select it at the top of Explore.", question=said))
         self._question.ask(said, problems)
-        self._say(said)
+        self._show_sentence(said)
 
-    def _answer(self, problem: str | None) -> None:
+    def _on_problem_chosen(self, problem: str | None) -> None:
         """Judges the waiting file for the problem chosen; discards it for None."""
         with self._lock:
             waiting, self._news = self._judging, None
             self._question.hide()
-            self._say("")
-            self._forget()
+            self._show_sentence("")
+            self._cancel_judging()
             if waiting is None or problem is None:
                 return
         self._on_scene(first_scene(problem))  # its controls show the settings of the judgement
@@ -212,20 +212,20 @@ class UploadPanel(Feature):
             self._on_begin()
             self._resumes = self._session.playing
             self._session.play(False)
-            self._moves = self._session.motion_key
+            self._moves = self._session.playback_request_key
         self._run, self._k = run, 0
-        self._say(loaded_notice(run, self._session.scene))
+        self._show_sentence(loaded_notice(run, self._session.scene))
         self._slider.max, self._slider.value = max(2, len(run)), 1  # type: ignore[misc]
         self._slider.disabled = len(run) < 2
         self._folder.visible = self._back.visible = True
         self._play(True)
 
     def _refuse(self, sentence: str) -> None:
-        sentence = on_page(sentence).rstrip(".") + "."
+        sentence = reword_for_page(sentence).rstrip(".") + "."
         self._news = monotonic(), Notice("refused", sentence)
-        self._say(sentence)
+        self._show_sentence(sentence)
 
-    def _say(self, sentence: str) -> None:
+    def _show_sentence(self, sentence: str) -> None:
         self._text.content = f"<div class='lab-own' role='status'><p>{escape(sentence)}</p></div>" if sentence else ""
 
     def _go_to(self, number: float) -> None:
@@ -242,12 +242,12 @@ class UploadPanel(Feature):
             if self.playing and run is not None:
                 self._k = self._k if self._k < len(run) - 1 else 0
                 self._turn = threading.Event()
-                threading.Thread(target=with_language(self._go_on), args=(run, self._turn), name="own-run",
+                threading.Thread(target=with_language(self._play_loop), args=(run, self._turn), name="own-run",
                                  daemon=True).start()
 
-    def _go_on(self, run: UploadedRun, over: threading.Event) -> None:
+    def _play_loop(self, run: UploadedRun, over: threading.Event) -> None:
         """Shows one frame after the other, to the last."""
-        while not over.wait(self._seconds(run)):
+        while not over.wait(self._frame_seconds(run)):
             with self._lock:
                 if over.is_set():
                     return
@@ -260,7 +260,7 @@ class UploadPanel(Feature):
             if not self.playing:
                 return
 
-    def _seconds(self, run: UploadedRun) -> float:
+    def _frame_seconds(self, run: UploadedRun) -> float:
         """Returns the seconds until the next frame: at the run's speed, within limits for the eye."""
         ahead = run.times[min(self._k + 1, len(run) - 1)] - run.times[self._k]
         least, most = FRAME_SECONDS
@@ -271,18 +271,18 @@ class UploadPanel(Feature):
         return self.shown_frame is not None
 
     @property
-    def is_immediate(self) -> bool:
+    def needs_immediate_headline(self) -> bool:
         return not self.playing
 
-    def display(self, choice: Choice) -> Display | None:
+    def stage_content(self, choice: ViewChoice) -> StageContent | None:
         if (shown := self.shown_frame) is None:
             return None
         run, k = shown
         report, arrays = run.frame(k, choice.quantity, self.playing)
         picture = FrameView(report, arrays, run.view(arrays, choice.quantity, choice.difference), 1.0, foreign=True)
-        return Display(picture, run.largest(choice.quantity), (run.name, choice.quantity))
+        return StageContent(picture, run.largest_errors(choice.quantity), (run.name, choice.quantity))
 
-    def numbers(self, choice: Choice, picture: FrameView | None, probed: str | None) -> Numbers | None:
+    def numbers(self, choice: ViewChoice, picture: FrameView | None, probed: str | None) -> Numbers | None:
         if (shown := self.shown_frame) is None:
             return None
         run, k = shown
@@ -291,7 +291,7 @@ class UploadPanel(Feature):
                                                                 self.playing),
                        "" if run.true is not None else tr(NO_INDEX))
 
-    def sentence(self, choice: Choice, picture: FrameView) -> Headline:
+    def sentence(self, choice: ViewChoice, picture: FrameView) -> Headline:
         shown = self.shown_frame
         if shown is None or not picture.foreign or picture.report.scene != shown[0].scene:
             return Headline()

@@ -8,21 +8,21 @@ from pathlib import Path
 
 import numpy as np
 
-from app.frame.captions import TRUE, UNKNOWN, View, view_of_sizes
-from app.frame.headline import Headline, error_words, format_errors
+from app.frame.captions import TRUE, UNKNOWN, ErrorView, error_view_of_sizes
+from app.frame.headline import Headline, error_headline_templates, format_error_headline
 from app.language.translation import lazy, tr, translate_message
-from app.page.panels.readout import DRAG, Readout, name_with_sample, row_html, table_html
+from app.page.panels.readout import DRAG, ReadoutTables, name_with_line_sample, row_html, table_html
 from app.page.stage.worst_region import WorstRegions
 from app.page.visit.history import RunSeries
 from app.words import NOTHING, QUANTITIES, difference_text, format_number, format_ratio, with_unit
 from solvers.engine.engine_messages import FrameReport
 from solvers.engine.shared_frames import FrameArrays, FrameOptions
-from solvers.judging.file_view import FileSummary, open_table, table_columns
 from solvers.judging.scene_metadata import NOT_OF_THE_PROBLEM
+from solvers.judging.uploaded_file_worker import FileSummary, open_table, table_columns
 from solvers.scene.scene import Scene
 from solvers.scene.validation import SceneError
-from solvers.solver.error_norms import RunningIndex
-from solvers.solver.rounding import rounding
+from solvers.solver.error_norms import RunningEffectivityIndex
+from solvers.solver.rounding import largest_rounding_error
 from solvers.solver.samples import QUANTITIES as KEYS
 from solvers.study.parameter_grid import Task
 
@@ -43,7 +43,7 @@ class UploadedRun(RunSeries):
         self._starts = np.cumsum([0, *shown.counts])
         self._columns = table_columns(self.scene.DIMENSIONS)
         self._rows = open_table(table, shown.counts, self.scene.DIMENSIONS)
-        self.true = None if shown.norms is None else _arrays(shown.norms)
+        self.true = None if shown.norms is None else _norm_arrays(shown.norms)
         self.estimate: dict[str, np.ndarray] | None = None
         self._tops: dict[tuple[str, bool], tuple[np.ndarray, np.ndarray]] = {}
         self.verdict: dict | None = None
@@ -54,17 +54,18 @@ class UploadedRun(RunSeries):
 
     def add_estimate(self, norms: Mapping[str, Sequence[float | None]]) -> None:
         """Takes over the norms of the companion's estimate, which is now in the table."""
-        estimate, none = _arrays(norms), np.full(len(self), np.nan)
+        estimate, none = _norm_arrays(norms), np.full(len(self), np.nan)
         new = {"time": self.times}
         for q in KEYS:
             new[f"error_{q}"] = none if self.true is None else self.true.get(q, none)
             new[f"{JUDGE}/estimate_{q}"] = estimate.get(q, none)
-            new[f"{JUDGE}/index_{q}"] = RunningIndex().extend(new[f"{JUDGE}/estimate_{q}"], new[f"error_{q}"], rounding(
-                self.scene, q, self.scene.steps))
+            new[f"{JUDGE}/index_{q}"] = RunningEffectivityIndex().extend(
+                new[f"{JUDGE}/estimate_{q}"], new[f"error_{q}"], largest_rounding_error(self.scene, q, self.scene.steps)
+            )
         self.append(new)
         self.estimate = estimate
 
-    def particles(self, k: int) -> int:
+    def particle_count(self, k: int) -> int:
         return int(self._starts[k + 1] - self._starts[k])
 
     def frame(self, k: int, quantity: str, playing: bool) -> tuple[FrameReport, FrameArrays]:
@@ -79,7 +80,7 @@ class UploadedRun(RunSeries):
                              0.0, None, "", holds=FrameOptions(plotted=quantity))
         return report, arrays
 
-    def view(self, arrays: FrameArrays, quantity: str, difference: bool) -> View:
+    def view(self, arrays: FrameArrays, quantity: str, difference: bool) -> ErrorView:
         """Returns what the two halves of the stage show."""
         column = KEYS.index(quantity)
         lacks = tr(NO_ACCELERATION) if quantity == "a" else \
@@ -88,10 +89,10 @@ class UploadedRun(RunSeries):
         no_estimate = lacks or (tr(COMING) if self.estimate is None else "")
         true = None if no_truth else arrays.error[:, column]
         estimated = None if no_estimate else arrays.estimate[JUDGE][:, column]
-        return view_of_sizes(quantity, JUDGE, estimated, true, no_estimate, no_truth, difference,
-                             arrays.difference[JUDGE][:, column])
+        return error_view_of_sizes(quantity, JUDGE, estimated, true, no_estimate, no_truth, difference,
+                                   arrays.difference[JUDGE][:, column])
 
-    def largest(self, quantity: str) -> tuple[np.ndarray, np.ndarray]:
+    def largest_errors(self, quantity: str) -> tuple[np.ndarray, np.ndarray]:
         """Returns the largest estimated and true sizes over all times, (1,) each, for a constant colour scale."""
         known = quantity, self.estimate is not None
         if known not in self._tops:
@@ -105,7 +106,7 @@ class UploadedRun(RunSeries):
         return self.times[1:], self._crossed[1:] / np.diff(self.times)
 
 
-def _arrays(norms: Mapping[str, Sequence[float | None]]) -> dict[str, np.ndarray]:
+def _norm_arrays(norms: Mapping[str, Sequence[float | None]]) -> dict[str, np.ndarray]:
     return {q: np.array([np.nan if value is None else value for value in values]) for q, values in norms.items()}
 
 
@@ -114,18 +115,18 @@ HINTS = {lazy("now"): lazy("root of the mean square over the particles, at the t
          lazy("index"): lazy("estimated over true error, summed over the times; 1 is perfect")}
 
 
-def file_headline(run: UploadedRun, k: int, view: View, worst: WorstRegions, quantity: str) -> Headline:
-    true, estimated = (_now(norms, k, quantity) for norms in (run.true, run.estimate))
-    words = error_words(run.scene, quantity, JUDGE, view.left.silence if estimated is None else "",
-                        view.right.silence if true is None else "")
+def file_headline(run: UploadedRun, k: int, view: ErrorView, worst: WorstRegions, quantity: str) -> Headline:
+    true, estimated = (_norm_at_frame(norms, k, quantity) for norms in (run.true, run.estimate))
+    words = error_headline_templates(run.scene, quantity, JUDGE, view.left.silence if estimated is None else "",
+                                     view.right.silence if true is None else "")
     wrong, says = (np.nan if norm is None else norm for norm in (true, estimated))
-    said = format_errors(words, QUANTITIES[quantity].unit, wrong, says, says / wrong if wrong else np.nan,
-                         tr("at t = {time} s in {file} ", time=format_number(run.times[k]), file=run.name))
+    said = format_error_headline(words, QUANTITIES[quantity].unit, wrong, says, says / wrong if wrong else np.nan,
+                                 tr("at t = {time} s in {file} ", time=format_number(run.times[k]), file=run.name))
     region = worst.by_truth or worst.by_estimate
     return replace(said, facts=(*said.facts, tr("worst at {region}", region=region.name)) if region else said.facts)
 
 
-def scene_of(own: Scene, page: Scene) -> Scene:
+def page_scene_for_file(own: Scene, page: Scene) -> Scene:
     """Returns the page's scene with all settings of a file's scene that matter to the judge, if valid together."""
     with suppress(SceneError):  # may be invalid with the page's method
         return replace(page, **{f.name: getattr(own, f.name) for f in fields(page) if f.name not in NOT_OF_THE_PROBLEM})
@@ -134,33 +135,34 @@ def scene_of(own: Scene, page: Scene) -> Scene:
 
 def loaded_notice(run: UploadedRun, page: Scene) -> str:
     """Returns the message that a file is on the stage, with its settings if they differ from the page's."""
-    said = difference_text(scene_of(run.scene, page), page) if run.scene.problem == page.problem else ""
+    said = difference_text(page_scene_for_file(run.scene, page), page) if run.scene.problem == page.problem else ""
     return tr("The file {file} is on the stage, judged with {settings}.", file=run.name, settings=said) if said else \
         tr("The file {file} is on the stage.", file=run.name)
 
 
-def file_readout(run: UploadedRun, k: int, quantity: str, probed: str | None) -> Readout:
+def file_readout(run: UploadedRun, k: int, quantity: str, probed: str | None) -> ReadoutTables:
     verdict = run.verdict or {}
     rows = [(tr("file"), f"<b>{escape(run.name)}</b>"),
             (tr("frame"), tr("{n} of {all}", n=k + 1, all=len(run))),
             (tr("time"), tr("{time:.4g} s = {periods:.2f} periods", time=run.times[k],
                             periods=run.times[k] / run.scene.period)),
             (tr("grid"), tr("{cells} cells, h = {spacing}", cells=run.scene.cells,
-                            spacing=with_unit(run.scene.spacing, "m"))), (tr("particles"), f"{run.particles(k):,}"),
+                            spacing=with_unit(run.scene.spacing, "m"))),
+            (tr("particles"), f"{run.particle_count(k):,}"),
             *([(tr("crossings"), tr("{n:,} at least", n=verdict["crossings_at_least"]))] if verdict else []),
             (tr("region"), escape(probed or tr(DRAG)))]
     run_of = table_html("".join(f"<tr><td>{name}</td>\n<td>{text}</td></tr>\n" for name, text in rows))
     found = "".join(f"<p>{escape(text)}</p>" for text in _verdict_lines(run, quantity))
-    return Readout(f"{_errors(run, k, quantity)}<div class='lab-own'>{found}</div>", run_of)
+    return ReadoutTables(f"{_errors_table_html(run, k, quantity)}<div class='lab-own'>{found}</div>", run_of)
 
 
-def _errors(run: UploadedRun, k: int, quantity: str) -> str:
+def _errors_table_html(run: UploadedRun, k: int, quantity: str) -> str:
     """Returns a table with a row for the truth and one for the companion."""
     words = QUANTITIES[quantity]
     heads = (f"<span title=\"{escape(tr(hint))}\">{tr(head)}</span>" for head, hint in HINTS.items())
     rows = [row_html("head", tr("error of {symbol}", symbol=words.symbol), *heads)]
     if quantity in run.missing or quantity == "a":
-        return table_html("".join([*rows, row_html("", name_with_sample(TRUE), tr("not in the file"))]),
+        return table_html("".join([*rows, row_html("", name_with_line_sample(TRUE), tr("not in the file"))]),
                           "lab-numbers lab-estimates")
     for name, norms in ((TRUE, run.true), (JUDGE, run.estimate)):
         last = run.series.get(f"{JUDGE}/index_{quantity}", np.zeros(0))[-1:]
@@ -169,8 +171,8 @@ def _errors(run: UploadedRun, k: int, quantity: str) -> str:
             norms[quantity][run.times > 0 if (run.times > 0).any() else ...]
         largest = float(values.max()) if len(values) and np.isfinite(values).all() else None
         sizes = (NOTHING if value is None else with_unit(value, words.unit, 2)
-                 for value in (_now(norms, k, quantity), largest))
-        rows.append(row_html("", name_with_sample(name), *sizes, index))
+                 for value in (_norm_at_frame(norms, k, quantity), largest))
+        rows.append(row_html("", name_with_line_sample(name), *sizes, index))
     return table_html("".join(rows), "lab-numbers lab-estimates")
 
 
@@ -198,6 +200,6 @@ def _format_position(X: list[float]) -> str:
     return f"X = ({place}) m" if len(X) > 1 else f"X = {place} m"
 
 
-def _now(norms: dict[str, np.ndarray] | None, k: int, quantity: str) -> float | None:
+def _norm_at_frame(norms: dict[str, np.ndarray] | None, k: int, quantity: str) -> float | None:
     value = np.nan if norms is None or quantity not in norms else norms[quantity][k]
     return float(value) if np.isfinite(value) else None

@@ -6,16 +6,16 @@ import numpy as np
 import taichi as ti
 
 from solvers.kernels.dtypes import quads, reals
-from solvers.kernels.packing import MemoryView, Packing
-from solvers.kernels.scalar_hoisting import mark_untranslated
-from solvers.motion.line_solution import motion_table
+from solvers.kernels.packing import ArrayPacking, PackedMembersView
+from solvers.kernels.scalar_hoisting import mark_untranslated_by_taichi
+from solvers.motion.exact_solution_1d import motion_table
 from solvers.problems.bar import exact_solution
 from solvers.problems.bar.estimators.companion import mesh
-from solvers.problems.bar.method.nodes import GHOSTS
+from solvers.problems.bar.method.periodic_nodes import GHOSTS
 from solvers.problems.bar.scene import BarScene
 from solvers.scene.error_causes import CAUSES
 from solvers.scene.kernel_options import KernelOptions
-from solvers.scene.typed import TYPED
+from solvers.scene.typed_motion_scene import TYPED
 from solvers.solver.state_arrays import zeros
 
 #: Layers of ``budget_nodes``, each of all nodes: of the reference its v + dt a, a, b and the method's force of its
@@ -35,7 +35,7 @@ MEMBERS = {
     "reference_rates": reals,  # and the slope of v + dt a (n,)
     "removed": quads,  # what the step's end takes from x, v and F of a run without a cause (P, 4)
 }
-BUDGET = Packing(MEMBERS, "budget_")
+BUDGET = ArrayPacking(MEMBERS, "budget_")
 
 
 def stores_reference(on: KernelOptions) -> bool:
@@ -43,10 +43,10 @@ def stores_reference(on: KernelOptions) -> bool:
     return not on.truth or on.motion == TYPED
 
 
-@mark_untranslated
-def with_budget(state: Any) -> MemoryView:
+@mark_untranslated_by_taichi
+def state_with_budget_arrays(state: Any) -> PackedMembersView:
     """Returns the state with the budget's members as attributes, for kernels."""
-    return MemoryView(state, BUDGET, MEMBERS)
+    return PackedMembersView(state, BUDGET, MEMBERS)
 
 
 def initial_budget_arrays(scene: BarScene, on: KernelOptions) -> dict:
@@ -57,9 +57,9 @@ def initial_budget_arrays(scene: BarScene, on: KernelOptions) -> dict:
     causes = zeros(layers * P, 4, when=on.budget)
     if on.budget and scene.displacement:
         causes[P:2 * P, list(CAUSES).index("time_step")] = -scene.velocity_lead * motion_table(scene)(0.0, 2)[:P, 0]
-    return BUDGET.values({"taken_away": list(CAUSES).index(scene.take_away) if taken else NO_CAUSE_REMOVED,
-                          "cause_errors": causes, "budget_nodes": zeros(5 * nodes, 4, when=on.budget),
-                          **_initial_reference(scene, on), "removed": zeros(P, 4, when=taken)})
+    return BUDGET.pack({"taken_away": list(CAUSES).index(scene.take_away) if taken else NO_CAUSE_REMOVED,
+                        "cause_errors": causes, "budget_nodes": zeros(5 * nodes, 4, when=on.budget),
+                        **_initial_reference(scene, on), "removed": zeros(P, 4, when=taken)})
 
 
 def _initial_reference(scene: BarScene, on: KernelOptions) -> dict:

@@ -8,12 +8,22 @@ import taichi as ti
 
 from solvers.problems.bar.budget.budget_arrays import FORCE, PIECES, STRESS, VELOCITY
 from solvers.problems.bar.budget.error_sources import particles_to_nodes, update_nodes
-from solvers.problems.bar.budget.reference import motion, slopes, time_factors
-from solvers.problems.bar.method.nodes import EMPTY, GHOSTS, fold, stencil_of, unfold
+from solvers.problems.bar.budget.reference_motion import (
+    reference_gradients_at,
+    reference_motion_at,
+    reference_time_factors,
+)
+from solvers.problems.bar.method.gapless_pieces import interpolate_at_corner, piece_length
+from solvers.problems.bar.method.periodic_nodes import (
+    EMPTY,
+    GHOSTS,
+    add_periodic_images,
+    copy_to_periodic_images,
+    stencil_of,
+)
 from solvers.problems.bar.method.phases import half_width
-from solvers.problems.bar.method.pieces import interpolate_at_corner, piece_length
-from solvers.problems.bar.method.remedies import MOST_GRADIENT, PASSES
-from solvers.problems.bar.method.samples import exact_time_factors, true_error
+from solvers.problems.bar.method.sample_rows import exact_time_factors, true_error
+from solvers.problems.bar.method.stabilisations import MOST_GRADIENT, PASSES
 from solvers.scene.error_causes import CAUSES, FIELDS
 from solvers.solver.samples import BUDGET, column_index
 
@@ -26,27 +36,27 @@ COLUMNS_PER_FIELD = len(BUDGET) // len(FIELDS)  # columns
 @ti.func
 def update_grid(bar: ti.template(), t, on: ti.template()):
     """Runs the first half of the budget's step, from time t, when the run's nodes have their new motion."""
-    particles_to_nodes(bar, t, time_factors(bar, t), on)
+    particles_to_nodes(bar, t, reference_time_factors(bar, t), on)
     update_nodes(bar, t, on)
     if bar.taken_away >= 0:
-        unfold(bar.node_motion, bar.cells)
+        copy_to_periodic_images(bar.node_motion, bar.cells)
 
 
 @ti.func
 def in_step(bar: ti.template(), step, on: ti.template()):
     """Runs the second half, of step number ``step``, after the remedies and before particles move."""
-    now = time_factors(bar, (step - 1) * bar.dt)
+    now = reference_time_factors(bar, (step - 1) * bar.dt)
     if ti.static(on.filtered or on.coupled):  # after their own turn, of which the coupling takes the displacement
         if step % bar.remedy_interval == 0:
             if ti.static(on.filtered):
                 filter_null_space(bar, now, on)
             if ti.static(on.coupled):
-                couple_deformation(bar, now, on)
+                couple_deformation_to_positions(bar, now, on)
     nodes_to_particles(bar, now, on)
 
 
 @ti.func
-def after_step(bar: ti.template(), on: ti.template()):
+def correct_particles_after_step(bar: ti.template(), on: ti.template()):
     """Subtracts the removed cause's contribution from the particles, beside that at the nodes."""
     if ti.static(on.centred):
         subtract_mean_velocity(bar)
@@ -88,7 +98,7 @@ def nodes_to_particles(bar: ti.template(), now, on: ti.template()):
                 G = (interpolate_at_corner(bar, bar.budget_nodes, VELOCITY * M, p + 1, on)
                      - interpolate_at_corner(bar, bar.budget_nodes, VELOCITY * M, p, on)) / length
         left = right
-        m, s = motion(bar, p, now, on), slopes(bar, p, now, on)
+        m, s = reference_motion_at(bar, p, now, on), reference_gradients_at(bar, p, now, on)
         F, F0, stretch = bar.deformation_gradient[p], s[0], bar.cause_errors[2 * P + p]
         stretched = F * G + slope * stretch
         if ti.static(on.frozen):
@@ -145,7 +155,7 @@ def filter_null_space(bar: ti.template(), now, on: ti.template()):
     """Applies e_v -= rate (I - S S^+)^2 (e_v + v), v the reference's for the coarse grid."""
     P = bar.particles
     for p in range(P):
-        m = motion(bar, p, now, on)
+        m = reference_motion_at(bar, p, now, on)
         bar.cause_errors[SCRATCH * P + p] = bar.cause_errors[P + p] + ti.Vector([0.0, m[0] - bar.dt * m[1], 0.0, 0.0])
     for _ in range(2):
         scratch_to_nodes(bar)
@@ -159,7 +169,7 @@ def filter_null_space(bar: ti.template(), now, on: ti.template()):
 
 
 @ti.func
-def couple_deformation(bar: ti.template(), now, on: ti.template()):
+def couple_deformation_to_positions(bar: ti.template(), now, on: ti.template()):
     """Applies e_F += rate (G_c/((1 - G)(1 - G0)) - e_F), G the run's gradient, G0 = G - sum G_c the reference's; the
     coarse grid adds rate (1/(1 - G0) - F0)."""
     P, M = bar.particles, bar.cells + GHOSTS
@@ -182,7 +192,7 @@ def couple_deformation(bar: ti.template(), now, on: ti.template()):
         if G < MOST_GRADIENT:
             G0, stretch = G - parts.sum(), bar.cause_errors[2 * P + p]
             change = parts / ((1 - G) * (1 - G0)) - stretch
-            change[COARSE_GRID] += 1 / (1 - G0) - slopes(bar, p, now, on)[0]
+            change[COARSE_GRID] += 1 / (1 - G0) - reference_gradients_at(bar, p, now, on)[0]
             if bar.taken_away == COARSE_GRID:
                 bar.deformation_gradient[p] -= bar.remedy_rate * change[COARSE_GRID]
                 change[COARSE_GRID] = 0.0
@@ -200,12 +210,12 @@ def scratch_to_nodes(bar: ti.template()):
         i = bar.first_node[p]
         for k in ti.static(range(3)):
             bar.budget_nodes[PIECES * M + i + k] += S[k] * bar.cause_errors[SCRATCH * P + p]
-    fold(bar.budget_nodes, bar.cells, PIECES * M)
+    add_periodic_images(bar.budget_nodes, bar.cells, PIECES * M)
     for i in range(1, bar.cells + 1):
         weight = bar.node_sums[i][0]
         share = 1 / weight if weight > EMPTY else 0.0
         bar.budget_nodes[PIECES * M + i] = share * bar.budget_nodes[PIECES * M + i]
-    unfold(bar.budget_nodes, bar.cells, PIECES * M)
+    copy_to_periodic_images(bar.budget_nodes, bar.cells, PIECES * M)
 
 
 @ti.func

@@ -12,10 +12,23 @@ acceleration by
 import taichi as ti
 
 from solvers.problems.bar.budget.budget_arrays import FORCE, PIECES, REFERENCE, STRESS, VELOCITY
-from solvers.problems.bar.budget.reference import motion, slopes
-from solvers.problems.bar.method.forces import force_on_particle, tone_amplitudes
-from solvers.problems.bar.method.nodes import DEGENERATE, EMPTY, GHOSTS, divergence_form, fold, stencil_of, unfold
-from solvers.problems.bar.method.pieces import corner_of, nodes_per_corner, periodic_position, store_piece_corners
+from solvers.problems.bar.budget.reference_motion import reference_gradients_at, reference_motion_at
+from solvers.problems.bar.method.body_force import body_force_on_particle, tone_amplitudes
+from solvers.problems.bar.method.gapless_pieces import (
+    nodes_per_corner,
+    periodically_extended_position,
+    store_piece_corners,
+    stored_corner_stencil,
+)
+from solvers.problems.bar.method.periodic_nodes import (
+    DEGENERATE,
+    EMPTY,
+    GHOSTS,
+    add_periodic_images,
+    copy_to_periodic_images,
+    divergence_mapping_factors,
+    stencil_of,
+)
 
 
 @ti.func
@@ -27,23 +40,23 @@ def particles_to_nodes(bar: ti.template(), t, now, on: ti.template()):
     size = tone_amplitudes(bar, t, on)
     if ti.static(not on.pieces):
         store_piece_corners(bar, on)
-    last = periodic_position(bar, -1, on)
-    stress_before = bar.modulus * (slopes(bar, P - 1, now, on)[0] - bar.unstretched)
+    last = periodically_extended_position(bar, -1, on)
+    stress_before = bar.modulus * (reference_gradients_at(bar, P - 1, now, on)[0] - bar.unstretched)
     for p in range(P):
-        this = periodic_position(bar, p, on)
-        stress = bar.modulus * (slopes(bar, p, now, on)[0] - bar.unstretched)
+        this = periodically_extended_position(bar, p, on)
+        stress = bar.modulus * (reference_gradients_at(bar, p, now, on)[0] - bar.unstretched)
         corner_to_nodes(bar, p, stress - stress_before, this - last, on)
         particle_to_nodes(bar, p, stress, size, now, on)
         last, stress_before = this, stress
     for layer in ti.static((REFERENCE, PIECES, VELOCITY, FORCE, STRESS)):
         if ti.static(layer != STRESS or on.linearity_preserving):
-            fold(bar.budget_nodes, bar.cells, layer * M)
+            add_periodic_images(bar.budget_nodes, bar.cells, layer * M)
 
 
 @ti.func
 def corner_to_nodes(bar: ti.template(), p, jump, length, on: ti.template()):
     """Adds the left corner of particle p: the jump of stress, and its length in linearity preservation."""
-    i, B, _ = corner_of(bar, p)
+    i, B, _ = stored_corner_stencil(bar, p)
     given = ti.Vector([jump, length, 0.0, 0.0])
     M, P = bar.cells + GHOSTS, bar.particles
     for k in ti.static(range(nodes_per_corner(on))):
@@ -62,8 +75,8 @@ def particle_to_nodes(bar: ti.template(), p, stress, size, now, on: ti.template(
     """
     S, dS = stencil_of(bar, p)
     i, M, P = bar.first_node[p], bar.cells + GHOSTS, bar.particles
-    F, F0 = bar.deformation_gradient[p], slopes(bar, p, now, on)[0]
-    m = motion(bar, p, now, on)
+    F, F0 = bar.deformation_gradient[p], reference_gradients_at(bar, p, now, on)[0]
+    m = reference_motion_at(bar, p, now, on)
     geometry, secant = F0, F + F0 - bar.unstretched
     if ti.static(on.linearity_preserving):
         geometry, secant = F, F
@@ -71,7 +84,7 @@ def particle_to_nodes(bar: ti.template(), p, stress, size, now, on: ti.template(
         geometry, secant = 1.0, 1.0
     given = ti.Vector([m[0], m[1], 0.0, 0.0])
     if ti.static(on.body_force == "node"):
-        given[2] = force_on_particle(bar, p, size, on)
+        given[2] = body_force_on_particle(bar, p, size, on)
     force = ti.Vector([0.0, 0.0, 0.0, -geometry * bar.volume * stress])
     velocity = bar.cause_errors[P + p]
     stretch = bar.cause_errors[2 * P + p]
@@ -101,7 +114,7 @@ def update_nodes(bar: ti.template(), t, on: ti.template()):
             mass = bar.density * bar.volume * sums[0]
             method, whole = reference[3], pieces[0]
             if ti.static(on.linearity_preserving):
-                mean, scale = divergence_form(bar, i, on)
+                mean, scale = divergence_mapping_factors(bar, i, on)
                 method = (method - mean * pieces[2]) * scale
                 force = (force - mean * bar.budget_nodes[STRESS * M + i]) * scale
                 volume = bar.node_volume[i]
@@ -130,4 +143,4 @@ def update_nodes(bar: ti.template(), t, on: ti.template()):
         bar.budget_nodes[i] = reference
         bar.budget_nodes[VELOCITY * M + i], bar.budget_nodes[FORCE * M + i] = velocity, force
     for layer in ti.static((REFERENCE, VELOCITY, FORCE)):
-        unfold(bar.budget_nodes, bar.cells, layer * M)
+        copy_to_periodic_images(bar.budget_nodes, bar.cells, layer * M)

@@ -18,10 +18,10 @@ import taichi as ti
 from solvers.estimators import companion as shared
 from solvers.estimators.spectral_elements import Elements, highest_frequency
 from solvers.kernels.dtypes import integers, pairs, quads, reals
-from solvers.motion.line_solution import force_table
+from solvers.motion.exact_solution_1d import force_table
 from solvers.problems.bar import exact_solution
-from solvers.problems.bar.method.forces import force_at, table_amplitudes
-from solvers.solver.field_tables import pack_tables, pair_table
+from solvers.problems.bar.method.body_force import body_force_at, tabulated_tone_amplitudes
+from solvers.solver.separable_field_tables import pack_tables, paired_mode_entries
 
 POLYNOMIALS = 4  # order p
 PER_WAVE = 5  # elements of a typed motion's shortest wave that matters
@@ -34,12 +34,12 @@ def accelerate(bar: ti.template(), t, on: ti.template()):
     for e in range(bar.companion_counts[shared.ACROSS]):
         element_forces(bar, shared.WORK * N + e * bar.companion_counts[shared.ORDER])
     whole = bar.companion_nodes[shared.WORK * N][2] + bar.companion_nodes[shared.WORK * N + N - 1][2]
-    size = table_amplitudes(bar, bar.companion_force, bar.companion_force_sizes, t, on)
+    size = tabulated_tone_amplitudes(bar, bar.companion_force, bar.companion_force_sizes, t, on)
     for i in range(N):
         work, wave = shared.WORK * N + i, bar.companion_waves[i]
         force = whole if i == 0 or i == N - 1 else bar.companion_nodes[work][2]
         bar.companion_nodes[work][2] = bar.companion_nodes[work][6] * force \
-            + force_at(bar.companion_force, bar.companion_force_sizes, i, wave[0], wave[1], size, on)
+            + body_force_at(bar.companion_force, bar.companion_force_sizes, i, wave[0], wave[1], size, on)
 
 
 @ti.func
@@ -58,8 +58,8 @@ def element_forces(bar: ti.template(), first):
 @ti.func
 def report(bar: ti.template(), base, step, on: ti.template()):
     """Reports every particle's error at ``step``: computed minus the companion's, at its material point."""
-    shared.read_nodes(bar, step)
-    fill_elements(bar)
+    shared.interpolate_nodes_in_time(bar, step)
+    evaluate_at_element_points(bar)
     n = bar.companion_counts[shared.ORDER] + 1
     squares = 0.0
     for p in range(bar.particles):
@@ -78,7 +78,7 @@ def report(bar: ti.template(), base, step, on: ti.template()):
 
 
 @ti.func
-def fill_elements(bar: ti.template()):
+def evaluate_at_element_points(bar: ti.template()):
     """Computes u, v, u_X and a at the points of each element; u_X jumps between elements."""
     n, N = bar.companion_counts[shared.ORDER] + 1, bar.companion_counts[shared.NODES]
     for e in range(bar.companion_counts[shared.ACROSS]):
@@ -96,21 +96,22 @@ def mesh(scene) -> Elements:
     """Returns elements of three cells on coarse bars and of up to 16 on fine ones, where the companion gains by its
     order, and enough of them for the waves of a typed motion."""
     count = max(3, min(1 + scene.cells // 3, 6 + scene.cells // 16))
-    return Elements(0.0, 1.0, max(count, PER_WAVE * scene.waves) if scene.displacement else count, POLYNOMIALS)
+    return Elements(0.0, 1.0, max(count, PER_WAVE * scene.highest_harmonic) if scene.displacement else count,
+                    POLYNOMIALS)
 
 
 def allocate(scene) -> dict[str, np.ndarray]:
     """Returns the companion's arrays, undeformed and with the initial velocity."""
     elements = mesh(scene)
-    n, X = elements.order + 1, elements.nodes
+    n, X = elements.order + 1, elements.node_coordinates
     inverse_mass = np.zeros((len(X), 2))
     inverse_mass[:, 0] = 1 / (scene.density / scene.initial_stretch * nodal_masses(elements))
     velocity = np.stack([exact_solution.velocity(scene, X, 0.0), np.zeros(len(X))], axis=1)
-    frequency = scene.wave_speed * scene.initial_stretch * unit_frequency(elements)  # of the bar as it starts
-    element, basis, _ = elements.locate((np.arange(scene.particles) + 0.5) * (scene.spacing / scene.ppc))
-    sizes, force = pack_tables(pair_table(force_table(scene, X) if scene.displacement else None))
-    start = shared.start((elements.order, elements.count, 1, len(X), len(X), 1), frequency, scene.time_step, velocity,
-                         inverse_mass)
+    frequency = scene.wave_speed * scene.initial_stretch * highest_unit_frequency(elements)  # of the bar as it starts
+    element, basis, _ = elements.evaluate_basis((np.arange(scene.particles) + 0.5) * (scene.spacing / scene.ppc))
+    sizes, force = pack_tables(paired_mode_entries(force_table(scene, X) if scene.displacement else None))
+    start = shared.initial_companion_arrays((elements.order, elements.count, 1, len(X), len(X), 1), frequency,
+                                            scene.time_step, velocity, inverse_mass)
     waves = np.stack([np.sin(exact_solution.WAVENUMBER * X), np.cos(exact_solution.WAVENUMBER * X)], axis=1)
     return {**start, "companion_waves": waves, "companion_element": element, "companion_basis": basis.ravel(),
             "companion_matrices": np.stack([elements.derivative.ravel(), np.repeat(elements.weights, n)], axis=1),
@@ -126,7 +127,7 @@ def nodal_masses(elements: Elements) -> np.ndarray:
 
 
 @functools.cache
-def unit_frequency(elements: Elements) -> float:
+def highest_unit_frequency(elements: Elements) -> float:
     """Returns the highest frequency of the bar for a wave speed of 1 m/s, in 1/s."""
     stiffness = elements.derivative.T @ (elements.weights[:, None] * elements.derivative)
     inverse_mass = 1 / nodal_masses(elements)
@@ -142,7 +143,7 @@ def unit_frequency(elements: Elements) -> float:
 def verdict(scene, memory) -> str | None:
     """Returns why not to trust the last report, or None."""
     elements = mesh(scene)
-    u = memory["companion_nodes"].reshape(-1, len(elements.nodes), 8)[shared.NOW, :, :2]
+    u = memory["companion_nodes"].reshape(-1, len(elements.node_coordinates), 8)[shared.NOW, :, :2]
     return shared.why_not_trusted(u[elements.node_of_point], (1,), memory["companion_numbers"][shared.SQUARE])
 
 

@@ -35,28 +35,36 @@ from dataclasses import replace
 import numpy as np
 import taichi as ti
 
-from solvers.estimators import recovery
-from solvers.estimators.recovery import ALONG, BEGUN, MOVED, NEW, ROUGH, SIZE, TAU, TURNS, H
+from solvers.estimators import recovered
+from solvers.estimators.recovered import ALONG, BEGUN, MOVED, NEW, ROUGH, SIZE, TAU, TURNS, H
 from solvers.kernels.dtypes import integers, quads, reals
 from solvers.kernels.packing import prefix_view
-from solvers.motion.line_solution import force_table
+from solvers.motion.exact_solution_1d import force_table
 from solvers.problems.bar import exact_solution
 from solvers.problems.bar.estimators import recovered_tables
-from solvers.problems.bar.estimators.recovered_tables import DRIVE, FIT, GATHER, SMOOTHING, SPREAD, STIFFNESS, TABLES
-from solvers.problems.bar.method.forces import table_amplitudes
-from solvers.problems.bar.method.nodes import stencil_of
+from solvers.problems.bar.estimators.recovered_tables import (
+    DRIVE,
+    FIT,
+    INTERPOLATION,
+    PROJECTION,
+    SMOOTHING,
+    STIFFNESS,
+    TABLES,
+)
+from solvers.problems.bar.method.body_force import tabulated_tone_amplitudes
+from solvers.problems.bar.method.periodic_nodes import stencil_of
 from solvers.scene.estimator_hooks import EstimatorHooks
-from solvers.scene.typed import TYPED
-from solvers.solver.field_tables import pack_tables, pair_sum, pair_table
+from solvers.scene.typed_motion_scene import TYPED
+from solvers.solver.separable_field_tables import pack_tables, paired_field_at, paired_mode_entries
 
 WAVE_CFL = 0.9  # H c/h; stable to 1.2
 #: Blocks of the nodal array: U, w in the middle of the next H, a and a before; errors as gathered; errors unsmoothed;
 #: M sin 2 pi X, M sin 4 pi X, D of the fitted slope of u, and a two steps before.
-MOTION, GATHERED, ERRORS, FORCE = range(4)
+MOTION, PROJECTED, ERRORS, FORCE = range(4)
 
 
 @ti.func
-def entry(bar: ti.template(), kind: ti.template(), i):
+def nodal_entry_index(bar: ti.template(), kind: ti.template(), i):
     """Index of entry i of a block of the nodal array."""
     return kind * bar.recovered_stride + i
 
@@ -69,9 +77,10 @@ def extend_periodically(field: ti.template(), start, count, beyond):
 
 
 @ti.func
-def extend_nodes(bar: ti.template(), kind: ti.template()):
+def extend_nodal_block_periodically(bar: ti.template(), kind: ti.template()):
     """Extends a block of nodal values periodically."""
-    extend_periodically(bar.recovered_nodes, entry(bar, kind, 0), bar.cells, bar.recovered_stride - bar.cells)
+    extend_periodically(bar.recovered_nodes, nodal_entry_index(bar, kind, 0), bar.cells,
+                        bar.recovered_stride - bar.cells)
 
 
 @ti.func
@@ -91,31 +100,34 @@ def row_sums(bar: ti.template(), table: ti.template(), row, field: ti.template()
 @ti.func
 def apply_table(bar: ti.template(), table: ti.template(), count, field: ti.template(), start, into: ti.template(), at):
     """Applies all ``count`` rows of a table to a field that begins at ``start``; stores the result from ``at`` on."""
-    for group in range(recovery.group_count(count)):
-        row = recovery.first_in_group(group, count)
-        recovery.store_sums(into, at + row, 1, row_sums(bar, table, row, field, start))
+    for group in range(recovered.group_count(count)):
+        row = recovered.first_in_group(group, count)
+        recovered.store_sums(into, at + row, 1, row_sums(bar, table, row, field, start))
 
 
 @ti.func
 def particles_to_nodes(bar: ti.template(), table: ti.template(), kind: ti.template()):
     """Applies a table to the fields at particles; stores the result in a block of nodal values."""
-    apply_table(bar, table, bar.cells, bar.recovered_field, 0, bar.recovered_nodes, entry(bar, kind, 0))
+    apply_table(bar, table, bar.cells, bar.recovered_field, 0, bar.recovered_nodes, nodal_entry_index(bar, kind, 0))
 
 
 @ti.func
 def nodes_to_nodes(bar: ti.template(), table: ti.template(), kind: ti.template(), into: ti.template()):
     """Applies a table to a periodically extended block of nodal values; stores the result in another block."""
-    apply_table(bar, table, bar.cells, bar.recovered_nodes, entry(bar, kind, 0), bar.recovered_nodes,
-                entry(bar, into, 0))
+    apply_table(bar, table, bar.cells, bar.recovered_nodes, nodal_entry_index(bar, kind, 0), bar.recovered_nodes,
+                nodal_entry_index(bar, into, 0))
 
 
 @ti.func
-def error_at(bar: ti.template(), p, pattern):
+def interpolate_nodal_errors(bar: ti.template(), p, pattern):
     """Returns the nodal errors at a particle, and in the last place the slope of the first."""
     total = ti.Vector([0.0] * 4)
-    first, begin, _ = recovery.table_row(bar, SPREAD, p, pattern)
+    first, begin, _ = recovered.table_row_range(bar, INTERPOLATION, p, pattern)
     for k in ti.static(range(3)):
-        total += prefix_view(bar, SPREAD).weights[begin + k] * bar.recovered_nodes[entry(bar, ERRORS, first + k)]
+        total += (
+            prefix_view(bar, INTERPOLATION).weights[begin + k]
+            * bar.recovered_nodes[nodal_entry_index(bar, ERRORS, first + k)]
+        )
     return total
 
 
@@ -124,7 +136,7 @@ def nodal_body_force(bar: ti.template(), i, shape, size, on: ti.template()):
     """Returns M b of a node, from M of each tone's shape."""
     b = size[0] * shape[0] + size[1] * shape[1]
     if ti.static(on.motion == TYPED):
-        b = pair_sum(bar.recovered_force, bar.recovered_force_sizes, 0, i)[0]
+        b = paired_field_at(bar.recovered_force, bar.recovered_force_sizes, 0, i)[0]
     return b
 
 
@@ -132,12 +144,14 @@ def nodal_body_force(bar: ti.template(), i, shape, size, on: ti.template()):
 def start_reference(bar: ti.template(), t, on: ti.template()):
     """Starts the reference, once, with the acceleration at time t, when the bar was undeformed: a = M b."""
     if bar.recovered_numbers[TURNS] == NEW:
-        size = table_amplitudes(bar, bar.recovered_force, bar.recovered_force_sizes, t, on)
+        size = tabulated_tone_amplitudes(bar, bar.recovered_force, bar.recovered_force_sizes, t, on)
         for i in range(bar.cells):
-            shape, at = bar.recovered_nodes[entry(bar, FORCE, i)], entry(bar, MOTION, i)
+            shape, at = bar.recovered_nodes[nodal_entry_index(bar, FORCE, i)], nodal_entry_index(bar, MOTION, i)
             a = nodal_body_force(bar, i, shape, size, on)
-            bar.recovered_nodes[at] = recovery.initial_reference(bar.recovered_nodes[at], a, bar.recovered_numbers[H])
-            bar.recovered_nodes[entry(bar, FORCE, i)] = ti.Vector([shape[0], shape[1], shape[2], a])
+            bar.recovered_nodes[at] = recovered.initial_reference_solution(
+                bar.recovered_nodes[at], a, bar.recovered_numbers[H]
+            )
+            bar.recovered_nodes[nodal_entry_index(bar, FORCE, i)] = ti.Vector([shape[0], shape[1], shape[2], a])
         bar.recovered_numbers[TURNS] = BEGUN
 
 
@@ -149,9 +163,9 @@ def add_verdict_sums(bar: ti.template()):
         fourth = 0.0
         j = ti.select(i < 2, i + bar.cells - 2, i - 2)
         for k in range(5):
-            fourth += recovery.fourth_factor(k) * bar.recovered_nodes[entry(bar, MOTION, j)][0]
+            fourth += recovered.fourth_difference_weight(k) * bar.recovered_nodes[nodal_entry_index(bar, MOTION, j)][0]
             j = ti.select(j + 1 < bar.cells, j + 1, 0)
-        error = bar.recovered_nodes[entry(bar, GATHERED, i)][0]
+        error = bar.recovered_nodes[nodal_entry_index(bar, PROJECTED, i)][0]
         rough += fourth * fourth
         size += error * error
         along += fourth * error
@@ -173,51 +187,56 @@ def after_step(bar: ti.template(), base, step, on: ti.template()):
     extend_periodically(bar.recovered_field, 0, bar.particles, bar.recovered_beyond)
     particles_to_nodes(bar, DRIVE, ERRORS)
     for i in range(bar.cells):
-        motion, drive = bar.recovered_nodes[entry(bar, MOTION, i)], bar.recovered_nodes[entry(bar, ERRORS, i)]
+        motion, drive = (
+            bar.recovered_nodes[nodal_entry_index(bar, MOTION, i)],
+            bar.recovered_nodes[nodal_entry_index(bar, ERRORS, i)],
+        )
         motion[0] += bar.recovered_numbers[H] * motion[1]
-        bar.recovered_nodes[entry(bar, MOTION, i)] = motion
-        shape = bar.recovered_nodes[entry(bar, FORCE, i)]
-        bar.recovered_nodes[entry(bar, FORCE, i)] = ti.Vector([shape[0], shape[1], drive[2], shape[3]])
-        bar.recovered_nodes[entry(bar, GATHERED, i)] = ti.Vector([drive[0] - motion[0], drive[1] - motion[1], 0.0, 0.0])
-    if recovery.is_check_due(step, bar.dt, bar.recovered_numbers[H]):
+        bar.recovered_nodes[nodal_entry_index(bar, MOTION, i)] = motion
+        shape = bar.recovered_nodes[nodal_entry_index(bar, FORCE, i)]
+        bar.recovered_nodes[nodal_entry_index(bar, FORCE, i)] = ti.Vector([shape[0], shape[1], drive[2], shape[3]])
+        bar.recovered_nodes[nodal_entry_index(bar, PROJECTED,
+                                              i)] = ti.Vector([drive[0] - motion[0], drive[1] - motion[1], 0.0, 0.0])
+    if recovered.is_check_due(step, bar.dt, bar.recovered_numbers[H]):
         add_verdict_sums(bar)
-    damped_errors(bar)
-    move_reference(bar, step * bar.dt, on)
+    compute_damped_errors(bar)
+    advance_reference_motion(bar, step * bar.dt, on)
 
 
 @ti.func
-def damped_errors(bar: ti.template()):
+def compute_damped_errors(bar: ti.template()):
     """Computes e* = 2 e - C e + tau (1 - C)^2 e' from the gathered errors."""
-    extend_nodes(bar, GATHERED)
-    nodes_to_nodes(bar, SMOOTHING, GATHERED, ERRORS)
+    extend_nodal_block_periodically(bar, PROJECTED)
+    nodes_to_nodes(bar, SMOOTHING, PROJECTED, ERRORS)
     for i in range(bar.cells):
-        e = bar.recovered_nodes[entry(bar, GATHERED, i)]
-        bar.recovered_nodes[entry(bar, GATHERED, i)] = \
-            e - bar.recovered_nodes[entry(bar, ERRORS, i)] + ti.Vector([e[0], 0.0, 0.0, 0.0])
-    extend_nodes(bar, GATHERED)
-    nodes_to_nodes(bar, SMOOTHING, GATHERED, ERRORS)
+        e = bar.recovered_nodes[nodal_entry_index(bar, PROJECTED, i)]
+        bar.recovered_nodes[nodal_entry_index(bar, PROJECTED, i)] = \
+            e - bar.recovered_nodes[nodal_entry_index(bar, ERRORS, i)] + ti.Vector([e[0], 0.0, 0.0, 0.0])
+    extend_nodal_block_periodically(bar, PROJECTED)
+    nodes_to_nodes(bar, SMOOTHING, PROJECTED, ERRORS)
     for i in range(bar.cells):
-        e, smooth = bar.recovered_nodes[entry(bar, GATHERED, i)], bar.recovered_nodes[entry(bar, ERRORS, i)]
-        bar.recovered_nodes[entry(bar, ERRORS, i)] = \
+        e, smooth = bar.recovered_nodes[nodal_entry_index(bar, PROJECTED,
+                                                          i)], bar.recovered_nodes[nodal_entry_index(bar, ERRORS, i)]
+        bar.recovered_nodes[nodal_entry_index(bar, ERRORS, i)] = \
             ti.Vector([e[0] + bar.recovered_numbers[TAU] * (e[1] - smooth[1]), e[1], 0.0, 0.0])
-    extend_nodes(bar, ERRORS)
+    extend_nodal_block_periodically(bar, ERRORS)
 
 
 @ti.func
-def move_reference(bar: ti.template(), t, on: ti.template()):
+def advance_reference_motion(bar: ti.template(), t, on: ti.template()):
     """Computes the acceleration of every node at time t, and the new rate."""
-    size = table_amplitudes(bar, bar.recovered_force, bar.recovered_force_sizes, t, on)
+    size = tabulated_tone_amplitudes(bar, bar.recovered_force, bar.recovered_force_sizes, t, on)
     first = bar.recovered_numbers[TURNS] == BEGUN
     bar.recovered_numbers[TURNS] = MOVED
-    nodes_to_nodes(bar, STIFFNESS, ERRORS, GATHERED)
+    nodes_to_nodes(bar, STIFFNESS, ERRORS, PROJECTED)
     for i in range(bar.cells):
-        shape, at = bar.recovered_nodes[entry(bar, FORCE, i)], entry(bar, MOTION, i)
-        slope = shape[2] - bar.recovered_nodes[entry(bar, GATHERED, i)][0]
+        shape, at = bar.recovered_nodes[nodal_entry_index(bar, FORCE, i)], nodal_entry_index(bar, MOTION, i)
+        slope = shape[2] - bar.recovered_nodes[nodal_entry_index(bar, PROJECTED, i)][0]
         a = nodal_body_force(bar, i, shape, size, on) - bar.modulus / bar.density * slope
         motion = bar.recovered_nodes[at]
-        shape[3] = recovery.second_before(motion, a, first)
-        bar.recovered_nodes[entry(bar, FORCE, i)] = shape
-        bar.recovered_nodes[at] = recovery.next_reference(motion, a, bar.recovered_numbers[H], first)
+        shape[3] = recovered.acceleration_two_steps_before(motion, a, first)
+        bar.recovered_nodes[nodal_entry_index(bar, FORCE, i)] = shape
+        bar.recovered_nodes[at] = recovered.next_reference_solution(motion, a, bar.recovered_numbers[H], first)
 
 
 @ti.func
@@ -233,18 +252,19 @@ def report(bar: ti.template(), base, step, on: ti.template()):
         u = bar.position[p] - bar.material_position[p]
         bar.recovered_field[p] = ti.Vector([u, v_g, a, u])
     length = bar.recovered_numbers[H]
-    since = recovery.time_since(step, bar.dt, length)
+    since = recovered.time_since_reference_step(step, bar.dt, length)
     if step > 0:
         start_reference(bar, step * bar.dt - since, on)
     extend_periodically(bar.recovered_field, 0, bar.particles, bar.recovered_beyond)
-    find_errors(bar, length, since)
+    compute_nodal_errors(bar, length, since)
     apply_table(bar, FIT, bar.particles, bar.recovered_field, 0, bar.estimate, base)
     per_cell = bar.particles // bar.cells
     for i in range(bar.cells):
         for q in range(per_cell):
             p = i * per_cell + q
             field = bar.recovered_field[p]
-            less = bar.estimate[base + p] - error_at(bar, p, q)  # last, the slope of u less that of its error
+            less = bar.estimate[base + p] - interpolate_nodal_errors(bar, p,
+                                                                     q)  # last, the slope of u less that of its error
             E = field - less
             E[1] += bar.velocity[p] - field[1]
             if ti.static(not on.acceleration):
@@ -255,26 +275,29 @@ def report(bar: ti.template(), base, step, on: ti.template()):
 
 
 @ti.func
-def find_errors(bar: ti.template(), length, since):
+def compute_nodal_errors(bar: ti.template(), length, since):
     """Computes nodal errors of the fields, unsmoothed."""
-    particles_to_nodes(bar, GATHER, GATHERED)
+    particles_to_nodes(bar, PROJECTION, PROJECTED)
     for i in range(bar.cells):
-        before = bar.recovered_nodes[entry(bar, FORCE, i)][3]
-        U, V, A = recovery.reference_at(bar.recovered_nodes[entry(bar, MOTION, i)], before, length, since, bar.dt)
-        mean = bar.recovered_nodes[entry(bar, GATHERED, i)]
+        before = bar.recovered_nodes[nodal_entry_index(bar, FORCE, i)][3]
+        U, V, A = recovered.reference_solution_at(bar.recovered_nodes[nodal_entry_index(bar, MOTION, i)], before,
+                                                  length, since, bar.dt)
+        mean = bar.recovered_nodes[nodal_entry_index(bar, PROJECTED, i)]
         if bar.recovered_numbers[TURNS] == BEGUN:
             A = mean[2]  # without the rate of a, which is unknown there: it was up to 250 times the error
-        bar.recovered_nodes[entry(bar, GATHERED, i)] = mean - ti.Vector([U, V, A, U])
-    extend_nodes(bar, GATHERED)
-    nodes_to_nodes(bar, SMOOTHING, GATHERED, ERRORS)
+        bar.recovered_nodes[nodal_entry_index(bar, PROJECTED, i)] = mean - ti.Vector([U, V, A, U])
+    extend_nodal_block_periodically(bar, PROJECTED)
+    nodes_to_nodes(bar, SMOOTHING, PROJECTED, ERRORS)
     for i in range(bar.cells):
-        smooth = bar.recovered_nodes[entry(bar, ERRORS, i)]
-        bar.recovered_nodes[entry(bar, ERRORS, i)] = 2 * bar.recovered_nodes[entry(bar, GATHERED, i)] - smooth
-    extend_nodes(bar, ERRORS)
+        smooth = bar.recovered_nodes[nodal_entry_index(bar, ERRORS, i)]
+        bar.recovered_nodes[nodal_entry_index(bar, ERRORS, i)] = (
+            2 * bar.recovered_nodes[nodal_entry_index(bar, PROJECTED, i)] - smooth
+        )
+    extend_nodal_block_periodically(bar, ERRORS)
 
 
 def interval(scene):
-    return recovery.steps_between(scene, WAVE_CFL * scene.spacing)
+    return recovered.wave_travel_steps(scene, WAVE_CFL * scene.spacing)
 
 
 def allocate(scene):
@@ -282,25 +305,27 @@ def allocate(scene):
     cells, per_cell = scene.cells, scene.ppc
     tables = recovered_tables.operators(scene)
     X = (np.arange(scene.particles) + 0.5) * (scene.spacing / per_cell)
-    stride = cells + max(tables[name].width for name in (SPREAD, SMOOTHING, STIFFNESS))
-    beyond = max(tables[name].width for name in (FIT, GATHER, DRIVE))
+    stride = cells + max(tables[name].width for name in (INTERPOLATION, SMOOTHING, STIFFNESS))
+    beyond = max(tables[name].width for name in (FIT, PROJECTION, DRIVE))
     nodes = np.zeros((4, stride, 4))
     for k in (0, 1):
-        nodes[FORCE, :cells, k] = tables[GATHER](np.sin(2 * (k + 1) * np.pi * X))[:, 0]
-    nodes[MOTION, :cells, 1] = tables[GATHER](exact_solution.velocity(scene, X, 0.0))[:, 0]
+        nodes[FORCE, :cells, k] = tables[PROJECTION](np.sin(2 * (k + 1) * np.pi * X))[:, 0]
+    nodes[MOTION, :cells, 1] = tables[PROJECTION](exact_solution.velocity(scene, X, 0.0))[:, 0]
     table = None
     if scene.displacement:
         force = force_table(scene, X)
-        table = replace(force, modes=np.stack([tables[GATHER](one)[:, :2] for one in force.modes[:, :, 0].T], axis=1))
-    return {**dict(zip(("recovered_force_sizes", "recovered_force"), pack_tables(pair_table(table)), strict=True)),
-            "recovered_numbers": recovery.initial_numbers(scene, interval(scene)), **recovery.table_values(tables),
+        table = replace(force,
+                        modes=np.stack([tables[PROJECTION](one)[:, :2] for one in force.modes[:, :, 0].T], axis=1))
+    return {**dict(zip(("recovered_force_sizes", "recovered_force"), pack_tables(paired_mode_entries(table)),
+                       strict=True)),
+            "recovered_numbers": recovered.initial_numbers(scene, interval(scene)), **recovered.table_values(tables),
             "recovered_stride": stride, "recovered_beyond": beyond, "recovered_nodes": nodes.reshape(-1, 4),
             "recovered_field": np.zeros((scene.particles + beyond, 4))}
 
 
 HOOKS = EstimatorHooks(memory={
-    "recovered_numbers": reals,  # by the names of solvers.estimators.recovery
-    **recovery.table_types(TABLES),
+    "recovered_numbers": reals,  # by the names of solvers.estimators.recovered
+    **recovered.table_types(TABLES),
     "recovered_stride": ti.i32, "recovered_beyond": ti.i32,  # nodes of a block; particles repeated behind the last
     "recovered_nodes": quads,  # nodal values, block by block, each closed by a repetition of its beginning
     "recovered_force": quads, "recovered_force_sizes": integers,  # the table of M b of a typed motion

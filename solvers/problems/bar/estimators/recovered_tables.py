@@ -4,11 +4,11 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from solvers.estimators import recovery
-from solvers.estimators.lattice_lines import Line, Rows
-from solvers.estimators.recovery import ALONG, SIZE
-from solvers.message import Message
+from solvers.estimators import recovered
+from solvers.estimators.lattice_line_operators import Line, Rows
+from solvers.estimators.recovered import ALONG, SIZE
 from solvers.problems.bar.scene import BarScene
+from solvers.translatable_message import Message
 
 DEGREE = 3  # of the fits
 PATTERN_CELLS = 12  # on which the operators are found; all cells are alike
@@ -16,7 +16,7 @@ PATTERN_CELLS = 12  # on which the operators are found; all cells are alike
 #: Tables, with a weight for each component of a field: a fit (value of u, v and a, slope of u), B-splines likewise, M,
 #: C, what drives U (M of u and v, D of the fitted slope of u), and D of the slope of B-splines.
 TABLES = tuple(f"recovered_{what}_" for what in ("fit", "spread", "gather", "smoothing", "drive", "stiffness"))
-FIT, SPREAD, GATHER, SMOOTHING, DRIVE, STIFFNESS = TABLES
+FIT, INTERPOLATION, PROJECTION, SMOOTHING, DRIVE, STIFFNESS = TABLES
 #: What the fits miss, as parts of the error found, by which that comes out too small or too large: measured on 500 bars
 #: of 6 to 120 cells, x and sigma are .9 at the first; up to the second they are good, for it lies across the error.
 MOST_MISSED, MOST_ADDED = 0.09, 0.3
@@ -27,10 +27,10 @@ def operators(scene: BarScene) -> dict[str, Rows]:
     cells, per_cell = scene.cells, int(scene.ppc)
     few = min(cells, PATTERN_CELLS)
     line = Line(few * per_cell, few, few * scene.spacing, "periodic")
-    fit = line.fit(recovery.fit_width(scene), DEGREE).repeated(cells * per_cell, 1, 1)
-    spread = line.spread().repeated(cells, per_cell, 1)
-    gather = line.gather(4, 2).repeated(cells, 1, per_cell)
-    smoothing = line.smoothing().repeated(cells, 1, 1)
+    fit = line.fit_operator(recovered.fit_width(scene), DEGREE).repeat_over_cells(cells * per_cell, 1, 1)
+    spread = line.interpolation_operator().repeat_over_cells(cells, per_cell, 1)
+    gather = line.projection_operator(4, 2).repeat_over_cells(cells, 1, per_cell)
+    smoothing = line.smoothing_operator().repeat_over_cells(cells, 1, 1)
     drive, stiffness = np.zeros((scene.particles, 4)), np.zeros((cells, 4))
     for p, (value, slope, _) in zip(gather.first[0] + np.arange(gather.width), gather.weights[0, :, 0], strict=True):
         p = p % scene.particles
@@ -38,12 +38,12 @@ def operators(scene: BarScene) -> dict[str, Rows]:
         np.add.at(drive[:, 2], (fit.first[p] + np.arange(fit.width)) % len(drive), slope * fit.weights[0, :, 0, 1])
         np.add.at(stiffness[:, 0], (spread.first[p] + np.arange(3)) % cells,
                   slope * spread.weights[p % per_cell, :, 0, 1])
-    rows = (select_components(fit, 1), select_components(spread, 1), select_components(gather, 0),
-            select_components(smoothing, 0), periodic_map(drive, cells), periodic_map(stiffness, cells))
+    rows = (estimated_components(fit, 1), estimated_components(spread, 1), estimated_components(gather, 0),
+            estimated_components(smoothing, 0), periodic_map(drive, cells), periodic_map(stiffness, cells))
     return dict(zip(TABLES, rows, strict=True))
 
 
-def select_components(rows: Rows, last: int) -> Rows:
+def estimated_components(rows: Rows, last: int) -> Rows:
     """Returns the rows' value for u, v and a, and for u again the value or the slope."""
     return Rows(rows.first, rows.weights[:, :, 0][:, :, [0, 0, 0, last]])
 
@@ -60,7 +60,7 @@ def periodic_map(weights: np.ndarray, cells: int) -> Rows:
 def verdict(scene: BarScene, memory: Mapping[str, np.ndarray]) -> str | None:
     """Returns why not to trust the estimate: a bad reference, or motion that the fits count as error; or None."""
     U = memory["recovered_nodes"][:scene.cells, 0]
-    if reason := recovery.why_not_trusted(memory, np.abs(U).max() / scene.motion_amplitude):
+    if reason := recovered.why_not_trusted(memory, np.abs(U).max() / scene.motion_amplitude):
         return reason
     along, size = memory["recovered_numbers"][[ALONG, SIZE]]
     # What a fit's slope lacks of u', over the fourth difference of u' from cell to cell: with x in cells, the slope

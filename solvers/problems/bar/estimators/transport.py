@@ -12,7 +12,7 @@ import taichi as ti
 
 from solvers.estimators.transport import why_not_trusted
 from solvers.kernels.dtypes import octets, quads, real, reals
-from solvers.problems.bar.method import nodes
+from solvers.problems.bar.method import periodic_nodes
 from solvers.scene.estimator_hooks import EstimatorHooks
 
 WAVE_CFL = 0.7  # H c/h where the bar is most stretched; the method itself is stable to 0.8 and more
@@ -36,29 +36,29 @@ def in_step(bar: ti.template(), base, on: ti.template()):
         grid's, or the particle's own where eq 24 is taken as printed);
         EF += H (L EF + F (sum dS Ev_i + v_xx/2 sum dS (x_i - x_p)^2));  Esigma = E EF.
     """
-    gather_errors(bar, base, on)
-    stress_slopes(bar, on)
-    node_errors(bar, on)
-    particle_errors(bar, base, on)
+    sum_errors_at_nodes(bar, base, on)
+    compute_nodal_stress_slopes(bar, on)
+    compute_node_errors(bar, on)
+    advance_particle_errors(bar, base, on)
 
 
 @ti.func
-def gather_errors(bar: ti.template(), base, on: ti.template()):
+def sum_errors_at_nodes(bar: ti.template(), base, on: ti.template()):
     """Computes nodal sums of S Ev, D* source, S source and D* r^2; source = Esigma + sigma EF/F.
 
     Also S r^2 for a mapping that preserves linearity, whose step has gathered its other moments; otherwise the moments
     D*, D* r, S sigma and S F V0, the last for V_i.
     """
-    for i in range(bar.cells + nodes.GHOSTS):
+    for i in range(bar.cells + periodic_nodes.GHOSTS):
         bar.transport_nodes[i] = ti.Vector([0.0] * 8)
     for p in range(bar.particles):
-        S, dS = nodes.stencil_of(bar, p)
+        S, dS = periodic_nodes.stencil_of(bar, p)
         i = bar.first_node[p]
         F = bar.deformation_gradient[p]
         error = bar.estimate[base + p]
         strain = F - bar.unstretched
         source = error[2] + strain * error[2] / F  # Esigma + sigma EF/F of eq 12: EF = Esigma/E, sigma = E strain
-        r, volume, rest = nodes.offset(bar, p), F * bar.volume, 0.0
+        r, volume, rest = periodic_nodes.offset_from_first_node(bar, p), F * bar.volume, 0.0
         if ti.static(not on.linearity_preserving):
             rest = 1.0
         by_weight = ti.Vector([error[1], 0.0, source, 0.0, 0.0, 0.0, rest * bar.modulus * strain, rest * volume])
@@ -69,11 +69,11 @@ def gather_errors(bar: ti.template(), base, on: ti.template()):
             if ti.static(on.linearity_preserving):
                 sums[4] = S[k] * r_k * r_k
             bar.transport_nodes[i + k] += sums
-    nodes.fold(bar.transport_nodes, bar.cells)
+    periodic_nodes.add_periodic_images(bar.transport_nodes, bar.cells)
 
 
 @ti.func
-def volume_of(bar: ti.template(), i, on: ti.template()):
+def current_node_volume(bar: ti.template(), i, on: ti.template()):
     """Returns V_i, the node's share of the current volume."""
     volume = 0.0
     if ti.static(on.linearity_preserving):
@@ -84,49 +84,53 @@ def volume_of(bar: ti.template(), i, on: ti.template()):
 
 
 @ti.func
-def stress_slopes(bar: ti.template(), on: ti.template()):
+def compute_nodal_stress_slopes(bar: ti.template(), on: ti.template()):
     """Computes sigma_x at the nodes, from the force that the step used."""
     for i in range(1, bar.cells + 1):
-        bar.transport_slope[i] = nodes.node_force(bar, i, on) / ti.max(volume_of(bar, i, on), nodes.EMPTY * bar.spacing)
-    nodes.unfold(bar.transport_slope, bar.cells)
+        bar.transport_slope[i] = periodic_nodes.node_internal_force(bar, i, on) / ti.max(
+            current_node_volume(bar, i, on), periodic_nodes.EMPTY * bar.spacing
+        )
+    periodic_nodes.copy_to_periodic_images(bar.transport_slope, bar.cells)
 
 
 @ti.func
-def node_errors(bar: ti.template(), on: ti.template()):
+def compute_node_errors(bar: ti.template(), on: ti.template()):
     """Computes Ea_i and the nodal velocity error after the step, Ev_i = sum S Ev/sum S + dt Ea_i."""
     for i in range(1, bar.cells + 1):
         weight = bar.node_sums[i][0]
         Ea, Ev = 0.0, 0.0
         left, right = bar.node_motion[i - 1][0], bar.node_motion[i + 1][0]
         v_xx = (left - 2 * bar.node_motion[i][0] + right) / bar.spacing**2
-        if weight > nodes.EMPTY:
+        if weight > periodic_nodes.EMPTY:
             sums = bar.transport_nodes[i]
             sigma_x = bar.transport_slope[i]
             sigma_xx = (bar.transport_slope[i + 1] - bar.transport_slope[i - 1]) / (2 * bar.spacing)
             mean, scale, spread = 0.0, 1.0, 0.0
             moments = ti.Vector([sums[4], sums[5], 0.0, sums[6]])
             if ti.static(on.linearity_preserving):
-                mean, scale = nodes.divergence_form(bar, i, on)
+                mean, scale = periodic_nodes.divergence_mapping_factors(bar, i, on)
                 moments, spread = bar.node_moments[i], sums[4]
             constant = (moments[0] - mean * weight) * moments[3] / weight  # (sum D) f_i of eq 46
-            linear = ((moments[1] - mean * moments[2]) * scale - volume_of(bar, i, on)) * sigma_x  # (sum D r - 1) a_i
+            linear = (
+                (moments[1] - mean * moments[2]) * scale - current_node_volume(bar, i, on)
+            ) * sigma_x  # (sum D r - 1) a_i
             quadratic = (sums[3] - mean * spread) * 0.5 * sigma_xx  # C h^k of eq 12
             fed_back = sums[1] - mean * sums[2]  # sum D (Esigma F + sigma EF) V0 of eq 12
             mass = bar.density * bar.volume * weight
             Ea = ((fed_back + quadratic + constant) * scale + linear) / mass  # eq 12
             Ev = sums[0] / weight + bar.transport_dt * Ea  # eq 21 at the node
         bar.transport_errors[i] = ti.Vector([Ev, Ea, v_xx, bar.node_motion[i][0]])
-    nodes.unfold(bar.transport_errors, bar.cells)
+    periodic_nodes.copy_to_periodic_images(bar.transport_errors, bar.cells)
 
 
 @ti.func
-def particle_errors(bar: ti.template(), base, on: ti.template()):
+def advance_particle_errors(bar: ti.template(), base, on: ti.template()):
     """Advances Ev, Ex and Esigma with the step's own weights, and stores Ea for the report."""
     for p in range(bar.particles):
-        S, dS = nodes.stencil_of(bar, p)
+        S, dS = periodic_nodes.stencil_of(bar, p)
         i = bar.first_node[p]
         F = bar.deformation_gradient[p]
-        r = nodes.offset(bar, p)
+        r = periodic_nodes.offset_from_first_node(bar, p)
         at_particle, slope = ti.Vector([0.0] * 4), ti.Vector([0.0] * 4)  # Ev, Ea, v_xx and v of the nodes
         second = 0.0
         for k in ti.static(range(3)):
@@ -155,7 +159,7 @@ def interval(scene):
 
 def allocate(scene):
     """Returns nodal arrays, with the periodic images."""
-    N = scene.cells + nodes.GHOSTS
+    N = scene.cells + periodic_nodes.GHOSTS
     return {"transport_dt": interval(scene) * scene.time_step, "transport_nodes": np.zeros((N, 8)),
             "transport_slope": np.zeros(N), "transport_errors": np.zeros((N, 4))}
 

@@ -14,13 +14,13 @@ import taichi as ti
 from solvers.estimators import two_grid
 from solvers.kernels.dtypes import quads
 from solvers.kernels.packing import prefix_view
-from solvers.problems.bar.limits import is_noisy
+from solvers.problems.bar.estimator_limits import is_too_noisy_for_two_grid
 from solvers.problems.bar.method.body import BarBody, initial_body
 from solvers.problems.bar.method.phases import nodes_to_particles, update_grid
 from solvers.scene.estimator_hooks import EstimatorHooks
 from solvers.scene.kernel_options import kernel_options_of
 
-FIELDS = two_grid.ComparedFields(along=(0, 0, 0, 1))  # u, v, sigma; and a, whose fits go over more cells
+FIELDS = two_grid.ComponentStencils(along=(0, 0, 0, 1))  # u, v, sigma; and a, whose fits go over more cells
 MEMORY = {
     **{"coarse_" + name: kind for name, kind in BarBody.types().items()},
     **two_grid.memory_types(quads),
@@ -32,7 +32,7 @@ MEMORY = {
 @ti.func
 def after_step(bar: ti.template(), base, step, on: ti.template()):
     """Takes one step of the second bar, over the last ``coarse_dt``; stores F and a before it, for their rates."""
-    coarse, bare = ti.static([prefix_view(bar, "coarse_"), two_grid.method_options(on)])
+    coarse, bare = ti.static([prefix_view(bar, "coarse_"), two_grid.coarse_run_options(on)])
     for q in range(coarse.particles):
         bar.two_grid_before[q] = ti.Vector([
             coarse.deformation_gradient[q], coarse.acceleration[q], bar.two_grid_before[q][1], 0.0])
@@ -45,12 +45,12 @@ def report(bar: ti.template(), base, step, on: ti.template()):
     """Reports e = q_h - I q*; not yet for a as long as the second bar has only that of the start."""
     own, coarse = ti.static([prefix_view(bar, "two_grid_"), prefix_view(bar, "coarse_")])
     two_grid.clear_common_lattice(own)
-    run_fields(bar, own, on)
-    two_grid.transfer(own, FIELDS, "down", own.fields, "fine", own.common, "common", 1 + own.gain)
-    coarse_fields(bar, own, coarse, step)
-    two_grid.transfer(own, FIELDS, "over", own.fields, "coarse", own.common, "common", -own.gain)
-    run_fields(bar, own, on)
-    two_grid.transfer(own, FIELDS, "up", own.common, "common", own.fields, "fine", -1.0)
+    store_run_fields(bar, own, on)
+    two_grid.transfer_fields(own, FIELDS, "down", own.fields, "fine", own.common, "common", 1 + own.gain)
+    store_coarse_fields(bar, own, coarse, step)
+    two_grid.transfer_fields(own, FIELDS, "over", own.fields, "coarse", own.common, "common", -own.gain)
+    store_run_fields(bar, own, on)
+    two_grid.transfer_fields(own, FIELDS, "up", own.common, "common", own.fields, "fine", -1.0)
     square = 0.0
     for p in range(bar.particles):
         e = own.fields[p]
@@ -60,11 +60,11 @@ def report(bar: ti.template(), base, step, on: ti.template()):
         elif step < 2 * own.interval:
             e[3] = 0.0
         bar.estimate[base + p] = e
-    two_grid.store_largest(own, square / bar.particles)
+    two_grid.store_largest_error(own, square / bar.particles)
 
 
 @ti.func
-def run_fields(bar: ti.template(), own: ti.template(), on: ti.template()):
+def store_run_fields(bar: ti.template(), own: ti.template(), on: ti.template()):
     """Stores u, v, sigma and a of the run."""
     for p in range(bar.particles):
         a = 0.0
@@ -75,7 +75,7 @@ def run_fields(bar: ti.template(), own: ti.template(), on: ti.template()):
 
 
 @ti.func
-def coarse_fields(bar: ti.template(), own: ti.template(), coarse: ti.template(), step):
+def store_coarse_fields(bar: ti.template(), own: ti.template(), coarse: ti.template(), step):
     """Stores the fields of the second bar, extrapolated by ``late`` seconds from its last step to the present.
 
     Its v belongs to half a step before, the run's to dt/2 before now, and the extrapolated one shall belong to now: the
@@ -101,7 +101,7 @@ def coarse_fields(bar: ti.template(), own: ti.template(), coarse: ti.template(),
 
 def coarse_scene(scene):
     """Returns the scene of the second run."""
-    return replace(scene, cells=scene.cells // 2, dt=two_grid.interval(scene) * scene.time_step, cfl=None,
+    return replace(scene, cells=scene.cells // 2, dt=two_grid.steps_per_coarse_step(scene) * scene.time_step, cfl=None,
                    sample_every=None, estimators=(), effects=())
 
 
@@ -109,11 +109,12 @@ def allocate(scene):
     """Returns the second bar at its start, and the tables of the comparison."""
     second = coarse_scene(scene)
     fine, coarse = (scene.particles, 1), (second.particles, 1)
-    members = initial_body(second, two_grid.method_options(kernel_options_of(second)))
+    members = initial_body(second, two_grid.coarse_run_options(kernel_options_of(second)))
     return {
         **{"coarse_" + name: value for name, value in members.items()},
         **two_grid.allocate(scene, FIELDS, fine, coarse, coarse, ("periodic", "free")),
-        "two_grid_before": np.tile([1.0, 0.0, 0.0, 0.0], (second.particles, 1)), "two_grid_noisy": is_noisy(scene)}
+        "two_grid_before": np.tile([1.0, 0.0, 0.0, 0.0], (second.particles, 1)),
+        "two_grid_noisy": is_too_noisy_for_two_grid(scene)}
 
 
 def verdict(scene, memory):
@@ -123,5 +124,5 @@ def verdict(scene, memory):
                                        min(0.5, 20 * scene.motion_amplitude), memory["two_grid_largest"])
 
 
-HOOKS = EstimatorHooks(memory=MEMORY, allocate=allocate, interval=two_grid.interval, after_step=after_step,
+HOOKS = EstimatorHooks(memory=MEMORY, allocate=allocate, interval=two_grid.steps_per_coarse_step, after_step=after_step,
                        report=report, verdict=verdict)

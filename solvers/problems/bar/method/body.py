@@ -5,12 +5,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from solvers.kernels.dtypes import Integer, Integers, Pairs, Quads, Real, Reals
-from solvers.motion.line_solution import force_table, motion_table
+from solvers.motion.exact_solution_1d import force_table, motion_table
 from solvers.problems.bar import exact_solution
-from solvers.problems.bar.method.nodes import GHOSTS
+from solvers.problems.bar.method.periodic_nodes import GHOSTS
 from solvers.problems.bar.scene import BarScene
 from solvers.scene.kernel_options import KernelOptions
-from solvers.solver.field_tables import pack_tables, pair_table, vector_table
+from solvers.solver.separable_field_tables import pack_tables, paired_mode_entries, vector_mode_entries
 from solvers.solver.state_arrays import Members, remedy_rates, zeros
 
 
@@ -55,7 +55,7 @@ class BarBody(Members):
     node_scratch: Reals  # of the remedies (N+4,)
     node_displacement: Reals  # x - X on the nodes, for the coupling of F (N+4,)
     totals: Reals  # grid crossings so far, work of the body force so far (2,)
-    table_sizes: Integers  # of a typed motion: see ``solvers.solver.field_tables``
+    table_sizes: Integers  # of a typed motion: see ``solvers.solver.separable_field_tables``
     tables: Quads  # its body force at the particles; u and F - 1 there, and as a last place their means
 
 
@@ -66,8 +66,9 @@ def initial_body(scene: BarScene, on: KernelOptions) -> dict:
     X = (np.arange(P) + 0.5) * (scene.spacing / scene.ppc)
     swings, stretch = not scene.is_patch, scene.initial_stretch
     typed, known = bool(scene.displacement), on.truth or on.soundness
-    sizes, tables = pack_tables(pair_table(force_table(scene, X) if typed else None), pair_table(None),
-                                vector_table(motion_table(scene) if typed and known else None))
+    sizes, tables = pack_tables(paired_mode_entries(force_table(scene, X) if typed else None),
+                                paired_mode_entries(None),
+                                vector_mode_entries(motion_table(scene) if typed and known else None))
     material = on.body_force in ("material", "two-tone")
     at_nodes = np.sin(exact_solution.WAVENUMBER * scene.spacing * (np.arange(nodes) - 1))
     sine, cosine = np.sin(exact_solution.WAVENUMBER * X), np.cos(exact_solution.WAVENUMBER * X)

@@ -8,9 +8,16 @@ import taichi as ti
 
 from solvers.kernels.shape_functions import outer_weights
 from solvers.kernels.simd import LANES, load
-from solvers.problems.bar.method import nodes, pieces
-from solvers.problems.bar.method.forces import force_on_particle, tone_amplitudes
-from solvers.problems.bar.method.nodes import EMPTY, GHOSTS, MOST_HALF_WIDTH, fold, stencil_of, unfold
+from solvers.problems.bar.method import gapless_pieces, periodic_nodes
+from solvers.problems.bar.method.body_force import body_force_on_particle, tone_amplitudes
+from solvers.problems.bar.method.periodic_nodes import (
+    EMPTY,
+    GHOSTS,
+    MOST_HALF_WIDTH,
+    add_periodic_images,
+    copy_to_periodic_images,
+    stencil_of,
+)
 
 
 @ti.func
@@ -19,7 +26,7 @@ def update_grid(bar: ti.template(), t, on: ti.template()):
     if ti.static(not on.frozen):
         find_weights(bar, on)
     if ti.static(on.pieces):
-        pieces.store_piece_corners(bar, on)
+        gapless_pieces.store_piece_corners(bar, on)
     particles_to_nodes(bar, t, on)
     update_nodes(bar, t, on)
 
@@ -77,10 +84,10 @@ def particles_to_nodes(bar: ti.template(), t, on: ti.template()):
         right = right + ti.Vector([S[2], S[2], dS[2], S[2]]) * carried
     bar.node_sums[at], bar.node_sums[at + 1], bar.node_sums[at + 2] = left, middle, right
     if ti.static(on.pieces):
-        pieces.corners_to_nodes(bar, on)
-    fold(bar.node_sums, bar.cells)
+        gapless_pieces.add_piece_forces_to_nodes(bar, on)
+    add_periodic_images(bar.node_sums, bar.cells)
     if ti.static(on.linearity_preserving):
-        nodes.gather_moments(bar, on)
+        periodic_nodes.sum_moments_at_nodes(bar, on)
 
 
 @ti.func
@@ -95,7 +102,7 @@ def contribution_of(bar: ti.template(), p, size, on: ti.template()):
         stress = bar.modulus * (bar.deformation_gradient[p] - bar.unstretched)
         carried[2] = -volume * stress
     if ti.static(on.body_force in ("material", "two-tone")):
-        carried[3] = force_on_particle(bar, p, size, on)
+        carried[3] = body_force_on_particle(bar, p, size, on)
     return carried
 
 
@@ -108,7 +115,7 @@ def update_nodes(bar: ti.template(), t, on: ti.template()):
         v, a = 0.0, 0.0
         if sums[0] > EMPTY:
             mass = bar.density * bar.volume * sums[0]
-            internal = nodes.node_force(bar, i, on) / mass
+            internal = periodic_nodes.node_internal_force(bar, i, on) / mass
             body = 0.0
             if ti.static(on.body_force in ("material", "two-tone")):
                 body = sums[3] / sums[0]
@@ -119,7 +126,7 @@ def update_nodes(bar: ti.template(), t, on: ti.template()):
             if ti.static(on.energy):  # the force's power with the velocity in the middle of the step
                 bar.totals[1] += bar.dt * mass * body * (v - 0.5 * bar.dt * a)
         bar.node_motion[i] = ti.Vector([v, a])
-    unfold(bar.node_motion, bar.cells)
+    copy_to_periodic_images(bar.node_motion, bar.cells)
 
 
 @ti.func
@@ -162,5 +169,5 @@ def nodes_to_particles(bar: ti.template(), step, on: ti.template()):
         elif ti.static(not on.pieces):
             bar.deformation_gradient[p] *= 1 + bar.dt * L
     if ti.static(on.pieces):
-        pieces.stretch_pieces(bar, on)
+        gapless_pieces.update_piece_gradients(bar, on)
     bar.totals[0] += jumps

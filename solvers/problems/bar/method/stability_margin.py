@@ -3,8 +3,8 @@ last step."""
 
 import taichi as ti
 
-from solvers.problems.bar.method.nodes import EMPTY, fold, stencil_of
-from solvers.problems.bar.method.pieces import corner_of, nodes_per_corner
+from solvers.problems.bar.method.gapless_pieces import nodes_per_corner, stored_corner_stencil
+from solvers.problems.bar.method.periodic_nodes import EMPTY, add_periodic_images, stencil_of
 
 NODES_PER_PIECE = 5  # nodes that the two corners of a piece meet, up to two cells apart
 
@@ -18,7 +18,7 @@ def step_margin(bar: ti.template(), on: ti.template()):
         add_piece_rows(bar, on)
     else:
         add_particle_rows(bar)
-    fold(bar.node_stiffness, bar.cells)
+    add_periodic_images(bar.node_stiffness, bar.cells)
     largest = 0.0
     for i in range(1, bar.cells + 1):
         largest = ti.max(largest, bar.node_stiffness[i])
@@ -52,8 +52,8 @@ def add_piece_rows(bar: ti.template(), on: ti.template()):
     """Adds the rows of every piece, whose force is the difference of the base functions at its corners, over V0."""
     for p in range(bar.particles):
         following = ti.select(p + 1 < bar.particles, p + 1, 0)
-        i, left, _ = corner_of(bar, p)
-        j, right, _ = corner_of(bar, following)
+        i, left, _ = stored_corner_stencil(bar, p)
+        j, right, _ = stored_corner_stencil(bar, following)
         apart = (j - i + bar.cells) % bar.cells
         scaled = ti.Vector([0.0] * NODES_PER_PIECE)
         for k in ti.static(range(NODES_PER_PIECE)):

@@ -4,7 +4,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from solvers.motion.exact_solution import TIME, X_AXIS, Y_AXIS, columns
+from solvers.motion.exact_solution import TIME, X_AXIS, Y_AXIS, stack_components
 from solvers.problems.planar.method.body import PlanarBody
 from solvers.problems.planar.scene import motion_table
 
@@ -25,9 +25,10 @@ def exact_state_at(scene: Any, a: PlanarBody, t: float) -> ExactState:
     """Returns the exact solution at the particles of ``a``, from that at the orbits' points."""
     jets, K = scene.EXACT.jets(scene, a.orbit_point, t), len(a.orbit_point)
     rate = [one.derivative(axis, TIME) for one in jets for axis in (X_AXIS, Y_AXIS)]
-    vectors = [columns(one, K) for one in ((jets.x.value, jets.y.value), jets.velocity, jets.acceleration,
-                                           jets.body_force(scene.material, scene.density))]
-    tensors = [columns(jets.deformation_gradient, K), columns(rate, K), motion_table(scene)(t, 2)[:, 2:]]
+    vectors = [stack_components(one, K) for one in ((jets.x.value, jets.y.value), jets.velocity, jets.acceleration,
+                                                    jets.body_force(scene.material, scene.density))]
+    tensors = [stack_components(jets.deformation_gradient, K), stack_components(rate, K),
+               motion_table(scene)(t, 2)[:, 2:]]
     c, s = a.direction.T
     Q = np.stack([c, -s, s, c], axis=1).reshape(-1, 2, 2)
     return ExactState(*(np.einsum("pij,pj->pi", Q, one[a.orbit]) for one in vectors),

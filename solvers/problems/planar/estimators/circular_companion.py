@@ -30,9 +30,14 @@ from solvers.estimators import companion as shared
 from solvers.kernels.dtypes import integers, octets, pairs, quads, reals
 from solvers.problems.planar.estimators.companion import store_errors
 from solvers.problems.planar.layout import particle_layout
-from solvers.problems.planar.method.material import cauchy_stress_of, coefficients, piola, stiffness
-from solvers.problems.planar.method.rotation import rotate_tensor, rotate_vector
-from solvers.solver.field_tables import find_force_functions, force_at, pack_tables, pair_table
+from solvers.problems.planar.method.material import cauchy_stress_of, coefficients, piola, wave_stiffness
+from solvers.problems.planar.method.tensor_rotation import rotate_tensor, rotate_vector
+from solvers.solver.separable_field_tables import (
+    body_force_at,
+    compute_force_time_functions,
+    pack_tables,
+    paired_mode_entries,
+)
 
 
 @ti.func
@@ -43,10 +48,10 @@ def accelerate(body: ti.template(), t, on: ti.template()):
     for e in range(body.companion_counts[shared.ACROSS]):
         stiffest = ti.max(stiffest, element_forces(body, e * order, on))
     body.companion_numbers[shared.STIFFEST] = stiffest
-    find_force_functions(body.companion_force, body.companion_force_sizes, body.angular_frequency * t, on)
+    compute_force_time_functions(body.companion_force, body.companion_force_sizes, body.angular_frequency * t, on)
     for i in range(N):
         work = shared.WORK * N + i
-        force = force_at(body.companion_force, body.companion_force_sizes, i, on)
+        force = body_force_at(body.companion_force, body.companion_force_sizes, i, on)
         for c in ti.static(range(2)):
             a = body.companion_nodes[work][6 + c] * body.companion_nodes[work][2 + c]
             body.companion_nodes[work][2 + c] = a + force[c]
@@ -72,7 +77,7 @@ def element_forces(body: ti.template(), first, on: ti.template()):
         along, around = polar_gradient(slope, u, R)
         F = ti.Vector([along[0], around[0], along[1], around[1]])
         J, q, r, A, x = coefficients(body, F, on)
-        found = stiffness(q, r, A, x, along.dot(along), around.dot(around) / (J * J))
+        found = wave_stiffness(q, r, A, x, along.dot(along), around.dot(around) / (J * J))
         stiffest = ti.max(stiffest, found / at_rest)
         P = piola(F, q, (r - q) / J)
         radial, hoop = w * R * ti.Vector([P[0], P[2]]), w * ti.Vector([P[1], P[3]])  # P e_R, P e_Theta
@@ -95,7 +100,7 @@ def polar_gradient(slope, u, R):
 def report(body: ti.template(), base, step, on: ti.template()):
     """Reports every particle's error at ``step``: computed minus the companion's, at its material point; the companion
     is evaluated once for all particles of a radius."""
-    shared.read_nodes(body, step)
+    shared.interpolate_nodes_in_time(body, step)
     report_at_once(body, base, step, on)
 
 
@@ -139,9 +144,10 @@ def allocate(scene) -> dict[str, np.ndarray]:
     elements, layout = solved.elements, particle_layout(scene)
     n, R = elements.order + 1, elements.nodes
     element, *basis = elements.locate(layout.orbits[:, 0])
-    sizes, force = pack_tables(*map(pair_table, solved.force[1:]))
-    start = shared.start((elements.order, elements.count, 1, len(R), len(R), len(R)), solved.frequency_at_rest,
-                         scene.time_step, solved.velocity, solved.inverse_mass)
+    sizes, force = pack_tables(*map(paired_mode_entries, solved.force[1:]))
+    start = shared.initial_companion_arrays((elements.order, elements.count, 1, len(R), len(R), len(R)),
+                                            solved.frequency_at_rest, scene.time_step, solved.velocity,
+                                            solved.inverse_mass)
     return {**start, "companion_radii": R, "companion_first": (element * elements.order).astype(np.int32),
             "companion_matrices": np.stack([elements.derivative.ravel(), np.repeat(elements.weights, n)], axis=1),
             "companion_basis": np.stack(basis, axis=2).reshape(-1, 2),

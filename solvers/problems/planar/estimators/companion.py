@@ -17,10 +17,15 @@ import taichi as ti
 from solvers.estimators import companion as shared
 from solvers.kernels import runtime
 from solvers.kernels.dtypes import integers, pairs, quads
-from solvers.problems.planar.estimators.patch import Patch
+from solvers.problems.planar.estimators.companion_patch import CompanionPatch
 from solvers.problems.planar.layout import particle_layout
-from solvers.problems.planar.method.material import cauchy_stress, cauchy_stress_of, coefficients, piola, stiffness
-from solvers.solver.field_tables import find_force_functions, force_at, pack_tables, pair_table
+from solvers.problems.planar.method.material import cauchy_stress, cauchy_stress_of, coefficients, piola, wave_stiffness
+from solvers.solver.separable_field_tables import (
+    body_force_at,
+    compute_force_time_functions,
+    pack_tables,
+    paired_mode_entries,
+)
 
 
 @ti.func
@@ -34,10 +39,10 @@ def accelerate(body: ti.template(), t, on: ti.template()):
             stiffest = ti.max(stiffest, element_stresses(body, corner, on))
             element_forces(body, corner)
     body.companion_numbers[shared.STIFFEST] = stiffest
-    find_force_functions(body.companion_force, body.companion_force_sizes, body.angular_frequency * t, on)
+    compute_force_time_functions(body.companion_force, body.companion_force_sizes, body.angular_frequency * t, on)
     first = shared.WORK * body.companion_counts[shared.NODES]
     for node in range(body.companion_counts[shared.NODES]):
-        force, work = force_at(body.companion_force, body.companion_force_sizes, node, on), first + node
+        force, work = body_force_at(body.companion_force, body.companion_force_sizes, node, on), first + node
         for c in ti.static(range(2)):
             per_mass = body.companion_nodes[work][6 + c]
             a = body.companion_nodes[work][2 + c] * per_mass
@@ -75,7 +80,7 @@ def element_stresses(body: ti.template(), corner, on: ti.template()):
             root = ti.sqrt(ti.max(half * half - per_J * per_J, 0.0))
             for sign in ti.static((1, -1)):
                 pressed = half + sign * root
-                stiffest = ti.max(stiffest, stiffness(q, r, A, x, 1 / pressed, pressed) / at_rest)
+                stiffest = ti.max(stiffest, wave_stiffness(q, r, A, x, 1 / pressed, pressed) / at_rest)
             P = piola(F, q, (r - q) * per_J)
             body.companion_stresses[i * n + j] = w * ti.Vector([P[0] * g[0] + P[1] * g[1], P[2] * g[0] + P[3] * g[1],
                                                                 P[0] * g[2] + P[1] * g[3], P[2] * g[2] + P[3] * g[3]])
@@ -102,10 +107,10 @@ def element_forces(body: ti.template(), corner):
 def report(body: ti.template(), base, step, on: ti.template()):
     """Reports every particle's error at ``step``: computed minus the companion's, at its material point. For particles
     of the same xi the companion is first reduced to one line of nodes, then evaluated there at each eta."""
-    shared.read_nodes(body, step)
+    shared.interpolate_nodes_in_time(body, step)
     squares = 0.0
     for k in range(body.companion_counts[shared.RADII]):
-        reduce_to_line(body, k)
+        interpolate_to_line(body, k)
         for place in range(body.companion_places[4 * k], body.companion_places[4 * k + 4]):
             squares += particle_error(body, base, place, step, on)
     body.companion_numbers[shared.SQUARE] = squares / body.particles
@@ -121,16 +126,16 @@ def report_at_once(body: ti.template(), base, step, on: ti.template()):
 
 
 @ti.func
-def reduce_to_line(body: ti.template(), k):
+def interpolate_to_line(body: ti.template(), k):
     """Computes u, v, a and u_xi on the line of the particles' k-th xi, at the nodes' eta."""
     line = shared.LAYERS * body.companion_counts[shared.NODES]
     for j in range(body.companion_counts[shared.ROW]):
-        total = line_node(body, k, j)
+        total = line_node_values(body, k, j)
         body.companion_nodes[line + j] = total
 
 
 @ti.func
-def line_node(body: ti.template(), k, j):
+def line_node_values(body: ti.template(), k, j):
     """Returns u, v, a and u_xi at node j of the line of the particles' k-th xi."""
     n, row = body.companion_counts[shared.ORDER] + 1, body.companion_counts[shared.ROW]
     start = shared.NOW * body.companion_counts[shared.NODES] + body.companion_places[4 * k + 1]
@@ -156,7 +161,7 @@ def particle_error(body: ti.template(), base, row, step, on: ti.template()):
         if ti.static(runtime.runs_on_cpu()):
             value = body.companion_nodes[place[1] + j]
         else:  # particles of many xi are at work, and there is room for one line
-            value = line_node(body, place[3], place[1] + j - shared.LAYERS * body.companion_counts[shared.NODES])
+            value = line_node_values(body, place[3], place[1] + j - shared.LAYERS * body.companion_counts[shared.NODES])
         f += basis[0] * value
         u_eta += basis[1] * ti.Vector([value[0], value[1]])
     g = body.companion_slopes[p]  # grad xi, grad eta
@@ -187,22 +192,22 @@ class ParticleBasis(NamedTuple):
     ``basis`` are values and derivatives of the p + 1 polynomials at every xi of ``columns``, then at every eta.
     ``places`` begin with a line for each xi and one more, (where its particles begin, first node of its element, 0, 0),
     and then have the particles: (particle, first node of its element on a line of nodes, its basis, its xi).
-    ``slopes`` are grad xi and grad eta (P, 4).
+    ``coordinate_gradients`` are grad xi and grad eta (P, 4).
     """
 
     basis: np.ndarray
     places: np.ndarray
-    slopes: np.ndarray
+    coordinate_gradients: np.ndarray
     columns: int
 
 
-def particle_basis(patch: Patch, X: np.ndarray) -> ParticleBasis:
+def particle_basis(patch: CompanionPatch, X: np.ndarray) -> ParticleBasis:
     """Returns the tables for particles at material points X (P, 2)."""
     first, second = patch.lines
     (across, column), (along, line) = (np.unique(one.round(12), return_inverse=True)
                                        for one in patch.map.coordinates(X))
-    (at_xi, *xi_basis), (at_eta, *eta_basis) = first.locate(across), second.locate(along)
-    K, order, row = len(across), np.argsort(column, kind="stable"), len(second.nodes)
+    (at_xi, *xi_basis), (at_eta, *eta_basis) = first.evaluate_basis(across), second.evaluate_basis(along)
+    K, order, row = len(across), np.argsort(column, kind="stable"), len(second.node_coordinates)
     places = np.zeros((K + 1 + len(order), 4), np.int32)
     places[:K + 1, 0] = K + 1 + np.searchsorted(column[order], np.arange(K + 1))
     places[:K, 1] = at_xi * first.order * row
@@ -211,7 +216,7 @@ def particle_basis(patch: Patch, X: np.ndarray) -> ParticleBasis:
     places[K + 1:, 2] = (K + line[order]) * (first.order + 1)
     places[K + 1:, 3] = column[order]
     basis = np.concatenate([np.stack(one, axis=2).reshape(-1, 2) for one in (xi_basis, eta_basis)])
-    return ParticleBasis(basis, places, patch.slopes(X), K)
+    return ParticleBasis(basis, places, patch.coordinate_gradients(X), K)
 
 
 def allocate(scene) -> dict[str, np.ndarray]:
@@ -221,11 +226,13 @@ def allocate(scene) -> dict[str, np.ndarray]:
     n = first.order + 1
     matrices = np.stack([first.derivative, second.derivative, np.outer(first.weights, second.weights),
                          np.zeros((n, n))], axis=-1)
-    sizes, force = pack_tables(*map(pair_table, patch.force[1:]))
+    sizes, force = pack_tables(*map(paired_mode_entries, patch.force[1:]))
     return {
-        **shared.start((first.order, first.count, second.count, len(second.nodes), len(patch.places), seen.columns),
-                       patch.frequency_at_rest, scene.time_step, patch.velocity, patch.inverse_mass, len(second.nodes)),
-        "companion_geometry": patch.geometry, "companion_slopes": seen.slopes,
+        **shared.initial_companion_arrays((first.order, first.count, second.count, len(second.nodes), len(patch.places),
+                                           seen.columns),
+                                          patch.frequency_at_rest, scene.time_step, patch.velocity, patch.inverse_mass,
+                                          len(second.nodes)),
+        "companion_geometry": patch.geometry, "companion_slopes": seen.coordinate_gradients,
         "companion_matrices": matrices.reshape(-1, 4), "companion_trial": np.zeros((n * n, 2)),
         "companion_stresses": np.zeros((n * n, 4)), "companion_basis": seen.basis,
         "companion_places": seen.places.ravel(), "companion_force": force, "companion_force_sizes": sizes}

@@ -20,8 +20,8 @@ follows them: one particle per cell, or particles moved with their own velocity 
 
 import taichi as ti
 
-from solvers.estimators import recovery
-from solvers.estimators.recovery import BEGUN, MOVED, NEW, SHORT, TAU, TURNS, H
+from solvers.estimators import recovered
+from solvers.estimators.recovered import BEGUN, MOVED, NEW, SHORT, TAU, TURNS, H
 from solvers.kernels.dtypes import quads, reals
 from solvers.problems.planar.estimators import recovered_operators as op
 from solvers.problems.planar.estimators.recovered_tables import allocate, interval, verdict
@@ -31,8 +31,8 @@ from solvers.problems.planar.method.phases import gather
 from solvers.scene.estimator_hooks import EstimatorHooks
 
 MEMORY = {
-    "recovered_numbers": reals,  # by the names of solvers.estimators.recovery
-    **recovery.table_types(op.TABLES),
+    "recovered_numbers": reals,  # by the names of solvers.estimators.recovered
+    **recovered.table_types(op.TABLES),
     "recovered_count": ti.i32, "recovered_line_nodes": ti.i32,  # nodes of the error grid, and those on a line
     "recovered_line": ti.i32,  # particles on a line
     "recovered_silent": ti.i32,  # how many quantities are not estimated: 1 is a, 2 also sigma
@@ -45,17 +45,17 @@ MEMORY = {
 def start_reference(body: ti.template(), nodes: ti.template(), t, lattice: ti.template(), on: ti.template()):
     """Starts the reference, once, with the acceleration at time t, when the body was undeformed: a = M b."""
     if body.recovered_numbers[TURNS] == NEW:
-        op.gather_force(body, t, lattice, on)
+        op.project_body_force(body, t, lattice, on)
         B, step = body.recovered_line_nodes, body.recovered_numbers[H]
         for a in range(body.recovered_count // B):
             for b in range(B):
                 push_x, push_y = op.nodal_body_force(body, nodes, a, b, lattice)
-                at_r, at_rate = op.node_at(body, op.MOTION, a * B + b), op.node_at(body, op.RATE, a * B + b)
+                at_r, at_rate = op.node_index(body, op.MOTION, a * B + b), op.node_index(body, op.RATE, a * B + b)
                 r = nodes[at_r]
-                x = recovery.initial_reference(ti.Vector([r[0], r[2], 0.0, 0.0]), push_x, step)
-                y = recovery.initial_reference(ti.Vector([r[1], r[3], 0.0, 0.0]), push_y, step)
+                x = recovered.initial_reference_solution(ti.Vector([r[0], r[2], 0.0, 0.0]), push_x, step)
+                y = recovered.initial_reference_solution(ti.Vector([r[1], r[3], 0.0, 0.0]), push_y, step)
                 nodes[at_r], nodes[at_rate] = ti.Vector([x[0], y[0], x[1], y[1]]), ti.Vector([x[2], y[2], x[3], y[3]])
-                nodes[op.node_at(body, op.BEFORE, a * B + b)] = ti.Vector([push_x, push_y, 0.0, 0.0])
+                nodes[op.node_index(body, op.BEFORE, a * B + b)] = ti.Vector([push_x, push_y, 0.0, 0.0])
         body.recovered_numbers[TURNS] = BEGUN
 
 
@@ -65,64 +65,65 @@ def after_step(body: ti.template(), step, lattice: ti.template(), on: ti.templat
     start_reference(body, body.recovered_nodes, step * body.dt - body.recovered_numbers[H], lattice, on)
     for p in range(body.particles):
         q, X = body.position_velocity[p], body.material_position[p]
-        body.recovered_particles[op.particle_at(body, op.FIELD, p)] = ti.Vector([q[0] - X[0], q[1] - X[1], q[2], q[3]])
-    op.along_gather(body, op.FIELD, lattice.value)
+        body.recovered_particles[op.particle_index(body, op.FIELD,
+                                                   p)] = ti.Vector([q[0] - X[0], q[1] - X[1], q[2], q[3]])
+    op.project_along_lines(body, op.FIELD, lattice.value)
     damped_errors(body, body.recovered_nodes, step, lattice)
-    op.across_spread(body, lattice)
-    find_stress(body, lattice, on)
-    op.gather_force(body, step * body.dt, lattice, on)
-    op.along_gather(body, op.STRESS, lattice.slope_metric)
-    move_reference(body, body.recovered_nodes, body.recovered_numbers[TURNS] == BEGUN, lattice)
+    op.interpolate_across_lines(body, lattice)
+    compute_recovered_stress(body, lattice, on)
+    op.project_body_force(body, step * body.dt, lattice, on)
+    op.project_along_lines(body, op.STRESS, lattice.slope_metric)
+    advance_reference_motion(body, body.recovered_nodes, body.recovered_numbers[TURNS] == BEGUN, lattice)
     body.recovered_numbers[TURNS] = MOVED
 
 
 @ti.func
 def damped_errors(body: ti.template(), nodes: ti.template(), step, lattice: ti.template()):
     """Computes U += H w at the nodes, and e* = 2 e - C e + tau (1 - C)^2 e'."""
-    op.across_gather(body, op.GATHERED, op.PAIR_VALUES, lattice)
+    op.project_across_lines(body, op.PROJECTED, op.PAIR_VALUES, lattice)
     for i in range(body.recovered_count):
-        r = nodes[op.node_at(body, op.MOTION, i)]
+        r = nodes[op.node_index(body, op.MOTION, i)]
         r += body.recovered_numbers[H] * ti.Vector([r[2], r[3], 0.0, 0.0])
-        nodes[op.node_at(body, op.MOTION, i)] = r
-        nodes[op.node_at(body, op.GATHERED, i)] = nodes[op.node_at(body, op.GATHERED, i)] - r  # not -=: atomic
-    looked_at = recovery.is_check_due(step, body.dt, body.recovered_numbers[H])
+        nodes[op.node_index(body, op.MOTION, i)] = r
+        nodes[op.node_index(body, op.PROJECTED, i)] = nodes[op.node_index(body, op.PROJECTED, i)] - r  # not -=: atomic
+    looked_at = recovered.is_check_due(step, body.dt, body.recovered_numbers[H])
     if looked_at:
         op.add_verdict_sums(body, nodes, lattice)
     for turn in range(2):
         op.smooth_nodes(body, lattice)
         square = 0.0
         for i in range(body.recovered_count):
-            e = nodes[op.node_at(body, op.GATHERED, i)]
-            rough = e - nodes[op.node_at(body, op.SMOOTHED, i)]
+            e = nodes[op.node_index(body, op.PROJECTED, i)]
+            rough = e - nodes[op.node_index(body, op.SMOOTHED, i)]
             square += rough[0] * rough[0] + rough[1] * rough[1]
             if turn == 0:
-                nodes[op.node_at(body, op.GATHERED, i)] = rough
-                nodes[op.node_at(body, op.ERRORS, i)] = ti.Vector([e[0] + rough[0], e[1] + rough[1], 0.0, 0.0])
+                nodes[op.node_index(body, op.PROJECTED, i)] = rough
+                nodes[op.node_index(body, op.ERRORS, i)] = ti.Vector([e[0] + rough[0], e[1] + rough[1], 0.0, 0.0])
             else:
                 damping = body.recovered_numbers[TAU] * ti.Vector([rough[2], rough[3], 0.0, 0.0])
-                nodes[op.node_at(body, op.ERRORS, i)] = nodes[op.node_at(body, op.ERRORS, i)] + damping
+                nodes[op.node_index(body, op.ERRORS, i)] = nodes[op.node_index(body, op.ERRORS, i)] + damping
         if looked_at:
             body.recovered_numbers[SHORT + turn] += square / body.recovered_count
 
 
 @ti.func
-def find_stress(body: ti.template(), lattice: ti.template(), on: ti.template()):
+def compute_recovered_stress(body: ti.template(), lattice: ti.template(), on: ti.template()):
     """Computes P e_R and P e_angle at the particles, from slopes along the lattice's own lines."""
-    op.across_fit(body, op.FIELD, op.FITTED_SLOPES, op.PAIR_SLOPES, lattice)
-    op.along_fit(body, op.HALF_SLOPES, lattice.slope)
+    op.fit_across_lines(body, op.FIELD, op.FITTED_SLOPES, op.PAIR_SLOPES, lattice)
+    op.fit_along_lines(body, op.HALF_SLOPES, lattice.slope)
     for line in range(body.particles // body.recovered_line):
         for j in range(body.recovered_line):
             p = line * body.recovered_line + j
-            along = body.recovered_particles[op.particle_at(body, op.HALF_SLOPES, p)]
-            around = body.recovered_particles[op.particle_at(body, op.FITTED_SLOPES, p)]
+            along = body.recovered_particles[op.particle_index(body, op.HALF_SLOPES, p)]
+            around = body.recovered_particles[op.particle_index(body, op.FITTED_SLOPES, p)]
             slopes = ti.Vector([along[0], along[1], around[0], around[1]]) \
-                - op.along_spread(body, line, j, op.SLOPES, lattice.slope_value)
+                - op.interpolate_along_line(body, line, j, op.SLOPES, lattice.slope_value)
             a, b, c, d = gradient(body, p, slopes, lattice)
-            body.recovered_particles[op.particle_at(body, op.STRESS, p)] = piola(body, a, b, c, d, on)
+            body.recovered_particles[op.particle_index(body, op.STRESS, p)] = piola_stress_vectors(body, a, b, c, d, on)
 
 
 @ti.func
-def piola(body: ti.template(), a, b, c, d, on: ti.template()):
+def piola_stress_vectors(body: ti.template(), a, b, c, d, on: ti.template()):
     """Returns P e_R and P e_angle as (x, y, x, y), where F e_R = (a, c) and F e_angle = (b, d)."""
     F = ti.Vector([a, b, c, d])
     J, q, r, _, _ = material.coefficients(body, F, on)
@@ -148,22 +149,29 @@ def gradient(body: ti.template(), p, slopes, lattice: ti.template()):
 
 
 @ti.func
-def move_reference(body: ti.template(), nodes: ti.template(), first, lattice: ti.template()):
+def advance_reference_motion(body: ti.template(), nodes: ti.template(), first, lattice: ti.template()):
     """Computes the acceleration of every node, and the new rate."""
     B, step = body.recovered_line_nodes, body.recovered_numbers[H]
-    op.across_gather(body, op.GATHERED, op.EACH, lattice)
+    op.project_across_lines(body, op.PROJECTED, op.EACH, lattice)
     for a in range(body.recovered_count // B):
         for b in range(B):
             push_x, push_y = op.nodal_body_force(body, nodes, a, b, lattice)
-            parts = nodes[op.node_at(body, op.GATHERED, a * B + b)]
+            parts = nodes[op.node_index(body, op.PROJECTED, a * B + b)]
             a_x = push_x - (parts[0] + parts[2]) / body.density
             a_y = push_y - (parts[1] + parts[3]) / body.density
-            at_r, at_rate = op.node_at(body, op.MOTION, a * B + b), op.node_at(body, op.RATE, a * B + b)
+            at_r, at_rate = op.node_index(body, op.MOTION, a * B + b), op.node_index(body, op.RATE, a * B + b)
             r, rate = nodes[at_r], nodes[at_rate]
             x, y = ti.Vector([r[0], r[2], rate[0], rate[2]]), ti.Vector([r[1], r[3], rate[1], rate[3]])
-            nodes[op.node_at(body, op.BEFORE, a * B + b)] = ti.Vector([
-                recovery.second_before(x, a_x, first), recovery.second_before(y, a_y, first), 0.0, 0.0])
-            x, y = recovery.next_reference(x, a_x, step, first), recovery.next_reference(y, a_y, step, first)
+            nodes[op.node_index(body, op.BEFORE, a * B + b)] = ti.Vector(
+                [
+                    recovered.acceleration_two_steps_before(x, a_x, first),
+                    recovered.acceleration_two_steps_before(y, a_y, first),
+                    0.0,
+                    0.0,
+                ]
+            )
+            x, y = recovered.next_reference_solution(x, a_x, step,
+                                                     first), recovered.next_reference_solution(y, a_y, step, first)
             nodes[at_r], nodes[at_rate] = ti.Vector([x[0], y[0], x[1], y[1]]), ti.Vector([x[2], y[2], x[3], y[3]])
 
 
@@ -171,7 +179,7 @@ def move_reference(body: ti.template(), nodes: ti.template(), first, lattice: ti
 def report(body: ti.template(), base, step, lattice: ti.template(), on: ti.template()):
     """Reports the errors of x, v, sigma at the state's time and of a at the last step's, at the particles."""
     if step > 0:
-        since = recovery.time_since(step, body.dt, body.recovered_numbers[H])
+        since = recovered.time_since_reference_step(step, body.dt, body.recovered_numbers[H])
         start_reference(body, body.recovered_nodes, step * body.dt - since, lattice, on)
     # First x, v and sigma, then a, by the same code: it is compiled once.
     for of_acceleration in range(ti.static(2 if on.acceleration else 1)):
@@ -184,8 +192,8 @@ def report(body: ti.template(), base, step, lattice: ti.template(), on: ti.templ
             elif ti.static(on.acceleration):
                 a_p = body.acceleration[p]
                 field = ti.Vector([a_p[0], a_p[1], 0.0, 0.0])
-            body.recovered_particles[op.particle_at(body, op.FIELD, p)] = field
-        find_errors(body, body.recovered_nodes, step, of_acceleration, lattice)
+            body.recovered_particles[op.particle_index(body, op.FIELD, p)] = field
+        compute_nodal_errors(body, body.recovered_nodes, step, of_acceleration, lattice)
         for p in range(body.particles):
             report_particle(body, base, p, of_acceleration, lattice, on)
     silent = body.recovered_silent
@@ -203,14 +211,14 @@ def report(body: ti.template(), base, step, lattice: ti.template(), on: ti.templ
 def report_particle(body: ti.template(), base, p, of_acceleration, lattice: ti.template(), on: ti.template()):
     """Reports E of the fields at a particle: of x, v and sigma; or of a, which is unknown until then."""
     line, j = p // body.recovered_line, p % body.recovered_line
-    field, q = body.recovered_particles[op.particle_at(body, op.FIELD, p)], body.position_velocity[p]
-    fitted = body.recovered_particles[op.particle_at(body, op.FITTED, p)]
-    E = op.along_spread(body, line, j, op.VALUES, lattice.value) + field - fitted
+    field, q = body.recovered_particles[op.particle_index(body, op.FIELD, p)], body.position_velocity[p]
+    fitted = body.recovered_particles[op.particle_index(body, op.FITTED, p)]
+    E = op.interpolate_along_line(body, line, j, op.VALUES, lattice.value) + field - fitted
     if of_acceleration:
         body.estimate_acceleration[base + p] = ti.Vector([E[0], E[1]])
     else:
-        slopes = body.recovered_particles[op.particle_at(body, op.FITTED_SLOPES, p)] \
-            - op.along_spread(body, line, j, op.SLOPES, lattice.slope_value)
+        slopes = body.recovered_particles[op.particle_index(body, op.FITTED_SLOPES, p)] \
+            - op.interpolate_along_line(body, line, j, op.SLOPES, lattice.slope_value)
         a, b, c, d = gradient(body, p, slopes, lattice)
         body.estimate[base + p] = E + ti.Vector([0.0, 0.0, q[2] - field[2], q[3] - field[3]])
         body.estimate_stress[base + p] = stress_error(body, p, a, b, c, d, on)
@@ -218,44 +226,44 @@ def report_particle(body: ti.template(), base, p, of_acceleration, lattice: ti.t
 
 
 @ti.func
-def find_errors(body: ti.template(), nodes: ti.template(), step, of_acceleration, lattice: ti.template()):
+def compute_nodal_errors(body: ti.template(), nodes: ti.template(), step, of_acceleration, lattice: ti.template()):
     """Computes nodal errors of the fields, unsmoothed and spread along the angle; and the fitted fields, that of x and
     v with its slopes."""
-    op.along_gather(body, op.FIELD, lattice.value)
-    op.across_gather(body, op.GATHERED, op.PAIR_VALUES, lattice)
+    op.project_along_lines(body, op.FIELD, lattice.value)
+    op.project_across_lines(body, op.PROJECTED, op.PAIR_VALUES, lattice)
     length = body.recovered_numbers[H]
-    since = recovery.time_since(step, body.dt, length)
+    since = recovered.time_since_reference_step(step, body.dt, length)
     for i in range(body.recovered_count):
-        r, rate = nodes[op.node_at(body, op.MOTION, i)], nodes[op.node_at(body, op.RATE, i)]
+        r, rate = nodes[op.node_index(body, op.MOTION, i)], nodes[op.node_index(body, op.RATE, i)]
         x = ti.Vector([r[0], r[2], rate[0], rate[2]])
         y = ti.Vector([r[1], r[3], rate[1], rate[3]])
-        before = nodes[op.node_at(body, op.BEFORE, i)]
-        U_x, V_x, A_x = recovery.reference_at(x, before[0], length, since, body.dt)
-        U_y, V_y, A_y = recovery.reference_at(y, before[1], length, since, body.dt)
+        before = nodes[op.node_index(body, op.BEFORE, i)]
+        U_x, V_x, A_x = recovered.reference_solution_at(x, before[0], length, since, body.dt)
+        U_y, V_y, A_y = recovered.reference_solution_at(y, before[1], length, since, body.dt)
         true_mean = ti.Vector([U_x, U_y, V_x, V_y])
         if of_acceleration:
             true_mean = ti.Vector([A_x, A_y, 0.0, 0.0])
             if body.recovered_numbers[TURNS] == BEGUN:  # as on the bar
-                true_mean = nodes[op.node_at(body, op.GATHERED, i)]
-        nodes[op.node_at(body, op.GATHERED, i)] = nodes[op.node_at(body, op.GATHERED, i)] - true_mean
+                true_mean = nodes[op.node_index(body, op.PROJECTED, i)]
+        nodes[op.node_index(body, op.PROJECTED, i)] = nodes[op.node_index(body, op.PROJECTED, i)] - true_mean
     op.smooth_nodes(body, lattice)
     for i in range(body.recovered_count):
-        nodes[op.node_at(body, op.ERRORS, i)] = 2 * nodes[op.node_at(body, op.GATHERED, i)] \
-            - nodes[op.node_at(body, op.SMOOTHED, i)]
-    op.across_spread(body, lattice)
-    op.along_fit(body, op.HALF_FITTED, lattice.value)
-    op.across_fit(body, op.HALF_FITTED, op.FITTED, op.PAIR_VALUES, lattice)
+        nodes[op.node_index(body, op.ERRORS, i)] = 2 * nodes[op.node_index(body, op.PROJECTED, i)] \
+            - nodes[op.node_index(body, op.SMOOTHED, i)]
+    op.interpolate_across_lines(body, lattice)
+    op.fit_along_lines(body, op.HALF_FITTED, lattice.value)
+    op.fit_across_lines(body, op.HALF_FITTED, op.FITTED, op.PAIR_VALUES, lattice)
     if not of_acceleration:
-        op.along_fit(body, op.HALF_SLOPES, lattice.slope)
+        op.fit_along_lines(body, op.HALF_SLOPES, lattice.slope)
         for p in range(body.particles):
-            slope = body.recovered_particles[op.particle_at(body, op.HALF_SLOPES, p)]
-            value = body.recovered_particles[op.particle_at(body, op.HALF_FITTED, p)]
-            body.recovered_particles[op.particle_at(body, op.HALF_SLOPES, p)] = \
+            slope = body.recovered_particles[op.particle_index(body, op.HALF_SLOPES, p)]
+            value = body.recovered_particles[op.particle_index(body, op.HALF_FITTED, p)]
+            body.recovered_particles[op.particle_index(body, op.HALF_SLOPES, p)] = \
                 ti.Vector([slope[0], slope[1], value[0], value[1]])
-        op.across_fit(body, op.HALF_SLOPES, op.FITTED_SLOPES, op.EACH, lattice)
+        op.fit_across_lines(body, op.HALF_SLOPES, op.FITTED_SLOPES, op.EACH, lattice)
 
 
-def hooks(lattice: op.Lattice) -> EstimatorHooks:
+def hooks(lattice: op.LatticeOptions) -> EstimatorHooks:
     """Returns the estimator's hooks for problems whose particles start on this lattice."""
     @ti.func
     def its_step(body: ti.template(), base, step, on: ti.template()):

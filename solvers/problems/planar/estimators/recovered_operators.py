@@ -9,20 +9,28 @@ from typing import NamedTuple
 
 import taichi as ti
 
-from solvers.estimators.recovery import ROUGH, SIZE, first_in_group, fourth_factor, group_count, store_sums, table_row
+from solvers.estimators.recovered import (
+    ROUGH,
+    SIZE,
+    first_in_group,
+    fourth_difference_weight,
+    group_count,
+    store_sums,
+    table_row_range,
+)
 from solvers.kernels.packing import prefix_view
-from solvers.solver.field_tables import find_force_functions, force_at
+from solvers.solver.separable_field_tables import body_force_at, compute_force_time_functions
 
 # Tables. Along a radius their weights are (value, slope, value over R, nothing).
 TABLES = tuple(f"recovered_{way}_{what}_" for way in ("across", "along")
                for what in ("fit", "spread", "gather", "smoothing"))
-ACROSS_FIT, ACROSS_SPREAD, ACROSS_GATHER, ACROSS_SMOOTHING = TABLES[:4]
-ALONG_FIT, ALONG_SPREAD, ALONG_GATHER, ALONG_SMOOTHING = TABLES[4:]
+ACROSS_FIT, ACROSS_INTERPOLATION, ACROSS_PROJECTION, ACROSS_SMOOTHING = TABLES[:4]
+ALONG_FIT, ALONG_INTERPOLATION, ALONG_PROJECTION, ALONG_SMOOTHING = TABLES[4:]
 
 #: Blocks of the nodal array: U and w in the middle of the next H; a and the one before; errors as gathered; smoothed
 #: along the radius, and both ways; unsmoothed; M b along the radius, with unit directions; M e_R and M e_Theta along
 #: the angle; a two steps before.
-MOTION, RATE, GATHERED, HALF_SMOOTHED, SMOOTHED, ERRORS, FORCE, DIRECTION, BEFORE = range(9)
+MOTION, RATE, PROJECTED, HALF_SMOOTHED, SMOOTHED, ERRORS, FORCE, DIRECTION, BEFORE = range(9)
 NODE_BLOCKS = 9
 #: Blocks of the particle array: two vector fields; what was fitted to them along the radius, and then around; of the
 #: first the slope along the radius and the value, fitted there, and then its slopes along the radius and around.
@@ -35,7 +43,7 @@ STRESS = 1  # P e_R and P e_angle, in the place of what is fitted only for repor
 PAIR_VALUES, PAIR_SLOPES, EACH = (0, 1, 0, 1), (2, 3, 2, 3), (0, 1, 2, 3)
 
 
-class Lattice(NamedTuple):
+class LatticeOptions(NamedTuple):
     """Compile-time description of the lattice, and the indices of the weights along a line."""
 
     closed: bool = False  # a whole turn: the first line comes after the last
@@ -46,22 +54,23 @@ class Lattice(NamedTuple):
     slope_metric: tuple[int, ...] = (1, 1, 2, 2)  # and values over the radius
 
 
-BOX = Lattice(box=True, value=PAIR_VALUES, slope=PAIR_SLOPES, slope_value=(2, 3, 0, 1), slope_metric=(2, 3, 0, 1))
+BOX = LatticeOptions(box=True, value=PAIR_VALUES, slope=PAIR_SLOPES, slope_value=(2, 3, 0, 1),
+                     slope_metric=(2, 3, 0, 1))
 
 
 @ti.func
-def node_at(body: ti.template(), block: ti.template(), i):
+def node_index(body: ti.template(), block: ti.template(), i):
     return block * body.recovered_count + i
 
 
 @ti.func
-def line_at(body: ti.template(), block: ti.template(), line, b):
+def line_node_index(body: ti.template(), block: ti.template(), line, b):
     radii = body.particles // body.recovered_line
     return PARTICLE_BLOCKS * body.particles + (block * radii + line) * body.recovered_line_nodes + b
 
 
 @ti.func
-def particle_at(body: ti.template(), block: ti.template(), p):
+def particle_index(body: ti.template(), block: ti.template(), p):
     return block * body.particles + p
 
 
@@ -83,7 +92,7 @@ def row_sum(body: ti.template(), table: ti.template(), row, pick: ti.template(),
     """Returns a table row's sum: entry ``start + i`` of ``field`` times the entries ``pick`` of the row's i-th
     weight."""
     total = ti.Vector([0.0, 0.0, 0.0, 0.0])
-    first, begin, end = table_row(body, table, row, row)
+    first, begin, end = table_row_range(body, table, row, row)
     entry = start + first
     for k in range(begin, end):
         total += pick_weights(prefix_view(body, table).weights[k], pick) * field[entry]
@@ -97,7 +106,7 @@ def row_sums(body: ti.template(), table: ti.template(), row, pick: ti.template()
     """Returns the sums of a row for ``ROWS_PER_GROUP`` lines side by side, whose fields are ``apart`` entries apart;
     entries are ``stride`` apart, and ``count`` in all where the line is ``closed``."""
     one, two, three = ti.Vector([0.0] * 4), ti.Vector([0.0] * 4), ti.Vector([0.0] * 4)
-    first, begin, end = table_row(body, table, row, row)
+    first, begin, end = table_row_range(body, table, row, row)
     entry, beyond = start + stride * first, start + stride * count
     for k in range(begin, end):
         w = pick_weights(prefix_view(body, table).weights[k], pick)
@@ -111,7 +120,7 @@ def row_sums(body: ti.template(), table: ti.template(), row, pick: ti.template()
 
 
 @ti.func
-def along_gather(body: ti.template(), block: ti.template(), pick: ti.template()):
+def project_along_lines(body: ti.template(), block: ti.template(), pick: ti.template()):
     """Computes integrals along each line of a block of the particles' fields, on a radius over that of N_b R.
 
     With ``value`` those of N_b f R; with ``slope_metric`` of N_b' R P e_R and of N_b P e_angle, side by side.
@@ -120,40 +129,74 @@ def along_gather(body: ti.template(), block: ti.template(), pick: ti.template())
     for group in range(group_count(radii)):
         line = first_in_group(group, radii)
         for b in range(B):
-            store_sums(body.recovered_particles, line_at(body, VALUES, line, b), B, row_sums(
-                body, ALONG_GATHER, b, pick, body.recovered_particles, particle_at(body, block, line * K), K, 1, 0,
-                False))
+            store_sums(
+                body.recovered_particles,
+                line_node_index(body, VALUES, line, b),
+                B,
+                row_sums(
+                    body,
+                    ALONG_PROJECTION,
+                    b,
+                    pick,
+                    body.recovered_particles,
+                    particle_index(body, block, line * K),
+                    K,
+                    1,
+                    0,
+                    False,
+                ),
+            )
 
 
 @ti.func
-def across_gather(body: ti.template(), into: ti.template(), pick: ti.template(), lattice: ti.template()):
+def project_across_lines(body: ti.template(), into: ti.template(), pick: ti.template(), lattice: ti.template()):
     """Computes a block of the nodes from the lines' integrals: M f with ``PAIR_VALUES``; with ``EACH`` the two parts of
     D P, the first vector with N_a and the second with N_a'."""
     radii, B = body.particles // body.recovered_line, body.recovered_line_nodes
     for a in range(body.recovered_count // B):
         for group in range(group_count(B)):
             b = first_in_group(group, B)
-            store_sums(body.recovered_nodes, node_at(body, into, a * B + b), 1, row_sums(
-                body, ACROSS_GATHER, a, pick, body.recovered_particles, line_at(body, VALUES, 0, b), 1, B, radii,
-                lattice.closed))
+            store_sums(
+                body.recovered_nodes,
+                node_index(body, into, a * B + b),
+                1,
+                row_sums(
+                    body,
+                    ACROSS_PROJECTION,
+                    a,
+                    pick,
+                    body.recovered_particles,
+                    line_node_index(body, VALUES, 0, b),
+                    1,
+                    B,
+                    radii,
+                    lattice.closed,
+                ),
+            )
 
 
 @ti.func
-def gather_force(body: ti.template(), t, lattice: ti.template(), on: ti.template()):
+def project_body_force(body: ti.template(), t, lattice: ti.template(), on: ti.template()):
     """Computes M b: of a square at the nodes; else along the radius, of its parts along e_R and e_Theta. The force at
     the particles is stored in one of their blocks."""
     if ti.static(on.body_force != "none"):
-        find_force_functions(body.tables, body.table_sizes, body.angular_frequency * t, on)
+        compute_force_time_functions(body.tables, body.table_sizes, body.angular_frequency * t, on)
         for k in range(body.orbits):
-            b = force_at(body.tables, body.table_sizes, k, on)
-            body.recovered_particles[particle_at(body, HALF_SLOPES, k)] = ti.Vector([b[0], b[1], b[0], b[1]])
+            b = body_force_at(body.tables, body.table_sizes, k, on)
+            body.recovered_particles[particle_index(body, HALF_SLOPES, k)] = ti.Vector([b[0], b[1], b[0], b[1]])
         if ti.static(lattice.box):
-            along_gather(body, HALF_SLOPES, lattice.value)
-            across_gather(body, FORCE, PAIR_VALUES, lattice)
+            project_along_lines(body, HALF_SLOPES, lattice.value)
+            project_across_lines(body, FORCE, PAIR_VALUES, lattice)
         else:
             for b in range(body.recovered_line_nodes):
-                body.recovered_nodes[node_at(body, FORCE, b)] = row_sum(
-                    body, ALONG_GATHER, b, lattice.value, body.recovered_particles, particle_at(body, HALF_SLOPES, 0))
+                body.recovered_nodes[node_index(body, FORCE, b)] = row_sum(
+                    body,
+                    ALONG_PROJECTION,
+                    b,
+                    lattice.value,
+                    body.recovered_particles,
+                    particle_index(body, HALF_SLOPES, 0),
+                )
 
 
 @ti.func
@@ -161,10 +204,10 @@ def nodal_body_force(body: ti.template(), nodes: ti.template(), a, b, lattice: t
     """Returns M b at node (a, b), in x and y; between the symmetry planes of a ring a force is radial."""
     x, y = 0.0, 0.0
     if ti.static(lattice.box):
-        push = nodes[node_at(body, FORCE, a * body.recovered_line_nodes + b)]
+        push = nodes[node_index(body, FORCE, a * body.recovered_line_nodes + b)]
         x, y = push[0], push[1]
     else:
-        push, e = nodes[node_at(body, FORCE, b)], nodes[node_at(body, DIRECTION, a)]
+        push, e = nodes[node_index(body, FORCE, b)], nodes[node_index(body, DIRECTION, a)]
         x, y = push[0] * e[0], push[0] * e[1]
         if ti.static(lattice.closed):
             x += push[1] * e[2]
@@ -180,78 +223,107 @@ def smooth_nodes(body: ti.template(), lattice: ti.template()):
     for group in range(group_count(A)):
         a = first_in_group(group, A)
         for b in range(B):
-            store_sums(body.recovered_nodes, node_at(body, HALF_SMOOTHED, a * B + b), B, row_sums(
-                body, ALONG_SMOOTHING, b, lattice.value, body.recovered_nodes, node_at(body, GATHERED, a * B), B, 1, 0,
-                False))
+            store_sums(
+                body.recovered_nodes,
+                node_index(body, HALF_SMOOTHED, a * B + b),
+                B,
+                row_sums(
+                    body,
+                    ALONG_SMOOTHING,
+                    b,
+                    lattice.value,
+                    body.recovered_nodes,
+                    node_index(body, PROJECTED, a * B),
+                    B,
+                    1,
+                    0,
+                    False,
+                ),
+            )
     for a in range(A):
         for group in range(group_count(B)):
             b = first_in_group(group, B)
-            store_sums(body.recovered_nodes, node_at(body, SMOOTHED, a * B + b), 1, row_sums(
-                body, ACROSS_SMOOTHING, a, PAIR_VALUES, body.recovered_nodes, node_at(body, HALF_SMOOTHED, b), 1, B,
+            store_sums(body.recovered_nodes, node_index(body, SMOOTHED, a * B + b), 1, row_sums(
+                body, ACROSS_SMOOTHING, a, PAIR_VALUES, body.recovered_nodes, node_index(body, HALF_SMOOTHED, b), 1, B,
                 A, lattice.closed))
 
 
 @ti.func
-def across_spread(body: ti.template(), lattice: ti.template()):
+def interpolate_across_lines(body: ti.template(), lattice: ti.template()):
     """Interpolates the nodal errors along the angle, the angular half of sum N_i e_i; and the first field once more,
     beside its slopes around."""
     B = body.recovered_line_nodes
     for line in range(body.particles // body.recovered_line):
-        a, begin, _ = table_row(body, ACROSS_SPREAD, line, line)
+        a, begin, _ = table_row_range(body, ACROSS_INTERPOLATION, line, line)
         for b in range(B):
             value, slope = ti.Vector([0.0, 0.0, 0.0, 0.0]), ti.Vector([0.0, 0.0, 0.0, 0.0])
             for k in range(3):
-                w, at = prefix_view(body, ACROSS_SPREAD).weights[begin + k], a + k
+                w, at = prefix_view(body, ACROSS_INTERPOLATION).weights[begin + k], a + k
                 if ti.static(lattice.closed):
                     at = at % (body.recovered_count // B)
-                e = body.recovered_nodes[node_at(body, ERRORS, at * B + b)]
-                value += repeat_first(w) * e
-                slope += w * repeat_first(e)
-            body.recovered_particles[line_at(body, VALUES, line, b)] = value
-            body.recovered_particles[line_at(body, SLOPES, line, b)] = slope
+                e = body.recovered_nodes[node_index(body, ERRORS, at * B + b)]
+                value += repeat_first_vector(w) * e
+                slope += w * repeat_first_vector(e)
+            body.recovered_particles[line_node_index(body, VALUES, line, b)] = value
+            body.recovered_particles[line_node_index(body, SLOPES, line, b)] = slope
 
 
 @ti.func
-def repeat_first(fields):
+def repeat_first_vector(fields):
     """Returns the first of two vectors, twice."""
     x, y = fields[0], fields[1]
     return ti.Vector([x, y, x, y])
 
 
 @ti.func
-def along_spread(body: ti.template(), i, j, block: ti.template(), pick: ti.template()):
+def interpolate_along_line(body: ti.template(), i, j, block: ti.template(), pick: ti.template()):
     """Returns from what was spread across the lines: with ``VALUES`` and ``value`` the errors at particle (i, j); with
     ``SLOPES`` and ``slope_value`` the slopes of the first field's error, along the line and across."""
-    b, begin, _ = table_row(body, ALONG_SPREAD, j, j)
+    b, begin, _ = table_row_range(body, ALONG_INTERPOLATION, j, j)
     total = ti.Vector([0.0] * 4)
     for k in range(3):
-        total += pick_weights(prefix_view(body, ALONG_SPREAD).weights[begin + k], pick) \
-            * body.recovered_particles[line_at(body, block, i, b + k)]
+        total += pick_weights(prefix_view(body, ALONG_INTERPOLATION).weights[begin + k], pick) \
+            * body.recovered_particles[line_node_index(body, block, i, b + k)]
     return total
 
 
 @ti.func
-def along_fit(body: ti.template(), into: ti.template(), pick: ti.template()):
+def fit_along_lines(body: ti.template(), into: ti.template(), pick: ti.template()):
     """Computes the recovered fields along each line with ``value``, or with ``slope`` their slopes."""
     K = body.recovered_line
     for group in range(group_count(body.particles // K)):
         line = first_in_group(group, body.particles // K)
         for j in range(K):
-            store_sums(body.recovered_particles, particle_at(body, into, line * K + j), K, row_sums(
-                body, ALONG_FIT, j, pick, body.recovered_particles, particle_at(body, FIELD, line * K), K, 1, 0, False))
+            store_sums(
+                body.recovered_particles,
+                particle_index(body, into, line * K + j),
+                K,
+                row_sums(
+                    body,
+                    ALONG_FIT,
+                    j,
+                    pick,
+                    body.recovered_particles,
+                    particle_index(body, FIELD, line * K),
+                    K,
+                    1,
+                    0,
+                    False,
+                ),
+            )
 
 
 @ti.func
-def across_fit(body: ti.template(), block: ti.template(), into: ti.template(), pick: ti.template(),
-               lattice: ti.template()):
+def fit_across_lines(body: ti.template(), block: ti.template(), into: ti.template(), pick: ti.template(),
+                     lattice: ti.template()):
     """Computes a block of the particles' fields recovered across the lines: values with ``PAIR_VALUES``, slopes with
     ``PAIR_SLOPES``; with ``EACH`` values of the first field and slopes of the second."""
     K = body.recovered_line
     for line in range(body.particles // K):
         for group in range(group_count(K)):
             j = first_in_group(group, K)
-            store_sums(body.recovered_particles, particle_at(body, into, line * K + j), 1, row_sums(
-                body, ACROSS_FIT, line, pick, body.recovered_particles, particle_at(body, block, j), 1, K,
+            store_sums(body.recovered_particles, particle_index(body, into, line * K + j), 1, row_sums(
+                body, ACROSS_FIT, line, pick, body.recovered_particles, particle_index(body, block, j), 1, K,
                 body.particles // K, lattice.closed))
 
 
@@ -279,14 +351,14 @@ def add_verdict_sums(body: ti.template(), nodes: ti.template(), lattice: ti.temp
                     if i >= A:
                         i, x = 2 * A - 1 - i, -1.0
                 j = ti.min(ti.max(j, 0), B - 1)
-                U, V = nodes[node_at(body, MOTION, i * B + b)], nodes[node_at(body, MOTION, a * B + j)]
-                factor = fourth_factor(k)
+                U, V = nodes[node_index(body, MOTION, i * B + b)], nodes[node_index(body, MOTION, a * B + j)]
+                factor = fourth_difference_weight(k)
                 around += factor * ti.Vector([x * U[0], y * U[1]])
                 along += factor * ti.Vector([x_along * V[0], V[1]])
             rough += around.dot(around)
             if ti.static(lattice.box) or (b > 1 and b < B - 2):  # nothing lies beyond free ends
                 rough += along.dot(along)
-            e = nodes[node_at(body, GATHERED, a * B + b)]
+            e = nodes[node_index(body, PROJECTED, a * B + b)]
             size += e[0] * e[0] + e[1] * e[1]
     body.recovered_numbers[ROUGH] += rough / body.recovered_count
     body.recovered_numbers[SIZE] += size / body.recovered_count

@@ -4,13 +4,13 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from solvers.estimators import recovery
-from solvers.estimators.lattice_lines import Line, Rows
-from solvers.estimators.recovery import SHORT, SHORTEST, SIZE
-from solvers.message import Message
+from solvers.estimators import recovered
+from solvers.estimators.lattice_line_operators import Line, Rows
+from solvers.estimators.recovered import SHORT, SHORTEST, SIZE
 from solvers.problems.planar.estimators import recovered_operators as op
-from solvers.problems.planar.layout import on_axis, particle_layout
+from solvers.problems.planar.layout import particle_layout, points_on_x_axis
 from solvers.problems.planar.scene import PlanarScene
+from solvers.translatable_message import Message
 
 SPARSE_WIDTH = 1.5  # cells to an element with one particle per cell
 WAVE_CFL = 0.7  # H c over the shortest side of an element, where the run's own step is shorter
@@ -24,14 +24,14 @@ FEW_PER_CELL, LEAST_FEW = 0.0025, 0.08
 UNEVEN_FEW = 1.5  # times that where particles move with their own velocity, whose noise is as short
 
 
-def gather_component(rows: Rows, component: int, values: np.ndarray) -> np.ndarray:
+def project_component(rows: Rows, component: int, values: np.ndarray) -> np.ndarray:
     """Returns M of a component of a field (points, lines) along the first axis: (nodes, lines)."""
     return np.stack([rows(line)[:, component, 0] for line in values.T], axis=1)
 
 
-def gather_directions(angle: Line, gather_table: Rows) -> tuple[np.ndarray, np.ndarray]:
+def project_directions(angle: Line, gather_table: Rows) -> tuple[np.ndarray, np.ndarray]:
     """Returns M e_R and M e_angle at the nodes of the angle (A, 2); between symmetry planes M e_angle is 0."""
-    theta = angle.particles() / angle.per_point
+    theta = angle.particle_positions() / angle.points_per_length
     c, s = np.cos(theta), np.sin(theta)
     found = [gather_table(wave)[:, :, 0] for wave in (c, s)]
     along = np.stack([wave[:, k % wave.shape[1]] for k, wave in enumerate(found)], axis=1)
@@ -55,8 +55,8 @@ def interval(scene):
     frame, with elements whose sides a wave passes at the scene's ``crossing_rate``. Under large shear these steps are
     hardly longer than the run's, and the estimator costs more than the run."""
     across, along = lattice_lines(scene)
-    side = 1 / max(across.per_element * scene.crossing_rate, along.per_element)
-    return recovery.steps_between(scene, WAVE_CFL * side)
+    side = 1 / max(across.elements_per_length * scene.relative_wave_rate, along.elements_per_length)
+    return recovered.wave_travel_steps(scene, WAVE_CFL * side)
 
 
 def lattice_lines(scene):
@@ -67,9 +67,9 @@ def lattice_lines(scene):
     None is narrower than the reference's step bears, which is no shorter than the run's.
     """
     width = scene.spacing * (SPARSE_WIDTH if scene.ppc == 1 else 1.0)
-    counts = scene.polar_counts(scene.cells, scene.ppc)
+    counts = scene.lattice_counts(scene.cells, scene.ppc)
     if scene.layout == "box":
-        narrowest = scene.crossing_rate * scene.wave_speed * scene.time_step / MOST_CFL["walls"]
+        narrowest = scene.relative_wave_rate * scene.wave_speed * scene.time_step / MOST_CFL["walls"]
         line = Line(counts[0], min(round(scene.SIDE / width), int(scene.SIDE / narrowest)), scene.SIDE, "walls")
         return line, line
     turn, across = scene.ANGLE, scene.OUTER - scene.INNER
@@ -82,36 +82,40 @@ def lattice_lines(scene):
 def allocate(scene):
     """Returns operators across and along the lines, and the reference in the initial configuration."""
     across, along = lattice_lines(scene)
-    box, width = scene.layout == "box", recovery.fit_width(scene)
-    R = 1.0 if box else scene.INNER + along.quadrature()[0] / along.per_point
-    over_lines = [across.fit(width, 3), across.spread(), across.gather(4, 2), across.smoothing()]
-    on_line = [along.fit(width, 3), along.spread(), along.gather(4, 2, R), along.smoothing(R)]
+    box, width = scene.layout == "box", recovered.fit_width(scene)
+    R = 1.0 if box else scene.INNER + along.quadrature()[0] / along.points_per_length
+    over_lines = [across.fit_operator(width, 3), across.interpolation_operator(), across.projection_operator(4, 2),
+                  across.smoothing_operator()]
+    on_line = [along.fit_operator(width, 3), along.interpolation_operator(), along.projection_operator(4, 2, R),
+               along.smoothing_operator(R)]
     tables = [cartesian_weights(rows, swapped=box) for rows in over_lines] \
         + [cartesian_weights(rows) if box else pad_to_four(rows) for rows in on_line]
-    fields = op.PARTICLE_BLOCKS * across.points * along.points + 2 * across.points * along.nodes
-    nodes = np.zeros((op.NODE_BLOCKS, across.nodes * along.nodes, 4))
+    fields = op.PARTICLE_BLOCKS * across.points * along.points + 2 * across.points * along.node_count
+    nodes = np.zeros((op.NODE_BLOCKS, across.node_count * along.node_count, 4))
     if box:
         v = scene.EXACT.velocity(scene, particle_layout(scene).position, 0.0).reshape(across.points, along.points, 2)
         for k in (0, 1):
-            on_nodes = gather_component(over_lines[2], 1 - k, gather_component(on_line[2], k, v[:, :, k].T).T)
+            on_nodes = project_component(over_lines[2], 1 - k, project_component(on_line[2], k, v[:, :, k].T).T)
             nodes[op.MOTION, :, 2 + k] = on_nodes.ravel()
     else:
-        velocity = scene.EXACT.velocity(scene, on_axis(scene.INNER + along.particles() / along.per_point), 0.0).T
-        outward, sideways = gather_directions(across, over_lines[2])
+        radius = scene.INNER + along.particle_positions() / along.points_per_length  # m
+        velocity = scene.EXACT.velocity(scene, points_on_x_axis(radius), 0.0).T
+        outward, sideways = project_directions(across, over_lines[2])
         speed, turning = (on_line[2](v)[:, 0, 0, None] for v in velocity)
         nodes[op.MOTION, :, 2:] = (outward[:, None] * speed + sideways[:, None] * turning).reshape(-1, 2)
-        nodes[op.DIRECTION, :across.nodes] = np.concatenate([outward, sideways], axis=1)
-    return {"recovered_numbers": recovery.initial_numbers(scene, interval(scene)),
-            **recovery.table_values(dict(zip(op.TABLES, tables, strict=True))),
-            "recovered_count": across.nodes * along.nodes, "recovered_line": along.points,
-            "recovered_line_nodes": along.nodes, "recovered_silent": 2 if scene.is_uneven else int(scene.is_coarse),
+        nodes[op.DIRECTION, :across.node_count] = np.concatenate([outward, sideways], axis=1)
+    return {"recovered_numbers": recovered.initial_numbers(scene, interval(scene)),
+            **recovered.table_values(dict(zip(op.TABLES, tables, strict=True))),
+            "recovered_count": across.node_count * along.node_count, "recovered_line": along.points,
+            "recovered_line_nodes": along.node_count,
+            "recovered_silent": 2 if scene.is_uneven else int(scene.is_coarse),
             "recovered_nodes": nodes.reshape(-1, 4), "recovered_particles": np.zeros((fields, 4))}
 
 
 def verdict(scene: PlanarScene, memory: Mapping[str, np.ndarray]) -> str | None:
     """Returns why not to trust the estimate: a bad reference, or errors too short for fits and error grid; or None."""
     U = memory["recovered_nodes"].reshape(op.NODE_BLOCKS, -1, 4)[op.MOTION, :, :2]
-    if reason := recovery.why_not_trusted(memory, np.abs(U).max() / scene.motion_amplitude):
+    if reason := recovered.why_not_trusted(memory, np.abs(U).max() / scene.motion_amplitude):
         return reason
     size, short, shortest = np.sqrt(memory["recovered_numbers"][[SIZE, SHORT, SHORTEST]])
     few = (short - shortest) / size if size > 0 else 0.0

@@ -26,7 +26,7 @@ from solvers.estimators.transport import why_not_trusted
 from solvers.kernels.dtypes import quads, real
 from solvers.problems.planar.kernel_parts import ProblemKernels
 from solvers.problems.planar.method import cpdi, gimp
-from solvers.problems.planar.method.stored_weights import stored_numbers
+from solvers.problems.planar.method.stored_weights import stored_weight_entries
 from solvers.scene.estimator_hooks import EstimatorHooks
 
 MOST_INTERVAL = 20  # steps of the run between two of the estimator's
@@ -52,14 +52,14 @@ def hooks(traits: ProblemKernels) -> EstimatorHooks:
 @ti.func
 def in_step(body: ti.template(), base, traits: ti.template(), on: ti.template()):
     """Advances Ex by H = k dt and reports Ev and Ea, between the node update and the particle update."""
-    gather_moments(body, traits, on)
+    sum_moments_at_nodes(body, traits, on)
     traits.fold(body, fold_pair)
     node_errors(body, traits)
     particle_errors(body, base, on)
 
 
 @ti.func
-def gather_moments(body: ti.template(), traits: ti.template(), on: ti.template()):
+def sum_moments_at_nodes(body: ti.template(), traits: ti.template(), on: ti.template()):
     """Sums V S (sigma_xx, sigma_yy, 1), V (-S_x, -S_y, -S_x r_x, -S_y r_y) and S times the force at the nodes."""
     for j in range(body.active):
         for node in range(j * body.row, j * body.row + body.active):
@@ -76,8 +76,8 @@ def gather_moments(body: ti.template(), traits: ti.template(), on: ti.template()
         if ti.static(on.body_force != "none"):
             force = traits.body_force_on(body, p)
         if ti.static(on.method == "cpdi"):
-            w, = ti.static([stored_numbers(body, p, on)])
-            cells, g = cpdi.corner_nodes(w), cpdi.stored_gradients(body, p, w, on)
+            w, = ti.static([stored_weight_entries(body, p, on)])
+            cells, g = cpdi.corner_cell_nodes(w), cpdi.stored_gradients(body, p, w, on)
             for c in ti.static(range(4)):
                 N = cpdi.corner_hats(w, c)
                 a, sign = ti.static(2 * (c % 2), 1.0 if c < 2 else -1.0)
@@ -150,8 +150,8 @@ def interpolate(body: ti.template(), p, on: ti.template()):
     """Returns sum S Ea_i at the particle, with the step's own weights."""
     total = ti.Vector([0.0, 0.0])
     if ti.static(on.method == "cpdi"):
-        w, = ti.static([stored_numbers(body, p, on)])
-        cells = cpdi.corner_nodes(w)
+        w, = ti.static([stored_weight_entries(body, p, on)])
+        cells = cpdi.corner_cell_nodes(w)
         for c in ti.static(range(4)):
             N = cpdi.corner_hats(w, c)
             for k in ti.static(range(4)):

@@ -22,8 +22,8 @@ from solvers.kernels.packing import prefix_view
 from solvers.problems.planar.kernel_parts import ProblemKernels
 from solvers.problems.planar.method.body import PlanarBody, initial_body
 from solvers.problems.planar.method.material import cauchy_stress, cauchy_stress_of
-from solvers.problems.planar.method.phases import nodes_to_particles, update_grid
-from solvers.problems.planar.method.rotation import rotate_tensor, rotate_vector
+from solvers.problems.planar.method.phases import map_and_update_nodes, nodes_to_particles
+from solvers.problems.planar.method.tensor_rotation import rotate_tensor, rotate_vector
 from solvers.scene.estimator_hooks import EstimatorHooks
 from solvers.scene.kernel_options import kernel_options_of
 
@@ -31,7 +31,7 @@ FEWEST_CELLS = 6
 #: u, v and sigma, of which the second component is odd across the planes at the first and the last line, with the shear
 #: stress; of a box the first is, and again the shear stress, at the ends of each line.
 ACROSS = (0, 1, 0, 1, 0, 1, 0, 0)
-POLAR, BOX = two_grid.ComparedFields((0,) * 8, ACROSS), two_grid.ComparedFields((1, 0, 1, 0, 0, 1, 0, 0), ACROSS)
+POLAR, BOX = two_grid.ComponentStencils((0,) * 8, ACROSS), two_grid.ComponentStencils((1, 0, 1, 0, 0, 1, 0, 0), ACROSS)
 
 MEMORY = {
     **{"coarse_" + name: kind for name, kind in PlanarBody.types().items()},
@@ -43,11 +43,11 @@ MEMORY = {
 @ti.func
 def after_step(body: ti.template(), step, traits: ti.template(), on: ti.template()):
     """Takes one step of the second run, over the last ``coarse_dt``; stores F and a before it, for their rates."""
-    coarse, bare = ti.static([prefix_view(body, "coarse_"), two_grid.method_options(on)])
+    coarse, bare = ti.static([prefix_view(body, "coarse_"), two_grid.coarse_run_options(on)])
     for q in range(coarse.particles):
         body.two_grid_before[q] = coarse.deformation_gradient[q]
         body.two_grid_before_a[q] = coarse.acceleration[q]
-    update_grid(coarse, step * body.dt - coarse.dt, traits, bare)
+    map_and_update_nodes(coarse, step * body.dt - coarse.dt, traits, bare)
     nodes_to_particles(coarse, 0, 0, traits, bare)
 
 
@@ -56,12 +56,12 @@ def report(body: ti.template(), base, step, fields: ti.template(), on: ti.templa
     """Reports e = q_h - I q*, in Cartesian components."""
     own, coarse = ti.static([prefix_view(body, "two_grid_"), prefix_view(body, "coarse_")])
     two_grid.clear_common_lattice(own)
-    run_fields(body, own, on)
-    two_grid.transfer(own, fields, "down", own.fields, "fine", own.common, "common", 1 + own.gain)
-    coarse_fields(body, own, coarse, step, on)
-    two_grid.transfer(own, fields, "over", own.fields, "coarse", own.common, "common", -own.gain)
-    run_fields(body, own, on)
-    two_grid.transfer(own, fields, "up", own.common, "common", own.fields, "fine", -1.0)
+    store_run_fields(body, own, on)
+    two_grid.transfer_fields(own, fields, "down", own.fields, "fine", own.common, "common", 1 + own.gain)
+    store_coarse_fields(body, own, coarse, step, on)
+    two_grid.transfer_fields(own, fields, "over", own.fields, "coarse", own.common, "common", -own.gain)
+    store_run_fields(body, own, on)
+    two_grid.transfer_fields(own, fields, "up", own.common, "common", own.fields, "fine", -1.0)
     square = 0.0
     for p in range(body.particles):
         e = own.fields[p]
@@ -72,11 +72,11 @@ def report(body: ti.template(), base, step, fields: ti.template(), on: ti.templa
         body.estimate[base + p] = ti.Vector([x[0], x[1], v[0], v[1]])
         body.estimate_stress[base + p] = ti.Vector([sigma[0], sigma[1], sigma[2], 0.0])
         body.estimate_acceleration[base + p] = ti.Vector([ti.math.nan] * 2)
-    two_grid.store_largest(own, square / body.particles)
+    two_grid.store_largest_error(own, square / body.particles)
 
 
 @ti.func
-def polar_fields(u_x, u_y, v_x, v_y, direction, sigma):
+def fields_in_local_axes(u_x, u_y, v_x, v_y, direction, sigma):
     """Returns u, v and the Cauchy stress, given as xx, xy, yy, in components along and across the ``direction``."""
     back = ti.Vector([direction[0], -direction[1]])
     u, v = rotate_vector(back, u_x, u_y), rotate_vector(back, v_x, v_y)
@@ -85,18 +85,18 @@ def polar_fields(u_x, u_y, v_x, v_y, direction, sigma):
 
 
 @ti.func
-def run_fields(body: ti.template(), own: ti.template(), on: ti.template()):
+def store_run_fields(body: ti.template(), own: ti.template(), on: ti.template()):
     """Stores the fields of the run."""
     for p in range(body.particles):
         q, X, e = body.position_velocity[p], body.material_position[p], body.direction[p]
-        own.fields[p] = polar_fields(q[0] - X[0], q[1] - X[1], q[2], q[3], e, cauchy_stress(body, p, on))
+        own.fields[p] = fields_in_local_axes(q[0] - X[0], q[1] - X[1], q[2], q[3], e, cauchy_stress(body, p, on))
 
 
 @ti.func
-def coarse_fields(body: ti.template(), own: ti.template(), coarse: ti.template(), step, on: ti.template()):
+def store_coarse_fields(body: ti.template(), own: ti.template(), coarse: ti.template(), step, on: ti.template()):
     """Stores the fields of the second run, extrapolated by ``late`` seconds from its last step to the present.
 
-    v is early by r^2 dt/2 on purpose: see ``coarse_fields`` of the bar.
+    v is early by r^2 dt/2 on purpose: see ``store_coarse_fields`` of the bar.
     """
     dt, H = body.dt, coarse.dt
     late = step % own.interval * dt
@@ -109,9 +109,9 @@ def coarse_fields(body: ti.template(), own: ti.template(), coarse: ti.template()
         G = F + (late / H) * (F - own.before[p])
         sigma = cauchy_stress_of(coarse, G, on)
         ahead, drift = late + 0.5 * H - early, 0.5 * late * (late + H)
-        own.fields[p] = polar_fields(q[0] - X[0] + late * q[2] + drift * now[0],
-                                     q[1] - X[1] + late * q[3] + drift * now[1], q[2] + ahead * now[0],
-                                     q[3] + ahead * now[1], e, sigma)
+        own.fields[p] = fields_in_local_axes(q[0] - X[0] + late * q[2] + drift * now[0],
+                                             q[1] - X[1] + late * q[3] + drift * now[1], q[2] + ahead * now[0],
+                                             q[3] + ahead * now[1], e, sigma)
 
 
 @functools.cache
@@ -124,15 +124,15 @@ def coarse_scene(scene):
     """Returns the scene of the second run."""
     own = {f.name: getattr(scene, f.name) for f in fields(scene)}
     return coarse_scene_class(type(scene))(**{
-        **own, "cells": scene.cells // 2, "dt": two_grid.interval(scene) * scene.time_step, "cfl": None,
+        **own, "cells": scene.cells // 2, "dt": two_grid.steps_per_coarse_step(scene) * scene.time_step, "cfl": None,
         "sample_every": None, "estimators": (), "effects": (), "plan": "serial", "threads": 1})
 
 
 def allocate(scene):
     """Returns the second run at its start, and the tables of the comparison."""
     second, box = coarse_scene(scene), scene.layout == "box"
-    members = initial_body(second, two_grid.method_options(kernel_options_of(second)), slabs=1)
-    fine, coarse = (one.polar_counts(one.cells, one.ppc)[::-1] for one in (scene, second))
+    members = initial_body(second, two_grid.coarse_run_options(kernel_options_of(second)), slabs=1)
+    fine, coarse = (one.lattice_counts(one.cells, one.ppc)[::-1] for one in (scene, second))
     common = max(coarse[0], two_grid.CUBIC_COEFFICIENTS), coarse[1]
     return {**{"coarse_" + name: value for name, value in members.items()},
             **two_grid.allocate(scene, BOX if box else POLAR, fine, coarse, common,
@@ -149,7 +149,7 @@ def verdict(scene, memory):
         return two_grid.coarse_run_verdict(scene, determinant, moved, farthest, memory["two_grid_largest"])
 
 
-def hooks(traits: ProblemKernels, fields: two_grid.ComparedFields) -> EstimatorHooks:
+def hooks(traits: ProblemKernels, fields: two_grid.ComponentStencils) -> EstimatorHooks:
     """Returns the estimator's hooks for a problem with these traits, which compares these fields."""
     @ti.func
     def its_step(body: ti.template(), base, step, on: ti.template()):
@@ -159,5 +159,5 @@ def hooks(traits: ProblemKernels, fields: two_grid.ComparedFields) -> EstimatorH
     def its_report(body: ti.template(), base, step, on: ti.template()):
         report(body, base, step, fields, on)
 
-    return EstimatorHooks(memory=MEMORY, allocate=allocate, interval=two_grid.interval, after_step=its_step,
-                          report=its_report, verdict=verdict)
+    return EstimatorHooks(memory=MEMORY, allocate=allocate, interval=two_grid.steps_per_coarse_step,
+                          after_step=its_step, report=its_report, verdict=verdict)

@@ -16,7 +16,12 @@ from solvers.problems.planar.scene import PlanarScene, motion_table
 from solvers.scene.estimator_hooks import EstimatorHooks
 from solvers.scene.kernel_options import KernelOptions
 from solvers.scene.scene import Scene
-from solvers.solver.field_tables import motion_entries, pack_tables, pair_table, vector_table
+from solvers.solver.separable_field_tables import (
+    motion_mode_entries,
+    pack_tables,
+    paired_mode_entries,
+    vector_mode_entries,
+)
 from solvers.solver.state_arrays import Diagnostics, Members, initial_diagnostics, remedy_rates, zeros
 
 
@@ -24,7 +29,7 @@ from solvers.solver.state_arrays import Diagnostics, Members, initial_diagnostic
 class PlanarBody(Members):
     """P particles in K orbits (``solvers.problems.planar.layout``), N nodes, T slabs of particles with grids of their
     own. Arrays that only an inactive effect would use have length one. Tables of the exact motion
-    (``solvers.solver.field_tables``) share one array, because a kernel takes 64 arguments at most."""
+    (``solvers.solver.separable_field_tables``) share one array, because a kernel takes 64 arguments at most."""
 
     particles: Integer
     nodes: Integer
@@ -89,9 +94,9 @@ def initial_body(scene: PlanarScene, on: KernelOptions, slabs: int) -> dict:
     P, K, N, X = len(layout.volume), len(layout.orbits), row * row, layout.position
     lame_modulus, shear_modulus = scene.lame_moduli
     known = on.truth or bool(on.estimators) or on.soundness
-    grid = scene.grid_field() if known and on.acceleration else None
-    sizes, tables = pack_tables(*map(pair_table, tabulate_body_force(scene, layout.orbits)[1:]),
-                                motion_entries(motion_table(scene) if known else None), vector_table(grid))
+    grid = scene.node_acceleration_field() if known and on.acceleration else None
+    sizes, tables = pack_tables(*map(paired_mode_entries, tabulate_body_force(scene, layout.orbits)[1:]),
+                                motion_mode_entries(motion_table(scene) if known else None), vector_mode_entries(grid))
     v = scene.EXACT.velocity(scene, X, -scene.EARLIER * scene.time_step)
     return {"particles": P, "nodes": N, "row": row, "active": scene.active_rows, "slabs": slabs, "orbits": K,
             "spacing": scene.spacing, "cells_per_length": 1 / scene.spacing, "origin": scene.origin,

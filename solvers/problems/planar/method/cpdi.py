@@ -9,8 +9,8 @@ import taichi as ti
 
 from solvers.kernels.simd import load_component
 from solvers.problems.planar.layout import CORNERS
-from solvers.problems.planar.method.node_records import contribution_of, force_record, scatter_add
-from solvers.problems.planar.method.stored_weights import store_part, stored_numbers
+from solvers.problems.planar.method.node_records import force_record, particle_contribution, scatter_add
+from solvers.problems.planar.method.stored_weights import store_weight_part, stored_weight_entries
 
 #: Of what is kept, the first of four: beside those, the places of the corners in x and in y.
 GRADIENTS, NODES = 8, 12
@@ -34,15 +34,17 @@ def find_weights(body: ti.template(), some: ti.template(), on: ti.template()):
     corner_y = [y + CORNERS[c][0] * ay + CORNERS[c][1] * by for c in ti.static(range(4))]
     i = [ti.min(ti.max(ti.floor(corner_x[c]), 0.0), last) for c in ti.static(range(4))]
     j = [ti.min(ti.max(ti.floor(corner_y[c]), 0.0), last) for c in ti.static(range(4))]
-    store_part(body, some[0], 0, [corner_x[0] - i[0], corner_x[1] - i[1], corner_x[2] - i[2], corner_x[3] - i[3],
-                                  corner_y[0] - j[0], corner_y[1] - j[1], corner_y[2] - j[2], corner_y[3] - j[3]], on)
+    store_weight_part(body, some[0], 0, [corner_x[0] - i[0], corner_x[1] - i[1], corner_x[2] - i[2], corner_x[3] - i[3],
+                                         corner_y[0] - j[0], corner_y[1] - j[1], corner_y[2] - j[2],
+                                         corner_y[3] - j[3]], on)
     half, row = 0.5 * per / (ax * by - ay * bx), float(body.row)
-    store_part(body, some[0], 1, [half * (ay - by), half * (bx - ax), half * (ay + by), half * (-1.0 * ax - bx),
-                                  j[0] * row + i[0], j[1] * row + i[1], j[2] * row + i[2], j[3] * row + i[3]], on)
+    store_weight_part(body, some[0], 1, [half * (ay - by), half * (bx - ax), half * (ay + by), half * (-1.0 * ax - bx),
+                                         j[0] * row + i[0], j[1] * row + i[1], j[2] * row + i[2], j[3] * row + i[3]],
+                      on)
 
 
 @ti.func
-def corner_nodes(w: ti.template()):
+def corner_cell_nodes(w: ti.template()):
     """Returns the first nodes of the corners' cells, which are stored as real numbers, as integers."""
     return [ti.cast(w[NODES + c], ti.i32) for c in ti.static(range(4))]
 
@@ -80,9 +82,9 @@ def corner_hats(w: ti.template(), c: ti.template()):
 def particles_to_nodes(body: ti.template(), start, end, grid, traits: ti.template(), on: ti.template()):
     """Adds mass, momentum and force of the particles from ``start`` to ``end`` to the nodes from ``grid`` on."""
     for p in range(start, end):
-        w, = ti.static([stored_numbers(body, p, on)])
-        cells, g = corner_nodes(w), stored_gradients(body, p, w, on)
-        carried, tau = contribution_of(body, p, traits, on)
+        w, = ti.static([stored_weight_entries(body, p, on)])
+        cells, g = corner_cell_nodes(w), stored_gradients(body, p, w, on)
+        carried, tau = particle_contribution(body, p, traits, on)
         carried = 0.25 * carried
         for c in ti.static(range(4)):
             a, b = ti.static(2 * (c % 2), -1.0 if c < 2 else 1.0)
@@ -97,8 +99,8 @@ def particles_to_nodes(body: ti.template(), start, end, grid, traits: ti.templat
 @ti.func
 def gather(body: ti.template(), p, values: ti.template(), on: ti.template()):
     """Returns the nodes' values, four numbers, at the particle, and their derivatives in x and y."""
-    w, = ti.static([stored_numbers(body, p, on)])
-    cells, g = corner_nodes(w), stored_gradients(body, p, w, on)
+    w, = ti.static([stored_weight_entries(body, p, on)])
+    cells, g = corner_cell_nodes(w), stored_gradients(body, p, w, on)
     total, first_pair, second_pair = ti.Vector([0.0] * 4), ti.Vector([0.0] * 4), ti.Vector([0.0] * 4)
     for c in ti.static(range(4)):
         N = corner_hats(w, c)
@@ -117,8 +119,8 @@ def gather(body: ti.template(), p, values: ti.template(), on: ti.template()):
 @ti.func
 def scatter(body: ti.template(), p, carried, values: ti.template(), on: ti.template()):
     """Adds four numbers of the particle to the nodes' values, with its weights."""
-    w, = ti.static([stored_numbers(body, p, on)])
-    cells = corner_nodes(w)
+    w, = ti.static([stored_weight_entries(body, p, on)])
+    cells = corner_cell_nodes(w)
     for c in ti.static(range(4)):
         N = corner_hats(w, c)
         for k in ti.static(range(4)):

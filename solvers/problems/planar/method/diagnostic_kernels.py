@@ -3,27 +3,40 @@
 import taichi as ti
 
 from solvers.problems.planar.kernel_parts import DiagnosticKernels
+from solvers.problems.planar.method.contradictions import make_circle_contradiction_kernel, record_mode_moments
 from solvers.problems.planar.method.material import cauchy_stress, cauchy_stress_of, strain_energy
-from solvers.problems.planar.method.node_errors import make_circular_node_error, make_node_error
+from solvers.problems.planar.method.node_acceleration_errors import (
+    make_circular_acceleration_error,
+    make_node_acceleration_error,
+)
 from solvers.problems.planar.method.phases import TOTALS
-from solvers.problems.planar.method.rotation import rotate_tensor, rotate_vector
-from solvers.problems.planar.method.soundness import make_circle_contradictions, record_mode_moments
+from solvers.problems.planar.method.tensor_rotation import rotate_tensor, rotate_vector
 from solvers.problems.planar.scene import PlanarScene
 from solvers.scene.effects import samplers
-from solvers.solver.field_tables import GRID, MODES, MOTION, PRESENT, RANK, find_functions, size_of
 from solvers.solver.samples import column_index
+from solvers.solver.separable_field_tables import (
+    GRID,
+    MODES,
+    MOTION,
+    PRESENT,
+    RANK,
+    compute_time_functions,
+    table_size_entry,
+)
 
 
 @ti.func
-def find_exact(body: ti.template(), step, on: ti.template()):
+def compute_exact_solution(body: ti.template(), step, on: ti.template()):
     """Computes the exact solution at the orbits' points, and the functions of time of the nodes' acceleration, after
     ``step`` steps; the acceleration one step before, when the method computed its own."""
     w = body.angular_frequency
     now = w * body.dt * step
     before = ti.max(0.0, now - w * body.dt)
     for number in range(MOTION, GRID + 1):  # one loop, for its code is compiled once
-        find_functions(body.tables, body.table_sizes, number, w, now, before)
-    rank, modes, out = size_of(body, MOTION, RANK), size_of(body, MOTION, MODES), size_of(body, MOTION, PRESENT)
+        compute_time_functions(body.tables, body.table_sizes, number, w, now, before)
+    rank, modes, out = table_size_entry(body, MOTION,
+                                        RANK), table_size_entry(body, MOTION,
+                                                                MODES), table_size_entry(body, MOTION, PRESENT)
     for k in range(body.orbits):
         motion, a, F = ti.Vector([0.0] * 4), ti.Vector([0.0] * 4), ti.Vector([1.0, 0.0, 0.0, 1.0])
         for n in range(rank):
@@ -73,8 +86,12 @@ def sample_angular_momentum(body: ti.template(), row, step, on: ti.template()):
 def make_diagnostic_kernels(kind: type[PlanarScene], first: int) -> DiagnosticKernels:
     """Returns the diagnostics of a problem with this scene class; nodes before ``first`` lie beyond a symmetry
     plane."""
-    nodes = make_circular_node_error(kind, first) if kind.CIRCULAR else make_node_error(first if kind.PLANES[1] else 0)
-    record_contradictions = make_circle_contradictions(kind.INNER, kind.OUTER, kind.PLOTTED == "angular") \
+    nodes = (
+        make_circular_acceleration_error(kind, first)
+        if kind.CIRCULAR
+        else make_node_acceleration_error(first if kind.PLANES[1] else 0)
+    )
+    record_contradictions = make_circle_contradiction_kernel(kind.INNER, kind.OUTER, kind.PLOTTED == "angular") \
         if kind.CIRCULAR else record_mode_moments
     spin = {"spin": sample_angular_momentum} if "spin" in kind.OWN_EFFECTS else {}
     return DiagnosticKernels(nodes, strain_energy, record_contradictions, samplers(kind.problem, spin))

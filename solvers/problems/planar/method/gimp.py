@@ -2,11 +2,11 @@
 
 import taichi as ti
 
-from solvers.kernels.shape_functions import outer_weights, stencil
+from solvers.kernels.shape_functions import complete_stencil, outer_weights
 from solvers.kernels.simd import load_component
 from solvers.problems.planar.layout import MOST_HALF_WIDTH
-from solvers.problems.planar.method.node_records import contribution_of, force_record, scatter_add
-from solvers.problems.planar.method.stored_weights import store_part, stored_numbers
+from solvers.problems.planar.method.node_records import force_record, particle_contribution, scatter_add
+from solvers.problems.planar.method.stored_weights import store_weight_part, stored_weight_entries
 
 
 @ti.func
@@ -37,7 +37,7 @@ def find_weights(body: ti.template(), some: ti.template(), on: ti.template()):
     node = ti.min(ti.max(y[0], 0.0), last) * float(body.row) + ti.min(ti.max(x[0], 0.0), last)
     for k in ti.static(range(some.n)):
         body.first_node[some[k]] = ti.cast(node[k], ti.i32)  # whole numbers, exact
-    store_part(body, some[0], 0, [x[1], y[1], x[2], y[2], x[3], y[3], x[4], y[4]], on)
+    store_weight_part(body, some[0], 0, [x[1], y[1], x[2], y[2], x[3], y[3], x[4], y[4]], on)
 
 
 @ti.func
@@ -55,9 +55,9 @@ def stencil_along(body: ti.template(), some: ti.template(), c: ti.template(), on
 @ti.func
 def stored_stencils(body: ti.template(), p, on: ti.template()):
     """Returns the stored stencils: weights and gradients (1/length) at three nodes in x and in y."""
-    w, = ti.static([stored_numbers(body, p, on)])
-    S, dS = stencil(w[0], w[2], w[4], w[6])
-    R, dR = stencil(w[1], w[3], w[5], w[7])
+    w, = ti.static([stored_weight_entries(body, p, on)])
+    S, dS = complete_stencil(w[0], w[2], w[4], w[6])
+    R, dR = complete_stencil(w[1], w[3], w[5], w[7])
     return S, dS, R, dR
 
 
@@ -67,7 +67,7 @@ def particles_to_nodes(body: ti.template(), start, end, grid, traits: ti.templat
     for p in range(start, end):
         S, dS, R, dR = stored_stencils(body, p, on)
         first = grid + body.first_node[p]
-        carried, tau = contribution_of(body, p, traits, on)
+        carried, tau = particle_contribution(body, p, traits, on)
         along_x = force_record(-tau[0], -tau[2])
         along_y = force_record(-tau[1], -tau[3])
         for j in ti.static(range(3)):

@@ -22,8 +22,17 @@ def strip_annotations(formula: FunctionType) -> Callable:
 
 LAWS = {name: one._replace(energy=strip_annotations(one.energy), coefficients=strip_annotations(one.coefficients))
         for name, one in IN_NUMPY.items()}
-determinant, piola, kirchhoff, metric, material_metric, stiffness = map(strip_annotations, (
-    law.determinant, law.piola, law.kirchhoff, law.metric, law.material_metric, law.stiffness))
+determinant, piola, kirchhoff, stiffness_metric, reference_stiffness_metric, wave_stiffness = map(
+    strip_annotations,
+    (
+        law.determinant,
+        law.piola,
+        law.kirchhoff,
+        law.stiffness_metric,
+        law.reference_stiffness_metric,
+        law.wave_stiffness,
+    ),
+)
 
 
 @ti.func
@@ -58,12 +67,12 @@ def cauchy_stress(body: ti.template(), p, on: ti.template()):
 
 
 @ti.func
-def tangent(body: ti.template(), p, on: ti.template()):
+def volume_and_stiffness_metric(body: ti.template(), p, on: ti.template()):
     """Returns, for the step margin, V0 in m^3 and a metric (xx, xy, yy) in Pa. The product of two nodes' weight
     gradients measured in it bounds the stiffness between them: gradients in space, or at rest with frozen weights."""
     F = body.deformation_gradient[p]
     J, q, r, A, x = coefficients(body, F, on)
-    xx, xy, yy = ti.static(material_metric if on.frozen else metric)(F, J, q, r, A, x)
+    xx, xy, yy = ti.static(reference_stiffness_metric if on.frozen else stiffness_metric)(F, J, q, r, A, x)
     return body.mass[p] / body.density, ti.Vector([xx, xy, yy])
 
 

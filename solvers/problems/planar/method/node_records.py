@@ -8,7 +8,7 @@ NONZERO_ENTRIES = 5  # numbers of a node's record that are not always zero
 
 
 @ti.func
-def contribution_of(body: ti.template(), p, traits: ti.template(), on: ti.template()):
+def particle_contribution(body: ti.template(), p, traits: ti.template(), on: ti.template()):
     """Returns a particle's contribution to nodes: the record to multiply by the weight, and V sigma = (xx, xy, yx, yy)
     to multiply by its gradient."""
     q, mass = body.position_velocity[p], body.mass[p]

@@ -16,18 +16,18 @@ TOTALS = 3  # of a slab, so far: grid crossings, work and impulse of the torque 
 
 
 @ti.func
-def update_grid(body: ti.template(), t, traits: ti.template(), on: ti.template()):
+def map_and_update_nodes(body: ti.template(), t, traits: ti.template(), on: ti.template()):
     """Runs the first half of a step on one thread, from time t: particles to nodes, and the nodes' new motion."""
     traits.forces(body, t, on)
     particles_to_nodes(body, 0, traits, on)
-    traits.fold(body, fold_sums)
+    traits.fold(body, fold_ghost_sums)
     for j in range(traits.first, body.active):
-        update_nodes(body, j, traits, on)
+        update_node_row(body, j, traits, on)
     traits.mirror(body, body.node_motion)
 
 
 @ti.func
-def active_particles(body: ti.template()):
+def active_particle_count(body: ti.template()):
     """Returns the number of particles in a step: on a GPU none in steps that were queued when a run became unstable."""
     count = body.particles
     if ti.static(not runtime.runs_on_cpu()):
@@ -78,7 +78,7 @@ def find_weights(body: ti.template(), start, end, on: ti.template()):
 @ti.func
 def nodes_to_particles(body: ti.template(), slab, step, traits: ti.template(), on: ti.template()):
     """Sets v += dt sum S a; x += dt sum S v_i (not the printed eq 24); F <- (I + dt L) F, L = sum v_i grad S."""
-    start, end = particle_range(body, active_particles(body), slab)
+    start, end = particle_range(body, active_particle_count(body), slab)
     dt, jumps, work, spun = body.dt, 0.0, 0.0, 0.0
     for p in range(start, end):
         here, by_x, by_y = gather(body, p, body.node_motion, on)
@@ -146,7 +146,7 @@ def particle_range(body: ti.template(), count, slab):
 
 
 @ti.func
-def sum_slabs(body: ti.template(), j):
+def sum_slabs_in_row(body: ti.template(), j):
     """Adds the slabs' grids in row j to the first one's."""
     for node in range(j * body.row, j * body.row + body.active):
         for slab in range(1, body.slabs):
@@ -154,14 +154,14 @@ def sum_slabs(body: ti.template(), j):
 
 
 @ti.func
-def fold_sums(body: ti.template(), ghost, image, in_x, in_y):
+def fold_ghost_sums(body: ti.template(), ghost, image, in_x, in_y):
     """Adds the sums of a ghost to those of its mirror image; ``in_x`` and ``in_y`` are the signs of the components."""
     sign = ti.Vector([in_x, in_y, in_x, in_y, 1.0, 1.0, 1.0, 1.0])
     body.node_sums[image] = body.node_sums[image] + sign * body.node_sums[ghost]
 
 
 @ti.func
-def update_nodes(body: ti.template(), j, traits: ti.template(), on: ti.template()):
+def update_node_row(body: ti.template(), j, traits: ti.template(), on: ti.template()):
     """Sets a_i = f_i/m_i and v_i += dt a_i in row j; nothing moves across a symmetry plane."""
     least = EMPTY * body.density * body.spacing * body.spacing
     for i in range(traits.first, body.active):

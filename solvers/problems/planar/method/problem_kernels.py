@@ -4,11 +4,11 @@ import taichi as ti
 
 from solvers.problems.planar.kernel_parts import ProblemKernels
 from solvers.problems.planar.method.material import LAWS, determinant, kirchhoff, piola
-from solvers.problems.planar.method.neo_hookean import find_volumetric
-from solvers.problems.planar.method.rotation import rotate_vector
-from solvers.problems.planar.method.symmetry_planes import symmetry_planes
+from solvers.problems.planar.method.neo_hookean_logarithms import compute_volumetric_stress
+from solvers.problems.planar.method.symmetry_planes import make_symmetry_plane_kernels
+from solvers.problems.planar.method.tensor_rotation import rotate_vector
 from solvers.problems.planar.scene import PlanarScene
-from solvers.solver.field_tables import find_force_functions, force_at
+from solvers.solver.separable_field_tables import body_force_at, compute_force_time_functions
 
 
 def make_problem_kernels(kind: type[PlanarScene]) -> ProblemKernels:
@@ -18,19 +18,19 @@ def make_problem_kernels(kind: type[PlanarScene]) -> ProblemKernels:
     @ti.func
     def forces(body: ti.template(), t, on: ti.template()):
         """Computes the body force per mass at time t: its functions of time, and the force itself on circles."""
-        find_force_functions(body.tables, body.table_sizes, body.angular_frequency * t, on)
+        compute_force_time_functions(body.tables, body.table_sizes, body.angular_frequency * t, on)
         if ti.static(circular and on.body_force != "none"):
             for k in range(body.orbits):
-                body.orbit_force[k] = force_at(body.tables, body.table_sizes, k, on)
+                body.orbit_force[k] = body_force_at(body.tables, body.table_sizes, k, on)
 
     @ti.func
     def prepare(body: ti.template(), start, end, on: ti.template()):
         """Computes lambda ln J of the particles from ``start`` to ``end``, and the force where each is an orbit."""
         if ti.static(volumetric and LAWS[on.law].logarithmic):
-            find_volumetric(body, start, end)
+            compute_volumetric_stress(body, start, end)
         if ti.static(not circular and on.body_force != "none"):
             for p in range(start, end):
-                body.orbit_force[p] = force_at(body.tables, body.table_sizes, p, on)
+                body.orbit_force[p] = body_force_at(body.tables, body.table_sizes, p, on)
 
     @ti.func
     def body_force_on(body: ti.template(), p):
@@ -64,4 +64,4 @@ def make_problem_kernels(kind: type[PlanarScene]) -> ProblemKernels:
         return not (inside and (q[0] - X[0]) ** 2 + (q[1] - X[1]) ** 2 < body.farthest_move ** 2)
 
     return ProblemKernels(forces=forces, prepare=prepare, body_force_on=body_force_on, stress=stress,
-                          has_escaped=has_escaped, **symmetry_planes(*kind.PLANES))
+                          has_escaped=has_escaped, **make_symmetry_plane_kernels(*kind.PLANES))

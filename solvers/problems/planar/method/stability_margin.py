@@ -4,28 +4,28 @@ import taichi as ti
 
 from solvers.kernels import runtime
 from solvers.problems.planar.method import cpdi
-from solvers.problems.planar.method.material import tangent
-from solvers.problems.planar.method.stored_weights import stored_number, stored_numbers
+from solvers.problems.planar.method.material import volume_and_stiffness_metric
+from solvers.problems.planar.method.stored_weights import stored_weight_entries, stored_weight_entry
 
 
 @ti.func
-def step_margin(body: ti.template(), traits: ti.template(), on: ti.template()):
+def store_step_margin(body: ti.template(), traits: ti.template(), on: ti.template()):
     """Stores dt over the bound; NaN before the first step. On a GPU it must be called from a kernel itself: particles
     run in parallel there, so that nodes cannot store values of one, which are recomputed where needed."""
     for node in range(body.nodes):
         body.node_scratch[node] = ti.Vector([0.0, 0.0, 0.0, 0.0])
     if ti.static(on.method == "cpdi" and runtime.runs_on_cpu()):
-        add_corners(body, traits, on)
+        add_corner_gershgorin_sums(body, traits, on)
     else:
         for p in range(body.particles):
-            stiffness, metric = tangent(body, p, on)
+            stiffness, metric = volume_and_stiffness_metric(body, p, on)
             total = 0.0
             for k in range(ti.static(16 if on.method == "cpdi" else 9)):
                 node, gradient = node_gradient(body, p, k, on)
-                total += scaled_size(body, traits, metric, gradient, node)
+                total += scaled_gradient_norm(body, traits, metric, gradient, node)
             for k in range(ti.static(16 if on.method == "cpdi" else 9)):
                 node, gradient = node_gradient(body, p, k, on)
-                circle = stiffness * total * scaled_size(body, traits, metric, gradient, node)
+                circle = stiffness * total * scaled_gradient_norm(body, traits, metric, gradient, node)
                 ti.atomic_add(body.node_scratch[traits.image(body, node)][3], circle)
     largest = 0.0
     for node in range(body.nodes):
@@ -34,7 +34,7 @@ def step_margin(body: ti.template(), traits: ti.template(), on: ti.template()):
 
 
 @ti.func
-def add_corners(body: ti.template(), traits: ti.template(), on: ti.template()):
+def add_corner_gershgorin_sums(body: ti.template(), traits: ti.template(), on: ti.template()):
     """Adds CPDI's circles on a CPU, where a search for corners that share a node would take several times as long.
 
     A node's record: grad S of the present particle (two numbers), |grad S|/sqrt(m), Gershgorin's sum. Loops are not
@@ -43,15 +43,15 @@ def add_corners(body: ti.template(), traits: ti.template(), on: ti.template()):
     for p in range(body.particles):
         total, g = 0.0, cpdi.corner_gradients(body, p, on)
         for k in range(16):
-            node, a = corner_node(body, p, k, on), 2 * (k // 4 % 2)
-            gradient = corner_hat(body, p, k, on) * ti.Vector([g[a], g[a + 1], 0.0, 0.0])
+            node, a = corner_stencil_node(body, p, k, on), 2 * (k // 4 % 2)
+            gradient = corner_stencil_hat(body, p, k, on) * ti.Vector([g[a], g[a + 1], 0.0, 0.0])
             body.node_scratch[node] = body.node_scratch[node] + gradient
-        stiffness, metric = tangent(body, p, on)
+        stiffness, metric = volume_and_stiffness_metric(body, p, on)
         for k in range(16):
-            total += scale_gradient(body, traits, metric, corner_node(body, p, k, on))
+            total += scale_gradient(body, traits, metric, corner_stencil_node(body, p, k, on))
         stiffness *= total
         for k in range(16):
-            add_circle(body, traits, corner_node(body, p, k, on), stiffness)
+            add_gershgorin_sum(body, traits, corner_stencil_node(body, p, k, on), stiffness)
 
 
 @ti.func
@@ -59,14 +59,14 @@ def scale_gradient(body: ti.template(), traits: ti.template(), metric, node):
     """Returns |grad S|/sqrt(m) of the present particle at a node, and stores it there in place of the gradient, so that
     a second corner at the same node gets 0."""
     record = body.node_scratch[node]
-    scaled = scaled_size(body, traits, metric, ti.Vector([record[0], record[1]]), node)
+    scaled = scaled_gradient_norm(body, traits, metric, ti.Vector([record[0], record[1]]), node)
     if scaled > 0:
         body.node_scratch[node] = ti.Vector([0.0, 0.0, scaled, record[3]])
     return scaled
 
 
 @ti.func
-def scaled_size(body: ti.template(), traits: ti.template(), metric, gradient, node):
+def scaled_gradient_norm(body: ti.template(), traits: ti.template(), metric, gradient, node):
     """Returns |grad S|/sqrt(m) at a node, 0 where it has no mass."""
     along, across = gradient[0] * gradient[0], gradient[1] * gradient[1]
     size = ti.sqrt(ti.max(0.0, metric[0] * along + metric[2] * across + 2 * metric[1] * gradient[0] * gradient[1]))
@@ -78,7 +78,7 @@ def scaled_size(body: ti.template(), traits: ti.template(), metric, gradient, no
 
 
 @ti.func
-def add_circle(body: ti.template(), traits: ti.template(), node, stiffness):
+def add_gershgorin_sum(body: ti.template(), traits: ti.template(), node, stiffness):
     """Adds the present particle's part to the sum of a node, once."""
     scaled = body.node_scratch[node][2]
     body.node_scratch[node][2] = 0.0
@@ -92,44 +92,44 @@ def node_gradient(body: ti.template(), p, k, on: ti.template()):
     node, gradient = 0, ti.Vector([0.0, 0.0])
     if ti.static(on.method == "cpdi"):
         g = cpdi.corner_gradients(body, p, on)
-        node = corner_node(body, p, k, on)
+        node = corner_stencil_node(body, p, k, on)
         for other in range(16):
-            if corner_node(body, p, other, on) == node:
+            if corner_stencil_node(body, p, other, on) == node:
                 pair = ti.Vector([g[0], g[1]]) if other // 4 % 2 == 0 else ti.Vector([g[2], g[3]])
-                gradient += corner_hat(body, p, other, on) * pair
+                gradient += corner_stencil_hat(body, p, other, on) * pair
         for other in range(k):
-            if corner_node(body, p, other, on) == node:
+            if corner_stencil_node(body, p, other, on) == node:
                 gradient = ti.Vector([0.0, 0.0])
     else:
-        w, = ti.static([stored_numbers(body, p, on)])
+        w, = ti.static([stored_weight_entries(body, p, on)])
         i, j = k % 3, k // 3
-        S, dS = stencil_weight(i, w[0], w[2]), stencil_slope(i, w[4], w[6])
-        R, dR = stencil_weight(j, w[1], w[3]), stencil_slope(j, w[5], w[7])
+        S, dS = three_node_weight(i, w[0], w[2]), three_node_slope(i, w[4], w[6])
+        R, dR = three_node_weight(j, w[1], w[3]), three_node_slope(j, w[5], w[7])
         node, gradient = body.first_node[p] + j * body.row + i, ti.Vector([dS * R, S * dR])
     return node, gradient
 
 
 @ti.func
-def corner_node(body: ti.template(), p, k, on: ti.template()):
+def corner_stencil_node(body: ti.template(), p, k, on: ti.template()):
     """Returns the k-th of the sixteen nodes of the corners of a particle."""
-    return ti.cast(stored_number(body, p, cpdi.NODES + k // 4, on), ti.i32) + (k % 4 // 2) * body.row + k % 2
+    return ti.cast(stored_weight_entry(body, p, cpdi.NODES + k // 4, on), ti.i32) + (k % 4 // 2) * body.row + k % 2
 
 
 @ti.func
-def corner_hat(body: ti.template(), p, k, on: ti.template()):
+def corner_stencil_hat(body: ti.template(), p, k, on: ti.template()):
     """Returns the hat function of its corner at the k-th of those nodes, with the sign of the corner's gradient."""
     c = k // 4
-    x, y = stored_number(body, p, c, on), stored_number(body, p, c + 4, on)
+    x, y = stored_weight_entry(body, p, c, on), stored_weight_entry(body, p, c + 4, on)
     return (x if k % 2 == 1 else 1 - x) * (y if k % 4 // 2 == 1 else 1 - y) * (1.0 if c < 2 else -1.0)
 
 
 @ti.func
-def stencil_weight(i, left, right):
+def three_node_weight(i, left, right):
     """Returns weight i of three, given the outer two."""
     return left if i == 0 else (right if i == 2 else 1 - left - right)
 
 
 @ti.func
-def stencil_slope(i, left, right):
+def three_node_slope(i, left, right):
     """Returns slope i of three, given the outer two."""
     return left if i == 0 else (right if i == 2 else -left - right)

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import taichi as ti
 
-from solvers.kernels.scalar_hoisting import mark_untranslated, subscript, variable
+from solvers.kernels.scalar_hoisting import make_kernel_variable, mark_untranslated_by_taichi, subscript_expression
 
 BLOCK, NUMBERS = 4, 8  # particles of a block, and numbers of each
 PARTS_PER_PARTICLE = {"cpdi": 2}  # how many times eight numbers there are of a particle, by method
@@ -32,15 +32,15 @@ def weights_by_particle(kept: np.ndarray, method: str, particles: int) -> np.nda
     return kept.reshape(-1, numbers, BLOCK).transpose(0, 2, 1).reshape(-1, numbers)[:particles]
 
 
-@mark_untranslated
+@mark_untranslated_by_taichi
 def concatenate(numbers: Any) -> Any:
     """Returns one vector of several. Each becomes a variable first, or it would be recomputed for every entry."""
-    variables = [variable(number) for number in numbers]
-    return ti.Vector([subscript(number, lane) for number in variables for lane in range(BLOCK)])
+    variables = [make_kernel_variable(number) for number in numbers]
+    return ti.Vector([subscript_expression(number, lane) for number in variables for lane in range(BLOCK)])
 
 
 @ti.func
-def store_part(body: ti.template(), p, part: ti.template(), numbers: ti.template(), on: ti.template()):
+def store_weight_part(body: ti.template(), p, part: ti.template(), numbers: ti.template(), on: ti.template()):
     """Stores a part, ``numbers``, of particle p, or of a whole block from p on: vectors of one or four entries."""
     entry = (p >> SHIFT) * ti.static(parts_per_particle(on.method)) + part
     if ti.static(numbers[0].n == BLOCK):
@@ -50,7 +50,7 @@ def store_part(body: ti.template(), p, part: ti.template(), numbers: ti.template
             body.weights[entry][k * BLOCK + (p & (BLOCK - 1))] = numbers[k][0]
 
 
-class _Stored:
+class _StoredWeightEntries:
     """Stored numbers of a particle by index, while a kernel is compiled."""
 
     def __init__(self, array: Any, entry: Any, lane: Any):
@@ -58,17 +58,18 @@ class _Stored:
 
     def __getitem__(self, k: int) -> Any:
         entry = self._entry + k // NUMBERS if k // NUMBERS else self._entry
-        return subscript(subscript(self._array, entry), self._lane + k % NUMBERS * BLOCK)
+        return subscript_expression(subscript_expression(self._array, entry), self._lane + k % NUMBERS * BLOCK)
 
 
-@mark_untranslated
-def stored_numbers(body: Any, p: Any, on: Any) -> _Stored:
+@mark_untranslated_by_taichi
+def stored_weight_entries(body: Any, p: Any, on: Any) -> _StoredWeightEntries:
     """Returns the stored numbers of particle p, for kernels with constant indices; computes their address once."""
-    return _Stored(body.weights, variable((p >> SHIFT) * parts_per_particle(on.method)), variable(p & (BLOCK - 1)))
+    return _StoredWeightEntries(body.weights, make_kernel_variable((p >> SHIFT) * parts_per_particle(on.method)),
+                                make_kernel_variable(p & (BLOCK - 1)))
 
 
 @ti.func
-def stored_number(body: ti.template(), p, k, on: ti.template()):
+def stored_weight_entry(body: ti.template(), p, k, on: ti.template()):
     """Returns the stored number ``k``, which may be a variable."""
     entry = (p >> SHIFT) * ti.static(parts_per_particle(on.method)) + k // NUMBERS
     return body.weights[entry][k % NUMBERS * BLOCK + (p & (BLOCK - 1))]

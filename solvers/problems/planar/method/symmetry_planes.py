@@ -7,7 +7,7 @@ import taichi as ti
 from solvers.problems.planar.scene import GHOSTS
 
 
-def symmetry_planes(low: bool, high: bool) -> dict[str, Any]:
+def make_symmetry_plane_kernels(low: bool, high: bool) -> dict[str, Any]:
     """Returns the parts of ``solvers.problems.planar.kernel_parts.ProblemKernels`` that depend on planes: at the lower
     ends if ``low``, and then at the upper ends if ``high``."""
     G = GHOSTS if low else 0

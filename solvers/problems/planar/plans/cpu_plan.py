@@ -1,7 +1,8 @@
 """Steps of a plane body on a CPU, by two plans that run the same phases, and the other kernels of a run.
 
-One kernel takes any number of steps on one thread (``solvers.solver.run_loop``), ``step_in_slabs`` one on several
-threads, with slabs of particles side by side; ``solvers.problems.planar.plans.gpu_kernels`` has the kernels of a GPU.
+One kernel takes any number of steps on one thread (``solvers.solver.serial_stepping``), ``step_in_slabs`` one on
+several threads, with slabs of particles side by side; ``solvers.problems.planar.plans.gpu_kernels`` has the kernels of
+a GPU.
 """
 
 from typing import Any, NamedTuple
@@ -12,14 +13,21 @@ from solvers.estimators import estimator_loop
 from solvers.estimators.estimator_memory import packing
 from solvers.kernels.launch import Launch
 from solvers.problems.planar.kernel_parts import PlanarParts
-from solvers.problems.planar.method import phases, remedies, stability_margin
+from solvers.problems.planar.method import phases, stabilisations, stability_margin
 from solvers.problems.planar.method.body import InstrumentedBody
-from solvers.problems.planar.method.samples import sample
+from solvers.problems.planar.method.sample_rows import sample
 from solvers.problems.planar.plans.gpu_kernels import GpuKernels, make_gpu_kernels
 from solvers.scene.kernel_options import KernelOptions
 from solvers.scene.scene import Scene
 from solvers.solver.base import MEASURE, REPORT, SOUND, STEP
-from solvers.solver.run_loop import CHECK_EVERY, Phases, SerialKernels, SerialStepper, check_particles, serial_kernels
+from solvers.solver.serial_stepping import (
+    CHECK_EVERY,
+    SerialKernels,
+    SerialStepper,
+    StepFunctions,
+    check_particles,
+    serial_kernels,
+)
 
 INDICES_PER_TASK = 512  # indices that a parallel loop never splits between threads
 
@@ -28,14 +36,14 @@ class CpuKernels(NamedTuple):
     """Kernels of a problem, and the type of their ``state``; ``on`` are a scene's compile-time options."""
 
     state: Any
-    phases: Phases
+    phases: StepFunctions
     serial: SerialKernels
     step_in_slabs: Any  # (step, slabs, state, on)
     inspect: Any  # (step, line, purpose, state, on)
     gpu_kernels: GpuKernels  # those for a GPU
 
 
-def make_kernels(parts: PlanarParts) -> CpuKernels:
+def make_cpu_kernels(parts: PlanarParts) -> CpuKernels:
     HOOKS, TRAITS, MEASURES = parts.hooks, parts.traits, parts.measures
     # Numbers and arrays as one argument: nothing of a scene is baked into compiled code but its switches.
     State = ti.types.argpack(**InstrumentedBody.types(), **packing(HOOKS).types)
@@ -43,9 +51,9 @@ def make_kernels(parts: PlanarParts) -> CpuKernels:
     @ti.func
     def one_step(body: ti.template(), step, on: ti.template()):
         """Takes step number ``step``, counted from one, on one thread."""
-        phases.update_grid(body, (step - 1) * body.dt, TRAITS, on)
+        phases.map_and_update_nodes(body, (step - 1) * body.dt, TRAITS, on)
         estimator_loop.in_step(body, step, HOOKS, on)
-        remedies.in_step(body, step, TRAITS, on)
+        stabilisations.in_step(body, step, TRAITS, on)
         phases.nodes_to_particles(body, 0, step, TRAITS, on)
         estimator_loop.after_step(body, step, HOOKS, on)
 
@@ -62,10 +70,10 @@ def make_kernels(parts: PlanarParts) -> CpuKernels:
         phases.find_weights(body, 0, body.particles, on)
 
     @ti.func
-    def find_margin(body: ti.template(), on: ti.template()):
-        stability_margin.step_margin(body, TRAITS, on)
+    def compute_step_margin(body: ti.template(), on: ti.template()):
+        stability_margin.store_step_margin(body, TRAITS, on)
 
-    in_turn = Phases(one_step, check_it, sample_it, HOOKS, find_weights, find_margin)
+    in_turn = StepFunctions(one_step, check_it, sample_it, HOOKS, find_weights, compute_step_margin)
 
     @ti.kernel
     def step_in_slabs(step: ti.i32, slabs: ti.i32, body: State, on: ti.template()):
@@ -79,18 +87,18 @@ def make_kernels(parts: PlanarParts) -> CpuKernels:
             if task % INDICES_PER_TASK == 0:
                 first, last = phases.slab_range(body.active, task // INDICES_PER_TASK, body.slabs)
                 for j in range(first, last):
-                    phases.sum_slabs(body, j)
+                    phases.sum_slabs_in_row(body, j)
         for _ in range(ti.min(slabs, 1)):
-            TRAITS.fold(body, phases.fold_sums)
+            TRAITS.fold(body, phases.fold_ghost_sums)
         for task in range(INDICES_PER_TASK * slabs):
             if task % INDICES_PER_TASK == 0:
                 first, last = phases.slab_range(body.active - TRAITS.first, task // INDICES_PER_TASK, body.slabs)
                 for j in range(first, last):
-                    phases.update_nodes(body, TRAITS.first + j, TRAITS, on)
+                    phases.update_node_row(body, TRAITS.first + j, TRAITS, on)
         for _ in range(ti.min(slabs, 1)):
             TRAITS.mirror(body, body.node_motion)
             estimator_loop.in_step(body, step + 1, HOOKS, on)
-            remedies.in_step(body, step + 1, TRAITS, on)
+            stabilisations.in_step(body, step + 1, TRAITS, on)
         for task in range(INDICES_PER_TASK * slabs):
             if task % INDICES_PER_TASK == 0:
                 phases.nodes_to_particles(body, task // INDICES_PER_TASK, step + 1, TRAITS, on)

@@ -11,11 +11,11 @@ import taichi as ti
 
 from solvers.estimators import estimator_loop
 from solvers.problems.planar.kernel_parts import PlanarParts
-from solvers.problems.planar.method import phases, remedies, stability_margin
-from solvers.problems.planar.method.samples import sample_sums
-from solvers.problems.planar.method.soundness import SAME
+from solvers.problems.planar.method import phases, stabilisations, stability_margin
+from solvers.problems.planar.method.contradictions import SAME
+from solvers.problems.planar.method.sample_rows import sample_sums
 from solvers.solver.base import CRUSHED, ESCAPED, INVERTED
-from solvers.solver.run_loop import MIN_JACOBIAN, NAN_JACOBIAN
+from solvers.solver.serial_stepping import MIN_JACOBIAN, NAN_JACOBIAN
 
 
 class GpuKernels(NamedTuple):
@@ -31,13 +31,13 @@ class GpuKernels(NamedTuple):
     contradictions: Any  # (line, state, on)
     report: Any  # (step, state, on)
     freeze: Any  # (state, on)
-    find_margin: Any  # (state, on)
+    compute_step_margin: Any  # (state, on)
 
 
 @ti.func
 def update_nodes(body: ti.template(), side, traits: ti.template(), on: ti.template()):
     """Computes the new motion of the nodes, ``side`` in each direction, from their sums."""
-    traits.fold(body, phases.fold_sums)
+    traits.fold(body, phases.fold_ghost_sums)
     least = phases.EMPTY * body.density * body.spacing * body.spacing
     for place in range(side * side):
         i, j = place % body.active, place // body.active
@@ -47,17 +47,17 @@ def update_nodes(body: ti.template(), side, traits: ti.template(), on: ti.templa
 
 
 @ti.func
-def check_in_parallel(body: ti.template(), step, has_escaped: ti.template()):
-    """Checks all particles in parallel, with the result of ``solvers.solver.run_loop.check_particles``, except that it
-    picks the last of several NaN."""
+def check_particles_in_parallel(body: ti.template(), step, has_escaped: ti.template()):
+    """Checks all particles in parallel, with the result of ``solvers.solver.serial_stepping.check_particles``, except
+    that it picks the last of several NaN."""
     flattest, rank = MIN_JACOBIAN, body.particles
-    for p in range(phases.active_particles(body)):
-        J = finite_jacobian(body, p)
+    for p in range(phases.active_particle_count(body)):
+        J = jacobian_without_nan(body, p)
         if J < MIN_JACOBIAN:
             ti.atomic_min(flattest, J)
-    for p in range(phases.active_particles(body)):
+    for p in range(phases.active_particle_count(body)):
         if flattest < MIN_JACOBIAN:
-            if finite_jacobian(body, p) <= flattest + SAME * ti.abs(flattest):
+            if jacobian_without_nan(body, p) <= flattest + SAME * ti.abs(flattest):
                 ti.atomic_min(rank, p if flattest > NAN_JACOBIAN else body.particles - 1 - p)
         elif has_escaped(body, p, step):
             ti.atomic_min(rank, p)
@@ -68,7 +68,7 @@ def check_in_parallel(body: ti.template(), step, has_escaped: ti.template()):
 
 
 @ti.func
-def finite_jacobian(body: ti.template(), p):
+def jacobian_without_nan(body: ti.template(), p):
     """Returns det F of a particle, or a stand-in for NaN."""
     J = phases.jacobian(body, p)
     return NAN_JACOBIAN if ti.math.isnan(J) else J
@@ -81,7 +81,7 @@ def make_gpu_kernels(State: Any, parts: PlanarParts) -> GpuKernels:
     @ti.kernel
     def to_nodes(step: ti.i32, body: State, on: ti.template()):
         """Runs the first half of the step after ``step`` steps: particles to nodes, and the nodes' new motion."""
-        count = phases.active_particles(body)
+        count = phases.active_particle_count(body)
         side = body.active * ti.min(count, 1)  # an unstable run keeps its last nodes
         for place in range(side * side):
             body.node_sums[place // body.active * body.row + place % body.active] = ti.Vector([0.0] * 8)
@@ -97,20 +97,20 @@ def make_gpu_kernels(State: Any, parts: PlanarParts) -> GpuKernels:
 
     @ti.kernel
     def begin_remedies(body: State, on: ti.template()):
-        remedies.begin_remedies(body, on)
+        stabilisations.begin_remedies(body, on)
 
     @ti.kernel
     def sharpen(pass_number: ti.i32, body: State, on: ti.template()):
-        remedies.sharpen(body, pass_number, TRAITS, on)
+        stabilisations.sharpen(body, pass_number, TRAITS, on)
 
     @ti.kernel
     def end_remedies(body: State, on: ti.template()):
-        remedies.end_remedies(body, on)
+        stabilisations.end_remedies(body, on)
 
     @ti.kernel
     def check(step: ti.i32, body: State, on: ti.template()):
         """Stops an unstable run."""
-        check_in_parallel(body, step, TRAITS.has_escaped)
+        check_particles_in_parallel(body, step, TRAITS.has_escaped)
 
     @ti.kernel
     def sample(step: ti.i32, line: ti.i32, body: State, on: ti.template()):
@@ -133,8 +133,8 @@ def make_gpu_kernels(State: Any, parts: PlanarParts) -> GpuKernels:
         phases.find_weights(body, 0, body.particles, on)
 
     @ti.kernel
-    def find_margin(body: State, on: ti.template()):
-        stability_margin.step_margin(body, TRAITS, on)
+    def compute_step_margin(body: State, on: ti.template()):
+        stability_margin.store_step_margin(body, TRAITS, on)
 
     return GpuKernels(to_nodes, to_particles, begin_remedies, sharpen, end_remedies, check, sample, contradictions,
-                      report, freeze, find_margin)
+                      report, freeze, compute_step_margin)

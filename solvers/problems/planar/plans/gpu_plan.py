@@ -10,17 +10,17 @@ import numpy as np
 import taichi as ti
 
 from solvers.estimators.companion import MOST_INTERVAL, NOW
-from solvers.estimators.standalone import ElasticBody, MotionLost, NystromIntegrator
+from solvers.estimators.standalone_companion import ElasticBody, MotionDivergedError, NystromIntegrator
 from solvers.kernels import runtime
 from solvers.kernels.launch import Launch
-from solvers.problems.planar.method import remedies
+from solvers.problems.planar.method import stabilisations
 from solvers.problems.planar.method.body import InstrumentedBody
 from solvers.problems.planar.plans.gpu_kernels import GpuKernels
 from solvers.scene.estimator_hooks import NEVER
 from solvers.scene.kernel_options import KernelOptions
 from solvers.scene.scene import Scene
 from solvers.solver.base import MEASURE, REPORT
-from solvers.solver.run_loop import CHECK_EVERY
+from solvers.solver.serial_stepping import CHECK_EVERY
 
 INSTANTS = 8  # instants to which the companion can go back, as for timings, which take some steps again; and the start
 COMPANION_NODES = "companion_nodes"  # what the processor brings to each sample
@@ -51,7 +51,7 @@ class CompanionOnCpu:
         while self._instants[-1].time > time:
             self._instants.pop()
         integrator = copy.copy(self._instants[-1])
-        with np.errstate(all="ignore"), contextlib.suppress(MotionLost):
+        with np.errstate(all="ignore"), contextlib.suppress(MotionDivergedError):
             integrator.advance_to(time)
         self._instants.append(integrator)
         if len(self._instants) > INSTANTS:
@@ -143,7 +143,7 @@ class GpuStepper:
             kernels.to_nodes(step - 1)
             if (self._on.filtered or self._on.coupled) and step % self._arrays.remedy_interval == 0:
                 kernels.begin_remedies()
-                for pass_number in range(remedies.PASSES if self._on.coupled else 1):
+                for pass_number in range(stabilisations.PASSES if self._on.coupled else 1):
                     kernels.sharpen(pass_number)
                 kernels.end_remedies()
             kernels.to_particles(step)
@@ -159,13 +159,13 @@ class GpuStepper:
         if purpose == MEASURE:
             self._kernels.check(step)
         if purpose == REPORT:
-            self._report(step)
+            self._report_estimates(step)
         else:
             self._sample(step, 0, True)
             self._device_arrays.fetch(*FETCHED)
 
-    def find_margin(self) -> None:
-        self._kernels.find_margin()
+    def compute_step_margin(self) -> None:
+        self._kernels.compute_step_margin()
         self._device_arrays.fetch(*FETCHED)
 
     def fetch(self) -> None:
@@ -177,12 +177,12 @@ class GpuStepper:
         self._device_arrays.upload(*self._names)
 
     def _sample(self, step: int, line: int, looks: bool) -> None:
-        self._report(step)
+        self._report_estimates(step)
         self._kernels.sample(step, line)
         if looks and self._on.soundness:
             self._kernels.contradictions(line)
 
-    def _report(self, step: int) -> None:
+    def _report_estimates(self, step: int) -> None:
         """Updates the estimates. The CPU advances its part while the GPU has work in its queue."""
         if self._companion and self._arrays.estimate_intervals[0] != NEVER:
             self._companion.advance_to(step)

@@ -8,14 +8,14 @@ from dataclasses import replace
 import pytest
 
 from app.classroom import class_answers as tally_module
-from app.classroom.board import BACK, COUNTED, NEXT, REVEALED, SHOWN, Board
 from app.classroom.class_answers import ClassAnswers
+from app.classroom.class_board import BACK, COUNTED, NEXT, REVEALED, SHOWN, ClassBoard
 from app.lessons import catalogue
 from app.lessons.lesson import CHOICE, INTERVAL, TEXT
 from app.lessons.lesson_runs import RunCache, RunFailed
-from app.lessons.student_progress import Answer
+from app.lessons.student_progress import RecordedAnswer
 from app.page.features.board.panel import LecturerContext, answers_json
-from app.page.features.board.slides import JoinInfo, calibration, question_scores, says_next, slide_html
+from app.page.features.board.slides import JoinInfo, next_button_label, question_scores, score_sentences, slide_html
 from tests.support.processes import wait_until
 
 DOOR = JoinInfo("http://lab/", "wave-4711")
@@ -45,9 +45,9 @@ def lesson():
 
 @pytest.fixture
 def board(lesson):
-    board = Board(lesson, RunCache())
+    board = ClassBoard(lesson, RunCache())
     yield board
-    board.close()
+    board.stop_computations()
 
 
 def press(board, *whats):
@@ -69,7 +69,7 @@ def revealed(board):
 def test_the_one_next_thing_is_what_the_button_says(board):
     """From the beginning to the end, and no further."""
     said = []
-    while following := says_next(board, board.position):
+    while following := next_button_label(board, board.position):
         said.append((following, board.position.at, board.position.reveal_stage))
         press(board, NEXT)
     assert said == [
@@ -86,19 +86,21 @@ def test_the_core_alone_is_opened_where_that_is_asked_for(lesson):
     """Steps are counted as the class takes them, there and back, and seats know it."""
     deep = replace(lesson, steps=tuple(replace(step, core=step.key not in ("why", lesson.steps[1].key))
                                        for step in lesson.steps))
-    board = Board(deep, RunCache(), core=True)
+    board = ClassBoard(deep, RunCache(), core=True)
     press(board, *[NEXT] * 4)
-    assert (board.position.at, board.last_open, board.step_count) == (3, 3, 3) and "step 2 of 3" in shown(board)
+    assert (board.position.at, board.last_open_step, board.step_count) == (3, 3, 3) and "step 2 of 3" in shown(board)
     assert board.add_seat("a").progress().core
     press(board, BACK)
-    assert board.position.at == 1 and says_next(board, board.position) == "Go forward to step 2"
-    board.close()
+    assert board.position.at == 1 and next_button_label(board, board.position) == "Go forward to step 2"
+    board.stop_computations()
 
 
 def test_looking_back_closes_nothing_and_opens_nothing(board):
     press(board, *[NEXT] * 4, BACK)
     assert (board.position.at, board.last_open, board.position.is_current) == (1, 2, False)
-    assert "the class is at step 2" in shown(board) and says_next(board, board.position) == "Go forward to step 2"
+    assert (
+        "the class is at step 2" in shown(board) and next_button_label(board, board.position) == "Go forward to step 2"
+    )
     press(board, *[BACK] * 5)
     assert board.position.at == 0 and board.last_open == 2
     press(board, NEXT, NEXT)
@@ -181,8 +183,8 @@ def test_the_end_says_how_well_the_class_has_known(board):
                 seat.report_answer(step, answer)
         press(board, NEXT)
     wait_until(lambda: len(question_scores(board)) == 3, "what came out")
-    assert calibration(question_scores(board)) == ["4 of 6 predictions were right: 67 %",
-                                                   "2 of 3 intervals contain the result: 67 % (80 % expected)"]
+    assert score_sentences(question_scores(board)) == ["4 of 6 predictions were right: 67 %",
+                                                       "2 of 3 intervals contain the result: 67 % (80 % expected)"]
     assert "2 of 3 held" in shown(board) and shown(board).count("2 of 3 right") == 2
     kept = json.loads(answers_json(board))
     assert kept.keys() == {"schema", "lesson", "fingerprint", "numbers", "questions"}
@@ -206,14 +208,14 @@ def test_the_board_shows_the_address_by_which_a_class_comes_in(board, here, link
 
 def test_what_cannot_be_worked_out_is_said_and_ends_nothing():
     outcomes = Waiting()
-    board = Board(catalogue.load_lesson("04-grid-crossing"), outcomes)
+    board = ClassBoard(catalogue.load_lesson("04-grid-crossing"), outcomes)
     press(board, NEXT, NEXT, NEXT)
     assert "being computed" in shown(board)
     outcomes.go.set()
     wait_until(lambda: "could not be computed" in shown(board), "the sentence")
     press(board, NEXT)
-    assert board.last_open == 2
-    board.close()
+    assert board.last_open_step == 2
+    board.stop_computations()
 
 
 def test_a_visitor_who_comes_back_finds_his_answers_and_his_place(board):
@@ -230,11 +232,11 @@ def test_a_visitor_who_comes_back_finds_his_answers_and_his_place(board):
 
 def test_a_visitor_is_one_however_many_pages_he_has():
     tally = ClassAnswers()
-    first, again = tally.join("a"), tally.join("a")
+    first, again = tally.register_page("a"), tally.register_page("a")
     assert first is again and tally.present_count == 1
-    tally.leave("a")
+    tally.unregister_page("a")
     assert tally.present_count == 1
-    tally.leave("a")
+    tally.unregister_page("a")
     assert tally.present_count == 0
 
 
@@ -242,13 +244,13 @@ def test_who_leaves_leaves_his_answers():
     """He is still one of those who were asked; one who has left without an answer is not."""
     tally = ClassAnswers()
     for key in "abc":
-        tally.join(key)
-    tally.record("a", "how-much", 1)
-    tally.leave("a")
-    tally.leave("b")
-    assert (tally.present_count, tally.count_asked("how-much"), tally.answers("how-much")) == (1, 2, [1])
-    entry = tally.join("a")
-    assert tally.count_asked("how-much") == 2 and entry.valid == {"how-much": 1}
+        tally.register_page(key)
+    tally.record_answer("a", "how-much", 1)
+    tally.unregister_page("a")
+    tally.unregister_page("b")
+    assert (tally.present_count, tally.count_present_or_answered("how-much"), tally.answers("how-much")) == (1, 2, [1])
+    entry = tally.register_page("a")
+    assert tally.count_present_or_answered("how-much") == 2 and entry.valid == {"how-much": 1}
 
 
 def test_memory_ends_somewhere(monkeypatch):
@@ -257,24 +259,24 @@ def test_memory_ends_somewhere(monkeypatch):
     monkeypatch.setattr(tally_module, "MOST", 3)
     tally = ClassAnswers()
     for key in "abc":
-        tally.join(key)
-    tally.leave("a")
-    tally.join("b").answers["how-much"] = Answer(1, 1, 1, 1.0)
-    assert tally.join("d").pages == 1 and tally.present_count == 3  # in the place of a
-    late = tally.join("e")
-    tally.record("e", "how-much", 1)
+        tally.register_page(key)
+    tally.unregister_page("a")
+    tally.register_page("b").answers["how-much"] = RecordedAnswer(1, 1, 1, 1.0)
+    assert tally.register_page("d").pages == 1 and tally.present_count == 3  # in the place of a
+    late = tally.register_page("e")
+    tally.record_answer("e", "how-much", 1)
     assert late.pages == 1 and tally.present_count == 3 and tally.answers("how-much") == []
 
 
 def test_thirty_at_once_are_thirty():
     """Each from a thread of its own; whoever listens hears of it, and may ask the tally then."""
     heard = []
-    tally = ClassAnswers(lambda: heard.append(tally.count_asked("how-much")))
+    tally = ClassAnswers(lambda: heard.append(tally.count_present_or_answered("how-much")))
 
     def visit(k):
-        tally.join(str(k))
+        tally.register_page(str(k))
         for answer in (k, k + 1):
-            tally.record(str(k), "how-much", answer)
+            tally.record_answer(str(k), "how-much", answer)
 
     threads = [threading.Thread(target=visit, args=(k,)) for k in range(30)]
     for thread in threads:

@@ -6,7 +6,7 @@ import pytest
 
 from app.lessons.answer_check import RightAnswer
 from app.lessons.lesson import CHOICE, DRAG, INTERVAL, NUMBER, Question
-from app.page.features.board.chart import answer_chart, answer_options, axis_for, right_among
+from app.page.features.board.chart import answer_chart, answer_options, axis_for, count_right_answers
 
 OPTIONS = ("It <grows>", "It falls to {A}", "Neither")
 
@@ -25,7 +25,7 @@ def test_an_axis_has_most_answers_and_what_must_be_on_it(values, always):
     assert all(axis.beyond(value) == 0 for value in always)
     inside = [value for value in values if axis.beyond(value) == 0]
     assert len(inside) >= 0.5 * len(values)
-    places = [axis.place(value) for value in sorted(values)]
+    places = [axis.position(value) for value in sorted(values)]
     assert places == sorted(places) and all(0 <= place <= 1 for place in places)
     assert len(axis.ticks) <= 7 and all(axis.beyond(tick) == 0 for tick in axis.ticks)
 
@@ -33,13 +33,15 @@ def test_an_axis_has_most_answers_and_what_must_be_on_it(values, always):
 def test_one_odd_answer_does_not_squeeze_the_others():
     values = [1.0, 1.2, 1.4, 1.6, 1.8, 2.0, 2.1, 2.2, 2.3, 2.4, 6969.0]
     axis = axis_for(values)
-    assert axis.place(2.4) - axis.place(1.0) > 0.3 and axis.beyond(6969.0) == 1
+    assert axis.position(2.4) - axis.position(1.0) > 0.3 and axis.beyond(6969.0) == 1
     assert "1 further to the right" in answer_chart(asked(NUMBER, unit="mm"), values, {}, None)
 
 
 def test_decades_have_the_same_room_where_answers_span_many():
     axis = axis_for([0.01, 0.1, 1.0, 10.0])
-    assert axis.logarithmic and axis.place(0.1) - axis.place(0.01) == pytest.approx(axis.place(10) - axis.place(1))
+    assert axis.logarithmic and axis.position(0.1) - axis.position(0.01) == pytest.approx(
+        axis.position(10) - axis.position(1)
+    )
     assert not axis_for([1.0, 2.0, 5.0]).logarithmic and not axis_for([-1.0, 0.0, 1e4]).logarithmic
 
 
@@ -65,7 +67,7 @@ def test_numbers_are_dots_and_what_is_right_a_band(kind):
     dots = [float(left) for left in re.findall(r"<div style='left: ([\d.]+)%", after)]
     assert "2 mm came out" in after and dots[0] < float(band[1]) < dots[1] + 3 < sum(map(float, band.groups())) + 6
     assert "1 mm; 1 mm; 2 mm" in after  # for those who hear it
-    assert right_among(question, [0.001, 0.0019, 0.0021], RightAnswer("", value=0.002)) == 2
+    assert count_right_answers(question, [0.001, 0.0019, 0.0021], RightAnswer("", value=0.002)) == 2
 
 
 def test_intervals_are_lines_and_those_that_hold_what_came_out_look_different():
@@ -76,7 +78,8 @@ def test_intervals_are_lines_and_those_that_hold_what_came_out_look_different():
     assert "lab-holds" not in before and "came out" not in before
     found = RightAnswer("", value=3.5)
     after = answer_chart(question, given, {}, found)
-    assert after.count("lab-holds") == 2 == right_among(question, given, found) and after.count("lab-misses") == 1
+    assert after.count("lab-holds") == 2 == count_right_answers(question, given,
+                                                                found) and after.count("lab-misses") == 1
     assert "3.5 µm came out" in after
 
 

@@ -11,13 +11,13 @@ from types import SimpleNamespace
 import numpy as np
 
 from app import state
-from app.frame.budget_chart import MEANINGS, error_rms, field_of, format_percent, largest_cause_fact, stack_layers
-from app.page.display_source import Choice
+from app.frame.budget_chart import MEANINGS, budget_field, error_rms, format_percent, largest_cause_fact, stack_layers
 from app.page.feature import PageView
 from app.page.features.budget.chart import HEIGHT, MOST, WIDTH, BudgetData, budget_chart
-from app.page.features.budget.panel import BudgetFold
+from app.page.features.budget.panel import BudgetPanel
 from app.page.panels.error_timeline import TimelineState
 from app.page.readout_panel import Numbers
+from app.page.stage_source import ViewChoice
 from app.state import State
 from app.words import difference_text, per_cent, with_unit
 from solvers.problems.ring import RingScene
@@ -59,7 +59,7 @@ class Stage:
     def __init__(self, shown):
         self.state, self.gui, self.refused, self.time = shown, Gui(), [], 0.0
         self.session = SimpleNamespace(scene=shown.scene, refuse=self.refused.append)
-        self.fold = BudgetFold(self.gui, self.session, lambda: self.state, self.show, lambda: self.time)
+        self.fold = BudgetPanel(self.gui, self.session, lambda: self.state, self.show, lambda: self.time)
 
     def show(self, shown):
         self.state, self.session.scene = shown, shown.scene
@@ -68,7 +68,7 @@ class Stage:
         """What is read in the fold after another refresh."""
         now = TimelineState(0.0, (0.0, 0.0), playing)
         numbers = Numbers(SimpleNamespace(), history, (), (), None, now, "", pinned, scene=scene)
-        self.fold.refresh(PageView(Choice(quantity, None, False, False, 1, False), numbers, studying, True))
+        self.fold.refresh(PageView(ViewChoice(quantity, None, False, False, 1, False), numbers, studying, True))
         fold = self.fold
         return "".join(html.content for html in (fold._offer, fold._chart, fold._outcome) if html.visible)
 
@@ -135,17 +135,17 @@ def test_the_sentence_names_who_made_most():
     )
     assert largest_cause_fact(HATS, made(0.1, 0.8), "v").startswith("the coarse grid made ")
     assert largest_cause_fact(HATS, made(periods=0.01), "x") == "", "a share says nothing yet"
-    assert [field_of(quantity) for quantity in ("x", "v", "sigma", "a")] == ["x", "v", "F", "F"]
+    assert [budget_field(quantity) for quantity in ("x", "v", "sigma", "a")] == ["x", "v", "F", "F"]
 
 
 def test_it_is_asked_for_by_a_button_and_follows_the_quantity():
     plain = replace(HATS, effects=("truth", "crossings"))
     stage = Stage(State(plain, pinned=replace(plain, method="ugimp")))
     assert "Which part of the error" in stage.look(scene=plain) and stage.gui.by_label["Find out"].visible
-    stage.fold.press(True)
+    stage.fold.on_button_click(True)
     assert stage.state == State(HATS, pinned=UGIMP), "the pinned run is divided too"
-    stage.fold.press(True)
-    stage.fold.press("anything")
+    stage.fold.on_button_click(True)
+    stage.fold.on_button_click("anything")
     assert stage.state.scene == HATS
     assert "starts again" in stage.look() and not stage.gui.by_label["Find out"].visible
     history = past(HATS, made())
@@ -192,7 +192,7 @@ def test_in_the_plane_it_is_found_beside_the_stage_when_asked_for(monkeypatch):
     monkeypatch.setattr(running, "run_budget", run_budget)
     at_once(monkeypatch, stage.fold.jobs, said)
     assert "Found beside your stage" in stage.look(scene=RING)
-    stage.fold.press(True)
+    stage.fold.on_button_click(True)
     assert stage.state.scene == RING and said[0] == {"part": 0.5}
     assert shares(stage.look(scene=RING))["crossings"] == ["90 %"]
     stage.gui.by_label["Suspect"].value = "crossings"
@@ -200,8 +200,9 @@ def test_in_the_plane_it_is_found_beside_the_stage_when_asked_for(monkeypatch):
     text = stage.look(scene=RING)
     assert text.count("<figure>") == 2 and "RMS of x over the run, without crossings" in text
     assert "The run goes bad: it is lost." in text
-    for words, size in (("before", budget.rms(made(), "x")), ("predicted", 0.1 * budget.rms(made(), "x")),
-                        ("run again", 0.1 * budget.rms(made(), "x"))):
+    for words, size in (("before", budget.rms_error_over_run(made(), "x")),
+                        ("predicted", 0.1 * budget.rms_error_over_run(made(), "x")),
+                        ("run again", 0.1 * budget.rms_error_over_run(made(), "x"))):
         assert f"<span>{words}</span> <b>{with_unit(size, 'm')}</b>" in text
     assert stage.state.scene == RING and stage.state.pinned is None and not stage.gui.by_label["Put it back"].visible
     other, unknown = replace(RING, cells=10), replace(RING, body_force="none", effects=())
@@ -210,7 +211,7 @@ def test_in_the_plane_it_is_found_beside_the_stage_when_asked_for(monkeypatch):
     monkeypatch.undo()
     at_once(monkeypatch, stage.fold.jobs, said)
     stage.show(State(unknown))
-    stage.fold.press(True)
+    stage.fold.on_button_click(True)
     assert "leaves no exact solution" in stage.look(scene=unknown) and stage.gui.by_label["Find out"].visible
 
 
@@ -238,8 +239,8 @@ def test_a_cause_is_taken_away_foretold_and_run_again():
     assert (
         difference_text(shown.scene, HATS) == "without crossings" and difference_text(HATS, shown.scene) == "as it is"
     )
-    half = budget.rms(made(periods=0.5, count=21), "v")
-    assert half < 0.5 * budget.rms(made(), "v")
+    half = budget.rms_error_over_run(made(periods=0.5, count=21), "v")
+    assert half < 0.5 * budget.rms_error_over_run(made(), "v")
     text = stage.look(past(shown.scene, made(0.0, 1.0, 2e-4, 0.5, 21)),
                       SimpleNamespace(scene=HATS, history=past(HATS, made())), "v", scene=shown.scene)
     for words, size in (("before", half), ("predicted", 0.1 * half), ("run again", 0.2 * half)):

@@ -9,7 +9,7 @@ import pytest
 from app.page.features.cost import cost_texts
 from app.page.features.cost.jobs import scenes_to_time
 from app.page.features.cost.panel import CostTab
-from app.page.features.cost.visitor_runs import LIVE, SEARCH, SWEEP, LiveRows, Runs, csv_bytes, live_row
+from app.page.features.cost.visitor_runs import LIVE, SEARCH, SWEEP, LiveRunRecorder, VisitorRuns, csv_bytes, live_row
 from app.page.visit.history import NormHistory
 from solvers.engine.engine_messages import FrameReport
 from solvers.engine.soundness_watch import SoundnessWatch
@@ -47,7 +47,7 @@ def same(one, other):
 @pytest.mark.parametrize("scene", [SCENE, RingScene(cells=12, periods=1)], ids=["bar", "ring"])
 def test_live_row_holds_the_errors_of_the_scene(scene, simulate):
     """However far the stage ran beyond the end, the row has what a run of the scene has; and there is one only."""
-    follower, result = LiveRows(), simulate(scene)
+    follower, result = LiveRunRecorder(), simulate(scene)
     live = frames(scene, 333)
     rows = []
     while len(rows) < 10:
@@ -70,7 +70,7 @@ def test_live_row_holds_the_errors_of_the_scene(scene, simulate):
 
 def run_of(scene, steps=100):
     """What a live run of a scene becomes in the table."""
-    follower, runs = LiveRows(), Runs()
+    follower, runs = LiveRunRecorder(), VisitorRuns()
     runs.add(next(row for report, history in frames(scene, steps) if (row := follower.take_row(report, history))), LIVE)
     return runs.all()[0]
 
@@ -100,7 +100,7 @@ def test_live_run_without_truth_has_its_estimate():
 
 def test_runs_keep_their_numbers_and_are_bounded():
     """A scene seen again is no new dot, a live row does not replace a timed one, and the oldest goes."""
-    runs = Runs(most=3)
+    runs = VisitorRuns(most=3)
     for cells in (10, 20, 10):
         runs.add(fake_row(cells=cells), LIVE)
     runs.add(fake_row(cells=20), SWEEP)
@@ -115,7 +115,7 @@ def test_runs_keep_their_numbers_and_are_bounded():
 
 
 def test_csv_has_every_row_and_input():
-    runs = Runs()
+    runs = VisitorRuns()
     runs.add(fake_row(cells=10), SWEEP)
     runs.add(failed_row(task_of(replace(SCENE, cells=30)), "lost"), SWEEP)
     read = list(csv.DictReader(io.StringIO(csv_bytes(runs.all()).decode())))
@@ -127,7 +127,7 @@ def test_csv_has_every_row_and_input():
 def test_scene_too_large_to_watch_is_not_loaded():
     """It would freeze the visitor's browser: the page gives the command instead."""
     loaded, tab = [], CostTab.__new__(CostTab)
-    tab._load, tab._input = loaded.append, tuple
+    tab._load, tab._entered_values = loaded.append, tuple
     tab._load_scene(RingScene(cells=396, periods=1), "The advice is on the stage.")
     assert not loaded and "too many to watch" in tab._remark and "mpm-lab run ring" in tab._remark
     tab._load_scene(SCENE, "Run 1 is on the stage.")
@@ -136,14 +136,14 @@ def test_scene_too_large_to_watch_is_not_loaded():
 
 @pytest.mark.parametrize("text", ["", "abc", "0", "-1", "nan", "inf", "1e999", "61"])
 def test_what_is_no_number_is_refused_in_words(text):
-    with pytest.raises(cost_texts.NoNumber, match="give a number above 0"):
+    with pytest.raises(cost_texts.InvalidNumber, match="give a number above 0"):
         cost_texts.parse_positive("Longest run", text, cost_texts.LONGEST_BUDGET)
     assert cost_texts.parse_positive("Tolerance", " 1e-4 ") == 1e-4
 
 
 def test_row_that_says_most_is_kept():
     """A search knows less of a run than a sweep, and more of its time than a stage; the number stays."""
-    runs = Runs()
+    runs = VisitorRuns()
     for source, kept in ((LIVE, LIVE), (SEARCH, SEARCH), (LIVE, SEARCH), (SWEEP, SWEEP), (SEARCH, SWEEP)):
         runs.add(fake_row(), source)
         assert [(run.number, run.source) for run in runs.all()] == [(1, kept)]
@@ -157,7 +157,7 @@ def test_parts_are_said_in_percent(part, text):
 
 def test_table_is_bounded_and_says_what_is_left_out():
     """It is made anew with every run that a search makes."""
-    runs = Runs()
+    runs = VisitorRuns()
     for cells in range(10, 10 + cost_texts.MOST_LINES + 3):
         runs.add(fake_row(cells=cells), SWEEP)
     runs.add(failed_row(task_of(SCENE), "lost <b>"), SWEEP)

@@ -24,7 +24,7 @@ from app.page.features.cost.visitor_runs import (
     LIVE,
     SEARCH,
     SWEEP,
-    Runs,
+    VisitorRuns,
     cheapest_run,
     comparable_runs,
     pareto_front,
@@ -49,7 +49,7 @@ def judged(method="ugimp", cells=20, size=1e-3, **changed):
 
 def numbered(*rows):
     """Runs with these rows and sources."""
-    runs = Runs()
+    runs = VisitorRuns()
     for row, source in rows:
         runs.add(row, source)
     return runs.all()
@@ -108,7 +108,7 @@ def test_times_of_a_stage_are_not_on_the_axis():
     runs = numbered((slow, LIVE), *sweep("ugimp"))
     found = buttons(drawn(runs))
     assert found[1][0] == {"lab-dot", "lab-untimed"} and found[1][1] == 0 and "on the stage" in found[1][3]
-    assert axes_for(runs, 1e-3).across.high < 2 and "not timed alone" in drawn(runs)
+    assert axes_for(runs, 1e-3).time_axis.high < 2 and "not timed alone" in drawn(runs)
     only = numbered((slow, LIVE))
     assert not pareto_front(only) and cheapest_run(only, 1e9) is None and "lab-band" in drawn(only)
     assert "lab-band" not in drawn(numbered(*sweep("ugimp")))
@@ -130,7 +130,7 @@ def test_front_is_what_none_beats():
     runs = numbered(*sweep("ugimp", "mpm"), (judged(cells=30, size=0.049, seconds={"min": 1e-4}), SEARCH))
     best = pareto_front(runs)
     assert [run.seconds for run in best] == sorted(run.seconds for run in best)
-    assert [run.size for run in best] == sorted((run.size for run in best), reverse=True)
+    assert [run.error_or_estimate for run in best] == sorted((run.error_or_estimate for run in best), reverse=True)
     assert (
         cheapest_run(runs, 0.05).number == 7
         and cheapest_run(runs, 0.03).scene.cells == 40
@@ -143,7 +143,11 @@ def test_headline_is_the_answer_and_says_whose_word_it_is():
     best = cheapest_run(runs, 0.03)
     says, more = answer_headline(runs, SCENE, 0.03, "", 16)
     assert says == f"For <b>3{NBSP}% of A</b>, pay <strong>{format_seconds(best.seconds)}</strong>: uGIMP on 40 cells."
-    assert format_percent(best.size) in more and "MPM (hat functions) gets worse" in more and "estimate" not in more
+    assert (
+        format_percent(best.error_or_estimate) in more
+        and "MPM (hat functions) gets worse" in more
+        and "estimate" not in more
+    )
     so_far, still = answer_headline(runs, SCENE, 0.03, "", 16, provisional=True)
     assert so_far == f"Cheapest so far for <b>3{NBSP}% of A</b>: <strong>{format_seconds(best.seconds)}</strong>, " \
         "uGIMP on 40 cells." and still == more
@@ -176,20 +180,20 @@ def test_axes_hold_everything_and_only_grow():
     first = axes_for(runs, 1e-3)
     assert axes_for(runs, 0.01, first) == first  # what is looked at stays where it is
     wider = axes_for(runs, 1e-4, first)
-    assert wider.up.low < first.up.low and wider.up.high == first.up.high
-    assert axes_for(runs, 1e-30, first).up.low > -10  # a line is no reason to squeeze all runs together
+    assert wider.error_axis.low < first.error_axis.low and wider.error_axis.high == first.error_axis.high
+    assert axes_for(runs, 1e-30, first).error_axis.low > -10  # a line is no reason to squeeze all runs together
     empty = axes_for([], 1e-5)
-    assert empty.up.low < -4 and empty.across.low < empty.across.high and empty.times is None
-    assert axes_for(runs, 1e-3, empty).across == first.across and axes_for([], 0.01, first) == first
+    assert empty.error_axis.low < -4 and empty.time_axis.low < empty.time_axis.high and empty.times is None
+    assert axes_for(runs, 1e-3, empty).time_axis == first.time_axis and axes_for([], 0.01, first) == first
 
 
 @pytest.mark.parametrize("values", [[1e-3], [1e-9, 1e3], [0.02, 0.021]])
 def test_axis_holds_its_values_and_has_ticks(values):
     axis = axis_around(values)
     ticks = axis.ticks(str)
-    assert all(0 < axis.part(value) < 1 for value in values) and axis_around([]) is None
-    assert ticks and np.all(np.diff([tick.part for tick in ticks]) > 0) and not all(tick.minor for tick in ticks)
-    assert LogAxis(0.0, 1.0).around(values).part(values[0]) >= 0
+    assert all(0 < axis.position(value) < 1 for value in values) and axis_around([]) is None
+    assert ticks and np.all(np.diff([tick.position for tick in ticks]) > 0) and not all(tick.minor for tick in ticks)
+    assert LogAxis(0.0, 1.0).extend_to(values).position(values[0]) >= 0
 
 
 def test_run_on_the_stage_is_marked():

@@ -13,9 +13,9 @@ import pytest
 from app.page.features import background_job
 from app.page.features.cost import cost_texts
 from app.page.features.cost import jobs as cost_jobs
-from app.page.features.cost.jobs import CostJobs, CostStatus, SearchCache, WarmWorker, search_job, small_sweep
+from app.page.features.cost.jobs import CostJobs, CostJobStatus, SearchCache, WarmWorker, search_job, small_sweep
 from app.page.features.cost.panel import CostTab
-from app.page.features.cost.visitor_runs import Runs, advice_key, cheapest_run
+from app.page.features.cost.visitor_runs import VisitorRuns, advice_key, cheapest_run
 from solvers.problems.bar.scene import BarScene
 from solvers.problems.ring import RingScene
 from solvers.study.background_jobs import READY
@@ -69,7 +69,7 @@ def pools(monkeypatch):
 
 @pytest.fixture
 def jobs():
-    jobs = CostJobs(Runs(), Slots(1), SearchCache())
+    jobs = CostJobs(VisitorRuns(), Slots(1), SearchCache())
     yield jobs
     jobs.close()
 
@@ -100,25 +100,25 @@ def test_a_sweep_and_a_search_in_processes_of_their_own(jobs):
     jobs.sweep(small_sweep(SCENE)[:1])
     wait_until(lambda: not jobs.status.running, "the end of a sweep")
     [run] = jobs.runs.all()
-    assert jobs.status == CostStatus("sweep", done=1, total=1) and run.row["seconds"]["min"] > 0
-    searcher, other = (CostJobs(Runs(), jobs.slots, jobs._kept) for _ in range(2))
+    assert jobs.status == CostJobStatus("sweep", done=1, total=1) and run.row["seconds"]["min"] > 0
+    searcher, other = (CostJobs(VisitorRuns(), jobs.slots, jobs._kept) for _ in range(2))
     for one in (searcher, other):
-        one.search(few(1e-2))
+        one.start_search(few(1e-2))
         wait_until(lambda one=one: not one.status.running, "the end of a search")
     advice, found = searcher.status.advice, searcher.runs.all()
     assert advice["met"] and advice["error"] <= 1e-2 * SCENE.amplitude
-    said = cost_texts.job_text(searcher.status)
+    said = cost_texts.job_status_text(searcher.status)
     assert said.startswith("Take uGIMP") and "estimate" in said
     assert len(found) == advice["looks"] == searcher.status.done and searcher.status.known == 0
     assert {(run.source, run.error, run.estimator) for run in found} == {("search", None, "companion")}
     assert all(run.drawable for run in found)
     taken = cheapest_run(found, 1e-2)
     assert taken.row["asked"] == advice["task"]["inputs"] and taken.scene.has("truth")
-    assert taken.seconds == advice["seconds"] and taken.size == advice["error"] / SCENE.amplitude
+    assert taken.seconds == advice["seconds"] and taken.error_or_estimate == advice["error"] / SCENE.amplitude
     assert cost_texts.advice_text({**advice, "met": False, "error": None}).startswith("No run within the limits")
     assert other.status.known == other.status.done == searcher.status.done and other.status.task is None
     assert other.status.advice == advice and [run.row for run in other.runs.all()] == [run.row for run in found]
-    assert f"{other.status.known} of them had been made by earlier searches" in cost_texts.job_text(other.status)
+    assert f"{other.status.known} of them had been made by earlier searches" in cost_texts.job_status_text(other.status)
     searcher.close()
     other.close()
 
@@ -128,25 +128,29 @@ def test_a_job_is_told_of_and_makes_room(jobs, pools):
     jobs.sweep(small_sweep(SCENE))
     jobs.search(few(1e-2))
     assert len(pools) == 1 and pools[0].work == "solvers.study.background_jobs:sweep" and len(pools[0].question) == 16
-    other = CostJobs(Runs(), jobs.slots)
-    other.sweep(small_sweep(SCENE))
-    assert "server busy" in cost_texts.job_text(other.status) and not other.status.running and other.others_busy
+    other = CostJobs(VisitorRuns(), jobs.slots)
+    other.start_sweep(small_sweep(SCENE))
+    assert "server busy" in cost_texts.job_status_text(other.status) and not other.status.running and other.others_busy
     pools[0].hear({"row": fake_row()})
-    assert cost_texts.job_text(jobs.status) == "Sweep: 1 of 16 runs."
+    assert cost_texts.job_status_text(jobs.status) == "Sweep: 1 of 16 runs."
     jobs.cancel()
     wait_until(lambda: not jobs.status.running, "the end of a job that was cancelled")
-    assert "cancelled" in cost_texts.job_text(jobs.status) and jobs.status.trouble is None and len(jobs.runs.all()) == 1
+    assert (
+        "cancelled" in cost_texts.job_status_text(jobs.status)
+        and jobs.status.trouble is None
+        and len(jobs.runs.all()) == 1
+    )
     for error, said in ((ProcessDied("was ended by SIGKILL"), "SIGKILL"),
                         (OSError(11, "Resource temporarily unavailable"), "temporarily unavailable")):
         jobs.sweep(small_sweep(SCENE))
         pools[-1].end(error)
-        assert said in cost_texts.job_text(jobs.status) and not jobs.status.running and jobs.slots.taken == 0
-    other.search(few(1e-2))
+        assert said in cost_texts.job_status_text(jobs.status) and not jobs.status.running and jobs.slots.taken == 0
+    other.start_search(few(1e-2))
     pools[-1].hear({"look": 1, "certain": 2, "task": task_of(SCENE).to_dict()})
-    assert cost_texts.job_text(other.status).startswith("Search, run 1 of at least 2: uGIMP")
+    assert cost_texts.job_status_text(other.status).startswith("Search, run 1 of at least 2: uGIMP")
     pools[-1].hear({"trouble": "no method makes a valid scene with these settings"})
     pools[-1].end()
-    assert "no method" in cost_texts.job_text(other.status) and pools[0].closed
+    assert "no method" in cost_texts.job_status_text(other.status) and pools[0].closed
 
 
 def test_visitor_who_leaves_takes_the_process_along(jobs, pools):
@@ -205,7 +209,7 @@ def test_a_search_takes_the_process_that_is_ready(jobs, ready, pools):
 
 def test_few_processes_are_ready_and_none_for_ever(ready, pools):
     """A second visitor gets none while the first one's is there; who leaves, or takes too long, takes it along."""
-    first, second = (CostJobs(Runs(), Slots(1), SearchCache()) for _ in range(2))
+    first, second = (CostJobs(VisitorRuns(), Slots(1), SearchCache()) for _ in range(2))
     first._ready, second._ready = ready, WarmWorker("solvers.study.background_jobs:search", ready._places, rests=0.1)
     first.prepare(few(1e-2), quiet=False)
     mine = ready._pool
@@ -236,15 +240,15 @@ def test_what_is_kept_is_bounded_and_times_hold_for_an_hour():
     kept = SearchCache(lambda: now[0])
     point = {"error": 1e-3, "rate": 1e-8, "status": "ok", "reason": None}
     for k in range(cost_jobs.MOST_POINTS + 1):
-        kept.add("a", f"{k}", point, True)
+        kept.add_point("a", f"{k}", point, True)
     assert len(kept.recent_points("a", True)) == cost_jobs.MOST_POINTS and "0" not in kept.recent_points("a", True)
     assert kept.recent_points("a", True)["1"] == point
     now[0] = cost_jobs.HOLDS
-    kept.add("a", "2", {**point, "rate": None}, True)  # a run that goes bad when it is timed
+    kept.add_point("a", "2", {**point, "rate": None}, True)  # a run that goes bad when it is timed
     known = kept.recent_points("a", True)
     assert "rate" not in known["1"] and known["1"]["error"] == 1e-3 and known["2"]["rate"] is None
     for k in range(cost_jobs.MOST_QUESTIONS):
-        kept.add(f"question {k}", "1", point, True)
+        kept.add_point(f"question {k}", "1", point, True)
     assert kept.recent_points("a", True) == {} and kept.recent_points("question 0", True)
 
 
@@ -261,19 +265,19 @@ class Stage:
 def test_stage_stands_still_while_a_job_runs():
     """It goes on afterwards if it moved before, and is left alone once its visitor has pressed Play."""
     stage = Stage()
-    quiet = cost_jobs.QuietStage(stage)
+    quiet = cost_jobs.StagePauser(stage)
     for running, playing in [(False, True), (True, False), (True, False), (False, True)]:
-        quiet.set_running(running)
+        quiet.set_job_running(running)
         assert stage.playing == playing and quiet.paused == (running and not playing)
-    quiet.set_running(True)
+    quiet.set_job_running(True)
     stage.play(True)  # by the visitor
-    quiet.set_running(True)
+    quiet.set_job_running(True)
     assert stage.playing and not quiet.paused
     stage.play(False)
-    quiet.set_running(False)
+    quiet.set_job_running(False)
     assert not stage.playing
-    quiet.set_running(True)
-    quiet.set_running(False)
+    quiet.set_job_running(True)
+    quiet.set_job_running(False)
     assert not stage.playing  # it did not move before
 
 
@@ -289,7 +293,7 @@ def tab():
 
 def test_tab_says_what_disturbs_the_times_and_gives_way_to_it(tab):
     ways = []
-    tab.jobs.status, tab.jobs.give_way = CostStatus("sweep", running=True), lambda: ways.append(1)
+    tab.jobs.status, tab.jobs.give_way = CostJobStatus("sweep", running=True), lambda: ways.append(1)
 
     def said():
         tab.refresh()
@@ -300,7 +304,7 @@ def test_tab_says_what_disturbs_the_times_and_gives_way_to_it(tab):
     assert "Other visitors" in said() and ways
     tab.stage.play(True)
     assert "<p>Your stage is running" in said() and tab.notice() is None
-    tab.jobs.status = CostStatus("sweep")
+    tab.jobs.status = CostJobStatus("sweep")
     assert "Your stage" not in said() and "Other visitors" not in said() and "paused" not in said()
 
 
@@ -308,7 +312,7 @@ def test_a_search_gives_way_once_it_has_shown_a_run(jobs):
     """A sweep does at once: nobody waits for its first row in particular."""
     ways = []
     jobs.give_way = lambda: ways.append(jobs.status.kind)
-    for status in (CostStatus("search"), CostStatus("search", done=1), CostStatus("sweep")):
+    for status in (CostJobStatus("search"), CostJobStatus("search", done=1), CostJobStatus("sweep")):
         jobs.status = status
         jobs.share_cpu()
     assert ways == ["search", "sweep"]
@@ -323,7 +327,7 @@ def test_advice_goes_when_what_was_asked_changes(tab):
     """What the search itself chooses, as when its advice is loaded, changes nothing; a remark goes with its input."""
     tab.jobs.search = lambda job, quiet: None
     tab.widgets.by_label[SEARCH].click()
-    tab.jobs.status = CostStatus("search", advice=FOUND)
+    tab.jobs.status = CostJobStatus("search", advice=FOUND)
     tab.widgets.by_label["Load this scene"].click()
     tab.refresh()
     assert tab.jobs.status.advice and "advice is on the stage." in tab.widgets.said
@@ -332,7 +336,7 @@ def test_advice_goes_when_what_was_asked_changes(tab):
     assert tab.jobs.status.advice and "advice is on the stage" not in tab.widgets.said
     tab.widgets.by_label["Tolerance / A"].value = "1e-2"
     tab.refresh()
-    assert tab.jobs.status == CostStatus()
+    assert tab.jobs.status == CostJobStatus()
     for change in ({"amplitude": 0.01}, {"modulus": 8.0}, {"body_force": "none"}, {"periods": 2.0}):
         assert advice_key(replace(SCENE, **change)) != advice_key(SCENE)
 
@@ -344,5 +348,5 @@ def test_search_ends_when_what_was_asked_changes(tab, pools):
     tab.refresh()
     wait_until(lambda: not tab.jobs.status.running, "the end of the search")
     tab.refresh()
-    assert cost_texts.job_text(tab.jobs.status) == "The search was cancelled."
+    assert cost_texts.job_status_text(tab.jobs.status) == "The search was cancelled."
     assert "The goal of the search has changed." in tab.widgets.said

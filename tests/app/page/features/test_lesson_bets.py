@@ -8,9 +8,9 @@ from app.lessons import catalogue
 from app.lessons.answer_check import AnswerMark
 from app.lessons.interval_bets import YOURS, Bet, Bettor
 from app.lessons.lesson import EXPLAIN, PREDICT, Step
-from app.lessons.student_progress import Answer
-from app.page.features.lesson.marking import bets_ahead
-from app.page.features.lesson.step_html import bets_html, compared_html
+from app.lessons.student_progress import RecordedAnswer
+from app.page.features.lesson.marking import upcoming_bets_step
+from app.page.features.lesson.step_html import answers_table_html, bets_html
 
 
 def test_a_picture_has_a_line_for_each_bet_and_says_it_in_words():
@@ -30,7 +30,8 @@ def test_what_came_out_has_a_bets_score_beside_it():
     lesson = catalogue.load_lesson("10-how-sure-are-you")
     step = next(step for step in lesson.steps if step.question)
     mark = AnswerMark(True, "44.56 nm", Bet(2e-8, 2e-7, 4.456e-8))
-    html = compared_html(lesson, [step], {step.key: Answer([2e-8, 2e-7], [2e-8, 2e-7], 1, 1.0)}, {step.key: mark}, {})
+    html = answers_table_html(lesson, [step], {step.key: RecordedAnswer([2e-8, 2e-7], [2e-8, 2e-7], 1, 1.0)},
+                              {step.key: mark}, {})
     assert "<td>20 nm to 200 nm</td><td>44.56 nm; score 1.00</td>" in html
 
 
@@ -41,7 +42,7 @@ def test_bets_are_asked_for_from_the_run_on():
     def ends(step: Step) -> Step:
         return next(other for other in lesson.steps[lesson.steps.index(step):] if other.kind == EXPLAIN)
 
-    assert [bets_ahead(lesson, step) for step in lesson.steps] == [
+    assert [upcoming_bets_step(lesson, step) for step in lesson.steps] == [
         None if step.kind == PREDICT else ends(step) for step in lesson.steps]
     other = catalogue.load_lesson("09-four-judges")
-    assert {bets_ahead(other, step) for step in other.steps} == {None}
+    assert {upcoming_bets_step(other, step) for step in other.steps} == {None}

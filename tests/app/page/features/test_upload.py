@@ -21,9 +21,9 @@ from app.page.visit.engine_links import MOST_WATCHED
 from app.page.visit.status_message import Notice
 from app.viewer import upload
 from solvers.judging import particle_writers
-from solvers.judging.error_norms import sizes
-from solvers.judging.file_view import LIMITS, FileSummary, ShowRequest
+from solvers.judging.error_norms import error_magnitudes
 from solvers.judging.problem_handout import exact_frame
+from solvers.judging.uploaded_file_worker import LIMITS, FileSummary, ShowRequest
 from solvers.problems import PROBLEMS
 from solvers.study.parameter_grid import task_of
 from solvers.untrusted.quoting import file_name
@@ -41,7 +41,7 @@ QUICK = {"bar": ["--cells", "20", "--periods", "1"], "ring": ["--cells", "12", "
 @pytest.fixture(scope="module")
 def process():
     """The process that reads files: one for all that is asked here."""
-    worker = WorkerProcess("solvers.judging.file_view:judge_in_worker")
+    worker = WorkerProcess("solvers.judging.uploaded_file_worker:judge_in_worker")
     yield worker
     worker.close()
 
@@ -169,7 +169,7 @@ def test_particles_that_are_not_ours_and_not_always_the_same(process, tmp_path):
     _, arrays = run.frame(1, "x", False)
     assert arrays.position == pytest.approx(moved, abs=1e-6)
     assert arrays.error[:, 0] == pytest.approx(np.full(len(few), 1e-3), rel=1e-4)
-    assert sizes(arrays.position - arrays.displacement - frames[1].material_position).max() < 1e-6
+    assert error_magnitudes(arrays.position - arrays.displacement - frames[1].material_position).max() < 1e-6
 
 
 def npz(**arrays):
@@ -341,7 +341,7 @@ def test_what_is_no_file_is_refused_and_harms_nobody(here, sender, arrived):
         assert neighbour.closed is None
         for client in one._connected_clients.values():
             assert client.gui._current_file_upload_states == {}
-            boxes = [h for h in client.gui._gui_input_handle_from_uuid.values() if upload.upload_of_button(h)]
+            boxes = [h for h in client.gui._gui_input_handle_from_uuid.values() if upload.uploads_of_button(h)]
             assert [box.value.content for box in boxes] == [b""]
 
 
@@ -349,8 +349,8 @@ def test_nothing_of_a_file_stays_when_its_visitor_has_gone(here, arrived):
     with RawClient(here[1]) as raw:
         raw.find("Download CSV")
         sender = Sender(raw)
-        [box] = [h for h in page_of(here[0]).values() if upload.upload_of_button(h)]
-        folder = upload.upload_of_button(box).folder
+        [box] = [h for h in page_of(here[0]).values() if upload.uploads_of_button(h)]
+        folder = upload.uploads_of_button(box).folder
         sender.start(2 * upload.PART_BYTES)
         sender.part(0, bytes(upload.PART_BYTES))
         wait_until(lambda: (folder / "coming").exists(), "the beginning of a file")

@@ -1,0 +1,40 @@
+"""Claims of ``--expect`` about a report, in the language of the lessons' claims."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from app.commands.flags import BadInput
+from app.commands.output import print_message
+from app.lessons.claims import ClaimError, ClaimScope, RunOutcome, Vocabulary, check_claim, decide_claim
+from solvers.untrusted.quoting import quote
+
+
+@dataclass(frozen=True)
+class ClaimChecker:
+    """Paths of a report, and the name of the report, which claims may omit."""
+
+    name: str
+    vocabulary: Vocabulary
+
+    def validate_claims(self, claims: Sequence[str]) -> None:
+        """Rejects claims that cannot be decided; raises :class:`BadInput`."""
+        for claim in claims:
+            try:
+                check_claim(claim, {self.name: None}, self.name, self.vocabulary)
+            except ClaimError as error:
+                raise BadInput("expect", claim, str(error)) from None
+
+    def report_claims(self, claims: Sequence[str], outcomes: list[Mapping[str, Any]], over: str = "") -> int:
+        """Prints the outcome of each claim, for outcomes that differ in the field ``over``; returns 1 if one fails."""
+        missed = 0
+        scope = ClaimScope({self.name: RunOutcome(outcomes, over)}, self.name, self.vocabulary)
+        for claim in claims:
+            try:
+                decided = decide_claim(claim, scope)
+                holds, found = decided.holds, ", ".join(dict.fromkeys(decided.text.split(", ")))  # order: of all grids
+            except ClaimError as error:  # one without a value does not hold
+                holds, found = False, str(error)
+            print_message(f"expected {quote(claim)}: {'holds' if holds else 'DOES NOT HOLD'} ({found})")
+            missed |= not holds
+        return int(missed)

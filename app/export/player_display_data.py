@@ -1,0 +1,115 @@
+"""Data that the player shares with the live page: number formats, scales, colours, names and texts."""
+
+import base64
+from collections.abc import Collection, Iterable, Mapping
+from dataclasses import asdict
+from typing import Any
+
+from app import words
+from app.colours import CAUSES, PALETTE, PINNED, colour_table
+from app.export import quantise
+from app.frame import budget_chart, captions, colour_scale, field_plot, headline, layout, recent_crossings
+from app.frame.layout import RunSlot
+from app.frame.primitives import LIGHT, Label, StageMetrics
+from app.frame.stage import Stage, StageLabels
+from app.language.translation import tr
+from app.problems.views import VIEWS
+from solvers.scene import error_causes
+from solvers.scene.estimator_registry import ESTIMATORS
+from solvers.scene.scene import Scene
+
+#: Bounds in which stages are laid out: for a window, and for a phone. The player scales them.
+ROOMS = {"wide": StageMetrics(720.0, high=0.58, gutter=0.18), "narrow": StageMetrics(336.0, high=0.84)}
+LATER = "…"  # placeholder for a text of a run or frame
+
+
+def shared_display_data(problems: Iterable[str]) -> dict[str, Any]:
+    """Returns all of it as a JSON object, with the stages of some problems."""
+    formats = {"prefixes": words.PREFIXES, "superscripts": words.SUPERSCRIPTS, "ratios": words.PLAIN_RATIOS,
+               "percents": (*words.PLAIN_PERCENT, words.WHOLE_PERCENT), "powers": words.PLAIN_POWERS,
+               "nothing": words.NOTHING}
+    return {
+        "formats": formats, "codes": quantise.CODES,
+        "scale": {"tops": list(colour_scale.TOPS.items()), "decades": colour_scale.DECADES,
+                  "beyond": colour_scale.BEYOND, "smallest": colour_scale.SMALLEST, "zero": tr(colour_scale.ZERO)},
+        "axis": {"steps": field_plot.STEPS, "room": field_plot.ROOM, "stems": field_plot.MOST_STEMS},
+        "crossings": {"window": recent_crossings.WINDOW, "seconds": recent_crossings.LEAST_SECONDS},
+        "colours": _colour_map_data(), "edge": layout.EDGE,
+        "quantities": {key: {"noun": of.noun, "symbol": of.symbol, "unit": of.unit}
+                       for key, of in words.QUANTITIES.items()},
+        "compare": (tr(captions.SIDE_BY_SIDE), tr(captions.DIFFERENCE)),
+        "unknown": captions.add_unknown_count("{remark}", "{unknown}"),
+        "sentences": {"unstable": tr(headline.UNSTABLE), "last": tr(headline.LAST), "lost": tr(headline.LOST),
+                      "now": tr(headline.NOW), "paused": tr(headline.PAUSED), "less": tr(headline.LESS),
+                      "more": tr(headline.MORE), "all": headline.ALL_OF_IT, "not_counted": tr(captions.NOT_COUNTED)},
+        "budget": {
+            "causes": {
+                name: {"words": tr(said), "meaning": tr(budget_chart.MEANINGS[name]), "colour": CAUSES[name].light}
+                for name, said in error_causes.CAUSES.items()},
+            "fields": error_causes.FIELDS, "units": budget_chart.UNITS, "seen": budget_chart.SEEN,
+            "caption": tr(budget_chart.CAPTION), "question": tr(budget_chart.QUESTION)},
+        "magnifications": words.MAGNIFICATIONS,
+        "estimators": {name: {"colour": one.colour, "dashes": one.dashes} for name, one in ESTIMATORS.items()},
+        "problems": {name: static_stage_data(VIEWS[name].stage) for name in sorted(problems)}}
+
+
+def static_stage_data(stage: type[Stage]) -> dict[str, Any]:
+    """Returns the data common to all frames of a stage: mirror images, plot axis, and layout and labels by bounds.
+
+    A label's text is ``LATER`` if it comes with a run or a frame, and "" if it is not shown."""
+    return {"mirrors": stage.MIRRORS, "outlined": stage.OUTLINED, "lines": stage.LINES,
+            "plot": {"start": stage.PLOT.start, "end": stage.PLOT.end, "along": stage.PLOT.where is not None},
+            "alike": tr(captions.ALIKE).format(tr(stage.HALVES)),
+            "rooms": {name: _stage_layout(stage, room.rounded()) for name, room in ROOMS.items()}}
+
+
+def _stage_layout(stage: type[Stage], room: StageMetrics) -> dict[str, Any]:
+    """Returns the layout of a stage in bounds."""
+    places = stage.layout(room, RunSlot.ALONE)
+    top = layout.colour_bar_box(room, room.high)
+    halves = tr(captions.ESTIMATE[0]), tr(captions.TRUTH)
+    said = StageLabels(halves, (LATER, LATER), (LATER, LATER), "", LATER, LATER, LATER)
+    labels: list[Label] = [*stage.labels(said, places), *field_plot.plot_labels(
+        places, stage.PLOT.ends, captions.FieldPlotCaption(LATER, LATER), 1, LATER, True)]
+    of = [label for label in layout.colour_bar_labels(top, room.gutter > 0, "x", []) if label.text]
+    own = {name: value for name, value in vars(places).items() if name not in ("bounds", "slot", "rectangle", "field")}
+    return {"pixels": room.pixels, "high": room.high, "gutter": room.gutter, "box": asdict(places.field), **own,
+            "bar": asdict(top), "labels": [asdict(label) for label in (*of, *labels)]}
+
+
+def _colour_map_data() -> dict[str, Any]:
+    """Returns the colour map as bytes, and the named colours."""
+    marks = {name: f"rgb{colour}" for name, colour in vars(LIGHT).items()}
+    tones = {"plain": "ink2", "bold": "ink", "faint": "ink3", "estimate": "estimate-ink", "truth": "truth-ink",
+             "crossing": "cross"}
+    return {"map": base64.b64encode(colour_table().tobytes()).decode(), "pinned": PINNED, **marks,
+            "fading": (LIGHT.crossing, LIGHT.ground),
+            "tones": {tone: PALETTE[name].light for tone, name in tones.items()}}
+
+
+def missing_value_texts(scene: Scene, not_valid: Mapping[str, str], silent: Mapping[str, Collection[str]],
+                        difference: bool) -> dict[str, Any]:
+    """Returns texts by quantity: why a row of the readout has no number, words of the field plot, and by estimator (""
+    for none) both halves' captions (also as ``difference`` if set) and headline templates; ``silent`` ones have no
+    value."""
+    component = VIEWS[scene.problem].stage.PLOT.component
+    return {key: {"rows": captions.why_no_numbers(scene, not_valid, key, silent[key]),
+                  "field": vars(captions.field_plot_caption(scene, component, key)),
+                  "by": {name: _estimator_texts(scene, not_valid, key, name, silent[key], difference)
+                         for name in scene.estimators or ("",)}} for key in silent}
+
+
+def stage_notes(scene: Scene, every: int) -> dict[str, str]:
+    """Returns the notes at the stage, on which one particle in ``every`` has marks for crossings."""
+    stage = VIEWS[scene.problem].stage
+    return {"note": stage.scale_note(scene), "marks": captions.crossing_marks_legend(stage.MARKED, every)}
+
+
+def _estimator_texts(scene: Scene, not_valid: Mapping[str, str], quantity: str, name: str, silent: Collection[str],
+                     difference: bool) -> dict[str, Any]:
+    estimator, no_truth = name or None, captions.why_no_truth(scene, quantity)
+    no_estimate = captions.why_no_estimate(scene, not_valid, estimator, quantity) \
+        or f"{name} {captions.not_estimated_text(quantity)}" * (name in silent)
+    return {"captions": [vars(captions.make_captions(quantity, estimator, apart, no_estimate, no_truth))
+                         for apart in (False, True)[:1 + difference]],
+            "errors": vars(headline.error_headline_templates(scene, quantity, estimator, no_estimate, no_truth))}

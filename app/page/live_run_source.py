@@ -1,0 +1,94 @@
+"""The visitor's run as a source of the stage: now or in the past, alone or beside a pinned run."""
+
+from collections.abc import Callable
+
+from app.frame.captions import ErrorView, frame_error_view, why_no_index
+from app.frame.colour_scale import LEAST_TOP
+from app.frame.headline import Headline
+from app.language.translation import tr
+from app.page.headline import compare_with_pinned, frame_headline
+from app.page.panels.error_timeline import TimelineState
+from app.page.panels.readout import live_readout
+from app.page.readout_panel import Numbers
+from app.page.stage.worst_region import WorstRegions
+from app.page.stage_source import FrameView, StageContent, ViewChoice
+from app.page.visit.particle_trace import ParticleTracer
+from app.page.visit.recent_frames import RecentFrames
+from app.page.visit.session import Session
+from app.page.visit.status_message import Notice
+from app.words import difference_text
+from solvers.engine.engine_messages import FrameReport
+from solvers.engine.shared_frames import FrameArrays
+from solvers.solver.soundness import UNSTABLE
+
+
+class LiveRunSource:
+    """The default source of the stage; ``further`` returns a notice for when the session has none."""
+
+    is_on, needs_immediate_headline = True, False
+
+    def __init__(self, session: Session, recent: RecentFrames, trace: ParticleTracer,
+                 further: Callable[[], Notice | None]):
+        self._session, self._recent, self._trace, self._further = session, recent, trace, further
+        self._worst = WorstRegions()
+
+    def stage_content(self, choice: ViewChoice) -> StageContent | None:
+        """Returns the frame on view; None for one without the difference requested, as the next one is coming."""
+        if (last := self._recent.shown_frame) is None:
+            return None
+        (report, arrays), back = last, self._recent.back > 0
+        scene, asked = report.scene, (choice.quantity, choice.estimator, choice.difference)
+        if choice.difference and scene.has("truth") and scene.active_estimators \
+                and not (report.holds.differences or back):
+            return None
+        pinned = self._session.pinned
+        if pinned and pinned.scene.problem != scene.problem:
+            pinned = None  # removed with the next frame
+        said = difference_text(scene, pinned.scene) if pinned else ""
+        name = tr("this run: {run}", run=said) if said else tr("this run") if pinned else ""
+        picture = self._frame_view(report, arrays, frame_error_view(report, arrays, *asked), name)
+        if not report.playing:  # words that change with each frame could not be read
+            self._worst.find(report, arrays, picture.view, choice.quantity)
+        beside: FrameView | str | None = None  # a pinned run, or its name before its first frame
+        if pinned:
+            run, view = difference_text(pinned.scene, scene) or tr("the same so far"), pinned.view(*asked)
+            beside = tr("pinned: {run}, being prepared", run=run) if view is None or pinned.last is None else \
+                self._frame_view(*pinned.last, view, tr("pinned: {run}", run=run))
+        return StageContent(picture, (picture.view.left.sizes, picture.view.right.sizes), asked,
+                            0.0 if scene.swings else LEAST_TOP * scene.size_of(choice.quantity), back,
+                            beside, self._worst.annotations(scene))
+
+    def numbers(self, choice: ViewChoice, picture: FrameView | None, probed: str | None) -> Numbers | None:
+        """Returns the numbers of the frame on view, with plots of everything received."""
+        session, recent, quantity = self._session, self._recent, choice.quantity
+        if picture is not None and not picture.foreign:
+            self._worst.find(picture.report, picture.arrays, picture.view, quantity)
+        history, pinned, traced, shown = session.history, session.pinned, self._trace.traced, recent.shown_frame
+        if shown is None or shown[0].scene != history.scene:
+            return None
+        report = shown[0]
+        scene, valid = report.scene, report.valid_estimators
+        text = live_readout(session, history, report, quantity, choice.estimator, probed, self._worst,
+                            recent.periods_back)
+        moves = session.playing and not session.is_over and not recent.back and report.status != UNSTABLE
+        now = TimelineState(report.time, recent.span, moves, report.since,
+                            report.status == UNSTABLE and (report.since or 0.0) >= report.time - scene.time_step)
+        return Numbers(text, history, scene.active_estimators, valid, choice.estimator, now,
+                       why_no_index(scene, valid, quantity), pinned, traced, scene)
+
+    def sentence(self, choice: ViewChoice, picture: FrameView) -> Headline:
+        """Returns the headline of the frame, with the comparison to a pinned run."""
+        history, pinned, report = self._session.history, self._session.pinned, picture.report
+        if picture.foreign or not history.scene == report.scene == self._worst.scene:
+            return Headline()  # another run has begun just now
+        beside = "" if pinned is None else compare_with_pinned(history.series, pinned.history.series, choice.quantity,
+                                                               (report.scene, pinned.scene))
+        return frame_headline(report, picture.arrays, picture.view, self._worst, history.series, choice.quantity,
+                              choice.estimator, self._recent.periods_back, beside, picture.speed)
+
+    def notice(self) -> Notice | None:
+        """Returns the session's notice, or else a further one."""
+        return self._session.notice() or self._further()
+
+    def _frame_view(self, report: FrameReport, arrays: FrameArrays, view: ErrorView, name: str) -> FrameView:
+        return FrameView(report, arrays, view, self._session.speed * report.scene.period, name)

@@ -1,0 +1,86 @@
+"""The interface of everything that can be on a visitor's stage: its picture, numbers, headline and notice."""
+
+from collections.abc import Hashable
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+
+from app.frame.captions import ErrorView
+from app.frame.headline import Headline
+from app.frame.layout import Rectangle
+from app.frame.stage import NOTHING, Annotations
+from app.page.readout_panel import Numbers
+from app.page.visit.status_message import Notice
+from solvers.engine.engine_messages import FrameReport
+from solvers.engine.shared_frames import FrameArrays
+
+Sizes = tuple[np.ndarray | None, np.ndarray | None]  # of errors (P,), of what the left and the right half show
+
+
+@dataclass(frozen=True)
+class ViewChoice:
+    """View options of a visitor: key of the quantity, the estimator drawn (or None), whether its ``difference`` from
+    the truth and the particles' ``domains`` are drawn, the factor by which the deviation is ``magnified`` in the field
+    plot, and whether plots over time show the ``latest`` periods only."""
+
+    quantity: str
+    estimator: str | None
+    difference: bool
+    domains: bool
+    magnified: int
+    latest: bool
+
+
+@dataclass(frozen=True)
+class FrameView:
+    """A frame to draw: the ``view`` of its errors, the speed in simulated seconds per second, the ``name`` shown beside
+    another run, and whether its particles are ``foreign``, without a fixed order or start."""
+
+    report: FrameReport
+    arrays: FrameArrays
+    view: ErrorView
+    speed: float
+    name: str = ""
+    foreign: bool = False
+
+
+@dataclass(frozen=True)
+class StageContent:
+    """Everything to draw: a picture, and a run ``beside`` it, or its name before its first frame. The colour scale
+    follows the ``sizes`` of errors and reaches at least ``least``; it is reset when ``scale_key`` changes and kept when
+    looking ``is_past``. The picture is annotated by ``annotations``. The stage is ``hidden`` if something else is
+    drawn in its rectangle."""
+
+    picture: FrameView
+    sizes: Sizes
+    scale_key: Hashable
+    least: float = 0.0
+    is_past: bool = False
+    beside: FrameView | str | None = None
+    annotations: Annotations = NOTHING
+    hidden: Rectangle | None = None
+
+
+class StageSource(Protocol):
+    """Something that can be on the stage: the visitor's run, a step in slow motion, or an uploaded file."""
+
+    @property
+    def is_on(self) -> bool:
+        """Whether it is on the stage now."""
+
+    @property
+    def needs_immediate_headline(self) -> bool:
+        """Whether its headline answers a click and must appear without delay."""
+
+    def stage_content(self, choice: ViewChoice) -> StageContent | None:
+        """Returns what to draw now; None before there is anything."""
+
+    def numbers(self, choice: ViewChoice, picture: FrameView | None, probed: str | None) -> Numbers | None:
+        """Returns the numbers for the ``picture`` drawn and the text of its probe; None if nothing has changed."""
+
+    def sentence(self, choice: ViewChoice, picture: FrameView) -> Headline:
+        """Returns the picture's headline; an empty one if the picture shows something else, soon replaced."""
+
+    def notice(self) -> Notice | None:
+        """Returns the message for the visitor, if there is one."""

@@ -1,0 +1,104 @@
+"""The canvas of one visitor: draws frames of whatever is on the stage."""
+
+from collections.abc import Hashable
+
+import numpy as np
+import viser
+
+from app.colours import GROUNDS, rgb
+from app.frame.colour_scale import ColourScale
+from app.frame.layout import ColourBar
+from app.frame.stage import Stage
+from app.page.stage.error_probe import OrthographicCamera, RegionErrorProbe, TraceRings
+from app.page.stage_source import FrameView, StageContent, ViewChoice
+from app.page.visit.particle_trace import ParticleTracer
+from app.problems.views import VIEWS
+from app.renderers.viewer_renderer import LabelLayer, ViewerSurface
+from app.words import QUANTITIES
+
+
+class ViewerCanvas:
+    """Drawing area with a stage for each problem, one of them visible, a colour bar, trace rings and the probe."""
+
+    def __init__(self, client: viser.ClientHandle, scale: ColourScale, trace: ParticleTracer, problem: str):
+        self._client, self._scale, self.lettering = client, scale, LabelLayer(client.gui)
+        self.picture: FrameView | None = None  # the frame drawn last
+        self._coloured: Hashable = None  # what the colour scale belongs to
+        self._set_background(False)
+        self._colour_bar = ColourBar(self.add_surface("/colours"), scale)
+        self._stages = {problem: view.stage(self.add_surface(f"/{problem}"), scale) for problem, view in VIEWS.items()}
+        self._show_stage(problem)
+        self.camera = OrthographicCamera(client, self._stages[problem].rectangle)
+        self.probe = RegionErrorProbe(client, self.add_surface("/probe"), self.camera)
+        self._rings = TraceRings(client, self.add_surface("/trace"), trace)
+
+    def draw(self, sight: StageContent, choice: ViewChoice) -> None:
+        """Draws a frame, and a second run beside it if there is one."""
+        picture, beside, unit = sight.picture, sight.beside, QUANTITIES[choice.quantity].unit
+        view, arrays, problem = picture.view, picture.arrays, picture.report.scene.problem
+        self._update_colour_scale(sight)
+        stage = self._stages[problem]
+        second = stage.pinned_run_stage(beside is not None)
+        with self._client.atomic():
+            self._show_stage(None if sight.hidden else problem)
+            _draw(stage, picture, choice)
+            if isinstance(beside, FrameView):
+                assert second is not None
+                _draw(second, beside, choice)
+                if stage.shared_axis_changed:
+                    _draw(stage, picture, choice)
+            elif second:
+                second.show_run_name(beside or "")
+            stage.annotate(sight.annotations, arrays)
+            if picture.foreign:  # its particles cannot be traced
+                self._rings.hide()
+            else:
+                self._rings.update(stage, arrays)
+            self._colour_bar.draw(choice.quantity, stage.rectangle[3])
+            rectangle = sight.hidden or stage.rectangle
+            self.lettering.set_visible_rectangle(rectangle)
+            self.lettering.send()
+            self._client.flush()  # otherwise viser buffers for a frame's time, and the next frame replaces this one
+        self.camera.show_rectangle(rectangle)
+        self.probe.measure(stage, arrays, view.estimated, view.true, unit)
+        self.picture = picture
+
+    def set_dark(self, dark: bool) -> None:
+        """Switches to the dark or the light background."""
+        self.lettering.dark = dark
+        self._set_background(dark)
+
+    def _set_background(self, dark: bool) -> None:
+        ground = np.array(rgb(GROUNDS["ground"][dark]), np.uint8)
+        self._client.scene.set_background_image(np.broadcast_to(ground, (2, 2, 3)).copy(), format="png")
+
+    def add_surface(self, at: str) -> ViewerSurface:
+        """Returns a new drawing surface whose scene nodes are below the path ``at``."""
+        return ViewerSurface(self._client, self.lettering, at)
+
+    def _update_colour_scale(self, sight: StageContent) -> None:
+        """Updates the range of the colour scale; for an earlier frame it stays, so that frames can be compared."""
+        if changed := sight.scale_key != self._coloured:
+            self._scale.reset()
+            self._coloured = sight.scale_key
+        if changed or not sight.is_past:
+            beside = sight.beside.view if isinstance(sight.beside, FrameView) else None
+            self._scale.update(*sight.sizes, (sight.picture.report.scene, sight.scale_key),
+                               (beside.left.sizes, beside.right.sizes) if beside else (None, None), sight.least)
+
+    def _show_stage(self, problem: str | None) -> None:
+        """Shows the stage of a problem and hides the others; hides all for None."""
+        self._colour_bar.sheet.visible = problem is not None
+        for name, stage in self._stages.items():
+            stage.sheet.visible = name == problem
+
+
+def _draw(stage: Stage, picture: FrameView, choice: ViewChoice) -> None:
+    """Draws a frame on a problem's stage."""
+    report, view = picture.report, picture.view
+    stage.domains = choice.domains and not picture.foreign
+    stage.plotted, stage.magnified = report.holds.plotted, choice.magnified
+    stage.draw(report.scene, picture.arrays, view.left.sizes, view.right.sizes, report.time, picture.speed,
+               foreign=picture.foreign)
+    stage.show_captions(view.left, view.right)
+    stage.show_run_name(picture.name)

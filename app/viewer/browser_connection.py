@@ -1,0 +1,111 @@
+"""A browser's connection from its start: before its request, and before the first message of its websocket.
+
+Nothing is allocated for a silent connection, and it holds no place that another network could need
+(:mod:`app.access.network_limits`)."""
+
+import asyncio
+from contextlib import suppress
+from time import monotonic
+from typing import Any, cast
+from weakref import WeakSet
+
+from websockets.asyncio.server import ServerConnection
+from websockets.exceptions import ConnectionClosed
+
+from app.access.allowed_hosts import is_ip, is_loopback
+from app.access.network_limits import PendingConnections, network_of
+from app.viewer.send_queue import SendBuffer
+
+# Connections of one network and of all without a request yet: a class may be behind one address, and browsers
+# open some in advance. Websockets without a message yet: each belongs to a page that is just being opened.
+LINES, SOCKETS = (64, 256), (64, 256)
+HEADS_WITHIN = 5.0  # timeout of a connection without a request, in s
+LONGEST_HEAD = 32_000  # bytes of a request; browsers send some hundred
+GOING = 1.0  # timeout of the closing handshake in s
+BEAT = 1.0  # seconds between an answer to a ping and the next one
+
+
+class BrowserConnections:
+    """All connections of one server: ``new`` ones have sent no request, those of ``silent`` websockets no message. A
+    proxy on this machine connects when it has a complete request; behind one, new connections have no network yet."""
+
+    def __init__(self, trusts_proxy: bool):
+        self.trusts_proxy = trusts_proxy
+        self.new, self.silent = (PendingConnections["BrowserConnection"](*LINES),
+                                 PendingConnections["BrowserConnection"](*SOCKETS))
+        self.open_ones = WeakSet["BrowserConnection"]()
+
+    def register(self, line: "BrowserConnection", remote: object) -> None:
+        """Registers a connection from this address and port."""
+        who = str(remote[0]) if isinstance(remote, tuple) else "somewhere"
+        self.open_ones.add(line)
+        if gone := self.new.add(line, str(remote) if self.trusts_proxy and is_loopback(who) else network_of(who)):
+            gone.transport.abort()
+
+    def abort_all(self) -> None:
+        """Aborts all connections without a handshake."""
+        for line in list(self.open_ones):
+            line.transport.abort()
+
+
+class BrowserConnection(ServerConnection):
+    """Connection of one browser. ``head`` holds the bytes of its request until that is answered."""
+
+    def __init__(self, lines: BrowserConnections, *args: Any, **options: Any):
+        super().__init__(*args, **options)
+        self._lines, self.head = lines, b""
+        self.asked_at: float | None = None  # when the unanswered ping was sent
+
+    def connection_made(self, transport: asyncio.BaseTransport) -> None:
+        super().connection_made(transport)
+        self._lines.register(self, transport.get_extra_info("peername"))
+
+    def data_received(self, data: bytes) -> None:
+        if self.request is None:
+            self.head += data
+            if len(self.head) > LONGEST_HEAD:
+                self.transport.abort()
+                return
+        super().data_received(data)
+
+    def on_answered(self) -> None:
+        """Releases its place among the new connections: its request is answered."""
+        self._lines.new.discard(self)
+        self.head = b""
+
+    def connection_lost(self, exc: Exception | None) -> None:
+        self._lines.new.discard(self)
+        super().connection_lost(exc)
+
+    async def ping_until_closed(self) -> None:
+        """Pings the browser until its websocket is closed: it answers when it has read all that was sent before."""
+        with suppress(ConnectionClosed):
+            while True:
+                self.asked_at = monotonic()
+                await (await self.ping())
+                self.asked_at = None
+                await asyncio.sleep(BEAT)
+
+
+def address_of(connection: Any, trusts_proxy: bool) -> str:
+    """Returns the IP address of the other end, or of the client for which a proxy on this machine connects."""
+    remote = connection.remote_address
+    who = str(remote[0]) if isinstance(remote, tuple) else "somewhere"
+    told = connection.request.headers.get_all("X-Real-IP") if trusts_proxy and is_loopback(who) else []
+    return told[0] if len(told) == 1 and is_ip(told[0]) else who
+
+
+async def close_websocket(connection: Any, why: str) -> None:
+    """Closes a websocket, also one whose other end does not respond."""
+    with suppress(asyncio.TimeoutError):
+        await asyncio.wait_for(connection.close(1008, why), GOING)
+    connection.transport.abort()
+    await connection.wait_closed()
+
+
+def stalled_seconds(client: Any) -> float:
+    """Returns the seconds for which a visitor's browser has received nothing that was sent to it."""
+    buffer = cast(SendBuffer, client._websock_connection.get_message_buffer())
+    line = client._viser_server._websock_server._live_connections.get(client.client_id)
+    asked_at = line.asked_at if isinstance(line, BrowserConnection) else None
+    return max(buffer.stalled_seconds, 0.0 if asked_at is None else monotonic() - asked_at)

@@ -1,0 +1,202 @@
+"""Operators along one line of a material lattice: recovery of smooth fields, B-splines, integrals.
+
+The particles of the bar, and those of a polar lattice along an angle or a radius, begin at j + 1/2, j = 0, 1, ... in
+units of their spacing. A field known at particles is *recovered* between them by a weighted least-squares polynomial
+(moving least squares on a line); an *error grid* of quadratic B-splines, one an element, stands on the same line. All
+operators are rows of few weights on consecutive entries: a :class:`Rows` each. Two-dimensional operators are products
+of an angular and a radial one, so that nothing in two dimensions has ever to be stored.
+
+What lies beyond the ends of a line is said by ``ends``: "periodic", "free" (nothing: recovery becomes one-sided), or a
+symmetry plane at each end, across which one component is odd: "mirror" where the planes are at right angles to each
+other, on the arc of a quarter of a ring, and "walls" where they are parallel.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+
+@dataclass(frozen=True)
+class Rows:
+    """A linear map with rows of ``width`` weights: entry ``first[r] + k`` times ``weights[r, k]``, entries modulo their
+    number. ``weights`` (rows, width, ...) may hold several maps, such as a value and a slope, side by side.
+    """
+
+    first: np.ndarray
+    weights: np.ndarray
+
+    @property
+    def width(self) -> int:
+        return self.weights.shape[1]
+
+    def repeat_over_cells(self, cells: int, rows: int, columns: int) -> "Rows":
+        """Returns the map of a periodic line of ``cells`` equal cells with ``rows`` rows and ``columns`` columns each,
+        from that of a shorter line. Its weights are those of one cell's rows: row r has weights ``r % rows``."""
+        few = len(self.first) // rows * columns  # columns of the shorter line
+        first = self.first[:rows].astype(np.int64)
+        first = np.where(first > few // 2, first - few, first)
+        first = (np.arange(cells)[:, None] * columns + first).ravel() % (cells * columns)
+        return Rows(first.astype(np.int32), self.weights[:rows])
+
+    def __call__(self, values: np.ndarray) -> np.ndarray:
+        """Applies the map, or maps, to ``values``: returns (rows, ...), for use outside kernels."""
+        at = (self.first[:, None] + np.arange(self.width)) % len(values)
+        weights = self.weights[np.arange(len(at)) % len(self.weights)]
+        return np.einsum("rk...,rk->r...", weights, values[at])
+
+
+@dataclass(frozen=True)
+class Line:
+    """Line of ``points`` particles with the given ``length`` in m, under ``elements`` elements of the error grid."""
+
+    points: int
+    elements: int
+    length: float
+    ends: str
+
+    @property
+    def node_count(self) -> int:
+        """Number of functions of the error grid: one per element, and one more beyond each free end."""
+        return self.elements + (2 if self.ends == "free" else 0)
+
+    @property
+    def points_per_length(self) -> float:
+        return self.points / self.length
+
+    @property
+    def elements_per_length(self) -> float:
+        return self.elements / self.length
+
+    def quadrature(self) -> tuple[np.ndarray, np.ndarray]:
+        """Returns Gauss points, in particle spacings, and weights in m: at least two a particle, equal in each element.
+
+        They belong to elements and not to particles, whose domains may end anywhere: an integral of N' that is not
+        exact leaves a force in a constant stress, at every mesh.
+        """
+        points, weights = np.polynomial.legendre.leggauss(max(3, 2 * -(-self.points // self.elements)))
+        at = (np.arange(self.elements)[:, None] + 0.5 + 0.5 * points) * (self.points / self.elements)
+        return at.ravel(), np.tile(0.5 * weights / self.elements_per_length, self.elements)
+
+    def particle_positions(self) -> np.ndarray:
+        return np.arange(self.points) + 0.5
+
+    def fit_operator(self, width: int, degree: int) -> Rows:
+        """Returns recovered value and slope (1/length) at every particle: weights (points, width, components, 2)."""
+        index, value, slope = self._recovery_weights(self.particle_positions(), width, degree)
+        index, sign = self._fold(index, self.points)
+        weights = sign[..., None] * np.stack([value, slope * self.points_per_length], axis=-1)[:, :, None]
+        return self._sum_rows(np.arange(self.points)[:, None], index, weights, self.points, self.points)
+
+    def interpolation_operator(self) -> Rows:
+        """Returns value and slope (1/length) of the B-splines at every particle: weights (points, 3, components, 2)."""
+        index, value, slope = self._splines(self.particle_positions())
+        index, sign = self._fold_nodes(index)
+        weights = sign[..., None] * np.stack([value, slope * self.elements_per_length], axis=-1)[:, :, None]
+        return self._sum_rows(np.arange(self.points)[:, None], index, weights, self.points, self.node_count)
+
+    def projection_operator(self, width: int, degree: int, measure: np.ndarray | float = 1.0) -> Rows:
+        """Returns integrals of N f, N' f and N f without measure over the line, over the integral of N (with measure).
+
+        f is recovered from particles; ``measure`` weighs the integration points, as R does on a radius.
+        Weights (nodes, k, components, 3), one for each integral. In the second f is a derivative along the line, so
+        beyond a symmetry plane it has the other sign than the component itself.
+        """
+        q, weight = self.quadrature()
+        measured = weight * measure
+        node, N, dN = self._splines(q)
+        particle, value, _ = self._recovery_weights(q, width, degree)
+        kinds = np.stack([N * measured[:, None], dN * self.elements_per_length * measured[:, None],
+                          N * weight[:, None]], -1)
+        node, node_sign = self._fold_nodes(node)
+        particle, sign = self._fold(particle, self.points)
+        signs = np.stack([sign, sign[..., ::-1], sign], -1)  # (Q, k, components, 3)
+        found = (signs * value[:, :, None, None])[:, None]
+        values = node_sign[:, :, None, :, None] * kinds[:, :, None, None, :] * found
+        banded = self._sum_rows(node[:, :, None], particle[:, None, :], values, self.node_count, self.points)
+        return Rows(banded.first, banded.weights / self.spline_integrals(measure)[:, None, None, None])
+
+    def spline_integrals(self, measure: np.ndarray | float = 1.0) -> np.ndarray:
+        """Returns the integral of N (nodes,), images beyond a mirror included."""
+        q, weight = self.quadrature()
+        node, N, _ = self._splines(q)
+        total = np.zeros(self.node_count)
+        np.add.at(total, self._fold_nodes(node)[0], N * (weight * measure)[:, None])
+        return total
+
+    def smoothing_operator(self, measure: np.ndarray | float = 1.0) -> Rows:
+        """Returns the integral of N_i N_j over that of N_i: what spreading and gathering does to nodal values.
+
+        Weights (nodes, k, components, 2), the second of each pair zero, as for maps that have a slope.
+        """
+        q, weight = self.quadrature()
+        node, N, _ = self._splines(q)
+        node, sign = self._fold_nodes(node)
+        values = (sign * (N * (weight * measure)[:, None])[..., None])[:, :, None] * (sign * N[..., None])[:, None]
+        banded = self._sum_rows(node[:, :, None], node[:, None, :], values, self.node_count, self.node_count)
+        weights = banded.weights / self.spline_integrals(measure)[:, None, None]
+        return Rows(banded.first, np.stack([weights, np.zeros_like(weights)], axis=-1))
+
+    def _recovery_weights(self, at: np.ndarray, width: int, degree: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Returns weights (Q, width) of the nearest particles for value and slope (per spacing) at the places ``at``.
+
+        Weight (1 - (d/r)^2)^2 with r just beyond the furthest. Equal places in a lattice without free ends have equal
+        weights, which are then found once.
+        """
+        width = min(width, self.points) if self.ends == "free" else width
+        first = np.ceil(at - 0.5 * (width + 1) - 1e-9).astype(np.int64)
+        if self.ends == "free":
+            first = np.clip(first, 0, self.points - width)
+        index = first[:, None] + np.arange(width)
+        unique, back = np.unique((index + 0.5 - at[:, None]).round(9), axis=0, return_inverse=True)
+        furthest = np.maximum(1.01 * np.abs(unique).max(axis=1, keepdims=True), 0.5 * width + 0.3)
+        weight = (1 - (unique / furthest) ** 2) ** 2
+        powers = unique[:, :, None] ** np.arange(min(degree, width - 1) + 1)
+        weighted = weight[:, :, None] * powers
+        found = np.linalg.solve(np.einsum("qka,qkb->qab", weighted, powers), weighted.transpose(0, 2, 1))
+        slope = found[:, 1] if found.shape[1] > 1 else np.zeros_like(found[:, 0])
+        return index, found[back.ravel(), 0], slope[back.ravel()]
+
+    def _splines(self, at: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Returns the three quadratic B-splines at each place ``at`` (in particle spacings): index, value, slope."""
+        x = at * (self.elements / self.points)
+        element = np.clip(np.floor(x), 0, self.elements - 1).astype(np.int64)
+        s = x - element
+        value = np.stack([0.5 * (1 - s) ** 2, 0.5 + s - s * s, 0.5 * s * s], axis=1)
+        return element[:, None] + np.arange(-1, 2), value, np.stack([s - 1, 1 - 2 * s, s], axis=1)
+
+    def _fold_nodes(self, index: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        return (index + 1, np.ones((*index.shape, 1))) if self.ends == "free" else self._fold(index, self.elements)
+
+    def _fold(self, index: np.ndarray, count: int) -> tuple[np.ndarray, np.ndarray]:
+        """Maps images back into the line; returns their indices and the sign (..., components) of each component.
+
+        Mirrors: component 0 is odd across the far end and component 1 across the near one (x across the plane x = 0,
+        which is at the angle pi/2, and y across y = 0). Between walls component 0, along the line, is odd at both.
+        """
+        if self.ends in ("mirror", "walls"):
+            low, high = index < 0, index >= count
+            inside = np.where(low, -1 - index, np.where(high, 2 * count - 1 - index, index))
+            odd = (high, low) if self.ends == "mirror" else (low | high, np.zeros_like(low))
+            return inside, np.stack([1.0 - 2 * out for out in odd], axis=-1)
+        return index % count, np.ones((*index.shape, 1))
+
+    def _sum_rows(self, rows: np.ndarray, columns: np.ndarray, values: np.ndarray, row_count: int,
+                  column_count: int) -> Rows:
+        """Adds up entries with equal row and column into rows of consecutive columns."""
+        rows, columns = np.broadcast_arrays(rows, columns)
+        tail = values.shape[rows.ndim:]
+        rows, columns, values = rows.ravel(), columns.ravel(), values.reshape(rows.size, *tail)
+        middle = ((np.arange(row_count) + 0.5) * column_count / row_count).astype(np.int64)
+        offset = columns - middle[rows]
+        if self.ends == "periodic":  # the shorter way around
+            offset = (offset + column_count // 2) % column_count - column_count // 2
+        low, high = np.full(row_count, column_count), np.full(row_count, -column_count)
+        np.minimum.at(low, rows, offset)
+        np.maximum.at(high, rows, offset)
+        width = int((high - low).max()) + 1
+        first = middle + low
+        if self.ends != "periodic":
+            first = np.minimum(first, column_count - width)
+        weights = np.zeros((row_count, width, *tail))
+        np.add.at(weights, (rows, offset + middle[rows] - first[rows]), values)
+        return Rows((first % column_count).astype(np.int32), weights)

@@ -1,0 +1,86 @@
+"""Errors of a plane body's arrays in numpy, as in a snapshot: computed minus exact.
+
+The page computes them with every frame, so they must be cheap: the exact solution is evaluated once per orbit and
+rotated to its particles, and vectors (x, y) and tensors (xx, xy, yy), each (P,), are written out in components, since
+numpy's products of many small matrices are slow.
+"""
+
+from typing import Any
+
+import numpy as np
+
+from solvers.problems.planar.circular import plot_direction, polar_component
+from solvers.problems.planar.method.body import PlanarBody
+
+Vector = tuple[np.ndarray, np.ndarray]
+Tensor = tuple[np.ndarray, np.ndarray, np.ndarray]
+#: Components of an error: (x, y) of a vector, (xx, xy, yy) of a tensor, None where it is unknown.
+Parts = tuple[np.ndarray, ...] | None
+Errors = list[Parts]  # of x, v, sigma and a
+
+
+@np.errstate(all="ignore")  # for unstable runs
+def true_errors(scene: Any, a: PlanarBody, step: int) -> Errors:
+    """Returns the true errors of x, v, sigma and, with the effect, a after ``step`` steps."""
+    time = step * scene.time_step
+    used = None
+    if step and scene.has("acceleration"):  # the one that the last step has used
+        x, y = _rotate_to_particles(a, *scene.EXACT.jets(scene, a.orbit_point, time - scene.time_step).acceleration)
+        used = a.acceleration[:, 0] - x, a.acceleration[:, 1] - y
+    return [*vector_errors(scene, a, time), stress_error(scene, a, time), used]
+
+
+@np.errstate(all="ignore")
+def plotted_field(scene: Any, a: PlanarBody, quantity: str, time: float) -> np.ndarray:
+    """Returns the component that a plot shows of a quantity (a key of ``samples.QUANTITIES``), u for x, and its
+    deviation from the exact one (P, 2), NaN where that is unknown."""
+    values = deviation = np.full(len(a.position_velocity), np.nan)
+    if quantity != "a" or scene.has("acceleration"):
+        q, X = a.position_velocity, a.material_position
+        parts = cauchy_stress_of(scene, a) if quantity == "sigma" else {
+            "x": q[:, :2] - X, "v": q[:, 2:], "a": a.acceleration}[quantity].T
+        values = parts[0] if not scene.CIRCULAR else \
+            polar_component(scene.PLOTTED, *plot_direction(scene.PLOTTED, quantity, X, q[:, :2]).T, *parts)
+    if scene.solution_known:
+        deviation = values - scene.exact_plotted_component(quantity, a.orbit_point, time)[a.orbit]
+    return np.stack([values, deviation], axis=1)
+
+
+def vector_errors(scene: Any, a: PlanarBody, time: float) -> tuple[Vector, Vector]:
+    """Returns the errors of x and of v, each as components (P,)."""
+    exact = scene.EXACT.jets(scene, a.orbit_point, time)
+    (x, y), (v_x, v_y) = _rotate_to_particles(a, exact.x.value, exact.y.value), _rotate_to_particles(a, *exact.velocity)
+    X, q = a.material_position, a.position_velocity
+    return (q[:, 0] - X[:, 0] - x, q[:, 1] - X[:, 1] - y), (q[:, 2] - v_x, q[:, 3] - v_y)
+
+
+def cauchy_stress_of(scene: Any, a: PlanarBody) -> Tensor:
+    """Returns the Cauchy stress of the particles, as components (P,) in Pa."""
+    return scene.material.cauchy_stress(np.ascontiguousarray(a.deformation_gradient.T))
+
+
+def stress_error(scene: Any, a: PlanarBody, time: float) -> Tensor:
+    """Returns the error of the Cauchy stress, as components (P,) in Pa."""
+    xx, xy, yy = (one[a.orbit] for one in scene.EXACT.stress(scene, a.orbit_point, time).T)
+    c, s = np.ascontiguousarray(a.direction.T)
+    mean, half, double = 0.5 * (xx + yy), 0.5 * (xx - yy), 2 * c * s
+    cosine = c * c - s * s
+    along, across = half * cosine - xy * double, half * double + xy * cosine
+    mine = cauchy_stress_of(scene, a)
+    return mine[0] - mean - along, mine[1] - across, mine[2] - mean + along
+
+
+def body_force(a: PlanarBody, some: np.ndarray) -> np.ndarray:
+    """Returns the body force on some particles (c,), in N (c, 2)."""
+    return a.mass[some][:, None] * np.stack(rotate_vectors(a.direction[some], *a.orbit_force[a.orbit[some]].T), axis=1)
+
+
+def _rotate_to_particles(a: PlanarBody, x: Any, y: Any) -> Vector:
+    """Returns vectors (K,) at the orbits' points rotated to their particles (P,)."""
+    return rotate_vectors(a.direction, *(np.broadcast_to(one, len(a.orbit_point))[a.orbit] for one in (x, y)))
+
+
+def rotate_vectors(e: np.ndarray, x: np.ndarray, y: np.ndarray) -> Vector:
+    """Returns vectors rotated so that the x axis becomes e (P, 2)."""
+    c, s = np.ascontiguousarray(e.T)
+    return x * c - y * s, y * c + x * s

@@ -1,0 +1,36 @@
+"""External modules that register estimators and effects: those named in ``MPM_LAB_EXTENSIONS``.
+
+Every process imports them once, before it looks up what a problem supports.
+"""
+
+import functools
+import importlib
+import os
+from collections.abc import Iterable
+
+EXTENSIONS = "MPM_LAB_EXTENSIONS"
+COMPILED_PROBLEMS: set[str] = set()  # problems whose solvers are imported, so that extensions come too late
+
+
+class ExtensionError(Exception):
+    """Error for a module named in ``MPM_LAB_EXTENSIONS`` that cannot be imported; the message says which and why."""
+
+
+@functools.cache
+def load_extensions() -> None:
+    """Imports the modules that the environment names. Raises :class:`ExtensionError` where that fails."""
+    for module in filter(None, os.environ.get(EXTENSIONS, "").replace(",", " ").split()):
+        try:
+            importlib.import_module(module)
+        except Exception as error:
+            missing = isinstance(error, ModuleNotFoundError) and error.name == module.partition(".")[0]
+            raise ExtensionError(f"{EXTENSIONS} names {module}, which cannot be imported ({type(error).__name__}: "
+                                 f"{error}); correct it or leave it out"
+                                 f"{', or name its folder in PYTHONPATH' * missing}") from error
+
+
+def require_before_solver_import(name: str, problems: Iterable[str]) -> None:
+    """Raises RuntimeError where the solver of one of the ``problems`` that ``name`` is for is already imported, because
+    its kernels are fixed by then."""
+    if late := [problem for problem in problems if problem in COMPILED_PROBLEMS]:
+        raise RuntimeError(f"register {name} before the solver of the {' and '.join(late)} is imported")

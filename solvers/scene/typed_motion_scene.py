@@ -1,0 +1,77 @@
+"""Base class of scenes whose displacement can be typed as formulas in place of the built-in one."""
+
+from __future__ import annotations
+
+import functools
+import math
+from abc import abstractmethod
+from typing import TYPE_CHECKING, Any, ClassVar
+
+from solvers.motion.formula import FormulaError
+from solvers.motion.typed_motion import MotionInputs1D, MotionInputs2D, find_period, parse_motion
+from solvers.scene.validation import SceneError, require_number
+
+TYPED = "typed"  # the compile-time option of such a motion, whatever the formula
+
+if TYPE_CHECKING:
+    from solvers.scene.scene import Scene
+else:
+    Scene = object  # a dataclass as base would give its fields again, in front of those of other bases
+
+
+class TypedMotionScene(Scene):
+    """Scene with a field ``displacement``, "" for the built-in one."""
+
+    TYPED_TITLE: ClassVar[str]
+    displacement: Any
+
+    @property
+    @abstractmethod
+    def motion_inputs(self) -> MotionInputs2D | MotionInputs1D:
+        """Parameters of its typed motion."""
+
+    @property
+    def base_frequency(self) -> float:
+        """Angular frequency w in 1/s: pi over the time in which a wave in a bar travels one metre."""
+        return math.pi * math.sqrt(self.modulus / self.density)
+
+    @property
+    def typed_solution(self) -> Any:
+        """Exact solution of the typed motion."""
+        return self.motion_inputs.solution(self.displacement)
+
+    @functools.cached_property
+    def typed_frequency(self) -> float:
+        """Angular frequency of the typed motion, in 1/s."""
+        return 2 * math.pi / find_period(self.displacement, self.motion_inputs)
+
+    @property
+    def title(self) -> str:
+        return self.TYPED_TITLE if self.displacement else self.TITLE
+
+    @property
+    def motion_fields(self) -> tuple[str, ...]:
+        return () if self.displacement and "A" not in self.displacement else super().motion_fields
+
+    def _normalized_inputs(self) -> dict[str, Any]:
+        """Returns inputs in their normal form, the formula as in links."""
+        if not isinstance(self.displacement, str):
+            raise SceneError("displacement", self.displacement, "is no text; give formulas such as "
+                                                                "0.02*sin(2*pi*X)*sin(w*t)")
+        try:
+            text = parse_motion(self.displacement, self.DIMENSIONS).text if self.displacement.strip() else ""
+        except FormulaError as error:
+            raise SceneError("displacement", self.displacement, str(error)) from None
+        return {**super()._normalized_inputs(), "displacement": text}
+
+    def _check_amplitude(self) -> None:
+        if not self.displacement:
+            return super()._check_amplitude()  # type: ignore[safe-super]  # of a problem that has one
+        require_number("amplitude", self.amplitude, 1e-12, math.inf)
+
+    def _check_time(self) -> None:
+        try:
+            float(self.typed_frequency if self.displacement else 1.0)  # fails where the formula has no period
+        except FormulaError as error:
+            raise SceneError("displacement", self.displacement, str(error)) from None
+        super()._check_time()
