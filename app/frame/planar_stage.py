@@ -115,11 +115,8 @@ class PlanarStage(Stage[PlaneScene]):
                             arrays: FrameArrays) -> Iterator[Mark]:
         """Yields a line from the worst region of each half to a label beside it."""
         places, segments = self._layout, [np.empty((0, 2, 3), np.float32)]
-        room, (x, y), wanted = (
-            places.stage_metrics,
-            places.middle,
-            places.slot == RunSlot.ALONE and places.stage_metrics.gutter > 0,
-        )
+        room, (x, y), wanted = (places.stage_metrics, places.middle,
+                                places.slot == RunSlot.ALONE and places.stage_metrics.gutter > 0)
         for found, name, sign in zip(worst, ("estimate", "truth"), (-1, 1), strict=True):
             text, edge = "", x + AROUND * places.radius + 4 * room.pixel if sign > 0 else -EDGE
             at = clip_to_view(arrays.position)[found.particles] if found and wanted else np.empty((0, 2))

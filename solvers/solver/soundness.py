@@ -55,11 +55,8 @@ CONTRADICTIONS: dict[str, ContradictionRule] = {
         # Motion around the centre, and differences along a material circle: a strict lower bound of the error.
         ContradictionRule("out_of_shape", 0.1, "the ring is no longer round (by {size} of the amplitude)"),
         # Occurs on fine grids, where neighbours are too close to have large gaps; sound runs reach 0.3.
-        ContradictionRule(
-            "displacement_mismatch",
-            0.4,
-            "displacements and deformation contradict each other (off by {size} of the amplitude)",
-        ),
+        ContradictionRule("displacement_mismatch", 0.4,
+                          "displacements and deformation contradict each other (off by {size} of the amplitude)"),
         # A lower bound of the error, up to the error of the balance itself, a hundredth or less.
         ContradictionRule(
             "balance_gap",

@@ -7,18 +7,8 @@ import numpy as np
 
 from app.frame.field_plot import ROOM, FieldPlotDefinition
 from app.frame.layout import HALVES, RunSlot
-from app.frame.primitives import (
-    Anchor,
-    Dots,
-    Label,
-    Lines,
-    Mark,
-    StageMetrics,
-    Tone,
-    fade_colours,
-    in_plane,
-    join_points,
-)
+from app.frame.primitives import (Anchor, Dots, Label, Lines, Mark, StageMetrics, Tone, fade_colours, in_plane,
+                                  join_points)
 from app.frame.stage import TOUCH, Stage, StageLabels, WorstRegionMark
 from app.language.translation import lazy, tr
 from app.problems.bar.layout import BarLayout, make_bar_layout
@@ -87,11 +77,8 @@ class BarStage(Stage[BarScene]):
         return self._now
 
     def _static_marks(self, scene: BarScene, particles: int, at_rest: np.ndarray | None) -> Iterator[Mark]:
-        edges, places, colours = (
-            np.arange(scene.cells + 1) * scene.spacing,
-            self._layout,
-            self._layout.stage_metrics.palette,
-        )
+        edges, places, colours = (np.arange(scene.cells + 1) * scene.spacing, self._layout,
+                                  self._layout.stage_metrics.palette)
         box, over = places.field, 6 * places.stage_metrics.pixel
         for name, low, high, colour, depth in (
                 ("cells", places.truth - 0.5 * places.lane - over, places.estimate + 0.5 * places.lane + over,

@@ -146,10 +146,8 @@ def _conversion_from_cauchy_stress(measure: Callable[[np.ndarray, np.ndarray, np
 MEASURES: dict[str, Callable[[np.ndarray, np.ndarray], np.ndarray]] = {
     "the stress with the other sign": lambda F, sigma: -sigma,
     "the Kirchhoff stress": _conversion_from_cauchy_stress(lambda J, G, sigma: J * sigma),
-    "the first Piola-Kirchhoff stress": _conversion_from_cauchy_stress(
-        lambda J, G, sigma: J * sigma @ np.swapaxes(G, -1, -2)
-    ),
-    "the second Piola-Kirchhoff stress": _conversion_from_cauchy_stress(
-        lambda J, G, sigma: J * G @ sigma @ np.swapaxes(G, -1, -2)
-    ),
+    "the first Piola-Kirchhoff stress": _conversion_from_cauchy_stress(lambda J, G,
+                                                                       sigma: J * sigma @ np.swapaxes(G, -1, -2)),
+    "the second Piola-Kirchhoff stress": _conversion_from_cauchy_stress(lambda J, G,
+                                                                        sigma: J * G @ sigma @ np.swapaxes(G, -1, -2)),
 }

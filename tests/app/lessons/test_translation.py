@@ -79,10 +79,8 @@ def test_a_translation_is_no_lesson_of_its_own(folder):
     with use_language("de"):
         assert catalogue.load_lessons(folder)["01-test"].title == "Ein Test"
     assert catalogue.load_lessons(folder)["01-test"].title == "A test"
-    assert [lesson.file_stem for lesson in catalogue.load_every_language("01-test", folder)] == [
-        "01-test",
-        "01-test.de",
-    ]
+    assert [lesson.file_stem for lesson in catalogue.load_every_language("01-test", folder)] == ["01-test",
+                                                                                                 "01-test.de"]
 
 
 @pytest.mark.parametrize("written, graded_in", [("de", "en"), ("en", "de")])

@@ -42,15 +42,8 @@ from solvers.kernels.packing import prefix_view
 from solvers.motion.exact_solution_1d import force_table
 from solvers.problems.bar import exact_solution
 from solvers.problems.bar.estimators import recovered_tables
-from solvers.problems.bar.estimators.recovered_tables import (
-    DRIVE,
-    FIT,
-    INTERPOLATION,
-    PROJECTION,
-    SMOOTHING,
-    STIFFNESS,
-    TABLES,
-)
+from solvers.problems.bar.estimators.recovered_tables import (DRIVE, FIT, INTERPOLATION, PROJECTION, SMOOTHING,
+                                                              STIFFNESS, TABLES)
 from solvers.problems.bar.method.body_force import tabulated_tone_amplitudes
 from solvers.problems.bar.method.periodic_nodes import stencil_of
 from solvers.scene.estimator_hooks import EstimatorHooks
@@ -148,9 +141,8 @@ def start_reference(bar: ti.template(), t, on: ti.template()):
         for i in range(bar.cells):
             shape, at = bar.recovered_nodes[nodal_entry_index(bar, FORCE, i)], nodal_entry_index(bar, MOTION, i)
             a = nodal_body_force(bar, i, shape, size, on)
-            bar.recovered_nodes[at] = recovered.initial_reference_solution(
-                bar.recovered_nodes[at], a, bar.recovered_numbers[H]
-            )
+            bar.recovered_nodes[at] = recovered.initial_reference_solution(bar.recovered_nodes[at], a,
+                                                                           bar.recovered_numbers[H])
             bar.recovered_nodes[nodal_entry_index(bar, FORCE, i)] = ti.Vector([shape[0], shape[1], shape[2], a])
         bar.recovered_numbers[TURNS] = BEGUN
 
@@ -187,10 +179,8 @@ def after_step(bar: ti.template(), base, step, on: ti.template()):
     extend_periodically(bar.recovered_field, 0, bar.particles, bar.recovered_beyond)
     particles_to_nodes(bar, DRIVE, ERRORS)
     for i in range(bar.cells):
-        motion, drive = (
-            bar.recovered_nodes[nodal_entry_index(bar, MOTION, i)],
-            bar.recovered_nodes[nodal_entry_index(bar, ERRORS, i)],
-        )
+        motion, drive = (bar.recovered_nodes[nodal_entry_index(bar, MOTION, i)],
+                         bar.recovered_nodes[nodal_entry_index(bar, ERRORS, i)])
         motion[0] += bar.recovered_numbers[H] * motion[1]
         bar.recovered_nodes[nodal_entry_index(bar, MOTION, i)] = motion
         shape = bar.recovered_nodes[nodal_entry_index(bar, FORCE, i)]

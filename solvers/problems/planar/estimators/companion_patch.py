@@ -52,11 +52,8 @@ class CompanionPatch(ElasticBody):
     def __init__(self, scene: Any, lines: tuple[Elements, Elements], patch_map: CoordinateMap,
                  held: Callable[[np.ndarray], np.ndarray]):
         first, second = self.lines = lines
-        self.map, self._material, self._shape = (
-            patch_map,
-            scene.material,
-            (len(first.node_coordinates), len(second.node_coordinates)),
-        )
+        self.map, self._material, self._shape = (patch_map, scene.material,
+                                                 (len(first.node_coordinates), len(second.node_coordinates)))
         xi, eta = (line.ravel() for line in np.meshgrid(first.node_coordinates, second.node_coordinates, indexing="ij"))
         self.places = patch_map.place(xi, eta)
         self.geometry = contravariant_vectors(patch_map.tangents(xi, eta))

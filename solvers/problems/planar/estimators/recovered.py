@@ -163,12 +163,8 @@ def advance_reference_motion(body: ti.template(), nodes: ti.template(), first, l
             r, rate = nodes[at_r], nodes[at_rate]
             x, y = ti.Vector([r[0], r[2], rate[0], rate[2]]), ti.Vector([r[1], r[3], rate[1], rate[3]])
             nodes[op.node_index(body, op.BEFORE, a * B + b)] = ti.Vector(
-                [
-                    recovered.acceleration_two_steps_before(x, a_x, first),
-                    recovered.acceleration_two_steps_before(y, a_y, first),
-                    0.0,
-                    0.0,
-                ]
+                [recovered.acceleration_two_steps_before(x, a_x, first),
+                 recovered.acceleration_two_steps_before(y, a_y, first), 0.0, 0.0]
             )
             x, y = recovered.next_reference_solution(x, a_x, step,
                                                      first), recovered.next_reference_solution(y, a_y, step, first)

@@ -9,15 +9,8 @@ from typing import NamedTuple
 
 import taichi as ti
 
-from solvers.estimators.recovered import (
-    ROUGH,
-    SIZE,
-    first_in_group,
-    fourth_difference_weight,
-    group_count,
-    store_sums,
-    table_row_range,
-)
+from solvers.estimators.recovered import (ROUGH, SIZE, first_in_group, fourth_difference_weight, group_count,
+                                          store_sums, table_row_range)
 from solvers.kernels.packing import prefix_view
 from solvers.solver.separable_field_tables import body_force_at, compute_force_time_functions
 
@@ -133,18 +126,8 @@ def project_along_lines(body: ti.template(), block: ti.template(), pick: ti.temp
                 body.recovered_particles,
                 line_node_index(body, VALUES, line, b),
                 B,
-                row_sums(
-                    body,
-                    ALONG_PROJECTION,
-                    b,
-                    pick,
-                    body.recovered_particles,
-                    particle_index(body, block, line * K),
-                    K,
-                    1,
-                    0,
-                    False,
-                ),
+                row_sums(body, ALONG_PROJECTION, b, pick, body.recovered_particles,
+                         particle_index(body, block, line * K), K, 1, 0, False),
             )
 
 
@@ -160,18 +143,8 @@ def project_across_lines(body: ti.template(), into: ti.template(), pick: ti.temp
                 body.recovered_nodes,
                 node_index(body, into, a * B + b),
                 1,
-                row_sums(
-                    body,
-                    ACROSS_PROJECTION,
-                    a,
-                    pick,
-                    body.recovered_particles,
-                    line_node_index(body, VALUES, 0, b),
-                    1,
-                    B,
-                    radii,
-                    lattice.closed,
-                ),
+                row_sums(body, ACROSS_PROJECTION, a, pick, body.recovered_particles,
+                         line_node_index(body, VALUES, 0, b), 1, B, radii, lattice.closed),
             )
 
 
@@ -189,14 +162,9 @@ def project_body_force(body: ti.template(), t, lattice: ti.template(), on: ti.te
             project_across_lines(body, FORCE, PAIR_VALUES, lattice)
         else:
             for b in range(body.recovered_line_nodes):
-                body.recovered_nodes[node_index(body, FORCE, b)] = row_sum(
-                    body,
-                    ALONG_PROJECTION,
-                    b,
-                    lattice.value,
-                    body.recovered_particles,
-                    particle_index(body, HALF_SLOPES, 0),
-                )
+                body.recovered_nodes[node_index(body, FORCE, b)] = row_sum(body, ALONG_PROJECTION, b, lattice.value,
+                                                                           body.recovered_particles,
+                                                                           particle_index(body, HALF_SLOPES, 0))
 
 
 @ti.func
@@ -227,18 +195,8 @@ def smooth_nodes(body: ti.template(), lattice: ti.template()):
                 body.recovered_nodes,
                 node_index(body, HALF_SMOOTHED, a * B + b),
                 B,
-                row_sums(
-                    body,
-                    ALONG_SMOOTHING,
-                    b,
-                    lattice.value,
-                    body.recovered_nodes,
-                    node_index(body, PROJECTED, a * B),
-                    B,
-                    1,
-                    0,
-                    False,
-                ),
+                row_sums(body, ALONG_SMOOTHING, b, lattice.value, body.recovered_nodes,
+                         node_index(body, PROJECTED, a * B), B, 1, 0, False),
             )
     for a in range(A):
         for group in range(group_count(B)):
@@ -298,18 +256,8 @@ def fit_along_lines(body: ti.template(), into: ti.template(), pick: ti.template(
                 body.recovered_particles,
                 particle_index(body, into, line * K + j),
                 K,
-                row_sums(
-                    body,
-                    ALONG_FIT,
-                    j,
-                    pick,
-                    body.recovered_particles,
-                    particle_index(body, FIELD, line * K),
-                    K,
-                    1,
-                    0,
-                    False,
-                ),
+                row_sums(body, ALONG_FIT, j, pick, body.recovered_particles, particle_index(body, FIELD, line * K), K,
+                         1, 0, False),
             )
 
 

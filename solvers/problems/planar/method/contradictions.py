@@ -66,10 +66,8 @@ def record_mode_moments(body: ti.template(), row):
     see ``BoxScene.balanced_motion``. The body has no known symmetry."""
     record_neighbour_gaps(body, row)
     squares, sums = 0.0, ti.Vector([0.0] * MODES)
-    rank, modes = (
-        table_size_entry(body, MOTION, separable_field_tables.RANK),
-        table_size_entry(body, MOTION, separable_field_tables.MODES),
-    )
+    rank, modes = (table_size_entry(body, MOTION, separable_field_tables.RANK),
+                   table_size_entry(body, MOTION, separable_field_tables.MODES))
     for p in range(body.particles):
         X, q = body.material_position[p], body.position_velocity[p]
         u = ti.Vector([q[0] - X[0], q[1] - X[1]])

@@ -24,14 +24,8 @@ LAWS = {name: one._replace(energy=strip_annotations(one.energy), coefficients=st
         for name, one in IN_NUMPY.items()}
 determinant, piola, kirchhoff, stiffness_metric, reference_stiffness_metric, wave_stiffness = map(
     strip_annotations,
-    (
-        law.determinant,
-        law.piola,
-        law.kirchhoff,
-        law.stiffness_metric,
-        law.reference_stiffness_metric,
-        law.wave_stiffness,
-    ),
+    (law.determinant, law.piola, law.kirchhoff, law.stiffness_metric, law.reference_stiffness_metric,
+     law.wave_stiffness),
 )
 
 
