@@ -58,10 +58,8 @@ def record_scenes(wanted: Sequence[RecordingRequest], processes: int,
     Raises :class:`~solvers.workers.worker_process.ProcessDied` if one cannot be made."""
     with closing(WorkerPool(f"{__name__}:record_in_worker", processes)) as pool:
         # One of each kind of run first, so that processes compile different kernels.
-        asked = {
-            one: pool.submit(asdict(one), kind=_request_kernel_key(one))
-            for one in one_of_each_first(wanted, _request_kernel_key)
-        }
+        asked = {one: pool.submit(asdict(one), kind=_request_kernel_key(one))
+                 for one in one_of_each_first(wanted, _request_kernel_key)}
         for done, recording in enumerate(as_completed(asked.values()), 1):
             recording.result()
             on_progress(done)

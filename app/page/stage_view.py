@@ -51,10 +51,8 @@ class StageView:
     def draw(self) -> None:
         """Draws the stage."""
         with self._drawing:
-            if (
-                self._choice is not None
-                and (display := self.source.stage_content(choice := self._choice())) is not None
-            ):
+            if (self._choice is not None
+                and (display := self.source.stage_content(choice := self._choice())) is not None):
                 self._canvas.draw(display, choice)
 
     def read_numbers(self, choice: ViewChoice) -> Numbers | None:

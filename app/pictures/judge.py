@@ -76,11 +76,9 @@ def spatial_error_figure(judged: Judgement) -> Figure | None:
     size = error_magnitudes(errors["x"])
     few = np.union1d(random_subsample_indices(len(size)), [int(np.argmax(size))])
     X, x, shown = frame.material_position[few], frame.position[few], size[few]
-    alone = (
-        np.isin(few, g.position_outliers.which)
-        if g.position_outliers and g.position_outliers.frame.time == frame.time
-        else np.zeros(len(few), bool)
-    )
+    alone = (np.isin(few, g.position_outliers.which)
+             if g.position_outliers and g.position_outliers.frame.time == frame.time
+             else np.zeros(len(few), bool))
     figure = Figure(figsize=(10, 4) if X.shape[1] == 1 else (10, 8.5), layout="constrained")
     axes = figure.subplots()
     axes.set_title(f"Error of x at t = {frame.time:.4g} s, {g.grid.cells} cells")

@@ -239,10 +239,8 @@ class SessionStepper:
         now, (wall, simulated) = perf_counter(), self._anchor
         target, partner = simulated + (now - wall) * self._speed, self.partner
         if partner is not None and partner.running:  # no farther than ``_lead`` beyond its number of periods
-            bound = (
-                partner.solver.time / partner.solver.scene.period * self.solver.scene.period
-                + self._max_lead_over_partner
-            )
+            bound = (partner.solver.time / partner.solver.scene.period * self.solver.scene.period
+                     + self._max_lead_over_partner)
             if bound < target:
                 target = bound
                 self._anchor = (now, bound)

@@ -127,10 +127,8 @@ class _StepOperators:
     def apply_smoothing(self, field: np.ndarray) -> np.ndarray:
         """Returns M^-1/2 S^T m S M^-1/2 applied to a field."""
         S, mass = self._of.weights, self._of.mass
-        given = [
-            (mass * np.einsum("npk,npk->np", v, S))[..., None] * S
-            for v in self._gather_at_particles(self._mass_links, field)
-        ]
+        given = [(mass * np.einsum("npk,npk->np", v, S))[..., None] * S
+                 for v in self._gather_at_particles(self._mass_links, field)]
         return self._sum_at_unknowns(self._mass_links, given) * self._scale
 
     def apply_two_minus_b(self, field: np.ndarray) -> np.ndarray:

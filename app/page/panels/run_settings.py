@@ -175,12 +175,10 @@ def method_pictures(methods: tuple[str, ...], chosen: str) -> str:
 
     return (
         "<div class='lab-methods' aria-hidden='true'>"
-        + "".join(
-            f"<span class='lab-method{' lab-chosen' * (method == chosen)}' data-method='{escape(method)}' "
-            f"title='{escape(str(METHODS.get(method) or Method(method)))}'>"
-            f"{_shape_function_svg(method)}{escape(name(method))}</span>"
-            for method in methods
-        )
+        + "".join(f"<span class='lab-method{' lab-chosen' * (method == chosen)}' data-method='{escape(method)}' "
+                  f"title='{escape(str(METHODS.get(method) or Method(method)))}'>"
+                  f"{_shape_function_svg(method)}{escape(name(method))}</span>"
+                  for method in methods)
         + "</div>"
     )
 

@@ -165,19 +165,15 @@ class BudgetPanel(Feature):
     def _recorded_runs(self, numbers: Numbers, scene: Scene, latest: bool) -> list[BudgetData]:
         """Returns the pinned run, if it has a budget, and the one on the stage, if it has one yet."""
         past, pinned = numbers.past, numbers.pinned
-        if (
-            past is None
+        if (past is None
             or past.scene != scene
             or not has_budget(past.series)
-            or not has_budget(past.latest_periods_series)
-        ):
+            or not has_budget(past.latest_periods_series)):
             return []
         both = []
-        if (
-            pinned is not None
+        if (pinned is not None
             and has_budget(pinned.history.series)
-            and has_budget(pinned.history.latest_periods_series)
-        ):
+            and has_budget(pinned.history.latest_periods_series)):
             both = [BudgetData(_run_name(PINNED, pinned.scene, scene), pinned.scene, pinned.history.series,
                                pinned.history.latest_periods_series if latest else pinned.history.series)]
         name = "" if pinned is None or not both else _run_name(THIS, scene, pinned.scene)

@@ -12,7 +12,7 @@ from solvers.estimators import companion
 from solvers.problems.bar.budget.budget_arrays import stores_reference
 from solvers.problems.bar.method.sample_rows import typed_motion_at
 from solvers.scene.error_causes import CAUSES
-from solvers.solver.separable_field_tables import MODES, MOTION, PRESENT, RANK, compute_time_functions, table_size_entry
+from solvers.solver.separable_field_tables import MODES, MOTION, PRESENT, RANK, compute_time_functions, table_size
 
 TIME_STEP = list(CAUSES).index("time_step")  # its lane
 
@@ -71,9 +71,7 @@ def add_typed_time_step_error(bar: ti.template(), step):
     """Adds symplectic Euler's errors at the end of step number ``step``, for a typed motion."""
     angle = bar.angular_frequency * bar.dt * step
     compute_time_functions(bar.tables, bar.table_sizes, MOTION, bar.angular_frequency, angle, angle)
-    rank, modes, out = table_size_entry(bar, MOTION,
-                                        RANK), table_size_entry(bar, MOTION,
-                                                                MODES), table_size_entry(bar, MOTION, PRESENT)
+    rank, modes, out = table_size(bar, MOTION, RANK), table_size(bar, MOTION, MODES), table_size(bar, MOTION, PRESENT)
     for p in range(bar.particles):
         known, rate = typed_motion_at(bar, p), 0.0
         for k in range(rank):

@@ -117,10 +117,8 @@ def interpolate_nodal_errors(bar: ti.template(), p, pattern):
     total = ti.Vector([0.0] * 4)
     first, begin, _ = recovered.table_row_range(bar, INTERPOLATION, p, pattern)
     for k in ti.static(range(3)):
-        total += (
-            prefix_view(bar, INTERPOLATION).weights[begin + k]
-            * bar.recovered_nodes[nodal_entry_index(bar, ERRORS, first + k)]
-        )
+        total += (prefix_view(bar, INTERPOLATION).weights[begin + k]
+                  * bar.recovered_nodes[nodal_entry_index(bar, ERRORS, first + k)])
     return total
 
 

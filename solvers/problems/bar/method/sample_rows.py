@@ -9,7 +9,7 @@ import taichi as ti
 from solvers.problems.bar.method import contradictions
 from solvers.scene.typed_motion_scene import TYPED
 from solvers.solver.samples import BASE_COLUMNS, ESTIMATOR_COLUMNS, column_index
-from solvers.solver.separable_field_tables import MODES, MOTION, PRESENT, RANK, compute_time_functions, table_size_entry
+from solvers.solver.separable_field_tables import MODES, MOTION, PRESENT, RANK, compute_time_functions, table_size
 
 
 @ti.func
@@ -49,9 +49,7 @@ def logarithmic_stress_error(bar: ti.template(), p, now, on: ti.template()):
 @ti.func
 def typed_motion_at(bar: ti.template(), p):
     """Returns u, v, a of the step before and F - 1 of a typed motion at particle p, or their means for p = P."""
-    rank, modes, out = table_size_entry(bar, MOTION,
-                                        RANK), table_size_entry(bar, MOTION,
-                                                                MODES), table_size_entry(bar, MOTION, PRESENT)
+    rank, modes, out = table_size(bar, MOTION, RANK), table_size(bar, MOTION, MODES), table_size(bar, MOTION, PRESENT)
     known = ti.Vector([0.0, 0.0, 0.0, 0.0])
     for k in range(rank):
         T, M = bar.tables[out + k], bar.tables[modes + p * rank + k]

@@ -122,13 +122,9 @@ def project_along_lines(body: ti.template(), block: ti.template(), pick: ti.temp
     for group in range(group_count(radii)):
         line = first_in_group(group, radii)
         for b in range(B):
-            store_sums(
-                body.recovered_particles,
-                line_node_index(body, VALUES, line, b),
-                B,
-                row_sums(body, ALONG_PROJECTION, b, pick, body.recovered_particles,
-                         particle_index(body, block, line * K), K, 1, 0, False),
-            )
+            store_sums(body.recovered_particles, line_node_index(body, VALUES, line, b), B,
+                       row_sums(body, ALONG_PROJECTION, b, pick, body.recovered_particles,
+                                particle_index(body, block, line * K), K, 1, 0, False))
 
 
 @ti.func
@@ -139,13 +135,9 @@ def project_across_lines(body: ti.template(), into: ti.template(), pick: ti.temp
     for a in range(body.recovered_count // B):
         for group in range(group_count(B)):
             b = first_in_group(group, B)
-            store_sums(
-                body.recovered_nodes,
-                node_index(body, into, a * B + b),
-                1,
-                row_sums(body, ACROSS_PROJECTION, a, pick, body.recovered_particles,
-                         line_node_index(body, VALUES, 0, b), 1, B, radii, lattice.closed),
-            )
+            store_sums(body.recovered_nodes, node_index(body, into, a * B + b), 1,
+                       row_sums(body, ACROSS_PROJECTION, a, pick, body.recovered_particles,
+                                line_node_index(body, VALUES, 0, b), 1, B, radii, lattice.closed))
 
 
 @ti.func
@@ -191,13 +183,9 @@ def smooth_nodes(body: ti.template(), lattice: ti.template()):
     for group in range(group_count(A)):
         a = first_in_group(group, A)
         for b in range(B):
-            store_sums(
-                body.recovered_nodes,
-                node_index(body, HALF_SMOOTHED, a * B + b),
-                B,
-                row_sums(body, ALONG_SMOOTHING, b, lattice.value, body.recovered_nodes,
-                         node_index(body, PROJECTED, a * B), B, 1, 0, False),
-            )
+            store_sums(body.recovered_nodes, node_index(body, HALF_SMOOTHED, a * B + b), B,
+                       row_sums(body, ALONG_SMOOTHING, b, lattice.value, body.recovered_nodes,
+                                node_index(body, PROJECTED, a * B), B, 1, 0, False))
     for a in range(A):
         for group in range(group_count(B)):
             b = first_in_group(group, B)

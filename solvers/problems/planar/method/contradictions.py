@@ -14,7 +14,7 @@ from solvers.problems.planar.method.node_records import scatter_add
 from solvers.scene.momentum_balance_moments import MODES
 from solvers.solver import separable_field_tables
 from solvers.solver.samples import column_index
-from solvers.solver.separable_field_tables import MOTION, table_size_entry
+from solvers.solver.separable_field_tables import MOTION, table_size
 
 SAME = 1e-12  # relative difference of a distance computed twice, in loops compiled differently
 
@@ -66,8 +66,8 @@ def record_mode_moments(body: ti.template(), row):
     see ``BoxScene.balanced_motion``. The body has no known symmetry."""
     record_neighbour_gaps(body, row)
     squares, sums = 0.0, ti.Vector([0.0] * MODES)
-    rank, modes = (table_size_entry(body, MOTION, separable_field_tables.RANK),
-                   table_size_entry(body, MOTION, separable_field_tables.MODES))
+    rank, modes = (table_size(body, MOTION, separable_field_tables.RANK),
+                   table_size(body, MOTION, separable_field_tables.MODES))
     for p in range(body.particles):
         X, q = body.material_position[p], body.position_velocity[p]
         u = ti.Vector([q[0] - X[0], q[1] - X[1]])

@@ -13,7 +13,7 @@ from solvers.problems.planar.scene import PlanarScene
 from solvers.scene.effects import samplers
 from solvers.solver.samples import column_index
 from solvers.solver.separable_field_tables import (GRID, MODES, MOTION, PRESENT, RANK, compute_time_functions,
-                                                   table_size_entry)
+                                                   table_size)
 
 
 @ti.func
@@ -25,9 +25,8 @@ def compute_exact_solution(body: ti.template(), step, on: ti.template()):
     before = ti.max(0.0, now - w * body.dt)
     for number in range(MOTION, GRID + 1):  # one loop, for its code is compiled once
         compute_time_functions(body.tables, body.table_sizes, number, w, now, before)
-    rank, modes, out = table_size_entry(body, MOTION,
-                                        RANK), table_size_entry(body, MOTION,
-                                                                MODES), table_size_entry(body, MOTION, PRESENT)
+    rank, modes = table_size(body, MOTION, RANK), table_size(body, MOTION, MODES)
+    out = table_size(body, MOTION, PRESENT)
     for k in range(body.orbits):
         motion, a, F = ti.Vector([0.0] * 4), ti.Vector([0.0] * 4), ti.Vector([1.0, 0.0, 0.0, 1.0])
         for n in range(rank):
@@ -77,11 +76,9 @@ def sample_angular_momentum(body: ti.template(), row, step, on: ti.template()):
 def make_diagnostic_kernels(kind: type[PlanarScene], first: int) -> DiagnosticKernels:
     """Returns the diagnostics of a problem with this scene class; nodes before ``first`` lie beyond a symmetry
     plane."""
-    nodes = (
-        make_circular_acceleration_error(kind, first)
-        if kind.CIRCULAR
-        else make_node_acceleration_error(first if kind.PLANES[1] else 0)
-    )
+    nodes = (make_circular_acceleration_error(kind, first)
+             if kind.CIRCULAR
+             else make_node_acceleration_error(first if kind.PLANES[1] else 0))
     record_contradictions = make_circle_contradiction_kernel(kind.INNER, kind.OUTER, kind.PLOTTED == "angular") \
         if kind.CIRCULAR else record_mode_moments
     spin = {"spin": sample_angular_momentum} if "spin" in kind.OWN_EFFECTS else {}

@@ -7,7 +7,7 @@ import taichi as ti
 
 from solvers.problems.planar.method.tensor_rotation import rotate_vector
 from solvers.problems.planar.scene import PlanarScene
-from solvers.solver.separable_field_tables import GRID, MODES, PRESENT, RANK, table_size_entry
+from solvers.solver.separable_field_tables import GRID, MODES, PRESENT, RANK, table_size
 
 NEWTON_STEPS = 9  # of the radius that has come to a node; the map is nearly linear and converges in four or five
 NEWTON_END = 1e-14  # m
@@ -20,9 +20,8 @@ def make_node_acceleration_error(ghosts: int) -> Callable:
     @ti.func
     def node_acceleration_error(body: ti.template(), on: ti.template()):
         """Returns the mean squared error of the acceleration of the nodes that carry mass."""
-        total, count, rank = 0.0, 0, table_size_entry(body, GRID, RANK)
-        modes, out, last = table_size_entry(body, GRID,
-                                            MODES), table_size_entry(body, GRID, PRESENT), body.row - 1 - ghosts
+        total, count, last = 0.0, 0, body.row - 1 - ghosts
+        rank, modes, out = table_size(body, GRID, RANK), table_size(body, GRID, MODES), table_size(body, GRID, PRESENT)
         for node in range(body.nodes):  # not one loop in another: Vulkan in software adds wrongly there
             i, j = node % body.row, node // body.row
             if i >= ghosts and j >= ghosts and i <= last and j <= last and body.node_mass[node] > 0:
@@ -60,9 +59,7 @@ def make_circular_acceleration_error(kind: type[PlanarScene], first: int) -> Cal
     @ti.func
     def node_acceleration_error(body: ti.template(), on: ti.template()):
         """Returns the mean squared error of the acceleration of the nodes that carry mass."""
-        rank, modes, out = table_size_entry(body, GRID,
-                                            RANK), table_size_entry(body, GRID,
-                                                                    MODES), table_size_entry(body, GRID, PRESENT)
+        rank, modes, out = table_size(body, GRID, RANK), table_size(body, GRID, MODES), table_size(body, GRID, PRESENT)
         for m in range(body.exact.shape[0] - 3 * body.orbits):
             now = ti.Vector([0.0] * 4)
             for k in range(rank):
