@@ -14,8 +14,14 @@ from xml.etree.ElementTree import Element, SubElement, indent, tostring
 from app import state
 from app.export import slider_grid
 from app.export.export_plan import ExportPlan, make_export_plan
-from app.export.html_file import (IN_A_COURSE, SCRIPTS, ProgressCallback, assemble_page, record_plans,
-                                  recorded_quantities)
+from app.export.html_file import (
+    IN_A_COURSE,
+    SCRIPTS,
+    ProgressCallback,
+    assemble_page,
+    record_plans,
+    recorded_quantities,
+)
 from app.frame.budget_chart import QUESTION
 from app.language.translation import lazy, tr, use_language
 from app.lessons import answer_check, bet_chart, catalogue, student_progress

@@ -12,8 +12,17 @@ import viser
 from app.frame import headline
 from app.frame.budget_chart import largest_cause_fact
 from app.frame.captions import ErrorView
-from app.frame.headline import (BACK, LAST, LOST, PAUSED, SO_FAR, UNSTABLE, Headline, error_headline_templates,
-                                fill_template)
+from app.frame.headline import (
+    BACK,
+    LAST,
+    LOST,
+    PAUSED,
+    SO_FAR,
+    UNSTABLE,
+    Headline,
+    error_headline_templates,
+    fill_template,
+)
 from app.frame.recent_crossings import crossing_window, is_recent_crossing
 from app.language.translation import lazy, tr, trn
 from app.page.stage.worst_region import WorstRegions

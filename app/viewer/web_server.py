@@ -27,8 +27,13 @@ from app.language import translation
 from app.language.translation import ENGLISH, current_language, language_cache, lazy, tr, with_language
 from app.templates import render_template
 from app.viewer import viser_patches
-from app.viewer.browser_connection import (HEADS_WITHIN, BrowserConnection, BrowserConnections, address_of,
-                                           close_websocket)
+from app.viewer.browser_connection import (
+    HEADS_WITHIN,
+    BrowserConnection,
+    BrowserConnections,
+    address_of,
+    close_websocket,
+)
 from app.viewer.incoming_messages import PARTS, PARTS_A_SECOND, IncomingMessageFilter
 from app.viewer.index_page import IndexPage, is_page_path, make_response, with_security_headers
 from app.viewer.send_queue import PROTOCOL, SendBuffer

@@ -9,8 +9,16 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 
 from app.commands import flags
-from app.commands.flags import (BadInput, PathFlag, RealFlag, Switch, choices_of, default_hint, parse_float_or_text,
-                                several_of)
+from app.commands.flags import (
+    BadInput,
+    PathFlag,
+    RealFlag,
+    Switch,
+    choices_of,
+    default_hint,
+    parse_float_or_text,
+    several_of,
+)
 from app.commands.output import json_target, print_message, put_result
 from app.commands.progress import record_interrupts, stdout_to_stderr
 from app.words import command_line, per_cell

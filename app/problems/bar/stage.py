@@ -7,8 +7,18 @@ import numpy as np
 
 from app.frame.field_plot import ROOM, FieldPlotDefinition
 from app.frame.layout import HALVES, RunSlot
-from app.frame.primitives import (Anchor, Dots, Label, Lines, Mark, StageMetrics, Tone, fade_colours, in_plane,
-                                  join_points)
+from app.frame.primitives import (
+    Anchor,
+    Dots,
+    Label,
+    Lines,
+    Mark,
+    StageMetrics,
+    Tone,
+    fade_colours,
+    in_plane,
+    join_points,
+)
 from app.frame.stage import TOUCH, Stage, StageLabels, WorstRegionMark
 from app.language.translation import lazy, tr
 from app.problems.bar.layout import BarLayout, make_bar_layout

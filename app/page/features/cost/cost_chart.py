@@ -16,8 +16,13 @@ from itertools import chain, pairwise
 from app.colours import METHOD_MARKS
 from app.language.translation import lazy, tr, trn
 from app.page.features.cost import cost_texts, visitor_runs
-from app.page.features.cost.cost_texts import (format_percent, format_seconds, join_names, reference_length_name,
-                                               run_name)
+from app.page.features.cost.cost_texts import (
+    format_percent,
+    format_seconds,
+    join_names,
+    reference_length_name,
+    run_name,
+)
 from app.page.features.cost.visitor_runs import SWEEP, NumberedRun, cheapest_run, measured_runs, run_of_scene
 from app.words import METHODS, method_name
 from solvers.problems import PROBLEMS

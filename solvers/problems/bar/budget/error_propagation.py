@@ -8,11 +8,19 @@ import taichi as ti
 
 from solvers.problems.bar.budget.budget_arrays import FORCE, PIECES, STRESS, VELOCITY
 from solvers.problems.bar.budget.error_sources import particles_to_nodes, update_nodes
-from solvers.problems.bar.budget.reference_motion import (reference_gradients_at, reference_motion_at,
-                                                          reference_time_factors)
+from solvers.problems.bar.budget.reference_motion import (
+    reference_gradients_at,
+    reference_motion_at,
+    reference_time_factors,
+)
 from solvers.problems.bar.method.gapless_pieces import interpolate_at_corner, piece_length
-from solvers.problems.bar.method.periodic_nodes import (EMPTY, GHOSTS, add_periodic_images, copy_to_periodic_images,
-                                                        stencil_of)
+from solvers.problems.bar.method.periodic_nodes import (
+    EMPTY,
+    GHOSTS,
+    add_periodic_images,
+    copy_to_periodic_images,
+    stencil_of,
+)
 from solvers.problems.bar.method.phases import half_width
 from solvers.problems.bar.method.sample_rows import exact_time_factors, true_error
 from solvers.problems.bar.method.stabilisations import MOST_GRADIENT, PASSES

@@ -14,10 +14,21 @@ import taichi as ti
 from solvers.problems.bar.budget.budget_arrays import FORCE, PIECES, REFERENCE, STRESS, VELOCITY
 from solvers.problems.bar.budget.reference_motion import reference_gradients_at, reference_motion_at
 from solvers.problems.bar.method.body_force import body_force_on_particle, tone_amplitudes
-from solvers.problems.bar.method.gapless_pieces import (nodes_per_corner, periodically_extended_position,
-                                                        store_piece_corners, stored_corner_stencil)
-from solvers.problems.bar.method.periodic_nodes import (DEGENERATE, EMPTY, GHOSTS, add_periodic_images,
-                                                        copy_to_periodic_images, divergence_mapping_factors, stencil_of)
+from solvers.problems.bar.method.gapless_pieces import (
+    nodes_per_corner,
+    periodically_extended_position,
+    store_piece_corners,
+    stored_corner_stencil,
+)
+from solvers.problems.bar.method.periodic_nodes import (
+    DEGENERATE,
+    EMPTY,
+    GHOSTS,
+    add_periodic_images,
+    copy_to_periodic_images,
+    divergence_mapping_factors,
+    stencil_of,
+)
 
 
 @ti.func

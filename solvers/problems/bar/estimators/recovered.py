@@ -42,8 +42,15 @@ from solvers.kernels.packing import prefix_view
 from solvers.motion.exact_solution_1d import force_table
 from solvers.problems.bar import exact_solution
 from solvers.problems.bar.estimators import recovered_tables
-from solvers.problems.bar.estimators.recovered_tables import (DRIVE, FIT, INTERPOLATION, PROJECTION, SMOOTHING,
-                                                              STIFFNESS, TABLES)
+from solvers.problems.bar.estimators.recovered_tables import (
+    DRIVE,
+    FIT,
+    INTERPOLATION,
+    PROJECTION,
+    SMOOTHING,
+    STIFFNESS,
+    TABLES,
+)
 from solvers.problems.bar.method.body_force import tabulated_tone_amplitudes
 from solvers.problems.bar.method.periodic_nodes import stencil_of
 from solvers.scene.estimator_hooks import EstimatorHooks

@@ -10,8 +10,14 @@ from solvers.kernels.shape_functions import outer_weights
 from solvers.kernels.simd import LANES, load
 from solvers.problems.bar.method import gapless_pieces, periodic_nodes
 from solvers.problems.bar.method.body_force import body_force_on_particle, tone_amplitudes
-from solvers.problems.bar.method.periodic_nodes import (EMPTY, GHOSTS, MOST_HALF_WIDTH, add_periodic_images,
-                                                        copy_to_periodic_images, stencil_of)
+from solvers.problems.bar.method.periodic_nodes import (
+    EMPTY,
+    GHOSTS,
+    MOST_HALF_WIDTH,
+    add_periodic_images,
+    copy_to_periodic_images,
+    stencil_of,
+)
 
 
 @ti.func

@@ -8,8 +8,13 @@ move.
 
 import taichi as ti
 
-from solvers.problems.bar.method.periodic_nodes import (EMPTY, GHOSTS, add_periodic_images, copy_to_periodic_images,
-                                                        stencil_of)
+from solvers.problems.bar.method.periodic_nodes import (
+    EMPTY,
+    GHOSTS,
+    add_periodic_images,
+    copy_to_periodic_images,
+    stencil_of,
+)
 
 PASSES = 8  # of the coupling: u_i = sum over l < 8 of (I - S^+ S)^l S^+ (x - X)
 MOST_GRADIENT = 0.9  # du/dx beyond which F = 1/(1 - du/dx) is meaningless
