@@ -126,7 +126,7 @@ class Visitors:
                 "frames_per_second": self._frames.events_per_second}
 
     def _close_with_message(self, page: Any) -> None:
-        page.fall_silent()
+        page.stop_output()
         self._show(page.client, tr(OVER))
         page.client.flush()
         page.close()
@@ -194,7 +194,7 @@ def serve(host: str, port: int, max_sessions: int, warm_up: bool = True, code: s
             if shared is not None:
                 shared.stop_computations()
             if server is not None:
-                server.wait_until_told(TOLD_WITHIN)
+                server.wait_until_sent(TOLD_WITHIN)
             pool.close(CLOSED_WITHIN)
             for thread in closing:
                 thread.join(CLOSED_WITHIN / max(1, len(closing)))
