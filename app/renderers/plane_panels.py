@@ -87,7 +87,8 @@ def _shell_means(result: Result, radius: np.ndarray, sizes: np.ndarray, inner: f
 
 
 def draw_estimate_and_truth_halves(figure: Figure, place: SubplotSpec, result: Result, stage: type[PlanarStage],
-                                   reach: float, lines: Iterable[np.ndarray], told: str, per_metre: float) -> None:
+                                   half_width: float, lines: Iterable[np.ndarray], line_names: str,
+                                   points_per_metre: float) -> None:
     """Draws the particles out to ``reach`` metres, once per estimator, on one scale.
 
     For a body mirrored at x = 0 the estimate is the left image and the truth the right one; else each half has its own
@@ -103,9 +104,9 @@ def draw_estimate_and_truth_halves(figure: Figure, place: SubplotSpec, result: R
     panels = place.subgridspec(1, len(names)).subplots(squeeze=False)[0]
     # A dot is about as wide as the particles are apart, in points of the picture, not so wide that they merge.
     apart = result.scene.spacing / result.scene.ppc * np.sqrt(result.particles / max(1, len(few)))
-    area = float(np.clip((0.8 * apart * (per_metre / len(names) ** 0.5)) ** 2, 0.5, 64.0))
+    area = float(np.clip((0.8 * apart * (points_per_metre / len(names) ** 0.5)) ** 2, 0.5, 64.0))
     for axes, name in zip(panels, names, strict=True):
-        _draw_grid_and_exact_lines(axes, result.scene, stage, reach, lines, told)
+        _draw_grid_and_exact_lines(axes, result.scene, stage, half_width, lines, line_names)
         for side, sizes, title, colour, silence in (
                 (-1, estimates.get(name), f"estimate ({name})", ESTIMATE_INK, EMPTY_HALVES[0]),
                 (1, truth, "truth", TRUTH_INK, EMPTY_HALVES[1])):
@@ -124,16 +125,16 @@ def draw_estimate_and_truth_halves(figure: Figure, place: SubplotSpec, result: R
                                    "error of x, one scale for both halves", "m", aspect=60, shrink=0.75)
 
 
-def _draw_grid_and_exact_lines(axes: Axes, scene: Scene, stage: type[PlanarStage], reach: float,
-                               lines: Iterable[np.ndarray], told: str) -> None:
+def _draw_grid_and_exact_lines(axes: Axes, scene: Scene, stage: type[PlanarStage], half_width: float,
+                               lines: Iterable[np.ndarray], line_names: str) -> None:
     """Draws cell lines, exact lines and the line between the halves, with equal scales on both axes."""
-    least, mirrored = (0.0, ", the estimate mirrored") if (-1, 1) in stage.MIRRORS else (-reach, "")
-    cells = _draw_cell_lines(axes, scene, reach, least, stage.cell_edge_position(scene))
+    least, mirrored = (0.0, ", the estimate mirrored") if (-1, 1) in stage.MIRRORS else (-half_width, "")
+    cells = _draw_cell_lines(axes, scene, half_width, least, stage.cell_edge_position(scene))
     for line in lines:
         axes.plot(*line.T, color=INK, linewidth=0.9, zorder=3)
     axes.axvline(0, color=INK, linewidth=0.9, linestyle=(0, (6, 3)), zorder=3)
-    axes.set(xlim=(-reach, reach), ylim=(least, reach), aspect="equal",
-             xlabel=f"x{mirrored}{cells}; dark lines: {told}")
+    axes.set(xlim=(-half_width, half_width), ylim=(least, half_width), aspect="equal",
+             xlabel=f"x{mirrored}{cells}; dark lines: {line_names}")
     axes.grid(visible=False)
     format_size_axis(axes.xaxis, "m", few=False)
     format_size_axis(axes.yaxis, "m")
@@ -142,13 +143,13 @@ def _draw_grid_and_exact_lines(axes: Axes, scene: Scene, stage: type[PlanarStage
     panel_style.write_places(axes, stage, lambda label: (metres * (label.x - x), metres * (label.y - y)))
 
 
-def _draw_cell_lines(axes: Axes, scene: Scene, reach: float, least: float, start: float) -> str:
+def _draw_cell_lines(axes: Axes, scene: Scene, half_width: float, least: float, start: float) -> str:
     """Draws cell lines above y = ``least``, out to ``reach`` m; returns their description for an axis label."""
     if scene.cells > panel_style.MOST_CELL_LINES:
         return ""
     lines = np.arange(-scene.cells, scene.cells + 1) * scene.spacing + start
-    lines = lines[np.abs(lines) <= reach]
+    lines = lines[np.abs(lines) <= half_width]
     width = min(0.7, 20 / scene.cells)
-    axes.vlines(lines, least, reach, color=LINE, linewidth=width, zorder=0)
-    axes.hlines(lines[lines >= least], -reach, reach, color=LINE, linewidth=width, zorder=0)
+    axes.vlines(lines, least, half_width, color=LINE, linewidth=width, zorder=0)
+    axes.hlines(lines[lines >= least], -half_width, half_width, color=LINE, linewidth=width, zorder=0)
     return "; grey lines: cells"

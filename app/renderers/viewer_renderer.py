@@ -101,9 +101,9 @@ class LabelLayer:
 class ViewerSurface:
     """Draws marks below the path ``at`` of one client's scene; only changes are sent."""
 
-    def __init__(self, client: viser.ClientHandle, lettering: LabelLayer, at: str):
-        self._client, self._lettering, self._at = client, lettering, at
-        self._root, self._visible = client.scene.add_frame(at, show_axes=False), True
+    def __init__(self, client: viser.ClientHandle, lettering: LabelLayer, path: str):
+        self._client, self._lettering, self._at = client, lettering, path
+        self._root, self._visible = client.scene.add_frame(path, show_axes=False), True
         self._drawn: dict[str, tuple[Any, Mark]] = {}  # by name, the handle and the mark last drawn
 
     @property

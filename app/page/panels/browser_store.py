@@ -90,15 +90,15 @@ class BrowserStore:
         elif len(self._early) < MOST_KINDS:
             self._early |= said
 
-    def _dispatch(self, said: dict[str, Any]) -> None:
-        if isinstance(here := said.get("here"), str) and here.startswith(("http://", "https://")):
+    def _dispatch(self, message: dict[str, Any]) -> None:
+        if isinstance(here := message.get("here"), str) and here.startswith(("http://", "https://")):
             self.here = here
         # A browser that rebuilds its widgets sends what it was given to store; that state is already on the stage.
-        if isinstance(link := said.get("link"), str) and link and link != self._link:
+        if isinstance(link := message.get("link"), str) and link and link != self._link:
             self._on_link(link)
-        for name in self.heard.keys() & said.keys():
-            self.heard[name](said[name])
-        if isinstance(lesson := said.get("lesson"), str) and isinstance(answers := said.get("answers"), str):
+        for name in self.heard.keys() & message.keys():
+            self.heard[name](message[name])
+        if isinstance(lesson := message.get("lesson"), str) and isinstance(answers := message.get("answers"), str):
             self._on_answers(lesson, answers)
 
 
@@ -127,10 +127,11 @@ class BrowserWindow:
         store.heard["room"] = self._on_size
         store.heard["dark"] = self._set_dark
 
-    def _on_size(self, said: Any) -> None:
-        if not (isinstance(said, list) and len(said) == 6 and all(is_number_between(part, 0, WIDEST) for part in said)):
+    def _on_size(self, sizes: Any) -> None:
+        if not (isinstance(sizes, list) and len(sizes) == 6
+                and all(is_number_between(part, 0, WIDEST) for part in sizes)):
             return
-        size = LayoutMetrics(*map(float, said))
+        size = LayoutMetrics(*map(float, sizes))
         if size != self.size:
             self.size = size
             self._on_change(size)

@@ -73,11 +73,11 @@ class Timeline:
         self._plot.height = self.height
 
     def show(self, past: RunSeries, valid: tuple[str, ...], quantity: str, latest: bool, pinned: PinnedRun | None,
-             drawn: str | None, now: TimelineState) -> None:
+             estimator: str | None, now: TimelineState) -> None:
         """Draws a run's error norms up to now, or those of its ``latest`` periods, and a ``pinned`` run's in grey."""
         series = past.latest_periods_series if latest else past.series
         time = series["time"]
-        grey = pinned_curves(pinned, past, series, quantity, drawn, latest)[0]
+        grey = pinned_curves(pinned, past, series, quantity, estimator, latest)[0]
         true = series[f"error_{quantity}"]
         estimated = [clip_estimate(series[f"{name}/estimate_{quantity}"], true) if name in valid
                      else np.full(len(time), np.nan) for name in self._estimators]
@@ -87,14 +87,14 @@ class Timeline:
         self._read = time, {tr(TRUE): true, **dict(zip(self._estimators, estimated, strict=True))}
         self._send_axis_and_marks(past, series, quantity, start, end, top, now)
 
-    def show_values_at(self, part: float | None) -> None:
+    def show_values_at(self, fraction: float | None) -> None:
         """Shows the curves' values at a fraction of the time axis, or nowhere."""
-        self._pointed = part
+        self._pointed = fraction
 
-    def time_at(self, part: float) -> float:
+    def time_at(self, fraction: float) -> float:
         """Returns the time in s at a fraction of the axis."""
         start, end, _ = self._ends or (0.0, 1.0, 1.0)
-        return start + part * (end - start)
+        return start + fraction * (end - start)
 
     def clear(self, now: TimelineState) -> None:
         """Clears the curves, at t = 0."""
@@ -102,15 +102,15 @@ class Timeline:
         self._send({"symbol": "", "top": [0, ""], "start": "", "ticks": [], "now": 0, "reach": [0, 0], "strip": "",
                     "clock": with_unit(now.time, "s"), "playing": now.playing, "read": [], "lost": None, "says": ""})
 
-    def _grow_axes(self, past: RunSeries, of: object, time: np.ndarray, curves: Sequence[np.ndarray]) -> float:
+    def _grow_axes(self, past: RunSeries, curve_key: object, time: np.ndarray, curves: Sequence[np.ndarray]) -> float:
         """Sets the axes, which only grow within one run, and returns the top of the error axis."""
         most = max(map(largest_finite, curves))
         start, of_time = float(time[0]) if time[0] > past.scene.period else 0.0, unit_of_time(past.scene)
         end = round_up((float(time[-1]) - start) / of_time, ENDS)[0] * of_time
         top, _ = round_up(HEADROOM * most, ENDS) if most > 0 else (1.0, 0)
-        if self._ends and self._scale_key == (past.scene, of) and not start:
+        if self._ends and self._scale_key == (past.scene, curve_key) and not start:
             end, top = max(end, self._ends[1]), max(top, self._ends[2])
-        self._scale_key = past.scene, of
+        self._scale_key = past.scene, curve_key
         ends = start, start + end if start else end, top
         if ends != self._ends:
             self._ends = ends

@@ -121,8 +121,8 @@ def _hint(frames: int, periods: float) -> str:
 class DrawingWidgets:
     """One visitor's drawing options; ``part`` returns a folder that a lesson may hide, ``on_view`` redraws."""
 
-    def __init__(self, session: Session, scale: ColourScale, looking: HistoryControls, on_view: Callable[[], None]):
-        self._session, self._scale, self._looking, self._on_view = session, scale, looking, on_view
+    def __init__(self, session: Session, scale: ColourScale, history: HistoryControls, on_view: Callable[[], None]):
+        self._session, self._scale, self._looking, self._on_view = session, scale, history, on_view
         self.difference = self.domains = False
 
     @property

@@ -38,11 +38,9 @@ def initial_page_html() -> str:
     words = json.dumps(load_catalogue(current_language()).translations_for_files("app/page/web/js/"),
                        ensure_ascii=False).replace("<", "\\u003c")
     frame = render_template(WEB / "ground.html", mark=MARK, languages=language_links())
-    return (
-        f"<style>\n{font_faces_css()}{_joined_web_files('css', 'css')}</style>\n{frame}"
-        + f"<script type='application/json' id='lab-words'>{words}</script>\n"
-        + f"<script>\n{_joined_web_files('js', 'js')}</script>"
-    )
+    return f"<style>\n{font_faces_css()}{_joined_web_files('css', 'css')}</style>\n{frame}" \
+           f"<script type='application/json' id='lab-words'>{words}</script>\n" \
+           f"<script>\n{_joined_web_files('js', 'js')}</script>"
 
 
 def set_up_theme(gui: viser.GuiApi, dark: bool = False) -> None:

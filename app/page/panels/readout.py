@@ -45,7 +45,6 @@ INDEX = lazy("error index: estimated over true, summed over the run so far; 1 is
 DISTANCE = lazy("norm of estimate − truth over the norm of the truth; 0 is perfect")
 WORST = lazy("where the root mean square of the error is largest, by the estimate on the stage and in truth")
 
-
 CAPPED_BELOW = 0.9  # of the speed asked for
 ROUNDED = lazy("nothing but rounding")
 GOALS = {ENERGY: lazy("kinetic energy"), STRESS: lazy("mean stress")}
@@ -69,18 +68,19 @@ class ReadoutTables:
         return f"<div class='lab-readout'>{self.errors}{self.beside}</div>"
 
 
-def live_readout(session: Session, history: NormHistory, report: FrameReport, quantity: str, drawn: str | None,
+def live_readout(session: Session, history: NormHistory, report: FrameReport, quantity: str, estimator: str | None,
                  probed: str | None, worst: WorstRegions, ago: float = 0.0) -> ReadoutTables:
     """Returns the numbers of a run and of its ``quantity`` (a key), with the estimator ``drawn`` on the stage, for a
     frame ``ago`` periods before the newest. The ``history`` is that of the frame's run, not of a later one."""
     series = series_until(history.series, report.time)
-    return ReadoutTables(_estimate_rows(session, report, series, quantity, drawn),
-                         _worst_rows(worst, drawn,
-                                     quantity) + _run_table(session, history, report, series, drawn, probed, ago),
-                         estimator_cards_json(report, series, quantity, drawn))
+    run = _run_table(session, history, report, series, estimator, probed, ago)
+    return ReadoutTables(_estimate_rows(session, report, series, quantity, estimator),
+                         _worst_rows(worst, estimator, quantity) + run,
+                         estimator_cards_json(report, series, quantity, estimator))
 
 
-def estimator_cards_json(report: FrameReport, series: dict[str, np.ndarray], quantity: str, drawn: str | None) -> str:
+def estimator_cards_json(report: FrameReport, series: dict[str, np.ndarray], quantity: str,
+                         estimator: str | None) -> str:
     """Returns the data of the estimators' cards for a run up to a time, as JSON.
 
     Keys: the ``problem``; the ``true`` error's norm, or why it is not ``known``; the estimator on the ``stage``; and
@@ -99,7 +99,7 @@ def estimator_cards_json(report: FrameReport, series: dict[str, np.ndarray], qua
                                 "right within 10\N{NO-BREAK SPACE}% in {n} of {all} runs like this",
                                 n=counts[0], all=counts[1])}
     true = why_not[TRUE] or format_norm(series, f"error_{quantity}", QUANTITIES[quantity].unit)
-    return json.dumps({"problem": report.scene.problem, "true": true, "known": not why_not[TRUE], "stage": drawn,
+    return json.dumps({"problem": report.scene.problem, "true": true, "known": not why_not[TRUE], "stage": estimator,
                        "judges": judges})
 
 
@@ -111,7 +111,7 @@ def gauge_position(index: float) -> float | None:
 
 
 def _run_table(session: Session, history: NormHistory, report: FrameReport, series: dict[str, np.ndarray],
-               drawn: str | None, probed: str | None, ago: float) -> str:
+               estimator: str | None, probed: str | None, ago: float) -> str:
     scene = report.scene
     speed = report.real_speed / scene.period if report.playing and report.real_speed is not None else None
     slow = speed is not None and speed < CAPPED_BELOW * session.speed
@@ -133,7 +133,7 @@ def _run_table(session: Session, history: NormHistory, report: FrameReport, seri
         text = tr("{margin} of its bound", margin=format_ratio(margin))
         rows.append(("step", NOTHING if math.isnan(margin) else  # no node has mass before the first step
                      f"<span class='lab-over'>{text}</span>" if margin > 1 else text))
-    rows += [] if ago else list(_goal_rows(report, drawn))
+    rows += [] if ago else list(_goal_rows(report, estimator))
     rows += [
         ("steps", tr("{steps:,} of {length}", steps=report.step, length=with_unit(scene.time_step, "s"))),
         ("solver", tr("{rate:.1f} M particle-steps/s on {arch}", rate=report.rate, arch=html.escape(report.arch))),
@@ -147,14 +147,14 @@ def _run_table(session: Session, history: NormHistory, report: FrameReport, seri
                       "lab-run")
 
 
-def _goal_rows(report: FrameReport, drawn: str | None) -> Iterator[tuple[str, str]]:
+def _goal_rows(report: FrameReport, estimator: str | None) -> Iterator[tuple[str, str]]:
     """Yields quantities of the whole body, with error bars by the estimator on the stage and how often these held."""
     for name, goal in report.goals.items():
         if goal["value"] is None:
             continue
-        text, bar = with_unit(goal["value"], goal["unit"]), goal["bar"].get(drawn)
+        text, bar = with_unit(goal["value"], goal["unit"]), goal["bar"].get(estimator)
         if bar is not None:
-            counts, size = track_record.bars_held(report.scene, name, drawn or ""), with_unit(bar, goal["unit"])
+            counts, size = track_record.bars_held(report.scene, name, estimator or ""), with_unit(bar, goal["unit"])
             text = tr(BARS, value=text, bar=size, n=counts[0], all=counts[1]) if counts else f"{text} ± {size}"
         yield GOALS[name], html.escape(text)
 
@@ -193,7 +193,7 @@ def _percent(share: float | None) -> str:
 
 
 def _estimate_rows(session: Session, report: FrameReport, series: dict[str, np.ndarray], key: str,
-                   drawn: str | None) -> str:
+                   estimator: str | None) -> str:
     """Returns a row for the truth, each estimator and a pinned run: norm now, index and distance so far."""
     unit = QUANTITIES[key].unit
     heads = (f"<span title=\"{html.escape(tr(hint))}\">{head}</span>" for head, hint in
@@ -201,9 +201,8 @@ def _estimate_rows(session: Session, report: FrameReport, series: dict[str, np.n
     rows = [row_html("head", tr("error of {symbol}", symbol=QUANTITIES[key].symbol), *heads)]
     for name, silence in missing_reasons(report, series, key).items():
         if len(silence) > SHORT:
-            rows.append(
-                row_html("", f"<span class='lab-name'>{name_with_line_sample(name)}</span>: {html.escape(silence)}")
-            )
+            rows.append(row_html("", f"<span class='lab-name'>{name_with_line_sample(name)}</span>: "
+                                     f"{html.escape(silence)}"))
         elif silence:
             rows.append(row_html("", name_with_line_sample(name), html.escape(silence)))
         elif name == TRUE:
@@ -215,21 +214,21 @@ def _estimate_rows(session: Session, report: FrameReport, series: dict[str, np.n
         # How it differs: the stage shows it, but not to screen readers.
         said = "" if session.pinned.scene.problem != report.scene.problem else \
             difference_text(session.pinned.scene, report.scene) or tr("the same so far")
-        rows.append(_pinned_rows(session.pinned, said, key, drawn))
+        rows.append(_pinned_rows(session.pinned, said, key, estimator))
     return table_html("".join(rows), "lab-numbers lab-estimates")
 
 
-def _pinned_rows(run: PinnedRun, said: str, key: str, drawn: str | None) -> str:
+def _pinned_rows(run: PinnedRun, difference: str, key: str, drawn: str | None) -> str:
     """Returns a pinned run's row: true error, index and distance of the estimator drawn; or why it has stopped."""
     estimator, series = run.estimator(drawn), run.history.series
     what = tr("norm: its true error; index and distance: its estimate by {estimator}", estimator=estimator) \
         if estimator else tr(NORM)
     name = f"<span title='{html.escape(what)}'>{line_svg(PINNED)} {tr('pinned')}</span>"
     if trouble := run.stop_reason():
-        said = f"{said}; {trouble}"
+        difference = f"{difference}; {trouble}"
     ratios = (_ratio(series, f"{estimator}/{ratio}_{key}") for ratio in ("index", "distance"))
     return row_html("", name, format_norm(series, f"error_{key}", QUANTITIES[key].unit), *ratios) \
-        + row_html("", f"<span class='lab-name'>{tr('pinned: {run}', run=html.escape(said))}</span>")
+        + row_html("", f"<span class='lab-name'>{tr('pinned: {run}', run=html.escape(difference))}</span>")
 
 
 def missing_reasons(report: FrameReport, series: dict[str, np.ndarray], quantity: str) -> dict[str, str]:
@@ -243,9 +242,9 @@ def missing_reasons(report: FrameReport, series: dict[str, np.ndarray], quantity
     return reasons
 
 
-def _worst_rows(worst: WorstRegions, drawn: str | None, quantity: str) -> str:
+def _worst_rows(worst: WorstRegions, estimator: str | None, quantity: str) -> str:
     """Returns a table of the regions with the worst error, by the estimate drawn and by the truth."""
-    by = [(drawn, worst.by_estimate)] if drawn else []
+    by = [(estimator, worst.by_estimate)] if estimator else []
     heads = "".join(f"<td>{head}</td>" for head in (tr("estim."), tr(TRUE)))
     rows = [f"<tr class='lab-head' title='{html.escape(tr(WORST))}'>"
             f"<td colspan='2'>{tr('worst region')}</td>{heads}</tr>",

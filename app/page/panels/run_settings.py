@@ -156,8 +156,8 @@ def shape_function_curve(method: str) -> tuple[np.ndarray, np.ndarray]:
     at = np.linspace(-REACH, REACH, POINTS)
     half = np.full_like(at, STRETCHED if method in FOLLOWS else HALF_WIDTH)
     if method == "cpdi":
-        return at, 0.5 * (_shape_function_values("mpm", at - half,
-                                                 half) + _shape_function_values("mpm", at + half, half))
+        left, right = (_shape_function_values("mpm", at + side * half, half) for side in (-1, 1))
+        return at, 0.5 * (left + right)
     return at, _shape_function_values(method, at, half)
 
 
@@ -173,20 +173,14 @@ def method_pictures(methods: tuple[str, ...], chosen: str) -> str:
     def name(method: str) -> str:
         return tr(NAMES[method]) if method in NAMES else (METHODS[method].name if method in METHODS else method)
 
-    return (
-        "<div class='lab-methods' aria-hidden='true'>"
-        + "".join(
-            f"<span class='lab-method{' lab-chosen' * (method == chosen)}' data-method='{escape(method)}' "
-            f"title='{escape(str(METHODS.get(method) or Method(method)))}'>"
-            f"{_shape_function_svg(method)}{escape(name(method))}</span>"
-            for method in methods
-        )
-        + "</div>"
-    )
+    pictures = (f"<span class='lab-method{' lab-chosen' * (method == chosen)}' data-method='{escape(method)}' "
+                f"title='{escape(str(METHODS.get(method) or Method(method)))}'>"
+                f"{_shape_function_svg(method)}{escape(name(method))}</span>" for method in methods)
+    return f"<div class='lab-methods' aria-hidden='true'>{''.join(pictures)}</div>"
 
 
 def _shape_function_svg(method: str) -> str:
-    if method not in (*METHODS,):
+    if method not in METHODS:
         return ""
     at, weight = shape_function_curve(method)
     points = " ".join(f"{(x / REACH + 1) / 2 * WIDTH:.1f},{HEIGHT - 3 - (HEIGHT - 6) * w:.1f}"

@@ -42,10 +42,10 @@ class WidgetMessages:
         with self._lock:
             self._last, self._refusal, self._back = widget, None, None
 
-    def refuse(self, widget: Any, sentence: str, back: Callable[[], None]) -> None:
+    def refuse(self, widget: Any, sentence: str, reset: Callable[[], None]) -> None:
         """Refuses a widget's value with a message; ``back`` later resets the widget."""
         with self._lock:
-            self._last, self._refusal, self._back = widget, (self._clock(), sentence), back
+            self._last, self._refusal, self._back = widget, (self._clock(), sentence), reset
 
     def refresh(self, compiling: bool) -> None:
         """Shows the present message, and resets a refused widget."""
@@ -88,9 +88,9 @@ class SceneWidgetFactory:
         """Calls ``act`` when the visitor has finished a text: pressed Enter, or left the field."""
         self._enters[widget_id(text)] = self.serialised_callback(act)
 
-    def apply_entered_text(self, text: str) -> None:
+    def apply_entered_text(self, widget: str) -> None:
         """Handles the end of typing in the text of this id, if it is one of these."""
-        if act := self._enters.get(text):
+        if act := self._enters.get(widget):
             act()
 
     def serialised_callback(self, act: Callable[..., None]) -> Callable[..., None]:
@@ -112,9 +112,8 @@ class SceneWidgetFactory:
             boxes[name] = self._gui.add_checkbox(tr(kinds[name].label), name in getattr(scene, field),
                                                  hint=tr(kinds[name].explanation))
         for box in boxes.values():
-            self.on_change_or_reset(
-                box, lambda _: session.set_scene_fields(**{field: tuple(name for name, b in boxes.items() if b.value)})
-            )
+            self.on_change_or_reset(box, lambda _: session.set_scene_fields(
+                **{field: tuple(name for name, b in boxes.items() if b.value)}))
 
     def on_change_or_reset(self, widget: Any, act: Callable[[Any], None]) -> None:
         """Calls ``act`` with each value that the visitor sets; a refused value is reset to the one before."""
@@ -138,14 +137,14 @@ class SceneWidgetFactory:
 
         widget.on_update(on_update)
 
-    def apply_or_reset(self, widget: Any, act: Callable[[], None], back: Callable[[], None]) -> bool:
+    def apply_or_reset(self, widget: Any, act: Callable[[], None], reset: Callable[[], None]) -> bool:
         """Calls ``act`` for a widget; returns False and resets the widget with ``back`` if it is refused."""
         before = self._session.refused
         act()
         refused = self._session.refused
         if refused is None or refused is before:
             return True
-        self._answers.refuse(widget, refused[1], self.serialised_callback(back))
+        self._answers.refuse(widget, refused[1], self.serialised_callback(reset))
         return False
 
     def add_field(self, field: str, hint: str) -> None:
@@ -191,7 +190,7 @@ class SceneWidgetFactory:
     def _set_scene_field(self, field: str, value: float) -> None:
         self._session.set_scene_fields(**{field: value})
 
-    def add_motion_dropdown(self, move: Callable[[Scene, str | None, float | None], None]) -> None:
+    def add_motion_dropdown(self, on_motion: Callable[[Scene, str | None, float | None], None]) -> None:
         """Adds a dropdown of the problem's motions; ``move`` receives a scene, and a quantity and speed or None."""
         scene = self._session.scene
         motion = VIEWS[scene.problem].motion
@@ -205,7 +204,7 @@ class SceneWidgetFactory:
             now = self._session.scene
             code = next(code for code, name in names.items() if name == shown.value)
             changed = motion.change_motion(now, code, first_scene(now.problem).estimators)
-            move(changed, *((None, None) if changed.swings else (motion.quantity, motion.speed)))
+            on_motion(changed, *((None, None) if changed.swings else (motion.quantity, motion.speed)))
 
         shown.on_update(on_chosen)
 

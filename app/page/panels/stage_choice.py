@@ -171,9 +171,9 @@ class EstimatorCards:
             self._bound.on_change_or_reset(box, lambda _: self._run_chosen_estimators())
         self._stage.set_estimators(wished)
 
-    def fill_cards(self, judged: str) -> None:
+    def fill_cards(self, cards_json: str) -> None:
         """Fills the cards with :func:`app.page.panels.readout.estimator_cards_json`; clears them if that is ""."""
-        self._html.content = f"<i class='lab-judged' data-said='{escape(judged)}'></i>"
+        self._html.content = f"<i class='lab-judged' data-said='{escape(cards_json)}'></i>"
 
     def _run_chosen_estimators(self) -> None:
         self._stage.set_estimators(self.chosen_names)

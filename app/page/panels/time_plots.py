@@ -73,13 +73,13 @@ class TimePlots:
             plot.height = height
 
     def show(self, history: RunSeries, valid: tuple[str, ...], quantity: str, no_index: str, latest: bool,
-             pinned: PinnedRun | None, drawn: str | None) -> None:
+             pinned: PinnedRun | None, estimator: str | None) -> None:
         """Draws a run or its ``latest`` periods: the truth and the ``valid`` estimators; ``no_index`` is the reason for
         no index. A ``pinned`` run is drawn in grey, with the estimator ``drawn`` on the stage."""
         series, words = history.latest_periods_series if latest else history.series, QUANTITIES[quantity]
         time = series["time"]
         nothing = np.full(len(time), np.nan)
-        grey, grey_index, grey_rate = pinned_curves(pinned, history, series, quantity, drawn, latest)
+        grey, grey_index, grey_rate = pinned_curves(pinned, history, series, quantity, estimator, latest)
         errors, unit = self._errors(series, valid, quantity, grey)
         of_time, second = _time_unit(time[-1], history.scene)
         self._time_label.content = _time_label(of_time)

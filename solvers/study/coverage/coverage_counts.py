@@ -48,10 +48,10 @@ def row_motion_regime(row: Mapping) -> str:
     return motion_regime(row["moved"], row["scene"]["ppc"])
 
 
-def wilson_interval(held: int, of: int) -> tuple[float, float]:
+def wilson_interval(count: int, total: int) -> tuple[float, float]:
     """Returns the 95 % confidence interval of a share, if ``held`` of ``of`` runs hold (E. B. Wilson, 1927)."""
-    share, z = held / of, NORMAL**2 / of
-    middle, half = share + z / 2, NORMAL * math.sqrt(share * (1 - share) / of + z / (4 * of))
+    share, z = count / total, NORMAL**2 / total
+    middle, half = share + z / 2, NORMAL * math.sqrt(share * (1 - share) / total + z / (4 * total))
     return max(0.0, (middle - half) / (1 + z)), min(1.0, (middle + half) / (1 + z))
 
 
@@ -63,12 +63,11 @@ def tally(problem: str, seed: int, rows: Sequence[dict]) -> dict:
     goals = list(dict.fromkeys(kind for row in usable for kind in row["goals"]))
     return {"schema": SCHEMA, "problem": problem, "seed": seed, "runs": len(rows),
             "status": {status: statuses.count(status) for status in dict.fromkeys(statuses)},
-            "estimators": {name: _count_by_group(usable,
-                                                 functools.partial(_count_within_factors,
-                                                                   name=name)) for name in names},
+            "estimators": {name: _count_by_group(usable, functools.partial(_count_within_factors, name=name))
+                           for name in names},
             "refusals": {name: _count_refusals(usable, name) for name in names},
-            "goals": {kind: _count_by_group(usable,
-                                            functools.partial(_count_bars, kind=kind, names=names)) for kind in goals}}
+            "goals": {kind: _count_by_group(usable, functools.partial(_count_bars, kind=kind, names=names))
+                      for kind in goals}}
 
 
 def _count_by_group(rows: Sequence[dict], count: Callable[[Sequence[dict]], dict]) -> dict:
@@ -133,8 +132,8 @@ def _count_bars(rows: Sequence[dict], kind: str, names: Sequence[str]) -> dict:
     return found
 
 
-def _bar_counts(bars: Sequence[tuple[float, float]], of: int) -> dict:
-    return {"of": of, "runs": len(bars), "held": sum(true <= said for said, true in bars),
+def _bar_counts(bars: Sequence[tuple[float, float]], total: int) -> dict:
+    return {"of": total, "runs": len(bars), "held": sum(true <= said for said, true in bars),
             "width": _median([said / true for said, true in bars])}
 
 

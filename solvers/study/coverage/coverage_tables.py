@@ -17,13 +17,13 @@ PARTS = {"x": "x", "v": "v", "sigma": "σ"}
 def coverage_summary(counted: Mapping, picture: str = "") -> str:
     """Returns a problem's counts: estimators, regimes, refusals, and bars around numbers."""
     statuses = ", ".join(f"{count} {status}" for status, count in counted["status"].items())
-    reach = draw_ranges_of(counted["problem"])
+    ranges = draw_ranges_of(counted["problem"])
     parts = [f"# How often estimates are right: {counted['problem']}",
-             f"{counted['runs']:,} runs of seed {counted['seed']}: {statuses}. Drawn from {reach.cells[0]} to "
-             f"{reach.cells[1]} cells, {reach.ppc[0]} to {reach.ppc[1]} particles per cell, amplitudes of "
-             f"{reach.amplitude[0]:g} to {reach.amplitude[1]:g}, {reach.periods[0]:g} to {reach.periods[1]:g} periods, "
-             f"steps of {reach.step[0]:g} to {reach.step[1]:g} of the longest, up to {reach.work:,.0f} particle-steps. "
-             "Only runs that ended as ok count.",
+             f"{counted['runs']:,} runs of seed {counted['seed']}: {statuses}. Drawn from {ranges.cells[0]} to "
+             f"{ranges.cells[1]} cells, {ranges.ppc[0]} to {ranges.ppc[1]} particles per cell, amplitudes of "
+             f"{ranges.amplitude[0]:g} to {ranges.amplitude[1]:g}, {ranges.periods[0]:g} to {ranges.periods[1]:g} "
+             f"periods, steps of {ranges.step[0]:g} to {ranges.step[1]:g} of the longest, up to {ranges.work:,.0f} "
+             "particle-steps. Only runs that ended as ok count.",
              estimates_table(counted), central_ranges_table(counted), motion_regimes_table(counted),
              refusals_table(counted), error_bars_table(counted), regime_error_bars_table(counted)]
     return "\n\n".join([*parts, *([f"![{picture}]({picture})"] if picture else [])]) + "\n"
@@ -108,12 +108,12 @@ def main_bar_names(counted: Mapping) -> list[str]:
     return [*(f"{SAFETY:g} x {name}" for name in counted["estimators"]), *INTERVALS]
 
 
-def format_share(held: int, of: int, bounds: bool = False) -> str:
+def format_share(count: int, total: int, bounds: bool = False) -> str:
     """Returns a share in per cent, with its 95 % interval if ``bounds``."""
-    if not of:
+    if not total:
         return NOTHING
-    low, high = (100 * part for part in wilson_interval(held, of))
-    return f"{100 * held / of:.1f}" + (f" ({low:.0f}–{high:.0f})" if bounds else "")
+    low, high = (100 * part for part in wilson_interval(count, total))
+    return f"{100 * count / total:.1f}" + (f" ({low:.0f}–{high:.0f})" if bounds else "")
 
 
 def _bar_label(name: str) -> str:

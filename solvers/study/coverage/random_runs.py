@@ -127,8 +127,8 @@ class RandomRun:
     def to_dict(self) -> dict:
         return asdict(self)
 
-    def _random_generator(self, of: int) -> np.random.Generator:
-        return np.random.default_rng([self.seed, self.number, of, *self.problem.encode()])
+    def _random_generator(self, purpose: int) -> np.random.Generator:
+        return np.random.default_rng([self.seed, self.number, purpose, *self.problem.encode()])
 
 
 def coarsen(scene: Scene, times: int) -> Scene:
@@ -138,11 +138,11 @@ def coarsen(scene: Scene, times: int) -> Scene:
 
 def _draw_scene(problem: str, chance: np.random.Generator) -> Scene | None:
     """Returns a random scene, or None where the choices cannot be combined, or have no coarser grids."""
-    kind, reach = PROBLEMS[problem].scene, draw_ranges_of(problem)
+    kind, ranges = PROBLEMS[problem].scene, draw_ranges_of(problem)
     inputs: dict[str, Any] = {
-        "cells": COARSEST * round(_draw_between(chance, *(n / COARSEST for n in reach.cells))),
-        "ppc": int(chance.integers(reach.ppc[0], reach.ppc[1] + 1)),
-        "amplitude": _draw_between(chance, *reach.amplitude), "periods": _draw_between(chance, *reach.periods),
+        "cells": COARSEST * round(_draw_between(chance, *(n / COARSEST for n in ranges.cells))),
+        "ppc": int(chance.integers(ranges.ppc[0], ranges.ppc[1] + 1)),
+        "amplitude": _draw_between(chance, *ranges.amplitude), "periods": _draw_between(chance, *ranges.periods),
         "method": _draw_choice(chance, kind.choices("method")),
         "body_force": _draw_choice(chance, FORCES.get(problem, ("material",)), "body_force"),
         "velocity": _draw_choice(chance, kind.choices("velocity"), "velocity"),
@@ -150,10 +150,10 @@ def _draw_scene(problem: str, chance: np.random.Generator) -> Scene | None:
         "estimators": kind.choices("estimators"), "effects": EFFECTS}
     if layouts := kind.choices("layout") if "layout" in kind.__dataclass_fields__ else ():
         inputs["layout"] = _draw_choice(chance, layouts, "layout")
-    step = _draw_between(chance, *reach.step)
+    step = _draw_between(chance, *ranges.step)
     try:
         scene = kind(**inputs)
-        if scene.particles * scene.steps > 10 * reach.work:  # with the usual step: the bound is not worth asking for
+        if scene.particles * scene.steps > 10 * ranges.work:  # with the usual step: the bound is not worth asking for
             return None
         scene = replace(scene, cfl=step * scene.step_bound * scene.wave_speed / scene.spacing)
         coarsen(scene, COARSEST)

@@ -91,26 +91,26 @@ def bets(scene: Scene) -> dict[str, dict[str, Ends | None]]:
         found = math.nan if series is None else float(series[-1])
         return found if math.isfinite(found) and found > 0 else None
 
+    valid = [name for name in asked.estimators if not refusal_kind(name, asked, result)]
     found: dict[str, dict[str, Ends | None]] = {}
     for q in QUANTITIES:
-        by_record = {name: bet_by_record(scene.problem, name, q, positive_estimate(name, q))
-                     if name in asked.estimators and not refusal_kind(name, asked,
-                                                                      result) else None for name in ESTIMATORS}
+        by_record = {name: bet_by_record(scene.problem, name, q, positive_estimate(name, q)) if name in valid else None
+                     for name in ESTIMATORS}
         found[q] = {**by_record, GCI: bet_by_grid_index(positive_estimate(RICHARDSON, q))}
     return found
 
 
-def bet_by_record(problem: str, estimator: str, quantity: str, said: float | None) -> Ends | None:
+def bet_by_record(problem: str, estimator: str, quantity: str, estimate: float | None) -> Ends | None:
     """Returns the bet of an estimator with the value ``said``; None without one, or without a record."""
     ratios = central_ratios(problem, estimator, quantity)
-    return None if said is None or ratios is None else (said / ratios[1], said / ratios[0])
+    return None if estimate is None or ratios is None else (estimate / ratios[1], estimate / ratios[0])
 
 
-def bet_by_grid_index(said: float | None) -> Ends | None:
+def bet_by_grid_index(estimate: float | None) -> Ends | None:
     """Returns the bet of the index with the two-grid value ``said``: errors are normal, and it is 1.96 deviations."""
-    if said is None:
+    if estimate is None:
         return None
-    deviation = TWO_GRIDS * said / NORMAL
+    deviation = TWO_GRIDS * estimate / NORMAL
     # The sizes of normal errors have the quantile q where the errors themselves have (1 + q)/2.
     low, high = (NormalDist().inv_cdf((1 + q) / 2) for q in ((1 - LEVEL) / 2, (1 + LEVEL) / 2))
     return low * deviation, high * deviation
