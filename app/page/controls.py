@@ -272,7 +272,7 @@ class Controls:
                 "effects": tr("{n} of {all}", n=len(scene.effects), all=len(scene.choices("effects")))}
 
     def _on_motion(self, changed: Scene, quantity: str | None, speed: float | None) -> None:
-        """Puts a scene with another motion on the stage; None keeps the quantity, or the problem's usual speed."""
+        """Puts a scene with another motion on the stage; for None with the present quantity and the usual speed."""
         self.show(State(changed, quantity or self.stage.quantity, magnified=self.stage.magnified, speed=speed,
                         logarithmic=self._scale.logarithmic))
 

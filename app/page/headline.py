@@ -12,17 +12,7 @@ import viser
 from app.frame import headline
 from app.frame.budget_chart import largest_cause_fact
 from app.frame.captions import ErrorView
-from app.frame.headline import (
-    BACK,
-    LAST,
-    LOST,
-    PAUSED,
-    SO_FAR,
-    UNSTABLE,
-    Headline,
-    error_headline_templates,
-    fill_template,
-)
+from app.frame.headline import BACK, LAST, LOST, PAUSED, SO_FAR, UNSTABLE, Headline, fill_template
 from app.frame.recent_crossings import crossing_window, is_recent_crossing
 from app.language.translation import lazy, tr, trn
 from app.page.stage.worst_region import WorstRegions
@@ -77,9 +67,9 @@ def frame_headline(report: FrameReport | None, arrays: FrameArrays | None, view:
     of_now = not report.playing or lost
     true, estimate = map(_rms, (view.true, view.estimated)) if of_now else (
         _mean(series, name) for name in (f"error_{quantity}", f"{estimator}/estimate_{quantity}"))
-    words = error_headline_templates(report.scene, quantity, estimator,
-                                     view.left.silence if view.estimated is None else "",
-                                     view.right.silence if view.true is None else "")
+    words = headline.error_headline_templates(report.scene, quantity, estimator,
+                                              view.left.silence if view.estimated is None else "",
+                                              view.right.silence if view.true is None else "")
     before = "" if lost else tr(SO_FAR)
     if not report.playing:
         before = fill_template(tr(BACK), ago=f"{periods_back:.2f}") if periods_back else \
@@ -101,7 +91,7 @@ def frame_headline(report: FrameReport | None, arrays: FrameArrays | None, view:
 
 
 def compare_with_pinned(live: dict[str, np.ndarray], pinned: dict[str, np.ndarray], quantity: str,
-                        scenes: tuple[Scene, Scene], ) -> str:
+                        scenes: tuple[Scene, Scene]) -> str:
     """Returns a text such as "3 times as wrong as the pinned run", by the mean true errors of a quantity (key) over the
     periods that both runs have; "" if unknown. ``live`` and ``pinned`` are the runs' sampled series."""
     larger = live_to_pinned_ratio(live, pinned, f"error_{quantity}", scenes)

@@ -65,8 +65,7 @@ class Visitors:
         self._over = False  # shutting down: pages still being made are discarded
 
     def connect(self, client: Any) -> None:
-        """Makes a client's page, and returns then; or shows the client why there is none: the lab is full or
-        closing."""
+        """Makes a client's page before it returns, or shows the client why there is none: the lab is full or closed."""
         visitor = client.client_id
         with self._lock:
             if visitor in self._left:
@@ -110,8 +109,7 @@ class Visitors:
             pages, self._over = list(filter(None, self._pages.values())), True
             self._pages = {visitor: page for visitor, page in self._pages.items() if page is None}
         closing = [threading.Thread(target=with_language(self._close_with_message, page.language), args=(page,),
-                                    daemon=True)
-                   for page in pages]
+                                    daemon=True) for page in pages]
         for thread in closing:
             thread.start()
         return closing

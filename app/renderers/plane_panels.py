@@ -23,7 +23,8 @@ MOST_BINS = 60  # of the profile over R; finer ones hold too few particles to av
 
 
 class ProfileCoordinate(NamedTuple):
-    """Abscissa of an error profile: the ``coordinate`` (P,) of material positions (P, 2), and labels."""
+    """Abscissa of an error profile: ``coordinate`` computes it (P,) in m from material positions (P, 2) in m; the rest
+    are words for its title, symbol and axis label."""
 
     coordinate: Callable[[np.ndarray], np.ndarray]
     across: str
@@ -38,7 +39,7 @@ OVER_WIDTH = ProfileCoordinate(lambda X: X[:, 0], "the width", "X",
 
 
 def draw_profile(axes: Axes, result: Result, stage: type[PlanarStage], over: ProfileCoordinate = OVER_RADIUS) -> None:
-    """Draws the error along a coordinate: each particle, and the RMS over thin shells."""
+    """Draws the sizes of position errors in m over a coordinate of the body: each particle, and the RMS in shells."""
     at, inner, outer = result.picture_snapshot, stage.PLOT.start, stage.PLOT.end
     radius = over.coordinate(at.material_position)
     lines = [] if at.error is None else [("true", at.error[:, 0], TRUTH, "-")]
@@ -71,7 +72,8 @@ def draw_profile(axes: Axes, result: Result, stage: type[PlanarStage], over: Pro
 
 def _shell_means(result: Result, radius: np.ndarray, sizes: np.ndarray, inner: float,
                  outer: float) -> tuple[np.ndarray, np.ndarray]:
-    """Returns mean radius and RMS of the sizes in thin shells, about a particle thick; empty shells are left out."""
+    """Returns mean coordinate (``radius``) and RMS of sizes in thin shells from ``inner`` to ``outer``, in m; arrays
+    are (P,). Empty shells are left out."""
     scene = result.scene
     thickness = outer - inner
     count = int(np.clip(round(thickness * scene.ppc / scene.spacing), 2, MOST_BINS))
@@ -89,10 +91,10 @@ def _shell_means(result: Result, radius: np.ndarray, sizes: np.ndarray, inner: f
 def draw_estimate_and_truth_halves(figure: Figure, place: SubplotSpec, result: Result, stage: type[PlanarStage],
                                    half_width: float, lines: Iterable[np.ndarray], line_names: str,
                                    points_per_metre: float) -> None:
-    """Draws the particles out to ``reach`` metres, once per estimator, on one scale.
+    """Draws the particles, coloured by position error, in a panel for each estimator, all on one scale.
 
     For a body mirrored at x = 0 the estimate is the left image and the truth the right one; else each half has its own
-    particles. ``lines`` (n, 2) in metres are exact, ``told`` is their name; a metre is ``per_metre`` points."""
+    particles. Axes go out to ``half_width`` m. ``lines``, each (n, 2) in m, are exact and named ``line_names``."""
     shown, mirrored = result.picture_snapshot, (-1, 1) in stage.MIRRORS
     few = panel_style.random_subsample_indices(len(shown.position))
     few = few[np.isfinite(shown.position[few]).all(axis=1)]  # an unstable run leaves NaN
@@ -144,7 +146,7 @@ def _draw_grid_and_exact_lines(axes: Axes, scene: Scene, stage: type[PlanarStage
 
 
 def _draw_cell_lines(axes: Axes, scene: Scene, half_width: float, least: float, start: float) -> str:
-    """Draws cell lines above y = ``least``, out to ``reach`` m; returns their description for an axis label."""
+    """Draws cell lines, one at x = ``start``, above y = ``least``, out to ``half_width`` m; returns a caption."""
     if scene.cells > panel_style.MOST_CELL_LINES:
         return ""
     lines = np.arange(-scene.cells, scene.cells + 1) * scene.spacing + start
