@@ -152,7 +152,7 @@ class Controls:
             self._rebuild()
 
     def show_error(self, quantity: str = "", estimator: str = "") -> None:
-        """Colours the stage by a quantity's error (key), or by an estimator's errors; refuses one that does not run."""
+        """Colours the stage by a quantity's error ("x"), or by an estimator's errors; refuses one that does not run."""
         with self._turn:
             if quantity:
                 self.stage.show_quantity(quantity)

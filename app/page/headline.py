@@ -92,7 +92,7 @@ def frame_headline(report: FrameReport | None, arrays: FrameArrays | None, view:
 
 def compare_with_pinned(live: dict[str, np.ndarray], pinned: dict[str, np.ndarray], quantity: str,
                         scenes: tuple[Scene, Scene]) -> str:
-    """Returns a text such as "3 times as wrong as the pinned run", by the mean true errors of a quantity (key) over the
+    """Returns a text such as "3 times as wrong as the pinned run", by the mean true errors of a quantity ("x") over the
     periods that both runs have; "" if unknown. ``live`` and ``pinned`` are the runs' sampled series."""
     larger = live_to_pinned_ratio(live, pinned, f"error_{quantity}", scenes)
     if not math.isfinite(larger) or larger <= 0:

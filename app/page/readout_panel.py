@@ -60,7 +60,7 @@ class ReadoutPanel:
         self._foot = gui.add_html("")
 
     def show(self, numbers: Numbers, quantity: str, latest: bool) -> None:
-        """Shows numbers, and plots of a quantity's errors (by its key) over the run or its ``latest`` periods."""
+        """Shows numbers, and plots of a quantity's errors ("x") over the run or its ``latest`` periods."""
         past, traced, scene = numbers.past, numbers.traced, numbers.scene
         if scene is not None and scene != self._described:
             self._described = scene

@@ -30,6 +30,7 @@ SCALE_OVER_TRUTH = 10  # limits the scale, so that a diverged estimate does not 
 
 
 def line_style(estimator: str) -> Any:
+    """Returns the matplotlib line style of an estimator, by its name."""
     dashes = ESTIMATORS[estimator].dashes
     return (0, tuple(DASH_SCALE * length for length in dashes)) if dashes else "-"
 
@@ -62,6 +63,7 @@ def shared_colour_scale(truth: np.ndarray | None, estimates: list[np.ndarray]) -
 
 def add_colour_bar(figure: Figure, drawn: ScalarMappable, axes: Axes | list[Axes], label: str, unit: str, aspect: float,
                    shrink: float = 1.0) -> None:
+    """Adds a colour bar of ``drawn`` below axes, with sizes in a unit, or 0 alone if all are zero."""
     bar = figure.colorbar(drawn, ax=axes, location="bottom", aspect=aspect, shrink=shrink, pad=0.02, label=label)
     bar.outline.set_visible(False)
     if drawn.norm.vmax == NO_ERROR:
@@ -91,7 +93,7 @@ def write_note(axes: Axes, sentence: str) -> None:
 
 
 def write_places(axes: Axes, stage: type[Stage], in_axes: Callable[[Label], tuple[float, float]]) -> None:
-    """Writes the names of parts of the body that a stage shows, at the position in the axes by ``in_axes`` (label)."""
+    """Writes the names of parts of the body that a stage shows; ``in_axes(label)`` returns the position in the axes."""
     for label in stage.labels(StageLabels(), stage.layout(PAPER, RunSlot.ALONE)):
         if label.role == "place":
             up, across = label.anchor.split("-")

@@ -72,8 +72,8 @@ def draw_profile(axes: Axes, result: Result, stage: type[PlanarStage], over: Pro
 
 def _shell_means(result: Result, radius: np.ndarray, sizes: np.ndarray, inner: float,
                  outer: float) -> tuple[np.ndarray, np.ndarray]:
-    """Returns mean coordinate (``radius``) and RMS of sizes in thin shells from ``inner`` to ``outer``, in m; arrays
-    are (P,). Empty shells are left out."""
+    """Returns the means of ``radius`` (P,) and the RMS of ``sizes`` (P,) in thin shells from ``inner`` to ``outer``,
+    all in m; shells are about a particle thick, and empty ones are left out."""
     scene = result.scene
     thickness = outer - inner
     count = int(np.clip(round(thickness * scene.ppc / scene.spacing), 2, MOST_BINS))

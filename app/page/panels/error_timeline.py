@@ -74,7 +74,7 @@ class Timeline:
 
     def show(self, past: RunSeries, valid: tuple[str, ...], quantity: str, latest: bool, pinned: PinnedRun | None,
              estimator: str | None, now: TimelineState) -> None:
-        """Draws a run's error norms of a quantity (key) until now, of the ``valid`` estimators; with ``latest`` only
+        """Draws a run's error norms of a quantity ("x") until now, of the ``valid`` estimators; with ``latest`` only
         its last periods; a ``pinned`` run in grey, by the same ``estimator``."""
         series = past.latest_periods_series if latest else past.series
         time = series["time"]

@@ -79,7 +79,7 @@ class HistoryControls:
         self._on_view()
 
     def seek_if_stored(self, time: float) -> bool:
-        """Shows the frame at a time in s as :meth:`seek`; returns False if stored frames do not go so far."""
+        """Shows the frame at a time in s as :meth:`seek` does, or returns False if none is stored so far back."""
         first, last = self._recent.span
         if kept := first <= time <= last:
             self.seek(time)

@@ -69,7 +69,7 @@ class ReadoutTables:
 
 def live_readout(session: Session, history: NormHistory, report: FrameReport, quantity: str, estimator: str | None,
                  probed: str | None, worst: WorstRegions, ago: float = 0.0) -> ReadoutTables:
-    """Returns a frame's numbers as tables, for a quantity (key) and the ``estimator`` on the stage. ``history`` is that
+    """Returns a frame's numbers as tables, for a quantity ("x") and the ``estimator`` on the stage. ``history`` is that
     of the frame's run, ``probed`` the text of errors in a dragged rectangle, ``ago`` the frame's age in periods."""
     series = series_until(history.series, report.time)
     run = _run_table(session, history, report, series, estimator, probed, ago)
@@ -80,7 +80,7 @@ def live_readout(session: Session, history: NormHistory, report: FrameReport, qu
 
 def estimator_cards_json(report: FrameReport, series: dict[str, np.ndarray], quantity: str,
                          estimator: str | None) -> str:
-    """Returns as JSON the data of the estimators' cards, for a quantity (key) and the sampled ``series`` up to the
+    """Returns as JSON the data of the estimators' cards, for a quantity ("x") and the sampled ``series`` up to the
     frame.
 
     Keys: the ``problem``; the ``true`` error's norm, or why it is not ``known``; the estimator on the ``stage``; and
@@ -234,7 +234,7 @@ def _pinned_rows(run: PinnedRun, difference: str, key: str, drawn: str | None) -
 
 
 def missing_reasons(report: FrameReport, series: dict[str, np.ndarray], quantity: str) -> dict[str, str]:
-    """Returns for the truth and each estimator (by name) why it has no number of a quantity (key), or "" if it has."""
+    """Returns for the truth and each estimator (by name) why it has no number of a quantity ("x"), or "" if it has."""
     norms = {name: series.get(f"{name}/estimate_{quantity}", np.zeros(0)) for name in report.scene.estimators}
     silent = {name for name, values in norms.items() if len(values) and not np.isfinite(values).any()}
     reasons = why_no_numbers(report.scene, report.not_valid, quantity, silent)
@@ -245,7 +245,7 @@ def missing_reasons(report: FrameReport, series: dict[str, np.ndarray], quantity
 
 
 def _worst_rows(worst: WorstRegions, estimator: str | None, quantity: str) -> str:
-    """Returns a table of the regions with the largest error of a quantity (key), by estimate and by truth."""
+    """Returns a table of the regions with the largest error of a quantity ("x"), by estimate and by truth."""
     by = [(estimator, worst.by_estimate)] if estimator else []
     heads = "".join(f"<td>{head}</td>" for head in (tr("estim."), tr(TRUE)))
     rows = [f"<tr class='lab-head' title='{html.escape(tr(WORST))}'>"
@@ -302,6 +302,7 @@ def line_svg(colour: str, dashes: tuple[int, ...] = ()) -> str:
 
 
 def format_norm(series: dict[str, np.ndarray], name: str, unit: str) -> str:
+    """Returns the last value of a series (by ``name``), in a unit, as text; a dash if unknown."""
     return with_unit(value, unit) if math.isfinite(value := last_value(series, name)) else NOTHING
 
 

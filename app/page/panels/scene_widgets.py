@@ -43,7 +43,7 @@ class WidgetMessages:
             self._last, self._refusal, self._back = widget, None, None
 
     def refuse(self, widget: Any, sentence: str, reset: Callable[[], None]) -> None:
-        """Shows below a widget why its value is refused; ``reset`` is called 0.7 s later to restore its value."""
+        """Shows below a widget why its value is refused; ``reset`` is called after 0.7 s without another refusal."""
         with self._lock:
             self._last, self._refusal, self._back = widget, (self._clock(), sentence), reset
 
@@ -192,7 +192,7 @@ class SceneWidgetFactory:
 
     def add_motion_dropdown(self, on_motion: Callable[[Scene, str | None, float | None], None]) -> None:
         """Adds a dropdown of the problem's motions, if it has several; ``on_motion(scene, quantity, speed)`` receives
-        the changed scene, with quantity (key) and speed (periods per second) to use, or None to keep them."""
+        the changed scene, with quantity ("x") and speed (periods per second) to use, or None to keep them."""
         scene = self._session.scene
         motion = VIEWS[scene.problem].motion
         if motion is None:

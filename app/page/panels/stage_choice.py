@@ -63,14 +63,14 @@ class StageChoice:
         self._magnify.on_update(lambda event: self._choose_magnification() if event.client else None)
 
     def show(self, quantity: str, estimator: str | None, magnified: int) -> None:
-        """Sets quantity (key), estimator and magnification (factor) to show; the dropdown of estimators follows later
+        """Sets quantity ("x"), estimator and magnification (factor) to show; the dropdown of estimators follows later
         by :meth:`set_estimators`."""
         self.quantity, self.estimator, self.magnified = quantity, estimator, magnified
         for widget, shown in ((self._quantity, self._shown_quantity), (self._magnify, _NAMES[magnified])):
             widget.value = shown  # type: ignore[misc]
 
     def restore_last_estimator(self, problem: str) -> None:
-        """Sets the estimator to that last shown for a problem (key) that is put on the stage."""
+        """Sets the estimator to that last shown for a problem ("bar") that is put on the stage."""
         self.estimator, self._silent = self._by_problem.get(problem), True
 
     def ensure_estimator_has_values(self, scene: Scene, arrays: FrameArrays) -> None:
@@ -153,6 +153,7 @@ class EstimatorCards:
 
     @property
     def chosen_names(self) -> tuple[str, ...]:
+        """Names of the estimators whose checkboxes are set, in the problem's order."""
         offered = PROBLEMS[self._session.scene.problem].estimators
         return tuple(name for name in offered if name in self._boxes and self._boxes[name].value)
 

@@ -58,7 +58,7 @@ class TimePlots:
         self.set_lines((), LEAST_HEIGHT, False, False)
 
     def set_lines(self, estimators: tuple[str, ...], height: int, traced: bool, pinned: bool) -> None:
-        """Prepares plots of a height in px: a line per estimator and ``pinned`` run, and a plot of a ``traced`` one."""
+        """Prepares plots (height in px): a line per estimator and ``pinned`` run, and a ``traced`` particle's plot."""
         wanted = estimators, pinned
         if wanted not in self._sets:
             self._sets[wanted] = self._build(estimators, height, pinned)
@@ -74,7 +74,7 @@ class TimePlots:
 
     def show(self, history: RunSeries, valid: tuple[str, ...], quantity: str, no_index: str, latest: bool,
              pinned: PinnedRun | None, estimator: str | None) -> None:
-        """Draws a run or its ``latest`` periods: true and ``valid`` estimated errors of a quantity (key). ``no_index``
+        """Draws a run or its ``latest`` periods: true and ``valid`` estimated errors of a quantity ("x"). ``no_index``
         is the reason for no error index, or "". A ``pinned`` run is grey, with the ``estimator`` on the stage."""
         series, words = history.latest_periods_series if latest else history.series, QUANTITIES[quantity]
         time = series["time"]
@@ -104,7 +104,7 @@ class TimePlots:
 
     def show_trace(self, traced: TracedParticle, valid: tuple[str, ...], quantity: str, latest: bool,
                    shown: float) -> None:
-        """Draws a particle's errors of a quantity (key); its crossings and the time ``shown``, in s, are marked."""
+        """Draws a particle's errors of a quantity ("x"); its crossings and the time ``shown``, in s, are marked."""
         series, (heading, plot) = traced.latest_periods_series if latest else traced.series, self._trace
         time, (errors, unit) = series["time"], self._errors(series, valid, quantity)
         if len(time) < 2:
@@ -173,9 +173,8 @@ class TimePlots:
 
 def pinned_curves(pinned: PinnedRun | None, history: RunSeries, series: dict[str, np.ndarray], quantity: str,
                   drawn: str | None, latest: bool) -> list[list[np.ndarray]]:
-    """Returns a pinned run's curves on the time axis of ``series`` (n,), stretched to equal periods: [true and
-    estimated norm], [error index], [crossings per second]; or three []. ``drawn`` is the estimator, if the run has
-    it."""
+    """Returns a pinned run's curves at the times of ``series`` (n,), stretched to equal periods: [true and estimated
+    norm], [error index], [crossings per second]; or three []. ``drawn`` is the estimator if the run has it."""
     if pinned is None:
         return [[], [], []]
     run, estimator = pinned.history, pinned.estimator(drawn)
@@ -203,6 +202,7 @@ def set_series(plot: viser.GuiUplotHandle, data: tuple[np.ndarray, ...]) -> None
 
 
 def series_options(label: str, colour: str, width: float, dashes: tuple[int, ...] = ()) -> uplot.Series:
+    """Returns plot options for a line without points: its ``width`` and ``dashes`` are in pixels."""
     return {"label": label, "stroke": colour, "width": width, "dash": dashes, "points": {"show": False}}
 
 

@@ -29,7 +29,7 @@ class SteadyMaximum:
         self._last: int | None = None
 
     def find(self, errors: np.ndarray) -> int | None:
-        """Returns the index of the largest finite error (n,), or the last one if about as large; None if all are 0."""
+        """Returns the index of the largest finite error (n,), or the last one's if about as large; None without any."""
         known = np.where(np.isfinite(errors), errors, 0.0)
         worst = int(np.argmax(known))
         if not known[worst] > 0:
@@ -65,8 +65,7 @@ class WorstRegions:
         return remarks if scene == whose else NOTHING
 
     def find(self, report: FrameReport, arrays: FrameArrays, view: ErrorView, quantity: str) -> None:
-        """Sets ``by_estimate``, ``by_truth`` and the notes, from a frame and the errors (``view``) of a quantity
-        (key)."""
+        """Sets ``by_estimate``, ``by_truth`` and the notes, from a frame and the ``view`` of a quantity's errors."""
         with self._lock, np.errstate(all="ignore"):  # a run gone bad holds anything
             self._find(report, arrays, view, quantity)
 

@@ -22,7 +22,7 @@ ROOM = 2 * MOST_ROWS  # rows of a table, copied when it is full, not with every 
 
 
 class DownsampledSeries:
-    """Series with every n-th row, or of the last ``last`` seconds. One thread adds, any may read :attr:`series`."""
+    """Series thinned to 800 rows, perhaps of the ``last`` seconds only. One thread adds, any may read them."""
 
     def __init__(self, last: float = math.inf):
         self._last, self._row_count, self._stride = last, 0, 1

@@ -36,7 +36,7 @@ class PinnedRun:
         return drawn if drawn in self.scene.estimators else next(iter(self.scene.estimators), None)
 
     def view(self, quantity: str, drawn: str | None, difference: bool) -> ErrorView | None:
-        """Returns the errors to draw of the last frame: of a quantity (key), by :meth:`estimator` of ``drawn``, with
+        """Returns the errors to draw of the last frame: of a quantity ("x"), by :meth:`estimator` of ``drawn``, with
         ``difference`` that from the truth; None before the first frame."""
         if self.last is None:
             return None

@@ -17,7 +17,7 @@ Frame = tuple[FrameReport, FrameArrays]
 
 
 class RecentFrames:
-    """The last 200 frames of a run; the one shown is ``back`` before the newest. One thread adds, any may read."""
+    """A run's last frames, at most 200; the one shown is ``back`` before the newest. One thread adds, any may read."""
 
     def __init__(self) -> None:
         self._lock = threading.Lock()

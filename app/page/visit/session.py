@@ -33,7 +33,7 @@ CROWDED_BELOW = 0.8  # of the requested speed, below which a message names other
 
 
 def first_scene(problem: str) -> Scene:
-    """Returns the scene that the page shows first of a problem (key): its defaults, for at most one period."""
+    """Returns the scene that the page shows first of a problem ("bar"): its defaults, for one period at most."""
     kind = PROBLEMS[problem].scene
     scene = kind(periods=min(1, kind.DEFAULT_PERIODS))
     return replace(scene, estimators=VIEWS[problem].estimators or scene.estimators)
@@ -69,7 +69,7 @@ class Session:
         self._send_request()
 
     def set_scene_fields(self, **fields: object) -> None:
-        """Requests other values of scene fields; invalid ones set :attr:`refused`, and the present run continues."""
+        """Requests values of scene fields, by name; invalid ones set :attr:`refused`, and the present run continues."""
         with self._lock:
             wished = self._requested | fields
             try:

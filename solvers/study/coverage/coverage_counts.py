@@ -49,8 +49,7 @@ def row_motion_regime(row: Mapping) -> str:
 
 
 def wilson_interval(count: int, total: int) -> tuple[float, float]:
-    """Returns the 95 % confidence interval of a share (0 to 1) that ``count`` of ``total`` have (E. B. Wilson,
-    1927)."""
+    """Returns the 95 % confidence interval of a share, 0 to 1, for ``count`` of ``total`` (E. B. Wilson, 1927)."""
     share, z = count / total, NORMAL**2 / total
     middle, half = share + z / 2, NORMAL * math.sqrt(share * (1 - share) / total + z / (4 * total))
     return max(0.0, (middle - half) / (1 + z)), min(1.0, (middle + half) / (1 + z))
@@ -118,7 +117,7 @@ def _count_refusals(rows: Sequence[dict], name: str) -> dict:
 
 def _count_bars(rows: Sequence[dict], kind: str, names: Sequence[str]) -> dict:
     """Returns for a goal (``kind``) how often bars around the value contained the truth: multiples of the estimated
-    error, and grid convergence indices. ``width`` is the median of the bar over the true error: wide bars are easy."""
+    error, and grid convergence indices. ``width`` is the median of the bar over the true error."""
     found: dict[str, Any] = {}
     known = [goal for row in rows if (goal := row["goals"][kind])["true_error"] is not None
              and abs(goal["true_error"]) > (goal["rounding"] or 0.0)]

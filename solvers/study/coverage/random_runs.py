@@ -85,7 +85,7 @@ def draw_ranges_of(problem: str) -> DrawRanges:
 
 @dataclass(frozen=True)
 class RandomRun:
-    """Random run of a problem (key), the same for equal ``seed`` and ``number``; a task of ``study.executors``."""
+    """Random run of a problem ("bar"), the same for equal ``seed`` and ``number``; a task of ``study.executors``."""
 
     problem: str
     seed: int
@@ -179,7 +179,7 @@ def measure_in_worker(draw: dict, answer: Callable[[dict], None]) -> None:
 
 
 def measure(draw: RandomRun) -> dict:
-    """Returns the row of a random run (keys above), run on three grids; an error becomes a row too, never raised."""
+    """Returns the row of a random run on three grids (keys: module docstring); an error becomes a row, never raised."""
     try:
         return _measure_run(draw)
     except Exception as error:

@@ -42,7 +42,7 @@ def load_counts(problem: str) -> Mapping[str, Any] | None:
 
 def accurate_run_counts(scene: Scene, estimator: str, quantity: str = "x") -> tuple[int, int] | None:
     """Returns (n, all): in n of ``all`` random runs with a scene's method and regime of motion the estimate of a
-    quantity (key) was within a factor of 1.1 of the true error; None if there were too few."""
+    quantity ("x") was within a factor of 1.1 of the true error; None if there were too few."""
     split = _counts_of_similar_runs(scene, "estimators", estimator)
     found = split and split.get(quantity)
     return (found["within"][f"{FACTORS[0]:g}"], found["runs"]) if found and found["runs"] >= FEWEST else None
