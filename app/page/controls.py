@@ -31,12 +31,13 @@ ELSEWHERE = lazy("A lesson is open: its controls are in <b>Lessons</b>, below it
 
 
 class Controls:
-    """Widgets of one visitor for the session; those outside the tabs are built at once, the others by :meth:`build`."""
+    """Widgets of one visitor for everything in a scene, and the view options read from them. Those outside the tab are
+    built at once, the others by :meth:`build`; ``on_view`` redraws the stage."""
 
     def __init__(self, gui: viser.GuiApi, session: Session, scale: ColourScale, on_view: Callable[[], None],
-                 looking: HistoryControls, store: BrowserStore):
+                 history: HistoryControls, store: BrowserStore):
         self._gui, self._session, self._scale, self._on_view = gui, session, scale, on_view
-        self._history = looking
+        self._history = history
         self._extensions: dict[str, Callable[[], Any]] = {}
         self._offered: tuple[str, ...] = ()  # the controls that a lesson shows; all if empty
         self._answers = WidgetMessages(gui)
@@ -47,21 +48,22 @@ class Controls:
                                         initial_value=tr(session.scene.TITLE),
                                         hint=tr("what moves; each has its own scene"))
         self.stage = StageChoice(gui, session, scale, on_view)
-        self._transport = PlaybackControls(gui, session, looking, self._lasting, on_view)
+        self._transport = PlaybackControls(gui, session, history, self._lasting, on_view)
         self._parts: dict[str, tuple[Any, ...]] = {
             "problem": (problem_mark, self.problem), **self.stage.parts, **self._transport.parts}
-        self._drawing = DrawingWidgets(session, scale, looking, on_view)
+        self._drawing = DrawingWidgets(session, scale, history, on_view)
         self._run = RunSettingsWidgets(session, self._bound, store)
         self.estimator_cards = EstimatorCards(gui, session, self.stage, self._bound, store)
         store.heard["entered"] = self._on_entered
 
     def add_extension(self, control: str, build: Callable[[], Any], *widgets: Any) -> None:
-        """Adds what ``build`` creates to a control in the tab, and ``widgets`` elsewhere that lessons show too."""
+        """Adds ``build``, which makes widgets in the tab beside a control (its name in lessons) and is called at each
+        rebuild; lessons show and hide ``widgets``, which are elsewhere, with that control."""
         self._extensions[control] = build
         self._parts[control] = (*self._parts.get(control, ()), *widgets)
 
     def set_initial_state(self, state: State) -> None:
-        """Shows a state whose scene the session already has, before the scene's widgets are built."""
+        """Sets view options and pinned run to a state whose scene the session already has, before :meth:`build`."""
         self.stage.show(state.quantity, state.estimator, state.magnified)
         self._session.set_frame_options(plotted=state.quantity)
         if state.pinned is not None:
@@ -69,30 +71,30 @@ class Controls:
             self._transport.refresh()
 
     def build(self, tab: viser.GuiTabHandle) -> None:
-        """Builds the widgets of the tab, within it."""
+        """Builds the scene's widgets within a tab."""
         self._home = tab
         self._parent: viser.GuiTabHandle | viser.GuiFolderHandle = tab
         self._elsewhere = self._gui.add_html(f"<p class='lab-elsewhere'>{tr(ELSEWHERE)}</p>", visible=False)
         self._build()
 
     def on_frame(self, report: FrameReport, arrays: FrameArrays) -> None:
-        """Handles a new frame."""
+        """Replaces the estimator on the stage if the new frame shows that it has no values of the quantity chosen."""
         with self._turn:
             self.stage.ensure_estimator_has_values(report.scene, arrays)
 
     def reset_speed(self) -> None:
-        """Resets the speed to the problem's default."""
+        """Sets the run's speed to the default of its problem."""
         with self._turn:
             self._session.set_speed(VIEWS[self._session.scene.problem].speed)
             self._transport.show()
 
     def enable_problem_choice(self) -> None:
-        """Enables the choice of another problem once the page is built, and applies one made in the meantime."""
+        """Makes the dropdown of problems work, once the page is built, and applies a choice made in it before."""
         self.problem.on_update(lambda _: self._choose_problem())
         self._choose_problem()
 
     def choose_problem(self, problem: str) -> None:
-        """Puts the first scene of another problem on the stage."""
+        """Puts the first scene of a problem, by its key ("bar"), on the stage, unless the stage has that problem."""
         self.problem.value = tr(PROBLEMS[problem].scene.TITLE)  # type: ignore[misc]
         self._choose_problem()
 
@@ -106,7 +108,7 @@ class Controls:
             self._rebuild()
 
     def show_only(self, controls: tuple[str, ...], place: viser.GuiFolderHandle | None = None) -> None:
-        """Shows only these ``CONTROLS`` of lessons, or all if there are none, perhaps in another ``place``."""
+        """Shows only these controls (names in lessons, "cells"), or all for (), in the folder ``place`` or the tab."""
         with self._turn:
             if controls != self._offered or (place or self._home) is not self._parent:
                 self._offered, self._parent = controls, place or self._home
@@ -133,23 +135,24 @@ class Controls:
             self._rebuild()
         self._on_view()
 
-    def set_field_from_text(self, field: str, said: str, meant: Callable[[Scene], object]) -> None:
-        """Sets a field to the value that ``meant`` reads from a lesson's text ``said``; its ValueError is a refusal."""
+    def set_field_from_text(self, field: str, text: str, parse: Callable[[Scene], object]) -> None:
+        """Sets a scene's field to ``parse(scene)``, for a lesson's button with this ``text``. Shows a refusal to the
+        visitor if ``parse`` raises ValueError or the field does not allow the value."""
         with self._turn:
             scene = self._session.scene
             try:
-                value = meant(scene)
+                value = parse(scene)
             except ValueError:
                 value = None
             if value is None or (scene.choices(field) and value not in scene.choices(field)):
-                self._session.refuse(tr("{said}: not of the {problem}; press On the stage first", said=said,
+                self._session.refuse(tr("{said}: not of the {problem}; press On the stage first", said=text,
                                         problem=tr(scene.TITLE)))
                 return
             self._session.set_scene_fields(**{field: value}, **({"dt": None} if field == "cfl" else {}))
             self._rebuild()
 
     def show_error(self, quantity: str = "", estimator: str = "") -> None:
-        """Shows the error of a quantity, or the errors as estimated by an estimator that runs."""
+        """Colours the stage by a quantity's error ("x"), or by an estimator's errors; refuses one that does not run."""
         with self._turn:
             if quantity:
                 self.stage.show_quantity(quantity)
@@ -159,11 +162,11 @@ class Controls:
                 self._session.refuse(tr("{estimator} does not run here; press On the stage first", estimator=estimator))
 
     def press(self, name: str) -> None:
-        """Triggers the playback button of this name."""
+        """Acts like a click on a playback button by its English label: "Play", "Pause", "Step" or "Reset"."""
         self._transport.acts[name]()
 
     def next_method(self) -> None:
-        """Switches to the problem's next method that is valid with the present settings."""
+        """Switches the scene to the problem's next MPM method that is valid with its other settings."""
         with self._turn:
             scene = self._session.scene
             methods = scene.choices("method")
@@ -175,7 +178,6 @@ class Controls:
 
     @property
     def choice(self) -> ViewChoice:
-        """The view options chosen by the visitor."""
         stage, drawn = self.stage, self._drawing
         return ViewChoice(stage.quantity, stage.estimator, drawn.difference, drawn.domains, stage.magnified,
                           self._history.latest)
@@ -200,7 +202,7 @@ class Controls:
             self._build()
 
     def _choose_problem(self) -> None:
-        """Loads the first scene of the problem chosen in the dropdown, if it is another one."""
+        """Puts the first scene of the problem chosen in the dropdown on the stage, if that is another problem."""
         if self.problem.value != tr(self._session.scene.TITLE):
             kind = next(problem.scene for problem in PROBLEMS.values() if tr(problem.scene.TITLE) == self.problem.value)
             self.load(first_scene(kind.problem))
@@ -241,7 +243,7 @@ class Controls:
                     self._bound.add_checkboxes("effects", ALL)
 
     def _on_entered(self, text: Any) -> None:
-        """Applies the text field of this id, in which the visitor has finished typing."""
+        """Applies the text field whose widget id the browser sends when the visitor has finished typing in it."""
         for bound in (self._bound, self._lasting):
             bound.apply_entered_text(str(text))
 
@@ -250,11 +252,10 @@ class Controls:
             build()
 
     def _add_part(self, control: str) -> viser.GuiFolderHandle:
-        """Returns a folder without a label for a control that a lesson may hide."""
         return self._gui.add_folder(None, visible=not self._offered or control in self._offered)
 
     def _add_folder(self, name: str, label: str, *controls: str) -> viser.GuiFolderHandle:
-        """Returns a collapsible folder; without a label if a lesson shows only a few controls."""
+        """Returns a collapsible folder for controls of lessons; without a label if a lesson shows only a few."""
         if self._offered:
             return self._gui.add_folder(None, visible=not {*controls}.isdisjoint(self._offered))
         self._folds[name] = add_widget_marker(self._gui, words=self._folder_summaries()[name])
@@ -271,7 +272,7 @@ class Controls:
                 "effects": tr("{n} of {all}", n=len(scene.effects), all=len(scene.choices("effects")))}
 
     def _on_motion(self, changed: Scene, quantity: str | None, speed: float | None) -> None:
-        """Shows another motion, which has other controls."""
+        """Puts a scene with another motion on the stage; for None with the present quantity and the usual speed."""
         self.show(State(changed, quantity or self.stage.quantity, magnified=self.stage.magnified, speed=speed,
                         logarithmic=self._scale.logarithmic))
 

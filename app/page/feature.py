@@ -17,8 +17,8 @@ from solvers.engine.engine_messages import FrameReport
 
 @dataclass(frozen=True)
 class PageView:
-    """What a visitor sees at a refresh: the ``choice`` of view, the ``numbers`` beside the stage if they have changed,
-    whether a lesson is open, and whether nothing but the run is on the stage (``has_stage``)."""
+    """What a visitor sees at a refresh: the view options, the ``numbers`` beside the stage (None if unchanged), whether
+    a lesson is open, and whether the run is on the stage without a lesson (``has_stage``)."""
 
     choice: ViewChoice
     numbers: Numbers | None
@@ -27,7 +27,7 @@ class PageView:
 
 
 class Feature:
-    """A part of one visitor's page. The page calls these methods; by default they do nothing."""
+    """A part of one visitor's page, such as the lessons. The page calls these methods; by default they do nothing."""
 
     source: StageSource | None = None  # what it can put on the stage
     messages: Mapping[str, Callable[[Any], None]] = {}  # acts on messages of the browser, by key; they may be anything
@@ -38,25 +38,25 @@ class Feature:
 
     @classmethod
     def build(cls, page: PageContext) -> "Feature | None":
-        """Makes the feature for a page; None where that page has none of it."""
+        """Returns the feature for a page; None if that page does not have it."""
         return cls(page)
 
     def on_frame(self, report: FrameReport) -> None:
-        """Handles a new frame of the run, on the thread that reads frames."""
+        """Handles a new frame of the visitor's run, on the thread that reads frames from the engine."""
 
     def refresh(self, view: PageView) -> None:
-        """Shows what has changed; called a few times a second while the browser shows the page."""
+        """Updates the feature's widgets; called a few times a second while the browser shows the page."""
 
     def headline(self, frame: Frame | None) -> Headline:
-        """Returns a headline for the frame that replaces the run's; an empty one replaces nothing."""
+        """Returns a headline to show in place of the run's for the frame on view; an empty one leaves the run's."""
         return Headline()
 
     def notice(self) -> Notice | None:
-        """Returns a message about the stage, shown if the session has none."""
+        """Returns a message for the visitor about the stage, shown if the session has none; None for no message."""
         return None
 
     def leave_stage(self) -> None:
-        """Stops showing on the stage, because something else takes it."""
+        """Stops showing the feature's own contents on the stage, because the run returns to it."""
 
     def close(self) -> None:
-        """Ends threads and processes when the visitor leaves."""
+        """Ends the feature's threads and processes, because the visitor leaves."""

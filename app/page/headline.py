@@ -12,17 +12,7 @@ import viser
 from app.frame import headline
 from app.frame.budget_chart import largest_cause_fact
 from app.frame.captions import ErrorView
-from app.frame.headline import (
-    BACK,
-    LAST,
-    LOST,
-    PAUSED,
-    SO_FAR,
-    UNSTABLE,
-    Headline,
-    error_headline_templates,
-    fill_template,
-)
+from app.frame.headline import BACK, LAST, LOST, PAUSED, SO_FAR, UNSTABLE, Headline, fill_template
 from app.frame.recent_crossings import crossing_window, is_recent_crossing
 from app.language.translation import lazy, tr, trn
 from app.page.stage.worst_region import WorstRegions
@@ -39,57 +29,60 @@ MOST_DIFFERING = 40  # most characters of the difference to a pinned run
 
 
 class HeadlinePanel:
-    """Shows only new headlines, and not soon after the last; ``verdict.js`` reads them aloud."""
+    """The headline above the stage: shows only new ones, at least 2 s apart; ``verdict.js`` reads them aloud."""
 
     def __init__(self, gui: viser.GuiApi, clock: Callable[[], float] = monotonic):
         self._html, self._clock = gui.add_html(""), clock
         self._last, self._next, self._aloud = Headline(), 0.0, 0
 
-    def show(self, said: Headline, is_immediate: bool = False) -> None:
-        """Shows a headline if it is new and due; ``is_immediate`` for the answer to a click."""
-        now, other = self._clock(), said.moment != self._last.moment
-        if not said or str(said) == str(self._last) or (now < self._next and not is_immediate and not other):
+    def show(self, headline: Headline, is_immediate: bool = False) -> None:
+        """Shows a headline if it is new, 2 s after the last or at once; ``is_immediate``: it answers a click."""
+        now, other = self._clock(), headline.moment != self._last.moment
+        if not headline or str(headline) == str(self._last) or (now < self._next and not is_immediate and not other):
             return
         self._next, self._aloud = now + SAY_SECONDS, self._aloud + (is_immediate or other)
-        self._last = said
-        spans = escape(json.dumps([said.spans, said.fact_sentences], ensure_ascii=False))
-        self._html.content = f"<i class='lab-says' data-sentence=\"{escape(str(said))}\" data-spans=\"{spans}\" " \
+        self._last = headline
+        spans = escape(json.dumps([headline.spans, headline.fact_sentences], ensure_ascii=False))
+        self._html.content = f"<i class='lab-says' data-sentence=\"{escape(str(headline))}\" data-spans=\"{spans}\" " \
                              f"data-aloud='{self._aloud}'></i>"
 
 
 def frame_headline(report: FrameReport | None, arrays: FrameArrays | None, view: ErrorView | None, worst: WorstRegions,
-                   series: dict[str, np.ndarray], quantity: str, drawn: str | None, ago: float = 0.0,
-                   beside: str = "", speed: float = 0.0) -> Headline:
-    """Returns the headline of a frame from its ``view``, its worst regions and the run's sampled ``series``.
+                   series: dict[str, np.ndarray], quantity: str, estimator: str | None, periods_back: float = 0.0,
+                   comparison: str = "", speed: float = 0.0) -> Headline:
+    """Returns the headline of a frame from the ``view`` of its errors, its worst regions and the run's sampled
+    ``series``.
 
     Errors and estimates are means so far for a playing run, present values for one that is paused or lost. ``quantity``
-    is a key, ``drawn`` the estimator on the stage, ``ago`` the periods since the frame, ``beside`` the comparison with
-    a pinned run (:func:`compare_with_pinned`), ``speed`` the simulated seconds per second."""
+    is a key (x, v, sigma, a), ``estimator`` the one on the stage, ``periods_back`` the periods from the frame to the
+    newest, ``comparison`` the text of :func:`compare_with_pinned`, ``speed`` in simulated seconds per second."""
     if report is None or arrays is None or view is None:
         return Headline.from_template(tr(WAITING))
     series, when = series_until(series, report.time), format_number(report.time)
-    moment = report.scene, report.playing, report.status, ago
+    moment = report.scene, report.playing, report.status, periods_back
     if report.status == soundness.UNSTABLE:
         return Headline((("bad", fill_template(tr(UNSTABLE), time=when)),), (*_lost_run_reason(report), tr(LAST)),
                         moment)
     lost = report.status == soundness.LOST
     of_now = not report.playing or lost
     true, estimate = map(_rms, (view.true, view.estimated)) if of_now else (
-        _mean(series, name) for name in (f"error_{quantity}", f"{drawn}/estimate_{quantity}"))
-    words = error_headline_templates(report.scene, quantity, drawn, view.left.silence if view.estimated is None else "",
-                                     view.right.silence if view.true is None else "")
+        _mean(series, name) for name in (f"error_{quantity}", f"{estimator}/estimate_{quantity}"))
+    words = headline.error_headline_templates(report.scene, quantity, estimator,
+                                              view.left.silence if view.estimated is None else "",
+                                              view.right.silence if view.true is None else "")
     before = "" if lost else tr(SO_FAR)
     if not report.playing:
-        before = fill_template(tr(BACK), ago=f"{ago:.2f}") if ago else fill_template(tr(PAUSED), time=when)
-    index = estimate / true if true else math.nan
-    said = headline.format_error_headline(words, QUANTITIES[quantity].unit, true, estimate,
-                                          index if of_now else last_value(series, f"{drawn}/index_{quantity}"), before)
+        before = fill_template(tr(BACK), ago=f"{periods_back:.2f}") if periods_back else \
+            fill_template(tr(PAUSED), time=when)
+    present_index = estimate / true if true else math.nan
+    index = present_index if of_now else last_value(series, f"{estimator}/index_{quantity}")
+    said = headline.format_error_headline(words, QUANTITIES[quantity].unit, true, estimate, index, before)
     region = None if true <= words.least else worst.by_truth or worst.by_estimate
     who = largest_cause_fact(report.scene, series, quantity)
     facts = [*said.facts[:1], who, *said.facts[1:],
              tr("worst at {region}", region=region.name) if region else "", *_crossings_text(report, arrays, speed)]
-    if beside:  # replaces the reference value
-        facts[:1] = [*said.facts[1:], beside]
+    if comparison:  # replaces the reference value
+        facts[:1] = [*said.facts[1:], comparison]
     parts = said.headline
     if lost:
         facts = _lost_run_reason(report) or facts
@@ -98,8 +91,9 @@ def frame_headline(report: FrameReport | None, arrays: FrameArrays | None, view:
 
 
 def compare_with_pinned(live: dict[str, np.ndarray], pinned: dict[str, np.ndarray], quantity: str,
-                        scenes: tuple[Scene, Scene], ) -> str:
-    """Returns whether the live or the pinned run errs more, by means over common periods, as text; "" if unknown."""
+                        scenes: tuple[Scene, Scene]) -> str:
+    """Returns a text such as "3 times as wrong as the pinned run", by the mean true errors of a quantity ("x") over the
+    periods that both runs have; "" if unknown. ``live`` and ``pinned`` are the runs' sampled series."""
     larger = live_to_pinned_ratio(live, pinned, f"error_{quantity}", scenes)
     if not math.isfinite(larger) or larger <= 0:
         return ""
@@ -114,7 +108,8 @@ def compare_with_pinned(live: dict[str, np.ndarray], pinned: dict[str, np.ndarra
 
 def live_to_pinned_ratio(live: dict[str, np.ndarray], pinned: dict[str, np.ndarray], name: str,
                          scenes: tuple[Scene, Scene]) -> float:
-    """Returns the ratio of a live to a pinned run's series, as means over common periods; NaN if not known."""
+    """Returns the mean of a live run's series over that of a pinned run's, both by ``name`` ("error_x") and over the
+    periods that both have; NaN if unknown."""
     periods = min(elapsed_periods(series, scene) for series, scene in zip((live, pinned), scenes, strict=True))
     mine, other = (_mean(series_until(series, periods * scene.period * (1 + 1e-9)), name)
                    for series, scene in zip((live, pinned), scenes, strict=True))
@@ -122,19 +117,19 @@ def live_to_pinned_ratio(live: dict[str, np.ndarray], pinned: dict[str, np.ndarr
 
 
 def elapsed_periods(series: dict[str, np.ndarray], scene: Scene) -> float:
-    """Returns the length of series in periods of their scene."""
+    """Returns the last time of a run's sampled series in periods of its scene; 0 before the first sample."""
     times = series.get("time", np.zeros(0))
     return float(times[-1]) / scene.period if len(times) else 0.0
 
 
 def _lost_run_reason(report: FrameReport) -> list[str]:
-    """Returns the reason why a run is lost without the time, which the headline has."""
+    """Returns the reason why a run is lost, without the time, as a list of one text; [] if none is known."""
     reason = reword_for_page(report.reason or "")
     return [reason.partition(": ")[2] or reason] if reason else []
 
 
 def _rms(sizes: np.ndarray | None) -> float:
-    """Returns the root mean square of errors' sizes (P,)."""
+    """Returns the root mean square of sizes (P,) of errors, in their unit; NaN for None."""
     with np.errstate(all="ignore"):  # a run gone bad holds anything
         return math.nan if sizes is None else float(np.sqrt(np.mean(sizes.astype(float) ** 2)))
 
@@ -146,7 +141,7 @@ def _mean(series: dict[str, np.ndarray], name: str) -> float:
 
 
 def _crossings_text(report: FrameReport, arrays: FrameArrays, speed: float) -> list[str]:
-    """Returns how many particles crossed a cell boundary within the time for which crossings are marked."""
+    """Returns how many particles crossed a cell boundary lately, as a list of one sentence; [] if not recorded."""
     if not report.scene.has("crossings"):
         return []
     count = int(np.count_nonzero(is_recent_crossing(arrays.steps_since_crossing, report.scene, speed)))

@@ -23,7 +23,7 @@ from solvers.solver.soundness import UNSTABLE
 
 
 class LiveRunSource:
-    """The default source of the stage; ``further`` returns a notice for when the session has none."""
+    """The stage's default source: the visitor's run; ``further`` returns a notice or None if the session has none."""
 
     is_on, needs_immediate_headline = True, False
 
@@ -33,7 +33,8 @@ class LiveRunSource:
         self._worst = WorstRegions()
 
     def stage_content(self, choice: ViewChoice) -> StageContent | None:
-        """Returns the frame on view; None for one without the difference requested, as the next one is coming."""
+        """Returns the frame on view, beside the pinned run if any; None before the first frame, and while a frame with
+        the requested difference of estimate and truth is still to come."""
         if (last := self._recent.shown_frame) is None:
             return None
         (report, arrays), back = last, self._recent.back > 0
@@ -59,7 +60,8 @@ class LiveRunSource:
                             beside, self._worst.annotations(scene))
 
     def numbers(self, choice: ViewChoice, picture: FrameView | None, probed: str | None) -> Numbers | None:
-        """Returns the numbers of the frame on view, with plots of everything received."""
+        """Returns the numbers of the frame on view and the series for plots; None before the run's first frame.
+        ``picture`` is the frame drawn last, ``probed`` the text of errors in a dragged rectangle."""
         session, recent, quantity = self._session, self._recent, choice.quantity
         if picture is not None and not picture.foreign:
             self._worst.find(picture.report, picture.arrays, picture.view, quantity)
@@ -77,7 +79,7 @@ class LiveRunSource:
                        why_no_index(scene, valid, quantity), pinned, traced, scene)
 
     def sentence(self, choice: ViewChoice, picture: FrameView) -> Headline:
-        """Returns the headline of the frame, with the comparison to a pinned run."""
+        """Returns the headline of the frame drawn, with a comparison to a pinned run; empty for another run's frame."""
         history, pinned, report = self._session.history, self._session.pinned, picture.report
         if picture.foreign or not history.scene == report.scene == self._worst.scene:
             return Headline()  # another run has begun just now
@@ -87,7 +89,7 @@ class LiveRunSource:
                               choice.estimator, self._recent.periods_back, beside, picture.speed)
 
     def notice(self) -> Notice | None:
-        """Returns the session's notice, or else a further one."""
+        """Returns the session's message for the visitor, or else one of ``further``; None if there is none."""
         return self._session.notice() or self._further()
 
     def _frame_view(self, report: FrameReport, arrays: FrameArrays, view: ErrorView, name: str) -> FrameView:

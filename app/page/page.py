@@ -30,7 +30,8 @@ RESTING = 12  # pause until the next refresh, in times its work per running stag
 
 
 class Page:
-    """Page of one client, which the browser identifies by ``token``. Frames are drawn on the engine's reader thread."""
+    """Page of one browser (``client``), which requests name by the page's random ``token``. Frames are drawn on the
+    thread that reads them from the engine; numbers and texts follow a few times a second."""
 
     def __init__(self, client: viser.ClientHandle, links: PageLinks, classroom: ClassroomContext,
                  lecturer: LecturerContext | None = None):
@@ -72,7 +73,7 @@ class Page:
         self._context.set_frame_conditions(watched=watched)
 
     def stop_output(self) -> None:
-        """Stops all drawing and messages."""
+        """Ends all drawing and messages to the browser; returns when a refresh in progress is complete."""
         self._closed.set()
         self._stands.set()
         self._context.stage.stop()
@@ -80,7 +81,7 @@ class Page:
             pass
 
     def close(self) -> None:
-        """Closes the features and the session when the visitor leaves or gets another page."""
+        """Closes the features and the visitor's session, when the visitor leaves or gets another page."""
         self.stop_output()
         for feature in self._features:
             feature.close()
@@ -97,7 +98,7 @@ class Page:
             feature.on_frame(report)
 
     def _refresh_loop(self) -> None:
-        """Refreshes periodically, and soon after the stage stops, so that texts match the picture."""
+        """Refreshes numbers and texts periodically, and soon after the run pauses, until the page is closed."""
         rest = 0.0
         while not self._closed.wait(REFRESH_SECONDS):
             self._stands.wait(rest)

@@ -26,8 +26,8 @@ from solvers.engine.shared_frames import FrameArrays
 
 
 class OpenLesson(Protocol):
-    """The lesson that a visitor has open: its name for links and its answers for the browser to store, both "" if none
-    is open. ``show_step`` shows one by its number, of the core ``only`` or of all."""
+    """The lesson that a visitor has open: its ``name`` in links and its ``answers`` as text for the browser to store,
+    both "" if none is open. ``go_to_step`` shows a step by its number, in the core (``only``) or in all."""
 
     @property
     def name(self) -> str: ...
@@ -43,9 +43,9 @@ class OpenLesson(Protocol):
 
 
 class PageContext:
-    """Everything that features share: the visitor's run (``session``), ``stage``, ``controls``, ``tabs`` and more;
-    features set ``lesson`` and ``is_touring``. ``show_run_on_stage`` ends what replaces the run, ``store_state``
-    stores the state."""
+    """Everything that features share: the visitor's run (``session``), ``stage``, ``controls``, ``tabs`` and more.
+    Features set ``lesson`` and ``is_touring``. The page sets ``show_run_on_stage``, which ends whatever replaces the
+    run on the stage, and ``store_state``, which stores the visitor's state in the browser's address."""
 
     show_run_on_stage: Callable[[], None]
     store_state: Callable[[], None]
@@ -76,29 +76,28 @@ class PageContext:
 
     @property
     def shortcuts(self) -> dict[str, Callable[[], None]]:
-        """Actions of keys independent of features, by the names that ``js/keys.js`` sends."""
+        """Actions of keys that belong to no feature, by the names that ``js/keys.js`` sends."""
         controls = self.controls
         return {"judge": controls.stage.next_estimator, "magnify": controls.stage.next_magnification,
                 "method": controls.next_method, "present": self.presenter.begin}
 
     @property
     def lesson_name(self) -> str:
-        """The name of the open lesson, or ""."""
+        """The name of the open lesson; "" if none is open."""
         return self.lesson.name if self.lesson else ""
 
     def set_frame_conditions(self, **conditions: bool) -> None:
-        """Computes frames only while the browser shows the page (``watched``) and receives in time (``keeps_up``), and
-        the stage is ``uncovered``; a condition that is not given stays as it is."""
+        """Computes frames only while all these are true: the browser shows the page (``watched``), it receives in time
+        (``keeps_up``), the stage is ``uncovered``. A condition that is not given keeps its value."""
         self._conditions |= conditions
         self.session.set_watched(all(self._conditions.values()))
 
     def close(self) -> None:
-        """Closes the session and its links when the visitor leaves."""
         self.session.close()
         self.links.close()
 
     def _take_frame(self, report: FrameReport, arrays: FrameArrays) -> None:
-        """Stores a new frame of the run, and draws it."""
+        """Stores a new frame of the run, draws it and passes it to the features."""
         self.links.frames.add()
         if report.fresh:
             self.scale.reset()
@@ -108,7 +107,7 @@ class PageContext:
         self._on_frame(report)
 
     def refresh_and_pause_when_idle(self, idle_seconds: float) -> None:
-        """Updates the widgets from the session; pauses a run after ``idle_seconds`` without input."""
+        """Updates the widgets from the session, and pauses the run after ``idle_seconds`` without input."""
         if self.session.playing and not self.presenter.on and self.session.idle_seconds > idle_seconds:
             self.session.pause_until_return()
         self.presenter.show_scene_name(self.session.scene)

@@ -44,15 +44,15 @@ AGAIN = "<i class='lab-again'></i>"  # makes the browser reload the page after a
 
 
 class ServeError(Exception):
-    """Raised if the page cannot be served; the message gives the reason."""
+    """Raised if the page cannot be served; the message is the reason."""
 
 
 class Visitors:
     """Connected visitors: a page for each of at most ``places``, closed when its visitor leaves.
 
-    A client is identified by its ``client_id``; ``make_page`` gets it and links to the engines. A client that the lab
-    ``expects`` needs no free place. Thread-safe: a visitor may leave while the page is being made, or even before
-    :meth:`connect`."""
+    ``make_page(client, links)`` returns a page; ``show(client, html)`` replaces a browser's content by a message; a
+    client for which ``expects(client)`` is true needs no free place. Clients differ by ``client_id``. Thread-safe: a
+    visitor may leave while the page is being made, or even before :meth:`connect`."""
 
     def __init__(self, pool: EnginePool, places: int, make_page: Callable[[Any, PageLinks], Any],
                  show: Callable[[Any, str], None], expects: Callable[[Any], bool] = lambda client: False):
@@ -65,7 +65,7 @@ class Visitors:
         self._over = False  # shutting down: pages still being made are discarded
 
     def connect(self, client: Any) -> None:
-        """Admits a visitor, or shows why not."""
+        """Makes a client's page before it returns, or shows the client why there is none: the lab is full or closed."""
         visitor = client.client_id
         with self._lock:
             if visitor in self._left:
@@ -82,7 +82,7 @@ class Visitors:
             self._show(client, tr(OVER) if over else tr(FULL) + AGAIN)
 
     def disconnect(self, client: Any) -> None:
-        """Closes the visitor's page, now or as soon as it is made."""
+        """Closes the page of a client that has left, now or as soon as the page is made."""
         visitor = client.client_id
         with self._lock:
             if visitor in self._pageless:
@@ -96,7 +96,7 @@ class Visitors:
         page.close()
 
     def set_watched(self, token: str, watched: bool) -> bool:
-        """Passes on whether the browser with this token shows its page; returns whether there is such a page."""
+        """Tells the page with this token whether its browser shows it; returns False if there is no such page."""
         with self._lock:
             page = next((page for page in self._pages.values() if page and page.token == token), None)
         if page is not None:
@@ -104,35 +104,34 @@ class Visitors:
         return page is not None
 
     def close_all_pages(self) -> list[threading.Thread]:
-        """Tells all visitors that the lab closes; returns the threads that close their pages."""
+        """Shows all visitors that the lab closes; returns the threads started to close their pages."""
         with self._lock:
             pages, self._over = list(filter(None, self._pages.values())), True
             self._pages = {visitor: page for visitor, page in self._pages.items() if page is None}
         closing = [threading.Thread(target=with_language(self._close_with_message, page.language), args=(page,),
-                                    daemon=True)
-                   for page in pages]
+                                    daemon=True) for page in pages]
         for thread in closing:
             thread.start()
         return closing
 
     def has_no_pending_page(self) -> bool:
-        """Whether no page is still being made after :meth:`close_all_pages`."""
+        """Returns whether no page is still open or being made, after :meth:`close_all_pages`."""
         return not self._pages
 
     def health(self) -> dict[str, Any]:
-        """Returns the state of the server for monitoring."""
+        """Returns the server's state for monitoring: ready, sessions, places, engines, playing, frames_per_second."""
         return {"ready": self._pool.wait_ready(0), "sessions": len(self._pages), "places": self._places,
                 "engines": len(self._pool.process_ids), "playing": self._pool.playing_sessions,
                 "frames_per_second": self._frames.events_per_second}
 
     def _close_with_message(self, page: Any) -> None:
-        page.fall_silent()
+        page.stop_output()
         self._show(page.client, tr(OVER))
         page.client.flush()
         page.close()
 
     def _admit(self, client: Any) -> None:
-        """Makes the page of a visitor who has a place; releases everything if that fails."""
+        """Makes the page of a client that has a place; frees the place and shows a message if that fails."""
         visitor, links, page = client.client_id, PageLinks(self._pool, self._frames), None
         try:
             page = self._make_page(client, links)
@@ -160,11 +159,12 @@ def serve(host: str, port: int, max_sessions: int, warm_up: bool = True, code: s
           teacher: bool = False, core: bool = False, board: bool = False) -> None:
     """Serves the page until interrupted; raises :class:`ServeError` if host and port cannot be bound.
 
-    With ``warm_up`` usual scenes are compiled in the background. Each visitor gets up to ``frames`` frames per second,
-    and needs the class ``code``; without one it is generated if other machines can connect. ``names`` are host names of
-    proxies. The ``lesson``, if any, is opened for everyone. With ``teacher`` its notes are shown, on a public server to
-    those with the teacher's code. With ``core`` lessons begin with their core alone. A ``board`` shows the class's
-    answers to those with its own code; it tells visitors apart by the cookies of a class code."""
+    At most ``max_sessions`` visitors are served, each with up to ``frames`` frames per second. With ``warm_up`` usual
+    scenes are compiled in the background. Visitors need the class ``code``; without one it is generated if other
+    machines can connect. ``names`` are host names of proxies. The ``lesson``, if any, is opened for everyone. With
+    ``teacher`` its notes are shown, on a public server to those with the teacher's code. With ``core`` lessons begin
+    with their core alone. A ``board`` shows the class's answers to those with its own code; it tells visitors apart by
+    the cookies of a class code."""
     addresses = Addresses(host, names)
     code = code or (generate_code() if board or not addresses.is_local_only else "")
     codes = {CLASS: code, TEACHER: generate_code() if teacher and code else "", BOARD: generate_code() if board else ""}
@@ -194,7 +194,7 @@ def serve(host: str, port: int, max_sessions: int, warm_up: bool = True, code: s
             if shared is not None:
                 shared.stop_computations()
             if server is not None:
-                server.wait_until_told(TOLD_WITHIN)
+                server.wait_until_sent(TOLD_WITHIN)
             pool.close(CLOSED_WITHIN)
             for thread in closing:
                 thread.join(CLOSED_WITHIN / max(1, len(closing)))
@@ -239,7 +239,7 @@ def _start_server(host: str, port: int, pool: EnginePool, max_sessions: int, add
             raise
 
     def expects(client: Any) -> bool:
-        """Whether it is the lecturer's page, which always has a place."""
+        """Returns whether a client is the lecturer's page, which needs no free place."""
         return (doors.identify(client.client_id) or CookieIdentity(CLASS)).role == BOARD
 
     visitors = Visitors(pool, max_sessions, make_page, _replace_page_content, expects)
@@ -256,7 +256,7 @@ def _start_server(host: str, port: int, pool: EnginePool, max_sessions: int, add
 
 
 def _announce(address: str, link: str, codes: Mapping[str, str]) -> None:
-    """Prints the address for this machine, the ``link`` for others, and the codes."""
+    """Prints the local address, the ``link`` for other machines and the access codes (by role) to standard error."""
     print(f"mpm-lab is at http://{address} (Ctrl-C ends it)", file=sys.stderr, flush=True)
     if code := codes[CLASS]:
         link_of_class = f"{link}#code={quote(code)}"
@@ -276,14 +276,13 @@ def _announce(address: str, link: str, codes: Mapping[str, str]) -> None:
 
 
 def _replace_page_content(client: Any, sentence: str) -> None:
-    """Replaces the page's content by a sentence."""
     client.gui.reset()
     client.scene.reset()
     client.gui.add_html(f"<div class='lab-notice lab-refused lab-alone'>{sentence}</div>")
 
 
 def _network_address(host: str) -> str:
-    """Returns the address under which others reach this machine, if known: that of its outgoing route."""
+    """Returns the host or IP address by which other machines reach this one; 127.0.0.1 if none is known."""
     if host not in EVERYWHERE:
         return host
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as trial, contextlib.suppress(OSError):
@@ -293,7 +292,7 @@ def _network_address(host: str) -> str:
 
 
 def _engine_count() -> int:
-    """Returns the number of engines: one fewer than the processors available, so that the page keeps one."""
+    """Returns the number of engine processes: one fewer than the processors, so that the page keeps one; 1 to 4."""
     return min(MOST_ENGINES, max(1, available_cpus() - 1))
 
 

@@ -18,9 +18,9 @@ PIN, UNPIN = lazy("Pin this run"), lazy("Unpin")
 
 
 class PlaybackControls:
-    """Widgets of one visitor; ``on_view`` is called when only the drawing changes."""
+    """One visitor's widgets for run, speed, pin and look back, made by ``bound``; ``on_view`` redraws the stage."""
 
-    def __init__(self, gui: viser.GuiApi, session: Session, looking: HistoryControls, bound: SceneWidgetFactory,
+    def __init__(self, gui: viser.GuiApi, session: Session, history: HistoryControls, bound: SceneWidgetFactory,
                  on_view: Callable[[], None]):
         self._session, self._on_view = session, on_view
         self.acts = {PLAY: lambda: session.play(True), PAUSE: lambda: session.play(False),
@@ -35,22 +35,22 @@ class PlaybackControls:
                                                     "0 and advance together, period by period"))
         self._pin.on_click(lambda _: self._toggle_pin())
         back_mark = gui.add_html("<i class='lab-at-back'></i>")
-        self._back = looking.build_slider(gui)
+        self._back = history.build_slider(gui)
         # Removed with its widget, as it would otherwise mark the next one.
         self.parts: dict[str, tuple[Any, ...]] = {
             "pin": (pin_mark, self._pin), "look-back": (back_mark, self._back), "speed": (self._speed,)}
 
     def pin(self, scene: Scene | None = None) -> None:
-        """Pins the run on the stage, or one of a scene, for comparison with later ones."""
+        """Runs a scene, by default that on the stage, beside later runs for comparison."""
         self._session.pin(self._on_pinned_frame, scene)
 
     def show(self) -> None:
-        """Updates the widgets for the session's present scene."""
+        """Updates range and value of the speed, and the pin's label, for the session's present scene."""
         self._speed.set_range_and_value(self._speed_slider_spec, self._session.speed)
         self.refresh()
 
     def refresh(self) -> None:
-        """Updates the widgets from the session."""
+        """Updates the label of the pin's button: "Pin this run" or "Unpin"."""
         self._pin.label = tr(PIN if self._session.pinned is None else UNPIN)
 
     @property
@@ -68,6 +68,6 @@ class PlaybackControls:
         self._on_view()
 
     def _on_pinned_frame(self) -> None:
-        """Handles a frame of the pinned run; while both play, it is drawn with the other's."""
+        """Redraws the stage for a new frame of the pinned run, unless the run beside it plays and redraws it anyway."""
         if not (self._session.report and self._session.report.playing):
             self._on_view()

@@ -20,7 +20,8 @@ from solvers.scene.validation import SceneError
 
 
 def usual_scenes(lessons: Mapping[str, Lesson], opened: str = "") -> list[Scene]:
-    """Returns scenes of every problem and of the ``lessons``, early those of the one ``opened`` for everyone."""
+    """Returns scenes to compile, likeliest first: of every problem and of ``lessons`` (by name), early those of the
+    lesson ``opened`` for everyone ("" for none)."""
     firsts = [first_scene(problem) for problem in PROBLEMS]
     taught = {name: list(_lesson_scenes(lesson)) for name, lesson in lessons.items()}
 
@@ -35,7 +36,7 @@ def usual_scenes(lessons: Mapping[str, Lesson], opened: str = "") -> list[Scene]
 
 
 def _scenes_one_click_away(first: Scene) -> Iterator[Scene]:
-    """Yields scenes one click away: an estimator more or fewer, another method or motion, the budget of each method."""
+    """Yields changes of a scene: an estimator more or fewer, another method or motion, the budget of each method."""
     names = first.choices("estimators")
     for name in names:
         yield from _changed_scene(first, estimators=tuple(e for e in names if (e in first.estimators) != (e == name)))
@@ -49,7 +50,7 @@ def _scenes_one_click_away(first: Scene) -> Iterator[Scene]:
 
 
 def _budget_scene(scene: Scene) -> Iterator[Scene]:
-    """Yields the scene with the error budget."""
+    """Yields the scene with the error budget switched on; nothing if that is not possible or it is on already."""
     if EFFECT in scene.OWN_EFFECTS and EFFECT not in scene.effects:
         yield from _changed_scene(scene, effects=(*scene.effects, EFFECT))
 
@@ -65,13 +66,13 @@ def _lesson_scenes(lesson: Lesson) -> Iterator[Scene]:
 
 
 def _single_estimator_scenes(first: Scene) -> Iterator[Scene]:
-    """Yields the scene without estimators, and with each alone."""
+    """Yields a scene without estimators, and with each alone."""
     for chosen in ((), *((name,) for name in first.choices("estimators"))):
         yield from _changed_scene(first, estimators=chosen)
 
 
 def _detail_scenes(first: Scene) -> Iterator[Scene]:
-    """Yields scenes with one choice in the folder of details and remedies."""
+    """Yields variants of a scene with one other choice in the folder of details and remedies."""
     for remedy in first.choices("remedies"):
         yield from _changed_scene(first, remedies=(remedy,))
     for field in ("velocity", "body_force"):
@@ -81,7 +82,7 @@ def _detail_scenes(first: Scene) -> Iterator[Scene]:
 
 
 def _scenes_without_one_effect(first: Scene) -> Iterator[Scene]:
-    """Yields scenes with one effect switched off; last, since no lesson does that."""
+    """Yields variants of a scene with one effect switched off; compiled last, since no lesson does that."""
     for effect in first.effects:
         yield from _changed_scene(first, effects=tuple(e for e in first.effects if e != effect))
 

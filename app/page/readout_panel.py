@@ -20,11 +20,12 @@ PLOT_HEIGHT = 110  # pixels, of a plot in the fold
 
 @dataclass(frozen=True)
 class Numbers:
-    """Readings of a run: its ``readout``, and plots of its ``past`` for the ``estimators``, of which some are
-    ``valid``.
+    """Readings of a run: tables (``readout``), and sampled series (``past``) to plot for the ``estimators``, of which
+    some are ``valid``.
 
-    ``drawn`` is the estimator on the stage, ``now`` the present state; ``no_index`` is the reason for no error index. A
-    ``pinned`` run and a ``traced`` particle are plotted too. The ``scene`` is for programs that read the page."""
+    ``drawn`` is the estimator on the stage, ``now`` the state of the time axis, ``no_index`` why there is no error
+    index, or "". A ``pinned`` run and a ``traced`` particle are plotted too. Programs that read the page get the
+    ``scene``."""
 
     readout: ReadoutTables
     past: RunSeries | None
@@ -39,7 +40,7 @@ class Numbers:
 
 
 class ReadoutPanel:
-    """Readings of one visitor's run. Call :meth:`show` a few times a second."""
+    """One visitor's numbers and plots below the stage. Call :meth:`show` a few times a second."""
 
     def __init__(self, client: viser.ClientHandle):
         self._client, gui = client, client.gui
@@ -49,7 +50,7 @@ class ReadoutPanel:
         self.reading = False  # whether the errors stay in view: in a lesson, or for a file
 
     def build(self, gui: viser.GuiApi) -> None:
-        """Builds the folder before the tabs; the style lays it below them (``css/33-numbers.css``)."""
+        """Builds the folder of all numbers, before the tabs; the style lays it below them (``css/33-numbers.css``)."""
         gui.add_html(f"<i class='lab-numbers' data-words='{escape(tr('time, energy, steps'))}'></i>")
         fold = gui.add_folder(tr("All numbers of this run"), expand_by_default=False)
         with fold:
@@ -59,7 +60,7 @@ class ReadoutPanel:
         self._foot = gui.add_html("")
 
     def show(self, numbers: Numbers, quantity: str, latest: bool) -> None:
-        """Shows numbers, and plots of a quantity's errors or of their ``latest`` periods."""
+        """Shows numbers, and plots of a quantity's errors ("x") over the run or its ``latest`` periods."""
         past, traced, scene = numbers.past, numbers.traced, numbers.scene
         if scene is not None and scene != self._described:
             self._described = scene

@@ -13,7 +13,8 @@ INTERRUPTED = 130  # exit status of a process that was ended by Ctrl-C
 
 @contextmanager
 def exit_within(seconds: float) -> Iterator[None]:
-    """Context manager around the shutdown: the process exits after so many seconds in any case, and ignores Ctrl-C."""
+    """Context manager around the shutdown: ignores Ctrl-C, and ends the process after so many seconds in any case, or
+    0.2 s after the block."""
     for kind in (signal.SIGINT, signal.SIGTERM):
         signal.signal(kind, signal.SIG_IGN)
     run_in_background(exit_after, seconds, INTERRUPTED)
@@ -21,8 +22,8 @@ def exit_within(seconds: float) -> Iterator[None]:
     run_in_background(exit_after, TIDY, INTERRUPTED)
 
 
-def run_in_background(work: Callable, *what: object) -> threading.Thread:
-    """Runs a function on a daemon thread, and returns the thread."""
-    thread = threading.Thread(target=work, args=what, daemon=True)
+def run_in_background(function: Callable, *arguments: object) -> threading.Thread:
+    """Starts a daemon thread that calls a function with these arguments; returns the thread."""
+    thread = threading.Thread(target=function, args=arguments, daemon=True)
     thread.start()
     return thread

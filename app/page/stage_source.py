@@ -20,9 +20,9 @@ Sizes = tuple[np.ndarray | None, np.ndarray | None]  # of errors (P,), of what t
 
 @dataclass(frozen=True)
 class ViewChoice:
-    """View options of a visitor: key of the quantity, the estimator drawn (or None), whether its ``difference`` from
-    the truth and the particles' ``domains`` are drawn, the factor by which the deviation is ``magnified`` in the field
-    plot, and whether plots over time show the ``latest`` periods only."""
+    """View options of a visitor: key of the quantity (x, v, sigma, a), the estimator on the stage or None, whether its
+    ``difference`` from the truth and the particles' ``domains`` are drawn, the factor by which the deviation is
+    ``magnified`` in the field plot, and whether plots over time show the ``latest`` periods only."""
 
     quantity: str
     estimator: str | None
@@ -34,8 +34,8 @@ class ViewChoice:
 
 @dataclass(frozen=True)
 class FrameView:
-    """A frame to draw: the ``view`` of its errors, the speed in simulated seconds per second, the ``name`` shown beside
-    another run, and whether its particles are ``foreign``, without a fixed order or start."""
+    """A frame to draw: the ``view`` of its errors, the speed in simulated seconds per second, the run's ``name`` where
+    two are drawn, and whether its particles are ``foreign``: of a file, without a fixed order or initial positions."""
 
     report: FrameReport
     arrays: FrameArrays
@@ -47,10 +47,10 @@ class FrameView:
 
 @dataclass(frozen=True)
 class StageContent:
-    """Everything to draw: a picture, and a run ``beside`` it, or its name before its first frame. The colour scale
-    follows the ``sizes`` of errors and reaches at least ``least``; it is reset when ``scale_key`` changes and kept when
-    looking ``is_past``. The picture is annotated by ``annotations``. The stage is ``hidden`` if something else is
-    drawn in its rectangle."""
+    """Everything to draw: a picture, and ``beside`` it a second run, or that run's name before its first frame. The
+    colour scale follows the ``sizes`` of errors and reaches at least ``least`` (in their unit); it is reset when
+    ``scale_key`` changes and kept for an earlier frame (``is_past``). ``annotations`` are notes in the picture. If
+    something else is drawn in a rectangle ``hidden``, the stage itself is hidden."""
 
     picture: FrameView
     sizes: Sizes
@@ -67,20 +67,21 @@ class StageSource(Protocol):
 
     @property
     def is_on(self) -> bool:
-        """Whether it is on the stage now."""
+        """Whether this source is on the stage now."""
 
     @property
     def needs_immediate_headline(self) -> bool:
-        """Whether its headline answers a click and must appear without delay."""
+        """Whether the source's headline answers a click and must appear without delay."""
 
     def stage_content(self, choice: ViewChoice) -> StageContent | None:
-        """Returns what to draw now; None before there is anything."""
+        """Returns what to draw now with these view options; None before there is anything to draw."""
 
     def numbers(self, choice: ViewChoice, picture: FrameView | None, probed: str | None) -> Numbers | None:
-        """Returns the numbers for the ``picture`` drawn and the text of its probe; None if nothing has changed."""
+        """Returns the numbers for the ``picture`` drawn and for ``probed``, the text of errors in a dragged rectangle;
+        None if nothing has changed."""
 
     def sentence(self, choice: ViewChoice, picture: FrameView) -> Headline:
-        """Returns the picture's headline; an empty one if the picture shows something else, soon replaced."""
+        """Returns the headline of the picture drawn; an empty one if the picture is about to be replaced."""
 
     def notice(self) -> Notice | None:
-        """Returns the message for the visitor, if there is one."""
+        """Returns the source's message for the visitor; None if there is none."""

@@ -16,7 +16,7 @@ from app.viewer.widgets import is_number_between
 
 
 class StageView:
-    """Draws the first of its sources that is on. The page's head is built at once, the numbers by :meth:`build`."""
+    """One visitor's view of the first source that is on: picture, headline above it, numbers below it."""
 
     def __init__(self, client: viser.ClientHandle, canvas: ViewerCanvas):
         self._client, self._canvas = client, canvas
@@ -27,40 +27,39 @@ class StageView:
         self._choice: Callable[[], ViewChoice] | None = None
 
     def build(self, store: BrowserStore, seek: Callable[[float], None]) -> None:
-        """Builds the numbers; ``seek`` is called with the time in s that the visitor clicks in the plot over time."""
+        """Builds numbers and plots; ``seek`` is called with the time in s that the visitor clicks on the time axis."""
         self._seek = seek
         self._numbers.build(self._client.gui)
         BrowserWindow(store, self._on_resized, self._set_dark)
         store.heard |= {"seek": self._seek_timeline_fraction, "read": self._on_timeline_pointed}
 
     def begin(self, choice: Callable[[], ViewChoice], sources: tuple[StageSource, ...]) -> None:
-        """Starts drawing."""
+        """Starts drawing the first of the ``sources`` that is on; ``choice`` returns the visitor's view options."""
         self._sources, self._choice = sources, choice
         self.draw()
 
     def stop(self) -> None:
-        """Stops drawing; returns when the present drawing is complete."""
+        """Ends drawing for good; returns when the present drawing is complete."""
         with self._drawing:
             self._choice = None
 
     @property
     def source(self) -> StageSource:
-        """The source on the stage now."""
         return next(source for source in self._sources if source.is_on)
 
     def draw(self) -> None:
-        """Draws the stage."""
+        """Draws what the source on the stage shows now; does nothing before :meth:`begin` or after :meth:`stop`."""
         with self._drawing:
-            if (self._choice is not None
-                and (display := self.source.stage_content(choice := self._choice())) is not None):
-                self._canvas.draw(display, choice)
+            choice = self._choice and self._choice()
+            if choice is not None and (content := self.source.stage_content(choice)) is not None:
+                self._canvas.draw(content, choice)
 
     def read_numbers(self, choice: ViewChoice) -> Numbers | None:
-        """Returns the numbers of what is drawn; None if nothing has changed."""
+        """Returns the numbers of what is drawn with these view options; None if nothing has changed."""
         return self.source.numbers(choice, self._canvas.picture, self._canvas.probe.text)
 
     def refresh(self, choice: ViewChoice, numbers: Numbers | None, in_lesson: bool, headline: Headline) -> None:
-        """Shows the numbers, the notice, and the ``headline`` or, if that is empty, the source's own."""
+        """Shows the numbers unless None, the sources' notice, and the ``headline`` or, if empty, the source's own."""
         source, picture = self.source, self._canvas.picture
         if numbers:
             self._numbers.reading = in_lesson or numbers.scene is None
@@ -75,24 +74,24 @@ class StageView:
         self._canvas.camera.refit_while_settling()
 
     def _on_resized(self, size: LayoutMetrics) -> None:
-        """Handles another size of the window."""
+        """Fits labels and plots to another size of the browser's window, and redraws the stage if it changes."""
         self._numbers.timeline.height = max(20, round(size.plot_height))
         if self._canvas.lettering.set_pixel_layout(size.width, size.height, size.left, size.letters / LETTERS):
             self.draw()
 
     def _set_dark(self, dark: bool) -> None:
-        """Switches to the dark or the light theme."""
         set_up_theme(self._client.gui, dark)
         self._canvas.set_dark(dark)
         self._numbers.timeline.set_dark(dark)
         self.draw()
 
-    def _on_timeline_pointed(self, said: object) -> None:
-        """Handles the pointer's position on the time axis, a fraction, or its leaving."""
-        self._numbers.timeline.show_values_at(float(said) if is_number_between(said, 0, 1) else None)  # type: ignore[arg-type]
+    def _on_timeline_pointed(self, fraction: object) -> None:
+        """Shows the curves' values at a ``fraction`` of the time axis, 0 to 1; anything else: the pointer has left."""
+        self._numbers.timeline.show_values_at(
+            float(fraction) if is_number_between(fraction, 0, 1) else None)  # type: ignore[arg-type]
 
-    def _seek_timeline_fraction(self, said: object) -> None:
-        """Handles a click on the time axis."""
-        if is_number_between(said, 0, 1) and self.source.needs_immediate_headline is False:
-            assert isinstance(said, float | int)
-            self._seek(self._numbers.timeline.time_at(said))
+    def _seek_timeline_fraction(self, fraction: object) -> None:
+        """Goes to the time at a ``fraction`` of the time axis, 0 to 1, that the visitor has clicked."""
+        if is_number_between(fraction, 0, 1) and self.source.needs_immediate_headline is False:
+            assert isinstance(fraction, float | int)
+            self._seek(self._numbers.timeline.time_at(fraction))

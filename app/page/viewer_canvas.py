@@ -18,7 +18,7 @@ from app.words import QUANTITIES
 
 
 class ViewerCanvas:
-    """Drawing area with a stage for each problem, one of them visible, a colour bar, trace rings and the probe."""
+    """One browser's drawing area: a stage for each problem, one of them visible, colour bar, trace rings and probe."""
 
     def __init__(self, client: viser.ClientHandle, scale: ColourScale, trace: ParticleTracer, problem: str):
         self._client, self._scale, self.lettering = client, scale, LabelLayer(client.gui)
@@ -32,15 +32,15 @@ class ViewerCanvas:
         self.probe = RegionErrorProbe(client, self.add_surface("/probe"), self.camera)
         self._rings = TraceRings(client, self.add_surface("/trace"), trace)
 
-    def draw(self, sight: StageContent, choice: ViewChoice) -> None:
-        """Draws a frame, and a second run beside it if there is one."""
-        picture, beside, unit = sight.picture, sight.beside, QUANTITIES[choice.quantity].unit
+    def draw(self, content: StageContent, choice: ViewChoice) -> None:
+        """Draws a source's content with the visitor's view options: a frame, and perhaps a second run beside it."""
+        picture, beside, unit = content.picture, content.beside, QUANTITIES[choice.quantity].unit
         view, arrays, problem = picture.view, picture.arrays, picture.report.scene.problem
-        self._update_colour_scale(sight)
+        self._update_colour_scale(content)
         stage = self._stages[problem]
         second = stage.pinned_run_stage(beside is not None)
         with self._client.atomic():
-            self._show_stage(None if sight.hidden else problem)
+            self._show_stage(None if content.hidden else problem)
             _draw(stage, picture, choice)
             if isinstance(beside, FrameView):
                 assert second is not None
@@ -49,13 +49,13 @@ class ViewerCanvas:
                     _draw(stage, picture, choice)
             elif second:
                 second.show_run_name(beside or "")
-            stage.annotate(sight.annotations, arrays)
+            stage.annotate(content.annotations, arrays)
             if picture.foreign:  # its particles cannot be traced
                 self._rings.hide()
             else:
                 self._rings.update(stage, arrays)
             self._colour_bar.draw(choice.quantity, stage.rectangle[3])
-            rectangle = sight.hidden or stage.rectangle
+            rectangle = content.hidden or stage.rectangle
             self.lettering.set_visible_rectangle(rectangle)
             self.lettering.send()
             self._client.flush()  # otherwise viser buffers for a frame's time, and the next frame replaces this one
@@ -64,7 +64,6 @@ class ViewerCanvas:
         self.picture = picture
 
     def set_dark(self, dark: bool) -> None:
-        """Switches to the dark or the light background."""
         self.lettering.dark = dark
         self._set_background(dark)
 
@@ -72,29 +71,29 @@ class ViewerCanvas:
         ground = np.array(rgb(GROUNDS["ground"][dark]), np.uint8)
         self._client.scene.set_background_image(np.broadcast_to(ground, (2, 2, 3)).copy(), format="png")
 
-    def add_surface(self, at: str) -> ViewerSurface:
-        """Returns a new drawing surface whose scene nodes are below the path ``at``."""
-        return ViewerSurface(self._client, self.lettering, at)
+    def add_surface(self, path: str) -> ViewerSurface:
+        """Returns a new drawing surface below a ``path`` of the browser's scene tree, such as "/probe"."""
+        return ViewerSurface(self._client, self.lettering, path)
 
-    def _update_colour_scale(self, sight: StageContent) -> None:
-        """Updates the range of the colour scale; for an earlier frame it stays, so that frames can be compared."""
-        if changed := sight.scale_key != self._coloured:
+    def _update_colour_scale(self, content: StageContent) -> None:
+        """Fits the colour scale to the content's errors; an earlier frame leaves it, so that frames can be compared."""
+        if changed := content.scale_key != self._coloured:
             self._scale.reset()
-            self._coloured = sight.scale_key
-        if changed or not sight.is_past:
-            beside = sight.beside.view if isinstance(sight.beside, FrameView) else None
-            self._scale.update(*sight.sizes, (sight.picture.report.scene, sight.scale_key),
-                               (beside.left.sizes, beside.right.sizes) if beside else (None, None), sight.least)
+            self._coloured = content.scale_key
+        if changed or not content.is_past:
+            beside = content.beside.view if isinstance(content.beside, FrameView) else None
+            self._scale.update(*content.sizes, (content.picture.report.scene, content.scale_key),
+                               (beside.left.sizes, beside.right.sizes) if beside else (None, None), content.least)
 
     def _show_stage(self, problem: str | None) -> None:
-        """Shows the stage of a problem and hides the others; hides all for None."""
+        """Shows the stage of a problem (by its key) and hides the others; hides all for None."""
         self._colour_bar.sheet.visible = problem is not None
         for name, stage in self._stages.items():
             stage.sheet.visible = name == problem
 
 
 def _draw(stage: Stage, picture: FrameView, choice: ViewChoice) -> None:
-    """Draws a frame on a problem's stage."""
+    """Draws a frame with its titles on a problem's stage, by the visitor's view options."""
     report, view = picture.report, picture.view
     stage.domains = choice.domains and not picture.foreign
     stage.plotted, stage.magnified = report.holds.plotted, choice.magnified

@@ -30,30 +30,31 @@ SCALE_OVER_TRUTH = 10  # limits the scale, so that a diverged estimate does not 
 
 
 def line_style(estimator: str) -> Any:
+    """Returns the matplotlib line style of an estimator, by its name."""
     dashes = ESTIMATORS[estimator].dashes
     return (0, tuple(DASH_SCALE * length for length in dashes)) if dashes else "-"
 
 
 def estimator_styles(result: Result) -> list[tuple[str, str, Any]]:
-    """Returns each active estimator with its colour and line style."""
+    """Returns name, colour and matplotlib line style of each estimator that ran."""
     return [(name, ESTIMATORS[name].colour, line_style(name)) for name in result.scene.active_estimators]
 
 
 def when_text(result: Result) -> str:
-    """Returns the time at which the particles are shown, as text."""
+    """Returns the time at which a picture shows the particles, as text ("at t = 0.25 s")."""
     why = "" if result.mid_run is None else " (last peak of the motion)"
     return f"at t = {result.picture_snapshot.time:.4g} s{why}"
 
 
 def random_subsample_indices(count: int) -> np.ndarray:
-    """Returns the particles to draw: all, or a random choice, as every k-th may have the same position in a cell."""
+    """Returns the indices of particles to draw, of ``count``: all, or 20,000 at random (regular ones form patterns)."""
     if count <= MOST_DOTS:
         return np.arange(count)
     return np.sort(np.random.default_rng(0).choice(count, MOST_DOTS, replace=False))
 
 
 def shared_colour_scale(truth: np.ndarray | None, estimates: list[np.ndarray]) -> Normalize:
-    """Returns one colour scale, from 0, for the sizes of the truth and of every estimate of it."""
+    """Returns one colour scale, from 0, for sizes (P,) of the true error (None if unknown) and of estimates of it."""
     top = max((largest_finite(sizes) for sizes in estimates), default=0.0)
     if truth is not None and largest_finite(truth) > 0:
         top = min(max(top, largest_finite(truth)), SCALE_OVER_TRUTH * largest_finite(truth))
@@ -62,6 +63,7 @@ def shared_colour_scale(truth: np.ndarray | None, estimates: list[np.ndarray]) -
 
 def add_colour_bar(figure: Figure, drawn: ScalarMappable, axes: Axes | list[Axes], label: str, unit: str, aspect: float,
                    shrink: float = 1.0) -> None:
+    """Adds a colour bar of ``drawn`` below axes, with sizes in a unit, or 0 alone if all are zero."""
     bar = figure.colorbar(drawn, ax=axes, location="bottom", aspect=aspect, shrink=shrink, pad=0.02, label=label)
     bar.outline.set_visible(False)
     if drawn.norm.vmax == NO_ERROR:
@@ -71,18 +73,18 @@ def add_colour_bar(figure: Figure, drawn: ScalarMappable, axes: Axes | list[Axes
 
 
 def positive_or_gap(values: np.ndarray) -> np.ndarray:
-    """Returns values with NaN, a gap, for those that a logarithmic axis cannot show."""
+    """Returns values with NaN, a gap in a curve, for those that a logarithmic axis cannot show."""
     return np.where((values > LEAST) & (values < MOST), values, np.nan)
 
 
 def robust_size(values: np.ndarray) -> float:
-    """Returns the 98th percentile of the absolute values, ignoring a few runaway particles."""
+    """Returns the 98th percentile of the absolute values, so that a few runaway particles do not matter; 0 for none."""
     shown = np.abs(values[np.abs(values) < MOST])  # NaN is dropped too
     return float(np.percentile(shown, 98)) if len(shown) else 0.0
 
 
 def drawable_or_gap(values: np.ndarray) -> np.ndarray:
-    """Returns values with NaN, a gap, for those that a linear axis cannot handle."""
+    """Returns values with NaN, a gap in a curve, for those too large for a linear axis."""
     return np.where(np.abs(values) < MOST, values, np.nan)
 
 
@@ -91,7 +93,7 @@ def write_note(axes: Axes, sentence: str) -> None:
 
 
 def write_places(axes: Axes, stage: type[Stage], in_axes: Callable[[Label], tuple[float, float]]) -> None:
-    """Writes a stage's labels at points of the body; ``in_axes`` returns their positions in the axes."""
+    """Writes the names of parts of the body that a stage shows; ``in_axes(label)`` returns the position in the axes."""
     for label in stage.labels(StageLabels(), stage.layout(PAPER, RunSlot.ALONE)):
         if label.role == "place":
             up, across = label.anchor.split("-")

@@ -39,7 +39,7 @@ matplotlib.rcParams.update(SETTINGS)
 
 
 class SizeFormatter(Formatter):
-    """Ticks with one prefix and the unit at the last (0, 100, 200 µm), or on a logarithmic axis a unit at each."""
+    """Formats ticks with one prefix, and the unit at the last (0, 100, 200 µm) or, on a logarithmic axis, at each."""
 
     def __init__(self, unit: str):
         self.unit = unit
@@ -63,7 +63,7 @@ class SizeFormatter(Formatter):
 
 
 def format_size_axis(axis: Axis, unit: str, few: bool = True) -> None:
-    """Formats an axis with set scale and limits for sizes, with ``few`` grid lines or as many as usual."""
+    """Formats the sizes on an axis with set scale and limits, with about three grid lines, or more unless ``few``."""
     axis.set_major_formatter(SizeFormatter(unit))
     axis.set_minor_formatter(NullFormatter())
     if axis.get_scale() == "log":
@@ -75,17 +75,8 @@ def format_size_axis(axis: Axis, unit: str, few: bool = True) -> None:
 
 
 def label_curve_ends(axes: Axes, named: Sequence[tuple[str, np.ndarray, str]], apart: float = 0.14) -> None:
-    """Writes the names of curves at their right ends, in place of a legend.
-
-    Parameters
-    ----------
-    axes
-        With scales and limits set.
-    named
-        Name, ordinates and text colour of each curve.
-    apart
-        Least distance of two names, as a fraction of the axes' height.
-    """
+    """Writes curves' names at their right ends, in place of a legend. ``axes`` has scales and limits; ``named`` has
+    each curve's name, ordinates and text colour; names are ``apart`` or more, as a fraction of the axes' height."""
     to_share = axes.transScale + axes.transLimits
     ends: list[tuple[float, str, str]] = []
     for name, values, colour in named:
@@ -107,7 +98,7 @@ def label_curve_ends(axes: Axes, named: Sequence[tuple[str, np.ndarray, str]], a
 
 
 class NotebookFigure(Figure):
-    """Figure for notebooks, independent of the settings when it is written."""
+    """Figure with the pictures' style, whatever matplotlib's settings are when a notebook shows it."""
 
     def savefig(self, *arguments: Any, **options: Any) -> None:
         with matplotlib.rc_context(SETTINGS):
@@ -120,7 +111,7 @@ class NotebookFigure(Figure):
 
 
 def make_figure(width: float, height: float, title: str) -> NotebookFigure:
-    """Returns an empty figure of a size in inches, with a title at its upper left."""
+    """Returns an empty figure of a width and height in inches, with a title at its upper left."""
     figure = NotebookFigure(figsize=(width, height), layout=ConstrainedLayoutEngine(w_pad=0.1, h_pad=0.08))
     figure.suptitle(title, x=0.012, ha="left", fontsize=13, linespacing=1.4)
     return figure

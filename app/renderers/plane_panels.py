@@ -23,7 +23,8 @@ MOST_BINS = 60  # of the profile over R; finer ones hold too few particles to av
 
 
 class ProfileCoordinate(NamedTuple):
-    """Abscissa of an error profile: the ``coordinate`` (P,) of material positions (P, 2), and labels."""
+    """Abscissa of an error profile: ``coordinate`` computes it (P,) in m from material positions (P, 2) in m; the rest
+    are words for its title, symbol and axis label."""
 
     coordinate: Callable[[np.ndarray], np.ndarray]
     across: str
@@ -38,7 +39,7 @@ OVER_WIDTH = ProfileCoordinate(lambda X: X[:, 0], "the width", "X",
 
 
 def draw_profile(axes: Axes, result: Result, stage: type[PlanarStage], over: ProfileCoordinate = OVER_RADIUS) -> None:
-    """Draws the error along a coordinate: each particle, and the RMS over thin shells."""
+    """Draws the sizes of position errors in m over a coordinate of the body: each particle, and the RMS in shells."""
     at, inner, outer = result.picture_snapshot, stage.PLOT.start, stage.PLOT.end
     radius = over.coordinate(at.material_position)
     lines = [] if at.error is None else [("true", at.error[:, 0], TRUTH, "-")]
@@ -71,7 +72,8 @@ def draw_profile(axes: Axes, result: Result, stage: type[PlanarStage], over: Pro
 
 def _shell_means(result: Result, radius: np.ndarray, sizes: np.ndarray, inner: float,
                  outer: float) -> tuple[np.ndarray, np.ndarray]:
-    """Returns mean radius and RMS of the sizes in thin shells, about a particle thick; empty shells are left out."""
+    """Returns the means of ``radius`` (P,) and the RMS of ``sizes`` (P,) in thin shells from ``inner`` to ``outer``,
+    all in m; shells are about a particle thick, and empty ones are left out."""
     scene = result.scene
     thickness = outer - inner
     count = int(np.clip(round(thickness * scene.ppc / scene.spacing), 2, MOST_BINS))
@@ -87,11 +89,12 @@ def _shell_means(result: Result, radius: np.ndarray, sizes: np.ndarray, inner: f
 
 
 def draw_estimate_and_truth_halves(figure: Figure, place: SubplotSpec, result: Result, stage: type[PlanarStage],
-                                   reach: float, lines: Iterable[np.ndarray], told: str, per_metre: float) -> None:
-    """Draws the particles out to ``reach`` metres, once per estimator, on one scale.
+                                   half_width: float, lines: Iterable[np.ndarray], line_names: str,
+                                   points_per_metre: float) -> None:
+    """Draws the particles, coloured by position error, in a panel for each estimator, all on one scale.
 
     For a body mirrored at x = 0 the estimate is the left image and the truth the right one; else each half has its own
-    particles. ``lines`` (n, 2) in metres are exact, ``told`` is their name; a metre is ``per_metre`` points."""
+    particles. Axes go out to ``half_width`` m. ``lines``, each (n, 2) in m, are exact and named ``line_names``."""
     shown, mirrored = result.picture_snapshot, (-1, 1) in stage.MIRRORS
     few = panel_style.random_subsample_indices(len(shown.position))
     few = few[np.isfinite(shown.position[few]).all(axis=1)]  # an unstable run leaves NaN
@@ -103,9 +106,9 @@ def draw_estimate_and_truth_halves(figure: Figure, place: SubplotSpec, result: R
     panels = place.subgridspec(1, len(names)).subplots(squeeze=False)[0]
     # A dot is about as wide as the particles are apart, in points of the picture, not so wide that they merge.
     apart = result.scene.spacing / result.scene.ppc * np.sqrt(result.particles / max(1, len(few)))
-    area = float(np.clip((0.8 * apart * (per_metre / len(names) ** 0.5)) ** 2, 0.5, 64.0))
+    area = float(np.clip((0.8 * apart * (points_per_metre / len(names) ** 0.5)) ** 2, 0.5, 64.0))
     for axes, name in zip(panels, names, strict=True):
-        _draw_grid_and_exact_lines(axes, result.scene, stage, reach, lines, told)
+        _draw_grid_and_exact_lines(axes, result.scene, stage, half_width, lines, line_names)
         for side, sizes, title, colour, silence in (
                 (-1, estimates.get(name), f"estimate ({name})", ESTIMATE_INK, EMPTY_HALVES[0]),
                 (1, truth, "truth", TRUTH_INK, EMPTY_HALVES[1])):
@@ -124,16 +127,16 @@ def draw_estimate_and_truth_halves(figure: Figure, place: SubplotSpec, result: R
                                    "error of x, one scale for both halves", "m", aspect=60, shrink=0.75)
 
 
-def _draw_grid_and_exact_lines(axes: Axes, scene: Scene, stage: type[PlanarStage], reach: float,
-                               lines: Iterable[np.ndarray], told: str) -> None:
+def _draw_grid_and_exact_lines(axes: Axes, scene: Scene, stage: type[PlanarStage], half_width: float,
+                               lines: Iterable[np.ndarray], line_names: str) -> None:
     """Draws cell lines, exact lines and the line between the halves, with equal scales on both axes."""
-    least, mirrored = (0.0, ", the estimate mirrored") if (-1, 1) in stage.MIRRORS else (-reach, "")
-    cells = _draw_cell_lines(axes, scene, reach, least, stage.cell_edge_position(scene))
+    least, mirrored = (0.0, ", the estimate mirrored") if (-1, 1) in stage.MIRRORS else (-half_width, "")
+    cells = _draw_cell_lines(axes, scene, half_width, least, stage.cell_edge_position(scene))
     for line in lines:
         axes.plot(*line.T, color=INK, linewidth=0.9, zorder=3)
     axes.axvline(0, color=INK, linewidth=0.9, linestyle=(0, (6, 3)), zorder=3)
-    axes.set(xlim=(-reach, reach), ylim=(least, reach), aspect="equal",
-             xlabel=f"x{mirrored}{cells}; dark lines: {told}")
+    axes.set(xlim=(-half_width, half_width), ylim=(least, half_width), aspect="equal",
+             xlabel=f"x{mirrored}{cells}; dark lines: {line_names}")
     axes.grid(visible=False)
     format_size_axis(axes.xaxis, "m", few=False)
     format_size_axis(axes.yaxis, "m")
@@ -142,13 +145,13 @@ def _draw_grid_and_exact_lines(axes: Axes, scene: Scene, stage: type[PlanarStage
     panel_style.write_places(axes, stage, lambda label: (metres * (label.x - x), metres * (label.y - y)))
 
 
-def _draw_cell_lines(axes: Axes, scene: Scene, reach: float, least: float, start: float) -> str:
-    """Draws cell lines above y = ``least``, out to ``reach`` m; returns their description for an axis label."""
+def _draw_cell_lines(axes: Axes, scene: Scene, half_width: float, least: float, start: float) -> str:
+    """Draws cell lines, one at x = ``start``, above y = ``least``, out to ``half_width`` m; returns a caption."""
     if scene.cells > panel_style.MOST_CELL_LINES:
         return ""
     lines = np.arange(-scene.cells, scene.cells + 1) * scene.spacing + start
-    lines = lines[np.abs(lines) <= reach]
+    lines = lines[np.abs(lines) <= half_width]
     width = min(0.7, 20 / scene.cells)
-    axes.vlines(lines, least, reach, color=LINE, linewidth=width, zorder=0)
-    axes.hlines(lines[lines >= least], -reach, reach, color=LINE, linewidth=width, zorder=0)
+    axes.vlines(lines, least, half_width, color=LINE, linewidth=width, zorder=0)
+    axes.hlines(lines[lines >= least], -half_width, half_width, color=LINE, linewidth=width, zorder=0)
     return "; grey lines: cells"

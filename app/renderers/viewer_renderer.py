@@ -16,10 +16,9 @@ USUAL = (736.0, 358.0, 120.0)  # pixels of the free box and of the gutter left o
 
 
 class LabelLayer:
-    """The labels of a client's surfaces, and the box of the stage that they are in.
+    """The labels on one browser's stage, and the visible rectangle and pixel size of that stage.
 
-    The page gives the canvas the aspect ratio of the stage's rectangle. Nothing is sent before :meth:`send`, and then
-    only changes."""
+    The page gives the canvas the rectangle's aspect ratio. Only :meth:`send` sends anything, and only changes."""
 
     def __init__(self, gui: viser.GuiApi):
         self._html = gui.add_html("")
@@ -33,7 +32,7 @@ class LabelLayer:
 
     @property
     def stage_metrics(self) -> StageMetrics:
-        """The bounds of the browser's free box; cached, as it is needed several times per frame."""
+        """The bounds of the stage in the browser; cached, as they are needed several times per frame."""
         now = self._box, self._letters, self.dark
         if now != self._bounds_key:
             (width, height, gutter), self._bounds_key = self._box, now
@@ -41,18 +40,19 @@ class LabelLayer:
         return self._bounds
 
     def set_pixel_layout(self, width: float, height: float, gutter: float, letters: float = 1.0) -> bool:
-        """Sets the browser's pixels for x from 0 to 1 and in the gutter; returns whether they have changed."""
+        """Sets the pixels of the stage's width (x from 0 to 1), height and gutter left of it, and the scale of letters
+        (1 is usual); returns whether any has changed."""
         before = self._box, self._letters
         self._box, self._letters = (max(120.0, width), max(60.0, height), max(0.0, gutter)), max(0.5, letters)
         return before != (self._box, self._letters)
 
     def set_visible_rectangle(self, rectangle: tuple[float, float, float, float]) -> None:
-        """Sets the rectangle of the plane that is visible."""
+        """Sets the visible rectangle (x0, x1, y0, y1) of the stage's plane."""
         if rectangle != self._rectangle:
             self._rectangle, self._changed = rectangle, True
 
     def write(self, sheet: str, label: Label) -> None:
-        """Adds or replaces a label of a surface; one without text is removed."""
+        """Adds or replaces a label of a surface (by its path); a label without text is removed."""
         with self._lock:
             labels = self._labels.setdefault(sheet, {})
             if labels.get(label.name) == label or not (label.text or label.name in labels):
@@ -63,7 +63,7 @@ class LabelLayer:
             self._changed = True
 
     def show(self, sheet: str, visible: bool) -> None:
-        """Shows or hides the labels of a surface, and of those below it."""
+        """Shows or hides the labels of a surface (by its path) and of surfaces below that path."""
         with self._lock:
             if visible == (sheet in self._hidden):
                 (self._hidden.discard if visible else self._hidden.add)(sheet)
@@ -71,13 +71,13 @@ class LabelLayer:
 
     @property
     def visible_labels(self) -> list[tuple[str, Label]]:
-        """All visible labels, each with the name of its surface."""
+        """All visible labels, each after the path of its surface."""
         return [(sheet, label) for sheet, labels in self._labels.items()
                 if not any(sheet == hidden or sheet.startswith(f"{hidden}/") for hidden in self._hidden)
                 for label in labels.values()]
 
     def send(self) -> None:
-        """Sends the present labels to the page."""
+        """Sends the labels to the browser, if anything has changed."""
         with self._lock:
             if not self._changed:
                 return
@@ -89,7 +89,7 @@ class LabelLayer:
         self._html.content = f"<i class='lab-stage' data-said='{escape(said)}'></i>"
 
     def _encode(self, sheet: str, label: Label, left: float, top: float, width: float, height: float) -> dict:
-        """Returns a label's data for the page, with its position relative to the stage's box."""
+        """Returns a label's data for the browser, with its position as fractions of a box from its left and top."""
         said = {"name": f"{sheet}/{label.name}", "text": wrap_text(label.text, label.width), "role": label.role,
                 "x": round((label.x - left) / width, 4), "y": round((top - label.y) / height, 4),
                 "anchor": label.anchor}
@@ -99,11 +99,11 @@ class LabelLayer:
 
 
 class ViewerSurface:
-    """Draws marks below the path ``at`` of one client's scene; only changes are sent."""
+    """Surface whose marks are nodes below a ``path`` of one browser's scene tree; only changes are sent."""
 
-    def __init__(self, client: viser.ClientHandle, lettering: LabelLayer, at: str):
-        self._client, self._lettering, self._at = client, lettering, at
-        self._root, self._visible = client.scene.add_frame(at, show_axes=False), True
+    def __init__(self, client: viser.ClientHandle, lettering: LabelLayer, path: str):
+        self._client, self._lettering, self._at = client, lettering, path
+        self._root, self._visible = client.scene.add_frame(path, show_axes=False), True
         self._drawn: dict[str, tuple[Any, Mark]] = {}  # by name, the handle and the mark last drawn
 
     @property
@@ -154,7 +154,7 @@ class ViewerSurface:
                                          precision="float16" if mark.points.dtype == np.float16 else "float32")
 
     def _changed_arrays(self, handle: Any, mark: Dots | Lines, before: Any) -> dict[str, np.ndarray]:
-        """Returns the arrays of a mark that have to be sent; sets all else."""
+        """Sets size and origin of a mark's node, and returns the arrays that have to be sent, by the viewer's names."""
         arrays = {"points": mark.segments if isinstance(mark, Lines) else mark.points}
         if before is None or mark.colours is not before.colours:
             arrays["colors"] = np.asarray(mark.colours, np.uint8)

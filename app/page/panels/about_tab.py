@@ -13,7 +13,7 @@ from solvers.solver.soundness import CONTRADICTIONS, LOST_FROM
 
 
 def add_about(gui: viser.GuiApi) -> None:
-    """Fills the tab: an introduction, the page, each estimator in a folder of its own, and their reliability."""
+    """Adds the texts of the About tab: introduction, problems, a folder for each estimator, and their reliability."""
     gui.add_html(_text("try.html"))
     gui.add_html(_text("about.html").format(problems="".join(view.about for view in VIEWS.values()),
                                             divisions=", ".join(tr(view.division) for view in VIEWS.values())))
@@ -36,7 +36,7 @@ def add_about(gui: viser.GuiApi) -> None:
 
 
 def _text(name: str) -> str:
-    """Returns a text of the web folder; marked as English if it is not translated."""
+    """Returns the html file of this name in ``web/``, in the page's language or else marked as English."""
     path = localised_path(WEB / name)
     text = path.read_text(encoding="utf-8")
     return text if current_language() == ENGLISH or path.name != name else f"<div lang='{ENGLISH}'>{text}</div>"

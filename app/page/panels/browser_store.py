@@ -20,7 +20,7 @@ MARK = "<i class='lab-store'></i>"
 
 
 class BrowserStore:
-    """Store of one visitor's browser. All messages are validated: a browser may send anything."""
+    """State and answers that one visitor's browser stores, and messages from it. All messages are validated."""
 
     def __init__(self, gui: viser.GuiApi):
         self.here = ""  # the address at which this browser has opened the lab
@@ -40,13 +40,14 @@ class BrowserStore:
         self._text.on_update(lambda _: self._handle_queued_messages())
 
     def listen(self, on_link: Callable[[str], None], on_answers: Callable[[str, str], None]) -> None:
-        """Handles messages from now on, and earlier ones: the address's state, a lesson's name and stored answers."""
+        """Handles messages from now on, and earlier ones: ``on_link(state)`` gets the state in the address as text,
+        ``on_answers(lesson, answers)`` a lesson's name and its stored answers."""
         self._on_link, self._on_answers, self._listening = on_link, on_answers, True
         self._dispatch(self._early)
 
     @contextmanager
     def defer_storing(self) -> Iterator[None]:
-        """Context manager: stores nothing until a change of several parts is complete, so that reloads find it all."""
+        """Context manager: stores a change of several parts only when it is complete, so that reloads find them all."""
         self._changing = True
         try:
             yield
@@ -56,7 +57,8 @@ class BrowserStore:
                 self.store(*held)
 
     def store(self, link: str, lesson: str = "", answers: str = "") -> None:
-        """Makes the browser store a state and the answers to a lesson; without answers it sends the stored ones."""
+        """Makes the browser store a state (``link``, as text) and the answers to a lesson, by its name; with "" as
+        answers it sends those that it has stored."""
         if self._changing:
             self._pending = link, lesson, answers
             return
@@ -90,15 +92,15 @@ class BrowserStore:
         elif len(self._early) < MOST_KINDS:
             self._early |= said
 
-    def _dispatch(self, said: dict[str, Any]) -> None:
-        if isinstance(here := said.get("here"), str) and here.startswith(("http://", "https://")):
+    def _dispatch(self, message: dict[str, Any]) -> None:
+        if isinstance(here := message.get("here"), str) and here.startswith(("http://", "https://")):
             self.here = here
         # A browser that rebuilds its widgets sends what it was given to store; that state is already on the stage.
-        if isinstance(link := said.get("link"), str) and link and link != self._link:
+        if isinstance(link := message.get("link"), str) and link and link != self._link:
             self._on_link(link)
-        for name in self.heard.keys() & said.keys():
-            self.heard[name](said[name])
-        if isinstance(lesson := said.get("lesson"), str) and isinstance(answers := said.get("answers"), str):
+        for name in self.heard.keys() & message.keys():
+            self.heard[name](message[name])
+        if isinstance(lesson := message.get("lesson"), str) and isinstance(answers := message.get("answers"), str):
             self._on_answers(lesson, answers)
 
 
@@ -108,7 +110,8 @@ LETTERS = 12.0  # usual height of letters on the stage in pixels
 
 @dataclass(frozen=True)
 class LayoutMetrics:
-    """Layout of the window in px: free box of the stage, space left of it, plot over time, height of letters."""
+    """Layout of the browser's window in pixels: the stage's free box (``width``, ``height``), the space ``left`` of it,
+    the plot over time, and the height of letters."""
 
     width: float = 736.0
     height: float = 358.0
@@ -119,7 +122,7 @@ class LayoutMetrics:
 
 
 class BrowserWindow:
-    """One visitor's window: ``on_change`` receives a new size, ``on_dark`` dark or light. Messages are validated."""
+    """One visitor's window: ``on_change`` receives each new layout, ``on_dark`` whether the theme is dark."""
 
     def __init__(self, store: BrowserStore, on_change: Callable[[LayoutMetrics], None],
                  on_dark: Callable[[bool], None]):
@@ -127,10 +130,11 @@ class BrowserWindow:
         store.heard["room"] = self._on_size
         store.heard["dark"] = self._set_dark
 
-    def _on_size(self, said: Any) -> None:
-        if not (isinstance(said, list) and len(said) == 6 and all(is_number_between(part, 0, WIDEST) for part in said)):
+    def _on_size(self, sizes: Any) -> None:
+        if not (isinstance(sizes, list) and len(sizes) == 6
+                and all(is_number_between(part, 0, WIDEST) for part in sizes)):
             return
-        size = LayoutMetrics(*map(float, said))
+        size = LayoutMetrics(*map(float, sizes))
         if size != self.size:
             self.size = size
             self._on_change(size)
@@ -142,7 +146,7 @@ class BrowserWindow:
 
 
 def follow_keys(store: BrowserStore, acts: Mapping[str, Callable[[], None]]) -> None:
-    """Calls one of the ``acts`` when the browser sends its name (``js/keys.js``)."""
+    """Calls one of the ``acts`` (by name) when the browser sends that name, as ``js/keys.js`` does for keys."""
     def act(said: Any) -> None:
         if isinstance(said, str) and said in acts:
             acts[said]()

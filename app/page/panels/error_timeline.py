@@ -31,7 +31,8 @@ UNSTABLE, LOST = lazy("unstable from {time} on"), lazy("lost from {time} on")
 
 @dataclass(frozen=True)
 class TimelineState:
-    """The ``time`` in s, the ``reach`` of stored frames in s, whether it plays, and the time when it was ``lost``."""
+    """State of the time axis: present ``time`` and ``reach`` of stored frames (from, to), in s; whether the run plays;
+    and the time in s since when it is ``lost`` or, if that is set, ``unstable``."""
 
     time: float
     reach: tuple[float, float]
@@ -41,7 +42,7 @@ class TimelineState:
 
 
 class Timeline:
-    """One visitor's timeline. Call :meth:`show` a few times a second."""
+    """One visitor's plot of error over time below the stage. Call :meth:`show` a few times a second."""
 
     def __init__(self, gui: viser.GuiApi):
         self._gui = gui
@@ -56,13 +57,12 @@ class Timeline:
         self._read: tuple[np.ndarray, dict[str, np.ndarray]] = EMPTY, {}  # times, and the curves' values by name
 
     def set_dark(self, dark: bool) -> None:
-        """Switches to the dark or the light background."""
         self._dark = dark
         for (estimators, pinned), plot in self._plots.items():
             plot.series = self._series(estimators, pinned)
 
     def set_lines(self, estimators: tuple[str, ...], pinned: bool) -> None:
-        """Shows a plot with a line for each estimator, and for a pinned run."""
+        """Prepares the plot: a line for each estimator (by name), and for a pinned run if ``pinned``."""
         wanted = estimators, pinned
         if wanted not in self._plots:
             self._plots[wanted] = self._build(estimators, pinned)
@@ -73,11 +73,12 @@ class Timeline:
         self._plot.height = self.height
 
     def show(self, past: RunSeries, valid: tuple[str, ...], quantity: str, latest: bool, pinned: PinnedRun | None,
-             drawn: str | None, now: TimelineState) -> None:
-        """Draws a run's error norms up to now, or those of its ``latest`` periods, and a ``pinned`` run's in grey."""
+             estimator: str | None, now: TimelineState) -> None:
+        """Draws a run's error norms of a quantity ("x") until now, of the ``valid`` estimators; with ``latest`` only
+        its last periods; a ``pinned`` run in grey, by the same ``estimator``."""
         series = past.latest_periods_series if latest else past.series
         time = series["time"]
-        grey = pinned_curves(pinned, past, series, quantity, drawn, latest)[0]
+        grey = pinned_curves(pinned, past, series, quantity, estimator, latest)[0]
         true = series[f"error_{quantity}"]
         estimated = [clip_estimate(series[f"{name}/estimate_{quantity}"], true) if name in valid
                      else np.full(len(time), np.nan) for name in self._estimators]
@@ -87,30 +88,29 @@ class Timeline:
         self._read = time, {tr(TRUE): true, **dict(zip(self._estimators, estimated, strict=True))}
         self._send_axis_and_marks(past, series, quantity, start, end, top, now)
 
-    def show_values_at(self, part: float | None) -> None:
-        """Shows the curves' values at a fraction of the time axis, or nowhere."""
-        self._pointed = part
+    def show_values_at(self, fraction: float | None) -> None:
+        """Sets where on the time axis, 0 to 1, :meth:`show` writes the curves' values; None for nowhere."""
+        self._pointed = fraction
 
-    def time_at(self, part: float) -> float:
-        """Returns the time in s at a fraction of the axis."""
+    def time_at(self, fraction: float) -> float:
+        """Returns the time in s at a fraction, 0 to 1, of the time axis."""
         start, end, _ = self._ends or (0.0, 1.0, 1.0)
-        return start + part * (end - start)
+        return start + fraction * (end - start)
 
     def clear(self, now: TimelineState) -> None:
-        """Clears the curves, at t = 0."""
         set_series(self._plot, plottable_series(EMPTY, *(np.full(2, np.nan) for _ in self._plot.data[1:])))
         self._send({"symbol": "", "top": [0, ""], "start": "", "ticks": [], "now": 0, "reach": [0, 0], "strip": "",
                     "clock": with_unit(now.time, "s"), "playing": now.playing, "read": [], "lost": None, "says": ""})
 
-    def _grow_axes(self, past: RunSeries, of: object, time: np.ndarray, curves: Sequence[np.ndarray]) -> float:
-        """Sets the axes, which only grow within one run, and returns the top of the error axis."""
+    def _grow_axes(self, past: RunSeries, curve_key: object, time: np.ndarray, curves: Sequence[np.ndarray]) -> float:
+        """Sets the ends of both axes, which only grow within a run and ``curve_key``; returns the top of the errors."""
         most = max(map(largest_finite, curves))
         start, of_time = float(time[0]) if time[0] > past.scene.period else 0.0, unit_of_time(past.scene)
         end = round_up((float(time[-1]) - start) / of_time, ENDS)[0] * of_time
         top, _ = round_up(HEADROOM * most, ENDS) if most > 0 else (1.0, 0)
-        if self._ends and self._scale_key == (past.scene, of) and not start:
+        if self._ends and self._scale_key == (past.scene, curve_key) and not start:
             end, top = max(end, self._ends[1]), max(top, self._ends[2])
-        self._scale_key = past.scene, of
+        self._scale_key = past.scene, curve_key
         ends = start, start + end if start else end, top
         if ends != self._ends:
             self._ends = ends
@@ -146,7 +146,7 @@ class Timeline:
         self._html.content = f"<i class='lab-times' data-said='{escape(text)}'></i>"
 
     def _values_at_pointer(self, scene: Scene, unit: str) -> list[str]:
-        """Returns the time at the pointer and each curve's value there; nothing beyond the run."""
+        """Returns texts of the time and each curve's value at the pointer; none beyond the run."""
         time, curves = self._read
         if self._pointed is None or not curves or (at := self.time_at(self._pointed)) > time[-1]:
             return []
@@ -156,7 +156,7 @@ class Timeline:
                                                 if np.isfinite(value))]
 
     def _crossing_digits(self, past: RunSeries, series: dict[str, np.ndarray], start: float, end: float) -> str:
-        """Returns a digit per time interval until now: the number of crossings relative to the largest."""
+        """Returns a digit, 0 to 9, per interval of the time axis until now: crossings relative to the most."""
         time, rate = past.crossings_per_second(series)
         if not past.scene.has("crossings") or not len(time) or not np.isfinite(rate).any():
             return ""
@@ -177,7 +177,7 @@ class Timeline:
                 height=self.height, padding=(2, 0, 0, 0))
 
     def _series(self, estimators: tuple[str, ...], pinned: bool) -> tuple[uplot.Series, ...]:
-        """Returns the style of each line, the truth's broad and beneath."""
+        """Returns the styles of time and all lines; the truth's is broad and beneath the estimators'."""
         grey = [series_options(tr("pinned, true"), PINNED, 2.5),
                 series_options(tr("pinned"), PINNED, 1.5, (5, 3))] if pinned else []
         lines = [series_options(name, LINES[name.replace("-", "")][self._dark], 2, ESTIMATORS[name].dashes)
@@ -186,5 +186,5 @@ class Timeline:
 
 
 def unit_of_time(scene: Scene) -> float:
-    """Returns the unit of the time axis in s: the period, or 1 s if nothing swings."""
+    """Returns the unit of the time axis in s: the scene's period, or 1 s if its motion does not oscillate."""
     return scene.period if scene.swings else 1.0

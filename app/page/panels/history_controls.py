@@ -19,7 +19,7 @@ LINEAR, LOGARITHMIC = lazy("linear"), lazy("logarithmic")
 
 
 class HistoryControls:
-    """One visitor's widgets for past frames; ``on_view`` is called when another frame or particle is shown."""
+    """One visitor's widgets for past frames and a traced particle; ``on_view`` redraws the stage."""
 
     def __init__(self, session: Session, recent: RecentFrames, trace: ParticleTracer, on_view: Callable[[], None]):
         self._session, self._recent, self._trace, self._on_view = session, recent, trace, on_view
@@ -27,14 +27,14 @@ class HistoryControls:
         self._refused = False
 
     def build_slider(self, gui: viser.GuiApi) -> viser.GuiSliderHandle[int]:
-        """Builds the slider through past frames, the newest at the right."""
+        """Builds and returns the slider through past frames, from the oldest (negative number) to the newest, 0."""
         self._slider = gui.add_slider(tr("Look back"), -1, 0, 1, 0, disabled=True, hint=_hint(0, 0.0))
         self._slider.on_update(self._on_slider_moved)
         self._at = 0
         return self._slider
 
     def build_plot_widgets(self, gui: viser.GuiApi) -> None:
-        """Builds the widgets for the plots over time."""
+        """Builds the widgets for the range of the plots over time and for the particle traced in them."""
         shown = tr(ALL), tr(LATEST, n=LAST_PERIODS)
         show = gui.add_dropdown(tr("Plots show"), shown, initial_value=shown[self.latest],
                                 hint=tr("how much of the run the plots over time show"))
@@ -50,15 +50,14 @@ class HistoryControls:
 
     @property
     def traced_particle(self) -> int | None:
-        """The number of the traced particle, or None."""
         return None if self._trace.traced is None else self._trace.traced.particle
 
     def trace(self, particle: int | None) -> None:
-        """Traces a particle of the next run, or none."""
+        """Traces a particle, by its number, from the start of the next run; None for no particle."""
         self._trace.choose(particle, in_next_run=True)
 
     def refresh(self) -> None:
-        """Shows the traced particle and how far back frames go; each only when changed, see ``Controls.refresh``."""
+        """Updates the slider's range and the traced particle's number; sends only what has changed."""
         report, (most, periods), back = self._session.report, self._recent.stored_frames_and_periods, self._recent.back
         paused = report is not None and not report.playing and most > 0
         self._slider.disabled = not paused
@@ -74,13 +73,13 @@ class HistoryControls:
             self._number.value = "" if followed is None else str(followed)  # type: ignore[misc]
 
     def seek(self, time: float) -> None:
-        """Pauses and shows the frame nearest to a time in s."""
+        """Pauses the run and shows the stored frame nearest to a time in s."""
         if not self._recent.seek(time):
             self._session.play(False)
         self._on_view()
 
     def seek_if_stored(self, time: float) -> bool:
-        """Calls :meth:`seek` if frames are stored as far back; returns whether they are."""
+        """Shows the frame at a time in s as :meth:`seek` does, or returns False if none is stored so far back."""
         first, last = self._recent.span
         if kept := first <= time <= last:
             self.seek(time)
@@ -119,15 +118,15 @@ def _hint(frames: int, periods: float) -> str:
 
 
 class DrawingWidgets:
-    """One visitor's drawing options; ``part`` returns a folder that a lesson may hide, ``on_view`` redraws."""
+    """One visitor's drawing options; ``on_view`` redraws the stage."""
 
-    def __init__(self, session: Session, scale: ColourScale, looking: HistoryControls, on_view: Callable[[], None]):
-        self._session, self._scale, self._looking, self._on_view = session, scale, looking, on_view
+    def __init__(self, session: Session, scale: ColourScale, history: HistoryControls, on_view: Callable[[], None]):
+        self._session, self._scale, self._looking, self._on_view = session, scale, history, on_view
         self.difference = self.domains = False
 
     @property
     def summary(self) -> str:
-        """The options that differ from the defaults, or what there is to set."""
+        """The options that differ from the defaults as text, or else what there is to set."""
         traced = self._looking.traced_particle
         said = [tr("difference")] * self.difference + [tr(LOGARITHMIC)] * self._scale.logarithmic \
             + [tr("colours held")] * self._scale.held + [tr("domains")] * self.domains \
@@ -135,7 +134,7 @@ class DrawingWidgets:
         return ", ".join(said) or tr("colours, trace, comparison")
 
     def build(self, gui: viser.GuiApi, part: Callable[[str], viser.GuiFolderHandle]) -> None:
-        """Builds the widgets for the session's present scene."""
+        """Builds the widgets for the session's scene; ``part`` returns the folder for a control of lessons (name)."""
         scale = self._scale
         with part("estimators"):
             compare = gui.add_dropdown(

@@ -24,7 +24,8 @@ NO_NUMBER = lazy("{name}: '{typed}' is not a number above 0; give one such as {e
 
 @dataclass(frozen=True)
 class SliderSpec:
-    """The number: name, unit, slider's range, default, hint, and ``words`` beside it; ``place`` is a CSS class."""
+    """Specification of a slider: name and unit of its number, ends (``reach``) and ``default`` in that unit, hint, and
+    ``words`` beside it; ``place`` is a CSS class for its position on the page, or ""."""
 
     name: str
     unit: str
@@ -36,7 +37,8 @@ class SliderSpec:
 
 
 class NumberSlider:
-    """Slider and text for one number; ``act`` receives what the visitor sets, and a refused value is reset."""
+    """Logarithmic slider and text field for one positive number; ``act`` receives the value that the visitor sets, in
+    the unit of ``size``. A value refused by the session is reset."""
 
     def __init__(self, gui: viser.GuiApi, bound: SceneWidgetFactory, size: SliderSpec, value: float,
                  act: Callable[[float], None]):
@@ -58,13 +60,13 @@ class NumberSlider:
         bound.on_enter(self._text, self._on_entered)
 
     def set_range_and_value(self, size: SliderSpec, value: float) -> None:
-        """Shows a number with another range."""
+        """Changes the slider's range to that of ``size``, and shows a value in its unit."""
         self._size = size
         self._slider.min, self._slider.max = _ends(size, value)
         self.show(value)
 
     def show(self, value: float) -> None:
-        """Shows a value that was not set by the visitor."""
+        """Shows a value that the visitor has not set, without calling ``act``."""
         self._value = value
         self._set_slider(value)
         self._text.value = self._format(value)  # type: ignore[misc]
@@ -97,7 +99,7 @@ class NumberSlider:
             self._value = value
 
     def _read_after_typing(self, text: str) -> None:
-        """Waits for the rest of the input: half a number is another number."""
+        """Reads the text 0.8 s after the last key: half a number is another number."""
         if self._typed:
             self._typed.cancel()
         self._typed = threading.Timer(TYPING, with_language(self._read_in_turn), (text,))
@@ -105,7 +107,7 @@ class NumberSlider:
         self._typed.start()
 
     def _on_entered(self) -> None:
-        """Applies the finished input at once, and formats the number."""
+        """Applies the finished input at once, and formats the number in the text field."""
         if self._typed and self._typed.is_alive():
             self._typed.cancel()
             self._read(self._text.value)
@@ -128,5 +130,5 @@ class NumberSlider:
 
 
 def _ends(size: SliderSpec, value: float) -> tuple[float, float]:
-    """Returns the decimal logarithms of the slider's ends, extended to this value."""
+    """Returns the decimal logarithms of the slider's ends, extended to include a value."""
     return float(np.log10(min(*size.reach, value))), float(np.log10(max(*size.reach, value)))

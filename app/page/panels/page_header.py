@@ -29,24 +29,22 @@ WEB = Path(__file__).parents[1] / "web"
 
 
 def _joined_web_files(folder: str, ending: str) -> str:
-    """Returns all files of a folder joined in the order of their names."""
+    """Returns the text of all files of a folder in ``web/`` with an ending ("css"), joined in the order of names."""
     return "".join(path.read_text(encoding="utf-8") for path in sorted((WEB / folder).glob(f"*.{ending}")))
 
 
 def initial_page_html() -> str:
-    """Returns our part of a browser's first html: style, frame, scripts and their texts."""
+    """Returns the html that the server adds to the viewer's page: style, frame, scripts and their texts."""
     words = json.dumps(load_catalogue(current_language()).translations_for_files("app/page/web/js/"),
                        ensure_ascii=False).replace("<", "\\u003c")
     frame = render_template(WEB / "ground.html", mark=MARK, languages=language_links())
-    return (
-        f"<style>\n{font_faces_css()}{_joined_web_files('css', 'css')}</style>\n{frame}"
-        + f"<script type='application/json' id='lab-words'>{words}</script>\n"
-        + f"<script>\n{_joined_web_files('js', 'js')}</script>"
-    )
+    return f"<style>\n{font_faces_css()}{_joined_web_files('css', 'css')}</style>\n{frame}" \
+           f"<script type='application/json' id='lab-words'>{words}</script>\n" \
+           f"<script>\n{_joined_web_files('js', 'js')}</script>"
 
 
 def set_up_theme(gui: viser.GuiApi, dark: bool = False) -> None:
-    """Sets theme and panel of a page."""
+    """Sets the viewer's colours, dark or light, and the place and width of its panel."""
     # The theme colour for which buttons have the accent colour: they are drawn two shades lighter.
     hue, light, full = colorsys.rgb_to_hls(*(part / 255 for part in rgb(TEXTS["accent"][dark])))
     red, green, blue = colorsys.hls_to_rgb(hue, max(0.0, 0.9 - (0.9 - light) * 8 / 6), full)
@@ -58,18 +56,19 @@ def set_up_theme(gui: viser.GuiApi, dark: bool = False) -> None:
 
 
 def language_links() -> str:
-    """Returns links to the other languages as html (``js/languages.js`` keeps the state)."""
+    """Returns html links to the page in the other languages (``js/languages.js`` keeps the state)."""
     return " ".join(f"<a class='lab-language' href='?lang={code}' lang='{code}' hreflang='{code}'>{other.name}</a>"
                     for code, other in LANGUAGES.items() if code != current_language())
 
 
 def add_widget_marker(gui: viser.GuiApi, *names: str, words: str = "") -> viser.GuiHtmlHandle:
-    """Marks the next widget with names, and ``words`` beside its label; :func:`widget_marker_html` changes the mark."""
+    """Marks the widget that is added next with CSS classes (``names``) and ``words`` beside its label. To change the
+    mark, set the returned handle's content to :func:`widget_marker_html`."""
     return gui.add_html(widget_marker_html(*names, words=words))
 
 
 def widget_marker_html(*names: str, words: str = "") -> str:
-    """Returns the html of a mark."""
+    """Returns the html of a mark for :func:`add_widget_marker`."""
     return f"<i class='{' '.join(('lab-words', *names))}' data-words='{escape(words)}'></i>"
 
 
@@ -78,7 +77,7 @@ PRESENT, END = lazy("Present"), lazy("End")
 
 
 class PresentationMode:
-    """Button of the presenter's view; Escape and ``?present`` in the address do the same (``present.js``)."""
+    """Button of the presenter's view, for projectors; Escape and ``?present`` in the address do the same."""
 
     def __init__(self, gui: viser.GuiApi):
         self.on = False
@@ -90,13 +89,13 @@ class PresentationMode:
         self._button.on_click(lambda _: self._toggle())
 
     def show_scene_name(self, scene: Scene) -> None:
-        """Shows the scene's name in the presenter's view."""
+        """Sends a description of the scene, which the presenter's view shows."""
         if scene != self._scene:
             self._scene = scene
             self._named.content = f"<i class='lab-named' data-scene='{escape(in_a_line(scene))}'></i>"
 
     def begin(self) -> None:
-        """Starts the view, if it is not on."""
+        """Switches the presenter's view on, if it is off."""
         if not self.on:
             self._toggle()
 
@@ -110,14 +109,14 @@ TITLES = {problem: kind.scene.TITLE for problem, kind in PROBLEMS.items()}
 
 
 class ProblemButtons:
-    """One visitor's buttons for problems, in a narrow window a dropdown; ``choose`` receives the chosen name."""
+    """One visitor's buttons for problems, in a narrow window a dropdown; ``choose`` receives a problem's key."""
 
     def __init__(self, gui: viser.GuiApi, store: BrowserStore, choose: Callable[[str], None]):
         self._html, self._choose = gui.add_html(""), choose
         store.heard["problem"] = self._on_message
 
     def show(self, chosen: str, offered: bool) -> None:
-        """Marks the chosen problem; offers none if a lesson hides the choice."""
+        """Marks the chosen problem, by its key; shows no buttons unless ``offered``: lessons may hide the choice."""
         titles = {problem: tr(title) for problem, title in TITLES.items() if offered}
         said = json.dumps({"titles": titles, "chosen": chosen})
         self._html.content = f"<i class='lab-problems' data-said='{escape(said)}'></i>"

@@ -45,7 +45,6 @@ INDEX = lazy("error index: estimated over true, summed over the run so far; 1 is
 DISTANCE = lazy("norm of estimate − truth over the norm of the truth; 0 is perfect")
 WORST = lazy("where the root mean square of the error is largest, by the estimate on the stage and in truth")
 
-
 CAPPED_BELOW = 0.9  # of the speed asked for
 ROUNDED = lazy("nothing but rounding")
 GOALS = {ENERGY: lazy("kinetic energy"), STRESS: lazy("mean stress")}
@@ -56,8 +55,8 @@ DRAG = lazy("drag a rectangle on the stage")
 
 @dataclass(frozen=True)
 class ReadoutTables:
-    """Html tables of the ``errors`` by estimator and of the rest, ``beside``; ``cards_json`` is the cards' data as
-    JSON."""
+    """Html tables of the ``errors`` by estimator and of the rest, ``beside``; ``cards_json`` is
+    :func:`estimator_cards_json`."""
 
     errors: str
     beside: str
@@ -65,23 +64,24 @@ class ReadoutTables:
 
     @property
     def html(self) -> str:
-        """All tables."""
         return f"<div class='lab-readout'>{self.errors}{self.beside}</div>"
 
 
-def live_readout(session: Session, history: NormHistory, report: FrameReport, quantity: str, drawn: str | None,
+def live_readout(session: Session, history: NormHistory, report: FrameReport, quantity: str, estimator: str | None,
                  probed: str | None, worst: WorstRegions, ago: float = 0.0) -> ReadoutTables:
-    """Returns the numbers of a run and of its ``quantity`` (a key), with the estimator ``drawn`` on the stage, for a
-    frame ``ago`` periods before the newest. The ``history`` is that of the frame's run, not of a later one."""
+    """Returns a frame's numbers as tables, for a quantity ("x") and the ``estimator`` on the stage. ``history`` is that
+    of the frame's run, ``probed`` the text of errors in a dragged rectangle, ``ago`` the frame's age in periods."""
     series = series_until(history.series, report.time)
-    return ReadoutTables(_estimate_rows(session, report, series, quantity, drawn),
-                         _worst_rows(worst, drawn,
-                                     quantity) + _run_table(session, history, report, series, drawn, probed, ago),
-                         estimator_cards_json(report, series, quantity, drawn))
+    run = _run_table(session, history, report, series, estimator, probed, ago)
+    return ReadoutTables(_estimate_rows(session, report, series, quantity, estimator),
+                         _worst_rows(worst, estimator, quantity) + run,
+                         estimator_cards_json(report, series, quantity, estimator))
 
 
-def estimator_cards_json(report: FrameReport, series: dict[str, np.ndarray], quantity: str, drawn: str | None) -> str:
-    """Returns the data of the estimators' cards for a run up to a time, as JSON.
+def estimator_cards_json(report: FrameReport, series: dict[str, np.ndarray], quantity: str,
+                         estimator: str | None) -> str:
+    """Returns as JSON the data of the estimators' cards, for a quantity ("x") and the sampled ``series`` up to the
+    frame.
 
     Keys: the ``problem``; the ``true`` error's norm, or why it is not ``known``; the estimator on the ``stage``; and
     for each of the ``judges`` its ``index`` so far as text, its position ``at`` from 0 to 1 on a gauge of factors from
@@ -99,19 +99,20 @@ def estimator_cards_json(report: FrameReport, series: dict[str, np.ndarray], qua
                                 "right within 10\N{NO-BREAK SPACE}% in {n} of {all} runs like this",
                                 n=counts[0], all=counts[1])}
     true = why_not[TRUE] or format_norm(series, f"error_{quantity}", QUANTITIES[quantity].unit)
-    return json.dumps({"problem": report.scene.problem, "true": true, "known": not why_not[TRUE], "stage": drawn,
+    return json.dumps({"problem": report.scene.problem, "true": true, "known": not why_not[TRUE], "stage": estimator,
                        "judges": judges})
 
 
 def gauge_position(index: float) -> float | None:
-    """Returns the position of an error index on the gauge, clipped to [0, 1]; None if the index is not finite."""
+    """Returns where an error index (estimated over true error) lies on a gauge: 0 for 0.1 or less, 0.5 for 1, 1 for 10
+    or more, logarithmic; None if it is not finite."""
     if not math.isfinite(index):
         return None
     return round(min(1.0, max(0.0, 0.5 + 0.5 * math.log10(index))), 2) if index > 0 else 0.0
 
 
 def _run_table(session: Session, history: NormHistory, report: FrameReport, series: dict[str, np.ndarray],
-               drawn: str | None, probed: str | None, ago: float) -> str:
+               estimator: str | None, probed: str | None, ago: float) -> str:
     scene = report.scene
     speed = report.real_speed / scene.period if report.playing and report.real_speed is not None else None
     slow = speed is not None and speed < CAPPED_BELOW * session.speed
@@ -133,7 +134,7 @@ def _run_table(session: Session, history: NormHistory, report: FrameReport, seri
         text = tr("{margin} of its bound", margin=format_ratio(margin))
         rows.append(("step", NOTHING if math.isnan(margin) else  # no node has mass before the first step
                      f"<span class='lab-over'>{text}</span>" if margin > 1 else text))
-    rows += [] if ago else list(_goal_rows(report, drawn))
+    rows += [] if ago else list(_goal_rows(report, estimator))
     rows += [
         ("steps", tr("{steps:,} of {length}", steps=report.step, length=with_unit(scene.time_step, "s"))),
         ("solver", tr("{rate:.1f} M particle-steps/s on {arch}", rate=report.rate, arch=html.escape(report.arch))),
@@ -147,20 +148,21 @@ def _run_table(session: Session, history: NormHistory, report: FrameReport, seri
                       "lab-run")
 
 
-def _goal_rows(report: FrameReport, drawn: str | None) -> Iterator[tuple[str, str]]:
-    """Yields quantities of the whole body, with error bars by the estimator on the stage and how often these held."""
+def _goal_rows(report: FrameReport, estimator: str | None) -> Iterator[tuple[str, str]]:
+    """Yields label and text of each quantity of the whole body, with the error bar of an estimator (by name), if it has
+    one, and how often such bars held in similar runs."""
     for name, goal in report.goals.items():
         if goal["value"] is None:
             continue
-        text, bar = with_unit(goal["value"], goal["unit"]), goal["bar"].get(drawn)
+        text, bar = with_unit(goal["value"], goal["unit"]), goal["bar"].get(estimator)
         if bar is not None:
-            counts, size = track_record.bars_held(report.scene, name, drawn or ""), with_unit(bar, goal["unit"])
+            counts, size = track_record.bars_held(report.scene, name, estimator or ""), with_unit(bar, goal["unit"])
             text = tr(BARS, value=text, bar=size, n=counts[0], all=counts[1]) if counts else f"{text} ± {size}"
         yield GOALS[name], html.escape(text)
 
 
 def _effect_html(name: str, line: OutputLine, series: dict[str, np.ndarray]) -> str:
-    """Returns an effect's numbers so far as html, bounded ones after their lights; "" if unknown."""
+    """Returns an effect's numbers so far as html, with traffic lights for those that have bounds; "" if unknown."""
     numbers, values = ALL[name].numbers, ALL[name].values(series) if len(series.get("time", ())) else {}
     if all(value is None for value in values.values()):
         return ""
@@ -177,7 +179,7 @@ def _format_number(value: float | None, number: Number) -> str:
 
 
 def traffic_light(size: float, bounds: tuple[float, float]) -> str:
-    """Returns a light and a word before a number: good up to the first bound, bad beyond the second."""
+    """Returns html of a light and a word before a number: good up to ``bounds[0]``, bad above ``bounds[1]``."""
     kind, word = ("good", tr("fine")) if size <= bounds[0] else ("watch", tr("watch it")) if size <= bounds[1] else \
         ("bad", tr("alarming"))
     return f"<span class='lab-light lab-{kind}'>{word}</span> "
@@ -193,17 +195,16 @@ def _percent(share: float | None) -> str:
 
 
 def _estimate_rows(session: Session, report: FrameReport, series: dict[str, np.ndarray], key: str,
-                   drawn: str | None) -> str:
-    """Returns a row for the truth, each estimator and a pinned run: norm now, index and distance so far."""
+                   estimator: str | None) -> str:
+    """Returns a table: the norm now, index and distance so far, of the truth, each estimator and a pinned run."""
     unit = QUANTITIES[key].unit
     heads = (f"<span title=\"{html.escape(tr(hint))}\">{head}</span>" for head, hint in
              ((tr("norm now"), NORM), (tr("index so far"), INDEX), (tr("distance so far"), DISTANCE)))
     rows = [row_html("head", tr("error of {symbol}", symbol=QUANTITIES[key].symbol), *heads)]
     for name, silence in missing_reasons(report, series, key).items():
         if len(silence) > SHORT:
-            rows.append(
-                row_html("", f"<span class='lab-name'>{name_with_line_sample(name)}</span>: {html.escape(silence)}")
-            )
+            rows.append(row_html("", f"<span class='lab-name'>{name_with_line_sample(name)}</span>: "
+                                     f"{html.escape(silence)}"))
         elif silence:
             rows.append(row_html("", name_with_line_sample(name), html.escape(silence)))
         elif name == TRUE:
@@ -215,25 +216,25 @@ def _estimate_rows(session: Session, report: FrameReport, series: dict[str, np.n
         # How it differs: the stage shows it, but not to screen readers.
         said = "" if session.pinned.scene.problem != report.scene.problem else \
             difference_text(session.pinned.scene, report.scene) or tr("the same so far")
-        rows.append(_pinned_rows(session.pinned, said, key, drawn))
+        rows.append(_pinned_rows(session.pinned, said, key, estimator))
     return table_html("".join(rows), "lab-numbers lab-estimates")
 
 
-def _pinned_rows(run: PinnedRun, said: str, key: str, drawn: str | None) -> str:
-    """Returns a pinned run's row: true error, index and distance of the estimator drawn; or why it has stopped."""
+def _pinned_rows(run: PinnedRun, difference: str, key: str, drawn: str | None) -> str:
+    """Returns a pinned run's rows: its true error, its estimator's index and distance, how it differs from the run."""
     estimator, series = run.estimator(drawn), run.history.series
     what = tr("norm: its true error; index and distance: its estimate by {estimator}", estimator=estimator) \
         if estimator else tr(NORM)
     name = f"<span title='{html.escape(what)}'>{line_svg(PINNED)} {tr('pinned')}</span>"
     if trouble := run.stop_reason():
-        said = f"{said}; {trouble}"
+        difference = f"{difference}; {trouble}"
     ratios = (_ratio(series, f"{estimator}/{ratio}_{key}") for ratio in ("index", "distance"))
     return row_html("", name, format_norm(series, f"error_{key}", QUANTITIES[key].unit), *ratios) \
-        + row_html("", f"<span class='lab-name'>{tr('pinned: {run}', run=html.escape(said))}</span>")
+        + row_html("", f"<span class='lab-name'>{tr('pinned: {run}', run=html.escape(difference))}</span>")
 
 
 def missing_reasons(report: FrameReport, series: dict[str, np.ndarray], quantity: str) -> dict[str, str]:
-    """Returns for the truth and each estimator the reason why it has no number, or ""."""
+    """Returns for the truth and each estimator (by name) why it has no number of a quantity ("x"), or "" if it has."""
     norms = {name: series.get(f"{name}/estimate_{quantity}", np.zeros(0)) for name in report.scene.estimators}
     silent = {name for name, values in norms.items() if len(values) and not np.isfinite(values).any()}
     reasons = why_no_numbers(report.scene, report.not_valid, quantity, silent)
@@ -243,9 +244,9 @@ def missing_reasons(report: FrameReport, series: dict[str, np.ndarray], quantity
     return reasons
 
 
-def _worst_rows(worst: WorstRegions, drawn: str | None, quantity: str) -> str:
-    """Returns a table of the regions with the worst error, by the estimate drawn and by the truth."""
-    by = [(drawn, worst.by_estimate)] if drawn else []
+def _worst_rows(worst: WorstRegions, estimator: str | None, quantity: str) -> str:
+    """Returns a table of the regions with the largest error of a quantity ("x"), by estimate and by truth."""
+    by = [(estimator, worst.by_estimate)] if estimator else []
     heads = "".join(f"<td>{head}</td>" for head in (tr("estim."), tr(TRUE)))
     rows = [f"<tr class='lab-head' title='{html.escape(tr(WORST))}'>"
             f"<td colspan='2'>{tr('worst region')}</td>{heads}</tr>",
@@ -263,12 +264,12 @@ def _region_cells(region: WorstRegion | None, unit: str) -> tuple[str, ...]:
 
 
 def table_html(rows: str, kind: str = "") -> str:
-    """Returns rows as a table of a CSS class."""
+    """Returns an html table of rows; ``kind`` is its CSS class."""
     return f"<table class='{kind}'>{rows}</table>"
 
 
 def row_html(kind: str, *cells: str) -> str:
-    """Returns a row of four cells; the last one spans the columns that are left."""
+    """Returns an html row of up to four ``cells`` (html), the last spanning what is left; ``kind`` is a CSS class."""
     span = 5 - len(cells)
     first = "".join(f"<td>{cell}</td>\n" for cell in cells[:-1])
     last = f"<td colspan={span} class='lab-silence'>" if span > 1 else "<td>"
@@ -276,17 +277,17 @@ def row_html(kind: str, *cells: str) -> str:
 
 
 def name_with_line_sample(name: str) -> str:
-    """Returns a name after a sample of its line in the plots."""
+    """Returns html: the name of an estimator or the truth after a sample of its line in the plots."""
     return f"{line_sample(name)} {html.escape(_row_label(name))}"
 
 
 def _row_label(name: str) -> str:
-    """Returns the name to show for the truth, an estimate or an estimator."""
+    """Returns the name to show for a key: translated for truth and estimate, unchanged for an estimator."""
     return tr(name) if name in (TRUE, ESTIMATED) else name
 
 
 def line_sample(name: str) -> str:
-    """Returns a sample of the line of the truth or an estimator, in the page's colour for it, if any."""
+    """Returns svg of a short line in the style of an estimator (by name), of the truth or of estimates in general."""
     known = ESTIMATORS.get(name)
     colour = known.colour if known else TRUTH if name == TRUE else ESTIMATE
     own = "truth" if name == TRUE else name.replace("-", "")
@@ -294,13 +295,14 @@ def line_sample(name: str) -> str:
 
 
 def line_svg(colour: str, dashes: tuple[int, ...] = ()) -> str:
-    """Returns a short line as svg."""
+    """Returns a short line as svg in a CSS colour, with dashes given in pixels."""
     dashed = f" stroke-dasharray='{','.join(map(str, dashes))}'" if dashes else ""
     return "<svg width='18' height='8' aria-hidden='true'>" \
            f"<path d='M0 4h18' style='stroke: {colour}' stroke-width='3'{dashed}/></svg>"
 
 
 def format_norm(series: dict[str, np.ndarray], name: str, unit: str) -> str:
+    """Returns the last value of a series (by ``name``), in a unit, as text; a dash if unknown."""
     return with_unit(value, unit) if math.isfinite(value := last_value(series, name)) else NOTHING
 
 

@@ -32,14 +32,14 @@ NAMES = {"mpm": lazy("hat")}  # where the picture has another name than the meth
 
 
 class RunSettingsWidgets:
-    """Widgets of one visitor; ``part`` returns a folder for a control that a lesson may hide."""
+    """One visitor's widgets for method, cells, particles, amplitude, modulus and time step, made by ``bound``."""
 
     def __init__(self, session: Session, bound: SceneWidgetFactory, store: BrowserStore):
         self._session, self._bound = session, bound
         store.heard["method"] = self._choose_method
 
     def build(self, gui: viser.GuiApi, part: Callable[[str], viser.GuiFolderHandle]) -> None:
-        """Builds the widgets for the session's present scene."""
+        """Builds the widgets for the session's scene; ``part`` returns the folder for a control of lessons (name)."""
         session, scene, view = self._session, self._session.scene, VIEWS[self._session.scene.problem]
         default = type(scene)()
         gui.add_html(f"<h2 class='lab-h2'>{tr('Change the run')}<small>{tr('takes effect at once')}</small></h2>")
@@ -84,7 +84,7 @@ class RunSettingsWidgets:
                                        lambda name: self._session.set_scene_fields(method=codes[name]))
 
     def _choose_method(self, method: Any) -> None:
-        """Handles a click on a method's picture."""
+        """Switches to the method (key) whose picture the visitor has clicked."""
         with self._bound.turn:
             if isinstance(method, str) and method in self._names and self._shown_method.visible:
                 self._shown_method.value = self._names[method]  # type: ignore[misc]
@@ -115,7 +115,7 @@ class RunSettingsWidgets:
         self._bound.on_change_or_reset(cells, on_cells)
 
     def _build_time_step(self, gui: viser.GuiApi) -> None:
-        """Builds the step's widgets: a number, or "auto", whose step the slider shows too."""
+        """Builds a slider for the CFL number and a checkbox for an automatic time step, which the slider shows too."""
         session, scene = self._session, self._session.scene
 
         def by_hand(cfl: float) -> None:
@@ -141,7 +141,7 @@ class RunSettingsWidgets:
         self._bound.on_change_or_reset(self._auto, automatic)
 
     def refresh(self) -> None:
-        """Shows the "auto" step and the method of the present scene, if they have changed."""
+        """Shows the automatic time step and the method of the session's scene, if they have changed."""
         scene = self._session.scene
         if scene.dt == AUTO and scene.courant_number != self._shown_step:
             self._shown_step = scene.courant_number
@@ -152,39 +152,36 @@ class RunSettingsWidgets:
 
 
 def shape_function_curve(method: str) -> tuple[np.ndarray, np.ndarray]:
-    """Returns positions (S,) in cells relative to a node, and a method's weights (S,) of a particle there."""
+    """Returns particle positions (S,) relative to a node, in cells, and the node's weights (S,) for a particle at each,
+    for a method by its key."""
     at = np.linspace(-REACH, REACH, POINTS)
     half = np.full_like(at, STRETCHED if method in FOLLOWS else HALF_WIDTH)
     if method == "cpdi":
-        return at, 0.5 * (_shape_function_values("mpm", at - half,
-                                                 half) + _shape_function_values("mpm", at + half, half))
+        left, right = (_shape_function_values("mpm", at + side * half, half) for side in (-1, 1))
+        return at, 0.5 * (left + right)
     return at, _shape_function_values(method, at, half)
 
 
 def _shape_function_values(method: str, at: np.ndarray, half_width: np.ndarray) -> np.ndarray:
-    """Returns the weights of the node at 0 for particles at these positions."""
+    """Returns the weights (S,) of the node at 0 for particles at positions ``at`` (S,), all in cells."""
     first, values, _ = stencil(method.removesuffix("-v"), at, half_width)
     here = np.clip(-first, 0, 2)
     return np.where((first <= 0) & (first > -3), values[np.arange(len(at)), here], 0.0)
 
 
 def method_pictures(methods: tuple[str, ...], chosen: str) -> str:
-    """Returns a picture of each method, the ``chosen`` one marked; screen readers have the dropdown instead."""
+    """Returns html with a picture of each method's shape function, the ``chosen`` one marked; methods are keys."""
     def name(method: str) -> str:
         return tr(NAMES[method]) if method in NAMES else (METHODS[method].name if method in METHODS else method)
 
-    return (
-        "<div class='lab-methods' aria-hidden='true'>"
-        + "".join(f"<span class='lab-method{' lab-chosen' * (method == chosen)}' data-method='{escape(method)}' "
-                  f"title='{escape(str(METHODS.get(method) or Method(method)))}'>"
-                  f"{_shape_function_svg(method)}{escape(name(method))}</span>"
-                  for method in methods)
-        + "</div>"
-    )
+    pictures = (f"<span class='lab-method{' lab-chosen' * (method == chosen)}' data-method='{escape(method)}' "
+                f"title='{escape(str(METHODS.get(method) or Method(method)))}'>"
+                f"{_shape_function_svg(method)}{escape(name(method))}</span>" for method in methods)
+    return f"<div class='lab-methods' aria-hidden='true'>{''.join(pictures)}</div>"
 
 
 def _shape_function_svg(method: str) -> str:
-    if method not in (*METHODS,):
+    if method not in METHODS:
         return ""
     at, weight = shape_function_curve(method)
     points = " ".join(f"{(x / REACH + 1) / 2 * WIDTH:.1f},{HEIGHT - 3 - (HEIGHT - 6) * w:.1f}"

@@ -38,17 +38,17 @@ class WidgetMessages:
         self._back: Callable[[], None] | None = None
 
     def record_change(self, widget: Any) -> None:
-        """Notes that the visitor has changed a widget."""
+        """Notes which widget the visitor has changed last, and drops the message about an earlier one."""
         with self._lock:
             self._last, self._refusal, self._back = widget, None, None
 
-    def refuse(self, widget: Any, sentence: str, back: Callable[[], None]) -> None:
-        """Refuses a widget's value with a message; ``back`` later resets the widget."""
+    def refuse(self, widget: Any, sentence: str, reset: Callable[[], None]) -> None:
+        """Shows below a widget why its value is refused; ``reset`` is called after 0.7 s without another refusal."""
         with self._lock:
-            self._last, self._refusal, self._back = widget, (self._clock(), sentence), back
+            self._last, self._refusal, self._back = widget, (self._clock(), sentence), reset
 
     def refresh(self, compiling: bool) -> None:
-        """Shows the present message, and resets a refused widget."""
+        """Shows the message due now: a refusal, or that the scene is ``compiling``; resets a refused widget."""
         with self._lock:
             widget, back, now = self._last, None, self._clock()
             since, sentence = self._refusal or (now, "")
@@ -72,7 +72,7 @@ def _message_html(widget: Any, kind: str, sentence: str) -> str:
 
 
 class SceneWidgetFactory:
-    """Factory of one visitor's widgets; their callbacks take the lock ``turn``, so that the last change wins."""
+    """Makes one visitor's widgets for scene fields; their callbacks take the lock ``turn``: the last change wins."""
 
     def __init__(self, gui: viser.GuiApi, session: Session, answers: WidgetMessages, turn: threading.RLock):
         self._gui, self._session, self._answers = gui, session, answers
@@ -80,7 +80,7 @@ class SceneWidgetFactory:
         self._enters: dict[str, Callable[[], None]] = {}
 
     def disable_callbacks(self) -> None:
-        """Disables the callbacks of all widgets, which are about to be removed."""
+        """Disables the callbacks of all widgets made so far, because they are about to be removed."""
         self._made = object()
         self._enters = {}
 
@@ -88,13 +88,13 @@ class SceneWidgetFactory:
         """Calls ``act`` when the visitor has finished a text: pressed Enter, or left the field."""
         self._enters[widget_id(text)] = self.serialised_callback(act)
 
-    def apply_entered_text(self, text: str) -> None:
-        """Handles the end of typing in the text of this id, if it is one of these."""
-        if act := self._enters.get(text):
+    def apply_entered_text(self, widget: str) -> None:
+        """Calls what :meth:`on_enter` registered for the text field of this widget id, if anything."""
+        if act := self._enters.get(widget):
             act()
 
     def serialised_callback(self, act: Callable[..., None]) -> Callable[..., None]:
-        """Returns ``act`` as a callback that takes the lock and does nothing once its widget is removed."""
+        """Returns a callback that calls ``act`` under the lock, and does nothing after :meth:`disable_callbacks`."""
         made = self._made
 
         def run_in_turn(*arguments: Any) -> None:
@@ -105,19 +105,18 @@ class SceneWidgetFactory:
         return run_in_turn
 
     def add_checkboxes(self, field: str, kinds: Mapping[str, Effect] | Mapping[str, Remedy]) -> None:
-        """Adds a checkbox for each value that the scene's field may contain."""
+        """Adds a checkbox for each value of a scene's list field ("effects"), labelled by ``kinds``."""
         session, scene = self._session, self._session.scene
         boxes = {}
         for name in scene.choices(field):
             boxes[name] = self._gui.add_checkbox(tr(kinds[name].label), name in getattr(scene, field),
                                                  hint=tr(kinds[name].explanation))
         for box in boxes.values():
-            self.on_change_or_reset(
-                box, lambda _: session.set_scene_fields(**{field: tuple(name for name, b in boxes.items() if b.value)})
-            )
+            self.on_change_or_reset(box, lambda _: session.set_scene_fields(
+                **{field: tuple(name for name, b in boxes.items() if b.value)}))
 
     def on_change_or_reset(self, widget: Any, act: Callable[[Any], None]) -> None:
-        """Calls ``act`` with each value that the visitor sets; a refused value is reset to the one before."""
+        """Calls ``act`` with each value that the visitor sets; one that the session refuses is reset in the widget."""
         met = [widget.value]
 
         def apply(value: Any) -> None:
@@ -128,7 +127,7 @@ class SceneWidgetFactory:
         widget.on_update(lambda event: met.__setitem__(0, widget.value) if event.client is None else None)
 
     def on_change(self, widget: Any, act: Callable[[Any], None]) -> None:
-        """Calls ``act`` with the widget's value whenever the visitor changes it, one widget at a time."""
+        """Calls ``act`` with the widget's value, under the lock, whenever the visitor (not the page) changes it."""
         asked = self.serialised_callback(lambda: act(widget.value))
 
         def on_update(event: viser.GuiEvent) -> None:
@@ -138,18 +137,18 @@ class SceneWidgetFactory:
 
         widget.on_update(on_update)
 
-    def apply_or_reset(self, widget: Any, act: Callable[[], None], back: Callable[[], None]) -> bool:
-        """Calls ``act`` for a widget; returns False and resets the widget with ``back`` if it is refused."""
+    def apply_or_reset(self, widget: Any, act: Callable[[], None], reset: Callable[[], None]) -> bool:
+        """Calls ``act``; if the session refuses, says why below the widget, calls ``reset`` later and returns False."""
         before = self._session.refused
         act()
         refused = self._session.refused
         if refused is None or refused is before:
             return True
-        self._answers.refuse(widget, refused[1], self.serialised_callback(back))
+        self._answers.refuse(widget, refused[1], self.serialised_callback(reset))
         return False
 
     def add_field(self, field: str, hint: str) -> None:
-        """Adds a dropdown for a field with several choices, or a checkbox for a bool."""
+        """Adds a dropdown for a scene's field with several choices, or a checkbox for a bool, with a tooltip."""
         scene, label, hint = self._session.scene, tr(field_label(field)), tr(hint)
         label = label[:1].upper() + label[1:]
         value, names = getattr(scene, field), words.choice_labels(type(scene), field)
@@ -160,7 +159,7 @@ class SceneWidgetFactory:
                                 lambda shown: self._session.set_scene_fields(**{field: codes.get(shown, shown)}))
 
     def add_formula(self, field: str, label: str, hint: str) -> None:
-        """Adds a text for a formula of the scene, checked while it is typed and applied when it is finished."""
+        """Adds a text for a formula in a scene's field, checked while it is typed and applied when it is finished."""
         add_widget_marker(self._gui, "lab-formula")
         text = self._gui.add_text(tr(label), getattr(self._session.scene, field), hint=tr(hint))
         set_max_length(text, MOST_CHARACTERS)
@@ -181,7 +180,7 @@ class SceneWidgetFactory:
         self.on_enter(text, apply)
 
     def add_sliders(self, sliders: Mapping[str, LinearSlider]) -> None:
-        """Adds a slider for each of these fields."""
+        """Adds a linear slider for each of these fields of the scene."""
         values = self._session.scene.to_dict()
         for field, (label, low, high, step, hint) in sliders.items():
             value = values[field]
@@ -191,8 +190,9 @@ class SceneWidgetFactory:
     def _set_scene_field(self, field: str, value: float) -> None:
         self._session.set_scene_fields(**{field: value})
 
-    def add_motion_dropdown(self, move: Callable[[Scene, str | None, float | None], None]) -> None:
-        """Adds a dropdown of the problem's motions; ``move`` receives a scene, and a quantity and speed or None."""
+    def add_motion_dropdown(self, on_motion: Callable[[Scene, str | None, float | None], None]) -> None:
+        """Adds a dropdown of the problem's motions, if it has several; ``on_motion(scene, quantity, speed)`` receives
+        the changed scene, with quantity ("x") and speed (periods per second) to use, or None to keep them."""
         scene = self._session.scene
         motion = VIEWS[scene.problem].motion
         if motion is None:
@@ -205,10 +205,10 @@ class SceneWidgetFactory:
             now = self._session.scene
             code = next(code for code, name in names.items() if name == shown.value)
             changed = motion.change_motion(now, code, first_scene(now.problem).estimators)
-            move(changed, *((None, None) if changed.swings else (motion.quantity, motion.speed)))
+            on_motion(changed, *((None, None) if changed.swings else (motion.quantity, motion.speed)))
 
         shown.on_update(on_chosen)
 
     def refuse(self, sentence: str) -> None:
-        """Refuses an invalid input."""
+        """Refuses a number that the visitor has typed, for the reason given by a sentence without a full stop."""
         self._session.refuse(sentence, "number")

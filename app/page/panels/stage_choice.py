@@ -29,7 +29,7 @@ _NAMES = {factor: name for name, factor in _FACTORS.items()}
 
 
 class StageChoice:
-    """Widgets of one visitor; ``on_view`` is called when only the drawing changes."""
+    """One visitor's widgets for quantity, estimator and magnification on the stage; ``on_view`` redraws the stage."""
 
     def __init__(self, gui: viser.GuiApi, session: Session, scale: ColourScale, on_view: Callable[[], None]):
         self._session, self._scale, self._on_view = session, scale, on_view
@@ -63,17 +63,18 @@ class StageChoice:
         self._magnify.on_update(lambda event: self._choose_magnification() if event.client else None)
 
     def show(self, quantity: str, estimator: str | None, magnified: int) -> None:
-        """Shows quantity, estimator and magnification; the estimator only if it runs, see :meth:`set_estimators`."""
+        """Sets quantity ("x"), estimator and magnification (factor) to show; the dropdown of estimators follows later
+        by :meth:`set_estimators`."""
         self.quantity, self.estimator, self.magnified = quantity, estimator, magnified
         for widget, shown in ((self._quantity, self._shown_quantity), (self._magnify, _NAMES[magnified])):
             widget.value = shown  # type: ignore[misc]
 
     def restore_last_estimator(self, problem: str) -> None:
-        """Restores the estimator last shown of a problem that is put on the stage."""
+        """Sets the estimator to that last shown for a problem ("bar") that is put on the stage."""
         self.estimator, self._silent = self._by_problem.get(problem), True
 
     def ensure_estimator_has_values(self, scene: Scene, arrays: FrameArrays) -> None:
-        """Handles a new frame: replaces an estimator without values of a newly chosen quantity by one that has some."""
+        """Replaces an estimator on the stage that has no values of a newly chosen quantity by one that has some."""
         if not self._silent or scene != self._session.scene:
             return
         self._silent, column = False, samples.QUANTITIES.index(self.quantity)
@@ -83,7 +84,7 @@ class StageChoice:
             self._on_view()
 
     def set_estimators(self, estimators: tuple[str, ...]) -> None:
-        """Sets the estimators that run; one of them is on the stage."""
+        """Sets the names of the estimators that run; one of them is on the stage, redrawn if it has changed."""
         before = self.estimator
         if before not in estimators:
             self.estimator = next(iter(estimators), None)
@@ -95,7 +96,7 @@ class StageChoice:
             self._on_view()
 
     def show_estimator(self, estimator: str | None) -> None:
-        """Puts an estimator that runs on the stage, or none."""
+        """Puts an estimator that runs on the stage, or none, and redraws."""
         self.estimator, self._silent = estimator, False
         self._estimator.value = estimator or tr(NONE)  # type: ignore[misc]
         if estimator:
@@ -103,21 +104,21 @@ class StageChoice:
         self._on_view()
 
     def next_estimator(self) -> None:
-        """Puts the next of the estimators that run on the stage."""
+        """Puts the next of the running estimators on the stage."""
         running = [name for name in self._estimator.options if name != tr(NONE)]
         if running:
             at = running.index(self.estimator) if self.estimator in running else -1
             self.show_estimator(running[(at + 1) % len(running)])
 
     def next_magnification(self) -> None:
-        """Switches to the next magnification."""
+        """Draws deviations in the field plot magnified by the next of the factors offered."""
         factors = words.MAGNIFICATIONS
         self.magnified = factors[(factors.index(self.magnified) + 1) % len(factors)]
         self._magnify.value = _NAMES[self.magnified]  # type: ignore[misc]
         self._on_view()
 
     def show_quantity(self, quantity: str) -> None:
-        """Shows the error of a quantity, by its key."""
+        """Shows the error of a quantity (key x, v, sigma or a) on the stage and requests frames with that field."""
         self.quantity, self._silent = quantity, True
         self._quantity.value = self._shown_quantity  # type: ignore[misc]
         self._session.set_frame_options(plotted=quantity)
@@ -141,7 +142,7 @@ INDEX = lazy("error index: estimated over true, summed over the run so far; pric
 
 
 class EstimatorCards:
-    """One visitor's cards of estimators; a click on a name puts an estimator that runs on the ``stage``."""
+    """One visitor's cards of estimators, with a checkbox that runs each; a click on a name puts it on the ``stage``."""
 
     def __init__(self, gui: viser.GuiApi, session: Session, stage: StageChoice, bound: SceneWidgetFactory,
                  store: BrowserStore):
@@ -152,11 +153,12 @@ class EstimatorCards:
 
     @property
     def chosen_names(self) -> tuple[str, ...]:
+        """Names of the estimators whose checkboxes are set, in the problem's order."""
         offered = PROBLEMS[self._session.scene.problem].estimators
         return tuple(name for name in offered if name in self._boxes and self._boxes[name].value)
 
     def build(self, gui: viser.GuiApi) -> None:
-        """Builds the widgets for the session's present scene."""
+        """Builds a card for each estimator of the session's problem."""
         wished, problem = self._session.scene.estimators, self._session.scene.problem
         gui.add_html(f"<h2 class='lab-h2'>{tr('Who judges the run?')}<small title='{escape(tr(INDEX))}'>"
                      f"{tr('index, 1 is perfect · price')}</small></h2><div class='lab-judge-true'>{line_sample(TRUE)} "
@@ -171,16 +173,16 @@ class EstimatorCards:
             self._bound.on_change_or_reset(box, lambda _: self._run_chosen_estimators())
         self._stage.set_estimators(wished)
 
-    def fill_cards(self, judged: str) -> None:
-        """Fills the cards with :func:`app.page.panels.readout.estimator_cards_json`; clears them if that is ""."""
-        self._html.content = f"<i class='lab-judged' data-said='{escape(judged)}'></i>"
+    def fill_cards(self, cards_json: str) -> None:
+        """Sends the numbers on the cards, :func:`app.page.panels.readout.estimator_cards_json`; "" clears them."""
+        self._html.content = f"<i class='lab-judged' data-said='{escape(cards_json)}'></i>"
 
     def _run_chosen_estimators(self) -> None:
         self._stage.set_estimators(self.chosen_names)
         self._session.set_scene_fields(estimators=self.chosen_names)
 
     def _show_estimator_on_stage(self, name: Any) -> None:
-        """Shows the errors by an estimator, and switches it on if it is off."""
+        """Puts an estimator, by the name that the browser sends, on the stage; runs it if it does not run yet."""
         with self._bound.turn:
             if not isinstance(name, str) or (box := self._boxes.get(name)) is None or not box.visible:
                 return
@@ -192,7 +194,7 @@ class EstimatorCards:
 
 
 def _estimator_card_html(name: str, problem: str) -> str:
-    """Returns a card, whose numbers the browser fills in. The price is the run time added by the estimator."""
+    """Returns an estimator's card, whose numbers the browser fills in; the price is its added run time in per cent."""
     estimator, price = ESTIMATORS[name], VIEWS[problem].prices.get(name)
     cost = "" if price is None else f"+{100 * price / (1 - price):.0f}\N{NO-BREAK SPACE}%"
     idea, stage = escape(tr(IDEAS.get(name, estimator.summary))), tr("put it on the stage: {summary}",

@@ -49,7 +49,7 @@ PlotSet = tuple[list[HeadedPlot], viser.GuiHtmlHandle]  # and the label of their
 
 
 class TimePlots:
-    """Plots of one visitor. Call :meth:`show` a few times a second, or :meth:`clear` if there is nothing to show."""
+    """One visitor's plots over time. Call :meth:`show` a few times a second, or :meth:`clear` if there is no run."""
 
     def __init__(self, client: viser.ClientHandle, tab: viser.GuiFolderHandle):
         self._gui, self._tab = client.gui, tab
@@ -58,7 +58,7 @@ class TimePlots:
         self.set_lines((), LEAST_HEIGHT, False, False)
 
     def set_lines(self, estimators: tuple[str, ...], height: int, traced: bool, pinned: bool) -> None:
-        """Shows plots of this height in px with a line for each estimator and a pinned run, and one of a trace."""
+        """Prepares plots (height in px): a line per estimator and ``pinned`` run, and a ``traced`` particle's plot."""
         wanted = estimators, pinned
         if wanted not in self._sets:
             self._sets[wanted] = self._build(estimators, height, pinned)
@@ -73,13 +73,13 @@ class TimePlots:
             plot.height = height
 
     def show(self, history: RunSeries, valid: tuple[str, ...], quantity: str, no_index: str, latest: bool,
-             pinned: PinnedRun | None, drawn: str | None) -> None:
-        """Draws a run or its ``latest`` periods: the truth and the ``valid`` estimators; ``no_index`` is the reason for
-        no index. A ``pinned`` run is drawn in grey, with the estimator ``drawn`` on the stage."""
+             pinned: PinnedRun | None, estimator: str | None) -> None:
+        """Draws a run or its ``latest`` periods: true and ``valid`` estimated errors of a quantity ("x"). ``no_index``
+        is the reason for no error index, or "". A ``pinned`` run is grey, with the ``estimator`` on the stage."""
         series, words = history.latest_periods_series if latest else history.series, QUANTITIES[quantity]
         time = series["time"]
         nothing = np.full(len(time), np.nan)
-        grey, grey_index, grey_rate = pinned_curves(pinned, history, series, quantity, drawn, latest)
+        grey, grey_index, grey_rate = pinned_curves(pinned, history, series, quantity, estimator, latest)
         errors, unit = self._errors(series, valid, quantity, grey)
         of_time, second = _time_unit(time[-1], history.scene)
         self._time_label.content = _time_label(of_time)
@@ -104,7 +104,7 @@ class TimePlots:
 
     def show_trace(self, traced: TracedParticle, valid: tuple[str, ...], quantity: str, latest: bool,
                    shown: float) -> None:
-        """Draws a particle's errors; crossings and the time ``shown``, in s, are marked on the first finite curve."""
+        """Draws a particle's errors of a quantity ("x"); its crossings and the time ``shown``, in s, are marked."""
         series, (heading, plot) = traced.latest_periods_series if latest else traced.series, self._trace
         time, (errors, unit) = series["time"], self._errors(series, valid, quantity)
         if len(time) < 2:
@@ -120,7 +120,7 @@ class TimePlots:
 
     def _errors(self, series: dict[str, np.ndarray], valid: tuple[str, ...], quantity: str,
                 grey: Sequence[np.ndarray] = ()) -> tuple[list[np.ndarray], str]:
-        """Returns the errors, ``grey``, true and estimated, divided by a power of ten, and the unit with that power."""
+        """Returns the curves ``grey``, true and estimated, divided by a power of ten, and the unit with that power."""
         true = series[f"error_{quantity}"]
         estimated = [clip_estimate(series[f"{name}/estimate_{quantity}"], true) if name in valid
                      else np.full(len(true), np.nan) for name in self._estimators]
@@ -129,7 +129,6 @@ class TimePlots:
         return [values / 10.0**power for values in errors], f"{format_power_of_ten(power)}{QUANTITIES[quantity].unit}"
 
     def clear(self) -> None:
-        """Clears all plots, at t = 0."""
         self._time_label.content = _time_label("t / s")
         for plot in self._plots:
             set_series(plot, plottable_series(EMPTY, *(np.full(2, np.nan) for _ in plot.data[1:])))
@@ -174,7 +173,8 @@ class TimePlots:
 
 def pinned_curves(pinned: PinnedRun | None, history: RunSeries, series: dict[str, np.ndarray], quantity: str,
                   drawn: str | None, latest: bool) -> list[list[np.ndarray]]:
-    """Returns a pinned run's norms, index and crossings at the times, or period numbers, of ``series``."""
+    """Returns a pinned run's curves at the times of ``series`` (n,), stretched to equal periods: [true and estimated
+    norm], [error index], [crossings per second]; or three []. ``drawn`` is the estimator if the run has it."""
     if pinned is None:
         return [[], [], []]
     run, estimator = pinned.history, pinned.estimator(drawn)
@@ -196,29 +196,30 @@ def pinned_curves(pinned: PinnedRun | None, history: RunSeries, series: dict[str
 
 
 def set_series(plot: viser.GuiUplotHandle, data: tuple[np.ndarray, ...]) -> None:
-    """Sets a plot's series, unless they are unchanged, as while a run is paused."""
+    """Sets a plot's arrays, abscissa first; sends nothing if they are unchanged, as while a run is paused."""
     if not all(np.array_equal(own, new, equal_nan=True) for own, new in zip(plot.data, data, strict=True)):
         plot.data = data
 
 
 def series_options(label: str, colour: str, width: float, dashes: tuple[int, ...] = ()) -> uplot.Series:
+    """Returns plot options for a line without points: its ``width`` and ``dashes`` are in pixels."""
     return {"label": label, "stroke": colour, "width": width, "dash": dashes, "points": {"show": False}}
 
 
 def _marks(label: str, colour: str, size: float) -> uplot.Series:
-    """Returns options for points that do not affect the plot's range."""
+    """Returns plot options for points of a ``size`` in pixels that do not affect the plot's range."""
     return {"label": label, "stroke": colour, "width": 0, "auto": False,
             "points": {"show": True, "size": size, "fill": colour, "stroke": colour}}
 
 
 def clip_estimate(estimated: np.ndarray, true: np.ndarray) -> np.ndarray:
-    """Caps a diverged estimate at the edge of the plot, so that it does not flatten the truth."""
+    """Returns estimated errors, limited to a multiple of the largest true one so that its curve stays visible."""
     truth = largest_finite(true)
     return np.minimum(estimated, BEYOND * truth) if truth > 0 else estimated
 
 
 def plottable_series(time: np.ndarray, *values: np.ndarray) -> tuple[np.ndarray, ...]:
-    """Returns finite series; an empty one gets one zero, without which the plots have no range."""
+    """Returns time and values (n,) each, with NaN for infinite ones, and one 0 in series that would have no range."""
     drawn = [np.where(np.isfinite(v), v, np.nan) for v in values]
     for series in drawn:
         if np.isnan(series).all():
@@ -227,7 +228,7 @@ def plottable_series(time: np.ndarray, *values: np.ndarray) -> tuple[np.ndarray,
 
 
 def _time_unit(end: float, scene: Scene) -> tuple[str, float]:
-    """Returns the label of times up to ``end`` in s, and their units per second: periods if the scene swings."""
+    """Returns the label of the time axis for times up to ``end`` in s, and how many of its units a second has."""
     if scene.swings:
         return tr("t in periods"), 1 / scene.period
     unit, size = next((unit, size) for unit, size, shortest in _TIMES if end >= shortest or end <= 0)
@@ -239,6 +240,6 @@ def _time_label(of_time: str) -> str:
 
 
 def _heading(text: str, hint: str = "", remark: str = "", kind: str = "") -> str:
-    """Returns a plot's title with a hint and a remark; as the plot's own title it would make the viewer rebuild it."""
+    """Returns the html of a plot's title with a tooltip ``hint``, a ``remark`` below and CSS classes (``kind``)."""
     below = f"<br><span>{remark}</span>" if remark else ""
     return f"<div class='lab-heading {kind}' title='{escape(tr(hint) if hint else '')}'>{text}{below}</div>"

@@ -28,7 +28,7 @@ REPEAT_SECONDS = 0.5
 
 
 class OrthographicCamera:
-    """Keeps ``rectangle`` = (x0, x1, y0, y1) in a client's view."""
+    """Keeps ``rectangle`` = (x0, x1, y0, y1) of the stage's plane z = 0 in a browser's view."""
 
     def __init__(self, client: viser.ClientHandle, rectangle: Rectangle):
         self._client, self._rectangle = client, rectangle
@@ -41,13 +41,13 @@ class OrthographicCamera:
         self.fit(force=True)
 
     def show_rectangle(self, rectangle: Rectangle) -> None:
-        """Looks at another rectangle."""
+        """Looks at another rectangle (x0, x1, y0, y1)."""
         if rectangle != self._rectangle:
             self._rectangle = rectangle
             self.fit(force=True)
 
     def refit_while_settling(self) -> None:
-        """Repeats the fit while the canvas is settling; call it periodically."""
+        """Repeats the fit for about 2 s after the canvas has changed its size, every 0.5 s; call it periodically."""
         now = monotonic()
         if now < self._settle_until + 1 and now > self._next_fit:
             self._next_fit = now + REPEAT_SECONDS
@@ -99,7 +99,7 @@ _RING = RADIUS * np.stack([np.cos(_ANGLES), np.sin(_ANGLES), 0 * _ANGLES], axis=
 
 
 class RegionErrorProbe:
-    """One visitor's selected region and the errors read in it, as ``text``."""
+    """Rectangle that a visitor drags on the stage; ``text`` has the errors of particles in it, None without one."""
 
     def __init__(self, client: viser.ClientHandle, sheet: ViewerSurface, camera: OrthographicCamera):
         self._rectangle: tuple[tuple[float, float], tuple[float, float]] | None = None
@@ -110,7 +110,8 @@ class RegionErrorProbe:
 
     def measure(self, stage: Stage, arrays: FrameArrays, estimated: np.ndarray | None, true: np.ndarray | None,
                 unit: str) -> None:
-        """Reads mean and worst error, estimated and true (P,) in a ``unit``, of the particles in the region."""
+        """Sets ``text`` to mean and worst error of the particles in the region, from estimated and true errors (P,) in
+        a ``unit``; ends the selection if no particle is in it."""
         rectangle = self._rectangle
         if rectangle is None:
             self.text = None
@@ -139,7 +140,7 @@ class RegionErrorProbe:
 
 
 class TraceRings:
-    """Rings around one visitor's traced particle. A click on it, or into an empty place, ends the trace."""
+    """Ring around a visitor's traced particle. A click on a particle traces it; on the same or elsewhere, none."""
 
     def __init__(self, client: viser.ClientHandle, sheet: ViewerSurface, trace: ParticleTracer):
         self._trace = trace
@@ -148,7 +149,7 @@ class TraceRings:
         client.scene.on_click()(lambda event: self._click(_clicked_stage_point(event)))
 
     def update(self, stage: Stage, arrays: FrameArrays) -> None:
-        """Draws the ring around the traced particle, if any."""
+        """Draws the ring around the traced particle in a frame on a problem's stage; hides it if none is traced."""
         self._last_drawn, traced = (stage, arrays), self._trace.traced
         if traced is None or traced.particle >= len(arrays.position):
             self._sheet.visible = False
@@ -176,6 +177,6 @@ class TraceRings:
 
 
 def _clicked_stage_point(event: viser.SceneClickEvent) -> tuple[float, float]:
-    """Returns where the ray of a click meets the plane z = 0; correct also while the camera settles."""
+    """Returns the point (x, y) of the plane z = 0 on the ray of a click; right even before the camera has settled."""
     (x, y, z), (dx, dy, dz) = event.ray_origin, event.ray_direction
     return x - z * dx / dz, y - z * dy / dz

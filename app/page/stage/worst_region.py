@@ -23,13 +23,13 @@ LEAD = 1.05  # factor by which another region must be worse to take over, so tha
 
 
 class SteadyMaximum:
-    """Index of the worst region, which changes only if another one is clearly worse."""
+    """Finds the region with the largest error, which changes only if another one's is 5 % larger."""
 
     def __init__(self) -> None:
         self._last: int | None = None
 
     def find(self, errors: np.ndarray) -> int | None:
-        """Returns the index of the largest of the errors (regions,), with hysteresis; None if none is above 0."""
+        """Returns the index of the largest finite error (n,), or the last one's if about as large; None without any."""
         known = np.where(np.isfinite(errors), errors, 0.0)
         worst = int(np.argmax(known))
         if not known[worst] > 0:
@@ -41,7 +41,7 @@ class SteadyMaximum:
 
 @dataclass(frozen=True, eq=False)
 class WorstRegion:
-    """A region's name, its particles (P,) of bool, and its errors, estimated and true; None if not known."""
+    """Region of a body: its name, whether each particle is in it (P,), and its RMS errors; None where not known."""
 
     name: str
     particles: np.ndarray
@@ -50,7 +50,7 @@ class WorstRegion:
 
 
 class WorstRegions:
-    """The worst regions of one visitor's run, by the estimate that is drawn and by the truth. Thread-safe."""
+    """The regions with the largest error in one visitor's run, by the estimate drawn and by the truth. Thread-safe."""
 
     def __init__(self) -> None:
         self._lock = threading.Lock()
@@ -60,12 +60,12 @@ class WorstRegions:
         self._remarks: tuple[Scene | None, Annotations] = None, NOTHING  # and of which scene: threads differ
 
     def annotations(self, scene: Scene) -> Annotations:
-        """Returns the annotations for a picture of a scene."""
+        """Returns the notes found last for a picture; empty if they belong to another scene."""
         whose, remarks = self._remarks
         return remarks if scene == whose else NOTHING
 
     def find(self, report: FrameReport, arrays: FrameArrays, view: ErrorView, quantity: str) -> None:
-        """Finds both regions in a frame, for a quantity by its key."""
+        """Sets ``by_estimate``, ``by_truth`` and the notes, from a frame and the ``view`` of a quantity's errors."""
         with self._lock, np.errstate(all="ignore"):  # a run gone bad holds anything
             self._find(report, arrays, view, quantity)
 

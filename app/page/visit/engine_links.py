@@ -43,13 +43,13 @@ class EventRateCounter:
 
 
 def scene_size_refusal(scene: Scene) -> str:
-    """Returns why the stage cannot show a scene, or ""."""
+    """Returns why a scene has too many particles to be shown, as a sentence without a full stop; "" if it has not."""
     return tr("{particles:,} particles are too many to watch; at most {most:,} go on the stage",
               particles=scene.particles, most=MOST_WATCHED) if scene.particles > MOST_WATCHED else ""
 
 
 class _ListenerInLanguage:
-    """A listener whose callbacks, from the engine's thread, use the language in which the link was opened."""
+    """A listener whose callbacks, on the engine's thread, use the language in which the link was opened."""
 
     def __init__(self, listener: SessionListener):
         self._listener, self._language = listener, current_language()
@@ -60,7 +60,7 @@ class _ListenerInLanguage:
 
 
 class PageLinks:
-    """The engine pool for one page; ``close`` closes all its links. ``frames`` counts those of all pages."""
+    """The engines for one page, which opens links to them. ``frames`` counts the frames of all pages."""
 
     def __init__(self, pool: EnginePool, frames: EventRateCounter | None = None):
         self._pool, self.frames = pool, frames or EventRateCounter()
@@ -68,7 +68,7 @@ class PageLinks:
         self._links = WeakSet[SessionLink]()  # weak: a closed link and its listener are not kept alive
 
     def open(self, listener: SessionListener, beside: SessionLink | None = None) -> SessionLink:
-        """Opens a link; if the page is closed already, the link is closed at once."""
+        """Returns a new link, whose results go to ``listener``, in the engine of ``beside``; closed if the page is."""
         link = self._pool.open_session(cast(SessionListener, _ListenerInLanguage(listener)), beside)
         with self._opening:
             self._links.add(link)
@@ -78,7 +78,7 @@ class PageLinks:
         return link
 
     def close(self) -> None:
-        """Closes all links, also future ones."""
+        """Closes all links opened so far, and at once those opened later."""
         with self._opening:
             self._closed, links = True, list(self._links)
         for link in links:
@@ -86,5 +86,5 @@ class PageLinks:
 
     @property
     def playing(self) -> int:
-        """The number of running stages of all visitors."""
+        """The number of running sessions of all visitors."""
         return self._pool.playing_sessions

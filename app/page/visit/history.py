@@ -22,7 +22,7 @@ ROOM = 2 * MOST_ROWS  # rows of a table, copied when it is full, not with every 
 
 
 class DownsampledSeries:
-    """Keeps every n-th row, or those of the ``last`` seconds. One thread adds, any may read :attr:`series`."""
+    """Series thinned to 800 rows, perhaps of the ``last`` seconds only. One thread adds, any may read them."""
 
     def __init__(self, last: float = math.inf):
         self._last, self._row_count, self._stride = last, 0, 1
@@ -33,12 +33,12 @@ class DownsampledSeries:
 
     @property
     def series(self) -> dict[str, np.ndarray]:
-        """Each series by name; none before the first row."""
+        """The arrays (n,) by name, all of one length; {} before the first row."""
         table, start, end = self._table
         return dict(zip(self._names, table[:, start:end], strict=False))  # names may come before the first table
 
     def add(self, new: Mapping[str, np.ndarray]) -> None:
-        """Appends rows: series of equal length, ``time`` among them, under the same names every time."""
+        """Appends rows: arrays (n,) by name, ``time`` in s among them, with the same names every time."""
         kept = slice(-self._row_count % self._stride, None, self._stride)  # row 0, stride, 2 stride, ... of the run
         self._row_count += len(new["time"])
         rows = np.array([values[kept] for values in new.values()])
@@ -59,7 +59,7 @@ class DownsampledSeries:
 
 
 class RunSeries:
-    """Two copies of a run's series, for plots: of its whole time, and of its last periods, finer for long runs."""
+    """Sampled series of one run, kept twice: over its whole time, and over its last periods, finer for long runs."""
 
     scene: Scene
 
@@ -73,20 +73,21 @@ class RunSeries:
 
     @property
     def latest_periods_series(self) -> dict[str, np.ndarray]:
-        """The series of the last periods only."""
+        """The arrays (n,) by name over the run's last two periods."""
         self._append_pending_rows()
         return self._latest.series
 
     def append(self, new: Mapping[str, np.ndarray]) -> None:
-        """Appends rows to both, as :meth:`DownsampledSeries.add`."""
+        """Appends rows, given as for :meth:`DownsampledSeries.add`, to both."""
         self._whole.add(new)
         self._latest.add(new)
 
     def _append_pending_rows(self) -> None:
-        """Appends rows that wait for a reader, if any."""
+        """Appends rows that were stored until somebody reads the series, if the class stores any."""
 
     def crossings_per_second(self, series: dict[str, np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
-        """Returns times and grid crossings per s of simulated time, over a twentieth of a period or more."""
+        """Returns times (n,) in s and grid crossings per s of simulated time (n,), as means over a twentieth of a
+        period or more, from ``series`` with ``time`` and ``crossings``."""
         if len(series.get("time", ())) < 2:
             return np.zeros(0), np.zeros(0)
         time, count = series["time"], series["crossings"]
@@ -96,7 +97,7 @@ class RunSeries:
 
 
 def _with_room(values: np.ndarray, more: int) -> tuple[np.ndarray, int, int]:
-    """Copies values (names, rows) to a new table with room for more rows; returns it with start and end."""
+    """Copies a table (names, rows) into one with space for ``more`` rows; returns it, its first row and its end row."""
     names, rows = values.shape
     table = np.empty((names, max(ROOM, rows + more)))
     table[:, :rows] = values
@@ -104,7 +105,7 @@ def _with_room(values: np.ndarray, more: int) -> tuple[np.ndarray, int, int]:
 
 
 def series_until(series: dict[str, np.ndarray], time: float) -> dict[str, np.ndarray]:
-    """Returns series up to a time in s, with at least one row."""
+    """Returns the part of sampled series up to a time in s, at least one row if there is any."""
     times = series.get("time", np.zeros(0))
     if not len(times) or times[-1] <= time:
         return series
@@ -112,7 +113,7 @@ def series_until(series: dict[str, np.ndarray], time: float) -> dict[str, np.nda
 
 
 def last_value(series: Mapping[str, np.ndarray], name: str) -> float:
-    """Returns the last value of a series, or NaN."""
+    """Returns the last value of the series of this name; NaN if there is none."""
     values = series.get(name, np.zeros(0))
     return float(values[-1]) if len(values) else math.nan
 
@@ -121,11 +122,11 @@ MOST_WAITING = 500  # frames' samples that may wait for a reader
 
 
 class NormHistory(RunSeries):
-    """Sampled norms and the running error index of one run. One thread adds, any may read.
+    """Error norms and running error index of one run over time. One thread adds, any may read.
 
-    Series are named as in ``solvers.solver.samples.read_rows``, with the error index so far (eq 35) and the pointwise
-    distance as ``transport/index_x`` and ``transport/distance_x``. Frames come more often than they are read, and few
-    samples cost as much work as many, so they wait for the next reader."""
+    Series are named as by ``solvers.solver.samples.read_rows``, and ``transport/index_x`` (error index so far, eq 35)
+    and ``transport/distance_x`` (pointwise) for each estimator and quantity. Frames come more often than they are read,
+    and few samples cost as much work as many, so they wait for the next reader."""
 
     def __init__(self, scene: Scene, particles: int):
         super().__init__(scene.period)
@@ -136,7 +137,7 @@ class NormHistory(RunSeries):
         self._ratios: defaultdict[str, RunningEffectivityIndex] = defaultdict(RunningEffectivityIndex)
 
     def add(self, rows: np.ndarray) -> None:
-        """Appends rows of samples (``solvers.solver.samples``)."""
+        """Stores rows of samples (n, columns), as in ``FrameReport.rows``."""
         with self._lock:
             if len(rows):
                 self._waiting.append(rows)
@@ -146,7 +147,7 @@ class NormHistory(RunSeries):
 
     @property
     def step_to_bound_ratio(self) -> float:
-        """The time step over its stability bound, as last read: few samples have it."""
+        """The time step over its stability bound in the last sample that has it; NaN before the first."""
         self._append_pending_rows()
         return self._margin
 

@@ -14,7 +14,7 @@ from solvers.solver.samples import QUANTITIES
 
 
 class TracedParticle(RunSeries):
-    """Time series of a particle, named as those of :class:`History`, with the sizes of its own errors."""
+    """Sampled series of one particle, named as those of :class:`NormHistory`, with the sizes of its own errors."""
 
     def __init__(self, particle: int, frames: Sequence[Frame]):
         report, arrays = frames[-1]
@@ -27,7 +27,7 @@ class TracedParticle(RunSeries):
             self.add(*frame)
 
     def add(self, report: FrameReport, arrays: FrameArrays) -> None:
-        """Adds a later frame. Of several crossings between two frames only the last is known."""
+        """Adds a frame's errors, if it is a later one. Of several crossings between frames only the last is known."""
         if report.step <= self._step:
             return
         self._step, p = report.step, self.particle
@@ -43,7 +43,7 @@ class TracedParticle(RunSeries):
             self._crossings = (*self._crossings, crossed)[-MOST_ROWS:]
 
     def crossing_marks(self, times: np.ndarray) -> np.ndarray:
-        """Returns whether each of the times (n,) of a series is the first after a crossing, (n,) of bool."""
+        """Returns whether each of the times (n,), in s, of a series is the first after a crossing, (n,) of bool."""
         crossings = np.array(self._crossings) * self.scene.time_step
         after = np.searchsorted(times, crossings[crossings >= times[0]] - 0.5 * self.scene.time_step)
         marks = np.zeros(len(times), bool)
@@ -59,7 +59,7 @@ class TracedParticle(RunSeries):
 
 
 class ParticleTracer:
-    """The particle that one visitor traces, if any. Frames come on one thread, choices on any."""
+    """The particle that one visitor traces (``traced``), or None. Frames come on one thread, choices on any."""
 
     def __init__(self, recent: RecentFrames):
         self._recent, self._lock = recent, threading.Lock()
@@ -67,7 +67,7 @@ class ParticleTracer:
         self._next: int | None = None  # to be followed in the next run
 
     def choose(self, particle: int | None, in_next_run: bool = False) -> None:
-        """Traces a particle from the earliest stored frame, or from the next run's first; None ends it."""
+        """Traces a particle, by its number, from the earliest stored frame or the next run's first; None ends it."""
         with self._lock:
             frames = () if in_next_run else self._recent.frames
             self._next = particle if in_next_run else None
@@ -76,7 +76,7 @@ class ParticleTracer:
                 self.traced = TracedParticle(particle, frames)
 
     def on_frame(self, report: FrameReport, arrays: FrameArrays) -> None:
-        """Adds the newest frame. Another run goes on with the particle whose rest position is nearest."""
+        """Adds the newest frame. In another run, the particle with the nearest initial position is traced."""
         with self._lock:
             if report.fresh and self._next is not None and self._next < report.particles:
                 self.traced, self._next = TracedParticle(self._next, [(report, arrays)]), None
@@ -94,5 +94,5 @@ class ParticleTracer:
 
 
 def reference_positions(arrays: FrameArrays) -> np.ndarray:
-    """Returns the particles' rest positions, (P, D) in m."""
+    """Returns the particles' initial positions, (P, D) in m; 0 where unknown."""
     return np.nan_to_num(arrays.position.astype(float) - arrays.displacement)

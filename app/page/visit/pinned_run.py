@@ -14,7 +14,7 @@ from solvers.solver.soundness import UNSTABLE
 
 
 class PinnedRun:
-    """A pinned scene, its last frame and history; the engine keeps it with the session, as ``partner``."""
+    """A run beside the visitor's, for comparison: its scene, history, and ``last`` frame, None before the first."""
 
     def __init__(self, open_link: Callable[[SessionListener], SessionLink], scene: Scene, on_frame: Callable[[], None]):
         self.scene, self._on_frame = scene, on_frame
@@ -24,7 +24,7 @@ class PinnedRun:
         self._link = open_link(self)
 
     def set_pace(self, pace: Pace, frame: FrameOptions) -> None:
-        """Applies the session's pace and options, but takes no steps apart."""
+        """Requests the session's pace and frame contents, without restarts of its own and step breakdowns."""
         self._error = None
         self._link.ask(self.scene, replace(pace, restarts=0), replace(frame, broken_down=None))
 
@@ -32,11 +32,12 @@ class PinnedRun:
         self._link.close()
 
     def estimator(self, drawn: str | None) -> str | None:
-        """Returns the estimator on the visitor's stage, or the run's first if it does not have that one."""
+        """Returns the estimator ``drawn`` on the stage if the pinned run has it, or its first; None if it has none."""
         return drawn if drawn in self.scene.estimators else next(iter(self.scene.estimators), None)
 
     def view(self, quantity: str, drawn: str | None, difference: bool) -> ErrorView | None:
-        """Returns the view of the last frame; None before there is one."""
+        """Returns the errors to draw of the last frame: of a quantity ("x"), by :meth:`estimator` of ``drawn``, with
+        ``difference`` that from the truth; None before the first frame."""
         if self.last is None:
             return None
         report, arrays = self.last
@@ -44,7 +45,7 @@ class PinnedRun:
         return frame_error_view(report, arrays, quantity, estimator, difference and estimator in arrays.difference)
 
     def stop_reason(self) -> str | None:
-        """Returns why the run has stopped, in few words; None while it goes on."""
+        """Returns in few words why the run has stopped; None while it goes on."""
         if self._error:
             return translate_message(self._error)
         report = self.last[0] if self.last else None
@@ -53,7 +54,7 @@ class PinnedRun:
         return tr("went unstable and has stopped at {periods:.2f} periods", periods=report.time / self.scene.period)
 
     def on_frame(self, report: FrameReport, arrays: FrameArrays) -> None:
-        """Handles a frame, on the engine's reader thread, as the three methods below."""
+        """Stores a frame and its samples; called on the engine's reader thread, as the three methods below."""
         if report.fresh:
             self.history = NormHistory(report.scene, report.particles)
         self.history.add(report.rows)
@@ -67,4 +68,4 @@ class PinnedRun:
         self._error = sentence
 
     def on_engine_lost(self) -> None:
-        """Does nothing: the link reconnects by itself."""
+        """Does nothing: the link to the engine reconnects by itself."""

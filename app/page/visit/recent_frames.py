@@ -17,7 +17,7 @@ Frame = tuple[FrameReport, FrameArrays]
 
 
 class RecentFrames:
-    """Stored frames and which is shown: the one ``back`` frames before the newest. One thread adds, any may read."""
+    """A run's last frames, at most 200; the one shown is ``back`` before the newest. One thread adds, any may read."""
 
     def __init__(self) -> None:
         self._lock = threading.Lock()
@@ -26,7 +26,7 @@ class RecentFrames:
         self._target_time: float | None = None  # the time in s to show as soon as the run stands still
 
     def add(self, report: FrameReport, arrays: FrameArrays) -> None:
-        """Stores the run's newest frame, and shows it if the run has moved; a fresh one begins another run."""
+        """Stores the run's newest frame and shows it if the run has moved; a ``fresh`` one replaces all before it."""
         if report.rows.nbytes > FEW_BYTES:
             report = replace(report, rows=report.rows[:0].copy())  # the history has them
         with self._lock:
@@ -46,13 +46,13 @@ class RecentFrames:
                 self.back, self._target_time = self._frames_back_to(self._target_time), None
 
     def go_back(self, count: int) -> None:
-        """Shows the frame so many before the newest, if the run is paused."""
+        """Shows the frame ``count`` frames before the newest, if the run is paused."""
         with self._lock:
             if self._frames and not self._frames[-1][0].playing:
                 self.back = max(0, min(count, len(self._frames) - 1))
 
     def seek(self, time: float) -> bool:
-        """Shows the frame nearest to a time in s; returns False if that waits until the run is paused."""
+        """Shows the frame nearest to a time in s; while the run plays, does so when it pauses, and returns False."""
         with self._lock:
             if still := bool(self._frames) and not self._frames[-1][0].playing:
                 self.back = self._frames_back_to(time)
@@ -62,19 +62,19 @@ class RecentFrames:
 
     @property
     def span(self) -> tuple[float, float]:
-        """The times in s of the oldest and the newest frame."""
+        """The times in s of the oldest and the newest frame; (0, 0) without frames."""
         with self._lock:
             return (self._frames[0][0].time, self._frames[-1][0].time) if self._frames else (0.0, 0.0)
 
     @property
     def frames(self) -> list[Frame]:
-        """All frames, the oldest first."""
+        """All stored frames, the oldest first."""
         with self._lock:
             return list(self._frames)
 
     @property
     def shown_frame(self) -> Frame | None:
-        """The frame to draw, not playing if it is an earlier one; None before the first."""
+        """The frame to draw, marked as paused if it is an earlier one; None before the first."""
         with self._lock:
             if not self._frames:
                 return None
@@ -83,17 +83,17 @@ class RecentFrames:
 
     @property
     def periods_back(self) -> float:
-        """Number of periods from the frame shown to the newest one."""
+        """The time from the frame shown to the newest one, in periods."""
         return self._periods(self.back)
 
     @property
     def stored_frames_and_periods(self) -> tuple[int, float]:
-        """How far back frames go: their number and the periods."""
+        """How many frames before the newest are stored, and the time that they span in periods."""
         most = max(0, len(self._frames) - 1)
         return most, self._periods(most)
 
     def _frames_back_to(self, time: float) -> int:
-        """Returns how many frames before the newest one the nearest to a time is."""
+        """Returns the number of frames from the one nearest to a time in s to the newest."""
         apart = [abs(report.time - time) for report, _ in self._frames]
         return len(apart) - 1 - int(np.argmin(apart))
 
@@ -106,7 +106,7 @@ class RecentFrames:
 
 
 def frame_bytes(arrays: FrameArrays) -> int:
-    """Returns the bytes of a frame's particle data."""
+    """Returns the size of a frame's arrays in bytes."""
     held = (arrays.position, arrays.displacement, arrays.deformation_gradient, arrays.steps_since_crossing,
             arrays.error, *arrays.estimate.values(), *arrays.difference.values(), arrays.plotted)
     return sum([array.nbytes for array in held])

@@ -33,7 +33,7 @@ CROWDED_BELOW = 0.8  # of the requested speed, below which a message names other
 
 
 def first_scene(problem: str) -> Scene:
-    """Returns the scene that the page first shows of a problem."""
+    """Returns the scene that the page shows first of a problem ("bar"): its defaults, for one period at most."""
     kind = PROBLEMS[problem].scene
     scene = kind(periods=min(1, kind.DEFAULT_PERIODS))
     return replace(scene, estimators=VIEWS[problem].estimators or scene.estimators)
@@ -43,7 +43,8 @@ FIRST_SCENE = first_scene(next(iter(PROBLEMS)))
 
 
 class Session:
-    """Holds the requested scene (the latest wins), the last frame and the run's history."""
+    """One visitor's run: the requested ``scene`` (the latest wins), the last frame's ``report``, and the ``history``.
+    ``on_frame`` receives each frame; ``speed`` is in periods per second; one that ``ends`` stops at the scene's end."""
 
     def __init__(self, pool: PageLinks, scene: Scene, on_frame: Callable[[FrameReport, FrameArrays], None],
                  speed: float | None = None, ends: bool = False):
@@ -68,7 +69,7 @@ class Session:
         self._send_request()
 
     def set_scene_fields(self, **fields: object) -> None:
-        """Requests some fields of the scene; a refused request leaves the present scene running (:attr:`refused`)."""
+        """Requests values of scene fields, by name; invalid ones set :attr:`refused`, and the present run continues."""
         with self._lock:
             wished = self._requested | fields
             try:
@@ -84,7 +85,8 @@ class Session:
             self._send_request()
 
     def set_scene(self, scene: Scene, speed: float | None = None, ends: bool = False) -> None:
-        """Requests a whole scene, at so many periods per second, to its end or further; drops earlier requests."""
+        """Requests a whole scene at a speed in periods per second (None: the problem's); one that ``ends`` stops at its
+        end. Sets :attr:`refused` if the scene is too large."""
         with self._lock:
             if crowd := scene_size_refusal(scene):
                 self.refuse(crowd)
@@ -96,20 +98,20 @@ class Session:
             self._send_request(restarts=self._pace.restarts + 1)  # also if it is the present scene
 
     def play(self, playing: bool, single_steps: int = 0) -> None:
-        """Plays or pauses, and takes so many time steps. A run that has reached its end goes on beyond it."""
+        """Plays or pauses, and takes so many single time steps. A run that has reached its end continues beyond it."""
         with self._lock:
             self._rests = False
             self._beyond = self._beyond or (self.is_over and (playing or single_steps > 0))
             self._send_request(playing=playing, single_steps=self._pace.single_steps + single_steps)
 
     def pause_until_return(self) -> None:
-        """Pauses until the visitor comes back."""
+        """Pauses the run of an idle visitor; the notice says so until the next request."""
         with self._lock:
             self._rests = True
             self._send_request(playing=False)
 
     def set_watched(self, watched: bool) -> None:
-        """Pauses the run while nobody watches; later it goes on as if no time had passed."""
+        """Pauses the run while no browser shows it; later it continues as if no time had passed."""
         with self._lock:
             if watched != self.watched:
                 self.watched = watched
@@ -117,11 +119,11 @@ class Session:
 
     @property
     def idle_seconds(self) -> float:
-        """Seconds since the visitor's last request."""
         return monotonic() - self._asked_at
 
     def break_down(self, particle: int | None, step: bool = True) -> int:
-        """Pauses and takes one ``step`` apart around a particle, or the last one again; returns the request number."""
+        """Pauses and requests one more ``step``, or the last one again, with all its parts recorded around a particle
+        (None: ends that). Returns the number of the request, which the frame's report has too."""
         with self._lock:
             self._frame = replace(self._frame, broken_down=particle)
             if particle is None:
@@ -133,48 +135,45 @@ class Session:
 
     @property
     def playing(self) -> bool:
-        """Whether the visitor wants the run to play."""
         return self._pace.playing
 
     @property
     def speed(self) -> float:
-        """Requested speed in periods per second."""
+        """The requested speed in periods per second."""
         return self._pace.speed
 
     @property
     def stops_at_end(self) -> bool:
-        """Whether the run stops at the end of its scene."""
         return self._pace.ends
 
     @property
     def playback_request_key(self) -> tuple:
-        """The requests that advance the run: a change since the last time is the visitor's."""
+        """Key of the requests that advance the run (scene, restarts, single steps, playing), to notice new ones."""
         return self.scene, self._pace.restarts, self._pace.single_steps, self.playing
 
     @property
     def is_over(self) -> bool:
-        """Whether the run has reached the end at which it stops."""
+        """Whether the run has reached the end of its scene, and stops there."""
         return self.stops_at_end and not self._beyond and self.report is not None \
             and self.report.step >= self.report.scene.steps
 
     def reset(self) -> None:
-        """Restarts the scene from t = 0."""
         with self._lock:
             self._beyond = False
             self._send_request(restarts=self._pace.restarts + 1)
 
     def continue_past_end(self) -> None:
-        """Lets the run go on beyond the end of its scene."""
+        """Lets the run continue beyond the end of its scene; one that has already stopped there is paused."""
         with self._lock:
             self._send_request(playing=self.playing and not self.is_over, ends=False)
 
     def refuse(self, sentence: str, field: str = "") -> None:
-        """Records an invalid request, of a ``field`` or of none; the present scene runs on."""
+        """Sets :attr:`refused` to a sentence without a full stop and the ``field`` that it is about; "" clears it."""
         with self._lock:
             self.refused, self._asked_at = (field, sentence) if sentence else None, monotonic()
 
     def set_speed(self, speed: float) -> None:
-        """Sets the speed in periods per second."""
+        """Sets the speed in periods per second; refuses more than 1000."""
         with self._lock:
             if speed > FASTEST:
                 self.refuse(tr("Speed: {speed:g} periods a second are too many; at most {most:g} can be asked for",
@@ -183,13 +182,14 @@ class Session:
             self._send_request(speed=speed)
 
     def set_frame_options(self, **options: object) -> None:
-        """Sets what frames contain (:class:`~solvers.engine.shared_frames.FrameOptions`)."""
+        """Sets fields of :class:`~solvers.engine.shared_frames.FrameOptions`, which selects what frames contain."""
         with self._lock:
             self._frame = replace(self._frame, **options)  # type: ignore[arg-type]
             self._send_request()
 
     def pin(self, on_frame: Callable[[], None], scene: Scene | None = None) -> None:
-        """Pins a scene, or the one on the stage, beside later requests; both begin at t = 0."""
+        """Starts a second run for comparison, of ``scene`` or the one on the stage; both begin at t = 0. ``on_frame``
+        is called after each of its frames."""
         with self._lock:
             shown = self.report.scene if self.report else self.scene
             scene = scene or (shown if shown.problem == self.scene.problem else self.scene)
@@ -209,7 +209,6 @@ class Session:
 
     @property
     def others_playing(self) -> bool:
-        """Whether other visitors' stages play on this server."""
         return self._other_playing_count > 0
 
     @property
@@ -218,12 +217,12 @@ class Session:
 
     @property
     def compiling(self) -> bool:
-        """Whether the last request waits for a compiler. The scene before it goes on meanwhile."""
+        """Whether the last request waits for a compiler; meanwhile the scene before it continues."""
         answered = 0 if self.report is None else self.report.number
         return self._compiled_for == self._number > answered and not self._engine_lost
 
     def notice(self) -> Notice | None:
-        """Returns the most important message for the visitor, if any."""
+        """Returns the most important message for the visitor; None if there is none."""
         with self._lock:
             waiting = self.report is None or self.report.number < self._number
             urgent, history = self._urgent_notice(waiting), self.history
@@ -253,7 +252,7 @@ class Session:
         return Notice("wait", sentence) if monotonic() < happened + TO_BE_READ else None
 
     def _watch_speed(self) -> Notice | None:
-        """Returns the message that other runs slow this one down; it stays a while, as real speeds fluctuate."""
+        """Returns the message that other runs slow this one down, for 8 s after each time, as speeds fluctuate."""
         report, others = self.report, self._other_playing_count
         if report and report.playing and report.real_speed is not None and others \
                 and report.real_speed < CROWDED_BELOW * self.speed * report.scene.period:
@@ -264,7 +263,7 @@ class Session:
                                  "change.", runs=others + 1))
 
     def on_frame(self, report: FrameReport, arrays: FrameArrays) -> None:
-        """Handles a frame, on the engine's reader thread, as the methods below."""
+        """Stores a frame and its samples; called on the engine's reader thread, as the methods below."""
         with self._lock:
             if report.fresh:
                 self.history = NormHistory(report.scene, report.particles)
@@ -294,7 +293,7 @@ class Session:
                              speed=VIEWS[scene.problem].speed if speed is None else speed)
 
     def _send_request(self, **pace: float) -> None:
-        """Sends all that is requested now, with changes to the ``pace``."""
+        """Sends the scene, frame options and pace to the engine, after changing fields of the pace."""
         self._pace = replace(self._pace, **pace)  # type: ignore[arg-type]
         self._error, self.refused, self._asked_at = None, None, monotonic()
         now = replace(self._pace, playing=self.playing and self.watched, ends=self.stops_at_end and not self._beyond)

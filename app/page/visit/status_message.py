@@ -13,7 +13,8 @@ BROKEN = 30.0  # error index from which an estimate is useless
 
 @dataclass(frozen=True)
 class Notice:
-    """Message for the visitor; one ``seen`` elsewhere, under its control, is here for screen readers only."""
+    """Message for the visitor; ``kind`` is "wait", "refused", "trouble", "lost" or "unstable", as in its CSS class. One
+    that is ``seen`` elsewhere on the page is for screen readers only."""
 
     kind: str
     sentence: str
@@ -21,13 +22,12 @@ class Notice:
 
     @property
     def html(self) -> str:
-        """The message for the bottom of the stage."""
         return (f"<div class='lab-notice lab-{self.kind}{' lab-seen' * self.seen}' role='status'>"
                 f"{escape_html(self.sentence[:1].upper() + self.sentence[1:], LONGEST)}</div>")
 
 
 def doubt_notice(history: NormHistory, valid: tuple[str, ...]) -> Notice | None:
-    """Returns a warning about a failed estimate or the scene of a sound run, or None."""
+    """Returns a warning that one of the ``valid`` estimates has failed, or one about the scene; None if fine."""
     series, scene = history.series, history.scene
     if not len(series.get("error_x", ())):
         return None

@@ -8,8 +8,7 @@ Beside estimators stand the grid convergence index and its successors, which say
 number on coarser grids, and mean to hold the truth in 95 of 100 cases: P. J. Roache, "Perspective: a method for uniform
 reporting of grid refinement studies", J. Fluids Eng. 116 (1994) 405; I. B. Celik and others, "Procedure for estimation
 and reporting of uncertainty due to discretization in CFD applications", J. Fluids Eng. 130 (2008) 078001; T. Xing and
-F. Stern, "Factors of safety for Richardson extrapolation", J. Fluids Eng. 132 (2010) 061403.
-"""
+F. Stern, "Factors of safety for Richardson extrapolation", J. Fluids Eng. 132 (2010) 061403."""
 
 import functools
 import math
@@ -39,40 +38,41 @@ MOST_ORDER = 2.0  # of three grids: an observed order above the formal one is ta
 
 
 def motion_regime(moved: float, ppc: float) -> str:
-    """Returns the regime of motion by ``moved`` cells: particles next to an edge stay in theirs up to 1/(2 ppc)."""
+    """Returns whether particles stay in their cells, pass into the next or cross several, if they move by ``moved``
+    cells: with ``ppc`` per cell, those next to an edge stay in theirs up to 1/(2 ppc)."""
     return IN_CELL if moved <= 0.5 / ppc else ONE_CELL if moved <= 1 else SEVERAL_CELLS
 
 
 def row_motion_regime(row: Mapping) -> str:
-    """Returns the regime of a row."""
+    """Returns the :func:`motion_regime` of a stored run."""
     return motion_regime(row["moved"], row["scene"]["ppc"])
 
 
-def wilson_interval(held: int, of: int) -> tuple[float, float]:
-    """Returns the 95 % confidence interval of a share, if ``held`` of ``of`` runs hold (E. B. Wilson, 1927)."""
-    share, z = held / of, NORMAL**2 / of
-    middle, half = share + z / 2, NORMAL * math.sqrt(share * (1 - share) / of + z / (4 * of))
+def wilson_interval(count: int, total: int) -> tuple[float, float]:
+    """Returns the 95 % confidence interval of a share, 0 to 1, for ``count`` of ``total`` (E. B. Wilson, 1927)."""
+    share, z = count / total, NORMAL**2 / total
+    middle, half = share + z / 2, NORMAL * math.sqrt(share * (1 - share) / total + z / (4 * total))
     return max(0.0, (middle - half) / (1 + z)), min(1.0, (middle + half) / (1 + z))
 
 
 def tally(problem: str, seed: int, rows: Sequence[dict]) -> dict:
-    """Returns all counts of a problem's rows, for JSON."""
+    """Returns counts of a problem's random runs (rows of ``random_runs.measure``) as a dict for JSON: runs by status,
+    and how often each estimator, and each bar around a goal, was right."""
     usable = [row for row in rows if row["status"] == OK]
     statuses = [row["status"] for row in rows]
     names = list(dict.fromkeys(name for row in usable for name in row["estimators"]))
     goals = list(dict.fromkeys(kind for row in usable for kind in row["goals"]))
     return {"schema": SCHEMA, "problem": problem, "seed": seed, "runs": len(rows),
             "status": {status: statuses.count(status) for status in dict.fromkeys(statuses)},
-            "estimators": {name: _count_by_group(usable,
-                                                 functools.partial(_count_within_factors,
-                                                                   name=name)) for name in names},
+            "estimators": {name: _count_by_group(usable, functools.partial(_count_within_factors, name=name))
+                           for name in names},
             "refusals": {name: _count_refusals(usable, name) for name in names},
-            "goals": {kind: _count_by_group(usable,
-                                            functools.partial(_count_bars, kind=kind, names=names)) for kind in goals}}
+            "goals": {kind: _count_by_group(usable, functools.partial(_count_bars, kind=kind, names=names))
+                      for kind in goals}}
 
 
 def _count_by_group(rows: Sequence[dict], count: Callable[[Sequence[dict]], dict]) -> dict:
-    """Returns the same counts for all rows, by regime, by method, and by both."""
+    """Returns what ``count`` returns for all rows, by regime of motion, by method, and by both."""
     methods = sorted({row["scene"]["method"] for row in rows})
     return {"all": count(rows),
             "regime": {one: count([row for row in rows if row_motion_regime(row) == one]) for one in REGIMES},
@@ -83,7 +83,7 @@ def _count_by_group(rows: Sequence[dict], count: Callable[[Sequence[dict]], dict
 
 
 def _count_within_factors(rows: Iterable[dict], name: str) -> dict:
-    """Returns by quantity the number of runs with an estimate, and in how many it is within each factor."""
+    """Returns by quantity the number of runs with an estimate by ``name``, and in how many it is within each factor."""
     said = [row["estimators"][name] for row in rows if not row["estimators"][name]["refused"]]
     found = {}
     for q in QUANTITIES:
@@ -100,12 +100,12 @@ def _count_by_factor(indices: Sequence[float]) -> dict[str, int]:
 
 
 def is_within(index: float, factor: float) -> bool:
-    """Returns whether estimated over true error is within a factor of 1."""
+    """Returns whether ``index``, estimated over true error, is between 1/``factor`` and ``factor``."""
     return 1 / factor <= index <= factor
 
 
 def _count_refusals(rows: Sequence[dict], name: str) -> dict:
-    """Returns how often an estimator refused, and how many of the verifiable refusals were needless."""
+    """Returns by kind of refusal how often an estimator (by name) was refused, and how often needlessly."""
     found: dict[str, Any] = {"runs": len(rows)}
     for kind in (BEFORE, AFTER, IMPOSSIBLE):
         refused = [row["estimators"][name]["index"] for row in rows if row["estimators"][name]["refused"] == kind]
@@ -116,8 +116,8 @@ def _count_refusals(rows: Sequence[dict], name: str) -> dict:
 
 
 def _count_bars(rows: Sequence[dict], kind: str, names: Sequence[str]) -> dict:
-    """Returns for a goal how often bars around the value contained the truth: multiples of the estimated error, and
-    grid convergence indices. ``width`` is the median of the bar over the true error, the price of wide bars."""
+    """Returns for a goal (``kind``) how often bars around the value contained the truth: multiples of the estimated
+    error, and grid convergence indices. ``width`` is the median of the bar over the true error."""
     found: dict[str, Any] = {}
     known = [goal for row in rows if (goal := row["goals"][kind])["true_error"] is not None
              and abs(goal["true_error"]) > (goal["rounding"] or 0.0)]
@@ -133,8 +133,8 @@ def _count_bars(rows: Sequence[dict], kind: str, names: Sequence[str]) -> dict:
     return found
 
 
-def _bar_counts(bars: Sequence[tuple[float, float]], of: int) -> dict:
-    return {"of": of, "runs": len(bars), "held": sum(true <= said for said, true in bars),
+def _bar_counts(bars: Sequence[tuple[float, float]], total: int) -> dict:
+    return {"of": total, "runs": len(bars), "held": sum(true <= said for said, true in bars),
             "width": _median([said / true for said, true in bars])}
 
 
@@ -143,8 +143,8 @@ def _median(values: Sequence[float]) -> float | None:
 
 
 def observed_order(values: Sequence[float]) -> float | None:
-    """Returns the order p by which the number converges on the grids h, 2h, 4h (fine to coarse); None without monotonic
-    convergence, 0 < (f2 - f1)/(f3 - f2) < 1."""
+    """Returns the order p at which a number converges, from its ``values`` on the grids h, 2h, 4h; None without
+    monotonic convergence, 0 < (f2 - f1)/(f3 - f2) < 1."""
     fine, coarse = values[1] - values[0], values[2] - values[1]
     if not coarse or not 0 < fine / coarse < 1:
         return None
@@ -152,19 +152,20 @@ def observed_order(values: Sequence[float]) -> float | None:
 
 
 def two_grid_gci(values: Sequence[float]) -> float | None:
-    """Returns Roache's index from two grids and the formal order: 3 |f2 - f1| / (r^p - 1)."""
+    """Returns Roache's index 3 |f2 - f1| / (r^p - 1) with the formal order p, from the values on the grids h and 2h."""
     return TWO_GRIDS * abs(values[1] - values[0]) / (RATIO**FORMAL_ORDER - 1)
 
 
 def three_grid_gci(values: Sequence[float]) -> float | None:
-    """Returns Roache's index from three grids with the observed order, at most the formal one: 1.25 |f2 - f1| / (r^p -
-    1); None where no order is observed."""
+    """Returns Roache's index, 1.25 |f2 - f1| / (r^p - 1) with the observed order, at most the formal one, from values
+    on h, 2h and 4h; None where no order is observed."""
     order = observed_order(values)
     return None if order is None else THREE_GRIDS * abs(values[1] - values[0]) / (RATIO**min(order, MOST_ORDER) - 1)
 
 
 def xing_stern_uncertainty(values: Sequence[float]) -> float | None:
-    """Returns the uncertainty of Xing and Stern, whose factor grows with the deviation from the formal order."""
+    """Returns Xing and Stern's uncertainty from values on h, 2h and 4h; None where no order is observed. Its factor
+    grows with the order's deviation from the formal one."""
     order = observed_order(values)
     if order is None:
         return None

@@ -15,22 +15,22 @@ PARTS = {"x": "x", "v": "v", "sigma": "σ"}
 
 
 def coverage_summary(counted: Mapping, picture: str = "") -> str:
-    """Returns a problem's counts: estimators, regimes, refusals, and bars around numbers."""
+    """Returns a problem's counts (``coverage_counts.tally``) as Markdown: text, tables, a picture (path) unless ""."""
     statuses = ", ".join(f"{count} {status}" for status, count in counted["status"].items())
-    reach = draw_ranges_of(counted["problem"])
+    ranges = draw_ranges_of(counted["problem"])
     parts = [f"# How often estimates are right: {counted['problem']}",
-             f"{counted['runs']:,} runs of seed {counted['seed']}: {statuses}. Drawn from {reach.cells[0]} to "
-             f"{reach.cells[1]} cells, {reach.ppc[0]} to {reach.ppc[1]} particles per cell, amplitudes of "
-             f"{reach.amplitude[0]:g} to {reach.amplitude[1]:g}, {reach.periods[0]:g} to {reach.periods[1]:g} periods, "
-             f"steps of {reach.step[0]:g} to {reach.step[1]:g} of the longest, up to {reach.work:,.0f} particle-steps. "
-             "Only runs that ended as ok count.",
+             f"{counted['runs']:,} runs of seed {counted['seed']}: {statuses}. Drawn from {ranges.cells[0]} to "
+             f"{ranges.cells[1]} cells, {ranges.ppc[0]} to {ranges.ppc[1]} particles per cell, amplitudes of "
+             f"{ranges.amplitude[0]:g} to {ranges.amplitude[1]:g}, {ranges.periods[0]:g} to {ranges.periods[1]:g} "
+             f"periods, steps of {ranges.step[0]:g} to {ranges.step[1]:g} of the longest, up to {ranges.work:,.0f} "
+             "particle-steps. Only runs that ended as ok count.",
              estimates_table(counted), central_ranges_table(counted), motion_regimes_table(counted),
              refusals_table(counted), error_bars_table(counted), regime_error_bars_table(counted)]
     return "\n\n".join([*parts, *([f"![{picture}]({picture})"] if picture else [])]) + "\n"
 
 
 def estimates_table(counted: Mapping) -> str:
-    """Returns a table of how often each estimator is within each factor of the true error."""
+    """Returns Markdown: how often each estimator was within each factor of the true error, from a tally's counts."""
     lines = []
     for name, split in counted["estimators"].items():
         for q in QUANTITIES:
@@ -44,7 +44,7 @@ def estimates_table(counted: Mapping) -> str:
 
 
 def central_ranges_table(counted: Mapping) -> str:
-    """Returns a table of the central ranges of true errors over each estimate at the end."""
+    """Returns Markdown: between which multiples of each estimate the central 80 % of true errors were at the end."""
     lines = [[name, *(_central_range_text(split["all"][q]["at the end"]["middle"]) for q in QUANTITIES)]
              for name, split in counted["estimators"].items()]
     return f"## Where {100 * CENTRAL:g} of 100 true errors lie\n\nAt the end of the run, in multiples of the " \
@@ -53,7 +53,7 @@ def central_ranges_table(counted: Mapping) -> str:
 
 
 def motion_regimes_table(counted: Mapping) -> str:
-    """Returns a table of how often x is within the smallest factor, by how far particles move."""
+    """Returns Markdown: how often x was within a factor of 1.1, by how far particles move and by method."""
     least = f"{FACTORS[0]:g}"
     lines = []
     for name, split in counted["estimators"].items():
@@ -66,7 +66,7 @@ def motion_regimes_table(counted: Mapping) -> str:
 
 
 def refusals_table(counted: Mapping) -> str:
-    """Returns a table of how often estimators refused, and how often that was needless."""
+    """Returns Markdown: how often estimators were refused, and how often needlessly, from a tally's counts."""
     lines = []
     for name, found in counted["refusals"].items():
         cells = [f"{found[kind]['needless']} of {found[kind]['told']}" if found[kind]["told"] else NOTHING
@@ -79,7 +79,7 @@ def refusals_table(counted: Mapping) -> str:
 
 
 def error_bars_table(counted: Mapping) -> str:
-    """Returns a table of how often bars around the numbers at the end contained the truth."""
+    """Returns Markdown: how often bars around the goals' values at the end contained the truth, and their widths."""
     names = main_bar_names(counted)
     lines = [[_bar_label(name),
               *(cell for kind in counted["goals"] for cell in _bar_cells(counted["goals"][kind]["all"][name]))]
@@ -92,7 +92,7 @@ def error_bars_table(counted: Mapping) -> str:
 
 
 def regime_error_bars_table(counted: Mapping) -> str:
-    """Returns a table of how often bars contained the truth, all goals together, by how far particles move."""
+    """Returns Markdown: how often bars contained the truth, all goals together, by how far particles move."""
     lines = []
     for name in main_bar_names(counted):
         cells = []
@@ -104,16 +104,16 @@ def regime_error_bars_table(counted: Mapping) -> str:
 
 
 def main_bar_names(counted: Mapping) -> list[str]:
-    """Returns the names of the bars of twice the estimated error, and of grid convergence."""
+    """Returns the names in a tally of bars of twice the estimated error, and of grid convergence indices."""
     return [*(f"{SAFETY:g} x {name}" for name in counted["estimators"]), *INTERVALS]
 
 
-def format_share(held: int, of: int, bounds: bool = False) -> str:
-    """Returns a share in per cent, with its 95 % interval if ``bounds``."""
-    if not of:
+def format_share(count: int, total: int, bounds: bool = False) -> str:
+    """Returns ``count`` of ``total`` in per cent, as text, with its 95 % interval if ``bounds``; "–" for 0 of 0."""
+    if not total:
         return NOTHING
-    low, high = (100 * part for part in wilson_interval(held, of))
-    return f"{100 * held / of:.1f}" + (f" ({low:.0f}–{high:.0f})" if bounds else "")
+    low, high = (100 * part for part in wilson_interval(count, total))
+    return f"{100 * count / total:.1f}" + (f" ({low:.0f}–{high:.0f})" if bounds else "")
 
 
 def _bar_label(name: str) -> str:
@@ -121,7 +121,7 @@ def _bar_label(name: str) -> str:
 
 
 def _central_range_text(ratios: Sequence[float] | None) -> str:
-    """Returns a range of true over estimated error, from the inverse ratios."""
+    """Returns as text a range of true over estimated error, from two ratios of estimated over true error."""
     if not ratios:
         return NOTHING
     least, most = (1 / ratio if ratio > 0 else math.inf for ratio in reversed(ratios))

@@ -11,8 +11,7 @@ Each is one row. Its keys::
     goals: {kind: {true_error, rounding, estimated_error, grids}}       as of a run; grids: the number on h, 2h and 4h
 
 Estimators that are refused before a run are computed nevertheless, where possible, to know how often the refusal was
-needless; their results decide nothing.
-"""
+needless; their results decide nothing."""
 
 import functools
 import hashlib
@@ -57,8 +56,8 @@ SCENES, POINTS = 0, 1  # what chance is for
 
 @dataclass(frozen=True)
 class DrawRanges:
-    """Ranges from which a problem's numbers are drawn; ``amplitude`` is in the unit of its scene, and ``work`` is the
-    largest number of particles times steps, so that a thousand runs take minutes."""
+    """Ranges from which a problem's numbers are drawn; ``amplitude`` is in the unit of its scene, ``step`` relative to
+    the longest stable step, ``work`` the largest number of particles times steps: a thousand runs take minutes."""
 
     cells: tuple[int, int]
     ppc: tuple[int, int]
@@ -79,15 +78,14 @@ FORCES = {"bar": ("material", "node")}  # with exact solutions; elsewhere only t
 
 
 def draw_ranges_of(problem: str) -> DrawRanges:
-    """Returns a problem's ranges; for an external problem the square's, with amplitudes up to the hardest of its
-    stability map."""
+    """Returns a problem's ranges; of an external one the square's, with amplitudes up to the hardest of its map."""
     amplitudes = PROBLEMS[problem].scene.HARD_AMPLITUDES
     return DRAW_RANGES.get(problem) or replace(DRAW_RANGES["square"], amplitude=(0.01 * amplitudes[-1], amplitudes[-1]))
 
 
 @dataclass(frozen=True)
 class RandomRun:
-    """Run number ``number`` of the ``seed`` for a problem; a task for ``solvers.study.executors``."""
+    """Random run of a problem ("bar"), the same for equal ``seed`` and ``number``; a task of ``study.executors``."""
 
     problem: str
     seed: int
@@ -95,11 +93,11 @@ class RandomRun:
 
     @property
     def key(self) -> str:
-        """Key of its row."""
+        """Key of the run's row: 16 hexadecimal digits of a hash."""
         return hashlib.sha256(json.dumps(asdict(self), sort_keys=True).encode()).hexdigest()[:16]
 
     def scene(self) -> Scene:
-        """Returns the run on the finest grid, with every estimator."""
+        """Returns the run's scene on the finest of its three grids, with every estimator."""
         chance = self._random_generator(SCENES)
         for _ in range(MOST_TRIES):
             scene = _draw_scene(self.problem, chance)
@@ -108,7 +106,8 @@ class RandomRun:
         raise AssertionError(f"no scene of the {self.problem} is cheap enough")
 
     def point_goal_name(self) -> str:
-        """Returns the name of the goal at a random material point of the body."""
+        """Returns the name of a goal, the displacement at a random material point of the body:
+        "displacement@0.123456"."""
         kind, chance = PROBLEMS[self.problem].scene, self._random_generator(POINTS)
         if kind.DIMENSIONS == 1:
             return f"{DISPLACEMENT}@{chance.uniform():.6f}"
@@ -117,32 +116,32 @@ class RandomRun:
 
     @property
     def kind(self) -> Hashable:
-        """Key of its compiled code, except for the estimators, which are always all."""
+        """Key of the scene's compiled code without estimators, since every run has all of them."""
         return kernel_key(replace(self.scene(), estimators=()))
 
     def remarks(self) -> list[str]:
-        """Returns no remarks, because nobody has chosen a random run."""
+        """Returns no remarks on the inputs, because nobody has chosen them."""
         return []
 
     def to_dict(self) -> dict:
         return asdict(self)
 
-    def _random_generator(self, of: int) -> np.random.Generator:
-        return np.random.default_rng([self.seed, self.number, of, *self.problem.encode()])
+    def _random_generator(self, purpose: int) -> np.random.Generator:
+        return np.random.default_rng([self.seed, self.number, purpose, *self.problem.encode()])
 
 
 def coarsen(scene: Scene, times: int) -> Scene:
-    """Returns the same run on cells ``times`` times as wide, with steps as many times as long, and no estimator."""
+    """Returns a scene with cells ``times`` times as wide, steps as many times as long, and no estimators."""
     return replace(scene, cells=scene.cells // times, estimators=(), effects=("truth", "soundness"))
 
 
 def _draw_scene(problem: str, chance: np.random.Generator) -> Scene | None:
-    """Returns a random scene, or None where the choices cannot be combined, or have no coarser grids."""
-    kind, reach = PROBLEMS[problem].scene, draw_ranges_of(problem)
+    """Returns a random scene; None where the choices cannot be combined, or have no coarser grids."""
+    kind, ranges = PROBLEMS[problem].scene, draw_ranges_of(problem)
     inputs: dict[str, Any] = {
-        "cells": COARSEST * round(_draw_between(chance, *(n / COARSEST for n in reach.cells))),
-        "ppc": int(chance.integers(reach.ppc[0], reach.ppc[1] + 1)),
-        "amplitude": _draw_between(chance, *reach.amplitude), "periods": _draw_between(chance, *reach.periods),
+        "cells": COARSEST * round(_draw_between(chance, *(n / COARSEST for n in ranges.cells))),
+        "ppc": int(chance.integers(ranges.ppc[0], ranges.ppc[1] + 1)),
+        "amplitude": _draw_between(chance, *ranges.amplitude), "periods": _draw_between(chance, *ranges.periods),
         "method": _draw_choice(chance, kind.choices("method")),
         "body_force": _draw_choice(chance, FORCES.get(problem, ("material",)), "body_force"),
         "velocity": _draw_choice(chance, kind.choices("velocity"), "velocity"),
@@ -150,10 +149,10 @@ def _draw_scene(problem: str, chance: np.random.Generator) -> Scene | None:
         "estimators": kind.choices("estimators"), "effects": EFFECTS}
     if layouts := kind.choices("layout") if "layout" in kind.__dataclass_fields__ else ():
         inputs["layout"] = _draw_choice(chance, layouts, "layout")
-    step = _draw_between(chance, *reach.step)
+    step = _draw_between(chance, *ranges.step)
     try:
         scene = kind(**inputs)
-        if scene.particles * scene.steps > 10 * reach.work:  # with the usual step: the bound is not worth asking for
+        if scene.particles * scene.steps > 10 * ranges.work:  # with the usual step: the bound is not worth asking for
             return None
         scene = replace(scene, cfl=step * scene.step_bound * scene.wave_speed / scene.spacing)
         coarsen(scene, COARSEST)
@@ -167,7 +166,7 @@ def _draw_between(chance: np.random.Generator, low: float, high: float) -> float
 
 
 def _draw_choice(chance: np.random.Generator, choices: tuple, field: str = "") -> Any:
-    """Returns one of the choices, by its share."""
+    """Returns one of the choices, with the probabilities of ``field`` in ``SHARES`` or equal ones."""
     known = {one: share for one, share in SHARES.get(field, {}).items() if one in choices}
     rest = (1 - sum(known.values())) / max(1, len(choices) - len(known))
     shares = [known.get(one, rest) for one in choices]
@@ -175,12 +174,12 @@ def _draw_choice(chance: np.random.Generator, choices: tuple, field: str = "") -
 
 
 def measure_in_worker(draw: dict, answer: Callable[[dict], None]) -> None:
-    """Measures a draw in a worker process (``solvers.workers``)."""
+    """Calls ``answer`` with the row of :func:`measure`, in a worker process, for the fields of a :class:`RandomRun`."""
     answer(measure(RandomRun(**draw)))
 
 
 def measure(draw: RandomRun) -> dict:
-    """Returns the row of a draw, with the keys above; an error becomes a row too, and is never raised."""
+    """Returns the row of a random run on three grids (keys: module docstring); an error becomes a row, never raised."""
     try:
         return _measure_run(draw)
     except Exception as error:
@@ -188,7 +187,7 @@ def measure(draw: RandomRun) -> dict:
 
 
 def failed_row(draw: RandomRun, reason: str) -> dict:
-    """Returns the row of a run that failed."""
+    """Returns the row of a random run that failed, with the ``reason`` as one line."""
     return {**_identity(draw), "status": FAILED, "reason": " ".join(reason.split())}
 
 
@@ -210,15 +209,15 @@ def _measure_run(draw: RandomRun) -> dict:
 
 
 def refusal_kind(name: str, scene: Scene, result: Result) -> str:
-    """Returns how an estimator was refused in the ``result`` of a scene's :func:`allow_refused_estimators` version; ""
-    if not."""
+    """Returns how an estimator was refused in the result of ``allow_refused_estimators(scene)``: "impossible", "before"
+    or "after" the run; "" if it was not."""
     if name not in result.scene.active_estimators:
         return IMPOSSIBLE
     return BEFORE if name in scene.not_valid else AFTER if name in result.not_valid else ""
 
 
 def _ratios(result: Result, estimator: str) -> dict[str, dict[str, float | None]]:
-    """Returns estimated over true error, summed over the run and at its end."""
+    """Returns an estimator's estimated over true error by quantity, over the run ("index") and at its end ("end")."""
     found: dict[str, dict[str, float | None]] = {"index": {}, "end": {}}
     for q in QUANTITIES:
         true, said = result.series[f"error_{q}"], result.series.get(f"{estimator}/estimate_{q}")
@@ -233,7 +232,7 @@ def _ratios(result: Result, estimator: str) -> dict[str, dict[str, float | None]
 
 @functools.cache
 def _unrefused_kind(kind: type[Scene]) -> type[Scene]:
-    """Returns a subclass of a scene class whose estimators run although they are refused, if possible."""
+    """Returns a subclass of a scene class whose refused estimators run, if that is possible."""
     def active(scene: Scene) -> tuple[str, ...]:
         limits = [limit for limit in kind.LIMITS if limit.impossible]
         return tuple(name for name in scene.choices("estimators") if not reason(limits, name, scene))
@@ -241,7 +240,7 @@ def _unrefused_kind(kind: type[Scene]) -> type[Scene]:
 
 
 def allow_refused_estimators(scene: Scene) -> Scene:
-    """Returns the scene with estimators that run although they are refused, if possible."""
+    """Returns a copy of a scene in which estimators run although the scene refuses them, if that is possible."""
     return _unrefused_kind(type(scene))(**{one.name: getattr(scene, one.name) for one in fields(scene)})
 
 

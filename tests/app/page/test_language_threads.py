@@ -123,7 +123,7 @@ def test_a_goodbye_is_everyones_own():
     """Said on threads that the server starts when it ends."""
     told = []
     pages = {one: SimpleNamespace(client=SimpleNamespace(client_id=k, flush=lambda: None), language=one,
-                                  fall_silent=lambda: None, close=lambda: None) for k, one in enumerate(CODES)}
+                                  stop_output=lambda: None, close=lambda: None) for k, one in enumerate(CODES)}
     house = Visitors(None, 2, lambda client, _: pages[CODES[client.client_id]], lambda client, text: told.append(
         (CODES[client.client_id], text)))
     for page in pages.values():
