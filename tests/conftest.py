@@ -58,7 +58,7 @@ def pool():
 def session(pool):
     """A session of ``pool``, and what it hears."""
     listener = Listener()
-    link = pool.open(listener)
+    link = pool.open_session(listener)
     yield link, listener
     link.close()
 

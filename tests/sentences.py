@@ -19,7 +19,7 @@ from solvers.translatable_message import Message
 from tests.support.paths import ROOT
 
 #: Calls with a template, and which of their arguments it is.
-CALLS = {"Message": 0, "join": 0, "FormulaError": 0, "StateError": 0, "partial": 1, "FileError": 1,
+CALLS = {"Message": 0, "join_messages": 0, "FormulaError": 0, "StateError": 0, "partial": 1, "FileError": 1,
          "SceneError": 2}
 WORD = re.compile(r"[^\W\d_]{2,}")
 PLACE, FORMAT = re.compile(r"\{(\w+)\}"), re.compile(r"\{(?:\w+\.)*(\w+)(?::[^{}]*)?\}")
@@ -66,7 +66,7 @@ def _registries() -> Iterator[Text]:
     for cause in CAUSES.values():
         yield cause, f"{scene}/error_causes.py"
     for remedy in REMEDIES.values():
-        yield from ((text, f"{scene}/remedies.py") for text in (remedy.label, remedy.explanation))
+        yield from ((text, f"{scene}/stabilisations.py") for text in (remedy.label, remedy.explanation))
     for effect in ALL.values():
         lines = (line for line in (effect.text, effect.readout) if isinstance(line, OutputLine))
         texts = (effect.label, effect.explanation, effect.elsewhere,

@@ -27,7 +27,7 @@ class SilentPool:
     playing = 0
     process_ids = ()
 
-    def deliver_within(self, together):
+    def set_delivery_context(self, together):
         pass
 
     def wait_ready(self, timeout):

@@ -46,7 +46,7 @@ def test_a_label_is_placed_in_parts_of_the_box():
     """x = 0 is a little right of the box's left edge, the top of the stage is its upper edge."""
     gui = Gui()
     sheet, lettering = sheet_of(gui)
-    sheet.show(NOTE, replace(NOTE, name="end", x=1.0, y=0.0, tone="truth", bold=True))
+    sheet.show_marks(NOTE, replace(NOTE, name="end", x=1.0, y=0.0, tone="truth", bold=True))
     lettering.send()
     assert gui.labels["/stage/note"] == {"name": "/stage/note", "text": "a", "role": "note", "x": 0.0146, "y": 0.0,
                                          "anchor": "center-center"}
@@ -57,17 +57,17 @@ def test_a_label_is_placed_in_parts_of_the_box():
 def test_only_changes_are_sent_and_a_label_without_text_is_none():
     gui = Gui()
     sheet, lettering = sheet_of(gui)
-    sheet.show(replace(NOTE, text=""))
+    sheet.show_marks(replace(NOTE, text=""))
     lettering.send()
     before = len(gui.sent)
     lettering.send()
     assert len(gui.sent) == before and not gui.labels
-    sheet.show(NOTE)
+    sheet.show_marks(NOTE)
     lettering.send()
-    sheet.show(NOTE)
+    sheet.show_marks(NOTE)
     lettering.send()
     assert len(gui.sent) == before + 1 and gui.labels["/stage/note"]["text"] == "a"
-    sheet.show(replace(NOTE, text=""))
+    sheet.show_marks(replace(NOTE, text=""))
     lettering.send()
     assert not gui.labels
 
@@ -75,7 +75,7 @@ def test_only_changes_are_sent_and_a_label_without_text_is_none():
 def test_labels_are_seen_with_their_sheet_and_those_it_belongs_to():
     gui = Gui()
     sheet, lettering = sheet_of(gui)
-    sheet.add_child("pinned").show(NOTE)
+    sheet.add_child("pinned").show_marks(NOTE)
     sheet.visible = False
     lettering.send()
     assert not gui.labels
@@ -86,7 +86,7 @@ def test_labels_are_seen_with_their_sheet_and_those_it_belongs_to():
 
 def test_the_room_is_what_the_browser_has_free():
     _, lettering = sheet_of(Gui())
-    assert lettering.fit(600.0, 300.0, 120.0) and not lettering.fit(600.0, 300.0, 120.0)
+    assert lettering.set_pixel_layout(600.0, 300.0, 120.0) and not lettering.set_pixel_layout(600.0, 300.0, 120.0)
     room = lettering.bounds
     assert (room.pixels, room.high, room.gutter) == (600.0, 0.5, 0.2)
 
@@ -94,7 +94,7 @@ def test_the_room_is_what_the_browser_has_free():
 def test_a_stage_that_nobody_needs_is_forgotten():
     """With all that belongs to its visitor: a page, its session, its history."""
     sheet, lettering = sheet_of(Gui())
-    sheet.show(NOTE)
+    sheet.show_marks(NOTE)
     known = weakref.ref(lettering)
     del sheet, lettering
     gc.collect()

@@ -226,6 +226,6 @@ def test_two_plots_share_an_axis():
     field = np.zeros((20, 2), np.float32)
     draw(BAR, "x", 1, AT, field, 0.1, UNCROSSED)
     beside(BAR, "x", 1, AT, field + 1, 0.1, UNCROSSED)
-    assert made["plot"].is_outdated and made["high"].text == "+30 mm"
+    assert made["plot"].shared_axis_changed and made["high"].text == "+30 mm"
     draw(BAR, "x", 1, AT, field, 0.1, UNCROSSED)
-    assert not made["plot"].is_outdated and made["high"].text == other["high"].text == "+1 m"
+    assert not made["plot"].shared_axis_changed and made["high"].text == other["high"].text == "+1 m"

@@ -80,7 +80,7 @@ def test_what_a_problem_says_of_itself_and_asks(problem):
                 except SuggestionNotApplicable as reason:
                     said.append(str(reason))
                 for ratio in (0.25, 0.5, 2.0, np.nan):
-                    ran = SimpleNamespace(ratio=ratio, series={}, pinned={}, noun=tr("stress"), state=state,
+                    ran = SimpleNamespace(ratio=ratio, series={}, pinned={}, quantity_noun=tr("stress"), state=state,
                                           not_valid=scene.not_valid, index=lambda _, ratio=ratio: ratio)
                     said += spark.answer(ran)  # type: ignore[arg-type]
         assert not list(filter(None, map(outside, said)))

@@ -71,7 +71,7 @@ def test_of_any_scene_warnings_and_estimators_that_do_not_hold_are_heard(problem
     RingScene(method="mpm"), RingScene(method="ugimp"), RingScene(method="cpdi"), RingScene(amplitude=0.3),
     VortexScene(method="ugimp", ppc=1), SquareScene(method="mpm")], ids=lambda scene: f"{scene.problem} {scene.method}")
 def test_why_a_run_is_lost_is_heard_with_all_its_parts(rule, scene):
-    solver = SimpleNamespace(_position_text=lambda particle: "0.1250, 0.3000", _advice=scene.other_advice)
+    solver = SimpleNamespace(_position_text=lambda particle: "0.1250, 0.3000", _advice=scene.fallback_advice)
     finding = Finding(0.34, Message(rule.sentence, size="0.21"), 0.21, 5)
     sentence = Solver.loss_sentence(solver, finding)  # type: ignore[arg-type]
     with use_language("de"):

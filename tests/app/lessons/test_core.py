@@ -57,7 +57,7 @@ def two():
 def test_a_round_is_of_the_core_as_its_first_step_says(two):
     assert [step.core for step in two.steps] == [True] * 4 + [False] * 3
     assert [len(one) for one in split_rounds(two.steps)] == [4, 3]
-    assert two.extra == two.steps[4:]
+    assert two.optional_steps == two.steps[4:]
     assert two.steps_to_take(core=True) == two.steps[:4] and two.steps_to_take(core=False) == two.steps
     plain = parse_lesson(ROUND + DEEPER, "plain")
     assert plain.optional_steps == () and plain.steps_to_take(core=True) == plain.steps

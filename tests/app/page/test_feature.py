@@ -60,6 +60,6 @@ def test_a_feature_is_one_line(monkeypatch):
             visitor.set(store, json.dumps({"count": 3}))
             visitor.set(store, json.dumps({"act": "count on"}))
             wait_until(lambda: {"heard 3", "key"} <= set(calls), "what the browser says")
-            Counter.last.page.clear_stage()
+            Counter.last.page.show_run_on_stage()
             assert "left" in calls and "closed" not in calls
         wait_until(lambda: "closed" in calls, "the end")

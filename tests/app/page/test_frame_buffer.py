@@ -49,7 +49,7 @@ def shown(recent):
 def test_the_last_frames_are_kept():
     recent = recent_of(MOST_FRAMES + 50)
     assert len(recent.frames) == MOST_FRAMES
-    most, periods = recent.reach
+    most, periods = recent.stored_frames_and_periods
     assert most == MOST_FRAMES - 1 and periods == pytest.approx(most * BAR.time_step / BAR.period)
     recent.go_back(10**6)
     assert shown(recent) == 51

@@ -90,7 +90,7 @@ def test_the_eye_gets_the_same_in_spans():
     assert told(status=LOST, since=0.2).spans[0] == ("bad", "The run is lost from t = 0.2 s on")
     assert said(status=UNSTABLE, playing=False) == \
         "The run went unstable and has stopped at t = 0.35 s. This is its last picture."
-    assert " ".join(["".join(text for _, text in told().spans), *told().sentences]) == said()
+    assert " ".join(["".join(text for _, text in told().spans), *told().fact_sentences]) == said()
 
 
 @pytest.mark.parametrize(("beyond", "who"), [(1, "2 particles"), (0, "3 particles")])

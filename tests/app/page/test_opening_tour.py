@@ -33,7 +33,7 @@ class Visit:
         self.playback_request_key = None, 0
         self.compiled = True  # the pinned run
         self.scene = OPENING.scene
-        self.pinned = SimpleNamespace(scene=OPENING.pinned, last=None, shortfall=lambda: None)
+        self.pinned = SimpleNamespace(scene=OPENING.pinned, last=None, stop_reason=lambda: None)
         self.html = SimpleNamespace(content="")
         gui = SimpleNamespace(add_html=lambda _: self.html)
         self.story = OpeningTour(gui, self, lambda: self.asked.append("open"), lambda: self.asked.append("hurry"),

@@ -25,7 +25,7 @@ def pair(pool, session):
     """Two sessions, the second the partner of the first; each with what it hears."""
     link, listener = session
     other = Listener()
-    partner = pool.open(other, link)
+    partner = pool.open_session(other, link)
     yield link, listener, partner, other
     partner.close()
 
@@ -108,7 +108,7 @@ def test_a_pair_outlives_its_engine_to_the_bit(pool, pair):
         for link, hears, scene in zip(links, hearers, scenes, strict=True):
             hears.frame(play(link, scene, 0.5, False, steps=steps), lambda r: r.step == steps)  # noqa: B023
     before, visitor, since = pool.process_ids[0], Listener(), {hears: len(hears.frames) for hears in hearers}
-    asking = pool.open(visitor)
+    asking = pool.open_session(visitor)
     visitor.frame(asking.ask(replace(SCENE, method="bspline", estimators=())))
     asking.close()
     assert pool.process_ids[0] != before
@@ -137,7 +137,7 @@ def test_a_pinned_run_stays_while_the_session_changes(visit):
     news = []
     visit.pin(lambda: news.append(1))
     run = visit.pinned
-    visit.set(cells=24)
+    visit.set_scene_fields(cells=24)
     wait_until(lambda: run.last and run.last[0].time > 0.1 and visit.report.scene.cells == 24, "both under way",
                PATIENCE)
     assert news and run.last[0].scene == run.scene == SCENE
@@ -150,7 +150,7 @@ def test_a_pinned_run_stays_while_the_session_changes(visit):
     assert len(norm) == len(estimate) == len(series["time"]) and np.isfinite(norm[:3]).all()
     visit.play(False)
     wait_until(lambda: not run.last[0].playing, "a pinned run paused", PATIENCE)
-    visit.choose(page.first_scene("ring"))
+    visit.set_scene(page.first_scene("ring"))
     assert visit.pinned is None
     visit.report = replace(visit.report, number=visit._number)  # as if the ring were there
     assert visit._urgent_notice(False).sentence.startswith("Unpinned: ")

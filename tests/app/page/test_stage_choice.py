@@ -52,14 +52,14 @@ def test_one_that_says_nothing_gives_way_unless_it_was_asked_for(choice):
     made, put = choice
     put(RING)
     assert made.estimator == "transport"
-    made.measure("sigma")
-    made.on_frame(BAR, frame(2))  # of the problem before
+    made.show_quantity("sigma")
+    made.ensure_estimator_has_values(BAR, frame(2))  # of the problem before
     assert made.estimator == "transport"
-    made.on_frame(RING, frame(2))
+    made.ensure_estimator_has_values(RING, frame(2))
     assert made.estimator == "companion"
     made.show_estimator("transport")
-    made.on_frame(RING, frame(2))
+    made.ensure_estimator_has_values(RING, frame(2))
     assert made.estimator == "transport"  # its silence is what is to be seen
-    made.measure("x")
-    made.on_frame(RING, frame(2))
+    made.show_quantity("x")
+    made.ensure_estimator_has_values(RING, frame(2))
     assert made.estimator == "transport"

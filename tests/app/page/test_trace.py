@@ -64,7 +64,7 @@ def test_series_are_the_frames_numbers(run):
         np.testing.assert_array_equal(series[f"error_{name}"], [abs(arrays.error[7, q]) for _, arrays in run])
         np.testing.assert_array_equal(series[f"transport/estimate_{name}"],
                                       [abs(arrays.estimate["transport"][7, q]) for _, arrays in run])
-    assert series["error_x"].max() > 0 and traced.latest["time"][-1] == run[-1][0].time
+    assert series["error_x"].max() > 0 and traced.latest_periods_series["time"][-1] == run[-1][0].time
     assert traced.title.startswith("particle 7, X = ")
 
 
@@ -88,10 +88,10 @@ def test_a_long_trace_is_bounded():
     steps = range(5, 4 * MOST_ROWS * 5, 5)
     for step in steps:
         trace.on_frame(replace(report, fresh=False, step=step, time=step * BAR.time_step), arrays)
-    for series in (trace.traced.series, trace.traced.latest):
+    for series in (trace.traced.series, trace.traced.latest_periods_series):
         assert MOST_ROWS // 10 < len(series["time"]) <= MOST_ROWS
         assert series["time"][-1] == pytest.approx(steps[-1] * BAR.time_step, rel=1e-2)
-    latest = trace.traced.latest["time"]
+    latest = trace.traced.latest_periods_series["time"]
     assert latest[-1] - latest[0] == pytest.approx(LAST_PERIODS * BAR.period, rel=0.05)
     assert trace.traced.series["time"][0] == 0 and len(trace.traced._crossings) == MOST_ROWS
 
@@ -124,16 +124,16 @@ def stage(run):
 def test_every_image_is_found_by_a_click(run, stage):
     """The bar's in both lanes, the ring's mirror images, and the dots of the bar's field plot; beside them nothing."""
     arrays = run[-1][1]
-    images = stage.image_points(arrays, slice(None))
+    images = stage.drawn_particle_points(arrays, slice(None))
     halves = 2 if isinstance(stage, BarStage) else len(stage.MIRRORS)
     assert images.shape == (halves + 1, len(arrays.position), 3)
     assert (np.ptp(images[:halves, :, :2], axis=0) > 0).any()
     for image in images[:halves + isinstance(stage, BarStage)]:
         for particle in range(0, len(arrays.position), 5):
             x, y, _ = image[particle]
-            assert stage.nearest((x, y), arrays) == particle
+            assert stage.nearest_particle((x, y), arrays) == particle
     places = stage.layout(stage.sheet.bounds.rounded(), RunSlot.ALONE)
-    assert stage.nearest(places.middle if halves > 2 else (0.5, 1.0), arrays) is None  # the ring's hole, above the bar
+    assert stage.nearest_particle(places.middle if halves > 2 else (0.5, 1.0), arrays) is None  # the ring's hole, above the bar
 
 
 def test_height_in_the_lanes_does_not_count():
@@ -158,7 +158,7 @@ def test_a_click_marks_and_another_ends_it(run, stage):
     mark = TraceRings(client, viewer_renderer.ViewerSurface(client, LabelLayer(GUI), "/trace"), trace)
     mark.update(stage, arrays)
     assert not scene.made["trace"].visible
-    images = stage.image_points(arrays, slice(5, 6))[:, 0, :2]
+    images = stage.drawn_particle_points(arrays, slice(5, 6))[:, 0, :2]
 
     def click(x, y):
         eye = np.array([0.4, 0.6, 20.0])
@@ -179,7 +179,7 @@ def test_mean_and_worst_are_of_the_particles_in_the_rectangle_alone():
     """Drawn from its lower right to its upper left; one of three particles within has no estimate."""
     acts = []
     client = SimpleNamespace(scene=SimpleNamespace(on_rect_select=lambda: acts.append))
-    camera = SimpleNamespace(on_stage=lambda place: place)
+    camera = SimpleNamespace(stage_point=lambda place: place)
     x = np.array([0.1, 0.2, 0.3, 0.9])
     stage = SimpleNamespace(particles_in=lambda low, high, arrays: (x >= low[0]) & (x <= high[0]))
     probe = RegionErrorProbe(client, RecordingSurface(), camera)

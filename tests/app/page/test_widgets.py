@@ -68,7 +68,7 @@ def test_the_story_begins_on_the_widgets_that_are_there():
         (page,) = one.visitors._pages.values()
         session = page._context.session
         (story,) = (feature for feature in page._features if isinstance(feature, OpeningTour))
-        store, begun = visitor.find("kept by the browser"), session.motion_key[1]
+        store, begun = visitor.find("kept by the browser"), session.playback_request_key[1]
         for known, cells in ((True, 40), (False, 30)):
             visitor.set(visitor.cells("1"), cells)
             wait_until(lambda of=cells: session.scene.cells == of, "the choice")
@@ -76,7 +76,7 @@ def test_the_story_begins_on_the_widgets_that_are_there():
             visitor.set(store, json.dumps({"story": "play", "known": known}))  # another text each time
             wait_until(lambda: story.beat == 1, "the story")
             begun += 1
-            assert session.motion_key[1] == begun and session.scene == OPENING.scene
+            assert session.playback_request_key[1] == begun and session.scene == OPENING.scene
             assert session.pinned.scene == OPENING.pinned
             wait_until(lambda there=known: visitor.gone or there, "widgets that are made anew")
             assert bool(visitor.gone) is not known

@@ -140,7 +140,7 @@ def test_who_shares_the_computer_is_told(pool, monkeypatch):
                      for n in (10**6, 10**6 + 1))
     one.report = alone
     assert one.notice() is None  # slow, but nobody else is to blame
-    monkeypatch.setattr(type(pool), "playing", 7)
+    monkeypatch.setattr(type(pool), "playing_sessions", 7)
     one.report = shared
     assert one.notice().sentence.startswith("8 runs share this computer")
     one.report = type(one.report)(**{**vars(one.report), "real_speed": asked})

@@ -47,7 +47,7 @@ def room():
 
 def press(board, times=1):
     for _ in range(times):
-        board.press(NEXT, board.position.turn)
+        board.press_button(NEXT, board.position.turn)
 
 
 def boards(page):
@@ -72,7 +72,7 @@ def test_a_pupil_opens_no_step(room):
     wait_until(lambda: pupil.at is None or pupil.set(pupil.find("Close the lesson"), True), "the shelf", pause=1.0)
     pupil.tell(open=LESSON.name)
     pupil.find("Next")
-    assert board.position.turn == board.last_open == pupil.at == 0 and pupil.kinds["FileTransferStartDownload"] == 0
+    assert board.position.turn == board.last_open_step == pupil.at == 0 and pupil.kinds["FileTransferStartDownload"] == 0
     press(board)
     pupil.go_on()
     assert pupil.at == 1 and board.tally.answers(STEPS[0].key) == [] and pupil.off("Next")
@@ -81,7 +81,7 @@ def test_a_pupil_opens_no_step(room):
 def test_no_pupil_is_told_what_another_has_said(room):
     """Not by any message, whatever he sends, from the beginning until all is shown."""
     board, address, come = room
-    while board.last_open < NUMBER:
+    while board.last_open_step < NUMBER:
         press(board)
     given = {"31.4159": None, "27.1828": None}
     for number in given:

@@ -25,7 +25,7 @@ def index():
 
 
 def ask(index, path="/", code="en", **headers):
-    return index.answer(Request(path, Headers({"Host": "lab.example:8080", **headers})), code)
+    return index.answer_in_language(Request(path, Headers({"Host": "lab.example:8080", **headers})), code)
 
 
 def test_it_has_our_title_our_mark_and_our_ground(index):

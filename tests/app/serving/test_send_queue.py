@@ -170,9 +170,9 @@ def test_all_is_sent_when_the_last_window_has_gone(loop):
     buffer.flush()
     wait_until(lambda: buffer.generator_cursors.get(1) == 0, "the message taken")
     assert not buffer.all_sent
-    wait_until(lambda: buffer.stands_still > 0.05, "it is seen that nothing is taken")
+    wait_until(lambda: buffer.stalled_seconds > 0.05, "it is seen that nothing is taken")
     loop.call_soon_threadsafe(go.set)
     wait_until(lambda: buffer.all_sent, "the message gone")
-    assert buffer.stands_still == 0
+    assert buffer.stalled_seconds == 0
     buffer.set_done()
     sending.result(PATIENCE)

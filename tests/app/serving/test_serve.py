@@ -41,7 +41,7 @@ class Page:
     """Opens one session, as the real one."""
 
     def __init__(self, client, pool):
-        self.link = pool.open(None)
+        self.link = pool.open_session(None)
 
     def close(self):
         self.link.close()

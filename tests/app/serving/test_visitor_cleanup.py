@@ -99,12 +99,12 @@ def an_upload(arrived, refused):
 
 
 def start(one, size, transfer="t", who="10.0.0.1"):
-    return one.handle(upload.START, {"transfer_uuid": transfer, "filename": "mine.csv", "size_bytes": size,
+    return one.handle_message(upload.START, {"transfer_uuid": transfer, "filename": "mine.csv", "size_bytes": size,
                                      "part_count": -(-size // upload.PART_BYTES)}, who)
 
 
 def part(one, content, index=0, transfer="t"):
-    return one.handle(upload.PART, {"transfer_uuid": transfer, "part_index": index, "content": content})
+    return one.handle_message(upload.PART, {"transfer_uuid": transfer, "part_index": index, "content": content})
 
 
 def test_files_take_room_until_their_visitor_goes(monkeypatch):
@@ -133,10 +133,10 @@ def test_files_take_room_until_their_visitor_goes(monkeypatch):
         each.close()
         assert start(each, 3) == "a file for nobody"
     threading.Timer(0.3, over.set).start()  # as a process that is killed
-    one.clear()
-    other.clear()
+    one.delete_files()
+    other.delete_files()
     writer.join()
-    one.clear()
+    one.delete_files()
     assert not any(folder.exists() for folder in folders) and room.used == 0
 
 

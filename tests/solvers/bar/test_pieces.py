@@ -102,7 +102,7 @@ def test_the_bound_on_the_step_is_that_of_pieces(method, ppc, amplitude, simulat
     solver.advance(39)
     before = solver.snapshot()
     solver.advance(1)
-    solver._stepping.find_margin()
+    solver._stepping.compute_step_margin()
     present = step_bound.configuration_at(scene, scene.cells, before.position, before.deformation_gradient)
     expected = scene.time_step / present.gershgorin_bound()
     assert solver._arrays.step_margin[0] == pytest.approx(expected, rel=1e-9)

@@ -55,7 +55,7 @@ def test_the_scene_before_goes_on_and_the_process_is_another(pool, session):
 def test_two_who_wait_are_both_served(pool, session):
     """Two visitors ask for different combinations at once; then each for the other's, which needs no compiler."""
     wanted, (link, listener), other = (next(OTHERS), next(OTHERS)), session, Listener()
-    links = link, pool.open(other)
+    links = link, pool.open_session(other)
     for one, hears, scene in zip(links, (listener, other), wanted, strict=True):
         hears.number = one.ask(scene)
     for hears, scene in ((listener, wanted[0]), (other, wanted[1])):

@@ -136,7 +136,7 @@ def test_growing_scene_gets_a_larger_block(session):
 def test_leaving_frees_the_memory(pool):
     """A closed session's block is gone, and the engine serves others."""
     listener = Listener()
-    link = pool.open(listener)
+    link = pool.open_session(listener)
     listener.frame(link.ask(SCENE))
     name = link.wish.memory
     link.close()
@@ -149,7 +149,7 @@ def test_wish_of_a_visitor_who_has_left_is_dropped(pool, session):
     link, listener = session
     listener.frame(link.ask(SCENE, Pace(False)))
     engines, leaver = pool.process_ids, Listener()
-    gone = pool.open(leaver)
+    gone = pool.open_session(leaver)
     pool._engines[0].send(SessionRequest(gone.session, 1, "mpm-lab-no-such-block", SCENE))
     report, _ = listener.frame(link.ask(SCENE, Pace(False, restarts=1)), lambda r: r.fresh)
     gone.close()
@@ -173,7 +173,7 @@ def test_failing_session_is_told_and_comes_back(pool, session):
 def test_asking_after_closing_does_nothing(pool):
     """A slider that moves while its visitor leaves must not open a session that nobody closes."""
     listener = Listener()
-    link = pool.open(listener)
+    link = pool.open_session(listener)
     number = link.ask(SCENE)
     listener.frame(number)
     link.close()
@@ -187,7 +187,7 @@ def test_goodbye_overtakes_a_wish_that_waits(pool):
     """A wish still in the queue when its session leaves is never sent: it would bring the session back."""
     engine = pool._engines[0]
     with engine._news:  # holds the writer; a condition's lock may be taken again by the same thread
-        link = pool.open(Listener())
+        link = pool.open_session(Listener())
         link.ask(SCENE)
         link.close()
         assert link.session not in engine._wishes
@@ -198,7 +198,7 @@ def test_what_is_asked_for_comes_and_no_more(pool, scene):
     """One quantity of the particles and its deviation; and the size of estimate minus truth, which is the distance of
     the samples. A paused session answers."""
     listener, steps = Listener(), 4 * scene.sample_interval
-    link = pool.open(listener)
+    link = pool.open_session(listener)
     report, arrays = listener.frame(link.ask(scene, Pace(False)))
     assert report.holds.plotted is None and arrays.plotted.shape == (scene.particles, 0)
     assert arrays.difference == {} and not report.holds.differences

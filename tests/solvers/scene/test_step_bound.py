@@ -97,7 +97,7 @@ def test_the_live_margin_of_a_stretched_bar_is_that_of_its_circles(method):
     solver.advance(scene.steps // 4)
     before = solver.snapshot()
     solver.advance(1)
-    solver._stepping.find_margin()
+    solver._stepping.compute_step_margin()
     F = solver.snapshot().deformation_gradient
     present = replace(step_bound.configuration_at(scene, scene.cells, before.position, before.deformation_gradient),
                       stiffness=scene.modulus * F**2 / scene.particles)  # weights are those of the step, F is now

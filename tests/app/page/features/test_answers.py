@@ -34,10 +34,10 @@ def test_compiling_stands_under_the_last_control_and_goes(said):
     method, cells = widget("method"), widget("cells")
     said.refresh(compiling=True)  # what compiles is the first scene
     assert said.shown() == ()
-    said.on_changed(method)
+    said.record_change(method)
     said.refresh(compiling=True)
     assert said.shown() == ("method", "compiling", "compiling …")
-    said.on_changed(cells)
+    said.record_change(cells)
     said.refresh(compiling=True)
     assert said.shown()[0] == "cells"
     said.refresh(compiling=False)
@@ -48,7 +48,7 @@ def test_a_refused_control_goes_back_once_the_hand_rests(said, clock):
     """A slider that is dragged further is not put back under the hand; the sentence stays to be read."""
     amplitude, back = widget("amplitude"), []
     for _ in range(3):
-        said.on_changed(amplitude)
+        said.record_change(amplitude)
         said.refuse(amplitude, "too much", lambda: back.append(clock.now))
         clock.now += 0.8 * REST
         said.refresh(compiling=False)
@@ -66,7 +66,7 @@ def test_a_refused_control_goes_back_once_the_hand_rests(said, clock):
 def test_a_removed_control_is_left_alone(said, clock):
     """Those of a problem go with it."""
     method, back = widget("method"), []
-    said.on_changed(method)
+    said.record_change(method)
     said.refuse(method, "no", lambda: back.append(0))
     method._impl.removed = True
     clock.now += 2 * REST

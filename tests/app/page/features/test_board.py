@@ -52,7 +52,7 @@ def board(lesson):
 
 def press(board, *whats):
     for what in whats:
-        board.press(what, board.position.turn)
+        board.press_button(what, board.position.turn)
 
 
 def shown(board):
@@ -70,7 +70,7 @@ def test_the_one_next_thing_is_what_the_button_says(board):
     """From the beginning to the end, and no further."""
     said = []
     while following := next_button_label(board, board.position):
-        said.append((following, board.position.at, board.position.reveal_stage))
+        said.append((following, board.position.at, board.position.question_phase))
         press(board, NEXT)
     assert said == [
         ("Open step 1 for all", 0, COUNTED), ("Show the answers", 1, COUNTED), ("Reveal what came out", 1, SHOWN),
@@ -79,7 +79,7 @@ def test_the_one_next_thing_is_what_the_button_says(board):
         ("Show the answers", 5, COUNTED), ("Reveal what came out", 5, SHOWN), ("Show how the class did", 5, REVEALED)]
     end = board.position
     press(board, NEXT)
-    assert board.position == end and end.at == board.end == board.last_open
+    assert board.position == end and end.at == board.end_position == board.last_open_step
 
 
 def test_the_core_alone_is_opened_where_that_is_asked_for(lesson):
@@ -97,22 +97,22 @@ def test_the_core_alone_is_opened_where_that_is_asked_for(lesson):
 
 def test_looking_back_closes_nothing_and_opens_nothing(board):
     press(board, *[NEXT] * 4, BACK)
-    assert (board.position.at, board.last_open, board.position.is_current) == (1, 2, False)
+    assert (board.position.at, board.last_open_step, board.position.shows_last_open_step) == (1, 2, False)
     assert (
         "the class is at step 2" in shown(board) and next_button_label(board, board.position) == "Go forward to step 2"
     )
     press(board, *[BACK] * 5)
-    assert board.position.at == 0 and board.last_open == 2
+    assert board.position.at == 0 and board.last_open_step == 2
     press(board, NEXT, NEXT)
-    assert board.position.is_current and board.last_open == 2
+    assert board.position.shows_last_open_step and board.last_open_step == 2
 
 
 def test_a_press_counts_only_for_the_board_that_it_was_meant_for(board):
     """Two lecturers who press at once, or one press that comes twice."""
     turn = board.position.turn
     for _ in range(3):
-        board.press(NEXT, turn)
-    assert board.last_open == 1
+        board.press_button(NEXT, turn)
+    assert board.last_open_step == 1
     for what in ("", "reveal", "stage"):
         press(board, what)
     assert board.position.turn == 1
@@ -121,12 +121,12 @@ def test_a_press_counts_only_for_the_board_that_it_was_meant_for(board):
 def test_seats_are_told_when_a_step_is_open_and_of_nothing_else(board):
     told, seat = [], board.add_seat("a")
     gone = board.add_seat("b")
-    seat.listen(lambda: told.append(seat.last_open))
-    gone.listen(lambda: told.append("gone"))
+    seat.watch_open_steps(lambda: told.append(seat.last_open_step))
+    gone.watch_open_steps(lambda: told.append("gone"))
     gone.leave()
     board.add_seat("c").listen(lambda: 1 / 0)
     last = board.add_seat("d")
-    last.listen(lambda: told.append("and the last"))
+    last.watch_open_steps(lambda: told.append("and the last"))
     press(board, NEXT, NEXT, NEXT, NEXT, BACK, NEXT)
     assert told == [1, "and the last", 2, "and the last"]
 
@@ -176,9 +176,9 @@ def test_free_texts_are_counted_and_never_shown_or_saved(board):
 def test_the_end_says_how_well_the_class_has_known(board):
     seats = [board.add_seat(key) for key in "abc"]
     given = {CHOICE: (2, 2, 1), "number": (3.125, 3.0, 10.0), INTERVAL: ([3, 4], [1, 2], [0, 9])}
-    while board.position.at < board.end:
+    while board.position.at < board.end_position:
         step = board.step(board.position.at)
-        if step and step.question and step.asked_question.kind != TEXT and board.position.reveal_stage == COUNTED:
+        if step and step.question and step.asked_question.kind != TEXT and board.position.question_phase == COUNTED:
             for seat, answer in zip(seats, given[step.asked_question.kind], strict=True):
                 seat.report_answer(step, answer)
         press(board, NEXT)

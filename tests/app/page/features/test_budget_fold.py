@@ -50,7 +50,7 @@ def of(series, name="", scene=HATS):
 
 def past(scene, series):
     """The history of a run on the stage."""
-    return SimpleNamespace(scene=scene, series=series, latest=series)
+    return SimpleNamespace(scene=scene, series=series, latest_periods_series=series)
 
 
 class Stage:

@@ -94,7 +94,7 @@ def test_run_that_is_lost_after_its_scene_is_ok():
 
 def test_live_run_without_truth_has_its_estimate():
     run = run_of(replace(SCENE, body_force="two-tone"))
-    assert run.error is None and run.size == run.estimate > 0 and run.drawable
+    assert run.error is None and run.error_or_estimate == run.estimate > 0 and run.drawable
     assert f"est. {cost_texts.format_percent(run.estimate)}" in cost_texts.runs_table([run])
 
 

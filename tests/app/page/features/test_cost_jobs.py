@@ -97,7 +97,7 @@ def test_a_sweep_and_a_search_in_processes_of_their_own(jobs):
     """Each of a search's runs is a row as soon as it is made, with an estimate, no true error, and a scene to watch;
     the advice is a scene with the truth and the estimate by which it was found. Another visitor's search for the same
     makes none of them again."""
-    jobs.sweep(small_sweep(SCENE)[:1])
+    jobs.start_sweep(small_sweep(SCENE)[:1])
     wait_until(lambda: not jobs.status.running, "the end of a sweep")
     [run] = jobs.runs.all()
     assert jobs.status == CostJobStatus("sweep", done=1, total=1) and run.row["seconds"]["min"] > 0
@@ -125,8 +125,8 @@ def test_a_sweep_and_a_search_in_processes_of_their_own(jobs):
 
 def test_a_job_is_told_of_and_makes_room(jobs, pools):
     """While one runs nothing else begins, and no other visitor's; cancelled it keeps its rows; what ends it is said."""
-    jobs.sweep(small_sweep(SCENE))
-    jobs.search(few(1e-2))
+    jobs.start_sweep(small_sweep(SCENE))
+    jobs.start_search(few(1e-2))
     assert len(pools) == 1 and pools[0].work == "solvers.study.background_jobs:sweep" and len(pools[0].question) == 16
     other = CostJobs(VisitorRuns(), jobs.slots)
     other.start_sweep(small_sweep(SCENE))
@@ -142,7 +142,7 @@ def test_a_job_is_told_of_and_makes_room(jobs, pools):
     )
     for error, said in ((ProcessDied("was ended by SIGKILL"), "SIGKILL"),
                         (OSError(11, "Resource temporarily unavailable"), "temporarily unavailable")):
-        jobs.sweep(small_sweep(SCENE))
+        jobs.start_sweep(small_sweep(SCENE))
         pools[-1].end(error)
         assert said in cost_texts.job_status_text(jobs.status) and not jobs.status.running and jobs.slots.taken == 0
     other.start_search(few(1e-2))
@@ -155,24 +155,24 @@ def test_a_job_is_told_of_and_makes_room(jobs, pools):
 
 def test_visitor_who_leaves_takes_the_process_along(jobs, pools):
     """After that none begins. That the page closes its jobs is seen in ``tests/browser/features/test_cost.py``."""
-    jobs.sweep(small_sweep(SCENE))
+    jobs.start_sweep(small_sweep(SCENE))
     jobs.close()
     wait_until(lambda: not jobs.status.running and pools[0].closed, "the end of the job")
-    jobs.sweep(small_sweep(SCENE))
+    jobs.start_sweep(small_sweep(SCENE))
     assert not jobs.status.running and len(pools) == 1
 
 
 def test_a_search_is_told_what_is_known_and_times_only_as_they_were_taken(jobs, pools):
     """Of the same motion, whatever the tolerance; a time that was disturbed is no time where nothing disturbs."""
     for tolerance, quiet, rate in ((1e-2, False, None), (3e-3, True, None), (1e-2, False, 2e-9)):
-        jobs.search(few(tolerance), quiet)
+        jobs.start_search(few(tolerance), quiet)
         known = pools[-1].question["known"]
         assert [point.get("rate") for point in known.values()] == ([rate] if pools[1:] else [])
         point = {"error": 1e-3, "rate": 2e-9, "status": "ok", "reason": None}
         pools[-1].hear({"row": fake_row(), "known": bool(known), "point": point})
         assert jobs.status.known == len(known) and jobs.status.done == 1
         pools[-1].end()
-    jobs.search(replace(few(1e-2), base=task_of(replace(SCENE, amplitude=0.01)).to_dict()))
+    jobs.start_search(replace(few(1e-2), base=task_of(replace(SCENE, amplitude=0.01)).to_dict()))
     assert pools[-1].question["known"] == {}
 
 
@@ -191,18 +191,18 @@ def test_a_search_takes_the_process_that_is_ready(jobs, ready, pools):
         jobs.prepare(few(1e-2), quiet=True)
     first = pools[0]
     assert first.question[READY] and ready._pool is first and ready._places.taken == 1
-    jobs.search(few(1e-2))
+    jobs.start_search(few(1e-2))
     assert jobs._pool is first and ready._pool is None and ready._places.taken == 0 and READY not in first.question
     first.end()
     assert ready._pool is first and not first.closed
-    jobs.search(few(3e-3))
+    jobs.start_search(few(3e-3))
     first.hear({"row": fake_row()})
     jobs.share_cpu()
     first.end()
     assert first.ways == 1 and ready._pool is None and first.closed
     jobs.prepare(few(1e-2), quiet=True)
     second = ready._pool
-    jobs.sweep(small_sweep(SCENE)[:1])
+    jobs.start_sweep(small_sweep(SCENE)[:1])
     assert jobs._pool is not second
     wait_until(lambda: second.closed, "the end of what was ready")
 
@@ -293,7 +293,7 @@ def tab():
 
 def test_tab_says_what_disturbs_the_times_and_gives_way_to_it(tab):
     ways = []
-    tab.jobs.status, tab.jobs.give_way = CostJobStatus("sweep", running=True), lambda: ways.append(1)
+    tab.jobs.status, tab.jobs.lower_priority = CostJobStatus("sweep", running=True), lambda: ways.append(1)
 
     def said():
         tab.refresh()
@@ -311,7 +311,7 @@ def test_tab_says_what_disturbs_the_times_and_gives_way_to_it(tab):
 def test_a_search_gives_way_once_it_has_shown_a_run(jobs):
     """A sweep does at once: nobody waits for its first row in particular."""
     ways = []
-    jobs.give_way = lambda: ways.append(jobs.status.kind)
+    jobs.lower_priority = lambda: ways.append(jobs.status.kind)
     for status in (CostJobStatus("search"), CostJobStatus("search", done=1), CostJobStatus("sweep")):
         jobs.status = status
         jobs.share_cpu()
@@ -325,7 +325,7 @@ FOUND = {"met": True, "task": task_of(SCENE).to_dict(), "error": None, "measured
 
 def test_advice_goes_when_what_was_asked_changes(tab):
     """What the search itself chooses, as when its advice is loaded, changes nothing; a remark goes with its input."""
-    tab.jobs.search = lambda job, quiet: None
+    tab.jobs.start_search = lambda job, quiet: None
     tab.widgets.by_label[SEARCH].click()
     tab.jobs.status = CostJobStatus("search", advice=FOUND)
     tab.widgets.by_label["Load this scene"].click()
