@@ -137,15 +137,13 @@ class LessonPlayer(Feature):
 
     def _build_intro(self, lesson: Lesson, head: viser.GuiHtmlHandle) -> None:
         self._gui.add_html(step_html.intro_html(lesson, self._numbers, self._classroom.teacher))
-        if self._paced_seat:  # all have the same numbers
-            self._build_navigation(back=False, onward=True)
-            return
-        hint = tr("for your own numbers in this lesson, and on the file that you hand in; it is sent to nobody")
-        name = self._gui.add_text(tr("Your name"), self._progress.name, hint=hint)
-        name.on_update(lambda _: self._set_student_name(name.value))
-        if lesson.optional_steps:
-            only = step_navigation.core_checkbox(self._gui, lesson, self._progress.core)
-            only.on_update(lambda _: self._choose_core(lesson, only.value, head))
+        if not self._paced_seat:  # in a class all have the same numbers, and the same steps
+            hint = tr("for your own numbers in this lesson, and on the file that you hand in; it is sent to nobody")
+            name = self._gui.add_text(tr("Your name"), self._progress.name, hint=hint)
+            name.on_update(lambda _: self._set_student_name(name.value))
+            if lesson.optional_steps:
+                only = step_navigation.core_checkbox(self._gui, lesson, self._progress.core)
+                only.on_update(lambda _: self._choose_core(lesson, only.value, head))
         self._build_navigation(back=False, onward=True)
 
     def _choose_core(self, lesson: Lesson, core_only: bool, head: viser.GuiHtmlHandle) -> None:
