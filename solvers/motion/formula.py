@@ -21,20 +21,15 @@ Formula = Callable[[Mapping[str, Any]], Any]  # of the values of its names
 
 
 class FormulaError(ValueError):
-    """Error for an invalid formula; its message is the end of a sentence that begins with the text."""
+    """Error for an invalid formula: a template and its ``values``, the end of a sentence that begins with its text."""
 
     def __init__(self, sentence: str, /, *values: object):
         super().__init__(Message(sentence, *values))
 
 
 def parse_formula(text: str, names: Sequence[str]) -> tuple[str, Formula]:
-    """Returns the text without spaces, as in links, and its formula, in which only these ``names`` stand for numbers,
-    besides ``pi``.
-
-    Raises
-    ------
-    FormulaError
-    """
+    """Returns a formula's text without spaces, as in links, and its function from a mapping of ``names``, which with
+    ``pi`` are all it may contain, to numbers, arrays or jets. Raises FormulaError."""
     if len(text) > MOST_CHARACTERS:
         raise FormulaError("has {text:,} characters; at most {most} are allowed", len(text), MOST_CHARACTERS)
     try:
@@ -47,7 +42,7 @@ def parse_formula(text: str, names: Sequence[str]) -> tuple[str, Formula]:
 
 
 def _compile(node: ast.AST, names: frozenset[str]) -> Formula:
-    """Returns the function of a part of a formula."""
+    """Returns part of a syntax tree as a function of a mapping of ``names`` to values; raises FormulaError."""
     if isinstance(node, ast.Constant):
         return _constant(node.value)
     if isinstance(node, ast.Name):
@@ -89,7 +84,7 @@ def _name(name: str, names: frozenset[str]) -> Formula:
 
 
 def _power(node: ast.AST) -> int:
-    """Returns a power, which must be a whole number, written out: others of a negative number are not real."""
+    """Returns a power, written out as a whole number: others of negative numbers are not real. Raises FormulaError."""
     negative = isinstance(node, ast.UnaryOp) and isinstance(node.op, ast.USub)
     value = getattr(node.operand if isinstance(node, ast.UnaryOp) and negative else node, "value", None)
     if isinstance(value, bool) or not isinstance(value, int) or value > MOST_POWER:

@@ -38,14 +38,14 @@ class Jet:
         self.value, self.first, self.second = value, tuple(first), tuple(second)
 
     def compose(self, value: Any, slope: Any, curvature: Any) -> "Jet":
-        """Returns the jet of f of this number, by the chain rule, from f's value, slope and second derivative there."""
+        """Returns f of this jet by the chain rule; value, slope, curvature are f, f', f'' at this jet's value."""
         d = self.first
         return Jet(value, (_product(slope, one) for one in d),
                    (_sum(_product(slope, one), _product(curvature, _product(d[i], d[j])))
                     for one, (i, j) in zip(self.second, PAIRS, strict=False)))
 
     def derivative(self, i: int, j: int | None = None) -> Any:
-        """Returns the derivative with respect to variable ``i``, or to ``i`` and ``j``: 0.0 for a structural zero."""
+        """Returns the derivative by variable ``i`` (0 X, 1 Y, 2 t), or ``i`` and ``j``; 0.0 if None is stored."""
         found = self.first[i] if j is None else self.second[PAIR_NUMBER[i, j]]
         return 0.0 if found is None else found
 
@@ -85,7 +85,7 @@ class Jet:
         return self ** -1 * other
 
     def __pow__(self, n: float) -> "Jet":
-        """Returns a constant power; whole powers of 0 have derivatives, too."""
+        """Returns this jet to a constant power ``n``; whole powers of 0 have derivatives, too."""
         x = self.value
         slope = n * x ** (n - 1) if n != 0 else 0.0 * x
         curvature = n * (n - 1) * x ** (n - 2) if n not in (0, 1) else 0.0 * x
@@ -101,7 +101,7 @@ def _product(a: Component, b: Component) -> Component:
 
 
 def _elementary(function: Callable[[Any], Any], slopes: Callable[[Any, Any], tuple[Any, Any]]) -> Callable[[Any], Any]:
-    """Returns a function of numbers and jets; ``slopes`` gives slope and curvature from argument and value."""
+    """Returns ``function`` for numbers and jets; ``slopes(x, function(x))`` returns first and second derivative."""
     def extended(x: Any) -> Any:
         if not isinstance(x, Jet):
             return function(x)
@@ -119,6 +119,6 @@ sqrt = _elementary(np.sqrt, lambda x, value: (0.5 / value, -0.25 / (value * x)))
 
 
 def variables(X: Any, Y: Any, t: Any) -> tuple[Jet, Jet, Jet]:
-    """Returns X, Y and t as jets, each with the slope 1 along itself."""
+    """Returns X, Y and t, each a number or an array (P,), as jets of second order with the slope 1 along themselves."""
     return tuple(Jet(value, (1.0 if i == k else None for i in range(VARIABLES)))
                  for k, value in enumerate((X, Y, t)))  # type: ignore[return-value]

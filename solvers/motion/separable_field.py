@@ -25,12 +25,12 @@ LEAST_COEFFICIENT = 1e-15  # of a harmonic that is kept, over the largest
 
 
 class NotPeriodic(ArithmeticError):
-    """Error for a field that is not a smooth function of time with that period."""
+    """Error for a field that is not a smooth function of time with the period given."""
 
 
 @dataclass(frozen=True)
 class SeparableField:
-    """Field sum_k T_k(t) M_k(X) at P places.
+    """Field sum_k T_k(t) M_k(X) of C components at P places, of r terms.
 
     Parameters
     ----------
@@ -55,25 +55,20 @@ class SeparableField:
         return self.series.shape[1] // 2
 
     def time_functions(self, t: float, derivative: int = 0) -> np.ndarray:
-        """Returns T_k (r,) at a time, or their first or second derivatives."""
+        """Returns the functions T_k (r,) at time ``t`` in s, or their first or second ``derivative``, per s or s^2."""
         w = np.arange(1, self.harmonics + 1) * self.angular_frequency
         turn = w * t + 0.5 * np.pi * derivative
         waves = np.stack([np.cos(turn), np.sin(turn)], axis=1) * (w**derivative)[:, None]
         return self.series[:, 1:] @ waves.ravel() + self.series[:, 0] * (derivative == 0)
 
     def __call__(self, t: float, derivative: int = 0) -> np.ndarray:
-        """Returns the field (P, C) at a time, or its first or second derivative with respect to time."""
+        """Returns the field (P, C) at time ``t`` in s, or its first or second ``derivative`` by time, per s or s^2."""
         return np.einsum("k,pkc->pc", self.time_functions(t, derivative), self.modes)
 
 
 def separate(field: Field, places: np.ndarray, period: float) -> SeparableField:
-    """Returns the field at ``places`` (P, 2) in separated form, to rounding.
-
-    Raises
-    ------
-    NotPeriodic
-        Where it is not finite, or its spectrum does not end.
-    """
+    """Returns a ``field`` (places (n, D) in m, times (n,) in s) -> (n, C) of a ``period`` in s at ``places`` (P, D) in
+    separated form, to rounding. Raises NotPeriodic where it is not finite, or its spectrum does not end."""
     some = places[np.unique(np.linspace(0, len(places) - 1, min(SAMPLE_PLACES, len(places))).astype(int))]
     values, times = _sample_resolved(field, some, period)
     _, size, V = np.linalg.svd(np.linalg.qr(values, mode="r"))  # functions of time that span the values, largest first
@@ -85,7 +80,8 @@ def separate(field: Field, places: np.ndarray, period: float) -> SeparableField:
 
 
 def _sample_resolved(field: Field, places: np.ndarray, period: float) -> tuple[np.ndarray, np.ndarray]:
-    """Returns values (n C, M) at M times of a period, as many as resolve the spectrum; and the times."""
+    """Returns values (n C, M) at M times (M,) in s of a ``period``, enough to resolve the spectrum, and the times;
+    raises NotPeriodic where too many are needed or values are not finite."""
     M = FEWEST_TIMES
     while True:
         times = period * np.arange(M) / M
@@ -103,8 +99,8 @@ def _sample_resolved(field: Field, places: np.ndarray, period: float) -> tuple[n
 
 
 def _interpolates(field: Field, places: np.ndarray, period: float, values: np.ndarray) -> bool:
-    """Returns whether trigonometric interpolation of values (n C, M) over a period agrees with the field at other
-    times, because changes faster than the samples would look slow."""
+    """Returns whether trigonometric interpolation of ``values`` (n C, M), sampled over a ``period`` in s, agrees with
+    the field at other times, because changes faster than the samples would look slow."""
     M = values.shape[1]
     coefficients = np.fft.rfft(values, axis=1) / M
     coefficients[:, 1:(M + 1) // 2] *= 2
@@ -114,7 +110,7 @@ def _interpolates(field: Field, places: np.ndarray, period: float, values: np.nd
 
 
 def _evaluate(field: Field, places: np.ndarray, times: np.ndarray) -> np.ndarray:
-    """Returns the field (n C, M) at places and times, evaluated for many points at once."""
+    """Returns the field as values (n C, M) at n ``places`` (n, D) and M ``times`` in s, evaluated for many at once."""
     together = max(1, VALUES_PER_CALL // len(places))
     found = [field(np.tile(places, (len(some), 1)), np.repeat(some, len(places))).reshape(len(some), -1)
              for some in np.split(times, range(together, len(times), together))]
@@ -122,8 +118,8 @@ def _evaluate(field: Field, places: np.ndarray, times: np.ndarray) -> np.ndarray
 
 
 def _pivot_times(T: np.ndarray, count: int) -> np.ndarray:
-    """Returns the indices of the ``count`` times that distinguish functions (r, M) best: by pivoted elimination,
-    repeated among the remaining times."""
+    """Returns the indices of the ``count`` of M times that distinguish the functions ``T`` (r, M) best, in order: by
+    pivoted elimination, repeated among the remaining times."""
     chosen: list[int] = []
     while len(chosen) < count:
         left = T.copy()
@@ -140,8 +136,8 @@ def _pivot_times(T: np.ndarray, count: int) -> np.ndarray:
 
 
 def _fourier_series(T: np.ndarray, sizes: np.ndarray) -> np.ndarray:
-    """Returns mean, cos and sin coefficients (r, 1 + 2 H) of functions (r, M) sampled over a period, up to the last
-    harmonic whose part in the field, whose modes have these ``sizes`` (r,), exceeds rounding."""
+    """Returns mean, cos and sin coefficients (r, 1 + 2 H) of functions ``T`` (r, M) sampled over a period, up to the
+    last harmonic whose part in the field, whose modes have these ``sizes`` (r,), exceeds rounding."""
     M = T.shape[1]
     coefficients = np.fft.rfft(T, axis=1) / M
     told = (sizes[:, None] * np.abs(coefficients[:, :M // 2])).max(axis=0)

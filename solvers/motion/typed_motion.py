@@ -23,25 +23,20 @@ MOST_MOVE = 0.25  # m, by which a bar's particles may move: where a period later
 
 
 class TypedMotion(NamedTuple):
-    """Text of a typed motion as in links, and its components, formulas of X, t, w and A, and in the plane of Y."""
+    """Motion typed by a user: text as in links, and components in m as formulas of X, t, w, A, and in the plane Y."""
 
     text: str
     components: tuple[Formula, ...]
 
     def displacement(self, scene: Any, X: Any, Y: Any, t: Any) -> tuple[Any, ...]:
-        """Returns u_x and u_y in m, for any kind of number; ``w`` is ``scene.base_frequency``, ``A`` the amplitude."""
+        """Returns u_x, u_y (of a bar, u) in m at X, Y in m, t in s; w is ``scene.base_frequency`` in 1/s."""
         values = {"X": X, "Y": Y, "t": t, "w": scene.base_frequency, "A": scene.amplitude}
         return tuple(formula(values) for formula in self.components)
 
 
 @functools.lru_cache(maxsize=64)
 def parse_motion(text: str, dimensions: int = 2) -> TypedMotion:
-    """Returns the motion of a text: in the plane u_x and u_y with a comma between, or u_x alone; along a line u.
-
-    Raises
-    ------
-    FormulaError
-    """
+    """Parses "u_x, u_y" or "u_x" in two dimensions, or "u" in one, each a formula; raises FormulaError."""
     parts = _split_at_commas(text)
     if len(parts) > dimensions:
         raise FormulaError("has more than one component; give u" if dimensions == 1 else
@@ -63,8 +58,8 @@ def _split_at_commas(text: str) -> list[str]:
 
 
 class MotionInputs2D(NamedTuple):
-    """Inputs of a scene that determine its motion and the body force: w in 1/s, A, material, density and side (SI); and
-    the conditions of a body in a square between planes."""
+    """Inputs of a plane scene that determine its motion and body force: w in 1/s, A and ``SIDE`` in m, ``density`` in
+    kg/m^3; and the conditions of a body in a square between symmetry planes."""
 
     base_frequency: float
     amplitude: float
@@ -74,6 +69,7 @@ class MotionInputs2D(NamedTuple):
 
     @staticmethod
     def solution(text: str) -> ExactSolution:
+        """Returns the exact solution of a motion typed as ``text``; raises FormulaError."""
         return ExactSolution(parse_motion(text).displacement)
 
     @property
@@ -83,7 +79,7 @@ class MotionInputs2D(NamedTuple):
         return np.stack(np.meshgrid(line, line), axis=-1).reshape(-1, 2)
 
     def check(self, u: np.ndarray, F: np.ndarray) -> None:
-        """Raises FormulaError for displacements (P, 2) or gradients F (P, 2, 2) that move or shear its sides."""
+        """Raises FormulaError if u (P, 2) in m or F (P, 2, 2) at :attr:`points` moves or shears the sides."""
         for axis, X in enumerate(self.points.T):
             there = (np.abs(X) < 1e-12) | (np.abs(X - self.SIDE) < 1e-12)
             if np.abs(u[there, axis]).max() > MOTION_TOLERANCE * self.SIDE:
@@ -95,7 +91,7 @@ class MotionInputs2D(NamedTuple):
 
 
 class MotionInputs1D(NamedTuple):
-    """Inputs of a bar, one period of an infinite one, that determine its motion: w in 1/s, A, wave speed c in m/s."""
+    """Inputs of a bar, a period of an infinite one, that determine its motion: w in 1/s, A in m, wave speed in m/s."""
 
     base_frequency: float
     amplitude: float
@@ -104,6 +100,7 @@ class MotionInputs1D(NamedTuple):
 
     @staticmethod
     def solution(text: str) -> ExactSolution1D:
+        """Returns the exact solution of a motion typed as ``text``; raises FormulaError."""
         return ExactSolution1D(parse_motion(text, 1).displacement)
 
     @property
@@ -112,7 +109,7 @@ class MotionInputs1D(NamedTuple):
         return np.linspace(0, self.SIDE, LINE_POINTS + 1)[:, None]
 
     def check(self, u: np.ndarray, F: np.ndarray) -> None:
-        """Raises FormulaError for displacements (P, 1) or deformation gradients (P, 1, 1) that are not periodic."""
+        """Raises FormulaError if u (P, 1) in m or F (P, 1, 1) is not periodic, or u is above 0.25 m."""
         if np.abs(u[-1] - u[0]).max() > MOTION_TOLERANCE * self.SIDE or np.abs(F[-1] - F[0]).max() > SLOPE_TOLERANCE:
             raise FormulaError("is not periodic: the bar is one period of an infinite bar, so u and du/dX must be "
                                "equal at X = 0 and X = 1")
@@ -123,13 +120,8 @@ class MotionInputs1D(NamedTuple):
 @functools.lru_cache(maxsize=64)  # of scenes that differ in cells, method or step alone
 @np.errstate(all="ignore")
 def find_period(text: str, scene: MotionInputs2D | MotionInputs1D) -> float:
-    """Returns the shortest period in s of a typed motion among quarters of 2 pi/w and of a second.
-
-    Raises
-    ------
-    FormulaError
-        Where it is not finite, undeformed at t = 0, periodic and possible for the body, or inverts material.
-    """
+    """Returns the shortest period in s of a typed motion among quarters of 2 pi/w and of a second. Raises FormulaError
+    where it is not finite, zero at t = 0, periodic and possible for the body, or inverts material."""
     exact, X, base_period = scene.solution(text), scene.points, 2 * np.pi / scene.base_frequency
     longest = MOST_QUARTERS / 4 * max(base_period, 1.0)
     some = np.stack([exact.displacement(scene, X, t) for t in np.linspace(0, base_period, INSTANTS)])
@@ -154,20 +146,21 @@ def find_period(text: str, scene: MotionInputs2D | MotionInputs1D) -> float:
     return period
 
 
-def _period(exact: Any, scene: Any, X: np.ndarray, base_period: float, near: float) -> float | None:
+def _period(exact: Any, scene: Any, X: np.ndarray, base_period: float, tolerance: float) -> float | None:
+    """Returns the shortest period in s of a motion that fits at points ``X`` within a ``tolerance`` in m, or None."""
     candidates = sorted({k / 4 * base for k in range(1, MOST_QUARTERS + 1) for base in (base_period, 1.0)})
     some = X[:: max(1, len(X) // 40)] + 0.0123 * scene.SIDE  # not only where everything is zero
     at = np.array([0.0, 0.1234, 0.3771, 0.5309, 0.8113]) * base_period
     before = [exact.displacement(scene, some, t) for t in at]
     for period in candidates:
-        if all(np.abs(exact.displacement(scene, some, t + period) - u).max() <= near
+        if all(np.abs(exact.displacement(scene, some, t + period) - u).max() <= tolerance
                for t, u in zip(at, before, strict=True)):
             return period
     return None
 
 
 def _check_body(exact: Any, scene: Any, X: np.ndarray, period: float) -> None:
-    """Raises FormulaError where the motion violates the body's conditions within a period."""
+    """Raises FormulaError where a motion at points ``X`` (P, D) violates the body's conditions in a period in s."""
     strain, D = 0.0, X.shape[1]
     for t in (np.arange(INSTANTS) + 0.37) / INSTANTS * period:
         F = exact.deformation_gradient(scene, X, t).reshape(-1, D, D)

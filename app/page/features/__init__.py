@@ -1,1 +1,1 @@
-"""Features of the page beside showing a run: one folder each, with its panel."""
+"""Features of the page beside showing a run: a file or folder each, with the feature's panel."""

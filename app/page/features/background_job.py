@@ -16,7 +16,7 @@ SLOTS = Slots(MOST_JOBS)
 
 @dataclass(frozen=True)
 class JobStatus:
-    """State of the current or last job; ``kind`` is "" before the first, ``trouble`` is the error message."""
+    """State of a visitor's current or last job: ``kind`` is "" before the first, ``trouble`` an error message."""
 
     kind: str = ""
     running: bool = False
@@ -28,7 +28,8 @@ S = TypeVar("S", bound=JobStatus)
 
 
 class BackgroundJobs(ABC, Generic[S]):
-    """A visitor's jobs, each one function of the module ``WORK``, in ``slots`` shared by all visitors. Thread-safe."""
+    """One visitor's jobs, one at a time: each runs a function of the module ``WORK`` in a worker process, in one of
+    ``slots`` that all visitors share. Thread-safe."""
 
     WORK: ClassVar[str]
     BUSY: ClassVar[str]  # message if no slot is free; {n} is their number
@@ -71,10 +72,10 @@ class BackgroundJobs(ABC, Generic[S]):
 
     @abstractmethod
     def update_status(self, before: S, message: dict[str, Any]) -> S:
-        """Returns the status after a message of the running job."""
+        """Returns the status after ``before``, from a ``message`` of the running job's worker process."""
 
     def _worker_for_kind(self, kind: str) -> WorkerPool:
-        """Returns the worker process for a job of this kind; called with the lock held."""
+        """Returns the worker process for the function ``kind`` of ``WORK``; called with the lock held."""
         return WorkerPool(f"{self.WORK}:{kind}")
 
     def _keeps_worker(self, pool: WorkerPool) -> bool:
@@ -82,7 +83,7 @@ class BackgroundJobs(ABC, Generic[S]):
         return False
 
     def _start(self, status: S, question: list | dict, patience: float | None = None) -> None:
-        """Starts the function of ``WORK`` that the first ``status``'s kind names; ``patience`` is its timeout in s."""
+        """Starts the function ``status.kind`` of ``WORK`` with a ``question``; ``patience`` is its timeout in s."""
         with self._lock:
             if self.status.running or self._closed:
                 return
@@ -95,14 +96,14 @@ class BackgroundJobs(ABC, Generic[S]):
         job.add_done_callback(with_language(self._end))
 
     def _on_message(self, message: dict[str, Any]) -> None:
-        """Handles a message of the running job; no other job sends any, because the next waits for this one's end."""
+        """Updates the status by a ``message`` of the running job; the next job waits until it has ended."""
         if trouble := message.get("trouble"):
             message = message | {"trouble": translate_message(trouble)}
         with self._lock:
             self.status = self.update_status(self.status, message)
 
     def _end(self, job: Future[dict]) -> None:
-        """Releases the slot and records the outcome when a job has ended or could not start."""
+        """Releases the slot and records in the status how a ``job`` has ended, or why it could not start."""
         if self._pool is not None and not (job.exception() is None and self._keeps_worker(self._pool)):
             self._pool.close()
         with self._lock:

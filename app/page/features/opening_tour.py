@@ -36,12 +36,13 @@ OPENING = state.parse_state(
 
 
 class OpeningTour(Feature):
-    """One visitor's tour: ``open_on`` shows the opening, ``hurry`` restores the speed; ``story.js`` starts it."""
+    """One visitor's tour of the page: ``show_opening`` puts its first state on the stage, ``restore_speed`` ends its
+    slow playback; ``story.js`` starts it. ``clock`` returns seconds."""
 
-    def __init__(self, gui: viser.GuiApi, session: Session, open_on: Callable[[], None], hurry: Callable[[], None],
-                 clock: Callable[[], float] = monotonic):
-        self._session, self._open_on, self._hurry, self._clock = session, open_on, hurry, clock
-        self._mark = gui.add_html("")
+    def __init__(self, gui: viser.GuiApi, session: Session, show_opening: Callable[[], None],
+                 restore_speed: Callable[[], None], clock: Callable[[], float] = monotonic):
+        self._session, self._clock, self._mark = session, clock, gui.add_html("")
+        self._show_opening, self._restore_speed = show_opening, restore_speed
         self.messages = {"story": self.on_message}
         self._opened, self._restarts = True, 0  # whether the opening is on the stage before its end; number of restarts
         self.beat = 0  # 1 to LAST during the tour
@@ -49,32 +50,31 @@ class OpeningTour(Feature):
 
     @classmethod
     def build(cls, page: PageContext) -> "OpeningTour":
-        def open_on() -> None:  # without slow rebuilding of widgets if nothing has changed
+        def show_opening() -> None:  # without slow rebuilding of widgets if nothing has changed
             if page.controls.state == OPENING and page.session.playing and not page.session.refused:
                 page.session.reset()
             else:
                 page.controls.show(OPENING)
 
-        tour = cls(page.gui, page.session, open_on, page.controls.reset_speed)
+        tour = cls(page.gui, page.session, show_opening, page.controls.reset_speed)
         page.is_touring = lambda: tour.beat > 0
         with page.tabs["about"]:
             page.gui.add_html("<i class='lab-replay'></i>")
-            replay = page.gui.add_button(tr("Replay the "
-                                            "introduction"), hint=tr("the introduction to this page, in four "
-                                                                     "steps"))
+            hint = tr("the introduction to this page, in four steps")
+            replay = page.gui.add_button(tr("Replay the introduction"), hint=hint)
         replay.on_click(lambda _: tour.on_message("play"))
         return tour
 
-    def on_message(self, said: Any) -> None:
-        """Starts or ends the tour at the browser's request."""
-        if said == "play":
-            self._open_on()
+    def on_message(self, message: Any) -> None:
+        """Starts the tour at the browser's message "play", ends it at "skip"; ignores others."""
+        if message == "play":
+            self._show_opening()
             self._opened, self.beat = True, 1
-        elif said == "skip" and self.beat:
+        elif message == "skip" and self.beat:
             self._end()
 
     def refresh(self, view: PageView) -> None:
-        """Advances the tour; it ends if a lesson opens or anything else is on the stage."""
+        """Goes on to the tour's next step when it is time; ends the tour if anything else takes the stage."""
         session, report = self._session, self._session.report
         pinned, restarts = session.pinned.scene if session.pinned else None, session.playback_request_key[1]
         if (session.scene, pinned) != (OPENING.scene, OPENING.pinned) or not view.has_stage:
@@ -90,7 +90,7 @@ class OpeningTour(Feature):
                 other.last is not None and other.last[0].step >= other.scene.steps)):
             self._opened = False
             session.continue_past_end()
-            self._hurry()
+            self._restore_speed()
         if self.beat == 1 and periods >= HALF_WAY:
             self._go(2)
         elif (self.beat == 2 and not self._opened) or (self.beat == 3 and self._clock() > self._since + BEAT):
@@ -100,7 +100,7 @@ class OpeningTour(Feature):
         self._show()
 
     def headline(self, frame: Frame | None) -> Headline:
-        """Returns the headline of the present step; an empty one outside the tour."""
+        """Returns the headline of the tour's present step for a ``frame`` of the run; an empty one outside it."""
         if not self.beat or frame is None or frame[0].scene != OPENING.scene:
             return Headline()
         headline, facts, places = _beat_headline(self.beat, *frame, self._session.pinned)
@@ -114,7 +114,7 @@ class OpeningTour(Feature):
         if self.beat:
             self.beat = 0
             if self._opened:  # the rest of the quarter at once
-                self._hurry()
+                self._restore_speed()
         self._show()
 
     def _show(self) -> None:
@@ -123,7 +123,7 @@ class OpeningTour(Feature):
 
 def _beat_headline(beat: int, report: FrameReport, arrays: FrameArrays, pinned: PinnedRun | None,
                    ) -> tuple[str, list[str], dict[str, str]]:
-    """Returns a step's headline, its facts, and the values of the headline's placeholders."""
+    """Returns the headline template of the tour's step ``beat`` (1 to 4), facts, and the template's values."""
     scene, size = report.scene, report.scene.size_of("sigma")
     error = arrays.error[:, SIGMA].astype(float)
     wrong, crossed = math.sqrt(np.mean(error**2)) / size, arrays.steps_since_crossing >= 0

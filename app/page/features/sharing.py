@@ -22,13 +22,13 @@ OF_NO_USE = lazy("Only this computer can open this address, no phone can: serve 
 
 
 def state_link(shown: state.State, lesson: str) -> str:
-    """Returns the address fragment of a state and of the open lesson."""
+    """Returns what follows the # in the page's address: the open lesson's name, if it is not "", and a state."""
     return ";".join(filter(None, [f"{LESSON}{quote(lesson)}" if lesson else "",
                                   quote(state.write_state(shown), safe=SAFE)]))
 
 
 def parse_link(text: str) -> tuple[str, str]:
-    """Returns the lesson and the state in a link; either may be ""."""
+    """Splits what follows the # in an address into a lesson's name and a state as text; either may be ""."""
     if not text.startswith(LESSON):
         return "", text
     lesson, _, rest = text.removeprefix(LESSON).partition(";")
@@ -36,13 +36,13 @@ def parse_link(text: str) -> tuple[str, str]:
 
 
 class BrowserAddress:
-    """Applies links opened in the browser, and updates the browser's address with the state shown."""
+    """Applies links opened in one visitor's browser, and updates the browser's address with the state shown."""
 
     def __init__(self, page: PageContext):
         self._page, self._keeping = page, threading.Lock()
 
     def listen(self) -> None:
-        """Applies the address that the page was opened with, and later ones."""
+        """Applies the address that the page was opened with, and those opened later in the same browser tab."""
         lesson = self._page.lesson
         self._page.store.listen(self._follow, lesson.restore if lesson else lambda name, answers: None)
 
@@ -54,7 +54,7 @@ class BrowserAddress:
             self._page.store.store(state_link(self._page.controls.state, name), name, answers)
 
     def _follow(self, link: str) -> None:
-        """Shows the state of an address; refuses an invalid one with a message."""
+        """Shows lesson and state of a ``link``, an address after its #; refuses invalid states with a message."""
         page = self._page
         name, text = parse_link(link)
         with page.store.defer_storing():
@@ -83,7 +83,7 @@ class Sharing(Feature):
         code.on_click(lambda _: self.show_qr_code())
 
     def show_qr_code(self) -> None:
-        """Shows the state as a QR code, as large as the window, and as text."""
+        """Shows a dialog with the stage's state as a QR code, as large as the window, as link and as command."""
         gui, here, seen = self._page.gui, self._page.store.here, self._page.controls.state
         address = f"{here}#{state_link(seen, '')}"
         with gui.add_modal(tr("This scene")) as modal:

@@ -31,7 +31,7 @@ SLOW, NOT_SLOW = lazy("Slow motion"), lazy("Normal speed")
 
 
 class SlowMotion(Feature):
-    """Mode of one visitor: while ``on`` the run pauses, while ``showing`` a step is on the stage."""
+    """Slow motion of one visitor: while ``on`` the run pauses, and soon a time step is on the stage, phase by phase."""
 
     def __init__(self, page: PageContext):
         self._client, self._canvas, self._session, self._on_view = (
@@ -59,7 +59,7 @@ class SlowMotion(Feature):
 
     @property
     def stage_rectangle(self) -> Rectangle | None:
-        """The rectangle of the step drawn on the stage, or None."""
+        """The rectangle of the stage that the time step shown covers, or None."""
         step = self._step  # without the lock: the drawing thread reads it, and holders of the lock wait for that thread
         return None if step is None else self._stages[step[0].problem].rectangle
 
@@ -87,16 +87,15 @@ class SlowMotion(Feature):
         self._particle.on_update(lambda event: self._change_particle() if event.client else None)
 
     def on_frame(self, report: FrameReport) -> None:
-        """Handles a new frame: shows its step, or ends the mode if the run has been advanced."""
+        """Shows the time step that a frame of the run contains; leaves slow motion if the run has gone on."""
         with self._lock:
             if not self.on or report.number < self._asked:
                 return
             if report.breakdown is not None:
                 problem = report.scene.problem
                 if problem not in self._stages:
-                    self._stages[problem] = VIEWS[problem].slow_motion_stage(
-                        self._canvas.add_surface(f"/slow-{problem}")
-                    )
+                    surface = self._canvas.add_surface(f"/slow-{problem}")
+                    self._stages[problem] = VIEWS[problem].slow_motion_stage(surface)
                 before, self._step, self._drawn = self._step, (report.scene, report.breakdown), None
                 if before is None or (before[0], before[1].step) != (report.scene, report.step):
                     self._phase, self._s = 0, 0.0
@@ -108,7 +107,7 @@ class SlowMotion(Feature):
                 self._leave()
 
     def go_forward(self) -> None:
-        """Shows the next phase, or the next step."""
+        """Shows the step's next phase, or the next time step; enters slow motion if it is off."""
         with self._lock:
             if not self.on:
                 self._enter()
@@ -118,7 +117,7 @@ class SlowMotion(Feature):
                 self._request_breakdown()
 
     def go_back(self) -> None:
-        """Shows the phase before, as it ended."""
+        """Shows the phase before as it ended, and stops walking."""
         with self._lock:
             self._walking = False
             if self._phase > 0:
@@ -148,7 +147,7 @@ class SlowMotion(Feature):
                 self._enter()
 
     def _change_particle(self) -> None:
-        """Takes the same step apart around another particle."""
+        """Takes the time step shown apart around another particle, the one entered."""
         with self._lock:
             if self.on:
                 self._request_breakdown(step=self._step is None)
@@ -170,7 +169,7 @@ class SlowMotion(Feature):
         self._on_view()
 
     def _request_breakdown(self, step: bool = True) -> None:
-        """Requests the next step, or the last one again; the present one stays on view until the answer comes."""
+        """Requests the next time ``step`` by phases, or the last one again; the present one stays until then."""
         particle = max(0, min(int(self._particle.value), self._session.scene.particles - 1))
         self._asked = self._session.break_down(particle, step)
 
@@ -184,7 +183,7 @@ class SlowMotion(Feature):
                 logging.getLogger(__name__).exception("the step could not be drawn")
 
     def _draw_next_tick(self, scene: Scene, step: StepBreakdown) -> None:
-        """Draws the step after another tick."""
+        """Draws the time ``step`` in its present phase, and goes on by a tick of 0.06 s."""
         stage = self._stages[scene.problem]
         now = self._phase, self._s, stage.sheet.stage_metrics
         if now != self._drawn:
@@ -208,7 +207,7 @@ class SlowMotion(Feature):
 
 
 class SlowMotionSource:
-    """The step shown, as a source with its own stage and the numbers of the paused ``run``."""
+    """Source for the stage: the step in slow motion, with the numbers of the paused run, whose source is ``run``."""
 
     def __init__(self, slow: SlowMotion, run: StageSource):
         self._slow, self._run = slow, run
@@ -231,22 +230,23 @@ class SlowMotionSource:
         return said and (self._slow.sentence or said)
 
 
-def _phase_table_html(scene: Scene, a: StepBreakdown, phase: int) -> str:
-    """Returns all numbers of a phase as html: the equation, the particle's, and a table of the nodes'."""
+def _phase_table_html(scene: Scene, step: StepBreakdown, phase: int) -> str:
+    """Returns the numbers of a step's phase (from 0) as html: equation, the particle's, and a table of the nodes'."""
     what = PHASES[phase]
-    names, rows = [tr("node at, m")], [[", ".join(f"{x:.4g}".replace("-", "−") for x in place) for place in a.nodes]]
+    names = [tr("node at, m")]
+    rows = [[", ".join(f"{x:.4g}".replace("-", "−") for x in place) for place in step.nodes]]
     for column in what.columns:
-        texts, unit = format_scaled(column.scale * column.values(a), column.unit, DIGITS[a.nodes.shape[1]])
+        texts, unit = format_scaled(column.scale * column.values(step), column.unit, DIGITS[step.nodes.shape[1]])
         name = tr(column.name)
         names.append(f"{name}, {unit.replace(' ', NO_BREAK)}" if unit else name)
         rows.append(texts)
     head = "".join(f"<th>{escape(name)}</th>" for name in names)
     body = "".join("<tr>" + "".join(f"<td>{escape(text)}</td>" for text in row) + "</tr>"
                    for row in zip(*rows, strict=True))
-    front = "<br>".join(map(escape, what.front(scene, a)))
-    kind = "lab-slow lab-plane" if a.nodes.shape[1] > 1 else "lab-slow"
-    title = tr("Step {step}, phase {n} of {all}: {title}", step=a.step, n=phase + 1, all=len(PHASES),
+    front = "<br>".join(map(escape, what.front(scene, step)))
+    kind = "lab-slow lab-plane" if step.nodes.shape[1] > 1 else "lab-slow"
+    title = tr("Step {step}, phase {n} of {all}: {title}", step=step.step, n=phase + 1, all=len(PHASES),
                title=escape(tr(what.title)))
     return (f"<div class='{kind}'><b>{title}</b>"
-            f"<p>{tr('Particle {particle}: {numbers}', particle=a.particle, numbers=front)}</p>"
+            f"<p>{tr('Particle {particle}: {numbers}', particle=step.particle, numbers=front)}</p>"
             f"<table><tr>{head}</tr>{body}</table></div>")

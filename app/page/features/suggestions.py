@@ -34,7 +34,7 @@ TWO, ONE = (FILTER, COUPLED), (FROZEN,)  # remedies for problems that have both,
 
 @dataclass(frozen=True)
 class Card:
-    """Button; the browser sends ``key`` when it is pressed, ``done`` is pressed before, ``off`` disabled."""
+    """Button of a suggestion: the browser sends ``key`` at a click; ``done`` if clicked before, ``off`` if disabled."""
 
     key: str
     icon: str
@@ -46,7 +46,8 @@ class Card:
 
 def lost_run_cards(state: State, report: FrameReport, seek: Callable[[float], bool], show: Callable[[State], None],
                    ) -> list[tuple[Card, Callable[[], None]]]:
-    """Returns buttons and their actions. ``seek`` looks back to a time in s, and returns False if it is not stored."""
+    """Returns buttons for a lost run, each with its action. ``state`` is on the stage, ``report`` its last frame;
+    ``seek`` looks back to a time in s, and returns False if it is not stored; ``show`` puts a state on the stage."""
     scene = report.scene
     back = max(scene.time_step, (report.since or report.time) - BEFORE * scene.period)
 
@@ -64,7 +65,7 @@ def lost_run_cards(state: State, report: FrameReport, seek: Callable[[float], bo
 
 def _restart_card(key: str, icon: str, state: State, show: Callable[[State], None], title: str, hint: str,
                   changes: dict[str, object]) -> tuple[Card, Callable[[], None]]:
-    """Returns a button that restarts the scene with changes; disabled if they are invalid."""
+    """Returns a button and its action, to ``show`` the state with ``changes`` of fields; disabled if invalid."""
     try:
         wanted = changed_state(state, changes, pinned=False)
     except SuggestionNotApplicable as reason:
@@ -73,7 +74,7 @@ def _restart_card(key: str, icon: str, state: State, show: Callable[[State], Non
 
 
 def _remedy_changes(scene: Scene) -> tuple[str, str, dict[str, object]]:
-    """Returns title, hint and changes: a stable time step, or the remedies that are not on yet."""
+    """Returns a button's title, hint and changes of fields: a stable time step, or the remedies that are not on yet."""
     if scene.time_step > scene.step_bound:
         return tr("Take a stable step"), tr("Auto step: longest stable step"), {"dt": AUTO, "cfl": None}
     names = TWO if all(name in scene.REMEDIES for name in TWO) else ONE
@@ -88,7 +89,8 @@ WHOLE = 1e-9  # relative rounding of a run's end time
 
 
 class Suggestions(Feature):
-    """One visitor's suggestions; ``show`` puts a state on the stage, ``seek`` looks back to a time in s if stored."""
+    """One visitor's suggestions: ``state`` returns the state shown, ``show`` puts one on the stage, ``seek`` looks back
+    to a time in s, and returns False if it is not stored."""
 
     def __init__(self, gui: viser.GuiApi, session: Session, state: Callable[[], State], show: Callable[[State], None],
                  seek: Callable[[float], bool], is_touring: Callable[[], bool]):
@@ -110,7 +112,7 @@ class Suggestions(Feature):
                    lambda: page.is_touring())
 
     def on_button_click(self, key: object) -> None:
-        """Handles the click on a button."""
+        """Starts the suggestion or the way on from a lost run that has this ``key``; ignores unknown ones."""
         if isinstance(key, str) and key in self._ways:
             self._running, ways, self._ways = None, self._ways, {}
             ways[key]()
@@ -129,7 +131,7 @@ class Suggestions(Feature):
         self._running = spark, base, state  # only now: meanwhile another state was on the stage
 
     def refresh(self, view: PageView) -> None:
-        """Shows the present buttons or answer; nothing during a lesson or the tour."""
+        """Sends the present buttons or answer to the browser; nothing during a lesson or the tour."""
         content = ""
         if view.has_stage and not self._is_touring() and self._session.report is not None:
             label, answer, cards = self._current()
@@ -139,6 +141,7 @@ class Suggestions(Feature):
         self._html.content = content
 
     def _current(self) -> tuple[str, Answer | None, list[Card]]:
+        """Returns the label, the answer if there is one, and the buttons that are shown now."""
         self._discard_outdated_suggestion()
         report, asked = self._session.report, self._running
         assert report is not None
@@ -162,6 +165,7 @@ class Suggestions(Feature):
             replace(following, title=tr("Next: {title}", title=following.title))]
 
     def _cards(self, base: State) -> list[Card]:
+        """Returns a button for each suggestion for the state ``base``; disabled where it does not apply."""
         cards = []
         for spark in VIEWS[base.scene.problem].suggestions(base):
             done = f"{base.scene.problem} {spark.key}" in self._done
@@ -174,19 +178,19 @@ class Suggestions(Feature):
         return cards
 
     def _base_state(self) -> State:
-        """Returns the state that a suggestion changes: the one on the stage, or before the last suggestion."""
+        """Returns the state that suggestions change: the one shown, or that before the running suggestion."""
         self._discard_outdated_suggestion()
         return self._state() if self._running is None else self._running[1]
 
     def _discard_outdated_suggestion(self) -> None:
-        """Discards the suggestion when anything else is on the stage."""
+        """Discards the running suggestion when another scene or pinned run is on the stage."""
         if self._running:
             shown, pinned = self._running[2], self._session.pinned
             if shown.scene != self._session.scene or shown.pinned != (pinned and pinned.scene):
                 self._running = None
 
     def _answer(self) -> Answer | None:
-        """Returns the answer for the quantity on the stage, once both runs have come far enough."""
+        """Returns the running suggestion's answer for the quantity shown; None until its runs are long enough."""
         assert self._running is not None
         spark, _, state = self._running
         quantity = self._state().quantity
@@ -195,6 +199,7 @@ class Suggestions(Feature):
         return self._answers.get(quantity)
 
     def _result(self, spark: Suggestion, state: State) -> ComparedRuns | None:
+        """Returns a suggestion's runs up to its length; None until they are long enough."""
         session = self._session
         report, pinned, scene = session.report, session.pinned, state.scene
         histories = [session.history, *([pinned.history] if pinned else [])]

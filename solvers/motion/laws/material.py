@@ -14,38 +14,38 @@ ANGLES = np.linspace(0, np.pi, 24, endpoint=False)[:, None]  # of directions of 
 
 
 class Material(NamedTuple):
-    """Law and moduli in Pa. F is (xx, xy, yx, yy), arrays (P,) or jets, and J may differ from det F."""
+    """Elastic material in the plane: law and moduli in Pa. F is (xx, xy, yx, yy), arrays (P,) or jets."""
 
     law: MaterialLaw
     bulk: float  # lambda
     mu: float
 
     def coefficients(self, F: Any, J: Any) -> tuple[Any, Any, Any, Any]:
-        """Returns q, r, A and x of ``solvers.motion.laws.law``."""
+        """Returns q, r, A, x of ``solvers.motion.laws.law`` in Pa; J may differ from det F."""
         volumetric = self.bulk * log(J) if self.law.logarithmic and self.bulk != 0 else 0.0
         return self.law.coefficients(F, J, volumetric, self.bulk, self.mu)
 
     def first_piola_stress(self, F: Any) -> tuple[Any, Any, Any, Any]:
-        """Returns P_xx, P_xy, P_yx, P_yy in Pa."""
+        """Returns P_xx, P_xy, P_yx, P_yy in Pa of ``F`` as (xx, xy, yx, yy), each an array (P,) or a jet."""
         J = determinant(F)
         q, r, *_ = self.coefficients(F, J)
         return piola(F, q, (r - q) / J)
 
     def cauchy_stress(self, F: Any) -> tuple[Any, Any, Any]:
-        """Returns sigma_xx, sigma_xy, sigma_yy in Pa."""
+        """Returns sigma_xx, sigma_xy, sigma_yy in Pa of ``F`` as (xx, xy, yx, yy), each an array (P,) or a jet."""
         J = determinant(F)
         xx, xy, yy = kirchhoff(F, *self.coefficients(F, J)[:2])
         return xx / J, xy / J, yy / J
 
     def max_frequency_factor(self, F: Any, stretched: Any, pressed: Any) -> Any:
-        """Returns the largest factor by which F raises the frequencies of waves along a principal axis, at least 1: the
-        root of their stiffness, from |F N|^2 and |F^-T N|^2, over that at rest."""
+        """Returns the largest factor, at least 1, by which ``F`` raises frequencies of waves along a principal axis N:
+        the root of their stiffness over that at rest. ``stretched`` is |F N|^2, ``pressed`` |F^-T N|^2, arrays (P,)."""
         found = wave_stiffness(*self.coefficients(F, determinant(F)), stretched, pressed)
         return max(1.0, float(np.max(found)) / (self.bulk + 2 * self.mu)) ** 0.5
 
     def least_wave_stiffness(self, F: np.ndarray) -> float:
-        """Returns the smallest stiffness of waves in any direction over mu: where it is not above 0 the law is not
-        elliptic, and the shorter a wave, the faster it grows."""
+        """Returns the smallest stiffness of waves in any direction, over mu, of ``F`` (4, P): xx, xy, yx, yy. Where it
+        is not above 0 the law is not elliptic, and the shorter a wave, the faster it grows."""
         c, s, J = np.cos(ANGLES), np.sin(ANGLES), determinant(F)
         q, r, A, x = self.coefficients(F, J)
         rest, along = (x + q - r) / (J * J), (F[0] * c + F[1] * s, F[2] * c + F[3] * s)

@@ -8,12 +8,14 @@ from typing import Any
 from solvers.motion.laws.law import MaterialLaw
 
 
-def energy(F: Any, J: Any, growth: Any, bulk: Any, mu: Any) -> Any:
+def energy(F: Any, J: Any, log_J: Any, bulk: Any, mu: Any) -> Any:
+    """Returns W in J per m^3 at rest, of ``F`` (xx, xy, yx, yy), J = det F and ln J; ``bulk`` is lambda in Pa."""
     stretched = F[0] * F[0] + F[1] * F[1] + F[2] * F[2] + F[3] * F[3]
-    return 0.5 * (mu * (stretched - 2 - 2 * growth) + bulk * growth * growth)
+    return 0.5 * (mu * (stretched - 2 - 2 * log_J) + bulk * log_J * log_J)
 
 
 def coefficients(F: Any, J: Any, volumetric: Any, bulk: Any, mu: Any) -> Any:
+    """Returns q, r, A, x of ``solvers.motion.laws.law`` in Pa; ``volumetric`` is lambda ln J, ``bulk`` lambda in Pa."""
     return mu, volumetric, 0.0, bulk
 
 

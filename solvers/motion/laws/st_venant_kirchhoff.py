@@ -10,13 +10,15 @@ from typing import Any
 from solvers.motion.laws.law import MaterialLaw
 
 
-def energy(F: Any, J: Any, growth: Any, bulk: Any, mu: Any) -> Any:
+def energy(F: Any, J: Any, log_J: Any, bulk: Any, mu: Any) -> Any:
+    """Returns W in J per m^3 at rest, of ``F`` (xx, xy, yx, yy) and J = det F; ``bulk`` is lambda in Pa."""
     stretched = F[0] * F[0] + F[1] * F[1] + F[2] * F[2] + F[3] * F[3]
     return 0.125 * bulk * (stretched - 2) * (stretched - 2) \
         + 0.25 * mu * ((stretched - 1) * (stretched - 1) + 1 - 2 * J * J)
 
 
 def coefficients(F: Any, J: Any, volumetric: Any, bulk: Any, mu: Any) -> Any:
+    """Returns q, r, A, x of ``solvers.motion.laws.law`` in Pa; ``bulk`` is lambda in Pa, ``volumetric`` unused."""
     stretched = F[0] * F[0] + F[1] * F[1] + F[2] * F[2] + F[3] * F[3]
     q = 0.5 * bulk * (stretched - 2) + mu * (stretched - 1)
     return q, q - mu * J * J, bulk + 2 * mu, -2 * mu * J * J

@@ -14,18 +14,18 @@ PLACES, SHARES = np.polynomial.legendre.leggauss(10)  # a secant is a mean of sl
 
 
 class StressDifference(NamedTuple):
-    """Stress differences of a material; with ``at_rest`` of the first Piola-Kirchhoff stress, for frozen weights."""
+    """Differences of a material's J sigma in Pa; ``at_rest``, for frozen weights, of its first Piola-Kirchhoff P."""
 
     material: Material
     at_rest: bool
 
     def stress(self, F: np.ndarray) -> np.ndarray:
-        """Returns J sigma, or P, of F (P, 2, 2)."""
+        """Returns J sigma, or P if ``at_rest``, (P, 2, 2) in Pa, of deformation gradients ``F`` (P, 2, 2)."""
         P = np.stack(self.material.first_piola_stress(F.reshape(-1, 4).T), axis=1).reshape(-1, 2, 2)
         return P if self.at_rest else P @ F.swapaxes(1, 2)
 
     def split_difference(self, F: np.ndarray, F0: np.ndarray, parts: np.ndarray) -> np.ndarray:
-        """Returns the share of each part (C, P, 2, 2) of F - F0 in stress(F) - stress(F0): linear in the part."""
+        """Returns what each of C ``parts`` (C, P, 2, 2) of F - F0 adds, linearly, to stress(F) - stress(F0), in Pa."""
         mean, J, J0 = 0.5 * (F + F0), np.linalg.det(F), np.linalg.det(F0)
         q, k, A, _ = (0.5 * (one + other) for one,
                       other in zip(self._stress_coefficients(F, J), self._stress_coefficients(F0, J0), strict=True))
@@ -48,5 +48,5 @@ class StressDifference(NamedTuple):
 
 
 def cofactor(F: np.ndarray) -> np.ndarray:
-    """Returns J F^-T of tensors (..., 2, 2): linear in F."""
+    """Returns the cofactors J F^-T of tensors ``F`` (..., 2, 2), of the same shape: linear in F."""
     return np.stack([F[..., 1, 1], -F[..., 1, 0], -F[..., 0, 1], F[..., 0, 0]], axis=-1).reshape(F.shape)

@@ -25,14 +25,14 @@ SAME = 0.1  # half the axis over a number, if all answers are that number
 
 @dataclass(frozen=True)
 class Axis:
-    """Axis from ``low`` to ``high``, which are decimal logarithms if it is ``logarithmic``."""
+    """Axis from ``low`` to ``high`` in the values' unit, or in their decimal logarithms if it is ``logarithmic``."""
 
     low: float
     high: float
     logarithmic: bool = False
 
     def position(self, value: float) -> float:
-        """Returns the position of a value, from 0 at the left to 1; values outside are at the ends."""
+        """Returns the position of a value, from 0 (left) to 1 (right); values outside are at the ends."""
         return min(1.0, max(0.0, (self._to_axis_scale(value) - self.low) / (self.high - self.low)))
 
     def beyond(self, value: float) -> int:
@@ -59,7 +59,7 @@ class Axis:
 
 
 def axis_for(values: Sequence[float], always: Sequence[float] = ()) -> Axis:
-    """Returns an axis for one value or more; it contains all values in ``always``."""
+    """Returns an axis for one or more ``values``; outliers may lie outside, but no value in ``always``."""
     ranked = sorted(values)
     few, many = (ranked[round(part * (len(ranked) - 1))] for part in MOST)
     # Logarithmic if most are above zero and far apart.
@@ -78,23 +78,23 @@ def axis_for(values: Sequence[float], always: Sequence[float] = ()) -> Axis:
 
 
 def answer_options(asked: Question, numbers: Numbers) -> str:
-    """Returns the options of a choice as html, before any counts are shown."""
+    """Returns a choice's options as html without counts, "" if there are none; ``numbers`` fill their placeholders."""
     rows = "".join(f"<li><b>{letter})</b> <span>{escape(fill_numbers(option, numbers))}</span></li>"
                    for letter, option in zip(ascii_lowercase, asked.options, strict=False))
     return f"<ol class='lab-bars'>{rows}</ol>" if rows else ""
 
 
-def answer_chart(asked: Question, answers: Sequence[Any], numbers: Numbers, found: RightAnswer | None) -> str:
-    """Returns the answers to a question that is not free text, with the right answer ``found`` once it is revealed."""
+def answer_chart(asked: Question, answers: Sequence[Any], numbers: Numbers, result: RightAnswer | None) -> str:
+    """Returns a chart as html of the answers to a question, not free text; ``result`` is None until it is revealed."""
     if asked.kind == CHOICE:
-        return _choice_bars_html(asked, answers, numbers, found)
-    if not answers and found is None:
+        return _choice_bars_html(asked, answers, numbers, result)
+    if not answers and result is None:
         return ""
-    low, high = _accepted_range(asked, found)
+    low, high = _accepted_range(asked, result)
     ends = [float(end) for answer in answers for end in (answer if asked.kind == INTERVAL else (answer,))]
-    axis = axis_for(ends or [low, high], [] if found is None else [low, high])
+    axis = axis_for(ends or [low, high], [] if result is None else [low, high])
     if asked.kind == INTERVAL:
-        drawn = _interval_lines_html(asked, answers, axis, found)
+        drawn = _interval_lines_html(asked, answers, axis, result)
         words = [tr("{low} to {high}", low=format_in_unit(asked, float(low)), high=format_in_unit(asked, float(high)))
                  for low, high in answers]
     else:  # dots, one above the other where they are nearly the same
@@ -106,18 +106,19 @@ def answer_chart(asked: Question, answers: Sequence[Any], numbers: Numbers, foun
     ticks = "".join(f"<span style='left: {100 * axis.position(tick):.2f}%'>{escape(format_in_unit(asked, tick))}</span>"
                     for tick in axis.ticks)
     return f"<div class='lab-scale' role='img' aria-label='{escape('; '.join(words))}'>{drawn}" \
-           f"{_right_answer_mark_html(asked, axis, found)}{ticks}</div>{_outside_counts_html(ends, axis)}"
+           f"{_right_answer_mark_html(asked, axis, result)}{ticks}</div>{_outside_counts_html(ends, axis)}"
 
 
-def count_right_answers(asked: Question, answers: Sequence[Any], found: RightAnswer) -> int:
-    """Counts the answers that are right, or the intervals that contain the result."""
-    return sum(is_right(asked, answer, found) for answer in answers)
+def count_right_answers(asked: Question, answers: Sequence[Any], result: RightAnswer) -> int:
+    """Returns the number of ``answers`` that are right, or of intervals that contain the result."""
+    return sum(is_right(asked, answer, result) for answer in answers)
 
 
-def _choice_bars_html(asked: Question, answers: Sequence[int], numbers: Numbers, found: RightAnswer | None) -> str:
+def _choice_bars_html(asked: Question, answers: Sequence[int], numbers: Numbers, result: RightAnswer | None) -> str:
+    """Returns bars of the counts of each option (``answers`` from 1), the right ones marked."""
     counts, rows, says = Counter(answers), [], tr("this came out")
     for k, (letter, option) in enumerate(zip(ascii_lowercase, asked.options, strict=False), 1):
-        came = found is not None and k in found.options
+        came = result is not None and k in result.options
         sign = f"<em>✓ {says}</em>" if came else ""
         rows.append(f"<li{' class=lab-came-out' * came}><b>{letter})</b> <span>"
                     f"{escape(fill_numbers(option, numbers))} {sign}</span>"
@@ -126,36 +127,38 @@ def _choice_bars_html(asked: Question, answers: Sequence[int], numbers: Numbers,
 
 
 def _interval_lines_html(asked: Question, answers: Sequence[Sequence[float]], axis: Axis,
-                         found: RightAnswer | None) -> str:
+                         result: RightAnswer | None) -> str:
+    """Returns a line for each interval (low, high), marked by whether it contains the result."""
     rows = []
     for low, high in answers:
         left, right = 100 * axis.position(low), 100 * axis.position(high)
-        kind = "" if found is None else " class='lab-holds'" if is_right(asked, (low, high), found) else \
+        kind = "" if result is None else " class='lab-holds'" if is_right(asked, (low, high), result) else \
             " class='lab-misses'"
         rows.append(f"<i{kind} style='margin-left: {left:.2f}%; width: {right - left:.2f}%'></i>")
     return f"<div class='lab-lines' style='--most: {max(1, len(answers))}'>{''.join(rows)}</div>"
 
 
-def _accepted_range(asked: Question, found: RightAnswer | None) -> tuple[float, float]:
-    """Returns the lower and upper limit between which an answer is right."""
-    if found is None or isinstance(found.value, str):
+def _accepted_range(asked: Question, result: RightAnswer | None) -> tuple[float, float]:
+    """Returns the least and largest right answer; (0, 0) before the result is revealed or if it is no number."""
+    if result is None or isinstance(result.value, str):
         return 0.0, 0.0
-    reach = 0.0 if asked.kind == INTERVAL else asked.tolerance * abs(found.value)
-    return found.value - reach, found.value + reach
+    reach = 0.0 if asked.kind == INTERVAL else asked.tolerance * abs(result.value)
+    return result.value - reach, result.value + reach
 
 
-def _right_answer_mark_html(asked: Question, axis: Axis, found: RightAnswer | None) -> str:
-    if found is None or isinstance(found.value, str):
+def _right_answer_mark_html(asked: Question, axis: Axis, result: RightAnswer | None) -> str:
+    """Returns a mark at the result, and a band of accepted answers; "" before it is revealed."""
+    if result is None or isinstance(result.value, str):
         return ""
-    low, high = (100 * axis.position(end) for end in _accepted_range(asked, found))
-    at, told = 100 * axis.position(found.value), tr("{value} came out", value=format_in_unit(asked, found.value))
+    low, high = (100 * axis.position(end) for end in _accepted_range(asked, result))
+    at, told = 100 * axis.position(result.value), tr("{value} came out", value=format_in_unit(asked, result.value))
     return f"<div class='lab-band' style='left: {low:.2f}%; width: {high - low:.2f}%'></div>" \
            f"<div class='lab-truth{' lab-leftwards' * (at > 50)}' style='left: {at:.2f}%'>" \
            f"<b>{escape(told)}</b></div>"
 
 
 def _outside_counts_html(ends: Sequence[float], axis: Axis) -> str:
-    """Returns the counts of values outside the axis, left and right, as html."""
+    """Returns how many of the values ``ends`` lie outside the axis, left and right, as html; "" if none does."""
     sides = Counter(axis.beyond(end) for end in ends)
     low = tr("{count} further to the left", count=sides[-1])
     high = tr("{count} further to the right", count=sides[1])

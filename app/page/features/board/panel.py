@@ -23,7 +23,7 @@ SCHEMA = "mpm-lab/board/1"  # of the file that a lecturer may save
 
 
 class BoardPanel(Feature):
-    """The board on a lecturer's page."""
+    """Board of a class on its lecturer's page: shows the board's slide, and controls what the class sees."""
 
     def __init__(self, page: PageContext, lecturer: LecturerContext):
         self._page, self._lecturer = page, lecturer
@@ -48,7 +48,7 @@ class BoardPanel(Feature):
         self._news.set()
 
     def draw(self) -> None:
-        """Draws the board's present state."""
+        """Sends the board's present slide to the browser."""
         with self._drawing:
             place = self._board.position
             self._says.content = (
@@ -57,7 +57,7 @@ class BoardPanel(Feature):
                 f"{slide_html(self._board, place, self._lecturer.join_info_for(self._page.store.here))}</template>")
 
     def _update_stage_cover(self, step: int) -> None:
-        """Covers the stage, which pauses it, or uncovers it at this step of the lesson."""
+        """Covers the stage, which pauses it, or uncovers it and shows the run of a ``step`` (from 1)."""
         page = self._page
         page.set_frame_conditions(uncovered=not self._covers)
         if not self._covers:
@@ -79,11 +79,11 @@ class BoardPanel(Feature):
                     log_failure("the board could not be drawn", error)
             self._closed.wait(AGAIN)
 
-    def _on_message(self, said: Any) -> None:
-        """Handles a button press and the turn it refers to, or a toggle of the stage; validates the input."""
-        if not (isinstance(said, list) and len(said) == 2 and type(said[1]) is int):
+    def _on_message(self, message: Any) -> None:
+        """Handles [button, the board's turn when clicked] or ["stage", 0 to cover it]; ignores invalid messages."""
+        if not (isinstance(message, list) and len(message) == 2 and type(message[1]) is int):
             return
-        what, turn = said
+        what, turn = message
         if what in (NEXT, BACK):
             self._board.press_button(what, turn)
         elif what == STAGE:
@@ -96,13 +96,13 @@ class BoardPanel(Feature):
 
 
 def stage_state_text(board: ClassBoard, at: int) -> str:
-    """Returns the state for the stage at a position in the lesson: that of the last step up to there that has one."""
+    """Returns the stage's state as text at step ``at``: of the last step up to there that has one, or ""."""
     stages = [step.stage for step in board.lesson.steps[:at] if step.stage]
     return fill_numbers(stages[-1], board.numbers) if stages else ""
 
 
 def answers_json(board: ClassBoard) -> str:
-    """Returns all answers without names as JSON, by question and sorted, with the result if revealed."""
+    """Returns all answers of a class as JSON, without names: by question and sorted, with the result if revealed."""
     questions = []
     for at, step in enumerate(board.lesson.steps, 1):
         if step.question is None:

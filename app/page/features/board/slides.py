@@ -24,15 +24,15 @@ INTERVALS = lazy("{right} of {of} intervals contain the result: {share} % ({leve
 
 @dataclass(frozen=True)
 class QuestionScore:
-    """Score of a revealed question: the number of its answers and how many are right, or contain the result."""
+    """Score of a revealed question: the number of ``answers``, and how many are ``right``, or contain the result."""
 
     step: Step
     right: int
     answers: int
 
 
-def slide_html(board: ClassBoard, place: BoardPosition, door: JoinInfo) -> str:
-    """Returns a slide of the board without its buttons."""
+def slide_html(board: ClassBoard, place: BoardPosition, join_info: JoinInfo) -> str:
+    """Returns the slide at a board's position as html, without its buttons; ``join_info`` is for the first slide."""
     step = board.step(place.at)
     where = tr("step {at} of {total}", at=board.step_number(place.at), total=board.step_count) if step else \
         tr("the beginning") if place.at == 0 else tr("the end")
@@ -42,13 +42,13 @@ def slide_html(board: ClassBoard, place: BoardPosition, door: JoinInfo) -> str:
     here_said = trn("{count} is here", "{count} are here", here) if here else tr("nobody is here")
     count = f"<span>{here_said}</span>" if place.at else ""  # the first slide has it below
     top = f"<header><span>{where}</span>{past}{count}</header>"
-    body = _step_html(board, place, step) if step else _beginning_html(board,
-                                                                       door) if place.at == 0 else _end_html(board)
+    body = _step_html(board, place, step) if step else \
+        _beginning_html(board, join_info) if place.at == 0 else _end_html(board)
     return f"{top}{body}"
 
 
 def next_button_label(board: ClassBoard, place: BoardPosition) -> str:
-    """Returns the label of the button that goes on; "" at the end."""
+    """Returns the label of the button that goes on from a board's position; "" at the end."""
     step, following = board.step(place.at), board.next_position(place.at)
     if not place.shows_last_open_step:
         return tr("Show how the class did") if following == board.end_position else \
@@ -61,7 +61,7 @@ def next_button_label(board: ClassBoard, place: BoardPosition) -> str:
 
 
 def question_scores(board: ClassBoard) -> list[QuestionScore]:
-    """Returns the scores of all revealed questions."""
+    """Returns the scores of a class in all questions revealed so far, in the lesson's order."""
     found = []
     for at, step in enumerate(board.lesson.steps, 1):
         came = board.computed_right_answer(step)
@@ -72,15 +72,15 @@ def question_scores(board: ClassBoard) -> list[QuestionScore]:
     return found
 
 
-def _beginning_html(board: ClassBoard, door: JoinInfo) -> str:
-    picture = segno.make(door.full_link, error="l", micro=False).svg_inline(border=2, omitsize=True)
-    warning = f"<p class='lab-warns'>{escape(door.warning)}</p>" if door.warning else ""
+def _beginning_html(board: ClassBoard, join_info: JoinInfo) -> str:
+    picture = segno.make(join_info.full_link, error="l", micro=False).svg_inline(border=2, omitsize=True)
+    warning = f"<p class='lab-warns'>{escape(join_info.warning)}</p>" if join_info.warning else ""
     here = board.tally.present_count
     count = trn("{count} is here.", "{count} are here.", here) if here else tr(NOBODY)
     first, then = tr("Open"), tr("and type the class code")
     return f"<h2>{escape(board.lesson.title)}</h2><div class='lab-door'><div><p>{first}</p>" \
-           f"<p class='lab-address'>{escape(door.link)}</p><p>{then}</p>" \
-           f"<p class='lab-class-code'>{escape(door.code)}</p><p class='lab-said'>{count}</p>{warning}</div>" \
+           f"<p class='lab-address'>{escape(join_info.link)}</p><p>{then}</p>" \
+           f"<p class='lab-class-code'>{escape(join_info.code)}</p><p class='lab-said'>{count}</p>{warning}</div>" \
            f"<figure role='img' aria-label='{tr('the link with the code, for phones')}'>{picture}</figure></div>"
 
 
@@ -111,6 +111,7 @@ def _step_html(board: ClassBoard, place: BoardPosition, step: Step) -> str:
 
 
 def _count_html(board: ClassBoard, step: Step, at: int) -> str:
+    """Returns how many of a class have answered the step at ``at``, and how many have not come to it, as html."""
     tally = board.tally
     said, asked = len(tally.answers(step.key)), tally.count_present_or_answered(step.key)
     behind = tally.present_count - tally.count_reached(at)
@@ -126,8 +127,8 @@ def _count_html(board: ClassBoard, step: Step, at: int) -> str:
     return f"<div class='lab-count'>{_meter_html(told, said, asked)}{more}</div>"
 
 
-def _meter_html(told: str, part: int, whole: int) -> str:
-    return f"<p class='lab-many' role='status'>{told}</p>" \
+def _meter_html(sentence: str, part: int, whole: int) -> str:
+    return f"<p class='lab-many' role='status'>{sentence}</p>" \
            f"<div class='lab-meter' aria-hidden='true'><i style='--part: {part / max(1, whole):.4f}'></i></div>"
 
 
@@ -137,20 +138,20 @@ def _count_text(step: Step, count: int) -> str:
     return trn("{count} answer.", "{count} answers.", count) if count else tr("Nobody has answered.")
 
 
-def _outcome_sentence(place: BoardPosition, step: Step, answers: list, came: RightAnswer | str | None) -> str:
-    """Returns the sentence on the result of a step, once it is revealed; else ""."""
+def _outcome_sentence(place: BoardPosition, step: Step, answers: list, result: RightAnswer | str | None) -> str:
+    """Returns a sentence on a revealed result as html, or why there is none; "" before it is revealed."""
     if place.question_phase != REVEALED:
         return ""
-    if came is None or isinstance(came, str):
-        return tr(came or WORKING)
-    count = chart.count_right_answers(step.asked_question, answers, came)
+    if result is None or isinstance(result, str):
+        return tr(result or WORKING)
+    count = chart.count_right_answers(step.asked_question, answers, result)
     if step.asked_question.kind == INTERVAL:
         told = tr("{right} of {of} contain the result ({level} % expected): {told}.", right=count,
-                  of=len(answers), level=f"{100 * step.asked_question.level:g}", told=escape(came.text))
+                  of=len(answers), level=f"{100 * step.asked_question.level:g}", told=escape(result.text))
     elif step.asked_question.kind != CHOICE:
         told = trn("{count} of {of} was right: {told}.", "{count} of {of} were right: {told}.", count, of=len(answers),
-                   told=escape(came.text))
-    elif came.options:  # the bars show which
+                   told=escape(result.text))
+    elif result.options:  # the bars show which
         told = trn("{count} of {of} was right.", "{count} of {of} were right.", count, of=len(answers))
     else:
         told = tr("There is no result for this step.")
@@ -159,12 +160,11 @@ def _outcome_sentence(place: BoardPosition, step: Step, answers: list, came: Rig
 
 def _end_html(board: ClassBoard) -> str:
     found = question_scores(board)
+    intervals = [one for one in found if one.step.asked_question.kind == INTERVAL]
     rows = "".join(f"<li><span>{escape(fill_numbers(one.step.title, board.numbers))}</span>"
                    f"<i style='--part: {one.right / max(1, one.answers):.4f}'></i>"
-                   "<b>"
-                   f"{tr(HELD if one.step.asked_question.kind == INTERVAL else RIGHT, right=one.right, of=one.answers)}"
-                   "</b>"
-                   "</li>" for one in found)
+                   f"<b>{tr(HELD if one in intervals else RIGHT, right=one.right, of=one.answers)}</b></li>"
+                   for one in found)
     sums = "".join(f"<p class='lab-many'>{told}</p>" for told in score_sentences(found))
     none, name = tr("No question has been revealed."), tr("question by question")
     nothing = "" if found else f"<p class='lab-said'>{none}</p>"
@@ -173,13 +173,13 @@ def _end_html(board: ClassBoard) -> str:
            f"aria-label='{name}'>{rows}</ol>"
 
 
-def score_sentences(found: list[QuestionScore]) -> list[str]:
-    """Returns a sentence each on the class's predictions, observations and intervals, with the share that is right."""
+def score_sentences(scores: list[QuestionScore]) -> list[str]:
+    """Returns a sentence each on a class's predictions, observations and intervals, with the share that is right."""
     said = []
-    intervals = [one for one in found if one.step.asked_question.kind == INTERVAL]
+    intervals = [one for one in scores if one.step.asked_question.kind == INTERVAL]
     for sentence, some in (
-            (PREDICTIONS, [one for one in found if one not in intervals and one.step.kind == PREDICT]),
-            (OBSERVATIONS, [one for one in found if one not in intervals and one.step.kind != PREDICT]),
+            (PREDICTIONS, [one for one in scores if one not in intervals and one.step.kind == PREDICT]),
+            (OBSERVATIONS, [one for one in scores if one not in intervals and one.step.kind != PREDICT]),
             (INTERVALS, intervals)):
         right, of = sum(one.right for one in some), sum(one.answers for one in some)
         if of:

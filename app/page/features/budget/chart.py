@@ -35,7 +35,7 @@ PHRASES = {"before": lazy("before"), "predicted": lazy("predicted"), "again": la
 
 @dataclass(frozen=True)
 class BudgetData:
-    """A run with a budget: its ``name`` beside another run, its whole ``series``, and the part ``plotted``."""
+    """A run with a budget: ``name`` beside another run, or ""; samples over time by key, all and those ``plotted``."""
 
     name: str
     scene: Scene
@@ -50,7 +50,7 @@ class BudgetData:
 
 @dataclass(frozen=True)
 class _Axes:
-    """Ranges of time in periods and of the error, common to charts side by side."""
+    """Axes common to charts side by side: time from ``start`` to ``end`` in periods, error from ``low`` to ``top``."""
 
     start: float
     end: float
@@ -58,7 +58,7 @@ class _Axes:
     top: float
 
     def path_points(self, run: BudgetData, values: np.ndarray) -> list[str]:
-        """Returns the points "x y" of a curve in the chart's units, for an svg path."""
+        """Returns the points "x y" of ``values`` at the times plotted, in the chart's units, for an svg path."""
         time = run.plotted["time"] / run.scene.period
         kept = np.unique(np.r_[np.arange(0, len(time), -(-len(time) // MOST)), len(time) - 1])
         x = np.rint(WIDTH * (time[kept] - self.start) / (self.end - self.start)).astype(int)
@@ -71,30 +71,29 @@ class _Axes:
         return (self.top - self.low) / HEIGHT
 
     def css_top(self, value: float) -> str:
-        """Returns the distance of a value from the top as a CSS percentage."""
+        """Returns the distance of an error ``value`` from the chart's top as a CSS percentage."""
         return f"{100 * (self.top - value) / (self.top - self.low):.1f}%"
 
 
 def removed_cause(scene: Scene) -> str:
-    """Returns the cause removed in a scene's run, or ``NOTHING``."""
+    """Returns the key of the error cause that a scene's run leaves out, or ``NOTHING``."""
     return getattr(scene, "take_away", NOTHING)  # problems without a budget have no such field
 
 
 def budget_chart(runs: Sequence[BudgetData], field: str) -> str:
-    """Returns the stacked errors of a field on one scale, with each cause's share, or why a run has no shares."""
+    """Returns html: stacked errors of ``field`` (x, v or F) of runs, with each cause's share, or why there are none."""
     drawn = [run for run in runs if not run.not_valid]
     axes = _axes(drawn, field) if drawn else None
     figures = "".join(
-        _chart_figure_html(run, field, axes)
-        if axes and not run.not_valid
-        else _captioned_figure_html(run, f"<p class='lab-no-budget'>{escape(as_sentence(run.not_valid))}</p>")
-        for run in runs
-    )
+        _chart_figure_html(run, field, axes) if axes and not run.not_valid else
+        _captioned_figure_html(run, f"<p class='lab-no-budget'>{escape(as_sentence(run.not_valid))}</p>")
+        for run in runs)
     caption = f"<p class='lab-caption'>{tr(CAPTION)}</p>" if drawn else ""
     return f"<div class='lab-budget-chart'>{figures}{_legend_html(drawn, field) if drawn else ''}{caption}</div>"
 
 
 def _axes(runs: Sequence[BudgetData], field: str) -> _Axes:
+    """Returns axes that contain the errors of ``field`` (x, v or F) in all runs."""
     highest, lowest, end, start = 0.0, 0.0, 0.0, math.inf
     for run in runs:
         layers, time = stack_layers(run.plotted, field), run.plotted["time"] / run.scene.period
@@ -129,8 +128,7 @@ def _chart_figure_html(run: BudgetData, field: str, axes: _Axes) -> str:
         f"<div class='lab-made'>{svg}<i style='top:{axes.css_top(tick)}'></i><i style='top:{zero}'></i>"
         f"<span style='top:{axes.css_top(tick)}'>{size}</span><span style='top:{zero}'>0</span></div>"
         f"<div class='lab-made-times'><span>{begins}</span><span>t</span>"
-        f"<span>{with_unit(axes.end * period, 's')}</span></div>",
-    )
+        f"<span>{with_unit(axes.end * period, 's')}</span></div>")
 
 
 def _captioned_figure_html(run: BudgetData, inside: str) -> str:
@@ -160,7 +158,8 @@ def _legend_html(runs: Sequence[BudgetData], field: str) -> str:
 
 
 def removal_outcome(before: BudgetData, again: BudgetData, field: str, cause: str) -> str:
-    """Returns RMS errors before, as predicted without a cause, and without it, over the time that both runs have."""
+    """Returns RMS errors of ``field`` as html: in the run ``before``, predicted without a cause, and in that ``again``
+    without it, over the time that both have."""
     end = min(run.series["time"][-1] for run in (before, again)) * (1 + WHOLE)
     first, second = series_until(before.series, end), series_until(again.series, end)
     sizes = {"before": budget.rms_error_over_run(first, field),

@@ -31,7 +31,7 @@ Tell = Callable[[dict[str, Any]], object]
 
 @dataclass(frozen=True)
 class BudgetJobStatus(JobStatus):
-    """Budget of a ``scene``: its progress (``part``), its samples, and those of the run ``again`` without ``cause``."""
+    """Budget of a ``scene``: progress (``part`` of 1), samples, and those ``again`` of its run without ``cause``."""
 
     scene: Scene | None = None
     cause: str = NOTHING
@@ -41,7 +41,7 @@ class BudgetJobStatus(JobStatus):
 
 
 class BudgetJobs(BackgroundJobs[BudgetJobStatus]):
-    """Budget jobs of one visitor."""
+    """Budget jobs of one visitor, in the background."""
 
     WORK = __name__
     BUSY = lazy("Other visitors' questions keep this server busy: it answers {n} at a time. Try again in a while.")
@@ -50,7 +50,7 @@ class BudgetJobs(BackgroundJobs[BudgetJobStatus]):
         super().__init__(BudgetJobStatus(), slots)
 
     def start_budget(self, scene: Scene, cause: str = NOTHING) -> None:
-        """Starts the budget of a scene, and of a run without a cause; earlier results of this scene stay meanwhile."""
+        """Starts the budget of a scene, and of its run without ``cause``; results of the same scene stay shown."""
         before = self.status.series if self.status.scene == scene else None
         self._start(BudgetJobStatus("budget", scene=scene, cause=cause, series=before),
                     {"task": task_of(scene).to_dict(), "cause": cause}, PATIENCE)
@@ -66,7 +66,7 @@ class BudgetJobs(BackgroundJobs[BudgetJobStatus]):
 
 
 def budget(question: dict[str, Any], tell: Tell) -> None:
-    """Computes the budget of a task's scene, and of a run without a cause; runs in a worker process."""
+    """Computes a budget in a worker process for {"task": ..., "cause": ...}; ``tell`` sends a message to the page."""
     from solvers.running.budget import run_budget
 
     said = 0.0
@@ -88,6 +88,6 @@ def budget(question: dict[str, Any], tell: Tell) -> None:
 
 
 def _columns(result: Result) -> dict[str, list[float | None]]:
-    return {name: [finite_or_none(value) for value in np.asarray(values).tolist()] for name,
-            values in result.series.items()
-            if name == "time" or name.startswith("budget/")}
+    """Returns the times and budget columns of a run as JSON values, None where not finite."""
+    return {name: [finite_or_none(value) for value in np.asarray(values).tolist()]
+            for name, values in result.series.items() if name == "time" or name.startswith("budget/")}

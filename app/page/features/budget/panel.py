@@ -37,13 +37,13 @@ _NAMES = {"x": lazy("displacement x"), "v": lazy("velocity v"), "F": lazy("defor
 
 
 def budget_button_html() -> str:
-    """Returns the button below the judges' cards that opens the folder (``js/budget.js``)."""
+    """Returns the button below the estimators' cards that opens the folder (``js/budget.js``), as html."""
     return (f"<button type='button' class='lab-who'><b>{tr(QUESTION)}</b> "
             f"<span>{tr('crossings, grid, body force or time step')}</span></button>")
 
 
 class BudgetPanel(Feature):
-    """Widgets of one visitor; ``state`` returns the state shown, ``show`` puts another one on the stage."""
+    """Error budget of one visitor's run: ``state`` returns the state shown, ``show`` puts another one on the stage."""
 
     def __init__(self, gui: viser.GuiApi, session: Session, state: Callable[[], State], show: Callable[[State], None],
                  clock: Callable[[], float] = monotonic):
@@ -83,13 +83,13 @@ class BudgetPanel(Feature):
     def close(self) -> None:
         self.jobs.close()
 
-    def on_button_click(self, said: object) -> None:
-        """Handles the click on *Who made this error?*."""
-        if said is True:
+    def on_button_click(self, message: object) -> None:
+        """Requests a budget at the click on *Who made this error?*: the ``message`` is then True."""
+        if message is True:
             self.request_budget()
 
     def request_budget(self) -> None:
-        """Starts the error budget of the run, and of a pinned run beside it."""
+        """Starts the error budget of the run on the stage, and of a pinned run beside it, where it is missing."""
         state = self._state()
         if EFFECT not in state.scene.OWN_EFFECTS:
             if self.jobs.status.scene != state.scene or self.jobs.status.series is None:
@@ -99,7 +99,7 @@ class BudgetPanel(Feature):
                                pinned=None if state.pinned is None else _with_budget(state.pinned)))
 
     def refresh(self, view: PageView) -> None:
-        """Shows the budget of the run; in a lesson only on request."""
+        """Shows the budget of the run on the stage; in a lesson only if the run records it."""
         if (numbers := view.numbers) is None:
             return
         choice = view.choice
@@ -122,16 +122,15 @@ class BudgetPanel(Feature):
         reason = next((text for text in scene.warnings() if text.startswith("error budget")), "") if own and on else ""
         why = f"<p class='lab-budget-offer'>{escape(as_sentence(translate_message(reason).partition(': ')[2]))}</p>" \
             if reason else ""
-        self._offer.content = (
-            why or _offer_html(WAITING if on else OFFER) if own else _status_html(found) or _offer_html(ON_DEMAND)
-        )
+        self._offer.content = why or _offer_html(WAITING if on else OFFER) if own else \
+            _status_html(found) or _offer_html(ON_DEMAND)
         if choice.quantity != self._followed:  # show the budget of its field
             self._followed, self._drawn_at = choice.quantity, -math.inf
             self._field.value = tr(_NAMES[budget_field(choice.quantity)])  # type: ignore[misc]
         self._draw(runs, self._removed_cause_between(runs) if own else found.cause, on, numbers.now.playing)
 
     def _current_status(self, scene: Scene | None) -> BudgetJobStatus:
-        """Returns the progress of the jobs for a scene; cancels a job for another scene."""
+        """Returns the jobs' status for a scene; if they are about another one, cancels them."""
         status = self.jobs.status
         if status.scene == scene:
             return status
@@ -139,7 +138,7 @@ class BudgetPanel(Feature):
         return BudgetJobStatus()
 
     def _draw(self, runs: list[BudgetData], cause: str, on: bool, playing: bool) -> None:
-        """Draws the chart of the runs, and the outcome of removing a ``cause`` from the first."""
+        """Draws the chart of the runs, and the outcome of leaving ``cause`` out of the second; ``on``: recorded."""
         field, now = next(field for field, name in _NAMES.items() if tr(name) == self._field.value), self._clock()
         if not runs:
             self._drawn_at = -math.inf
@@ -156,30 +155,28 @@ class BudgetPanel(Feature):
 
     @staticmethod
     def _removed_cause_between(runs: list[BudgetData]) -> str:
-        """Returns the cause removed in the second of two runs that are otherwise equal, else ``NOTHING``."""
+        """Returns the cause that the second of two otherwise equal runs leaves out, else ``NOTHING``."""
         if len(runs) < 2:
             return NOTHING
         before, again = (run.scene for run in runs)
         return removed_cause(again) if before == _scene_without(NOTHING, again) else NOTHING
 
     def _recorded_runs(self, numbers: Numbers, scene: Scene, latest: bool) -> list[BudgetData]:
-        """Returns the pinned run, if it has a budget, and the one on the stage, if it has one yet."""
+        """Returns the pinned run and the one on the stage, if they have a budget; ``latest`` plots their end only."""
         past, pinned = numbers.past, numbers.pinned
-        if (past is None
-            or past.scene != scene
-            or not has_budget(past.series)
-            or not has_budget(past.latest_periods_series)):
+        if past is None or past.scene != scene or not has_budget(past.series) \
+                or not has_budget(past.latest_periods_series):
             return []
         both = []
-        if (pinned is not None
-            and has_budget(pinned.history.series)
-            and has_budget(pinned.history.latest_periods_series)):
+        if pinned is not None and has_budget(pinned.history.series) \
+                and has_budget(pinned.history.latest_periods_series):
             both = [BudgetData(_run_name(PINNED, pinned.scene, scene), pinned.scene, pinned.history.series,
                                pinned.history.latest_periods_series if latest else pinned.history.series)]
         name = "" if pinned is None or not both else _run_name(THIS, scene, pinned.scene)
         return [*both, BudgetData(name, scene, past.series, past.latest_periods_series if latest else past.series)]
 
     def _remove_cause(self) -> None:
+        """Runs the scene again without the selected cause."""
         state = self._state()
         suspect = next(cause for cause, words in CAUSES.items() if tr(words) == self._cause.value)
         if EFFECT not in state.scene.OWN_EFFECTS:
@@ -194,21 +191,21 @@ class BudgetPanel(Feature):
             self._show(replace(state, scene=after, pinned=before))
 
 
-def _computed_runs(found: BudgetJobStatus) -> list[BudgetData]:
-    """Returns the run whose budget a job has computed, and the one without a cause."""
-    if found.scene is None or found.series is None:
+def _computed_runs(status: BudgetJobStatus) -> list[BudgetData]:
+    """Returns the run of a finished job, and the one without a cause, if any; none before its end."""
+    if status.scene is None or status.series is None:
         return []
-    runs = {"": found.series} if found.again is None else {
-        tr("as it is"): found.series, tr("without {cause}", cause=tr(CAUSES[found.cause])): found.again}
-    return [BudgetData(name, found.scene, series, series) for name, series in runs.items()]
+    runs = {"": status.series} if status.again is None else {
+        tr("as it is"): status.series, tr("without {cause}", cause=tr(CAUSES[status.cause])): status.again}
+    return [BudgetData(name, status.scene, series, series) for name, series in runs.items()]
 
 
-def _status_html(found: BudgetJobStatus) -> str:
+def _status_html(status: BudgetJobStatus) -> str:
     """Returns the progress or the failure of a job as html; "" if there is neither."""
-    if found.running:
+    if status.running:
         return f"<p class='lab-budget-offer' role='status'>" \
-               f"{tr('Being computed in the background: {share}', share=format_percent(found.part))}</p>"
-    said = tr("It was cancelled") if found.cancelled else found.trouble
+               f"{tr('Being computed in the background: {share}', share=format_percent(status.part))}</p>"
+    said = tr("It was cancelled") if status.cancelled else status.trouble
     return f"<p class='lab-budget-offer' role='alert'>{escape(as_sentence(said.removesuffix('.')))}</p>" if said else ""
 
 
@@ -217,7 +214,7 @@ def _with_budget(scene: Scene) -> Scene:
 
 
 def _scene_without(cause: str, scene: Scene) -> Scene:
-    """Returns the scene with this cause removed."""
+    """Returns the scene with ``cause``, a key or ``NOTHING``, left out of its run."""
     change: dict[str, Any] = {"take_away": cause}
     return replace(scene, **change) if removed_cause(scene) != cause else scene
 

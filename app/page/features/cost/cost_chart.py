@@ -16,13 +16,7 @@ from itertools import chain, pairwise
 from app.colours import METHOD_MARKS
 from app.language.translation import lazy, tr, trn
 from app.page.features.cost import cost_texts, visitor_runs
-from app.page.features.cost.cost_texts import (
-    format_percent,
-    format_seconds,
-    join_names,
-    reference_length_name,
-    run_name,
-)
+from app.page.features.cost.cost_texts import format_percent, format_seconds, reference_length_name, run_name
 from app.page.features.cost.visitor_runs import SWEEP, NumberedRun, cheapest_run, measured_runs, run_of_scene
 from app.words import METHODS, method_name
 from solvers.problems import PROBLEMS
@@ -41,7 +35,7 @@ ORDER = 2  # order of the methods in the cell size
 
 @dataclass(frozen=True)
 class Tick:
-    """Tick at ``position`` of the axis, from its low end; ``minor`` if its value is no power of ten."""
+    """Tick at ``position`` of an axis, from 0 (low end) to 1; ``minor`` if its value is no power of ten."""
 
     position: float
     label: str
@@ -50,22 +44,22 @@ class Tick:
 
 @dataclass(frozen=True)
 class LogAxis:
-    """Logarithmic axis from ``low`` to ``high``, both as decimal logarithms."""
+    """Logarithmic axis from ``low`` to ``high``, which are decimal logarithms of its values."""
 
     low: float
     high: float
 
     def position(self, value: float) -> float:
-        """Returns the position of a value: 0 at the low end, 1 at the high one."""
+        """Returns the position of a value above 0: 0 at the low end, 1 at the high one."""
         return (math.log10(value) - self.low) / (self.high - self.low)
 
     def extend_to(self, values: Iterable[float]) -> "LogAxis":
-        """Returns this axis, extended to contain the values."""
+        """Returns this axis, extended to contain the values, all above 0, with a margin."""
         other = axis_around(values)
         return self if other is None else LogAxis(min(self.low, other.low), max(self.high, other.high))
 
     def ticks(self, label: Callable[[float], str]) -> list[Tick]:
-        """Returns ticks at powers of ten, and at 2 and 5 times those."""
+        """Returns ticks at powers of ten, and at 2 and 5 times those; ``label`` formats a value."""
         found = []
         for power in range(math.floor(self.low), math.ceil(self.high) + 1):
             for factor in (1, *MINOR):
@@ -76,7 +70,7 @@ class LogAxis:
 
 
 def axis_around(values: Iterable[float]) -> LogAxis | None:
-    """Returns an axis that contains these values with a margin; None if there are none."""
+    """Returns an axis that contains these values, all above 0, with a margin; None if there are none."""
     logs = [math.log10(value) for value in values]
     if not logs:
         return None
@@ -89,7 +83,7 @@ UNTIMED, UNMEASURED = LogAxis(-4.3, -0.7), LogAxis(-3.3, -0.7)  # axes before an
 
 @dataclass(frozen=True)
 class Axes:
-    """Axes of time, if any is known, and of error; they only grow, so that dots on view stay in place."""
+    """Axes of times in s, if any is known, and of relative errors; they only grow, so that dots stay in place."""
 
     times: LogAxis | None
     error_axis: LogAxis
@@ -105,7 +99,7 @@ class Axes:
 
 
 def axes_for(runs: Sequence[NumberedRun], tolerance: float, before: Axes | None = None) -> Axes:
-    """Returns axes that contain the runs, the tolerance and the range of the axes ``before``."""
+    """Returns axes that contain the runs, the relative tolerance (NaN for none) and the axes ``before``."""
     times = [run.seconds for run in runs if run.drawable and run.timed_alone]
     errors = [run.error_or_estimate for run in runs if run.drawable and not run.broken]
     least = min(errors, default=1e-2) / 10**MOST_BELOW
@@ -117,33 +111,34 @@ def axes_for(runs: Sequence[NumberedRun], tolerance: float, before: Axes | None 
                 before.error_axis.extend_to([*errors, *wanted]))
 
 
-def draw_runs(runs: Sequence[NumberedRun], like: Sequence[NumberedRun], scene: Scene, inside: Axes) -> str:
-    """Draws the runs of the scene's problem; those not comparable (``like``) are faint, the scene's own is marked."""
-    numbers = {run.number for run in like}
+def draw_runs(runs: Sequence[NumberedRun], comparable: Sequence[NumberedRun], scene: Scene, axes: Axes) -> str:
+    """Returns the runs of a problem as html: faint if not ``comparable`` with the scene, the scene's own marked."""
+    numbers = {run.number for run in comparable}
     dots = [run for run in runs if run.drawable]
-    best = visitor_runs.pareto_front(like)
+    best = visitor_runs.pareto_front(comparable)
     band = f"<div class='lab-band'><span>{tr('not timed alone')}</span></div>" \
         * any(not run.timed_alone for run in dots)
-    drawn = [_path(curve, inside, f"class='lab-curve' style='{_colour(curve[0])}'") for curve in sweep_curves(like)]
-    under = _path(best, inside, "class='lab-front'")
-    lines = "".join([_grid(inside), _guides(inside, scene.DIMENSIONS) if inside.times else "", under, *drawn])
-    texts = [_label(run, inside, "lab-name", words, _colour(run)) for run, words in curve_names(like)]
+    curves = sweep_curves(comparable)
+    lines = "".join([_grid(axes), _guides(axes, scene.DIMENSIONS) if axes.times else "",
+                     _path(best, axes, "class='lab-front'"),
+                     *(_path(curve, axes, f"class='lab-curve' style='{_colour(curve[0])}'") for curve in curves)])
+    texts = [_label(run, axes, "lab-name", words, _colour(run)) for run, words in curve_names(comparable)]
     texts += [  # names of methods without curves: at the right, at the height of the most accurate run
-        f"<span class='lab-name lab-at-edge' style='left:100%;top:{inside.run_position(run)[1]}%;{_colour(run)}' "
+        f"<span class='lab-name lab-at-edge' style='left:100%;top:{axes.run_position(run)[1]}%;{_colour(run)}' "
         f"aria-hidden='true'><svg viewBox='-8 -8 16 16'><path d='{SHAPES[METHOD_MARKS[run.method]]}'/></svg>"
-        f"{escape(method_name(run.method))}</span>" for run in best_without_curve(like)]
-    texts += [_label(run, inside, "lab-cells", str(run.scene.cells)) for run in [*chain(*sweep_curves(like)), *best]]
-    if own := run_of_scene(like, scene):
-        texts.append(_label(own, inside, f"lab-on-stage{' lab-untimed' * (not own.timed_alone)}", tr("on the stage")))
+        f"{escape(method_name(run.method))}</span>" for run in best_without_curve(comparable)]
+    texts += [_label(run, axes, "lab-cells", str(run.scene.cells)) for run in [*chain(*curves), *best]]
+    if own := run_of_scene(comparable, scene):
+        texts.append(_label(own, axes, f"lab-on-stage{' lab-untimed' * (not own.timed_alone)}", tr("on the stage")))
     # The comparable runs are drawn last, on top.
     last = sorted(dots, key=lambda run: (run.number in numbers, run in best))
-    words = _axis_titles_svg(scene) + (_legend_svg(dots, best, scene.DIMENSIONS) if inside.times else "")
+    words = _axis_titles_svg(scene) + (_legend_svg(dots, best, scene.DIMENSIONS) if axes.times else "")
     return (f"{band}<svg class='lab-ruled' aria-hidden='true'>{lines}{words}</svg>{''.join(texts)}"
-            f"{''.join(_dot(run, inside, run.number not in numbers) for run in last)}")
+            f"{''.join(_dot(run, axes, run.number not in numbers) for run in last)}")
 
 
 def sweep_curves(runs: Sequence[NumberedRun]) -> list[list[NumberedRun]]:
-    """Groups runs of sweeps that differ only in their number of cells, each group sorted by cells."""
+    """Groups runs of sweeps that differ only in their number of cells; returns each group sorted by cells."""
     groups: dict[str, list[NumberedRun]] = {}
     for run in measured_runs(runs):
         if run.source == SWEEP:
@@ -177,7 +172,7 @@ def best_without_curve(runs: Sequence[NumberedRun]) -> list[NumberedRun]:
 
 
 def _colour(run: NumberedRun) -> str:
-    """Returns a CSS variable for a method's colour; grey for a method unknown to the style sheet."""
+    """Returns a CSS variable ``--m`` for the colour of a run's method; grey if the style sheet does not know it."""
     return f"--m:var(--m-{escape(run.method, quote=True)},var(--ink3))"
 
 
@@ -185,13 +180,13 @@ def _percent(part: float) -> float:
     return round(100 * part, 2)
 
 
-def _grid(inside: Axes) -> str:
+def _grid(axes: Axes) -> str:
     parts = []
-    for tick in inside.time_axis.ticks(format_seconds):
+    for tick in axes.time_axis.ticks(format_seconds):
         x, kind = _percent(tick.position), " lab-minor" * tick.minor
         parts.append(f"<line x1='{x}%' x2='{x}%' y1='0' y2='100%' class='lab-grid{kind}'/><text x='{x}%' y='100%' "
                      f"dy='1.6em' text-anchor='middle' class='lab-across{kind}'>{tick.label}</text>")
-    for tick in inside.error_axis.ticks(format_percent):
+    for tick in axes.error_axis.ticks(format_percent):
         y, kind = _percent(1 - tick.position), " lab-minor" * tick.minor
         parts.append(f"<line x1='0' x2='100%' y1='{y}%' y2='{y}%' class='lab-grid{kind}'/><text x='0' y='{y}%' "
                      f"dy='0.35em' text-anchor='end' class='lab-up{kind}'>{tick.label}</text>")
@@ -199,10 +194,10 @@ def _grid(inside: Axes) -> str:
                     "<line x1='0' x2='100%' y1='100%' y2='100%' class='lab-edge'/>"])
 
 
-def _guides(inside: Axes, dimensions: int) -> str:
-    """Returns faint lines with the slope of a second-order method."""
+def _guides(axes: Axes, dimensions: int) -> str:
+    """Returns faint lines as svg, with the slope of a second-order method in so many dimensions."""
     slope = ORDER / (dimensions + 1)  # cells in each direction, and steps
-    across, up = inside.time_axis, inside.error_axis
+    across, up = axes.time_axis, axes.error_axis
     lines = []
     for power in range(math.floor(up.low + slope * across.low), math.ceil(up.high + slope * across.high) + 1):
         ends = [_percent(1 - (power - slope * x - up.low) / (up.high - up.low)) for x in (across.low, across.high)]
@@ -211,7 +206,7 @@ def _guides(inside: Axes, dimensions: int) -> str:
 
 
 def _legend_svg(dots: Sequence[NumberedRun], best: Sequence[NumberedRun], dimensions: int) -> str:
-    """Returns the legend, in the corner where no run can be: fast and exact."""
+    """Returns the legend, in the corner where no run can be, fast and exact; ``best`` are the runs on the front."""
     judges = list(dict.fromkeys(run.estimator for run in dots if run.error is None and not run.broken))
     keys = [tr("hollow: estimated by {judges}", judges=functools.reduce(
         lambda before, last: tr("{before} or {last}", before=before, last=last), judges))] if judges else []
@@ -231,15 +226,16 @@ def _axis_titles_svg(scene: Scene) -> str:
         f"<tspan>{tr('alone on this machine')}</tspan></text>"
 
 
-def _path(runs: Sequence[NumberedRun], inside: Axes, look: str) -> str:
-    """Returns lines from run to run."""
-    places = [inside.run_position(run) for run in runs]
-    return "".join(f"<line x1='{x}%' y1='{y}%' x2='{right}%' y2='{below}%' {look}/>"
+def _path(runs: Sequence[NumberedRun], axes: Axes, attributes: str) -> str:
+    """Returns svg lines from run to run with these ``attributes``."""
+    places = [axes.run_position(run) for run in runs]
+    return "".join(f"<line x1='{x}%' y1='{y}%' x2='{right}%' y2='{below}%' {attributes}/>"
                    for (x, y), (right, below) in pairwise(places))
 
 
-def _dot(run: NumberedRun, inside: Axes, aside: bool) -> str:
-    x, y = inside.run_position(run)
+def _dot(run: NumberedRun, axes: Axes, aside: bool) -> str:
+    """Returns a run's dot as an html button; faint if it is ``aside``, of another scene than the one on the stage."""
+    x, y = axes.run_position(run)
     shape = CROSS if run.broken else SHAPES[METHOD_MARKS[run.method]]
     kinds = [kind for kind, holds in (("lab-broken", run.broken), ("lab-judged", run.error is None),
                                       ("lab-untimed", not run.timed_alone), ("lab-aside", aside)) if holds]
@@ -250,8 +246,8 @@ def _dot(run: NumberedRun, inside: Axes, aside: bool) -> str:
             f"<svg viewBox='-8 -8 16 16'><path d='{shape}'/></svg></button>")
 
 
-def _label(run: NumberedRun, inside: Axes, kind: str, words: str, style: str = "") -> str:
-    x, y = inside.run_position(run)
+def _label(run: NumberedRun, axes: Axes, kind: str, words: str, style: str = "") -> str:
+    x, y = axes.run_position(run)
     return f"<span class='{kind}' style='left:{x}%;top:{y}%;{style}' aria-hidden='true'>{escape(words)}</span>"
 
 
@@ -260,14 +256,14 @@ PROVISIONAL = lazy("Cheapest so far for <b>{share} of {whole}</b>: <strong>{seco
 WORSE = 1.1  # a finer grid with more than this times the coarsest one's error makes a method worse
 
 
-def answer_headline(like: Sequence[NumberedRun], scene: Scene, tolerance: float, trouble: str, sweep: int,
+def answer_headline(comparable: Sequence[NumberedRun], scene: Scene, tolerance: float, trouble: str, sweep_size: int,
                     provisional: bool = False) -> tuple[str, str]:
-    """Returns the answer and a second line as html; ``trouble`` is why there is no tolerance, ``sweep`` its runs."""
-    known, of = measured_runs(like), reference_length_name(scene)
+    """Returns the answer and a second line as html; ``trouble``: why no tolerance; ``sweep_size``: runs in a sweep."""
+    known, of = measured_runs(comparable), reference_length_name(scene)
     if not known:
-        begin = tr("Begin with a small sweep of {n} runs", n=sweep)
+        begin = tr("Begin with a small sweep of {n} runs", n=sweep_size)
         button = f"<button data-press='{escape(tr('Small sweep'))}'>{begin}</button>"
-        live = next((run for run in reversed(like) if run.drawable and not run.broken), None)
+        live = next((run for run in reversed(comparable) if run.drawable and not run.broken), None)
         if live is None:
             asked = tr("What does accuracy cost on the {problem}?", problem=tr(PROBLEMS[scene.problem].scene.TITLE))
             return tr("Nothing measured yet."), f"{asked}<br>{button}"
@@ -276,7 +272,7 @@ def answer_headline(like: Sequence[NumberedRun], scene: Scene, tolerance: float,
         return tr("Nothing timed yet."), f"{untimed}<br>{button}"
     if trouble:
         return tr("How accurate must it be?"), escape(trouble)
-    best = cheapest_run(like, tolerance)
+    best = cheapest_run(comparable, tolerance)
     if best is None:
         near = min(known, key=lambda run: run.error_or_estimate)
         return (tr("No run so far comes below <b>{share} of {whole}</b>.", share=format_percent(tolerance), whole=of),
@@ -284,31 +280,31 @@ def answer_headline(like: Sequence[NumberedRun], scene: Scene, tolerance: float,
                    "better one.", error=_error_text(near), run=escape(run_name(near)),
                    seconds=format_seconds(near.seconds)))
     answer = PROVISIONAL if provisional else FINAL
-    worse = dict.fromkeys(str(METHODS.get(curve[0].method, curve[0].method)) for curve in sweep_curves(like)
+    worse = dict.fromkeys(str(METHODS.get(curve[0].method, curve[0].method)) for curve in sweep_curves(comparable)
                           if len(curve) > 1 and curve[-1].error_or_estimate > WORSE * curve[0].error_or_estimate)
     says = [trn("{methods} gets worse, however much you pay.", "{methods} get worse, however much you pay.", len(worse),
-                methods=escape(join_names(worse)))] if worse else []
+                methods=escape(cost_texts.join_names(worse)))] if worse else []
     return (tr(answer, share=format_percent(tolerance), whole=of, seconds=format_seconds(best.seconds),
                run=escape(run_name(best))),
             " ".join([tr("Its error is {error}; {run}.", error=_error_text(best),
                          run=escape(cost_texts.run_details(best))), *says]))
 
 
-def tolerance_line(like: Sequence[NumberedRun], scene: Scene, tolerance: float, inside: Axes | None) -> str:
-    """Returns the line of the tolerance, as a mark for the script."""
-    if inside is None or not math.isfinite(tolerance):
+def tolerance_line(comparable: Sequence[NumberedRun], scene: Scene, tolerance: float, axes: Axes | None) -> str:
+    """Returns the line of the relative tolerance as html for the script, with the cheapest of ``comparable`` runs."""
+    if axes is None or not math.isfinite(tolerance):
         return "<i class='lab-cost-line'></i>"
-    best, text = cheapest_run(like, tolerance), format_percent(tolerance)
+    best, text = cheapest_run(comparable, tolerance), format_percent(tolerance)
     price = f" data-best='{best.number}' data-price='{format_seconds(best.seconds)}'" if best else ""
     found = f"{format_seconds(best.seconds)}, {run_name(best)}" if best else tr("no run so far")
     spoken = tr("{share} of {whole}: {found}", share=text, whole=reference_length_name(scene), found=found)
-    return (f"<i class='lab-cost-line' data-low='{inside.error_axis.low:.6g}' data-high='{inside.error_axis.high:.6g}' "
+    return (f"<i class='lab-cost-line' data-low='{axes.error_axis.low:.6g}' data-high='{axes.error_axis.high:.6g}' "
             f"data-value='{math.log10(tolerance):.6g}' data-text='{text}' "
             f"data-spoken='{escape(spoken, quote=True)}'{price}></i>")
 
 
 def _error_text(run: NumberedRun) -> str:
-    """Returns a run's error; with the estimator's name if the true error is not known."""
+    """Returns a run's error, in % of the scene's length; with the estimator's name if it is an estimate."""
     share = format_percent(run.error_or_estimate)
     return share if run.error is not None else tr("{share}, estimated by {estimator}", share=share,
                                                   estimator=escape(run.estimator))

@@ -49,11 +49,11 @@ POSITIVE = lazy("{name} '{typed}': give a number above 0, such as 1e-3.")
 
 
 class InvalidNumber(ValueError):
-    """Raised for input that is not a valid number; the message gives the reason."""
+    """Error for a text that is no valid number; the message gives the reason."""
 
 
 def parse_positive(name: str, text: str, most: float = math.inf) -> float:
-    """Parses a positive number of at most ``most``; raises :class:`InvalidNumber`."""
+    """Returns the number above 0 and up to ``most`` in a field called ``name``; raises :class:`InvalidNumber`."""
     try:
         value = number_parsing.parse_float(text.strip())
     except ValueError:
@@ -77,12 +77,12 @@ def scene_summary(scene: Scene) -> str:
 
 
 def join_names(names: Iterable[str]) -> str:
-    """Joins names with "and"."""
+    """Joins names with "and" in the page's language."""
     return functools.reduce(lambda before, last: tr("{before} and {last}", before=before, last=last), names)
 
 
 def run_sentence(run: NumberedRun) -> str:
-    """Returns a one-line summary of a run."""
+    """Returns a run in one line: number, method, details, motion, errors or how it ended, and time."""
     scene = run.scene
     parts = [tr("run {number}: {run}", number=run.number, run=run_name(run)), run_details(run),
              f"{motion_text(scene)}, E {with_unit(scene.modulus, 'Pa')}"]
@@ -100,12 +100,12 @@ def run_sentence(run: NumberedRun) -> str:
 
 
 def run_name(run: NumberedRun) -> str:
-    """Returns a run's method and cells."""
+    """Returns a run's method and number of cells as text."""
     return tr("{method} on {cells} cells", method=method_name(run.method), cells=run.scene.cells)
 
 
 def run_details(run: NumberedRun) -> str:
-    """Returns a run's particles per cell, Courant number, steps and remedies."""
+    """Returns a run's particles per cell, Courant number, steps and remedies as text."""
     scene = run.scene
     chosen = tr("{particles} per cell, CFL {number:.3g}, {steps:,} steps", particles=per_cell(scene.problem, scene.ppc),
                 number=scene.courant_number, steps=scene.steps)
@@ -114,7 +114,7 @@ def run_details(run: NumberedRun) -> str:
 
 
 def reference_length_name(scene: Scene) -> str:
-    """Returns the name of the length that errors are divided by."""
+    """Returns the name of the length that errors of x are divided by: "A" or "the largest displacement"."""
     moved = "amplitude" in scene.motion_fields and scene.size_of("x") == scene.amplitude
     return "A" if moved else tr("the largest displacement")
 
@@ -131,7 +131,7 @@ def format_percent(value: float | None) -> str:
 
 
 def format_seconds(value: float | None) -> str:
-    """Formats a time in s with two digits and a prefix."""
+    """Formats a time in s with two digits and a prefix, such as 2.5 ms; None and NaN as :data:`NOTHING`."""
     if value is None or not math.isfinite(value):
         return NOTHING
     return (f"{value:.0f} s" if value >= 99.5 else with_unit(value, "s", 2)).replace(" ", TOGETHER)
@@ -166,7 +166,7 @@ def _run_row_html(run: NumberedRun) -> str:
 
 
 def other_runs_note(runs: Sequence[NumberedRun], problem: str) -> str:
-    """Returns a note if there are runs of another problem than the one on the stage, else ""."""
+    """Returns a note on how many runs are of another problem than the one on the stage; "" for none."""
     hidden = [run for run in runs if run.row["problem"] != problem]
     if not hidden:
         return ""
@@ -177,7 +177,7 @@ def other_runs_note(runs: Sequence[NumberedRun], problem: str) -> str:
 
 
 def job_progress_text(status: CostJobStatus) -> str:
-    """Returns the progress of a running job."""
+    """Returns how many runs a running job has done, as text."""
     if not status.total:
         return tr(STARTING[status.kind])
     said = ON_THE_WAY if status.done < status.total else DONE
@@ -185,7 +185,7 @@ def job_progress_text(status: CostJobStatus) -> str:
 
 
 def job_status_text(status: CostJobStatus) -> str:
-    """Returns the progress of a job, or how it ended."""
+    """Returns the progress of a job or how it ended, as text; "" before the first job."""
     if status.running:
         if status.kind == SWEEP or status.task is None:
             return job_progress_text(status)
@@ -207,7 +207,7 @@ def job_status_text(status: CostJobStatus) -> str:
 
 
 def timing_note(paused: bool, playing: bool, others: bool) -> str:
-    """Returns a warning if the own stage or those of ``others`` distort the times of the running job, else ""."""
+    """Returns a warning if the own stage (``paused`` or ``playing``) or ``others`` distort measured times, else ""."""
     own = tr("Your stage is paused meanwhile, so that the times are accurate.") if paused else \
         tr("Your stage is running: times are too long. Press Pause for accurate ones.") if playing else ""
     theirs = tr("Other visitors use this server too: measured times may be longer.") if others else ""
@@ -215,7 +215,7 @@ def timing_note(paused: bool, playing: bool, others: bool) -> str:
 
 
 def advice_text(advice: dict) -> str:
-    """Returns the recommendation of a search."""
+    """Returns the recommendation of a search as text, from the outcome that its process sends as ``advice``."""
     scene = Task(**advice["task"]).scene()
     size = scene.size_of("x")
     error = tr("no usable error") if advice["error"] is None else tr(

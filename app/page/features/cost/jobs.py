@@ -32,37 +32,37 @@ RESTS = 300.0  # seconds after which an unused one ends
 
 @dataclass
 class _CachedRun:
-    """Cached result of one run, with its rates and when they were measured, by whether undisturbed."""
+    """Cached result of a run: ``values``; and by whether undisturbed, its rate and the time of measurement in s."""
 
     values: dict
     rates: dict[bool, tuple[float | None, float]] = field(default_factory=dict)
 
 
 class SearchCache:
-    """Cache of measured points by question (the subject of a search, as text) and by key of their rows. Thread-safe."""
+    """Cache of measured points by question (a search's subject as JSON) and by key of their rows. Thread-safe."""
 
     def __init__(self, now: Callable[[], float] = time.monotonic):
         self._lock, self._now = threading.Lock(), now
         self._questions: OrderedDict[str, dict[str, _CachedRun]] = OrderedDict()
 
-    def add_point(self, question: str, key: str, told: dict, quiet: bool) -> None:
-        """Stores a search's result for a run, and whether its time was measured undisturbed (``quiet``)."""
+    def add_point(self, question: str, key: str, result: dict, undisturbed: bool) -> None:
+        """Stores a run's error, status, reason and rate, measured ``undisturbed`` or not; drops the oldest."""
         with self._lock:
             points = self._questions.setdefault(question, {})
             self._questions.move_to_end(question)
-            point = points.setdefault(key, _CachedRun({name: told[name] for name in ("error", "status", "reason")}))
-            point.rates[quiet] = told["rate"], self._now()
+            point = points.setdefault(key, _CachedRun({name: result[name] for name in ("error", "status", "reason")}))
+            point.rates[undisturbed] = result["rate"], self._now()
             if len(points) > MOST_POINTS:
                 del points[next(iter(points))]
             if len(self._questions) > MOST_QUESTIONS:
                 self._questions.popitem(last=False)
 
-    def recent_points(self, question: str, quiet: bool) -> dict[str, dict]:
-        """Returns the cached points of a question, with the recent rates measured under the same load (``quiet``)."""
+    def recent_points(self, question: str, undisturbed: bool) -> dict[str, dict]:
+        """Returns a question's cached points by key, with ``rate`` if recent and measured at the same load."""
         with self._lock:
             since = self._now() - HOLDS
             found = self._questions.get(question, {})
-            rates = {key: point.rates.get(quiet, (None, since)) for key, point in found.items()}
+            rates = {key: point.rates.get(undisturbed, (None, since)) for key, point in found.items()}
             return {key: point.values | ({"rate": rates[key][0]} if rates[key][1] > since else {})
                     for key, point in found.items()}
 
@@ -71,20 +71,20 @@ KEPT = SearchCache()
 
 
 class WarmWorker:
-    """At most one idle worker process for one kind of ``work``, if one of the ``places`` is free. Thread-safe."""
+    """At most one idle process for the function ``work``, if a place is free, for ``idle_timeout`` s. Thread-safe."""
 
-    def __init__(self, work: str, places: Slots = PLACES, rests: float = RESTS):
-        self._work, self._places, self._rests = work, places, rests
+    def __init__(self, work: str, places: Slots = PLACES, idle_timeout: float = RESTS):
+        self._work, self._places, self._rests = work, places, idle_timeout
         self._lock = threading.Lock()
         self._pool: WorkerPool | None = None
         self._timer: threading.Timer | None = None
 
-    def prepare(self, question: Mapping, gives_way: bool) -> None:
-        """Starts a process that compiles for a question, if a place is free; at low priority if it ``gives_way``."""
+    def prepare(self, question: Mapping, low_priority: bool) -> None:
+        """Starts a process that compiles for a question, if a place is free, perhaps at low priority."""
         pool = WorkerPool(self._work)
         if self.keep_worker(pool):
             pool.submit(question)
-            if gives_way:
+            if low_priority:
                 pool.lower_priority()
 
     def keep_worker(self, pool: WorkerPool) -> bool:
@@ -99,7 +99,7 @@ class WarmWorker:
             return True
 
     def take(self) -> WorkerPool | None:
-        """Removes and returns the process, or None if there is none."""
+        """Removes the idle process and returns it, or None if there is none; frees its place."""
         with self._lock:
             pool, self._pool = self._pool, None
             if pool is not None:
@@ -109,7 +109,7 @@ class WarmWorker:
             return pool
 
     def end(self) -> None:
-        """Ends the process, which is no longer needed."""
+        """Ends the idle process, which is no longer needed."""
         if pool := self.take():
             threading.Thread(target=pool.close, name="no-longer-ready", daemon=True).start()
 
@@ -142,14 +142,14 @@ def scenes_to_time(runs: Sequence[NumberedRun]) -> list[Task]:
 
 
 def search_job(scene: Scene, tolerance: float, budget: float) -> SearchJob:
-    """Returns the job of finding the cheapest run with an error of x of at most ``tolerance`` times A."""
+    """Returns the search for the cheapest run with an error of x up to ``tolerance`` times A, in up to ``budget`` s."""
     return SearchJob(task_of(visitor_runs.without_search_options(scene)).to_dict(), scene.candidates(),
                      PARTICLES_PER_CELL, COURANT_NUMBERS, "x", tolerance * scene.size_of("x"), budget)
 
 
 @dataclass(frozen=True)
 class CostJobStatus(JobStatus):
-    """A "sweep" or "search": ``done`` of ``total`` certain runs, ``known`` of them cached, and the ``task`` now."""
+    """State of a sweep or search: ``done`` of ``total`` certain runs, ``known`` of them cached; ``task`` runs now."""
 
     done: int = 0
     total: int = 0
@@ -171,10 +171,10 @@ class CostJobs(BackgroundJobs[CostJobStatus]):
         self._ready = WarmWorker(f"{self.WORK}:search")
         self._quiet, self._about = True, ""  # whether the job runs undisturbed; subject of the search
 
-    def prepare(self, job: SearchJob, quiet: bool) -> None:
-        """Prepares a process for a search that the visitor may start."""
+    def prepare(self, job: SearchJob, undisturbed: bool) -> None:
+        """Prepares a process for a search that the visitor may start, at low priority unless ``undisturbed``."""
         if not self.status.running and not self._closed:
-            self._ready.prepare(asdict(job) | {READY: True}, gives_way=not quiet)
+            self._ready.prepare(asdict(job) | {READY: True}, low_priority=not undisturbed)
         if self._closed:  # meanwhile
             self._ready.end()
 
@@ -198,14 +198,15 @@ class CostJobs(BackgroundJobs[CostJobStatus]):
     def start_sweep(self, tasks: list[Task]) -> None:
         self._start(CostJobStatus("sweep", total=len(tasks)), [task.to_dict() for task in tasks])
 
-    def start_search(self, job: SearchJob, quiet: bool = True) -> None:
-        """Starts a search; it is ``quiet`` if nothing else runs on this server."""
+    def start_search(self, job: SearchJob, undisturbed: bool = True) -> None:
+        """Starts a search; it is ``undisturbed`` if no job or stage of another visitor runs on this server."""
         if not self.status.running:
-            self._quiet, self._about = quiet, json.dumps(advice_key(Task(**job.base).scene()), sort_keys=True)
-        self._start(CostJobStatus("search"), asdict(replace(job, known=self._kept.recent_points(self._about, quiet))))
+            self._quiet, self._about = undisturbed, json.dumps(advice_key(Task(**job.base).scene()), sort_keys=True)
+        known = self._kept.recent_points(self._about, undisturbed)
+        self._start(CostJobStatus("search"), asdict(replace(job, known=known)))
 
     def share_cpu(self) -> None:
-        """Lowers the job's priority because something else runs; that of a search only after its first run."""
+        """Lowers the running job's priority because something else runs; a search's only after its first run."""
         self._quiet = False
         if self.status.kind != "search" or self.status.done:
             self.lower_priority()

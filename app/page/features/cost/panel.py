@@ -13,14 +13,7 @@ from app.page.feature import Feature, PageView
 from app.page.features.cost import cost_texts, visitor_runs
 from app.page.features.cost.cost_chart import Axes, answer_headline, axes_for, draw_runs, tolerance_line
 from app.page.features.cost.jobs import CostJobs, CostJobStatus, StagePauser, scenes_to_time, search_job, small_sweep
-from app.page.features.cost.visitor_runs import (
-    LIVE,
-    LiveRunRecorder,
-    VisitorRuns,
-    advice_key,
-    comparable_runs,
-    csv_bytes,
-)
+from app.page.features.cost.visitor_runs import LIVE, LiveRunRecorder, VisitorRuns, advice_key, comparable_runs
 from app.page.page_context import PageContext
 from app.page.panels.page_header import BESIDE
 from app.page.visit.engine_links import scene_size_refusal
@@ -40,7 +33,7 @@ PICKED, WANTED = "<i class='lab-picked'></i>", "<i class='lab-wanted'></i>"
 
 
 class CostTab(Feature):
-    """The Cost tab with its chart; ``load`` puts a scene on the stage. Thread-safe."""
+    """The Cost tab of one visitor with its chart; ``load`` puts a scene on the stage. Thread-safe."""
 
     def __init__(self, client: viser.ClientHandle, session: Session, load: Callable[[Scene], None]):
         self._client, self._session, self._load = client, session, load
@@ -70,7 +63,7 @@ class CostTab(Feature):
         self.jobs.close()
 
     def on_frame(self, report: FrameReport) -> None:
-        """Handles a new frame: adds the run's row when it is complete."""
+        """Adds the row of the run on the stage when a frame completes it."""
         if row := self._live.take_row(report, self._session.history):
             self.runs.add(row, LIVE)
 
@@ -81,11 +74,11 @@ class CostTab(Feature):
             self.jobs.prepare(search_job(scene, float(TOLERANCE), float(BUDGET)), self._is_alone())
 
     def _is_alone(self) -> bool:
-        """Whether nothing of other visitors runs on this server."""
+        """Whether nothing of other visitors, jobs or stages, runs on this server."""
         return not (self.jobs.others_busy or self._session.others_playing)
 
     def refresh(self, view: PageView | None = None) -> None:
-        """Refreshes the tab; called periodically, and when the line of the tolerance has been moved."""
+        """Refreshes chart and texts if they have changed, and cancels a search whose goal has."""
         with self._refreshing:
             status = self.jobs.status  # read once: a job may start before its stage is paused
             self._quiet.set_job_running(status.running)
@@ -110,7 +103,7 @@ class CostTab(Feature):
         return Notice("wait", tr(cost_texts.PAUSED[self.jobs.status.kind])) if self._quiet.paused else None
 
     def _disturbance_note(self, status: CostJobStatus) -> str:
-        """Returns a note on what disturbs the running job, and lowers its priority while any stage runs."""
+        """Returns a note on what disturbs a running job, "" without; lowers its priority if a stage runs."""
         if not status.running:
             return ""
         others = self.jobs.others_busy or self._session.others_playing
@@ -119,7 +112,7 @@ class CostTab(Feature):
         return cost_texts.timing_note(self._quiet.paused, self._session.playing, others)
 
     def _discard_outdated_search(self) -> None:
-        """Removes a remark and cancels a search whose input has changed."""
+        """Removes a remark, and cancels a search, whose input has changed."""
         if self._remark and self._remarked_on != self._entered_values():
             self._remark = ""
         if self._last_query is None or self._last_query == (asked := self._search_question()):
@@ -172,7 +165,7 @@ class CostTab(Feature):
         self._download = gui.add_button(tr("Download CSV"), icon=viser.Icon.DOWNLOAD, disabled=True,
                                         hint=tr("all these runs, a row each, for a spreadsheet"))
         self._download.on_click(lambda _: self._client.send_file_download(
-            FILE_NAME, csv_bytes(self.runs.all()), save_immediately=True))
+            FILE_NAME, visitor_runs.csv_bytes(self.runs.all()), save_immediately=True))
         self._time = gui.add_button(tr("Time my runs alone"), icon=viser.Icon.CLOCK, visible=False, hint=tr(
             "runs on the stage are timed in small pieces and with every effect; this runs them bare and in one go, in "
             "the background"))
@@ -180,7 +173,7 @@ class CostTab(Feature):
         self._table = gui.add_html("")
 
     def _show_runs(self, scene: Scene) -> None:
-        """Updates the chart and the table."""
+        """Updates the chart and the table of the runs of the scene's problem."""
         runs = self.runs.all()
         of_problem = [run for run in runs if run.row["problem"] == scene.problem]
         inside = self._inside = axes_for(of_problem, self._read_tolerance()[0], self._axes.get(scene.problem))
@@ -194,7 +187,7 @@ class CostTab(Feature):
         self._time.visible = bool(scenes_to_time(runs))
 
     def _show_headline(self, scene: Scene, status: CostJobStatus, stage: str) -> None:
-        """Updates the headline above the chart, and the line of the tolerance."""
+        """Updates the headline above the chart, the tolerance's line, and what a job does (``stage`` is added)."""
         like = comparable_runs(self.runs.all(), scene)
         tolerance, trouble = self._read_tolerance()
         if axes_for(like, tolerance, self._inside) != self._inside:
@@ -210,7 +203,7 @@ class CostTab(Feature):
                               f"{tolerance_line(like, scene, tolerance, self._inside)}")
 
     def _read_tolerance(self) -> tuple[float, str]:
-        """Returns the tolerance typed, or NaN and an error message."""
+        """Returns the relative tolerance typed and "", or NaN and an error message."""
         try:
             return cost_texts.parse_positive(tr("Tolerance"), self._tolerance.value), ""
         except cost_texts.InvalidNumber as refusal:
@@ -251,18 +244,18 @@ class CostTab(Feature):
             self._set_remark(str(refusal))
             return
         self._remark, self._last_query = "", self._search_question()
-        self.jobs.start_search(job, quiet=self._is_alone())
+        self.jobs.start_search(job, undisturbed=self._is_alone())
         self._quiet.set_job_running(self.jobs.status.running)  # at once: else the first times are disturbed
 
     def _load_advised_scene(self) -> None:
         if advice := self.jobs.status.advice:
             self._load_scene(Task(**advice["task"]).scene(), tr("The advice is on the stage."))
 
-    def _load_scene(self, scene: Scene, done: str) -> None:
-        """Puts a scene on the stage and shows the remark ``done``, if a browser can show it; else the reason."""
+    def _load_scene(self, scene: Scene, remark: str) -> None:
+        """Puts a scene on the stage and shows ``remark``, or why no browser can show the scene."""
         if refusal := scene_size_refusal(scene):
             self._set_remark(tr("{refusal}. Run it in a terminal: {command}", refusal=refusal,
                                 command=command_line(scene)))
             return
         self._load(scene)
-        self._set_remark(done)
+        self._set_remark(remark)

@@ -28,7 +28,7 @@ KNOWN = {LIVE: 0, SEARCH: 1, SWEEP: 2}  # ranks of sources: of one scene the row
 
 @dataclass(frozen=True)
 class NumberedRun:
-    """Row of a run (``solvers.study.row``) with its number and source; derived values are cached."""
+    """Row of a run (a dict as in ``solvers.study.row``), its number from 1, and source; derived values are cached."""
 
     number: int
     source: str
@@ -40,22 +40,22 @@ class NumberedRun:
 
     @functools.cached_property
     def error(self) -> float | None:
-        """The largest RMS error of x over A; None if unknown."""
+        """The largest RMS error of x over time, divided by the scene's size of x (A); None if unknown."""
         return self._relative(self.row.get("error") or {})
 
     @functools.cached_property
     def estimate(self) -> float | None:
-        """The largest RMS error of x over A as estimated by :attr:`estimator`; None if unknown."""
+        """The :attr:`error` as estimated by :attr:`estimator`, divided by the size of x, too; None if unknown."""
         return self._relative((self.row.get("estimate") or {}).get(self.estimator) or {})
 
     @property
     def estimator(self) -> str:
-        """The first valid estimator, or ""."""
+        """The name of the first valid estimator, or ""."""
         return next(iter(self.row.get("estimate") or {}), "")
 
     @property
     def error_or_estimate(self) -> float:
-        """The error, or the estimate if no error is known, for its dot; NaN if neither is."""
+        """The relative error, or its estimate if no error is known, for the chart; NaN if neither is."""
         size = self.estimate if self.error is None else self.error
         return math.nan if size is None else size
 
@@ -67,7 +67,7 @@ class NumberedRun:
 
     @property
     def timed_alone(self) -> bool:
-        """Whether it was timed by itself, not on a stage with drawing, estimates and other visitors."""
+        """Whether the run was timed by itself, not on a stage with drawing, estimates and other visitors."""
         return self.source != LIVE
 
     @property
@@ -80,12 +80,12 @@ class NumberedRun:
 
     @property
     def broken(self) -> bool:
-        """Whether it went unstable or was lost, so that its error is meaningless."""
+        """Whether the run went unstable or was lost, so that its error is meaningless."""
         return self.status in BROKEN
 
     @property
     def drawable(self) -> bool:
-        """Whether it has a dot: a broken run, whose error is out of bounds, is drawn at the edge."""
+        """Whether the run has a dot on the chart; a broken one has it at the edge."""
         return 0 < self.seconds < math.inf and (self.broken or (self.status == OK and self.error_or_estimate > 0))
 
     def _relative(self, norms: dict) -> float | None:
@@ -94,7 +94,7 @@ class NumberedRun:
 
 
 class VisitorRuns:
-    """The rows of one visitor. Thread-safe; ``version`` grows with every change."""
+    """Numbered runs of one visitor, at ``most`` so many. Thread-safe; ``version`` grows with every change."""
 
     def __init__(self, most: int = MOST_RUNS):
         self._lock, self._most = threading.Lock(), most
@@ -102,7 +102,7 @@ class VisitorRuns:
         self._numbers = self.version = 0
 
     def add(self, row: dict, source: str) -> None:
-        """Adds a row; a known scene's row stays unless the new one ranks as high (``KNOWN``) and has not failed."""
+        """Adds a row; a known scene's stays unless the new one ranks as high (``KNOWN``) and has not failed."""
         key = row["key"]
         with self._lock:
             before = self._runs.get(key)
@@ -116,7 +116,7 @@ class VisitorRuns:
             self.version += 1
 
     def all(self) -> list[NumberedRun]:
-        """Returns all runs, by number."""
+        """Returns all runs, in the order of their numbers."""
         with self._lock:
             return sorted(self._runs.values(), key=lambda run: run.number)
 
@@ -125,18 +125,18 @@ class VisitorRuns:
 
 
 def csv_bytes(runs: Sequence[NumberedRun]) -> bytes:
-    """Returns the rows as CSV as ``mpm-lab sweep`` writes them, after the number and the source."""
+    """Returns the runs as a CSV file: the columns of ``mpm-lab sweep`` after number and source."""
     return table.csv_text({"run": run.number, "source": run.source, **run.row} for run in runs).encode()
 
 
 class LiveRunRecorder:
-    """Creates a row from the frames of one session; a row covers the scene's own length, though the stage runs on."""
+    """Creates rows from the frames of one visitor's stage; a row ends with the scene, though the stage runs on."""
 
     def __init__(self) -> None:
         self._done = False
 
     def take_row(self, report: FrameReport, history: NormHistory) -> dict | None:
-        """Returns the run's row, once, when this frame completes it or it has stopped; None otherwise."""
+        """Returns the run's row once, when this frame completes it or it has stopped; None otherwise."""
         if report.fresh:
             self._done = False
         if self._done:
@@ -150,7 +150,7 @@ class LiveRunRecorder:
 
 
 def live_row(report: FrameReport, history: NormHistory) -> dict:
-    """Returns a row as in ``solvers.study.row`` up to the scene's end, with the seconds of all computations."""
+    """Returns a row (``solvers.study.row``) of a run on the stage, to its scene's end, with seconds of everything."""
     scene, series = report.scene, history.series
     status = report.status
     if report.since is None or report.since > scene.end_time:
@@ -179,16 +179,15 @@ def _last(values: np.ndarray) -> float | None:
 
 
 def without_search_options(scene: Scene) -> Scene:
-    """Returns the scene without the options that a search sets itself."""
+    """Returns the scene without the options that a search sets itself: velocity, estimators, effects, steps."""
     return replace(scene, velocity="grid", estimators=(), effects=(), dt=None, sample_every=None)
 
 
 @functools.lru_cache(maxsize=1000)  # called often, for each run
 def advice_key(scene: Scene) -> dict:
-    """Returns the fields of a scene that a search's advice depends on."""
-    return {"problem": scene.problem} | {name: value for name,
-                                         value in task_of(without_search_options(scene)).inputs.items()
-                                         if name not in CHOSEN}
+    """Returns the problem and fields of a scene that a search's advice depends on, by name."""
+    inputs = task_of(without_search_options(scene)).inputs
+    return {"problem": scene.problem} | {name: value for name, value in inputs.items() if name not in CHOSEN}
 
 
 def comparable_runs(runs: Sequence[NumberedRun], scene: Scene) -> list[NumberedRun]:
@@ -199,7 +198,7 @@ def comparable_runs(runs: Sequence[NumberedRun], scene: Scene) -> list[NumberedR
 
 
 def run_of_scene(runs: Sequence[NumberedRun], scene: Scene) -> NumberedRun | None:
-    """Returns the run that computes exactly this scene, preferably one that was timed alone."""
+    """Returns the run that computes exactly this scene, preferably one that was timed alone; None if there is none."""
     own = [run for run in runs if run.drawable and _run_key(run.scene) == _run_key(scene)]
     return next((run for run in own if run.timed_alone), own[0] if own else None)
 
@@ -215,11 +214,11 @@ def measured_runs(runs: Sequence[NumberedRun]) -> list[NumberedRun]:
 
 
 def pareto_front(runs: Sequence[NumberedRun]) -> list[NumberedRun]:
-    """Returns the runs that no other beats in both error and time, by time."""
+    """Returns the runs that no other beats in both error and time, from the fastest to the slowest."""
     known = measured_runs(runs)
     return [known[k] for k in pareto([run.seconds for run in known], [run.error_or_estimate for run in known])]
 
 
 def cheapest_run(runs: Sequence[NumberedRun], tolerance: float) -> NumberedRun | None:
-    """Returns the cheapest run with an error of at most ``tolerance`` times A."""
+    """Returns the fastest run with an error of at most ``tolerance`` times A; None if there is none."""
     return next((run for run in pareto_front(runs) if run.error_or_estimate <= tolerance), None)

@@ -29,16 +29,16 @@ class LessonControls(Protocol):
         """Puts a state on the stage."""
 
     def show_only(self, controls: tuple[str, ...], place: viser.GuiFolderHandle | None = None) -> None:
-        """Shows only these controls, in ``place``; without arguments all controls in their own tab."""
+        """Shows only the ``controls`` of these names, in ``place``; with () all in their own tab."""
 
     def set_field_from_text(self, field: str, said: str, meant: Callable[[Scene], object]) -> None:
-        """Sets a field of the scene to the value in the lesson's text ``said``."""
+        """Sets a scene's field to what ``meant`` returns for the scene; ``said`` is the lesson's text."""
 
     def show_error(self, quantity: str = "", estimator: str = "") -> None:
-        """Shows the error of a quantity, or the errors as estimated by an estimator."""
+        """Shows the error of a quantity by its key, or the error as estimated by an estimator of this name."""
 
     def press(self, name: str) -> None:
-        """Triggers the playback button of this name."""
+        """Triggers the playback button of this name: Play, Pause, Reset or Step."""
 
 
 STAGE = lazy("On the stage")  # as a button it shows the step's run; as a choice, an estimator
@@ -49,7 +49,7 @@ NAMES = (*FIELDS, *LOOKS, *PRESSED, ASKED)
 
 @dataclass(frozen=True)
 class Instruction:
-    """Instruction: verb and control in English, and a value, if any, in the ``language`` of the text."""
+    """Instruction in a lesson: verb and control in English, and a value as written in its ``language``, or ""."""
 
     verb: str
     name: str
@@ -65,7 +65,7 @@ class Instruction:
 
 
 def run_on_stage_button_html() -> str:
-    """Returns the button that puts a step's run on the stage."""
+    """Returns the button that puts a lesson step's run on the stage."""
     return f"<button type='button' class='lab-act lab-put' data-act='stage'>{tr(STAGE)}</button>"
 
 
@@ -75,13 +75,13 @@ def budget_button_html() -> str:
 
 
 def find_instructions(html: str) -> list[Instruction]:
-    """Returns the instructions in a step's html that a button can carry out, in order."""
+    """Returns the instructions in a lesson step's html that a button can carry out, in order."""
     return [act for act in map(_parse_instruction, _instruction_pattern().finditer(html)) if act.has_button]
 
 
 def with_buttons(html: str) -> str:
-    """Returns html with a button for each act of :func:`find_instructions`, for the step's run, and for its error
-    budget."""
+    """Returns a lesson step's html with buttons: for the instructions of :func:`find_instructions`, for the step's run,
+    and for its error budget."""
     count = itertools.count()
 
     def button(line: re.Match[str]) -> str:
@@ -109,22 +109,24 @@ def _instruction_pattern() -> re.Pattern[str]:
 
 
 def _name_and_value(line: re.Match[str]) -> tuple[str, str]:
-    """Returns name and value as written in the text."""
+    """Returns control's name and value ("" for none) of a matched instruction, as written in the text."""
     said = line.groupdict()
     return said[f"{line.lastgroup}_name"], said.get(f"{line.lastgroup}_value") or ""
 
 
-def parse_click(said: object, step: int, known: Sequence[Instruction]) -> Instruction | str | None:
-    """Returns the act, or :data:`STAGE`, that the browser reports as pressed in this step; None for invalid input."""
-    if not isinstance(said, list) or len(said) != 2 or said[0] != step:
+def parse_click(message: object, step: int, instructions: Sequence[Instruction]) -> Instruction | str | None:
+    """Returns the one of a step's ``instructions`` that the browser's ``message`` [step, index] is about, :data:`STAGE`
+    for [step, "stage"]; None for other steps and invalid messages."""
+    if not isinstance(message, list) or len(message) != 2 or message[0] != step:
         return None
-    number = said[1]
+    number = message[1]
     if number == "stage":
         return STAGE
-    return known[number] if type(number) is int and 0 <= number < len(known) else None
+    return instructions[number] if type(number) is int and 0 <= number < len(instructions) else None
 
 
 def _parse_instruction(line: re.Match[str]) -> Instruction:
+    """Returns a match of the pattern as an instruction, its control's name in English if it is known."""
     name, value = map(unescape, _name_and_value(line))
     known = {tr(one): one for one in NAMES}
     return Instruction(f"{line.lastgroup}", known.get(name, name), value, current_language())
@@ -147,7 +149,7 @@ def perform_instruction(act: Instruction, controls: LessonControls) -> None:
 
 
 def _field_value_reader(act: Instruction) -> Callable[[Scene], object]:
-    """Returns a function from a scene to the field's value; it raises ValueError if the field has no such value."""
+    """Returns a function from a scene to the field's value; that raises ValueError if the field has no such value."""
     field = FIELDS[act.name]
 
     def read_value(scene: Scene) -> object:

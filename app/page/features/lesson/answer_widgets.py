@@ -20,8 +20,8 @@ LOGARITHMIC = "<i class='lab-logarithmic'></i>"  # a slider whose number box wou
 
 
 class AnswerWidgets:
-    """Widgets for an answer; ``value`` is the answer given, or None or a message while it is invalid; that of a control
-    is taken from the ``stage``. ``lang`` is the html attribute of the lesson's language, or ""."""
+    """Widgets for the answer to a ``step``'s question. ``answer`` is the one given so far, or None, and cannot be
+    changed if ``fixed``; ``stage`` returns the scene on the stage, ``lang`` is a lang attribute for html, or ""."""
 
     def __init__(self, gui: viser.GuiApi, step: Step, numbers: Numbers, answer: Any, fixed: bool,
                  stage: Callable[[], Scene], lang: str = ""):
@@ -51,6 +51,7 @@ class AnswerWidgets:
 
     @property
     def value(self) -> Any:
+        """The answer: an option from 1, number, two numbers, or text; None where missing or invalid."""
         asked = self._question
         if asked.kind == lesson.CHOICE:
             return self._chosen
@@ -61,12 +62,12 @@ class AnswerWidgets:
         return found if asked.kind == lesson.INTERVAL else found[0]
 
     def choose(self, option: Any) -> None:
-        """Selects an option, counted from 1; ignores invalid input."""
+        """Selects the option of this number, from 1; ignores invalid input."""
         if self._question.kind == lesson.CHOICE and type(option) is int and 1 <= option <= len(self._question.options):
             self._chosen = option
 
     def refresh(self) -> None:
-        """Updates the display of the stage's value."""
+        """Updates the text on the value that the slider or the stage has."""
         if self._note is None:
             return
         there, name = self._control_value, _control_label(self._question.control)
@@ -80,7 +81,7 @@ class AnswerWidgets:
 
     @property
     def _control_value(self) -> float | None:
-        """The control's value in the question's unit, which is the scene's."""
+        """The control's value in the question's unit, from the slider or the stage; None if there is none."""
         control = self._question.control
         if self._slider is not None:
             at = float(self._slider.value)
@@ -103,11 +104,12 @@ class AnswerWidgets:
 
 
 def in_unit(value: float, unit: str) -> str:
+    """Returns a value with its SI ``unit``, or "", in four digits."""
     return with_unit(value, unit, SHORT) if unit else f"{value:.{SHORT}g}"
 
 
 def parse_number(text: str, unit: str) -> float | None:
-    """Parses a number, also with a decimal comma, or a size with its unit (2.75 mm/s); None if it is neither."""
+    """Parses a number in ``unit``, also with a decimal comma, or with its own unit (2.75 mm/s); None if invalid."""
     plain = text.strip().replace(",", ".").replace("−", "-")
     with suppress(ValueError):
         return number_parsing.parse_float(plain)
@@ -128,5 +130,5 @@ def _hint(asked: Question) -> str | None:
 
 
 def _control_label(control: str) -> str:
-    """Returns the name of the control with its symbol."""
+    """Returns the translated name of a control, by its key, with its symbol."""
     return f"{tr(lesson.NAMES[control])} {SYMBOLS.get(control, '')}".strip()

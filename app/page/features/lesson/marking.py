@@ -17,7 +17,8 @@ LATER = lazy("could not be checked just now")
 
 
 class AnswerMarker:
-    """Marks answers one after the other in a thread; ``marks`` of first answers by key, or why there is none."""
+    """Marks answers, one after the other in a thread. ``marks`` of first answers, or why there is none, and ``bets``
+    are by a step's key; ``outcomes`` are the runs of lessons."""
 
     def __init__(self, outcomes: RunCache):
         self._outcomes = outcomes
@@ -34,13 +35,13 @@ class AnswerMarker:
 
     def mark_last_answer(self, lesson: Lesson, step: Step, progress: StudentProgress,
                          tell: Callable[[AnswerMark | str], None]) -> None:
-        """Marks the last answer to a step, and passes the mark to ``tell``."""
+        """Marks a student's last answer to a step, and passes mark or error message to ``tell``, in a thread."""
         answer = progress.answers[step.key].last
         self._submit(lambda: tell(self._mark(lesson, step, progress, answer)))
 
     def mark_first_answers(self, lesson: Lesson, steps: list[Step], progress: StudentProgress,
                            tell: Callable[[], None]) -> None:
-        """Marks the first answers to these steps, and calls ``tell`` when done."""
+        """Fills ``marks`` for first answers to these steps, and calls ``tell`` when done, in a thread."""
         marks, answers = self.marks, dict(progress.answers)
 
         def work() -> None:
@@ -52,7 +53,7 @@ class AnswerMarker:
         self._submit(work)
 
     def compute_bets(self, lesson: Lesson, step: Step, progress: StudentProgress, tell: Callable[[], None]) -> None:
-        """Computes the bets that a step shows, and calls ``tell`` when done."""
+        """Fills ``bets`` for the bets that a step shows, and calls ``tell`` when done, in a thread."""
         bets, given = self.bets, {key: answer.first for key, answer in progress.answers.items()}
 
         def work() -> None:
@@ -66,12 +67,14 @@ class AnswerMarker:
         self._submit(work)
 
     def _mark(self, lesson: Lesson, step: Step, progress: StudentProgress, answer: Any) -> AnswerMark | str:
+        """Returns the mark of an answer, which may need runs, or why there is none."""
         try:
             return mark_answer(lesson, step, answer, draw_numbers(lesson, progress.name), self._outcomes)
         except (RunFailed, ClaimError):
             return tr(LATER)
 
     def _submit(self, work: Callable[[], None]) -> None:
+        """Runs ``work`` in the thread, in the caller's language; logs its errors."""
         def safely() -> None:
             try:
                 work()
@@ -82,25 +85,25 @@ class AnswerMarker:
 
 
 def question_steps_of_round(lesson: Lesson, step: Step) -> list[Step]:
-    """Returns the steps with questions since the explanation before this one."""
+    """Returns a lesson's steps with questions between the last explanation before ``step`` and ``step``."""
     before = lesson.steps[:lesson.steps.index(step)]
     first = max((k for k, other in enumerate(before, 1) if other.kind == EXPLAIN), default=0)
     return [other for other in before[first:] if other.question]
 
 
 def upcoming_bets_step(lesson: Lesson, step: Step) -> Step | None:
-    """Returns the step that ends a round, if it shows bets: they are computed in advance, from the round's run on."""
+    """Returns the explanation next after ``step``, if it shows bets to be computed in advance; None on predictions."""
     ends = next((other for other in lesson.steps[lesson.steps.index(step):] if other.kind == EXPLAIN), None)
     return ends if ends is not None and ends.bets and step.kind != PREDICT else None
 
 
-def answer_comment(step: Step, answer: RecordedAnswer, found: AnswerMark | str | None) -> tuple[str, bool | None]:
-    """Returns the comment on an answer with this mark, and whether it is right; None if that is not revealed."""
+def answer_comment(step: Step, answer: RecordedAnswer, mark: AnswerMark | str | None) -> tuple[str, bool | None]:
+    """Returns a comment on an answer with this mark or message, and whether it is right, None if not revealed."""
     if step.kind == PREDICT:
         return tr("It is recorded; now see what happens."), None
-    if found is None or isinstance(found, str):
-        return found or "", None
-    if found.right is not False:
-        return "", found.right
+    if mark is None or isinstance(mark, str):
+        return mark or "", None
+    if mark.right is not False:
+        return "", mark.right
     told = answer.attempts >= TOLD_AFTER
-    return tr("It is {answer}.", answer=found.expected) if told else tr("Look again, and try once more."), False
+    return tr("It is {answer}.", answer=mark.expected) if told else tr("Look again, and try once more."), False

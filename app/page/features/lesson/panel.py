@@ -54,7 +54,7 @@ class LessonPlayer(Feature):
 
     @property
     def answers(self) -> str:
-        """The progress for the browser to store; "" until the browser has sent its stored progress."""
+        """The progress as text, for the browser to store; "" until the browser has sent what it had stored."""
         with self._lock:
             return self._progress.text() if self._lesson and self._restored else ""
 
@@ -65,7 +65,7 @@ class LessonPlayer(Feature):
         self._marker.close()
 
     def open(self, name: object) -> None:
-        """Opens a lesson; an unknown name changes nothing."""
+        """Opens the lesson of this name; an unknown name, or that of the open one, changes nothing."""
         lesson = catalogue.load_lessons().get(name) if isinstance(name, str) else None
         if lesson is None or lesson is self._lesson:
             return
@@ -77,13 +77,13 @@ class LessonPlayer(Feature):
         self._on_change()
 
     def refresh(self, view: PageView) -> None:
-        """Updates the stage's value in the question shown."""
+        """Updates the text on the stage's value in the question shown."""
         with self._lock:
             if self._answer is not None:
                 self._answer.refresh()
 
     def restore(self, name: str, text: str) -> None:
-        """Restores the progress that the browser has stored for a lesson, if any."""
+        """Restores the progress that the browser has stored as ``text`` for the lesson of this name."""
         with self._lock:
             lesson = self._lesson
             if lesson is None or name != lesson.name or self._restored or self._paced_seat:
@@ -103,6 +103,7 @@ class LessonPlayer(Feature):
         self._on_change()
 
     def _move_by(self, by: int) -> None:
+        """Goes ``by`` steps forward, or back if negative, as far as the lecturer has opened them."""
         with self._lock:
             if self._lesson is None:
                 return
@@ -136,26 +137,24 @@ class LessonPlayer(Feature):
 
     def _build_intro(self, lesson: Lesson, head: viser.GuiHtmlHandle) -> None:
         self._gui.add_html(step_html.intro_html(lesson, self._numbers, self._classroom.teacher))
-        if self._paced_seat:  # all have the same numbers
-            self._build_navigation(back=False, onward=True)
-            return
-        hint = tr("for your own numbers in this lesson, and on the file that you hand in; it is sent to nobody")
-        name = self._gui.add_text(tr("Your name"), self._progress.name, hint=hint)
-        name.on_update(lambda _: self._set_student_name(name.value))
-        if lesson.optional_steps:
-            only = step_navigation.core_checkbox(self._gui, lesson, self._progress.core)
-            only.on_update(lambda _: self._choose_core(lesson, only.value, head))
+        if not self._paced_seat:  # in a class all have the same numbers, and the same steps
+            hint = tr("for your own numbers in this lesson, and on the file that you hand in; it is sent to nobody")
+            name = self._gui.add_text(tr("Your name"), self._progress.name, hint=hint)
+            name.on_update(lambda _: self._set_student_name(name.value))
+            if lesson.optional_steps:
+                only = step_navigation.core_checkbox(self._gui, lesson, self._progress.core)
+                only.on_update(lambda _: self._choose_core(lesson, only.value, head))
         self._build_navigation(back=False, onward=True)
 
-    def _choose_core(self, lesson: Lesson, only: bool, head: viser.GuiHtmlHandle) -> None:
-        self._progress.core = only
+    def _choose_core(self, lesson: Lesson, core_only: bool, head: viser.GuiHtmlHandle) -> None:
+        self._progress.core = core_only
         self._on_change()
         self._show(head, lambda: step_html.head_html(lesson, self._progress))
 
-    def go_to_step(self, only: bool, step: int) -> None:
-        """Restricts the lesson to its core, or not, and goes on with the step of this number."""
+    def go_to_step(self, core_only: bool, step: int) -> None:
+        """Goes to the step of this number (from 1), in a lesson restricted to its core if ``core_only``."""
         with self._lock:
-            self._progress.core, self._progress.step = only, step
+            self._progress.core, self._progress.step = core_only, step
         self._on_change()
         self._rebuild()
 
@@ -211,16 +210,16 @@ class LessonPlayer(Feature):
         record.on_click(take)
 
     def _choose_option(self, option: object) -> None:
-        """Selects an answer: a question's key and the option's number."""
+        """Selects an answer for the browser's message: [the question's key, the option's number from 1]."""
         with self._lock:
             if self._answer is not None and isinstance(option, list) and len(option) == 2 \
                     and self._step is not None and option[0] == self._step.key:
                 self._answer.choose(option[1])
 
-    def _on_instruction_click(self, said: object) -> None:
-        """Carries out the button pressed in a step's text: the step's number and the instruction's."""
+    def _on_instruction_click(self, message: object) -> None:
+        """Carries out a button in a step's text: the ``message`` is [step, instruction's index or "stage"]."""
         with self._lock:
-            act, step = action_buttons.parse_click(said, self._progress.step, self._acts), self._step
+            act, step = action_buttons.parse_click(message, self._progress.step, self._acts), self._step
             stage = fill_numbers(step.stage, self._numbers) if step and act == action_buttons.STAGE else ""
         if stage:
             self._controls.show(state.parse_state(stage))
@@ -229,27 +228,27 @@ class LessonPlayer(Feature):
 
     @property
     def _step(self) -> Step | None:
-        """The step that is shown."""
+        """The step that is shown; None at the beginning and the end, and without a lesson."""
         return dict(enumerate(self._lesson.steps if self._lesson else (), 1)).get(self._progress.step)
 
-    def _reply_html(self, step: Step, found: AnswerMark | str | None) -> str:
-        """Returns the recorded answer of the step, with a comment, as html."""
+    def _reply_html(self, step: Step, mark: AnswerMark | str | None) -> str:
+        """Returns the recorded answer to a step, with a comment on its mark, as html."""
         assert self._lesson is not None
         answer = self._progress.answers[step.key]
         return step_html.recorded_answer_html(self._lesson, step, answer, self._numbers,
-                                              *answer_comment(step, answer, found))
+                                              *answer_comment(step, answer, mark))
 
-    def _check(self, lesson: Lesson, step: Step, said: viser.GuiHtmlHandle) -> None:
-        """Marks the answer, which may need a run, and shows the result; Next is enabled at once."""
+    def _check(self, lesson: Lesson, step: Step, reply: viser.GuiHtmlHandle) -> None:
+        """Marks the last answer, which may need a run, and shows the result in ``reply``; enables Next at once."""
         with self._lock:
-            if is_removed(said):
+            if is_removed(reply):
                 return
             if self._navigation is not None:
                 self._navigation.mark_answered()
             waiting = "" if step.asked_question.kind == TEXT else tr("Being checked against the run …")
-            said.content = self._reply_html(step, waiting)
+            reply.content = self._reply_html(step, waiting)
         self._marker.mark_last_answer(lesson, step, self._progress,
-                                      lambda found: self._show(said, lambda: self._reply_html(step, found)))
+                                      lambda found: self._show(reply, lambda: self._reply_html(step, found)))
 
     def _text_html(self, lesson: Lesson, step: Step) -> str:
         """Returns the step's text as html; an explanation is preceded by the answers and results so far."""
@@ -259,13 +258,13 @@ class LessonPlayer(Feature):
         return step_html.step_html(lesson, step, self._numbers, before, self._classroom.teacher)
 
     def _mark_all(self, lesson: Lesson, step: Step | None, text: viser.GuiHtmlHandle) -> None:
-        """Marks the questions that a step looks back on, or all at the end, and shows the marks in ``text``."""
+        """Marks the answers that a step looks back on, all at the end (None), and shows marks in ``text``."""
         steps = question_steps_of_round(lesson, step) if step else list(lesson.questions.values())
         self._marker.mark_first_answers(lesson, steps, self._progress, lambda: self._show(
             text, lambda: self._text_html(lesson, step) if step else self._end_html(lesson)))
 
     def _show(self, text: viser.GuiHtmlHandle, content: Callable[[], str]) -> None:
-        """Sets the content of a text, unless it was removed meanwhile."""
+        """Sets the html in ``text`` to what ``content`` returns, unless the widget was removed meanwhile."""
         with self._lock:
             if not is_removed(text):
                 text.content = content()
@@ -293,7 +292,7 @@ class LessonPlayer(Feature):
         self._client.send_file_download(name, text, save_immediately=True)
 
     def _build_navigation(self, back: bool, onward: bool, main: bool = True) -> None:
-        """Adds the buttons Back, Next and Close; Next is the ``main`` one if no answer is required."""
+        """Adds Back, Next and Close; Next is ``main`` if it is to be pressed now, usable if ``onward``."""
         lesson, step, at, paced = self._lesson, self._step, self._progress.step, self._paced_seat
         assert lesson is not None
         self._navigation = StepNavigation(
@@ -304,7 +303,7 @@ class LessonPlayer(Feature):
             step is not None and not step.core and not paced)
 
     def _on_lecturer_opens_step(self) -> None:
-        """Updates Next when the lecturer opens a further step; everything else stays as it is."""
+        """Updates Next when the lecturer opens another step; everything else stays as it is."""
         with self._lock:
             if self._navigation is not None:
                 self._navigation.refresh()

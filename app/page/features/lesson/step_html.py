@@ -22,7 +22,7 @@ SIGNS = {True: ("right", "✓", lazy("right")), False: ("wrong", "✗", lazy("no
 
 
 def lesson_list_html(lessons: Mapping[str, Lesson]) -> str:
-    """Returns the list of lessons. The progress in each is known only to the browser (``js/lessons.js``)."""
+    """Returns the list of lessons as html. The progress in each is known only to the browser (``js/lessons.js``)."""
     in_core = {name: " ".join(str(number) for number, step in enumerate(lesson.steps, 1) if step.core)
                for name, lesson in lessons.items()}
     rows = "".join(
@@ -36,20 +36,19 @@ def lesson_list_html(lessons: Mapping[str, Lesson]) -> str:
 
 
 def lang_attribute(lesson: Lesson) -> str:
-    """Returns the lang attribute for a lesson's text, "" if it is in the page's language."""
+    """Returns the lang attribute for html of a lesson's text; "" if that is in the page's language."""
     return "" if lesson.language == current_language() else f" lang='{lesson.language}'"
 
 
 def head_html(lesson: Lesson, progress: StudentProgress) -> str:
-    """Returns the title and the progress."""
-    return (
-        f"<div class='lab-lesson lab-lesson-head'><i class='lab-studying'></i>"
-        f"<b{lang_attribute(lesson)}>{escape(lesson.title)}</b>{step_navigation.progress_html(lesson, progress)}</div>"
-    )
+    """Returns a lesson's title and the student's progress as html."""
+    return f"<div class='lab-lesson lab-lesson-head'><i class='lab-studying'></i>" \
+           f"<b{lang_attribute(lesson)}>{escape(lesson.title)}</b>" \
+           f"{step_navigation.progress_html(lesson, progress)}</div>"
 
 
 def intro_html(lesson: Lesson, numbers: Numbers, teacher: bool) -> str:
-    """Returns the introduction of a lesson: its goals and its first text."""
+    """Returns a lesson's introduction as html: goals and first text, and notes for a teacher if ``teacher``."""
     goals = "".join(f"<li>{escape(goal)}</li>" for goal in lesson.goals)
     known = catalogue.load_lessons()
     before = [f"<span{lang_attribute(known[name])}>{escape(known[name].title)}</span>"
@@ -58,16 +57,13 @@ def intro_html(lesson: Lesson, numbers: Numbers, teacher: bool) -> str:
     first = tr("Do before: {lessons}.", lessons="; ".join(before))
     needs = f"<p>{first}</p>" if before else ""
     only = f"<p>{tr('This lesson is in English.')}</p>" if lang_attribute(lesson) else ""
-    return (
-        f"<div class='lab-lesson'>{only}<p>{step_navigation.duration_text(lesson)}</p>"
-        f"<ul{lang_attribute(lesson)}>{goals}</ul>{needs}"
-        f"{_in_lang(lesson, text_html(lesson.intro, numbers))}"
-        f"{_teacher_notes_html(lesson, lesson.notes, teacher)}</div>"
-    )
+    return f"<div class='lab-lesson'>{only}<p>{step_navigation.duration_text(lesson)}</p>" \
+           f"<ul{lang_attribute(lesson)}>{goals}</ul>{needs}{_in_lang(lesson, text_html(lesson.intro, numbers))}" \
+           f"{_teacher_notes_html(lesson, lesson.notes, teacher)}</div>"
 
 
 def step_html(lesson: Lesson, step: Step, numbers: Numbers, before: str, teacher: bool) -> str:
-    """Returns a step's text, below the html ``before``, with buttons for its instructions."""
+    """Returns a step's text as html below the html ``before``, with buttons, and notes for a teacher if ``teacher``."""
     kind = f"<span class='lab-kind lab-kind-{step.kind}'>{tr(TITLES[step.kind])}</span>"
     deeper = "" if step.core else step_navigation.optional_step_mark()
     title = f"<h2{lang_attribute(lesson)}>{escape(fill_numbers(step.title, numbers))}</h2>"
@@ -80,7 +76,8 @@ def step_html(lesson: Lesson, step: Step, numbers: Numbers, before: str, teacher
 
 
 def choices_html(options: Sequence[str], chosen: int | None, fixed: bool, key: str, lang: str = "") -> str:
-    """Returns a question's options, one of them ``chosen`` (from 1); ``lang`` is the html attribute, or ""."""
+    """Returns a question's options as radio buttons, one ``chosen`` (from 1), none to change if ``fixed``; ``key`` is
+    the question's, ``lang`` an html attribute or ""."""
     rows = "".join(
         f"<label class='lab-choice'><input type='radio' name='lab-answer' value='{k}' data-question='{escape(key)}'"
         f"{' checked' * (k == chosen)}{' disabled' * fixed}><span{lang}><b>{letter})</b> {escape(option)}</span>"
@@ -91,7 +88,7 @@ def choices_html(options: Sequence[str], chosen: int | None, fixed: bool, key: s
 
 def answers_table_html(lesson: Lesson, steps: Sequence[Step], answers: Mapping[str, RecordedAnswer],
                        marks: Mapping[str, AnswerMark | str], numbers: Numbers) -> str:
-    """Returns a table of answers and results; ``marks`` has a sentence if there is no mark yet."""
+    """Returns a table of answers and results as html; ``marks`` by step's key, a sentence where there is none yet."""
     rows, own = [], lang_attribute(lesson)
     for step in steps:
         asked, answer = step.question, answers.get(step.key)
@@ -118,7 +115,7 @@ def answers_table_html(lesson: Lesson, steps: Sequence[Step], answers: Mapping[s
 
 def recorded_answer_html(lesson: Lesson, step: Step, answer: RecordedAnswer, numbers: Numbers, comment: str,
                          right: bool | None) -> str:
-    """Returns a recorded answer and a comment on it, which ``js/lesson_aloud.js`` reads aloud."""
+    """Returns a recorded answer as html, with its mark (None: unknown) and a comment, which scripts read aloud."""
     said = fill_numbers(format_answer(step.asked_question, answer.last), numbers)
     own = lang_attribute(lesson) if step.asked_question.kind == CHOICE else ""
     kind, sign, word = SIGNS[right]
@@ -146,7 +143,7 @@ def end_html(lesson: Lesson, progress: StudentProgress, marks: Mapping[str, Answ
 
 
 def text_html(markdown: str, numbers: Numbers) -> str:
-    """Converts a lesson's markdown to html, with figures as buttons that enlarge them."""
+    """Converts a lesson's markdown to html, with ``numbers`` filled in; figures are buttons that enlarge them."""
     name, short = tr("enlarge the figure"), tr("enlarge")
     return FIGURE.sub(rf"<button type='button' class='lab-enlarge' aria-label='{name}'>\1"
                       rf"<span aria-hidden='true'>{short}</span></button>",
@@ -156,13 +153,12 @@ def text_html(markdown: str, numbers: Numbers) -> str:
 def _teacher_notes_html(lesson: Lesson, notes: str, teacher: bool) -> str:
     if not (notes and teacher):
         return ""
-    return (
-        f"<aside class='lab-teacher'><b>{tr('Teacher')}</b>{_in_lang(lesson, to_html(notes, catalogue.FOLDER))}</aside>"
-    )
+    text = _in_lang(lesson, to_html(notes, catalogue.FOLDER))
+    return f"<aside class='lab-teacher'><b>{tr('Teacher')}</b>{text}</aside>"
 
 
 def _in_lang(lesson: Lesson, words: str) -> str:
-    """Returns a lesson's words as html with their language, for browsers."""
+    """Returns the html ``words`` of a lesson, marked by the lesson's language if the page has another."""
     return f"<div{lang_attribute(lesson)}>{words}</div>" if lang_attribute(lesson) else words
 
 
@@ -171,7 +167,7 @@ ROW, OWN_ROW = 7, 12  # pixels between lines: of a judge, of the visitor
 
 
 def bets_html(bettors: Sequence[Bettor] | str) -> str:
-    """Returns the picture of the bets, or a sentence in its place; "" without bettors."""
+    """Returns a picture of bets as html, or a sentence given in their place; "" without bettors."""
     if isinstance(bettors, str):
         return f"<p class='lab-bets-later'>{escape(tr(bettors))}</p>"
     if not bettors:
@@ -184,7 +180,7 @@ def bets_html(bettors: Sequence[Bettor] | str) -> str:
 
 
 def _bettor_row_html(bettor: BettorLines) -> str:
-    """Returns one bettor's row: name, result, and lines."""
+    """Returns the html of one bettor's row: name, result, and a line for each bet."""
     high = OWN_ROW if bettor.own else ROW
     lines = "".join(
         f"<line class='{'lab-held' if line[2] else 'lab-missed'}' x1='{line[0]:.2f}%' x2='{line[1]:.2f}%' "

@@ -23,12 +23,12 @@ WAITS = lazy("The next step is not open yet. Please wait until your lecturer ope
 
 
 def optional_step_mark() -> str:
-    """Returns the mark of a step outside the core."""
+    """Returns the html mark of a lesson's step outside its core."""
     return f"<span class='lab-kind lab-kind-deeper'>{tr('deeper')}</span>"
 
 
 def duration_text(lesson: Lesson) -> str:
-    """Returns how long the lesson takes, as the first words of its introduction."""
+    """Returns the minutes that a lesson takes as text, the first words of its introduction."""
     if not lesson.optional_steps:
         return tr("{minutes} minutes. Afterwards you can", minutes=lesson.minutes)
     return tr("{core} minutes for the core, {minutes} in all. Afterwards you can", core=lesson.core_minutes,
@@ -36,14 +36,14 @@ def duration_text(lesson: Lesson) -> str:
 
 
 def core_checkbox(gui: viser.GuiApi, lesson: Lesson, chosen: bool) -> viser.GuiCheckboxHandle:
-    """Adds a checkbox to take only the core."""
+    """Adds a checkbox to take only a lesson's core, checked if ``chosen``."""
     return gui.add_checkbox(tr(ONLY), chosen, hint=tr(
         "the core is self-contained and takes {minutes} minutes; you can go deeper at its end",
         minutes=lesson.core_minutes))
 
 
 def progress_html(lesson: Lesson, progress: StudentProgress) -> str:
-    """Returns the progress in words, and below as a row of segments."""
+    """Returns the progress in a lesson as html: in words, and below as a row of segments."""
     steps = [(number, step) for number, step in enumerate(lesson.steps, 1) if step.core or not progress.core]
     at, total = sum(number <= progress.step for number, _ in steps), len(steps)
     name = tr("progress")
@@ -60,7 +60,7 @@ def progress_html(lesson: Lesson, progress: StudentProgress) -> str:
 
 
 def core_end_note(lesson: Lesson) -> str:
-    """Returns the note at the end of the core."""
+    """Returns the note at the end of a lesson's core, as html: how much is left."""
     minutes = max(1, lesson.minutes - lesson.core_minutes)
     told = tr("This was the core. The lesson has {steps} deeper steps, some {minutes} minutes.",
               steps=len(lesson.optional_steps), minutes=minutes)
@@ -84,7 +84,7 @@ class StepNavigation:
         Whether a prediction is required before Next.
     waits
         Returns whether the lecturer has not opened the next step yet.
-    kept
+    storage_note
         A sentence on where answers are stored.
     go, leave, skip
         Callbacks: to go so many steps on, to close the lesson, and to skip the optional steps.
@@ -93,9 +93,9 @@ class StepNavigation:
     """
 
     def __init__(self, gui: viser.GuiApi, back: bool, done: bool, main: bool, first: bool, waits: Callable[[], bool],
-                 kept: str, go: Callable[[int], None], leave: Callable[[], None], skip: Callable[[], None],
+                 storage_note: str, go: Callable[[int], None], leave: Callable[[], None], skip: Callable[[], None],
                  deeper: bool):
-        self._done, self._first, self._waits, self._saved_note = done, first, waits, kept
+        self._done, self._first, self._waits, self._saved_note = done, first, waits, storage_note
         gui.add_html(BESIDE)
         gui.add_button(tr("Back"), icon=viser.Icon.ARROW_LEFT, disabled=not back).on_click(lambda _: go(-1))
         gui.add_html(BESIDE_MAIN if main else BESIDE)
@@ -109,12 +109,12 @@ class StepNavigation:
         gui.add_button(tr("Close the lesson")).on_click(lambda _: leave())
 
     def mark_answered(self) -> None:
-        """Enables Next after an answer."""
+        """Enables Next, because the step's question has an answer."""
         self._done = True
         self.refresh()
 
     def refresh(self) -> None:
-        """Updates Next, unless it was removed: the lecturer may have opened the next step."""
+        """Updates Next and the note below, unless they were removed: a lecturer may have opened a step."""
         if not is_removed(self._following):
             self._following.disabled = self._waits() or not self._done
             self._below.content = self._note_html

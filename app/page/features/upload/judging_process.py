@@ -35,9 +35,9 @@ ASKED, NEITHER = lazy("Which problem is your file of?"), lazy("None of these")
 
 
 class JudgeJob:
-    """File being judged. ``on_message`` receives the messages of the process
-    (``solvers.judging.uploaded_file_worker``) on another thread, and a refusal if the process dies, but none after
-    :meth:`cancel`. A ``chosen`` scene overrides its own."""
+    """A visitor's ``file`` being judged as a run of ``scene``, which if ``chosen`` overrides the one in the file.
+    ``on_message`` receives the job and the messages of its process (``solvers.judging.uploaded_file_worker``) on
+    another thread, and a refusal if the process dies, but none after :meth:`cancel`."""
 
     def __init__(self, name: str, file: Path, scene: Scene, on_message: Callable[["JudgeJob", dict], None],
                  slots: Slots = SLOTS, chosen: bool = False):
@@ -46,9 +46,8 @@ class JudgeJob:
         say = with_language(self._forward_message)
         self.file = file.replace(file.with_name(f"particles{kind if kind in KINDS else '.unknown'}"))
         self.table = file.with_name(f"table-{secrets.token_hex(4)}")
-        self._pool, self._cancelled = (WorkerPool("solvers.judging.uploaded_file_worker:judge_in_worker",
-                                                  environment=ONE_THREAD),
-                                       threading.Event())
+        self._pool = WorkerPool("solvers.judging.uploaded_file_worker:judge_in_worker", environment=ONE_THREAD)
+        self._cancelled = threading.Event()
         if slots.acquire():
             question = ShowRequest(str(self.file), self.name, task_of(scene).to_dict(), str(self.table), MOST_WATCHED,
                                    chosen)
@@ -72,6 +71,7 @@ class JudgeJob:
             self._on_message(self, message)
 
     def _end(self, judged: Future[dict]) -> None:
+        """Forwards a refusal if the process has failed, and frees its slot."""
         error = judged.exception()
         if isinstance(error, WorkerTimeout):
             self._forward_message({"refused": tr(TOO_LONG, file=self.name, seconds=PATIENCE)})
@@ -86,7 +86,7 @@ class JudgeJob:
 
 
 def question_sentence(name: str, reason: str, problems: tuple[str, ...]) -> str:
-    """Returns the question: why the file is not judged yet, and which problems it fits."""
+    """Returns the question which of ``problems`` a file is of, after the ``reason`` why it is not judged yet."""
     *others, last = (tr(PROBLEMS[problem].scene.TITLE) for problem in problems)
     titles = last
     if others:
@@ -97,7 +97,7 @@ def question_sentence(name: str, reason: str, problems: tuple[str, ...]) -> str:
 
 
 class ProblemQuestion:
-    """Buttons with the problems that a file fits; ``on_choice`` is called with the one chosen, or with None."""
+    """Buttons with the problems that a file fits; ``on_choice`` is called with the key of the one chosen, or None."""
 
     def __init__(self, gui: viser.GuiApi, on_choice: Callable[[str | None], None]):
         self._folder = gui.add_folder(tr(ASKED), order=FIRST, visible=False)
@@ -116,6 +116,7 @@ class ProblemQuestion:
         return self._folder.visible
 
     def ask(self, sentence: str, problems: tuple[str, ...]) -> None:
+        """Shows the question as a sentence, and a button for each of ``problems``."""
         self._text.content = f"<div class='lab-own' role='status'><p>{escape(sentence)}</p></div>"
         for problem, button in self._buttons.items():
             button.visible = problem in problems

@@ -43,10 +43,9 @@ WHAT = lazy("Drop a file of particles anywhere on this page, or choose it ({kind
 
 
 class UploadPanel(Feature):
-    """Upload panel of one visitor. ``on_view`` redraws, ``on_begin`` is called before a file takes the stage,
-    ``on_scene`` with the scene of a file of another problem. While a file is :attr:`shown_frame`
-    (:class:`~app.page.stage_source.StageSource`), in a colour scale common to all its times, the run pauses; that ends
-    when something advances the run."""
+    """Upload panel of one visitor. ``on_view`` redraws the stage, ``on_begin`` is called before a file takes it,
+    ``on_scene`` with the scene of a file of another problem. While a file is :attr:`shown_frame`, in a colour scale
+    common to all its times, the run pauses; that ends when something advances the run."""
 
     def __init__(self, client: viser.ClientHandle, session: Session, on_view: Callable[[], None],
                  on_begin: Callable[[], None], on_scene: Callable[[Scene], None]):
@@ -100,19 +99,19 @@ class UploadPanel(Feature):
 
     @property
     def shown_frame(self) -> tuple[UploadedRun, int] | None:
-        """The file on the stage and the index of its frame shown."""
+        """The file on the stage and the index of its frame shown, from 0; None if no file is there."""
         run = self._run
         return None if run is None else (run, min(self._k, len(run) - 1))
 
     def on_frame(self, report: FrameReport) -> None:
-        """Handles a new frame of the run: shows the run again if the visitor has advanced it."""
+        """Shows the run again instead of a file, if the visitor has advanced the run."""
         with self._lock:
             if self._run is not None and self._session.playback_request_key != self._moves:
                 self._resumes = False
                 self.leave()
 
     def notice(self) -> Notice | None:
-        """Returns a message about a file, if there is one."""
+        """Returns a message about an upload, judgement or refusal, if there is one."""
         judging, news = self._judging, self._news
         if coming := self._upload.progress_text:
             return Notice("wait", f"{coming}.")
@@ -123,7 +122,7 @@ class UploadPanel(Feature):
         return news[1]
 
     def leave(self) -> None:
-        """Returns to the run as it was."""
+        """Takes the file off the stage and returns to the run as it was."""
         with self._lock:
             if self._run is None:
                 return
@@ -155,6 +154,7 @@ class UploadPanel(Feature):
         self._judging = None
 
     def _on_file(self, name: str, file: Path) -> None:
+        """Starts to judge a new ``file``, which the visitor calls ``name``, instead of one before."""
         with self._lock:
             self._cancel_judging()
             self._question.hide()
@@ -163,6 +163,7 @@ class UploadPanel(Feature):
             self._show_sentence(tr("The file {file} is being read and judged …", file=self._judging.name))
 
     def _on_message(self, judging: JudgeJob, message: dict) -> None:
+        """Handles a ``message`` of a judging process (``solvers.judging.uploaded_file_worker``)."""
         if "frames" in message and judging is self._judging:
             # A file of another problem switches the page to that problem.
             own = Task(**FileSummary(**message["frames"]).task).scene()
@@ -195,7 +196,7 @@ class UploadPanel(Feature):
         self._show_sentence(said)
 
     def _on_problem_chosen(self, problem: str | None) -> None:
-        """Judges the waiting file for the problem chosen; discards it for None."""
+        """Judges the waiting file for the problem of this key; discards it for None."""
         with self._lock:
             waiting, self._news = self._judging, None
             self._question.hide()
@@ -208,6 +209,7 @@ class UploadPanel(Feature):
             self._judging = JudgeJob(waiting.name, waiting.file, self._session.scene, self._on_message, chosen=True)
 
     def _show(self, run: UploadedRun) -> None:
+        """Puts a file on the stage and plays it."""
         if self._run is None:
             self._on_begin()
             self._resumes = self._session.playing
@@ -229,6 +231,7 @@ class UploadPanel(Feature):
         self._text.content = f"<div class='lab-own' role='status'><p>{escape(sentence)}</p></div>" if sentence else ""
 
     def _go_to(self, number: float) -> None:
+        """Shows the frame of this number, from 1, paused."""
         with self._lock:
             self._play(False)
             self._k = round(number) - 1
@@ -246,7 +249,7 @@ class UploadPanel(Feature):
                                  daemon=True).start()
 
     def _play_loop(self, run: UploadedRun, over: threading.Event) -> None:
-        """Shows one frame after the other, to the last."""
+        """Shows one frame of a file after the other, to the last, until ``over`` is set."""
         while not over.wait(self._frame_seconds(run)):
             with self._lock:
                 if over.is_set():
@@ -261,7 +264,7 @@ class UploadPanel(Feature):
                 return
 
     def _frame_seconds(self, run: UploadedRun) -> float:
-        """Returns the seconds until the next frame: at the run's speed, within limits for the eye."""
+        """Returns the seconds until a file's next frame: at the page's speed, within limits for the eye."""
         ahead = run.times[min(self._k + 1, len(run) - 1)] - run.times[self._k]
         least, most = FRAME_SECONDS
         return float(min(most, max(least, ahead / (self._session.speed * run.scene.period))))

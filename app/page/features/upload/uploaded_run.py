@@ -32,7 +32,8 @@ NO_ACCELERATION = lazy("a file is not judged by its acceleration")
 
 
 class UploadedRun(RunSeries):
-    """A file of T frames; later with its ``estimate``, norms by quantity, and its ``verdict``, the judge's report."""
+    """A particle file of T frames, in ``table`` on disk; later with its ``estimate``, norms (T,) by quantity, and its
+    ``verdict``, the judge's report. ``shown`` summarises it, ``name`` is its owner's."""
 
     def __init__(self, name: str, shown: FileSummary, table: Path):
         self.scene = Task(**shown.task).scene()
@@ -53,15 +54,15 @@ class UploadedRun(RunSeries):
         return len(self.times)
 
     def add_estimate(self, norms: Mapping[str, Sequence[float | None]]) -> None:
-        """Takes over the norms of the companion's estimate, which is now in the table."""
+        """Adds the norms over time of the companion's estimate, by quantity; the table has the estimate, too."""
         estimate, none = _norm_arrays(norms), np.full(len(self), np.nan)
         new = {"time": self.times}
         for q in KEYS:
             new[f"error_{q}"] = none if self.true is None else self.true.get(q, none)
             new[f"{JUDGE}/estimate_{q}"] = estimate.get(q, none)
+            rounding = largest_rounding_error(self.scene, q, self.scene.steps)
             new[f"{JUDGE}/index_{q}"] = RunningEffectivityIndex().extend(
-                new[f"{JUDGE}/estimate_{q}"], new[f"error_{q}"], largest_rounding_error(self.scene, q, self.scene.steps)
-            )
+                new[f"{JUDGE}/estimate_{q}"], new[f"error_{q}"], rounding)
         self.append(new)
         self.estimate = estimate
 
@@ -69,7 +70,7 @@ class UploadedRun(RunSeries):
         return int(self._starts[k + 1] - self._starts[k])
 
     def frame(self, k: int, quantity: str, playing: bool) -> tuple[FrameReport, FrameArrays]:
-        """Returns the frame k, with the field of a quantity."""
+        """Returns frame ``k`` (from 0) as report and arrays, with the field of a quantity by its key."""
         rows = np.array(self._rows[self._starts[k]:self._starts[k + 1]])
         part = {name: rows[:, which] for name, which in self._columns.items()}
         P, q = len(rows), KEYS.index(quantity)
@@ -81,7 +82,7 @@ class UploadedRun(RunSeries):
         return report, arrays
 
     def view(self, arrays: FrameArrays, quantity: str, difference: bool) -> ErrorView:
-        """Returns what the two halves of the stage show."""
+        """Returns the errors that the two halves of the stage show, of a frame's ``arrays``, or why they do not."""
         column = KEYS.index(quantity)
         lacks = tr(NO_ACCELERATION) if quantity == "a" else \
             tr("the file has no {quantity}", quantity=QUANTITIES[quantity].noun) if quantity in self.missing else ""
@@ -93,7 +94,7 @@ class UploadedRun(RunSeries):
                                    arrays.difference[JUDGE][:, column])
 
     def largest_errors(self, quantity: str) -> tuple[np.ndarray, np.ndarray]:
-        """Returns the largest estimated and true sizes over all times, (1,) each, for a constant colour scale."""
+        """Returns the largest estimated and true error over all times in SI, (1,) each, for a colour scale."""
         known = quantity, self.estimate is not None
         if known not in self._tops:
             columns = (self._columns[name].start + KEYS.index(quantity) for name in ("estimate", "error"))
@@ -102,11 +103,12 @@ class UploadedRun(RunSeries):
         return self._tops[known]
 
     def crossings_per_second(self, series: dict[str, np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
-        """Returns times and crossings per s that show in the file; between its times a particle may cross twice."""
+        """Returns times (T - 1,) in s and crossings per s, at least: a particle may cross twice between times."""
         return self.times[1:], self._crossed[1:] / np.diff(self.times)
 
 
 def _norm_arrays(norms: Mapping[str, Sequence[float | None]]) -> dict[str, np.ndarray]:
+    """Returns norms by quantity as arrays (T,), NaN where they are None."""
     return {q: np.array([np.nan if value is None else value for value in values]) for q, values in norms.items()}
 
 
@@ -116,6 +118,7 @@ HINTS = {lazy("now"): lazy("root of the mean square over the particles, at the t
 
 
 def file_headline(run: UploadedRun, k: int, view: ErrorView, worst: WorstRegions, quantity: str) -> Headline:
+    """Returns the headline on frame ``k`` of a file for a quantity: both errors, and the worst region."""
     true, estimated = (_norm_at_frame(norms, k, quantity) for norms in (run.true, run.estimate))
     words = error_headline_templates(run.scene, quantity, JUDGE, view.left.silence if estimated is None else "",
                                      view.right.silence if true is None else "")
@@ -127,20 +130,21 @@ def file_headline(run: UploadedRun, k: int, view: ErrorView, worst: WorstRegions
 
 
 def page_scene_for_file(own: Scene, page: Scene) -> Scene:
-    """Returns the page's scene with all settings of a file's scene that matter to the judge, if valid together."""
+    """Returns a ``page``'s scene with what matters to the judge in the scene ``own`` of a file, if valid together."""
     with suppress(SceneError):  # may be invalid with the page's method
         return replace(page, **{f.name: getattr(own, f.name) for f in fields(page) if f.name not in NOT_OF_THE_PROBLEM})
     return page
 
 
 def loaded_notice(run: UploadedRun, page: Scene) -> str:
-    """Returns the message that a file is on the stage, with its settings if they differ from the page's."""
+    """Returns the message that a file is on the stage, with its settings if they differ from the ``page``'s scene."""
     said = difference_text(page_scene_for_file(run.scene, page), page) if run.scene.problem == page.problem else ""
     return tr("The file {file} is on the stage, judged with {settings}.", file=run.name, settings=said) if said else \
         tr("The file {file} is on the stage.", file=run.name)
 
 
 def file_readout(run: UploadedRun, k: int, quantity: str, probed: str | None) -> ReadoutTables:
+    """Returns tables on frame ``k`` of a file: a quantity's errors, verdict, run; ``probed`` is the region chosen."""
     verdict = run.verdict or {}
     rows = [(tr("file"), f"<b>{escape(run.name)}</b>"),
             (tr("frame"), tr("{n} of {all}", n=k + 1, all=len(run))),
@@ -157,7 +161,7 @@ def file_readout(run: UploadedRun, k: int, quantity: str, probed: str | None) ->
 
 
 def _errors_table_html(run: UploadedRun, k: int, quantity: str) -> str:
-    """Returns a table with a row for the truth and one for the companion."""
+    """Returns a table of a quantity's true and estimated error in frame ``k``, and at their largest, as html."""
     words = QUANTITIES[quantity]
     heads = (f"<span title=\"{escape(tr(hint))}\">{tr(head)}</span>" for head, hint in HINTS.items())
     rows = [row_html("head", tr("error of {symbol}", symbol=words.symbol), *heads)]
@@ -177,7 +181,7 @@ def _errors_table_html(run: UploadedRun, k: int, quantity: str) -> str:
 
 
 def _verdict_lines(run: UploadedRun, quantity: str) -> list[str]:
-    """Returns the judge's findings, a sentence each."""
+    """Returns the judge's findings on a file, or why there are none yet, a sentence each."""
     if run.verdict is None:
         return [tr("There is no verdict: {reason}", reason=run.trouble) if run.trouble else
                 tr("The judge is still at work.")]
@@ -201,5 +205,6 @@ def _format_position(X: list[float]) -> str:
 
 
 def _norm_at_frame(norms: dict[str, np.ndarray] | None, k: int, quantity: str) -> float | None:
+    """Returns a norm at frame ``k``; None if unknown or not finite."""
     value = np.nan if norms is None or quantity not in norms else norms[quantity][k]
     return float(value) if np.isfinite(value) else None

@@ -188,7 +188,7 @@ def test_a_search_takes_the_process_that_is_ready(jobs, ready, pools):
     would for ever. A sweep ends it."""
     jobs._ready = ready
     for _ in range(2):
-        jobs.prepare(few(1e-2), quiet=True)
+        jobs.prepare(few(1e-2), undisturbed=True)
     first = pools[0]
     assert first.question[READY] and ready._pool is first and ready._places.taken == 1
     jobs.start_search(few(1e-2))
@@ -200,7 +200,7 @@ def test_a_search_takes_the_process_that_is_ready(jobs, ready, pools):
     jobs.share_cpu()
     first.end()
     assert first.ways == 1 and ready._pool is None and first.closed
-    jobs.prepare(few(1e-2), quiet=True)
+    jobs.prepare(few(1e-2), undisturbed=True)
     second = ready._pool
     jobs.start_sweep(small_sweep(SCENE)[:1])
     assert jobs._pool is not second
@@ -210,17 +210,17 @@ def test_a_search_takes_the_process_that_is_ready(jobs, ready, pools):
 def test_few_processes_are_ready_and_none_for_ever(ready, pools):
     """A second visitor gets none while the first one's is there; who leaves, or takes too long, takes it along."""
     first, second = (CostJobs(VisitorRuns(), Slots(1), SearchCache()) for _ in range(2))
-    first._ready, second._ready = ready, WarmWorker("solvers.study.background_jobs:search", ready._places, rests=0.1)
-    first.prepare(few(1e-2), quiet=False)
+    first._ready, second._ready = ready, WarmWorker("solvers.study.background_jobs:search", ready._places, 0.1)
+    first.prepare(few(1e-2), undisturbed=False)
     mine = ready._pool
     assert mine.ways == 1
-    second.prepare(few(1e-2), quiet=True)
+    second.prepare(few(1e-2), undisturbed=True)
     assert second._ready._pool is None
     first.close()
     wait_until(lambda: mine.closed, "the end of the first one's")
-    first.prepare(few(1e-2), quiet=True)
+    first.prepare(few(1e-2), undisturbed=True)
     assert ready._pool is None
-    second.prepare(few(1e-2), quiet=True)
+    second.prepare(few(1e-2), undisturbed=True)
     wait_until(lambda: second._ready._pool is None and ready._places.taken == 0, "the end of the second one's")
 
 
