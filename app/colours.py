@@ -64,16 +64,16 @@ def colour_table() -> np.ndarray:
 
 
 def rgb(colour: str) -> tuple[int, int, int]:
-    """Returns red, green and blue, 0 to 255, of "#rrggbb"."""
+    """Returns red, green and blue, 0 to 255 each, of a colour "#rrggbb"."""
     return int(colour[1:3], 16), int(colour[3:5], 16), int(colour[5:7], 16)
 
 
 def cause_css_variable(cause: str) -> str:
-    """Returns the name of the CSS variable for a cause's colour."""
+    """Returns the name of the CSS variable for the colour of a cause of error: "made-time-step"."""
     return f"made-{cause.replace('_', '-')}"
 
 
 def css_variables() -> str:
-    """Returns the light shades of the palette, and of the causes of error, as CSS variables."""
+    """Returns a CSS rule with the light shades of the palette and of the causes of error as variables."""
     named = PALETTE | {cause_css_variable(cause): shades for cause, shades in CAUSES.items()}
     return f":root {{ {' '.join(f'--{name}: {shades.light};' for name, shades in named.items())} }}\n"

@@ -33,7 +33,7 @@ YES, NO = ("yes", "true", "on", "1", ""), (Message("no"), "false", "off", "0")
 
 
 class StateError(ValueError):
-    """Raised for an invalid state; the message names the word, what is wrong and what is allowed."""
+    """Raised for an invalid state; the message, a template with values, names the word and what is allowed."""
 
     def __init__(self, sentence: str, /, *values: object):
         super().__init__(quoting.one_line(Message(sentence, *values)))
@@ -44,8 +44,9 @@ class State:
     """What a visitor sees: the scene, and the settings of the view.
 
     ``quantity`` is the key of the quantity whose error is shown, ``estimator`` the one on the stage if it is not the
-    first; ``speed`` is in periods per second, None for the problem's own; ``traced`` is a particle's number; a run that
-    ``stops`` pauses at its end."""
+    first; ``difference`` shows estimate minus truth, ``magnified`` is the factor of a plotted field's deviation,
+    ``logarithmic`` the scale of errors over time, ``domains`` shows those of the particles; ``speed`` is in periods per
+    second, None for the problem's own; ``traced`` is a particle's number; a run that ``stops`` pauses at its end."""
 
     scene: Scene
     quantity: str = next(iter(QUANTITIES))
@@ -61,7 +62,7 @@ class State:
 
 
 def write_state(state: State) -> str:
-    """Returns the shortest text of a state."""
+    """Returns the shortest text of a state, which :func:`parse_state` reads."""
     view = [_word(key, getattr(state, field)) for key, (field, _) in VIEW.items()
             if getattr(state, field) != getattr(State(state.scene), field)]
     pinned = [] if state.pinned is None else [PINNED, *_scene_words(state.pinned)]
@@ -69,7 +70,7 @@ def write_state(state: State) -> str:
 
 
 def parse_state(text: str) -> State:
-    """Parses a state; raises :class:`StateError` if it is invalid."""
+    """Returns the state that a text describes; raises :class:`StateError` if it is invalid."""
     if len(text) > LONGEST:
         raise StateError("a scene of {text:,} characters is too long; at most {most:,} are allowed", len(text), LONGEST)
     problem, *rest = _split_words(text) or [""]
@@ -101,7 +102,7 @@ def _split_words(text: str) -> list[str]:
 
 @lru_cache(maxsize=256)  # a page needs its own repeatedly
 def _scene_words(scene: Scene) -> tuple[str, ...]:
-    """Returns the words for fields that differ from their problem's defaults."""
+    """Returns the words, such as "cells=80", for fields of a scene that differ from its problem's defaults."""
     default = type(scene)()
     return tuple(_word(_key(f.name), getattr(scene, f.name)) for f in fields(scene)
                  if f.name != "problem" and getattr(scene, f.name) != getattr(default, f.name))
@@ -130,7 +131,7 @@ def _parse_scene(problem: str, words: list[str], of_pinned: bool = False) -> Sce
 
 
 def _unknown_word(problem: str, word: str, name: str, known: list[str], of_pinned: bool) -> str:
-    """Returns why a word is not a field of the scene."""
+    """Returns the sentence why a word, which begins with ``name``, is no field of a scene; ``known`` are suggested."""
     if name in ("problem", *PROBLEMS):
         return Message("{word}: the problem stands once, as the first word", _quote_in_message(word)) + \
             Message("; the pinned run is of the {problem} too", Message(problem)) * of_pinned
@@ -150,7 +151,7 @@ def _duplicate_error(key: str) -> StateError:
 
 
 def _parse_value(kind: type[Scene], f: Any, key: str, text: str) -> Any:
-    """Parses a field's value: names, yes or no, or a number; the scene validates it."""
+    """Returns the value of a scene class's field ``f``: names, a bool, a number or a text; the scene validates it."""
     if f.name in LISTS:
         names = tuple(name for name in text.split(",") if name)
         return () if names == ("none",) else kind.choices(f.name) if names == ("all",) else names
@@ -160,7 +161,7 @@ def _parse_value(kind: type[Scene], f: Any, key: str, text: str) -> Any:
 
 
 def _read_view_word(word: str, view: dict[str, Any]) -> bool:
-    """Stores a word of the view in ``view``; returns False if it is not one."""
+    """Stores a word's value in ``view`` by the state's field; returns False if the word is none of the view."""
     key, _, text = word.partition("=")
     if key not in VIEW:
         return False
@@ -183,6 +184,7 @@ def _parse_yes_or_no(key: str, text: str) -> bool:
 
 
 def _choice_parser(meanings: Mapping[str, Any]) -> Callable[[str, str], Any]:
+    """Returns a parser of a value's text, for a word with this key, that allows only the texts in ``meanings``."""
     def read_one(key: str, text: str) -> Any:
         if text not in meanings:
             raise StateError(Message("{key}={text}: give one of {meanings}", key, _quote_in_message(text),

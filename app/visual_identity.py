@@ -13,7 +13,7 @@ _RANGES = {"latin": "U+0000-00FF,U+0131,U+0152-0153,U+02BB-02DC,U+2000-206F,U+20
 
 
 def font_faces_css() -> str:
-    """Returns the font as CSS."""
+    """Returns the CSS rules that embed the font Inter, as the family 'Lab Inter'."""
     return "".join(
         f"@font-face {{ font-family: 'Lab Inter'; font-weight: 100 900; font-display: block; unicode-range: {ranges}; "
         f"src: url(data:font/woff2;base64,{b64encode((FONTS / f'inter-{part}.woff2').read_bytes()).decode()}) "

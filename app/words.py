@@ -24,7 +24,7 @@ SUPERSCRIPTS = dict(zip("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹", strict=
 
 @dataclass(frozen=True)
 class Method:
-    """Name of a method, short and in full."""
+    """Name of a method: short, such as "uGIMP", and in ``full``, "" where that is the same."""
 
     name: str
     full: str = ""
@@ -40,7 +40,7 @@ METHODS = {"mpm": Method("MPM", lazy("MPM (hat functions)")), "ugimp": Method("u
 
 @dataclass(frozen=True)
 class Quantity:
-    """Quantity whose error is shown: its name, symbol and unit."""
+    """Quantity whose error is shown: its English name, symbol and SI unit."""
 
     name: str
     symbol: str
@@ -82,18 +82,18 @@ CHOICES = {"method": {code: method.full or method.name for code, method in METHO
 
 
 def choice_labels(kind: type[Scene], field: str) -> dict[str, str]:
-    """Returns the translated labels of a field's choices, by value; a value without a label is its own."""
+    """Returns the translated labels of the choices of a scene class's field, by value; one without label is its own."""
     allowed, words = kind.choices(field), CHOICES.get(field, {})
     return {code: tr(words[code]) for code in words if code in allowed} | {c: c for c in allowed if c not in words}
 
 
 def unit_of(kind: type[Scene], field: str) -> str:
-    """Returns the unit of a scene class's field, or "": an amplitude may be a length or an angle."""
+    """Returns the unit of a scene class's field, "m" or "rad" for an amplitude, "" for a field without unit."""
     return kind.__dataclass_fields__[field].metadata.get("unit", "")
 
 
 def method_name(method: str) -> str:
-    """Returns the short name of a method; an unknown one is its own name."""
+    """Returns the short name of a method by its key, "cpGIMP" for "cpgimp"; an unknown key is its own name."""
     return METHODS[method].name if method in METHODS else method
 
 
@@ -112,7 +112,7 @@ def _moved_by(scene: Scene) -> str:
 
 
 def in_a_line(scene: Scene) -> str:
-    """Describes a run in a line: the main settings, and others that differ from the defaults."""
+    """Describes a run in a line of text: the main settings, and others that differ from the defaults."""
     said = ("method", "cells", "ppc", "amplitude", "estimators", *(name for name in OF_SOME if hasattr(scene, name)))
     more = difference_text(scene, type(scene)(**{name: getattr(scene, name) for name in said}))
     title, cells = tr(scene.title), tr("{count} cells", count=scene.cells)
@@ -121,7 +121,7 @@ def in_a_line(scene: Scene) -> str:
 
 
 def per_cell(problem: str, ppc: float) -> str:
-    """Formats particles per cell, which are counted along each direction: 4, 2 × 2, 2.5."""
+    """Formats particles per cell, counted along each direction of a problem: 4 on the bar, 2 × 2 in the plane."""
     return " × ".join([str(ppc)] * PROBLEMS[problem].scene.DIMENSIONS)
 
 
@@ -156,7 +156,7 @@ def difference_text(scene: Scene, other: Scene) -> str:
 
 
 def _settings(scene: Scene) -> list[str]:
-    """Returns a short text for each setting of a run."""
+    """Returns a short text for each setting of a run, in a fixed order: "40 cells"."""
     step = tr("CFL number {number:g}", number=DEFAULT_CFL if scene.cfl is None else scene.cfl)
     if scene.dt is not None:
         step = tr("auto step") if scene.dt == AUTO else tr("step {size}", size=with_unit(float(scene.dt), "s"))
@@ -203,15 +203,15 @@ def command_line(scene: Scene) -> str:
     return " ".join(words)
 
 
-def short_reason(silence: str) -> str:
-    """Shortens the reason why there is no estimate, for where the readout has it in full."""
+def short_reason(reason: str) -> str:
+    """Shortens a sentence why there is no estimate to "NAME is not valid here" if it says so; others stay."""
     not_valid = tr("not valid here")  # as the sentence says it
-    name, found, _ = silence.partition(f": {not_valid}")
-    return tr("{name} is not valid here", name=name) if found else silence
+    name, found, _ = reason.partition(f": {not_valid}")
+    return tr("{name} is not valid here", name=name) if found else reason
 
 
 def format_number(value: float) -> str:
-    """Formats a number to three digits: 0, 0.025, 1.5e-05."""
+    """Formats a number to three significant digits: 0, 0.025, 1.5e-05."""
     return f"{value:.3g}"
 
 
@@ -238,18 +238,18 @@ def per_cent(share: float) -> str:
 
 
 def power_of_ten(largest: float) -> int:
-    """Returns the power of ten to factor out of numbers up to ``largest``, so that few digits suffice."""
+    """Returns the exponent of ten to factor out of numbers up to ``largest``: -4 for 3e-4, 0 where none is needed."""
     power = math.floor(math.log10(largest)) if 0 < largest < math.inf else 0
     return 0 if PLAIN_POWERS[0] <= power <= PLAIN_POWERS[1] else power
 
 
 def format_power_of_ten(power: int) -> str:
-    """Formats a power of ten: 10⁻⁴ and a space for -4, "" for 0."""
+    """Formats ten to this power: 10⁻⁴ and a space for -4, "" for 0."""
     return "" if power == 0 else "10" + "".join(SUPERSCRIPTS[sign] for sign in str(power)) + " "
 
 
 def with_unit(value: float, unit: str, digits: int = 3) -> str:
-    """Formats a size with its unit and a prefix: 2.1 mm, 340 kPa; without one for 0 and non-finite values."""
+    """Formats a value in this unit to so many digits, with an SI prefix if it is finite and not 0: 2.1 mm."""
     if not math.isfinite(value) or value == 0:
         return f"{value:g} {unit}"
     power = math.floor(math.log10(float(f"{abs(value):.{digits - 1}e}"))) // 3
@@ -259,12 +259,12 @@ def with_unit(value: float, unit: str, digits: int = 3) -> str:
 
 
 def in_periods(count: float) -> str:
-    """Formats a number of periods, to three digits."""
+    """Formats a number of periods to three digits, with the word: "2.5 periods"."""
     return trn("{count:g} period", "{count:g} periods", float(f"{count:.3g}"))
 
 
 def parse_size(text: str, unit: str) -> float:
-    """Parses a size, "2.1 mm", "2.1e-3" or "0,0021" in m; raises ValueError if it is no number above 0."""
+    """Returns a size in this unit, 0.0021 for "2.1 mm", "2.1e-3" or "0,0021" in m; ValueError if it is not above 0."""
     prefixes = {prefix: power for power, prefix in PREFIXES.items()} if unit else {"": 0}
     found = re.fullmatch(rf"([+0-9.,eE-]+?)\s*(?:({'|'.join(prefixes)})({re.escape(unit)}))?", text.strip())
     if not found:

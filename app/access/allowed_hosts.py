@@ -19,29 +19,29 @@ FOREIGN_PAGE = "A page of another site may not use this lab."
 
 
 class Headers(Protocol):
-    """The headers of a request."""
+    """The headers of a request; ``get_all`` returns the values of all with a name, [] for none."""
 
     def get_all(self, key: str) -> list[str]: ...
 
 
 class Address(NamedTuple):
-    """Host, and port if given."""
+    """Host in lower case, a name or an IP address, and its port in digits, None if not given."""
 
     host: str
     port: str | None
 
     def matches(self, other: "Address", scheme: str) -> bool:
-        """Whether both addresses are equal, with the scheme's default port."""
+        """Whether both addresses are equal; a missing port is the default one of ``scheme``, "http" or "https"."""
         return (self.host, self.port or _PORTS[scheme]) == (other.host, other.port or _PORTS[scheme])
 
 
 def is_host_name(text: str) -> bool:
-    """Whether a text is a valid host name, with or without a port."""
+    """Whether a text is a valid host name or IP address, with or without a port: lab.example:8080."""
     return _parse_address(text) is not None
 
 
 def is_loopback(host: str) -> bool:
-    """Whether a host is only this machine itself."""
+    """Whether a host, a name or an IP address without a port, is only this machine itself: localhost, 127.0.0.1."""
     host = host.strip("[]").rstrip(".").lower()
     local = host == "localhost" or host.endswith(".localhost")
     return local or (is_ip(host) and ipaddress.ip_address(host).is_loopback)
@@ -58,7 +58,7 @@ def is_ip(text: str) -> bool:
 
 @dataclass(frozen=True)
 class Addresses:
-    """The ``host`` that the lab listens on, and its further public ``names``, such as those of a proxy."""
+    """The ``host`` that the lab listens on, and its public ``names``, as of a proxy, each with or without a port."""
 
     host: str
     names: tuple[str, ...] = ()
@@ -69,7 +69,7 @@ class Addresses:
         return is_loopback(self.host) and not self.names
 
     def refusal(self, headers: Headers, opens_socket: bool = False) -> str | None:
-        """Returns why a request with these headers, for a websocket or a page, is refused; None if it is not."""
+        """Returns a sentence why a request, for a websocket if ``opens_socket``, else a page, is refused, or None."""
         hosts, origins = headers.get_all("Host"), headers.get_all("Origin")
         host = _parse_address(hosts[0]) if len(hosts) == 1 else None
         if host is None:
@@ -94,14 +94,14 @@ class Addresses:
 
 
 def has_invalid_host_characters(head: bytes) -> bool:
-    """Whether a host or origin contains white space or characters invalid in names, which no browser sends."""
+    """Whether Host or Origin in the raw header lines ``head`` has characters invalid in names, or white space."""
     lines = (line.partition(b":") for line in head.split(b"\r\n"))
     return any(name.lower() in (b"host", b"origin") and re.fullmatch(rb" ?[\x21-\x7e]*", value) is None
                for name, _, value in lines)
 
 
 def _is_cross_site(headers: Headers, opens_socket: bool) -> bool:
-    """Whether a page of another site sends the request, other than by a link."""
+    """Whether a page of another site sends a request, other than by a link, which cannot open a websocket."""
     asked = {value.strip().lower() for value in headers.get_all("Sec-Fetch-Site")}
     if not asked or asked <= {"same-origin", "none"}:
         return False

@@ -25,7 +25,8 @@ WRONG = lazy("This is not the code. Look at the board again, or ask your teacher
 
 
 class LoginResult(NamedTuple):
-    """The ``cookie`` that a code gives, for ``more`` than the lab or not; else why not, and when to try again, in s."""
+    """The ``cookie``, a Set-Cookie header, that a right code gives, and whether it is for ``more`` than the lab (notes,
+    board); for a wrong code the ``refusal``, a sentence, and the seconds to ``wait`` before the next guess."""
 
     cookie: str = ""
     more: bool = False
@@ -34,25 +35,25 @@ class LoginResult(NamedTuple):
 
 
 class CookieIdentity(NamedTuple):
-    """Identity in a cookie: ``role`` code was used, and the ``key`` common to all pages of a browser."""
+    """Identity in a cookie: ``role`` of the code used ("class", "teacher", "board"), random ``key`` of the browser."""
 
     role: str
     key: str = ""
 
 
 def generate_code() -> str:
-    """Returns a random code, in two halves for readability."""
+    """Returns a random class code, in two halves for readability: "abcd-efgh"."""
     code = "".join(secrets.choice(LETTERS) for _ in range(MADE_UP))
     return f"{code[:MADE_UP // 2]}-{code[MADE_UP // 2:]}"
 
 
 def normalise_code(code: str) -> str:
-    """Returns a code without case, spaces and dashes."""
+    """Returns a code in lower case without spaces and dashes, for comparisons."""
     return "".join(code.casefold().replace("-", "").split())
 
 
 class ClassCode:
-    """The code of a server, those of its ``teacher`` and ``board``, its cookies, and a count of wrong guesses."""
+    """Codes of the server at ``port``, for the class, ``teacher`` and ``board`` ("": none); cookies, wrong guesses."""
 
     def __init__(self, code: str, port: int, teacher: str = "", board: str = ""):
         self._name = f"mpm-lab-{port}"  # cookies ignore ports: two labs on a machine must not share one
@@ -66,22 +67,23 @@ class ClassCode:
         return self.identify(headers) is not None
 
     def identify(self, headers: Headers) -> CookieIdentity | None:
-        """Returns the identity in the cookie with most rights; all are checked, so that the time reveals nothing."""
+        """Returns the identity with most rights in a request's valid cookies, or None. All are checked, so that the
+        time reveals nothing."""
         pairs = (pair.partition("=") for line in headers.get_all("Cookie") for pair in line.split(";"))
         brought = [value.strip().partition(".") for name, _, value in pairs if name.strip() == self._name]
         found = [CookieIdentity(whose, key) for whose in self._secrets for key, _, proof in brought
                  if hmac.compare_digest(_digest(self._signature(whose, key)), _digest(proof))]
         return found[-1] if found else None
 
-    def log_in(self, guess: str, who: str) -> LoginResult:
-        """Checks a code from an IP address."""
+    def log_in(self, guess: str, address: str) -> LoginResult:
+        """Checks a code typed at an IP address; a wrong one is counted, for the address's network and in all."""
         digest = _digest(normalise_code(guess))
         opened = [whose for whose, code in self._codes.items() if hmac.compare_digest(digest, code)]
         if opened:
             key, whose = secrets.token_urlsafe(16), opened[-1]  # valid until the browser closes or the server ends
             return LoginResult(f"{self._name}={key}.{self._signature(whose, key)}; Path=/; HttpOnly; SameSite=Strict",
                                more=whose != CLASS)
-        own = self._of.get(network_of(who))
+        own = self._of.get(network_of(address))
         wait = math.ceil(max(own.delay(), self._all.delay()))
         if wait:
             told = tr("There were too many wrong codes. Wait {wait} s, then try again.", wait=wait)
@@ -90,11 +92,11 @@ class ClassCode:
         self._all.debit()
         return LoginResult(refusal=tr(WRONG))
 
-    def _signature(self, whose: str, key: str) -> str:
-        """Returns the signature of a key."""
-        return hmac.new(self._secrets[whose], key.encode("utf-8", "replace"), hashlib.sha256).hexdigest()
+    def _signature(self, role: str, key: str) -> str:
+        """Returns the signature of a browser's key in a cookie for this role, in hexadecimal digits."""
+        return hmac.new(self._secrets[role], key.encode("utf-8", "replace"), hashlib.sha256).hexdigest()
 
 
 def _digest(text: str) -> bytes:
-    """Returns a digest, as comparisons in constant time need equal lengths."""
+    """Returns the SHA-256 digest of a text, as comparisons in constant time need equal lengths."""
     return hashlib.sha256(text.encode("utf-8", "replace")).digest()

@@ -13,7 +13,7 @@ _log = logging.getLogger(__name__)
 
 
 def error_location(error: BaseException) -> str:
-    """Returns the type of an error and where it was raised, without any text that a client may have sent."""
+    """Returns type and place of an error, "ValueError in page.py, line 3", without any text that clients may send."""
     steps = traceback.extract_tb(error.__traceback__)
     ours = [step for step in steps if "site-packages" not in step.filename] or steps
     where = f" in {Path(ours[-1].filename).name}, line {ours[-1].lineno}" if ours else ""
@@ -21,13 +21,13 @@ def error_location(error: BaseException) -> str:
 
 
 def log_failure(what: str, error: BaseException) -> None:
-    """Logs in one line that ``what`` failed, and the traceback at debug level."""
+    """Logs ``what``, such as "a page could not close", with the error's place; the traceback at debug level."""
     _log.error("%s: %s", what, error_location(error))
     _log.debug("%s", what, exc_info=error)
 
 
 class RateLimitFilter(logging.Filter):
-    """Log filter that passes so many records a minute, and adds how many it has dropped."""
+    """Log filter that passes so many records (``lines``) in ``seconds``, and tells how many it dropped."""
 
     def __init__(self, lines: int = LINES_A_MINUTE, seconds: float = MINUTE):
         super().__init__()
@@ -45,14 +45,14 @@ class RateLimitFilter(logging.Filter):
 
 
 class RefusalLog:
-    """Thread-safe log of refusals. Data sent by clients is never logged."""
+    """Thread-safe log of so many refusals (``lines``) in ``seconds``. Data sent by clients is never logged."""
 
     def __init__(self, lines: int = REFUSALS_A_MINUTE, seconds: float = MINUTE):
         self._lines, self._seconds, self._lock = lines, seconds, threading.Lock()
         self._written, self._more = 0, Counter[str]()
 
-    def record(self, sentence: str, who: str = "") -> None:
-        """Logs a refusal at once or, after many, as a count at the end of the minute."""
+    def record(self, sentence: str, address: str = "") -> None:
+        """Logs a refusal, of an IP address if given, at once; after many only their count, when the time is over."""
         with self._lock:
             if not self._written:
                 timer = threading.Timer(self._seconds, self._log_suppressed_count)
@@ -62,7 +62,7 @@ class RefusalLog:
             if self._written > self._lines:
                 self._more[sentence] += 1
                 return
-        _log.warning("refused%s: %s", f" from {who}" * bool(who), sentence)
+        _log.warning("refused%s: %s", f" from {address}" * bool(address), sentence)
 
     def _log_suppressed_count(self) -> None:
         with self._lock:

@@ -9,11 +9,11 @@ from typing import Generic, TypeVar
 
 SHARED = {4: 24, 6: 64}  # bits common to the addresses of one household or hoster
 REMEMBERED = 1000  # networks
-Who = TypeVar("Who")
+Connection = TypeVar("Connection")
 
 
 class TokenBucket:
-    """Token bucket of at most ``most`` tokens, full at first, refilled at ``a_second`` tokens per second."""
+    """Token bucket of at most ``most`` tokens, full at first, refilled by ``a_second`` each second of ``clock``."""
 
     def __init__(self, most: float, a_second: float, clock: Callable[[], float] = monotonic):
         self.most, self._a_second, self._clock = most, a_second, clock
@@ -28,28 +28,28 @@ class TokenBucket:
         return self._left
 
     def debit(self, tokens: float = 1.0) -> None:
-        """Takes so many tokens, even if fewer are left."""
+        """Takes so many tokens out, even if fewer are left."""
         self._left = self.tokens - tokens
 
     def delay(self, tokens: float = 1.0) -> float:
-        """Returns the seconds until so many tokens are there, without taking them."""
+        """Returns the seconds until so many tokens are there, 0 if they are; takes none."""
         return max(0.0, (tokens - self.tokens) / self._a_second)
 
 
-def network_of(who: str) -> str:
-    """Returns the network of an IP address; loopback addresses, and text that is no address, are returned unchanged."""
+def network_of(address: str) -> str:
+    """Returns the network of an IP address, "10.0.0.0/24"; of a loopback address, or text that is none, itself."""
     try:
-        address = ipaddress.ip_address(who.partition("%")[0])
+        number = ipaddress.ip_address(address.partition("%")[0])
     except ValueError:
-        return who
-    address = getattr(address, "ipv4_mapped", None) or address
-    if address.is_loopback:
-        return str(address)
-    return str(ipaddress.ip_network((address, SHARED[address.version]), strict=False))
+        return address
+    number = getattr(number, "ipv4_mapped", None) or number
+    if number.is_loopback:
+        return str(number)
+    return str(ipaddress.ip_network((number, SHARED[number.version]), strict=False))
 
 
 class TokenBuckets:
-    """Token bucket per network; those unused for longest are dropped, as they would be full again."""
+    """Token buckets from ``make``, one per network; of more than ``remembered`` the longest unused are dropped."""
 
     def __init__(self, make: Callable[[], TokenBucket], remembered: int = REMEMBERED):
         self._make, self._remembered = make, remembered
@@ -59,7 +59,7 @@ class TokenBuckets:
         return len(self._buckets)
 
     def get(self, network: str) -> TokenBucket:
-        """Returns the bucket of a network, and marks it as the last used."""
+        """Returns the bucket of a network (:func:`network_of`), new if there is none, and marks it as the last used."""
         bucket = self._buckets.pop(network, None) or self._make()
         self._buckets[network] = bucket
         while len(self._buckets) > self._remembered:
@@ -68,7 +68,7 @@ class TokenBuckets:
 
 
 class DiskQuota:
-    """Thread-safe quota of bytes on disk, ``of_one`` network and ``of_all``."""
+    """Thread-safe quota of bytes on disk: at most ``of_one`` for a network, and ``of_all`` together."""
 
     def __init__(self, of_one: int, of_all: int):
         self._of_one, self._of_all = of_one, of_all
@@ -80,40 +80,40 @@ class DiskQuota:
         with self._lock:
             return self._used.total()
 
-    def reserve(self, who: str, count: int) -> bool:
-        """Reserves bytes for an IP address; returns False if the quota would be exceeded."""
-        network = network_of(who)
+    def reserve(self, address: str, count: int) -> bool:
+        """Reserves so many bytes for an IP address; returns False if its network's quota, or all, would be exceeded."""
+        network = network_of(address)
         with self._lock:
             if self._used[network] + count > self._of_one or self._used.total() + count > self._of_all:
                 return False
             self._used[network] += count
             return True
 
-    def release(self, who: str, count: int) -> None:
-        """Releases bytes of an address."""
-        network = network_of(who)
+    def release(self, address: str, count: int) -> None:
+        """Releases so many reserved bytes of an IP address."""
+        network = network_of(address)
         with self._lock:
             self._used[network] -= count
             if not self._used[network]:
                 del self._used[network]
 
 
-class PendingConnections(Generic[Who]):
-    """Places for so many connections ``of_one`` network and ``of_all`` that have sent nothing yet.
+class PendingConnections(Generic[Connection]):
+    """Connections that have sent nothing yet, at most ``of_one`` of a network and ``of_all`` together.
 
     A newcomer is never refused: beyond the limit it replaces the one that has been silent for longest, of the same
-    network or, if all places are taken, of the network with most. Legitimate clients soon send something."""
+    network or, if ``of_all`` is reached, of that with most. Legitimate clients soon send something."""
 
     def __init__(self, of_one: int, of_all: int):
         self._of_one, self._of_all = of_one, of_all
-        self._network: dict[Who, str] = {}
-        self._waiting: dict[str, dict[Who, None]] = {}  # by network, in order of arrival
+        self._network: dict[Connection, str] = {}
+        self._waiting: dict[str, dict[Connection, None]] = {}  # by network, in order of arrival
 
     def __len__(self) -> int:
         return len(self._network)
 
-    def add(self, who: Who, network: str) -> Who | None:
-        """Takes a place; returns the connection that has to be closed for it, already removed, or None."""
+    def add(self, connection: Connection, network: str) -> Connection | None:
+        """Adds a connection; returns the one that has to be closed in its place, already removed here, or None."""
         gone = None
         if len(self._waiting.get(network, ())) >= self._of_one:
             gone = next(iter(self._waiting[network]))
@@ -122,14 +122,14 @@ class PendingConnections(Generic[Who]):
             gone = next(iter(self._waiting[largest]))
         if gone is not None:
             self.discard(gone)
-        self._network[who] = network
-        self._waiting.setdefault(network, {})[who] = None
+        self._network[connection] = network
+        self._waiting.setdefault(network, {})[connection] = None
         return gone
 
-    def discard(self, who: Who) -> None:
-        """Frees the place; a second call does nothing."""
-        network = self._network.pop(who, None)
+    def discard(self, connection: Connection) -> None:
+        """Removes a connection that has sent something or is closed; a second call does nothing."""
+        network = self._network.pop(connection, None)
         if network is not None:
-            del self._waiting[network][who]
+            del self._waiting[network][connection]
             if not self._waiting[network]:
                 del self._waiting[network]

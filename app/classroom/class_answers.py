@@ -5,8 +5,7 @@
 * A visitor's first answer to a question counts if it came before the answers were shown. Later ones change nothing of
   what is shown; only their number is.
 * Answers stay when a visitor leaves. Visitors who are here, or have answered, count as asked.
-* Free texts are counted, not stored.
-"""
+* Free texts are counted, not stored."""
 
 import threading
 from collections.abc import Callable
@@ -20,7 +19,8 @@ MOST = 1000  # visitors that are counted; others can take the lesson: cookies ar
 
 @dataclass
 class VisitorAnswers:
-    """A visitor's open ``pages``, ``step``, ``valid`` answers that count, ``late`` questions, and own ``answers``."""
+    """A visitor's number of open ``pages``, last ``step`` reached (0: none), ``valid`` answers that count, ``late``
+    questions, first answered after the answers were shown, and own ``answers``, each by the question's key."""
 
     pages: int = 0
     step: int = 0
@@ -30,7 +30,8 @@ class VisitorAnswers:
 
 
 class ClassAnswers:
-    """Thread-safe answers of a class; ``on_change`` is called, on the same thread, when a number changes."""
+    """Thread-safe answers of a class; a call that changes a count calls ``on_change``. Visitors have their cookie's
+    ``key``, questions that of their step; ``step`` is a number from 1."""
 
     def __init__(self, on_change: Callable[[], None] = lambda: None):
         self._on_change, self._lock = on_change, threading.Lock()
@@ -38,7 +39,7 @@ class ClassAnswers:
         self._closed: set[str] = set()  # questions whose answers are shown
 
     def register_page(self, key: str) -> VisitorAnswers:
-        """Registers an opened page of a visitor; returns the visitor's answers so far."""
+        """Registers an opened page of a visitor; returns the visitor's entry, new or as it was left."""
         with self._lock:
             entry = self._entries.get(key) or VisitorAnswers()
             if len(self._entries) >= MOST:  # drop those who left without an answer
@@ -57,14 +58,14 @@ class ClassAnswers:
         self._on_change()
 
     def record_step(self, key: str, step: int) -> None:
-        """Records that a visitor has reached a step; going back does not count."""
+        """Records that a visitor has reached the step with this number; going back does not count."""
         with self._lock:
             if entry := self._entries.get(key):
                 entry.step = max(entry.step, step)
         self._on_change()
 
     def record_answer(self, key: str, question: str, answer: Any) -> None:
-        """Records an answer if it counts."""
+        """Records a visitor's first answer, or that it came after the question was closed."""
         with self._lock:
             entry = self._entries.get(key)
             if entry is None or question in entry.valid:
@@ -87,21 +88,21 @@ class ClassAnswers:
             return sum(entry.pages > 0 for entry in self._entries.values())
 
     def count_reached(self, step: int) -> int:
-        """Returns how many of the visitors who are here have reached a step."""
+        """Returns how many visitors with an open page have reached the step with this number."""
         with self._lock:
             return sum(entry.pages > 0 and entry.step >= step for entry in self._entries.values())
 
     def count_present_or_answered(self, question: str) -> int:
-        """Returns how many visitors are here, or have given an answer that counts."""
+        """Returns how many visitors have an open page, or an answer to the question that counts."""
         with self._lock:
             return sum(entry.pages > 0 or question in entry.valid for entry in self._entries.values())
 
     def count_late(self, question: str) -> int:
-        """Returns how many visitors first answered after the answers were shown."""
+        """Returns how many visitors first answered the question after its answers were shown."""
         with self._lock:
             return sum(question in entry.late for entry in self._entries.values())
 
     def answers(self, question: str) -> list[Any]:
-        """Returns the answers that count, sorted, so that their order reveals nothing."""
+        """Returns the answers to a question that count, sorted, so that their order reveals nothing."""
         with self._lock:
             return sorted(entry.valid[question] for entry in self._entries.values() if question in entry.valid)

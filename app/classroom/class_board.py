@@ -25,7 +25,7 @@ FAILED = lazy("The result could not be computed.")
 
 @dataclass(frozen=True)
 class BoardPosition:
-    """View of a board: a step (0 is the beginning), its stage, and whether it is ``now`` or looked back at."""
+    """What boards show: step ``at`` (0: introduction), its ``question_phase``; ``turn`` counts changes."""
 
     turn: int
     at: int
@@ -38,7 +38,8 @@ class BoardPosition:
 
 
 class ClassBoard:
-    """Board of a class in one ``lesson``, or its ``core``, with the first set of numbers. Thread-safe."""
+    """Board of a class in one ``lesson``, or its ``core``, with the first set of numbers. Thread-safe. Steps are
+    numbered ``at`` from 1; 0 is the introduction. ``outcomes`` runs the scenes of right answers."""
 
     def __init__(self, lesson: Lesson, outcomes: RunCache, core: bool = False):
         self.core = core and bool(lesson.optional_steps)
@@ -60,13 +61,13 @@ class ClassBoard:
 
     @property
     def last_open_step(self) -> int:
-        """The number of the last step open to all."""
+        """Number of the last step that is open to all, 0 at first."""
         with self._lock:
             return self._opened
 
     @property
     def end_position(self) -> int:
-        """The number after the last step."""
+        """The number after the lesson's last step."""
         return len(self.lesson.steps) + 1
 
     @property
@@ -75,31 +76,31 @@ class ClassBoard:
         return len(self._step_numbers)
 
     def step_number(self, at: int) -> int:
-        """Returns how many of the class's steps are at or before a place."""
+        """Returns the number that the class sees for step ``at``, as steps beyond the core may be left out."""
         return sum(taken <= at for taken in self._step_numbers)
 
     def next_position(self, at: int) -> int:
-        """Returns the place that follows."""
+        """Returns the number of the class's step after step ``at``, or :attr:`end_position`."""
         return self.lesson.neighbour_step(at, 1, self.core)
 
     def step(self, at: int) -> Step | None:
-        """Returns the step at a place, or None."""
+        """Returns the lesson's step number ``at``; None before the first and after the last."""
         return self.lesson.steps[at - 1] if 0 < at < self.end_position else None
 
     def question_phase(self, at: int) -> int:
-        """Returns the stage of the question at a place."""
+        """Returns the phase of the question of step ``at``: ``COUNTED``, ``SHOWN`` or ``REVEALED``."""
         with self._lock:
             return self._stages.get(at, COUNTED)
 
-    def press_button(self, what: str, turn: int) -> None:
-        """Goes on or back, unless the board has changed since the press."""
+    def press_button(self, button: str, turn: int) -> None:
+        """Goes on (``NEXT``) or ``BACK``, unless the board has changed since ``turn``, at which it was pressed."""
         with self._lock:
             before = self.position
             if turn != before.turn:
                 return
-            if what == NEXT:
+            if button == NEXT:
                 self._advance()
-            elif what == BACK:
+            elif button == BACK:
                 self._at = self.lesson.neighbour_step(self._at, -1, self.core)
             if self.position == before:
                 return
@@ -120,7 +121,7 @@ class ClassBoard:
             return FAILED
 
     def watch(self, on_change: Callable[[], None]) -> None:
-        """Calls ``on_change``, on any thread, whenever the board changes."""
+        """Has ``on_change`` called, on any thread, whenever the board or its answers change."""
         with self._lock:
             self._watchers.append(on_change)
 
@@ -129,7 +130,7 @@ class ClassBoard:
             self._watchers.remove(on_change)
 
     def add_seat(self, key: str) -> "BoardSeat":
-        """Returns a new seat for a page of the visitor with this key."""
+        """Returns a seat, by which a page follows the board; ``key`` is that of its visitor's cookie."""
         seat = BoardSeat(self, key)
         with self._lock:
             self._seats.append(seat)
@@ -141,11 +142,11 @@ class ClassBoard:
             self._seats.remove(seat)
 
     def stop_computations(self) -> None:
-        """Stops all computations."""
+        """Stops computing right answers, for the server's end."""
         self._thread.shutdown(wait=False, cancel_futures=True)
 
     def _advance(self) -> None:
-        """Goes to the next stage or step."""
+        """Goes to the question's next phase, else to the next step, which it opens to all."""
         step, stage = self.step(self._at), self._stages.get(self._at, COUNTED)
         if self._at < self._opened:
             self._at = self.next_position(self._at)
@@ -159,7 +160,7 @@ class ClassBoard:
                 self._compute_right_answer(step)
 
     def _compute_right_answer(self, step: Step) -> None:
-        """Starts computing the right answer of a step; repeats a failed attempt."""
+        """Starts computing the right answer to a step's question, unless it is known; repeats a failed attempt."""
         run = self._rights.get(step.key)
         if run is None or (run.done() and run.exception()):
             run = self._rights[step.key] = self._thread.submit(right_answer, self.lesson, step, self.numbers,
@@ -174,7 +175,7 @@ class ClassBoard:
 
 
 class BoardSeat:
-    """Seat of a page of the visitor with this ``key``; steps are counted as in :class:`StudentProgress`."""
+    """A page's part in the class: follows the ``board`` and reports steps, from 1, of the visitor with this ``key``."""
 
     def __init__(self, board: ClassBoard, key: str):
         self._board, self._key, self._gone = board, key, False
@@ -183,26 +184,26 @@ class BoardSeat:
 
     @property
     def lesson(self) -> str:
-        """The name of the paced lesson; other lessons are not paced."""
+        """Name of the lesson whose steps the board opens; others are open at once."""
         return self._board.lesson.name
 
     @property
     def last_open_step(self) -> int:
-        """The number of the last step that is open."""
+        """Number of the last step that the board has opened, 0 at first."""
         return self._board.last_open_step
 
     def progress(self) -> StudentProgress:
-        """Returns the visitor's answers and step, which the server stores instead of the browser."""
+        """Returns the visitor's step and answers in the lesson, which the server stores instead of the browser."""
         lesson = self._board.lesson
         return StudentProgress(lesson.name, lesson.fingerprint, step=min(self._entry.step, self.last_open_step),
                                answers=self._entry.answers, core=self._board.core)
 
     def watch_open_steps(self, on_open: Callable[[], None]) -> None:
-        """Calls ``on_open``, on another thread, when a further step is open."""
+        """Has ``on_open`` called, on any thread, whenever the board opens a step; replaces an earlier one."""
         self._on_open = on_open
 
     def notify_step_open(self) -> None:
-        """Notifies the page that a further step is open; an error in one page does not affect others."""
+        """Calls the page's function that a further step is open; an error in one page does not affect others."""
         try:
             if not self._gone:
                 self._on_open()
@@ -210,17 +211,20 @@ class BoardSeat:
             log_failure("a page could not be told that a step is open", error)
 
     def report_step(self, step: int) -> None:
+        """Reports that the visitor has reached the step with this number."""
         self._board.tally.record_step(self._key, step)
 
     def report_answer(self, step: Step, answer: Any) -> None:
+        """Reports the visitor's answer to a step's question: a choice or a number; of a text only that there is one."""
         self._board.tally.record_answer(self._key, step.key, "" if step.asked_question.kind == TEXT else answer)
 
     def leave(self) -> None:
+        """Ends the page's part in the class, when the page is closed."""
         self._gone = True
         self._board.remove_seat(self)
         self._board.tally.unregister_page(self._key)
 
 
 def has_chart(step: Step) -> bool:
-    """Whether the answers to a step are shown; free texts are only counted."""
+    """Whether a step has a question whose answers the board shows; free texts are only counted."""
     return step.question is not None and step.question.kind != TEXT

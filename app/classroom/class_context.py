@@ -16,7 +16,7 @@ OF_NO_USE = lazy("Only this computer can open this address: serve with --host 0.
 
 @dataclass(frozen=True)
 class JoinInfo:
-    """How a class joins: ``link`` without the code, the ``code``, and a ``warning`` if others cannot connect."""
+    """How a class joins: ``link`` without the code, the ``code``, and a ``warning`` or "" if others can connect."""
 
     link: str
     code: str
@@ -35,17 +35,17 @@ class LecturerContext:
     board: ClassBoard
     join_info: JoinInfo
 
-    def join_info_for(self, here: str) -> JoinInfo:
-        """Returns link and code for a class, given the address at which the lecturer's browser opened the lab."""
+    def join_info_for(self, opened_at: str) -> JoinInfo:
+        """Returns link, code and warning, for the address (URL or "") at which the lecturer's browser has the lab."""
         known = self.join_info.link
-        link = here if here and not is_loopback(urlsplit(here).hostname or "") else known
+        link = opened_at if opened_at and not is_loopback(urlsplit(opened_at).hostname or "") else known
         return replace(self.join_info, link=link, warning=tr(OF_NO_USE) * is_loopback(urlsplit(link).hostname or ""))
 
 
 @dataclass(frozen=True)
 class ClassroomContext:
-    """Data shared by the visitors of a server: the ``lesson`` opened, whether teacher's notes are shown, results of
-    runs, whether lessons begin with the ``core``; and a visitor's ``seat`` if a board paces the lesson."""
+    """Data shared by a server's visitors: name of the ``lesson`` opened, whether to show the ``teacher``'s notes, cache
+    of runs, whether lessons begin with the ``core``; and the visitor's ``seat`` if a board opens the steps."""
 
     lesson: str = ""
     teacher: bool = False
@@ -54,7 +54,7 @@ class ClassroomContext:
     seat: BoardSeat | None = None
 
     def start_progress(self, lesson: Lesson) -> StudentProgress:
-        """Returns the initial progress of a lesson, or the present one if the board paces it."""
+        """Returns the progress to open a lesson with: an empty one, or the visitor's so far if a board opens steps."""
         if self.seat and self.seat.lesson == lesson.name:
             return self.seat.progress()
         return StudentProgress(lesson.name, lesson.fingerprint, core=self.core and bool(lesson.optional_steps))

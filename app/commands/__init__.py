@@ -2,8 +2,7 @@
 
 A command is a frozen dataclass: its fields are its flags, its docstring is its help, and ``execute()`` does
 the work and returns the exit status. One that takes a scene is made for each problem (``scene_flags``). To add one,
-write the dataclass and list it here.
-"""
+write the dataclass and list it here."""
 
 import functools
 
@@ -31,7 +30,7 @@ DEFAULT_COMMAND = ("serve",)
 
 @functools.cache
 def commands() -> dict[tuple[str, ...], type]:
-    """Returns all commands by their words, in the order of the help."""
+    """Returns the class of each command by the words of its name, ("run", "bar"), in the order of the help."""
     scenes = {name: problem.scene for name, problem in PROBLEMS.items()}
     found: dict[tuple[str, ...], type] = {("serve",): Serve}
     found |= {("run", name): command_of_problem(Run, scene) for name, scene in scenes.items()}

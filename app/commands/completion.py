@@ -22,7 +22,7 @@ BASH = {"complete -F": "complete -o default -F",
 
 
 def completion_script(shell: str) -> str:
-    """Returns the script for a shell, made from the commands' own flags."""
+    """Returns the completion script for "bash", "zsh" or "fish", made from the commands' own flags."""
     if shell not in SHELLS:
         raise BadInput("completion", shell, f"give one of {', '.join(SHELLS)}")
     tree: dict[str, Any] = {}
@@ -41,12 +41,12 @@ def completion_script(shell: str) -> str:
 
 
 def _command_choice_type(kinds: dict[str, Any]) -> Any:
-    """Returns the type of a choice between commands for tyro."""
+    """Returns tyro's type for a choice between commands, classes by their words."""
     return reduce(operator.or_, [Annotated[kind, tyro.conf.subcommand(name)] for name, kind in kinds.items()])
 
 
 def _with_choices(kind: Any) -> type:
-    """Returns a command with specific flag types, as those for reading accept anything."""
+    """Returns a command class whose flags name their choices, as those for reading accept anything."""
     hints = get_type_hints(kind, include_extras=True)
     typed = {f.name: hint for f in fields(kind) if (hint := _completion_type(hints[f.name])) is not None}
     known = {"__annotations__": typed, "__doc__": kind.__doc__, **dict.fromkeys(typed)}
@@ -54,7 +54,7 @@ def _with_choices(kind: Any) -> type:
 
 
 def _completion_type(hint: Any) -> Any:
-    """Returns the type of a flag that takes files or one of some words; None for any other."""
+    """Returns the narrower type for a flag's annotation if it takes files or some words; None for any other."""
     marks = getattr(hint, "__metadata__", ())
     spec = next((mark for mark in marks if isinstance(mark, tyro.constructors.PrimitiveConstructorSpec)), None)
     if spec is None:

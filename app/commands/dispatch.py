@@ -26,7 +26,8 @@ LONGEST_COMPLAINT = 200  # letters of an error of the parser
 
 
 def dispatch(arguments: list[str]) -> int:
-    """Runs the command line and returns its exit status. Only Ctrl-C is raised, with ``-X dev`` any error."""
+    """Runs a command line, its words without ``mpm-lab``, and returns its exit status. Only Ctrl-C is raised, with
+    ``-X dev`` any error."""
     if isinstance(sys.stdout, io.TextIOWrapper):
         sys.stdout.reconfigure(errors="replace")  # a terminal without ² must not lose the result
     with show_tracebacks(VERBOSE in arguments):
@@ -77,7 +78,7 @@ def _run_command(arguments: list[str]) -> int:
 
 
 def _find_command(arguments: list[str]) -> tuple[tuple[str, ...], list[str]]:
-    """Returns the command's name and the rest. The beginning of a name shows help."""
+    """Returns the words of the command's name and those after it; before --help, a name's beginning and no others."""
     if not arguments or (arguments[0].startswith("-") and arguments[0] not in ("-h", "--help")):
         return DEFAULT_COMMAND, arguments
     name: tuple[str, ...] = ()
@@ -103,7 +104,7 @@ def _next_words(name: tuple[str, ...]) -> list[str]:
 
 
 def _read_flags(kind: type, program: str, arguments: list[str]) -> Any:
-    """Returns the command with its flags; None after showing help."""
+    """Returns an instance of the command class ``kind`` with its flags; None after showing help."""
     read: Any = tyro.cli  # the type of what it returns depends on its flags
     names = {f.name for f in fields(kind)}
     arguments = [_translate_synonym(word, names) for word in arguments]
@@ -127,7 +128,7 @@ def _read_flags(kind: type, program: str, arguments: list[str]) -> Any:
 
 
 def _translate_synonym(word: str, names: set[str]) -> str:
-    """Returns a flag such as ``--estimators`` by the name that the command has for it."""
+    """Returns a flag such as ``--estimators`` by the one of a command's ``names`` for it; other words unchanged."""
     flag, separator, value = word.partition("=")
     name = flag.removeprefix("--")
     if not word.startswith("--") or name in names or field_key(key_field(name)) not in names:
@@ -136,6 +137,7 @@ def _translate_synonym(word: str, names: set[str]) -> str:
 
 
 def _refuse_word(word: str, kind: type, program: str) -> BadInput:
+    """Returns the error for a word that the command ``kind``, called ``program`` in messages, does not take."""
     flags = [*("--" + field.name.replace("_", "-") for field in fields(kind)), VERBOSE]
     flag = word.partition("=")[0]
     if not word.startswith("-") or word == "-" or flag in flags:

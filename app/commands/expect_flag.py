@@ -12,13 +12,13 @@ from solvers.untrusted.quoting import quote
 
 @dataclass(frozen=True)
 class ClaimChecker:
-    """Paths of a report, and the name of the report, which claims may omit."""
+    """Checks claims about a report by its paths (``vocabulary``); they may omit the report's ``name``."""
 
     name: str
     vocabulary: Vocabulary
 
     def validate_claims(self, claims: Sequence[str]) -> None:
-        """Rejects claims that cannot be decided; raises :class:`BadInput`."""
+        """Raises :class:`BadInput` for a claim that no report can decide; "error.x.max < 1e-3" is one it can."""
         for claim in claims:
             try:
                 check_claim(claim, {self.name: None}, self.name, self.vocabulary)
@@ -26,7 +26,8 @@ class ClaimChecker:
                 raise BadInput("expect", claim, str(error)) from None
 
     def report_claims(self, claims: Sequence[str], outcomes: list[Mapping[str, Any]], over: str = "") -> int:
-        """Prints the outcome of each claim, for outcomes that differ in the field ``over``; returns 1 if one fails."""
+        """Prints whether each claim holds for one report, or several that differ in ``over``; returns the exit status,
+        1 if one fails, else 0."""
         missed = 0
         scope = ClaimScope({self.name: RunOutcome(outcomes, over)}, self.name, self.vocabulary)
         for claim in claims:

@@ -50,10 +50,7 @@ class Export:
         names = self._lesson_names()
         target = Target("out", self.out, ending=".zip" if self.scorm else ".html")
         with show_progress(self.quiet) as show, use_language(self.lang):
-            from app.export import (
-                html_file,
-                lesson_export,  # here: bad input and --help must not wait for them
-            )
+            from app.export import html_file, lesson_export  # here: bad input and --help must not wait for them
             lessons = [_load_lesson(name) for name in names]
             if self.scorm:
                 content = lesson_export.make_scorm_package(lessons, processes, show, core=self.core)
@@ -66,7 +63,7 @@ class Export:
         return 0
 
     def _lesson_names(self) -> list[str]:
-        """Returns the full names of the lessons, none for a scene; refuses what cannot be exported."""
+        """Returns the full names of the lessons, [] for a scene; raises BadInput for what cannot be exported."""
         if self.scorm:
             if not self.what.strip() or looks_like_state(self.what):
                 raise BadInput("", self.what, "is no lesson, and a course keeps a score of lessons alone; give lessons "

@@ -17,7 +17,7 @@ MOST_FILES = 10_000
 
 
 class BadInput(Exception):
-    """Raised for unusable input. ``flag`` is without its dashes, "" for an argument that is not a flag."""
+    """Raised for unusable input: ``flag`` without dashes ("" if it is none), its value, and what is wrong with it."""
 
     def __init__(self, flag: str, value: object, sentence: str):
         self.flag, self.value, self.sentence = flag, value, sentence
@@ -25,19 +25,19 @@ class BadInput(Exception):
 
 
 def _lenient_parser(metavar: str, parse: Callable[[list[str]], Any]) -> Any:
-    """Returns a tyro constructor that takes any words and never fails."""
+    """Returns a tyro constructor that gives any number of words to ``parse``; help shows the ``metavar``."""
     return tyro.constructors.PrimitiveConstructorSpec(
         nargs="*", metavar=metavar, instance_from_str=parse, is_instance=lambda value: True,
         str_from_instance=lambda value: list(map(str, value)) if isinstance(value, tuple) else [quoting.quote(value)])
 
 
 def parse_number_or_text(words: list[str]) -> Any:
-    """Returns an integer or a float if the words are one, else the words."""
+    """Returns an integer or a float if the words, with spaces between, are one, else that text."""
     return _read_or_keep_text(number_parsing.parse_number, words)
 
 
 def parse_float_or_text(words: list[str]) -> Any:
-    """Returns a float if the words are one, else the words."""
+    """Returns a float if the words, with spaces between, are one, else that text."""
     return _read_or_keep_text(number_parsing.parse_float, words)
 
 
@@ -55,22 +55,22 @@ def _split_words(words: list[str]) -> tuple[str, ...]:
 
 
 def one_of(choices: Iterable[str]) -> Any:
-    """Returns the metadata for ``Annotated[Any, ...]`` that makes a flag take one of the choices."""
+    """Returns the metadata for ``Annotated[Any, ...]`` of a flag with one of the choices; its value is any text."""
     return _lenient_parser("{" + ",".join(choices) + "}", " ".join)
 
 
 def several_of(choices: Iterable[str]) -> Any:
-    """Returns the type of a flag with several of the choices, separated by commas or spaces."""
+    """Returns the metadata for ``Annotated[Any, ...]`` of a flag with several words; its value is a tuple of texts."""
     return _lenient_parser("{" + ",".join(choices) + "} ...", _split_words)
 
 
 def choices_of(choices: Iterable[str], default: str, text: str) -> Any:
-    """Returns the type of a flag with several of the choices and its help, where "default" stands for none given."""
+    """Returns the type of a flag with several of the choices, the help ``text``, and "(default: ...)" after it."""
     return Annotated[Any, several_of(choices), default_hint(default), tyro.conf.arg(help=text)]
 
 
 def default_hint(text: str) -> Any:
-    """Returns the help about the default of a flag without a default value."""
+    """Returns the metadata for ``Annotated`` that shows "(default: text)" in a flag's help."""
     return tyro.conf.arg(help_behavior_hint=f"(default: {text})")
 
 
@@ -89,7 +89,7 @@ ProcessesFlag = Annotated[NumberFlag, default_hint("one on each processor")]
 
 
 def process_count(processes: Any) -> int:
-    """Returns the number of parallel processes: the one given, or one per processor."""
+    """Returns the number of parallel processes: the one given, if valid, for None one per processor."""
     if processes is None:
         return default_processes()
     require_whole("processes", processes, 1, MOST_PROCESSES)
@@ -97,7 +97,7 @@ def process_count(processes: Any) -> int:
 
 
 def parse_times(words: tuple[str, ...], flag: str) -> list[float]:
-    """Parses times in seconds."""
+    """Returns times in s; raises :class:`BadInput` of the flag for a word that is no time from 0 on."""
     times = []
     for word in words:
         time = parse_float_or_text([word])
@@ -108,7 +108,7 @@ def parse_times(words: tuple[str, ...], flag: str) -> list[float]:
 
 
 def parse_file_times(files: Sequence[str], words: tuple[str, ...]) -> list[float]:
-    """Returns the times of ``--time`` in s, one for each file, or none; refuses files that are not there."""
+    """Returns the ``words`` of ``--time`` in s, one for each file, or []; raises BadInput for files not there."""
     if not files:
         raise BadInput("", "", "give one or several files of particles")
     if len(files) > MOST_FILES:

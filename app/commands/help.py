@@ -18,7 +18,7 @@ EVERYWHERE = f"With any command {VERBOSE} shows where in the code something fail
 
 
 class PrintCapture(io.StringIO):
-    """Captures printed text as if on standard output, with colours if wanted there."""
+    """Text stream that captures what is printed, with colours if standard output would have them."""
 
     encoding = sys.stdout.encoding
 
@@ -31,27 +31,27 @@ class PrintCapture(io.StringIO):
 
 
 def help_paragraphs(kind: type) -> list[str]:
-    """Returns the help of a command, a line each: summary, details, and exit statuses."""
+    """Returns the paragraphs of a command class's help, each on one line: summary, details, exit statuses."""
     first, _, rest = (inspect.getdoc(kind) or "").partition("\n\n")
     more, found, statuses = rest.partition("Exit status:")
     return [" ".join(part.split()) for part in (first, *more.split("\n\n"), found + statuses) if part.strip()]
 
 
-def wrap_help(shown: str, kind: type) -> str:
-    """Returns the help that tyro has ``shown`` with wrapped paragraphs, the example, and what every command has."""
-    usage, _, rest = shown.partition("\n")
+def wrap_help(text: str, kind: type) -> str:
+    """Returns tyro's help for a command class with wrapped paragraphs, the example, and what every command has."""
+    usage, _, rest = text.partition("\n")
     if len(usage) > _width():  # wrapped without separating flags from their values
         together = re.sub(r"\[[^]]*\]", lambda flag: flag[0].replace(" ", "\0"), usage)
         usage = textwrap.fill(together, _width(), subsequent_indent=" " * 4, break_long_words=False,
                               break_on_hyphens=False).replace("\0", " ")
-    shown = f"{usage}\n{rest}"
+    text = f"{usage}\n{rest}"
     for part in help_paragraphs(kind):
-        shown = shown.replace(part, textwrap.fill(part, _width()))
-    return f"{shown}\nExample:  {kind.EXAMPLE}\n\n{EVERYWHERE}\n"  # type: ignore[attr-defined]
+        text = text.replace(part, textwrap.fill(part, _width()))
+    return f"{text}\nExample:  {kind.EXAMPLE}\n\n{EVERYWHERE}\n"  # type: ignore[attr-defined]
 
 
 def commands_overview(name: tuple[str, ...]) -> str:
-    """Returns the help for commands whose names begin so: their names and summaries."""
+    """Returns the help for all commands whose names begin with these words: their names and summaries."""
     program = " ".join((PROGRAM, *name))
     rows = {" ".join((PROGRAM, *known)): (inspect.getdoc(kind) or "").partition("\n")[0]
             for known, kind in commands().items() if known[:len(name)] == name}

@@ -204,7 +204,7 @@ class LessonScripts:
 
 
 def _read_answers(file: str) -> "tuple[str, StudentProgress] | None":
-    """Reads a file of answers; returns None, with a message, if that fails."""
+    """Returns the name of a file, without folders, and its answers; None, with a printed message, if it has none."""
     from app.lessons import catalogue, student_progress
     try:
         if os.path.exists(file) and not os.path.isfile(file):  # a pipe would block
@@ -212,9 +212,8 @@ def _read_answers(file: str) -> "tuple[str, StudentProgress] | None":
         with open(file, encoding="utf-8") as opened:
             text = opened.read(MOST_CHARACTERS + 1)
         if len(text) > MOST_CHARACTERS:
-            raise student_progress.InvalidProgress(
-                f"is too long; give a file of at most {MOST_CHARACTERS:,} characters"
-            )
+            raise student_progress.InvalidProgress(f"is too long; give a file of at most {MOST_CHARACTERS:,} "
+                                                   "characters")
         return file_name(file), student_progress.parse_progress(text, catalogue.load_lessons().get)
     except (OSError, ValueError) as error:  # also NotAnswers, and invalid UTF-8
         said = error.strerror.lower() if isinstance(error, OSError) and error.strerror else \
@@ -228,17 +227,18 @@ def _count_text(some: Sized, one: str = "lesson", more: str = "") -> str:
 
 
 def _read_lessons(names: tuple[str, ...], find: Callable[[str], Iterable[Lesson]],
-                  also: Sequence[str] = ()) -> tuple[list[Lesson], dict[str, str]]:
-    """Reads the named lessons, or all, with ``find``; returns them and, by name, the mistakes, which are printed."""
+                  other_names: Sequence[str] = ()) -> tuple[list[Lesson], dict[str, str]]:
+    """Returns the lessons that ``find`` has for each name, of all if none is given, and by name the mistakes in files,
+    which are printed; raises BadInput for an unknown name, which lists ``other_names`` too."""
     from app.lessons import catalogue
     lessons, mistakes = list[Lesson](), dict[str, str]()
-    called = dict.fromkeys(full_lesson_name(name, also) for name in names) if names else catalogue.lesson_names()
+    called = dict.fromkeys(full_lesson_name(name, other_names) for name in names) if names else catalogue.lesson_names()
     _read_each(called, lambda name: lessons.extend(find(name)), mistakes)  # keeps it without its translation
     return lessons, mistakes
 
 
 def _read_each(names: Iterable[str], read: Callable[[str], Read], mistakes: dict[str, str]) -> list[Read]:
-    """Reads files of these names; the ``mistakes`` of invalid ones are printed and recorded."""
+    """Returns what ``read`` makes of each name; prints a mistake in a file, and stores it in ``mistakes`` by name."""
     found = []
     for name in names:
         try:
@@ -249,10 +249,10 @@ def _read_each(names: Iterable[str], read: Callable[[str], Read], mistakes: dict
     return found
 
 
-def full_lesson_name(name: str, also: Sequence[str] = ()) -> str:
-    """Returns the full name of a lesson; raises :class:`BadInput` with the valid names and ``also`` others."""
+def full_lesson_name(name: str, other_names: Sequence[str] = ()) -> str:
+    """Returns the full name of a lesson by name or number; raises BadInput, with all valid names, if there is none."""
     from app.lessons import catalogue
     try:
         return catalogue.resolve_lesson_name(name)
     except catalogue.UnknownLesson as error:
-        raise flags.BadInput("", name, ", ".join((str(error), *also))) from None
+        raise flags.BadInput("", name, ", ".join((str(error), *other_names))) from None

@@ -23,7 +23,7 @@ _places = False  # whether reported failures have tracebacks
 
 
 class NotWritten(Exception):
-    """Raised if a result could not be written; ``where`` is a flag with its value, or the standard output."""
+    """Raised if a result could not be written; ``where`` is a flag with its value, or "standard output"."""
 
     def __init__(self, where: str, error: OSError):
         why = (error.strerror or str(error)).lower()
@@ -32,7 +32,7 @@ class NotWritten(Exception):
 
 @contextlib.contextmanager
 def show_tracebacks(wanted: bool) -> Iterator[None]:
-    """Context manager: adds tracebacks to reported and logged failures, if ``wanted``."""
+    """Context manager: adds tracebacks to failures printed or logged within the block, if ``wanted``."""
     global _places
     _places, before = wanted, _places
     log = logging.getLogger("app")
@@ -47,7 +47,7 @@ def show_tracebacks(wanted: bool) -> Iterator[None]:
 
 
 def print_message(message: object) -> None:
-    """Prints one line without control characters on standard error, with ``--verbose`` after the traceback."""
+    """Prints a message as one printable line on standard error, with ``--verbose`` after the traceback."""
     places = traceback.format_exc().splitlines() if _places and sys.exc_info()[1] else []
     with contextlib.suppress(OSError):  # if standard error fails, the exit status remains
         for line in places:
@@ -56,12 +56,14 @@ def print_message(message: object) -> None:
 
 
 def json_text(values: dict, lines: bool = False) -> str:
-    """Returns one JSON object, on one line or on many; NaN and infinity, which JSON lacks, are an error."""
+    """Returns values as JSON, on one line, or on many if ``lines``; raises ValueError for NaN and infinity."""
     return json.dumps(values, allow_nan=False, indent=2 if lines else None) + "\n"
 
 
 class Target:
-    """File to be written later, checked now. It appears complete or not at all: written beside, then renamed."""
+    """File that a flag names (``text``; "-" is standard output if ``may_be_stdout``), to be written later, checked now.
+
+    Raises BadInput, also without the ``ending``. It appears complete or not at all: written beside, then renamed."""
 
     def __init__(self, flag: str, text: str, may_be_stdout: bool = False, ending: str = ""):
         self.flag, self.text, self.is_stdout = flag, text, may_be_stdout and text == "-"
@@ -111,17 +113,17 @@ class Target:
 
 
 def json_target(text: str | None) -> Target | None:
-    """Returns the target of ``--json``, checked now; None if it was not given."""
+    """Returns the target for the value of ``--json``, which may be -, checked now; None if it was not given."""
     return None if text is None else Target("json", text, may_be_stdout=True)
 
 
 def put_result(values: dict, target: Target | None, text: Callable[[dict], str]) -> None:
-    """Writes a result as JSON if a file was requested, else as ``text`` on standard output."""
+    """Writes a result as JSON to the target if there is one, else what ``text`` makes of it to standard output."""
     put_text(json_text(values, lines=not target.is_stdout) if target else text(values) + "\n", target)
 
 
 def put_text(text: str, target: Target | None = None, encoding: str = "utf-8") -> None:
-    """Writes a text to a file if one was requested, else to standard output."""
+    """Writes a text to the target if there is one, else to standard output; raises :class:`NotWritten`."""
     if target:
         target.write(text.encode(encoding))
     else:
@@ -131,7 +133,7 @@ def put_text(text: str, target: Target | None = None, encoding: str = "utf-8") -
 
 @contextlib.contextmanager
 def report_write_errors(where: str) -> Iterator[None]:
-    """Context manager: reports write errors by :class:`NotWritten`, except a broken pipe."""
+    """Context manager: raises :class:`NotWritten` for write errors in the block, except a broken pipe."""
     try:
         yield
     except BrokenPipeError:
@@ -146,7 +148,7 @@ def _is_device(path: str) -> bool:
 
 
 class Folder:
-    """Directory of ``--out``, created and checked now: new or empty, so that nothing is overwritten."""
+    """Directory ``text`` of --out, created and checked now (raises BadInput): it must be new or empty."""
 
     def __init__(self, text: str | None):
         self.text = (text or "").strip()
@@ -165,13 +167,14 @@ class Folder:
         Target("out", str(self.path / "try"))  # fails now instead of later
 
     def write_file(self, name: str, content: bytes) -> None:
-        """Writes a file into the directory, completely or not at all."""
+        """Writes a file into the directory, completely or not at all; raises :class:`NotWritten`."""
         Target("out", str(self.path / name)).write(content)
 
 
 def draw_pictures(figures: Mapping[str, Callable[[Any], Any]], values: Any, put: Callable[[str, bytes], None], out: str,
                   rest: str) -> tuple[list[str], int]:
-    """Draws ``values`` in every way into ``out``; returns the files' names and the exit status."""
+    """Draws ``values`` by every function of ``figures`` and writes NAME.png by ``put(name, bytes)``; returns the names
+    of the files and the exit status, 1 if one failed, for which a message names ``out`` and ends in ``rest``."""
     from app.pictures.run import png_bytes
 
     drawn, status = [], 0
@@ -187,7 +190,7 @@ def draw_pictures(figures: Mapping[str, Callable[[Any], Any]], values: Any, put:
 
 
 def as_html(text: str, folder: Path) -> str:
-    """Returns a Markdown report as one html page with its pictures, which are in the folder."""
+    """Returns a Markdown report as one HTML page with its pictures, which are in the folder, embedded."""
     title = escape(text.partition("\n")[0].lstrip("# "))
     body = to_html(text, folder)  # tables wider than the screen scroll
     body = body.replace("<table>", '<div class="wide" tabindex="0"><table>').replace("</table>", "</table></div>")
@@ -196,7 +199,8 @@ def as_html(text: str, folder: Path) -> str:
 
 def put_report(folder: Folder, values: dict, pictured: Any, figures: Mapping[str, Callable[[Any], Any]],
                markdown: Callable[[list[str]], str]) -> int:
-    """Writes a report as Markdown, JSON and HTML with its pictures; returns the exit status."""
+    """Writes pictures of ``pictured`` by ``figures`` (:func:`draw_pictures`), and the report: ``values`` as JSON, the
+    text that ``markdown`` makes for these pictures' names as Markdown and HTML. Returns the exit status."""
     drawn, status = draw_pictures(figures, pictured, folder.write_file, folder.text, "the rest is fine")
     text = markdown(drawn)
     folder.write_file("report.json", json_text(values, lines=True).encode())

@@ -23,7 +23,7 @@ class RemainingTime:
         self._first: tuple[float, float] | None = None  # part done, and when
 
     def text(self, part: float, now: float) -> str:
-        """Returns the time left as text, from the part done; "" until enough was measured."""
+        """Returns "9 s left", from the part done (0 to 1) at the time ``now``, in s; "" until enough was measured."""
         if self._first is None:
             self._first = part, now
         done, took = part - self._first[0], now - self._first[1]
@@ -32,7 +32,7 @@ class RemainingTime:
 
 @contextlib.contextmanager
 def stdout_to_stderr() -> Iterator[None]:
-    """Context manager: redirects what native code or Taichi prints to standard output to standard error."""
+    """Context manager: redirects all standard output, native code's and Taichi's too, to standard error."""
     sys.stdout.flush()
     saved = os.dup(1)
     os.dup2(2, 1)
@@ -48,7 +48,7 @@ def stdout_to_stderr() -> Iterator[None]:
 
 @contextlib.contextmanager
 def record_interrupts() -> Iterator[Callable[[], None]]:
-    """Context manager: records Ctrl-C and yields a function that raises one that native code swallowed.
+    """Context manager: records Ctrl-C and yields a function that raises a KeyboardInterrupt that was swallowed.
 
     An exception raised while Taichi compiles can get lost in its callbacks, or be replaced; during Taichi's import it
     would be reported as a broken installation, so it waits."""
@@ -81,7 +81,7 @@ def record_interrupts() -> Iterator[Callable[[], None]]:
 def show_progress(quiet: bool) -> Iterator[Callable[..., None]]:
     """Context manager: keeps standard output clean, records Ctrl-C, and shows a progress bar unless ``quiet``.
 
-    Yields a function to call now and then with the part done, 0 to 1, and optionally a text."""
+    Yields a function to call now and then with the part done, 0 to 1, and perhaps a text to show beside the bar."""
     begun, drawn, remaining = time.monotonic(), False, RemainingTime()
     shown = not quiet and sys.stderr.isatty() and not is_dumb_terminal(os.environ)
 
@@ -107,12 +107,12 @@ def show_progress(quiet: bool) -> Iterator[Callable[..., None]]:
 
 
 def wants_colour(environment: Mapping[str, str], is_terminal: bool) -> bool:
-    """Whether to print colours: on a terminal or with FORCE_COLOR, never with NO_COLOR (https://no-color.org)."""
+    """Whether to print colours: on a terminal, or if the environment has FORCE_COLOR; never with NO_COLOR."""
     if environment.get("NO_COLOR") or is_dumb_terminal(environment):
         return False
     return is_terminal or bool(environment.get("FORCE_COLOR"))
 
 
 def is_dumb_terminal(environment: Mapping[str, str]) -> bool:
-    """Whether the terminal supports neither colours nor overwriting of lines."""
+    """Whether the environment's TERM supports neither colours nor overwriting of lines."""
     return environment.get("TERM") in (None, "", "dumb")

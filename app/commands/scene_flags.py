@@ -15,17 +15,17 @@ SPECIAL = {"estimators": ("none",), "effects": ("all", "none"), "remedies": ("no
 
 @dataclass(frozen=True, kw_only=True)
 class SceneFlags:
-    """Flags of a problem's scene: fields that ``SCENE`` has too are its inputs, which it validates."""
+    """Flags of a problem's scene: fields that the class ``SCENE`` has too are its inputs, which it validates."""
 
     SCENE: ClassVar[type[Scene]]
     LEFT_OUT: ClassVar[frozenset[str]] = frozenset()  # fields of a scene without a flag
 
     def scene(self, **instead: Any) -> Scene:
-        """Returns the scene from the flags, with some inputs replaced; the scene validates them."""
+        """Returns the scene from the flags, of which ``instead`` replaces some by name; raises SceneError."""
         return self.SCENE(**{key_field(key): value for key, value in {**self.inputs(), **instead}.items()})
 
     def inputs(self) -> dict[str, Any]:
-        """Returns the values of the scene's inputs, by the name of their flags."""
+        """Returns the values of the scene's inputs, by the names of their flags with underscores."""
         values = {key: getattr(self, key) for f in fields(self.SCENE) if hasattr(self, key := field_key(f.name))}
         for name, words in SPECIAL.items():
             if (key := field_key(name)) in values:
@@ -35,7 +35,8 @@ class SceneFlags:
 
 
 def command_of_problem(command: type[SceneFlags], scene: type[Scene], **kinds: Any) -> type:
-    """Returns a command for one problem: its scene's flags, then its own; ``kinds`` replace types of flags."""
+    """Returns a command class for the problem of ``scene``: the scene's flags, then its own. ``kinds`` are types that
+    replace those of the scene's flags, by field."""
     flags = [(field_key(f.name), describe_flag(scene, f, kinds.get(f.name)),
               field(default=("none",) if f.default == () else f.default))
              for f in fields(scene) if f.name != "problem" and f.name not in command.LEFT_OUT]
@@ -44,7 +45,8 @@ def command_of_problem(command: type[SceneFlags], scene: type[Scene], **kinds: A
 
 
 def with_scene_flags(command: type, scene: type[Scene], **kinds: Any) -> type:
-    """Returns a command for one problem, whose flags of scene's fields are the scene's; ``kinds`` replace types."""
+    """Returns a command class for one problem; flags that it shares with the scene get the scene's type, help
+    and default, or the type in ``kinds``, by field, and the command's default."""
     own = {f.name: f.default for f in fields(command)}
     flags = [(f.name, kinds[f.name], field(default=own[f.name])) if f.name in kinds
              else (f.name, describe_flag(scene, f), field(default=f.default)) for f in fields(scene) if f.name in own]
@@ -52,7 +54,7 @@ def with_scene_flags(command: type, scene: type[Scene], **kinds: Any) -> type:
 
 
 def describe_flag(scene: type[Scene], f: Field, kind: Any = None) -> Any:
-    """Returns the type of a field's flag with its help, and the meaning of a default None or of several values."""
+    """Returns the type of the flag for a scene class's field ``f``, or ``kind``, with its help, unit and default."""
     text, separator, rest = f.metadata["help"].partition(";")
     unit = f", {f.metadata['unit']}" if f.metadata["unit"] else ""
     hint = f"(default: {f.metadata['hint'].format(scene=scene)})" if f.metadata["hint"] and kind is None else None
@@ -81,7 +83,7 @@ def _make_command(command: type[Any], scene: type[Scene], bases: tuple[type, ...
 
 
 def _expand_special_words(flag: str, words: tuple[str, ...], special: dict[str, tuple[str, ...]]) -> tuple[str, ...]:
-    """Returns words with special ones, which must stand alone, replaced by their meanings."""
+    """Returns a flag's words, or the meaning of a ``special`` one; raises BadInput if that does not stand alone."""
     if not words:
         raise BadInput(flag, "", "give one or several names (--help lists them)")
     alone = next((word for word in words if word in special), None)

@@ -26,7 +26,7 @@ FOLDER = Path(__file__).parent
 
 
 class Language(NamedTuple):
-    """Language: its own name, and the file of its translations, which English does not have."""
+    """Language: its name in itself, and the .po file of its translations, which English does not have."""
 
     name: str
     file: Path | None = None
@@ -41,7 +41,7 @@ _current: ContextVar[str] = ContextVar("language", default=ENGLISH)
 
 
 class Catalogue:
-    """Translations of the code's texts into one language; unknown ones stay as they are."""
+    """Translations of the code's texts into one language, from a gettext ``file``; unknown texts stay."""
 
     def __init__(self, file: polib.POFile):
         self._words = gettext.GNUTranslations(io.BytesIO(file.to_binary()))
@@ -51,29 +51,30 @@ class Catalogue:
         return self._words.gettext(text)
 
     def plural(self, one: str, many: str, count: float) -> str:
+        """Returns the translation of ``one`` or ``many``, as the count needs; ``{count}`` stays in it."""
         return self._words.ngettext(one, many, int(count) if count == int(count) else 2)  # 2.5 are several
 
-    def translations_for_files(self, places: str | tuple[str, ...]) -> dict[str, str]:
-        """Returns the translations of texts in files whose paths begin so, such as scripts."""
+    def translations_for_files(self, prefixes: str | tuple[str, ...]) -> dict[str, str]:
+        """Returns, by English text, translations of texts in files whose paths begin with a prefix: "app/page/web/"."""
         return {text: said for text, (said, files) in self._texts.items() if said
-                and any(file.startswith(places) for file in files)}
+                and any(file.startswith(prefixes) for file in files)}
 
 
 @functools.lru_cache
 def load_catalogue(code: str) -> Catalogue:
-    """Returns the catalogue of a language; that of English is empty."""
+    """Returns the catalogue of the language with this code; that of English is empty."""
     file = LANGUAGES[code].file
     return Catalogue(polib.pofile(str(file)) if file else polib.POFile())
 
 
 def current_language() -> str:
-    """Returns the code of the current language."""
+    """Returns the code of the current language, such as "de"."""
     return _current.get()
 
 
 @contextmanager
 def use_language(code: str) -> Iterator[None]:
-    """Context manager: sets the current language."""
+    """Context manager: sets the current language by its ``code`` within the block."""
     before = _current.set(code)
     try:
         yield
@@ -82,7 +83,7 @@ def use_language(code: str) -> Iterator[None]:
 
 
 def with_language(work: Callable[P, T], code: str = "") -> Callable[P, T]:
-    """Wraps a function to run, on any thread, in the present language or in that of ``code``."""
+    """Returns a function like ``work`` that runs, on any thread, in the present language or in that of ``code``."""
     code = code or current_language()
 
     def in_language(*args: P.args, **options: P.kwargs) -> T:
@@ -102,28 +103,28 @@ def tr(text: str, /, **values: Any) -> str:
 
 
 def trn(one: str, many: str, count: float, **values: Any) -> str:
-    """Translates the text that fits a count, which replaces ``{count}`` in both, into the current language."""
+    """Translates ``one`` or ``many``, as the count needs, which replaces ``{count}`` in it, and ``values`` the rest."""
     if current_language() == ENGLISH:
         return (one if count == 1 else many).format(count=count, **values)
     return load_catalogue(current_language()).plural(one, many, count).format(count=count, **values)
 
 
 def translate_message(text: str) -> str:
-    """Translates a message of the solvers, and the messages among its values; names, numbers and quotes stay."""
+    """Translates a :class:`Message` of the solvers, and those among its values; any other text stays as it is."""
     if current_language() == ENGLISH or not isinstance(text, Message):
         return text
     return tr(text.template, **{name: translate_message(value) for name, value in text.values.items()})
 
 
 def lazy(text: str) -> str:
-    """Marks a text for translation by :func:`tr` where it is used, such as one of a table."""
+    """Returns a text unchanged, marked for the catalogue; :func:`tr` translates it where it is shown."""
     return text
 
 
-def language_cache(most: int) -> Callable[[Callable[..., T]], Callable[..., T]]:
-    """Decorator like :func:`functools.lru_cache`, with separate results for each language."""
+def language_cache(max_size: int) -> Callable[[Callable[..., T]], Callable[..., T]]:
+    """Decorator like :func:`functools.lru_cache` of ``max_size`` results, which are separate for each language."""
     def decorate(work: Callable[..., T]) -> Callable[..., T]:
-        @functools.lru_cache(most)
+        @functools.lru_cache(max_size)
         def in_language(_: str, *args: Any, **options: Any) -> T:
             return work(*args, **options)
 
@@ -133,13 +134,13 @@ def language_cache(most: int) -> Callable[[Callable[..., T]], Callable[..., T]]:
 
 
 def localised_path(path: Path) -> Path:
-    """Returns the file in the current language, ``about.de.html`` beside ``about.html``, if there is one."""
+    """Returns the file beside a path in the current language, ``about.de.html`` for ``about.html``, else the path."""
     own = path.with_suffix(f".{current_language()}{path.suffix}")
     return own if current_language() != ENGLISH and own.is_file() else path
 
 
 def preferred_language(query: str, accepted: str) -> str:
-    """Returns a page's language, from the ``query`` of its address (``lang=de``), else the header Accept-Language."""
+    """Returns a language's code: from the address's ``query`` ("lang=de"), else Accept-Language (``accepted``)."""
     asked = parse_qs(query[:LONGEST]).get("lang", [""])[-1].lower()
     if asked in LANGUAGES:
         return asked
@@ -147,7 +148,7 @@ def preferred_language(query: str, accepted: str) -> str:
 
 
 def _languages_by_preference(accepted: str) -> list[str]:
-    """Returns the languages of a header such as ``de-CH, en;q=0.7`` by preference, without their countries."""
+    """Returns the codes in a header such as ``de-CH, en;q=0.7`` by preference, without countries: de, en."""
     liked = []
     for place, part in enumerate(accepted[:LONGEST].split(",")):
         name, _, quality = part.strip().lower().partition(";q=")
@@ -161,12 +162,12 @@ def _languages_by_preference(accepted: str) -> list[str]:
 
 
 def language_cookie_header(code: str) -> str:
-    """Returns the header of a cookie with the page's language, for its websocket, which has another address."""
+    """Returns the Set-Cookie header with the page's language, for its websocket, which has another address."""
     return f"{COOKIE}={code}; Path=/; HttpOnly; SameSite=Strict"
 
 
 def language_from_cookies(cookies: list[str]) -> str:
-    """Returns the language in the cookies of a request."""
+    """Returns the language's code in the Cookie headers of a request, English without a valid one."""
     pairs = (pair.strip().partition("=") for line in cookies for pair in line.split(";"))
     named = next((value for name, _, value in pairs if name == COOKIE), ENGLISH)
     return named if named in LANGUAGES else ENGLISH

@@ -27,7 +27,7 @@ SANDBOX = "allow-scripts allow-downloads"
 
 @dataclass(frozen=True, repr=False)
 class Player:
-    """A recorded run as one HTML page, which a notebook shows in a frame; ``save`` writes it to a file."""
+    """A recorded run of ``scene`` as one HTML ``page``, which a notebook shows in a frame ``height`` pixels high."""
 
     scene: Scene
     page: str
@@ -64,7 +64,7 @@ def show(what: Scene | Result, *, beside: Scene | Result | None = None, error_of
         Whether to record other cells, amplitudes and methods as well: up to sixty runs, by so many ``processes``,
         without estimators that only the notebook has registered. It takes about half a minute.
     height
-        Of the frame, in pixels.
+        Height of the frame, 200 to 4000 pixels.
     on_progress
         Called with the part done (0 to 1) and a description.
 

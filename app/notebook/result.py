@@ -15,7 +15,7 @@ CELL = "padding: 2px 12px; text-align: {}; font-variant-numeric: tabular-nums"
 
 
 def result_table(result: Result) -> str:
-    """Returns the largest true error of each quantity and every estimate of it, or why one does not hold."""
+    """Returns an HTML table: each quantity's largest true RMS error, every estimate of it, its index and distance."""
     names = list(result.estimate.estimators)
     valid = [name for name in names if name not in result.not_valid]
     head = ["largest RMS error", "true", *(part for name in valid for part in (f"by {name}", "index", "distance"))]
@@ -32,7 +32,7 @@ def result_table(result: Result) -> str:
 
 
 def _notes(result: Result) -> Iterator[str]:
-    """Yields why it is not ok, and why estimators are not valid."""
+    """Yields sentences: why the run is not ok, what was not checked, why estimators or indices are not valid."""
     if result.reason:
         yield result.reason
     if result.status == OK and result.verdict["not_checked"]:
@@ -58,7 +58,7 @@ def _table_row(kind: str, cells: list[str]) -> str:
 
 
 def result_picture(result: Result) -> "Figure":
-    """Returns the figure that ``mpm-lab run --plot`` writes."""
+    """Returns the figure that ``mpm-lab run --plot`` writes: errors over time, and particles."""
     import matplotlib  # here: a table does not need it
     with matplotlib.rc_context():  # this import would set them for the user's whole process
         from app.pictures.run import run_figure

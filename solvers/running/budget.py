@@ -23,7 +23,7 @@ Progress = Callable[[float], None]
 
 @dataclass(frozen=True)
 class BudgetResult:
-    """A run with its budget, and the same run without ``cause``, if one was removed."""
+    """A run's ``result`` with its budget, and that of running ``again`` without ``cause``, or "nothing" and None."""
 
     result: Result
     cause: str
@@ -49,10 +49,10 @@ class BudgetResult:
 
 
 def run_budget(scene: Any, cause: str = NOTHING, on_progress: Progress = lambda part: None) -> BudgetResult:
-    """Runs a scene that has the effect ``budget``, or whose problem has budgets on demand, and again without a cause.
+    """Runs a scene that has the effect ``budget``, or whose problem has budgets on demand, and again without ``cause``,
+    a key of ``CAUSES``, if one is given; ``on_progress`` is called with the part done, 0 to 1.
 
-    Raises :class:`~solvers.scene.validation.SceneError` where there is no budget on demand of the scene.
-    """
+    Raises :class:`~solvers.scene.validation.SceneError` where there is no budget on demand of the scene."""
     on_demand = PROBLEMS[scene.problem].budget
     once = partial(_run_with_budget_effect, scene)
     if on_demand is not None:
@@ -68,12 +68,12 @@ def run_budget(scene: Any, cause: str = NOTHING, on_progress: Progress = lambda 
 
 
 def _run_with_budget_effect(scene: Any, cause: str, show: Progress) -> Result:
-    """Runs a scene whose steps include the budget, with all causes or without one."""
+    """Runs a scene whose steps include the budget, without ``cause``; with "nothing", as it is."""
     return run(replace(scene, take_away=cause), show, prices=False, mid_run=cause == NOTHING)
 
 
 def _rerun_with_budget(on_demand: BudgetProvider, plain: Result, cause: str, show: Progress) -> Result:
-    """Repeats the run ``plain`` step by step with its budget, with all causes or without one."""
+    """Repeats the run of ``plain`` step by step, with its budget and without ``cause``; with "nothing", as it is."""
     time = plain.series["time"]
     steps = np.rint(time / plain.scene.time_step).astype(int)
     series, solver = on_demand.budget_series(plain.scene, steps, cause, show)
@@ -88,7 +88,7 @@ def _rerun_with_budget(on_demand: BudgetProvider, plain: Result, cause: str, sho
 
 
 def _common_samples(first: Mapping[str, np.ndarray], second: Mapping[str, np.ndarray]) -> tuple[dict, dict]:
-    """Returns of each of two runs' series the finite samples at times that both have."""
+    """Returns the budget's series of two runs, each (T,), at the T times at which both have finite samples."""
     _, *places = np.intersect1d(first["time"], second["time"], return_indices=True)
     both = [{name: values[at] for name, values in series.items() if name.startswith("budget/")}
             for series, at in zip((first, second), places, strict=True)]

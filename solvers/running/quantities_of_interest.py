@@ -1,8 +1,7 @@
 """Quantities of interest of a run, each with its true and estimated errors.
 
 A goal is a functional J of the particles at the end. If the values q have the errors e, the goal has the error J(q) -
-J(q - e), exactly and not only to first order. Errors of particles can cancel: a mean may be far more accurate.
-"""
+J(q - e), exactly and not only to first order. Errors of particles can cancel: a mean may be far more accurate."""
 
 import math
 import re
@@ -44,7 +43,7 @@ class Goal:
         return UNITS[self.name.partition("@")[0]]
 
     def functional(self, fields: ParticleFields) -> Callable[[ParticleValues], float]:
-        """Returns the number as a function of the particles' values."""
+        """Returns the function that computes the quantity, in its unit, from values of the particles of ``fields``."""
         if self.point:
             weights = point_weights(fields.material_position, np.array(self.point))
             size: Callable = np.linalg.norm if len(self.point) > 1 else np.squeeze  # of one component with its sign
@@ -54,20 +53,16 @@ class Goal:
         return lambda q: float(np.average(q.stress[:, [0, -1]].mean(axis=1), weights=fields.volume))
 
     def rounding(self, scene: Scene, steps: int, value: float, mass: float) -> float:
-        """Returns the largest error of this ``value`` by rounding alone; energy is m v^2/2, and dE = m v dv."""
+        """Returns the largest error of ``value`` by rounding in so many steps, in its unit, for a ``mass`` in kg of all
+        particles: energy is m v^2/2, and dE = m v dv."""
         if self.name == ENERGY:
             return math.sqrt(2 * abs(value) * mass) * float(largest_rounding_error(scene, "v", steps))
         return float(largest_rounding_error(scene, "x" if self.point else "sigma", steps))
 
 
 def parse_goals(scene: Scene, names: Sequence[str]) -> list[Goal]:
-    """Returns the goals with these names, without duplicates.
-
-    Raises
-    ------
-    SceneError
-        For an invalid name, and a point outside the body.
-    """
+    """Returns the goals with these names (:class:`Goal`), without duplicates. Raises :class:`SceneError` for an invalid
+    name, and for a point outside the scene's body."""
     return [_parse_goal(scene, name) for name in dict.fromkeys(names)]
 
 
@@ -107,16 +102,17 @@ def evaluate_goal(goal: Goal, fields: ParticleFields, scene: Scene, steps: int) 
 
 
 def mask_refused(goals: Mapping[str, dict], refused: Mapping[str, str]) -> dict[str, dict]:
-    """Returns the goals with None for estimators that do not hold."""
-    def mask(of: dict) -> dict:
-        return {name: None if name in refused else value for name, value in of.items()}
+    """Returns goals by name, as of :func:`evaluate_goal`, with None as estimated error and bar of ``refused``
+    estimators, which map to the reasons why they do not hold."""
+    def mask(values: dict) -> dict:
+        return {name: None if name in refused else value for name, value in values.items()}
     return {name: {**goal, "estimated_error": mask(goal["estimated_error"]), "bar": mask(goal["bar"])}
             for name, goal in goals.items()}
 
 
 def point_weights(X: np.ndarray, point: np.ndarray) -> np.ndarray:
-    """Returns weights (P,) that interpolate values at particles X (P, D) to a point (D,), by a least-squares polynomial
-    through the nearest particles."""
+    """Returns weights (P,) that interpolate values at particles X (P, D) in m to a point (D,) in m, by a least-squares
+    polynomial through the nearest particles."""
     dimensions = X.shape[1]
     away = X - point
     near = np.argsort(np.sum(away**2, axis=1), kind="stable")[:AROUND[dimensions]]

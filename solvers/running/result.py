@@ -35,13 +35,7 @@ ACCURATE = 0.1  # of the motion's amplitude: up to such an error of x a run coun
 
 
 class ByQuantity(dict[str, Any]):
-    """Values by the name of a quantity.
-
-    Raises
-    ------
-    SceneError
-        For a name that is not there, with those that are.
-    """
+    """Values by the key of a quantity, "x", "v", "sigma" or "a"; raises :class:`SceneError` for any other."""
 
     def __missing__(self, name: object) -> Any:
         raise SceneError("quantity", name, f"is none of this run's; give one of {', '.join(self)}")
@@ -51,12 +45,7 @@ class ByEstimator(dict[str, Any]):
     """Values by quantity for a run's only estimator; for several, a mapping from estimator to that.
 
     The estimator's name is always valid: ``index["companion"]["x"]`` is ``index["x"]`` where the companion is alone.
-
-    Raises
-    ------
-    SceneError
-        For a name that is not there, with those that are.
-    """
+    Raises :class:`SceneError` for other names. ``nothing`` are the values, by quantity, without an estimator."""
 
     def __init__(self, values: Mapping[str, dict], nothing: dict):
         self.estimators = tuple(values)
@@ -80,16 +69,16 @@ class Result:
     scene: Scene
     status: str  # "ok", "unstable" or "lost" (``solvers.solver.soundness``)
     reason: str | None  # why it is not ok, or which quantities are as wrong as they are large though positions hold
-    broken_at: float | None  # time at which the run was found lost or unstable
-    time: float
+    broken_at: float | None  # time in s at which the run was found lost or unstable
+    time: float  # reached, s
     steps: int
     series: dict[str, np.ndarray]
     final: Snapshot
     mid_run: Snapshot | None  # on the way, where the end has little to see (``solvers.running.run.picture_step``)
-    bytes: int
+    bytes: int  # of memory, all arrays of the solver together
     not_valid: dict[str, str]  # estimators that do not hold here, each with the reason in a sentence
     seconds: WallTimes
-    arch: str
+    arch: str  # Taichi's name of the processor or GPU, "x64", "cuda"
     threads: int
     plan: str  # how the step was spread: "serial" or "parallel"
     #: Quantities of interest at the end, by name (:func:`solvers.running.quantities_of_interest.evaluate_goal`).
@@ -150,7 +139,7 @@ class Result:
 
     @property
     def picture_snapshot(self) -> Snapshot:
-        """Particles at the time that a picture shows."""
+        """Particles at the time that a picture shows: ``mid_run`` if stored, else ``final``."""
         return self.mid_run or self.final
 
     @property
@@ -164,7 +153,7 @@ class Result:
 
     @property
     def effects(self) -> list[str]:
-        """Names of all effects and options that were active beyond the bare method."""
+        """Names of all effects and options that were active beyond the bare method: "truth", "body_force"."""
         scene = self.scene
         extra = {"body_force": scene.body_force != "none", "linearity_preserving": scene.linearity_preserving}
         return [*scene.active_effects] + [name for name, on in extra.items() if on]
@@ -192,7 +181,7 @@ class Result:
 
     @property
     def distance(self) -> ByEstimator:
-        """Distance of the estimate from the truth, particle by particle, over the size of the truth: 0 is perfect."""
+        """RMS distance of the estimate from the true error, over the size of that, by quantity: 0 is perfect."""
         return self._by_estimator(functools.partial(self._ratio, "distance"), None)
 
     def _ratio(self, ratio: str, estimator: str) -> dict[str, float | None]:
@@ -201,20 +190,20 @@ class Result:
                                            largest_rounding_error(self.scene, q, self.steps)) for q in QUANTITIES}
 
     def _by_estimator(self, what: Callable[[str], dict], missing: object) -> ByEstimator:
-        """Returns the values of each requested estimator, ``missing`` where it does not hold."""
+        """Returns ``what(name)``, values by quantity, for each requested estimator; ``missing`` if it does not hold."""
         nothing = dict.fromkeys(QUANTITIES, missing)
         names = self.scene.estimators if "estimate" in self.scene.effects else ()
         return ByEstimator({name: nothing if name in self.not_valid else what(name) for name in names}, nothing)
 
     @property
     def rounding(self) -> dict[str, str]:
-        """Quantities whose true error is only rounding, so that they have no index, each with a sentence."""
+        """Sentences, by quantity, why one has no index: its true error is only rounding."""
         limits = {q: float(largest_rounding_error(self.scene, q, self.steps)) for q in QUANTITIES}
         return {q: nothing_but(limit) for q, limit in limits.items()
                 if error_norms.is_only_rounding(self.series[f"error_{q}"], limit)}
 
     def effect_numbers(self, effect: str) -> Any:
-        """Returns the numbers of an effect (``solvers.scene.effects``), as in the JSON object; None where it is off."""
+        """Returns the numbers of an effect of ``solvers.scene.effects``, by name, as in JSON; None where it is off."""
         return ALL[effect].json_value(self.series) if self.scene.has(effect) else None
 
     def __getattr__(self, name: str) -> Any:
@@ -232,8 +221,8 @@ class Result:
 
     @property
     def angular_momentum(self) -> dict | None:
-        """Angular momentum; its gain beyond the torque of the body force ("drift") and beyond the exact solution
-        ("error"), over the initial value. None where the effect is off."""
+        """Angular momentum in N m s ("initial", "final"); its gain beyond the torque of the body force ("drift") and
+        beyond the exact solution ("error"), over the initial value. None where the effect is off."""
         return self.effect_numbers("spin")
 
     @property
@@ -256,14 +245,15 @@ class Result:
 
     @property
     def step(self) -> dict[str, float | None]:
-        """Time step in s, the stability bound of the motion ahead in s, and the largest step over its bound."""
+        """Time step ``dt`` in s, its stability ``bound`` for the coming motion in s, and the largest ``margin``, the
+        step over the critical step during the run."""
         return {"dt": self.scene.time_step, "bound": self.scene.step_bound,
                 "margin": largest_finite_or_none(self.series["margin"])}
 
     @property
     def verdict(self) -> dict:
-        """Basis of status and reason (``solvers.solver.verdict_basis``): ``checked``, ``not_checked`` and
-        ``as_large_as_itself``."""
+        """Basis of status and reason: what each quantity was ``checked`` against, a sentence on what was
+        ``not_checked`` or None, and quantities whose error was ``as_large_as_itself`` (``solver.verdict_basis``)."""
         held = checks_by_quantity(self.scene, self.not_valid, is_balance_motion_known(self.scene, self.series))
         large = large_errors(self.scene, self.series, self.not_valid)
         return {"checked": held, "not_checked": missing_checks_sentence(self.scene, held),
@@ -277,7 +267,7 @@ class Result:
 
     @property
     def soundness(self) -> dict:
-        """Largest contradictions found (:func:`solvers.solver.soundness.evidence`)."""
+        """Largest contradictions found, over the amplitude (:func:`solvers.solver.soundness.evidence`)."""
         return evidence(self.scene, self.series)
 
     def to_dict(self) -> dict:
@@ -296,6 +286,6 @@ class Result:
 
 
 def load_view_function(name: str) -> Callable[[Any], Any] | None:
-    """Loads the function that draws a result as ``name``, from the entry points ``VIEW_ENTRY_POINTS``, because solvers
-    draw nothing themselves; None where no installed package has one, as in a copied tree."""
+    """Returns the function that shows a :class:`Result` as a "plot" (a figure) or "table" (HTML), as solvers draw
+    nothing themselves: the entry point ``name`` of an installed package, or None, as in a copied tree."""
     return next((entry.load() for entry in entry_points(group=VIEW_ENTRY_POINTS, name=name)), None)

@@ -2,8 +2,7 @@
 
 Its particles are stored as ``mpm-lab judge`` reads them, so that a saved result is also a file of particles, and
 ``mpm-lab run --particles FILE.npz`` writes a saved result with more of them. A file is untrusted: every array must have
-the name, type and shape that its scene requires, or the file is rejected.
-"""
+the name, type and shape that its scene requires, or the file is rejected."""
 
 import json
 from collections.abc import Mapping, Sequence
@@ -32,14 +31,14 @@ MAX_COUNT = 2**62  # bytes, steps
 
 def particle_arrays(scene: Scene, times: Sequence[float], number: np.ndarray, X: np.ndarray, x: np.ndarray,
                     v: np.ndarray, F: np.ndarray) -> dict[str, Any]:
-    """Returns the arrays that the judge reads: ``number`` (P,) and material positions X (P, D) of particles with x, v
-    (T, P, D) and F (T, P, D, D) at some times, and their scene."""
+    """Returns the arrays, by name, that ``mpm-lab judge`` reads: ``number`` (P,) and rest positions X (P, D) in m of
+    particles with x in m, v in m/s (T, P, D) and F (T, P, D, D) at T times in s, and their scene."""
     return {"t": np.array(times), "cells": np.array(scene.cells), "scene": np.array(scene_line(scene)), "id": number,
             "X": X, "x": x, "v": v, "F": F}
 
 
 def result_arrays(values: Mapping[str, Any]) -> dict[str, np.ndarray]:
-    """Returns the fields of a result as arrays by name, without the particles that the judge reads."""
+    """Returns arrays by name for ``values``, a Result's fields by name, without the particles that the judge reads."""
     moments = {name: values[name] for name in MOMENTS if values[name] is not None}
     said = {name: values[name] for name in values.keys() - {"scene", "series", *MOMENTS}}
     said |= {"schema": SCHEMA, "seconds": asdict(values["seconds"]), "moments": {
@@ -56,7 +55,7 @@ def result_arrays(values: Mapping[str, Any]) -> dict[str, np.ndarray]:
 
 
 def write(path: str, values: Mapping[str, Any]) -> None:
-    """Writes the fields of a result, with its particles at the end and, if stored, on the way."""
+    """Writes a Result's fields, by name, to a .npz, with particles as the judge reads them; raises FileError."""
     if not path.lower().endswith(".npz"):
         raise FileError(path, "is no name for a saved result; give one that ends in .npz")
     scene, shots = values["scene"], [values[name] for name in reversed(MOMENTS) if values[name] is not None]
@@ -70,13 +69,7 @@ def write(path: str, values: Mapping[str, Any]) -> None:
 
 
 def read(path: str) -> dict[str, Any]:
-    """Returns the fields of the result in a file.
-
-    Raises
-    ------
-    FileError
-        Where it contains none: one sentence with the reason.
-    """
+    """Returns a Result's fields, by name, from a .npz; raises :class:`FileError`, with the reason, if it has none."""
     try:
         found = read_arrays(path, lambda name: name in ("scene", "result") or "/" in name, LIMITS)
     except OSError as error:
@@ -88,7 +81,7 @@ def read(path: str) -> dict[str, Any]:
 
 
 class _ResultReader:
-    """Reader of the arrays of a file, which checks the name, type and shape of each."""
+    """Reader of a result's fields from a file's arrays by name, of which it checks type and shape."""
 
     def __init__(self, path: str, found: Mapping[str, np.ndarray]):
         self._path, self._found = path, found
@@ -132,7 +125,7 @@ class _ResultReader:
             "goals": {_validated_text(name): _validated_goal(goal) for name, goal in said.get("goals", {}).items()}}
 
     def _series(self) -> dict[str, np.ndarray]:
-        """Returns all samples by name, each (T,)."""
+        """Returns all T sampled norms by name, each (T,) in SI."""
         columns = samples.column_names(self._scene.active_estimators, self._scene.active_effects)
         names = [*(name for name in columns if name != "step"), "time"]
         if f"series/{samples.BUDGET[0]}" in self._found:
@@ -177,8 +170,8 @@ class _ResultReader:
         return FileError(self._path, f"holds no result of a run ({why}); {HINT}")
 
 
-def _maybe(what: Any, value: Any) -> Any:
-    return None if value is None else what(value)
+def _maybe(validate: Any, value: Any) -> Any:
+    return None if value is None else validate(value)
 
 
 def _validated_goal(said: dict[str, Any]) -> dict[str, Any]:

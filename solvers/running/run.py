@@ -25,8 +25,8 @@ SLICE_SECONDS = 0.1  # a kernel launch cannot be interrupted: keep it short enou
 
 
 def build(scene: Scene) -> Solver:
-    """Returns the solver of a scene's problem, with its particles in place and no step taken. Raises
-    :class:`SceneError` where the scene names a GPU that does not exist."""
+    """Returns a new solver for a scene, with its particles in place and no step taken. Raises :class:`SceneError` where
+    the scene names a GPU that does not exist."""
     return PROBLEMS[scene.problem].solver(scene)
 
 

@@ -1,7 +1,6 @@
 """Text of a scene in a file, one line of JSON, and its validated parser.
 
-Imports only the scenes: files of particles and results store the scene of their run with it.
-"""
+Imports only the scenes: files of particles and results store the scene of their run with it."""
 
 import json
 import math
@@ -27,7 +26,7 @@ def scene_line(scene: Scene) -> str:
 
 
 def scene_inputs(scene: Scene) -> dict[str, Any]:
-    """Returns the inputs of a scene by the names of flags, as plain values, without those that are None."""
+    """Returns the inputs of a scene, values that JSON can represent, by the names of flags, without None."""
     given = {field.name: getattr(scene, field.name) for field in fields(scene) if field.name != "problem"}
     return {field_key(name): to_json_value(value) for name, value in given.items() if value is not None}
 
@@ -40,7 +39,8 @@ def to_json_value(value: object) -> object:
 
 
 def parse_scene_json_line(file: str, text: str) -> tuple[str, dict[str, Any]]:
-    """Returns the problem and the unvalidated inputs of a JSON line. Raises :class:`FileError` if it is malformed."""
+    """Returns the problem's name and the unvalidated inputs, by flag, from the line ``text`` (:func:`scene_line`) of a
+    file, whose name is for messages. Raises :class:`FileError` if it is malformed."""
     try:
         values = json.loads(text[:MAX_LINE + 1])
         schema, problem, given = values["schema"], values["problem"], dict(values["inputs"])
@@ -55,7 +55,8 @@ def parse_scene_json_line(file: str, text: str) -> tuple[str, dict[str, Any]]:
 
 
 def scene_from_inputs(file: str, problem: str, given: dict[str, Any]) -> Scene:
-    """Returns the scene of a problem with these inputs by flag or field. Raises :class:`FileError` for invalid ones."""
+    """Returns a problem's scene with inputs ``given`` by flag or field. Raises :class:`FileError`, which names the
+    ``file``, for invalid ones."""
     try:
         values: dict[str, Any] = {key_field(key): tuple(value) if isinstance(value, list) else value
                                   for key, value in given.items()}

@@ -2,8 +2,7 @@
 
 Other work on a machine can only slow a stretch of steps down, so the fastest stretch is the most reliable. Alternatives
 run in turns, and are compared within each turn: the clock rate of a processor may change by half between turns, and the
-fastest runs of two alternatives may then have different clock rates.
-"""
+fastest runs of two alternatives may then have different clock rates."""
 
 import math
 import os
@@ -23,13 +22,12 @@ SHARE_SECONDS, LONGEST_SHARE_SECONDS, SHARE_TURNS = 0.006, 0.06, 9  # short, wit
 
 
 class RepeatedSteps:
-    """Stretch of a solver's steps, repeated from the same state, that takes at least ``seconds``.
+    """A solver's steps, always the same from the same state, that take at least ``seconds``; a "stretch" below.
 
     The steps are whole rounds of estimators, samples and checks, so that each stretch contains its share of all; of
     estimators and samples, or estimators alone, where a round of the others takes more than ``longest`` seconds. A
     solver at step 0 is warmed up first. ``steps`` sets the number of steps, for comparison with another stretch.
-    ``put_back`` restores the initial state of the solver, to the bit.
-    """
+    ``put_back`` restores the initial state of the solver, to the bit."""
 
     def __init__(self, solver: Solver, seconds: float = MIN_SECONDS, longest: float = math.inf, steps: int = 0):
         self.solver = solver
@@ -58,8 +56,8 @@ class RepeatedSteps:
         self.put_back()
 
     def seconds_per_step(self, without: str | None = None) -> float:
-        """Returns seconds per step of one more repetition, optionally without one of the estimators; NaN where the run
-        becomes unstable, because steps are skipped then."""
+        """Takes the steps again and returns the seconds that each took, optionally without the estimator of that name;
+        NaN where the run becomes unstable, because steps are skipped then."""
         self.put_back()
         if without:
             self.solver.disable_estimator(without)
@@ -70,12 +68,12 @@ class RepeatedSteps:
 
 
 def time_interleaved(stretches: Sequence[RepeatedSteps], turns: int) -> np.ndarray:
-    """Returns seconds per step of every stretch (columns) in every turn (rows)."""
+    """Returns the seconds per step (turns, stretches) of every stretch in every turn; stretches alternate."""
     return np.array([[stretch.seconds_per_step() for stretch in stretches] for _ in range(turns)])
 
 
 def time_ratios(pairs: Mapping[Any, tuple[Scene, Scene]], turns: int) -> dict[Any, float]:
-    """Returns by name the ratio of the first scene's time per step to the second's: the median over turns."""
+    """Returns, by a pair's name, time per step of its first scene over that of its second: median over turns."""
     scenes = list(dict.fromkeys(scene for pair in pairs.values() for scene in pair))
     solvers = [PROBLEMS[scene.problem].solver(scene) for scene in scenes]
     columns = time_interleaved([RepeatedSteps(solver) for solver in solvers], turns).T if scenes else ()
@@ -84,18 +82,18 @@ def time_ratios(pairs: Mapping[Any, tuple[Scene, Scene]], turns: int) -> dict[An
 
 
 def particle_step_rate(solver: Solver, turns: int = 5, seconds: float = MIN_SECONDS) -> float:
-    """Returns million particle-steps per second of a solver; NaN if its run becomes unstable."""
+    """Returns million particle-steps per second of a solver, the most of so many turns that take at least ``seconds``;
+    NaN if its run becomes unstable."""
     return 1e-6 * solver.scene.particles / float(time_interleaved([RepeatedSteps(solver, seconds)], turns).min())
 
 
 def estimator_shares(solver: Solver) -> dict[str, float]:
-    """Measures each active estimator's share of the running time; empty if the run becomes unstable.
+    """Measures each active estimator's share (0 to 1) of the running time, by name; {} if the run becomes unstable.
 
     The same steps are taken several times, from the present state: with the estimators; by a second solver without any,
     since even an inactive estimator stays in compiled code and slows it down; and, with several, with each one inactive
     in turn. The total cost comes from the first two, and is divided in proportion to the time saved without each.
-    Samples are included. The state is restored, to the bit.
-    """
+    Samples are included. The state is restored, to the bit."""
     names = solver.scene.active_estimators
     if not names or not solver.sound or solver.scene.particles > MOST_PARTICLES:  # to have them twice
         return {}

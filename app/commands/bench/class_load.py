@@ -42,7 +42,7 @@ ON_ITS_WAY = 0.25  # seconds after a choice within which an earlier frame may st
 
 @dataclass(frozen=True)
 class ClassLoad:
-    """Number of visitors and length of the test in s, once all are connected and receive frames."""
+    """Number of visitors, length of the test in s after all receive frames, seed of their random moves."""
 
     visitors: int
     seconds: float
@@ -50,13 +50,13 @@ class ClassLoad:
 
 
 def is_frame(message: dict) -> bool:
-    """Whether a message has particles: axes also get points, long before the first frame."""
+    """Whether a message of the server has a frame's particles; axes also get points, before the first frame."""
     return message.get("name", "").endswith(FRAME) and "points" in message.get("updates", {})
 
 
 @dataclass
 class Control:
-    """Widget sent by the server: its kind and all its properties."""
+    """Widget sent by the server: the type of its message, and all its properties with the value."""
 
     kind: str
     props: dict[str, Any]
@@ -75,7 +75,7 @@ class Visitor:
     controls: dict[str, Control] = field(default_factory=dict)  # by id
 
     async def receive_messages(self) -> None:
-        """Connects, and stays until the connection is closed by either side."""
+        """Connects to the page, and records frames and controls until either side closes the connection."""
         self.asked_at = monotonic()
         async with connect_to_page(self.address) as connection:
             self._connection = connection
@@ -84,30 +84,31 @@ class Visitor:
                 self._handle_messages(messages)
 
     async def set_control(self, control: str, value: Any) -> None:
-        """Sets the control with this id."""
+        """Sets the control with this id to a value, as a visitor's browser does."""
         self.choices.append(monotonic())
         await self._connection.send({"type": "GuiUpdateMessage", "uuid": control, "updates": {"value": value}})
 
     def find_control(self, label: str, kind: str = "") -> str | None:
-        """Returns the id of the control whose label begins so, of a kind whose name contains ``kind``."""
+        """Returns the id of the control whose label begins so, of a kind that contains ``kind``, or None."""
         return next((number for number, control in self.controls.items()
                      if str(control.props.get("label", "")).startswith(label) and kind in control.kind), None)
 
     async def move_slider(self, label: str, dice: random.Random) -> None:
-        """Sets a slider to a random value, if it exists."""
+        """Sets the slider whose label begins so, if there is one, to a random value."""
         if number := self.find_control(label, "Slider"):
             low, high, step = (self.controls[number].props[name] for name in ("min", "max", "step"))
             steps = max(1, round((high - low) / step))
             await self.set_control(number, round(low + step * dice.randint(0, steps), 9))
 
     def frame_rate(self, begin: float, end: float) -> float | None:
-        """Returns frames per second between two times, without pauses after broken runs; None if nothing is left."""
+        """Returns frames per second between two times in s, without pauses after broken runs; None if all is one."""
         seconds = sum(until - since for since, until in self._pauses(begin, end))
         seen = sum(begin <= at < end for k, at in enumerate(self.frames) if k not in self.broken)
         return seen / seconds if seconds else None
 
     def max_freeze(self, begin: float, end: float, own: bool = False) -> float:
-        """Returns the longest time without a frame, in s, within a span: after an ``own`` choice, or any other."""
+        """Returns the longest pause in s without a frame between two times in s: of those that begin with the
+        visitor's ``own`` choice, or of the others."""
         def is_own(since: float, until: float) -> bool:  # by bisection: an hour has 100,000 frames and 1,000 choices
             following = bisect_right(self.choices, since - ON_ITS_WAY)
             return following < len(self.choices) and self.choices[following] < until
@@ -116,7 +117,8 @@ class Visitor:
                    default=0.0)
 
     def _pauses(self, begin: float, end: float) -> list[tuple[float, float]]:
-        """Finds the intervals without a frame between two times, apart from those after a run broke down."""
+        """Returns begin and end, in s, of all pauses between frames from ``begin`` to ``end``, without those after a
+        run broke down."""
         times = [-math.inf, *self.frames, math.inf]
         broken = self.broken | ({len(self.frames)} if self.notice else set())
         return [(max(earlier, begin), min(later, end)) for k, (earlier, later) in enumerate(pairwise(times))
@@ -141,7 +143,7 @@ class Visitor:
             self.frames.append(monotonic())
 
     def _handle_text_update(self, text: str, content: Any) -> None:
-        """Handles a text's new content."""
+        """Records whether the new content of the text with this id says that the run broke down, or no more."""
         if BROKEN in str(content):
             self.notice = text
             self.broken.add(len(self.frames))
@@ -152,7 +154,7 @@ class Visitor:
 
 @contextmanager
 def start_server(*arguments: str) -> Iterator[tuple[str, int]]:
-    """Context manager: starts a server of the page; yields its address (host:port) and process id."""
+    """Context manager: runs ``mpm-lab serve`` with these arguments; yields its address (host:port) and process id."""
     port = free_port()
     process = subprocess.Popen([*ITSELF, "serve", "--port", str(port), *arguments], stderr=subprocess.PIPE, text=True)
     assert process.stderr
@@ -171,13 +173,14 @@ def start_server(*arguments: str) -> Iterator[tuple[str, int]]:
 
 
 def run_class_load(load: ClassLoad, on_progress: Callable[[float], None]) -> dict[str, Any]:
-    """Runs the load test; returns the service that its visitors got."""
+    """Runs the load test, tells its part done (0 to 1), and returns the JSON object of :func:`load_report`."""
     with start_server("--max-sessions", str(load.visitors)) as (address, server):
         return asyncio.run(_run_visits(address, server, load, on_progress))
 
 
 async def _run_visits(address: str, server: int, load: ClassLoad,
                       on_progress: Callable[[float], None]) -> dict[str, Any]:
+    """Runs all visits to the server with this process id; returns :func:`load_report` with its memory and work."""
     dice = random.Random(load.seed)
     visitors = [Visitor(address) for _ in range(load.visitors)]
     visits = [asyncio.create_task(_visit(visitor, random.Random(dice.random()))) for visitor in visitors]
@@ -207,7 +210,8 @@ async def _run_visits(address: str, server: int, load: ClassLoad,
 
 
 async def _visit(visitor: Visitor, dice: random.Random) -> None:
-    """Connects within a few seconds by a link to a run without end, then moves a slider now and then."""
+    """Connects a visitor within ``JOINING`` s by a link to a run without end, then moves a slider now and then;
+    raises ConnectionError when the server ends the connection."""
     await asyncio.sleep(JOINING * dice.random())
     stay = asyncio.create_task(visitor.receive_messages())
     try:
@@ -226,7 +230,7 @@ async def _visit(visitor: Visitor, dice: random.Random) -> None:
 
 
 def memory_held(server: int) -> dict[str, int] | None:
-    """Returns the bytes of a server, and of its engines and compilers, shared memory once; None if unknown."""
+    """Returns bytes of memory of the process ``server``, and of all its ``engines``, shared ones once; or None."""
     if not LINUX:
         return None
     engines = sum(proportional_bytes(process) for process in descendants(server))
@@ -234,7 +238,8 @@ def memory_held(server: int) -> dict[str, int] | None:
 
 
 def load_report(visitors: list[Visitor], begin: float, end: float, lost: list[str]) -> dict[str, Any]:
-    """Returns the service between two times; ``lost`` has a reason for each visit that ended by itself."""
+    """Returns, for JSON, what visitors got between two times in s: frames per second, seconds until the first and
+    longest pauses; ``lost`` has a reason for each visit that ended by itself."""
     rates = sorted(rate for visitor in visitors if (rate := visitor.frame_rate(begin, end)) is not None) or [0.0]
     joined = sorted(visitor.frames[0] - visitor.asked_at for visitor in visitors if visitor.frames)
     load = os.getloadavg()[0] if hasattr(os, "getloadavg") else None
@@ -249,6 +254,7 @@ def load_report(visitors: list[Visitor], begin: float, end: float, lost: list[st
 
 
 def class_load_table(found: dict[str, Any], /) -> str:
+    """Returns the text for the JSON object of :func:`run_class_load`."""
     def seconds(value: float | None) -> str:
         return "none" if value is None else f"{value:.1f} s"
 

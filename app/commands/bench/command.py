@@ -58,7 +58,7 @@ class Bench:
 
 
 def bench_table(values: dict, /) -> str:
-    """Returns rates, costs of estimators and effects, also of effects that are off, and start-up times."""
+    """Returns the text for the command's JSON object: rates, costs of estimators and effects, start-up times."""
     return "\n\n".join([
         _heading(values), _rate_table(values["rates"]), _gpu_table(values["gpu"]),
         _price_table("price of an estimator: time of a step with it over a bare one", values["estimators"]),

@@ -65,7 +65,7 @@ class Check:
         return status or (CONTRADICTED if checked.contradictions else 0)
 
     def _write_reports(self, folder: Folder | None, checked: Any, values: dict) -> int:
-        """Writes the requested reports."""
+        """Writes the requested reports of the check, and of its ``values`` for JSON; returns the exit status."""
         if not self.quiet and self.json != "-":
             put_text(verdict_text(values) + "\n")
         if folder is None:
@@ -75,7 +75,7 @@ class Check:
 
 
 def values_for_claims(values: Mapping[str, Any]) -> dict[str, Any]:
-    """Returns the report in the form that claims use."""
+    """Returns the numbers that claims may name: contradictions, particles, broken and suspicious findings."""
     count = {word: sum(one["verdict"] == word for one in values["findings"]) for word in ("broken", "suspicious")}
     return {"contradictions": values["contradictions"], "particles": values["particles"], **count}
 
@@ -87,14 +87,14 @@ NO_CONTRADICTION = "No contradiction was found. That is not to say that the run 
 
 
 def verdict_text(values: dict) -> str:
-    """Returns the verdict, the contradictions, and what could not be checked."""
+    """Returns the verdict, the contradictions, and what could not be checked, in Markdown, from the JSON object."""
     lines = [*map(escape_markdown, values["not_told"]), *values["never_told"]]
     return "\n\n".join([_verdict_sentence(values), *([_findings_list(values)] if _findings_list(values) else []),
                         "What could not be told:\n\n" + "\n".join(f"* {line}" for line in lines)])
 
 
 def as_markdown(values: dict, pictures: list[str]) -> str:
-    """Returns the complete report; pictures follow the summary."""
+    """Returns the complete report in Markdown; pictures, files' names, follow the summary."""
     files, count = values["files"], len(values["files"])
     notes = ["\n".join(f"* {escape_markdown(note)}" for note in values["notes"])] if values["notes"] else []
     listed = ", ".join(code_span(file_name(file)) for file in files[:20]) + f" and {count - 20} more" * (count > 20)

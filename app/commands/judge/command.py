@@ -38,7 +38,7 @@ EXPECTABLE = ClaimChecker("grids", {
 
 @dataclass(frozen=True, kw_only=True)
 class Judge(SceneFlags):
-    """Flags of the files and the report."""
+    """Command ``mpm-lab judge``: flags of the scene, the files of particles, and the report."""
 
     HELP: ClassVar[str] = """Judge what any code's particles of the {title} get wrong, where and of which order.
 
@@ -79,7 +79,7 @@ class Judge(SceneFlags):
         return self._write_reports(folder, judged)
 
     def _cells(self) -> list[Any]:
-        """Returns the cells of the grid, one number for all files or one for each."""
+        """Returns the numbers of cells, one for all files or one for each; raises BadInput for another count."""
         given = self.inputs()["cells"]
         words = given.replace(",", " ").split() if isinstance(given, str) else []
         cells = [flags.parse_number_or_text([word]) for word in words] or [given]
@@ -89,7 +89,7 @@ class Judge(SceneFlags):
         return cells
 
     def _write_reports(self, folder: Folder | None, judged: Any) -> int:
-        """Writes the summary, the requested reports, and the outcomes of the claims."""
+        """Writes the summary, the reports if there is a folder, and whether claims hold; returns the exit status."""
         values, status = judged.to_dict(), 0
         if not self.quiet:
             put_text(judgement_text(values, judged) + "\n")
@@ -101,7 +101,7 @@ class Judge(SceneFlags):
 
 
 def grid_values_for_claims(values: Mapping[str, Any]) -> list[Mapping[str, Any]]:
-    """Returns each grid's part of the report in the form of a run's JSON object."""
+    """Returns each grid's part of the report with the keys that claims use, as those of a run's JSON object."""
     orders = values["order"] or {}
     return [{
         "scene": {"cells": grid["cells"], "estimator": [COMPANION]}, "error": grid["error"],
@@ -121,7 +121,7 @@ HERE = Path(__file__).parent
 
 
 def judgement_text(values: dict, judged: "Judgement") -> str:
-    """Returns a summary: the problem, the sizes of errors, and the contradictions."""
+    """Returns a summary in Markdown of a judgement and its ``values`` for JSON: problem, errors, contradictions."""
     scene, asked = judged.scene, values["scene"]
     more = [f"{name} {asked[key]:{'' if key == 'law' else 'g'}}{unit}" for key, name, unit in OF_SOME if key in asked]
     files = sorted({file for g in values["grids"] for file in g["files"]})
@@ -138,7 +138,7 @@ def judgement_text(values: dict, judged: "Judgement") -> str:
 
 
 def as_markdown(values: dict, judged: "Judgement", pictures: list[str]) -> str:
-    """Returns the report; pictures follow the summary."""
+    """Returns the report in Markdown; pictures, names of files beside it, follow the summary."""
     shown = [f"![{CAPTIONS[name]}]({name})" for name in pictures]
     body = [_grid_section(g, values, several=len(values["grids"]) > 1) for g in values["grids"]]
     order = [_order_section(values)] if values["order"] else []
@@ -159,12 +159,12 @@ def _largest_error_table(values: dict, judged: "Judgement") -> str:
 
 
 def _true_or_estimated_errors(g: dict) -> dict:
-    """Returns the true errors, or else the companion's estimates."""
+    """Returns a grid's true errors by quantity, or else the companion's estimates: final, max, mean, in SI."""
     return g["error"] or g["estimate"]["companion"]
 
 
 def _grid_verdict(g: dict, values: dict) -> str:
-    """Returns two or three sentences on a grid: the error, its ratio to ours, and outliers."""
+    """Returns sentences on a grid ``g`` of the report: its error, the ratio to our methods', and outliers."""
     from solvers.judging.judgement import BY_PLACE
     x = _true_or_estimated_errors(g)["x"]["max"]
     sentences = [f"**{g['cells']} cells:** the error of x is up to {_format_size(x, 'x')}." if any(g["times"]) else
@@ -173,22 +173,19 @@ def _grid_verdict(g: dict, values: dict) -> str:
     if ours and x is not None:
         best = min(ours, key=lambda run: run["error"]["x"]["max"])
         worst = max(ours, key=lambda run: run["error"]["x"]["max"])
-        sentences.append(
-            f"Of our methods on this grid {_full_method_name(best)} has the least, "
-            f"{_format_size(best['error']['x']['max'], 'x')} (these particles: "
-            f"{format_ratio(x / best['error']['x']['max'])} "
-            f"times), and {_full_method_name(worst)} the most, {_format_size(worst['error']['x']['max'], 'x')}."
-        )
+        sentences.append(f"Of our methods on this grid {_full_method_name(best)} has the least, "
+                         f"{_format_size(best['error']['x']['max'], 'x')} (these particles: "
+                         f"{format_ratio(x / best['error']['x']['max'])} times), and {_full_method_name(worst)} the "
+                         f"most, {_format_size(worst['error']['x']['max'], 'x')}.")
     sentences += [f"**{check['says'][:1].upper()}{check['says'][1:]}.**" for check in g["checks"]
                   if check["verdict"] == OFF and check["check"] != BY_PLACE]
     if found := g["neighbour_gap"]:
-        sentences.append(
-            f"**{found['count']:,} particle{'s' * (found['count'] != 1)} ({100 * found['share']:.2g} %) "
-            f"{'are' if found['count'] != 1 else 'is'} not where the neighbours are**, by up to "
-            f"{found['farthest_over_h']:.2g} h, at t = {found['t']:.4g} s: the farthest is particle "
-            f"{found['particle']} at {_format_point(found['X'])}, {_region_name(values['problem'], found['X'])} "
-            f"({escape_markdown(file_name(found['file']))})."
-        )
+        sentences.append(f"**{found['count']:,} particle{'s' * (found['count'] != 1)} ({100 * found['share']:.2g} %) "
+                         f"{'are' if found['count'] != 1 else 'is'} not where the neighbours are**, by up to "
+                         f"{found['farthest_over_h']:.2g} h, at t = {found['t']:.4g} s: the farthest is particle "
+                         f"{found['particle']} at {_format_point(found['X'])}, "
+                         f"{_region_name(values['problem'], found['X'])} "
+                         f"({escape_markdown(file_name(found['file']))}).")
     return " ".join(sentences)
 
 

@@ -27,7 +27,7 @@ QUARTERS = 4  # times of the exact solution per period by default
 
 @dataclass(frozen=True, kw_only=True)
 class ProblemCommand(SceneFlags):
-    """Flags of the directory, and of the times of the exact solution."""
+    """Command ``mpm-lab problem``: flags of the scene, the directory, and times of the exact solution."""
 
     HELP: ClassVar[str] = """Write all that another code needs to run the {title}.
 
@@ -59,6 +59,7 @@ class ProblemCommand(SceneFlags):
 
 
 def _handout_files(scene: Scene, times: list[float]) -> dict[str, bytes]:
+    """Returns the contents of the files for another code, by name; ``times`` of the exact solution are in s."""
     from solvers.judging import particle_writers, problem_handout  # here: bad input must not wait for them
 
     start, first = problem_handout.start(scene), problem_handout.initial_frame(scene)
@@ -85,7 +86,7 @@ def _pad_to_3d(vectors: np.ndarray) -> np.ndarray:
 
 
 def problem_page(scene: Scene, texts: Texts, times: Sequence[float], solution: str) -> str:
-    """Returns a page that explains the problem, the files, and how to judge results."""
+    """Returns a Markdown page on the problem, its files (the ``solution``'s at ``times``, s), and judging."""
     columns = {key: ", ".join(f"`{name}`" for name in output_column_names(key, scene.DIMENSIONS))
                for key in ("X", "x", "v", "F", "sigma")}
     period = "A period of the motion is" if scene.swings else f"Times are counted in periods of the {scene.TITLE},"

@@ -17,7 +17,7 @@ _MAP = "the map of where and when an error was made has gone; --plot draws what 
 
 @dataclass(frozen=True, kw_only=True)
 class Budget(SceneFlags):
-    """Flags for the budget of a scene."""
+    """Command ``mpm-lab budget``: flags of the scene, of the cause to take away, and of the output."""
 
     HELP: ClassVar[str] = """Say which cause has made which part of the error of a run of the {title}.
 
@@ -63,7 +63,7 @@ class Budget(SceneFlags):
         return BROKEN if broken else OK
 
     def _scene(self) -> Any:
-        """Returns the scene with the budget switched on, if it is an effect there, whatever its other effects."""
+        """Returns the scene, with the effect budget if its problem has one; raises BadInput if that cannot be."""
         asked = self.scene()
         if "budget" not in asked.OWN_EFFECTS:
             return asked
@@ -78,8 +78,6 @@ class Budget(SceneFlags):
 
 
 def _tables(values: dict) -> str:
-    """Returns the tables of the budget and of a removed cause."""
-    parts = [budget_table(values["budget"])]
-    if values["take_away"]:
-        parts.append(removed_cause_table(values["take_away"]))
-    return "\n\n".join(parts)
+    """Returns the tables of the budget and of a removed cause, if any, as text, from the command's JSON object."""
+    removed = values["take_away"]
+    return "\n\n".join([budget_table(values["budget"]), *([removed_cause_table(removed)] if removed else [])])

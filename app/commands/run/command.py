@@ -27,7 +27,7 @@ LETTERS = 21  # of a number in a .csv, with its separator
 
 
 class ParticleWriter:
-    """Writer of the file for ``--particles``, which is checked now."""
+    """Writer of the file ``text`` of --particles for a scene's run, checked now; raises BadInput."""
 
     def __init__(self, text: str, scene: Scene):
         if Path(text).suffix.lower() not in KINDS:
@@ -45,13 +45,14 @@ class ParticleWriter:
         self._frames: list[Frame] = []
 
     def add(self, shot: Snapshot) -> None:
-        """Keeps a sample, unless it has non-finite values."""
+        """Keeps the particles of a sample for the file, unless they have non-finite values."""
         from solvers.judging.reference_runs import frame_of_snapshot
         frame = frame_of_snapshot(shot, self._scene)
         if all(np.isfinite(v).all() for v in (shot.position, shot.velocity, shot.deformation_gradient)):
             self._frames.append(frame)
 
     def write(self, result: Result) -> None:
+        """Writes the particles that were added, in a .npz with the result of their run."""
         from solvers.judging import particle_writers
         from solvers.running.scene_json_line import scene_line
         if self._target.path.lower().endswith(".npz"):
@@ -64,7 +65,7 @@ class ParticleWriter:
 
 @dataclass(frozen=True, kw_only=True)
 class OutputFlags:
-    """Flags for the output of a run."""
+    """Flags for the output of a run, common to ``mpm-lab run PROBLEM`` and ``mpm-lab run --scene``."""
 
     json: Annotated[PathFlag, default_hint("a table is printed instead")] = None
     """File for the result as a JSON object; - is standard output."""
@@ -80,7 +81,7 @@ class OutputFlags:
     """No progress bar, no warnings and no remarks on standard error."""
 
     def run_and_write(self, scene: Scene) -> int:
-        """Runs a scene, writes the output and returns the exit status. Files are checked before the run."""
+        """Runs a scene, writes the output and returns the exit status, 0, 1 or 3. Files are checked before the run."""
         parse_goals(scene, self.goal)
         target = json_target(self.json)
         picture = None if self.plot is None else Target("plot", self.plot, ending=".png")
@@ -106,7 +107,7 @@ class OutputFlags:
 
 @dataclass(frozen=True, kw_only=True)
 class Run(OutputFlags, SceneFlags):
-    """Flags of a scene and of the output of its run."""
+    """Command ``mpm-lab run PROBLEM``: flags of the scene and of the output of its run."""
 
     HELP: ClassVar[str] = """Run the {title} once and report its true and estimated errors.
 
@@ -147,7 +148,7 @@ def _run(scene: Scene, quiet: bool, writer: ParticleWriter | None, goals: Sequen
 
 
 def _draw(result: Result, target: Target) -> bool:
-    """Draws and writes the picture; a failure is reported without other effects."""
+    """Draws a run and writes it to the target as .png; prints a failure and returns False instead of raising it."""
     try:
         from app.pictures.run import png_bytes, run_figure
         target.write(png_bytes(run_figure(result)))

@@ -20,7 +20,7 @@ GOAL_MEANING = (f"bar: {SAFETY:g} times the estimated error of the number; held:
 
 
 def run_table(result: dict) -> str:
-    """Returns heading, errors, estimates of each estimator, and run times."""
+    """Returns the text for a run's JSON object: heading, errors, estimates of each estimator, times."""
     errors = [_norm_row(key, summary) for key, summary in result["error"].items()]
     parts = [_heading(result), _align_columns([("true error, RMS", *SUMMARY), *errors])]
     names = result["scene"]["estimator"] if "estimate" in result["effects"] else []
@@ -42,7 +42,7 @@ def run_table(result: dict) -> str:
 
 
 def budget_table(budget: dict) -> str:
-    """Returns each cause's share of the error; or why shares are not valid."""
+    """Returns a text table of each cause's share of the errors of x, v and F, or why they are not valid."""
     rows = [(cause, *(format_value(budget[field][name], ".3f") for field in FIELDS)) for name, cause in CAUSES.items()]
     whose = "the error" if budget["reference"] == "exact" else f"what the {budget['reference']} has the error is"
     text = _align_columns([("share of the error of", *FIELDS), *rows])
@@ -70,13 +70,13 @@ def _heading(result: dict) -> str:
 
 
 def _norm_row(key: str, summary: dict) -> tuple[str, ...]:
-    """Returns an error with its unit, and its sizes; a problem's own norms begin with their quantity: a_nodes."""
+    """Returns the cells of a norm's row: its key, such as x or a_nodes, with the unit, then final, max and mean."""
     name = f"{key} ({QUANTITIES[key.partition('_')[0]].unit})"
     return name, *(format_value(summary[part], ".3e") for part in SUMMARY)
 
 
 def removed_cause_table(values: dict) -> str:
-    """Returns the errors before, as predicted without a cause, and actual."""
+    """Returns a text table of the RMS errors with all causes, predicted without one, and run again."""
     heads = {"before": "before", "predicted": "predicted", "again": "run again"}
     rows = [(words, *(format_value(values[key][field], ".3e") for field in FIELDS)) for key, words in heads.items()]
     return _align_columns([(f"without {CAUSES[values['class']]}, RMS",
@@ -85,7 +85,8 @@ def removed_cause_table(values: dict) -> str:
 
 
 def _effect_lines(result: dict) -> Iterator[tuple[str, str]]:
-    """Yields a line for each effect with numbers; for effects of some problems only if it is on."""
+    """Yields name and text of a line for each effect with numbers in a run's JSON object; those of only some problems
+    if they are on."""
     for name, line in output_lines_by_effect(lambda effect: effect.text).items():
         effect, found = ALL[name], result[ALL[name].json_key]
         if found is not None or name in EFFECTS:
@@ -116,12 +117,12 @@ def _align_columns(rows: list[tuple[str, ...]]) -> str:
 
 
 def format_value(value: float | None, form: str) -> str:
-    """Formats a number; a dash for None."""
+    """Formats a number by a format such as ".3g"; a dash for None."""
     return NOTHING if value is None else format(value, form)
 
 
 def goal_table(scene: Scene, goals: Mapping[str, dict]) -> str:
-    """Returns a block for each goal, and an explanation of the bars; "" without goals."""
+    """Returns a text for each of a run's goals, by name, and one on their error bars; "" without goals."""
     if not goals:
         return ""
     blocks = []

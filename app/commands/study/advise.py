@@ -9,16 +9,6 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 
 from app.commands import flags
-from app.commands.flags import (
-    BadInput,
-    PathFlag,
-    RealFlag,
-    Switch,
-    choices_of,
-    default_hint,
-    parse_float_or_text,
-    several_of,
-)
 from app.commands.output import json_target, print_message, put_result
 from app.commands.progress import record_interrupts, stdout_to_stderr
 from app.words import command_line, per_cell
@@ -37,7 +27,7 @@ OK, UNREACHABLE = 0, 1
 
 @dataclass(frozen=True, kw_only=True)
 class Advise:
-    """Flags of a search, over all of method, particles per cell and cfl that are not given, and cells."""
+    """Command ``mpm-lab advise``: flags of a search over cells and what is not given of method, ppc and cfl."""
 
     HELP: ClassVar[str] = """Find the cheapest run of the {title} whose own estimate meets a tolerance.
 
@@ -46,13 +36,13 @@ class Advise:
     EXAMPLE: ClassVar[str] = "mpm-lab advise {problem} --tolerance 1e-3"
     SCENE: ClassVar[type[Scene]]
 
-    tolerance: Annotated[RealFlag, default_hint("required")] = None
+    tolerance: Annotated[flags.RealFlag, flags.default_hint("required")] = None
     """Largest RMS error that is allowed at any time of the run."""
     relative: bool = True
     """Whether the tolerance is a part of the quantity's own size (of A for x) or in its unit."""
-    quantity: Annotated[Any, several_of(QUANTITIES)] = ("x",)
+    quantity: Annotated[Any, flags.several_of(QUANTITIES)] = ("x",)
     """What the tolerance is about: position, velocity, stress or acceleration."""
-    budget: RealFlag = 60.0
+    budget: flags.RealFlag = 60.0
     """Longest run that may be recommended, s."""
     method: Any = ()
     ppc: Any = ()
@@ -63,19 +53,19 @@ class Advise:
     t_end: Any = None
     periods: Any = None
     body_force: Any = None
-    json: Annotated[PathFlag, default_hint("a text is printed instead")] = None
+    json: Annotated[flags.PathFlag, flags.default_hint("a text is printed instead")] = None
     """File for the advice as a JSON object; - is standard output."""
-    quiet: Annotated[Switch, default_hint("off")] = False
+    quiet: Annotated[flags.Switch, flags.default_hint("off")] = False
     """Nothing on standard error about the runs that are made."""
 
     def execute(self) -> int:
         physics = ("amplitude", "modulus", "density", "t_end", "periods", "body_force")
         base = self.SCENE(**{name: getattr(self, name) for name in physics}, estimators=(), effects=())
         if len(self.quantity) != 1 or self.quantity[0] not in QUANTITIES:
-            raise BadInput("quantity", " ".join(self.quantity), f"give one of {', '.join(QUANTITIES)}")
+            raise flags.BadInput("quantity", " ".join(self.quantity), f"give one of {', '.join(QUANTITIES)}")
         quantity = self.quantity[0]
         if self.tolerance is None:
-            raise BadInput("tolerance", "", "give the error that is allowed, for example 1e-3")
+            raise flags.BadInput("tolerance", "", "give the error that is allowed, for example 1e-3")
         require_number("tolerance", self.tolerance, 0, math.inf)
         require_number("budget", self.budget, 0, math.inf)
         tolerance = self.tolerance * (base.size_of(quantity) if self.relative else 1.0)  # in the quantity's unit
@@ -90,6 +80,7 @@ class Advise:
         return OK if advice.met else UNREACHABLE
 
     def _search(self, base: Scene, quantity: str, tolerance: float, check_interrupts) -> Advice:
+        """Returns the advice for a tolerance in the quantity's unit; ``check_interrupts`` raises a recorded Ctrl-C."""
         from solvers.study.advise import Goal, advise, refinement_families
 
         def report_run(looks: int, certain: int, scene: Scene) -> None:
@@ -106,22 +97,22 @@ class Advise:
         return advise(choices, Goal(quantity, tolerance, self.budget), report_run)
 
     def _numbers(self, flag: str, words: tuple[str, ...], default: tuple[Any, ...]) -> tuple[Any, ...]:
-        """Returns the words of a flag as numbers, validated by a scene."""
-        numbers = tuple(
-            parse_float_or_text([word]) if flag == "cfl" else flags.parse_number_or_text([word]) for word in words
-        )
+        """Returns a flag's words as numbers, the default if there are none; raises SceneError for invalid ones."""
+        parse = flags.parse_float_or_text if flag == "cfl" else flags.parse_number_or_text
+        numbers = tuple(parse([word]) for word in words)
         for value in numbers:
             self.SCENE(**{flag: value})  # says what is wrong with it
         return numbers or default
 
 
 def search_flags(scene: type[Scene]) -> dict[str, Any]:
-    """Returns flags with several values to choose from, instead of one."""
+    """Returns the types of the flags, by field, that take several values to search instead of one."""
     preserving = "; uGIMP with and without linearity preservation" * (("ugimp", True) in scene.candidates())
-    return {"method": choices_of(scene.choices("method"), "all", f"Methods to choose from{preserving}."),
-            "ppc": choices_of(("N",), _join(PARTICLES_PER_CELL),
-                              f"{scene.__dataclass_fields__['ppc'].metadata['help']} to choose from."),
-            "cfl": choices_of(("X",), _join(COURANT_NUMBERS), "Lengths of the time step, dt c/h, to choose from.")}
+    per_cell_help = scene.__dataclass_fields__["ppc"].metadata["help"]
+    return {"method": flags.choices_of(scene.choices("method"), "all", f"Methods to choose from{preserving}."),
+            "ppc": flags.choices_of(("N",), _join(PARTICLES_PER_CELL), f"{per_cell_help} to choose from."),
+            "cfl": flags.choices_of(("X",), _join(COURANT_NUMBERS),
+                                    "Lengths of the time step, dt c/h, to choose from.")}
 
 
 def _join(numbers: tuple[float, ...]) -> str:
@@ -129,7 +120,8 @@ def _join(numbers: tuple[float, ...]) -> str:
 
 
 def as_dict(advice: Advice, base: Scene, tolerance: float, relative: bool, spent: float) -> dict:
-    """Returns the advice as one JSON object; errors in the quantity's unit and, as ``relative``, over its size."""
+    """Returns the advice as one JSON object; ``tolerance`` as given, ``relative`` to the size of the quantity or in its
+    unit; errors in both; ``spent`` is the search's time in s."""
     chosen, goal, other, size = advice.chosen, advice.goal, advice.runner_up, base.size_of(advice.goal.quantity)
 
     def errors(value: float) -> dict:
@@ -151,6 +143,7 @@ def as_dict(advice: Advice, base: Scene, tolerance: float, relative: bool, spent
 
 
 def as_text(values: dict) -> str:
+    """Returns the lines printed for the JSON object of :func:`as_dict`."""
     got, predicted = values["verified"] or values["predicted"], values["predicted"]
     said = "by its own estimate" if values["verified"] else "expected, not run"
     rows = [("run" if values["status"] == "ok" else "closest", values["command"]),

@@ -21,7 +21,7 @@ MOST_SEED = 2**31 - 1
 
 @dataclass(frozen=True, kw_only=True)
 class Coverage(StudyFlags):
-    """Flags for the number of runs and the seed."""
+    """Command ``mpm-lab coverage``: flags of the number of random runs, their seed, and the output."""
 
     HELP: ClassVar[str] = """Count how often the error estimators of the {title} are right.
 

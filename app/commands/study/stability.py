@@ -19,7 +19,7 @@ DEFAULT_CFL = (0.1, 0.3, 0.5, 0.7)
 
 @dataclass(frozen=True, kw_only=True)
 class Stability(StudyFlags):
-    """Flags of the map; all valid combinations are run."""
+    """Command ``mpm-lab stability``: flags of the map; all valid combinations of their values are run."""
 
     HELP: ClassVar[str] = """Map how many periods each method of the {title} survives.
 
@@ -59,7 +59,7 @@ class Stability(StudyFlags):
             "stability.md": as_markdown(values)}, printed="stability.md")
 
     def axes(self) -> dict[str, list]:
-        """Returns the values of each input of a scene, by the name of its flag."""
+        """Returns all values of each input of the map's scenes, by the name of its flag; raises SceneError."""
         for method in self.method:
             require_choice("method", method, self.SCENE.choices("method"))
         axes = {
@@ -75,7 +75,7 @@ class Stability(StudyFlags):
 
 
 def map_flags(scene: type[Scene]) -> dict[str, Any]:
-    """Returns flags with several values, instead of one."""
+    """Returns the types of the map's flags, by field, that take several values instead of one."""
     return {"method": choices_of(scene.choices("method"), "all", "Methods to map."),
             "amplitude": choices_of(("X",), " ".join(f"{a:g}" for a in scene.HARD_AMPLITUDES),
                                     f"Amplitudes, {unit_of(scene, 'amplitude')}."),

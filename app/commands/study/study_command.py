@@ -25,7 +25,7 @@ ADDRESS = re.compile(r"(tcp|tls|ucx|ws|wss)://\S+:\d+/?")
 
 
 class Study:
-    """Study as a command: ``questions`` are the rows to measure, ``document`` writes the results."""
+    """Base of studies: :meth:`measurement_tasks` are the rows to measure, :meth:`write_tables` their output."""
 
     SCENE: ClassVar[type[Scene]]
     TIMED: ClassVar[bool] = True  # whether rows are timed, and so run one after the other
@@ -39,11 +39,11 @@ class Study:
     quiet: bool
 
     def measurement_tasks(self) -> Sequence["MeasurementTask"]:
-        """Returns all rows to measure, in order; rejects bad input."""
+        """Returns a task for each row to measure, in order; raises BadInput or SceneError."""
         raise NotImplementedError
 
     def write_tables(self, rows: list[dict]) -> int:
-        """Writes tables of the rows, those of the plan first; returns the exit status."""
+        """Writes tables and pictures of all rows, this command's first; returns the exit status."""
         raise NotImplementedError
 
     def execute(self) -> int:
@@ -52,15 +52,15 @@ class Study:
 
     @property
     def only_problem(self) -> str | None:
-        """The problem of all rows, or None if they have several."""
+        """The problem of all rows, by name, or None if they have several."""
         return self.SCENE.problem
 
     def failed_task_row(self, task: Any, reason: str) -> dict:
-        """Returns the row for a question that was lost."""
+        """Returns the row for a task that could not be measured, with a sentence why."""
         return failed_row(task, reason)
 
     def describe_row(self, row: dict, tasks: Sequence[Any]) -> str:
-        """Returns a short text on a row for the console."""
+        """Returns a row's status as a line for the console, with the inputs that vary among the ``tasks``."""
         inputs = ", ".join(f"{name.replace('_', '-')} {_format_value(value)}" for name, value in row["asked"].items()
                            if len({str(task.inputs.get(name)) for task in tasks}) > 1)
         if row["status"] in (OK, UNSTABLE, LOST):
@@ -70,15 +70,15 @@ class Study:
         return f"{inputs}: {row['status']}" + (f": {row['reason']}" if row["status"] == FAILED else "")
 
     def parallel_groups(self, tasks: Sequence[Any]) -> Iterable[Sequence[Any]]:
-        """Returns the rows to measure in groups, each run in parallel, one after the other."""
+        """Returns tasks in groups: those of a group are measured in parallel, the groups one after the other."""
         return [tasks]
 
     def with_timing_conditions(self, row: dict) -> dict:
-        """Returns a row with the conditions of its times."""
+        """Returns a row with "side_by_side", the number of rows measured at a time; None on a cluster."""
         return {**row, "side_by_side": None if self.scheduler else self._worker_count()}
 
     def check_study_flags(self, count: int) -> None:
-        """Rejects flags that no study can run with; ``count`` is the number of rows."""
+        """Raises BadInput for flags that no study can run with; ``count`` is the number of its rows."""
         if not (self.out or "").strip():
             raise BadInput("out", "", "give a directory for the rows, tables and pictures")
         if self.workers is not None:
@@ -93,7 +93,8 @@ class Study:
 
     def write(self, figures: Mapping[str, Callable], values: Any, files: Callable[[list[str]], Mapping[str, str]],
               printed: str = "") -> int:
-        """Draws ``values``, writes the ``files``, of which one may be ``printed``, and returns the exit status."""
+        """Draws ``values`` by ``figures`` to NAME.png, writes the texts that ``files`` makes by name for these
+        pictures' names, prints the one named ``printed``, and returns the exit status."""
         drawn, status = draw_pictures(figures, values, self._write_file, self.out, "the rows are fine")
         for name, text in (texts := files(drawn)).items():
             self._write_file(name, text.encode())
@@ -105,13 +106,13 @@ class Study:
         Target("out", f"{self.out.rstrip('/')}/{name}").write(content)
 
     def _worker_count(self) -> int:
-        """Returns the number of local processes: the one given, or the default."""
+        """Returns the number of local processes: the one given, or one if rows are timed, else one per processor."""
         return self.workers or (1 if self.TIMED else default_processes())
 
     def _run_missing(self, tasks: Sequence["MeasurementTask"]) -> list[dict] | None:
-        """Runs the rows that are missing; returns all rows, the tasks' first, or None if the executor was lost."""
+        """Measures tasks without a stored row; returns all rows, the tasks' first, None if the executor was lost."""
         with contextlib.ExitStack() as stack:
-            place = stack.enter_context(contextlib.closing(self._executor()))
+            executor = stack.enter_context(contextlib.closing(self._executor()))
             try:
                 store = stack.enter_context(contextlib.closing(RowStore(
                     self.out, self.only_problem, self.resume,
@@ -119,13 +120,13 @@ class Study:
             except StoreError as error:
                 raise BadInput("out", self.out, str(error)) from None
             self._announce(tasks, store)
-            if not self._measure(tasks, place, store):
+            if not self._measure(tasks, executor, store):
                 return None
         order = {task.key: k for k, task in enumerate(tasks)}
         return sorted(store.rows.values(), key=lambda row: order.get(row["key"], len(order)))
 
     def _executor(self) -> "LocalExecutor | DaskExecutor":
-        """Returns the executor of rows."""
+        """Returns the executor of tasks: local processes, or the scheduler's; raises BadInput without it."""
         from solvers.study.executors import ClusterUnavailable, DaskExecutor, LocalExecutor
         try:
             return LocalExecutor(self._worker_count(), self.WORK) if self.scheduler is None else \
@@ -144,9 +145,9 @@ class Study:
         for sentence in dict.fromkeys(sentence for task in tasks for sentence in task.remarks()):
             print_message(sentence)
 
-    def _measure(self, tasks: Sequence["MeasurementTask"], place: "LocalExecutor | DaskExecutor",
+    def _measure(self, tasks: Sequence["MeasurementTask"], executor: "LocalExecutor | DaskExecutor",
                  store: RowStore) -> bool:
-        """Fills the store; returns False if the executor was lost."""
+        """Measures the tasks whose rows the store lacks, and stores these; returns False if the executor was lost."""
         from solvers.study.executors import ExecutorLost, execute
         todo = [task for task in tasks if not store.is_finished(task.key)]
         done = len(tasks) - len(todo)
@@ -161,7 +162,7 @@ class Study:
 
         try:
             for group in self.parallel_groups(todo):
-                execute(group, place, keep, self.failed_task_row)
+                execute(group, executor, keep, self.failed_task_row)
         except ExecutorLost as error:
             print_message(f"{error}; {done} of {len(tasks)} rows are kept: give --resume to run the others")
             return False
@@ -170,7 +171,7 @@ class Study:
 
 @dataclass(frozen=True, kw_only=True)
 class StudyFlags(Study):
-    """Flags for where rows run and are stored."""
+    """Flags common to studies: where rows run and are stored."""
 
     out: Annotated[PathFlag, default_hint("none, it must be given")] = None
     """Directory for rows.jsonl, the tables and the pictures."""

@@ -16,7 +16,7 @@ from solvers.study.parameter_grid import Task, plan_tasks
 
 @dataclass(frozen=True, kw_only=True)
 class Sweep(StudyFlags, SceneFlags):
-    """Flags of a sweep beside those of its scenes, of which all but ``LISTS`` may have several values."""
+    """Command ``mpm-lab sweep``: its flags, and those of scenes, of which all but ``LISTS`` take several values."""
 
     HELP: ClassVar[str] = """Run the {title} with every combination of values: what accuracy costs.
 
@@ -50,7 +50,7 @@ class Sweep(StudyFlags, SceneFlags):
             "summary.md": table.summarise_study(problem, rows, drawn)}, printed="summary.md")
 
     def axes(self) -> dict[str, list]:
-        """Returns the values of each input of a scene, by the name of its flag."""
+        """Returns all values of each input of the sweep's scenes, by the name of its flag."""
         hints = get_type_hints(type(self), include_extras=True)
         formulas = {f.name for f in fields(self.SCENE) if f.type == "str" and not self.SCENE.choices(f.name)}
         axes = {name: [value] if name in self.LISTS else value.split(";") if name in formulas
@@ -60,7 +60,7 @@ class Sweep(StudyFlags, SceneFlags):
 
 
 def _values(value: Any, hint: Any) -> list:
-    """Returns the values given for one flag, which are one text if they were several words."""
+    """Returns the values of a flag with the annotation ``hint``: of a text with several words, each one parsed."""
     if not isinstance(value, str):
         return [value]
     words = value.replace(",", " ").split()

@@ -117,6 +117,7 @@ Footnotes = dict[str, int]  # distinct sentences below the table, with their num
 
 
 def table_markdown(table: dict) -> str:
+    """Returns a table of the paper, with ours beside it, in Markdown, from its JSON object."""
     notes: Footnotes = {}
     blocks = [f"# {table['title']}", *table["setup"]]
     for part, rows in rows_by_part(table).items():
@@ -131,7 +132,7 @@ def table_markdown(table: dict) -> str:
 
 
 def _footnote_mark(sentence: str, notes: Footnotes) -> str:
-    """Returns the mark of a footnote, which is added if it is new."""
+    """Returns the mark "[^2]" of a footnote with this sentence, which is added to ``notes`` if it is new."""
     return f"[^{notes.setdefault(sentence, len(notes) + 1)}]"
 
 
@@ -159,7 +160,7 @@ def _paper_comparison(number: str, rows: list[dict], notes: Footnotes) -> str:
 
 
 def _estimator_table(table: dict, rows: list[dict], notes: Footnotes) -> str:
-    """Returns index, distance and cost, one line per estimator of a row; for Table 1 the paper's indices first."""
+    """Returns a Markdown table of the estimators' index, distance and cost; for Table 1 the paper's indices too."""
     number, symbols = table["table"], [quantity.symbol for quantity in QUANTITIES.values()]
     heads = [*INPUTS[number], "estimator", *(f"{kind} {s}" for kind in ("index", "distance") for s in symbols), "cost"]
     lines = []
@@ -175,14 +176,14 @@ def _estimator_table(table: dict, rows: list[dict], notes: Footnotes) -> str:
 
 
 def _index_of_x(row: dict, name: str, notes: Footnotes) -> str:
-    """Returns an estimator's index; if it is not valid, a dash and the footnote's mark."""
+    """Returns an estimator's index of x in a row; if it is not valid, a dash and the footnote's mark."""
     said = row["estimators"].get(name)
     return _format_factor(said["index"]["x"]) + _reason_mark(name, said, notes) if said else NOTHING
 
 
-def _reason_mark(name: str, said: dict, notes: Footnotes) -> str:
-    """Returns the mark of the footnote why an estimator is not valid, or ""."""
-    return _footnote_mark(f"{name}: {said['not_valid']}", notes) if said["not_valid"] else ""
+def _reason_mark(name: str, numbers: dict, notes: Footnotes) -> str:
+    """Returns the mark of the footnote why an estimator with these numbers is not valid, or ""."""
+    return _footnote_mark(f"{name}: {numbers['not_valid']}", notes) if numbers["not_valid"] else ""
 
 
 def _row_cells(number: str, row: dict, notes: Footnotes) -> list[str]:
@@ -193,7 +194,7 @@ def _row_cells(number: str, row: dict, notes: Footnotes) -> list[str]:
 
 
 def _format_printed(key: str, value: float | None) -> str:
-    """Formats a number of the paper with its printed digits."""
+    """Formats a number of the paper with its printed digits; ``key`` is that of its quantity, as index_x."""
     if value is None:
         return NOTHING
     if key == "grid_crossings":

@@ -19,7 +19,8 @@ HOME = next(folder for folder in (HERE / "packages", *HERE.parents) if (folder /
 
 
 def import_own_package(name: str) -> None:
-    """Imports one of the four folders from its place; ImportError if another package has its name already."""
+    """Imports ``app``, ``solvers``, ``lessons`` or ``assets`` from the lab's folder; raises ImportError if a package of
+    that name was imported from elsewhere."""
     sys.path.insert(0, str(HOME))
     try:
         found = importlib.import_module(name)
@@ -53,7 +54,7 @@ else:  # names are imported on first use
 
 
 def main(arguments: list[str] | None = None) -> int:
-    """Runs the command ``mpm-lab`` and returns its exit status. Its child processes import from the same place."""
+    """Runs ``mpm-lab`` with ``arguments``, by default the process's, and returns its exit status."""
     sys.path.insert(0, str(HOME))
     from app.cli import main
 

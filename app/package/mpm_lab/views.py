@@ -6,7 +6,7 @@ from mpm_lab import import_own_package
 
 
 def plot(result: Any) -> Any:
-    """Returns the picture of a result, a matplotlib figure."""
+    """Returns the picture of a run's Result, a matplotlib figure."""
     import_own_package("app")
     from app.notebook.result import result_picture
 
@@ -14,7 +14,7 @@ def plot(result: Any) -> Any:
 
 
 def table(result: Any) -> str:
-    """Returns the table of a result, as html."""
+    """Returns the table of a run's Result, as HTML."""
     import_own_package("app")
     from app.notebook.result import result_table
 
