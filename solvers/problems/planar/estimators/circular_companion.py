@@ -142,8 +142,8 @@ def allocate(scene) -> dict[str, np.ndarray]:
     """Returns the companion's arrays, undeformed and with the initial velocity."""
     solved = scene.companion_body(fine=None)
     elements, layout = solved.elements, particle_layout(scene)
-    n, R = elements.order + 1, elements.nodes
-    element, *basis = elements.locate(layout.orbits[:, 0])
+    n, R = elements.order + 1, elements.node_coordinates
+    element, *basis = elements.evaluate_basis(layout.orbits[:, 0])
     sizes, force = pack_tables(*map(paired_mode_entries, solved.force[1:]))
     start = shared.initial_companion_arrays((elements.order, elements.count, 1, len(R), len(R), len(R)),
                                             solved.frequency_at_rest, scene.time_step, solved.velocity,

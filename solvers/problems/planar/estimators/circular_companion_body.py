@@ -54,7 +54,7 @@ class CircularBody(ElasticBody):
         """Returns the factor by which F, by (e_R, e_Theta), raises the frequencies of waves along the radius, at least
         1; |F^-T e_R| = |F e_Theta|/J."""
         pressed = (F[1] * F[1] + F[3] * F[3]) / determinant(F) ** 2
-        return self._material.stiffening(F, F[0] * F[0] + F[2] * F[2], pressed)
+        return self._material.max_frequency_factor(F, F[0] * F[0] + F[2] * F[2], pressed)
 
     def deformation_gradient(self, z: np.ndarray) -> tuple[np.ndarray, ...]:
         """Returns F by (e_R, e_Theta) at the points of the elements, for complex places z of the nodes: columns z', i

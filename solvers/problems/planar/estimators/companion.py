@@ -228,10 +228,10 @@ def allocate(scene) -> dict[str, np.ndarray]:
                          np.zeros((n, n))], axis=-1)
     sizes, force = pack_tables(*map(paired_mode_entries, patch.force[1:]))
     return {
-        **shared.initial_companion_arrays((first.order, first.count, second.count, len(second.nodes), len(patch.places),
-                                           seen.columns),
+        **shared.initial_companion_arrays((first.order, first.count, second.count, len(second.node_coordinates),
+                                           len(patch.places), seen.columns),
                                           patch.frequency_at_rest, scene.time_step, patch.velocity, patch.inverse_mass,
-                                          len(second.nodes)),
+                                          len(second.node_coordinates)),
         "companion_geometry": patch.geometry, "companion_slopes": seen.coordinate_gradients,
         "companion_matrices": matrices.reshape(-1, 4), "companion_trial": np.zeros((n * n, 2)),
         "companion_stresses": np.zeros((n * n, 4)), "companion_basis": seen.basis,

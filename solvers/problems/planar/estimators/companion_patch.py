@@ -79,7 +79,7 @@ class CompanionPatch(ElasticBody):
         F = np.concatenate([scene.EXACT.deformation_gradient(scene, self.places, t) for t in times])
         axes = np.linalg.svd(F, compute_uv=False).T ** 2
         self.frequency = self.frequency_at_rest * max(
-            self._material.stiffening(F.reshape(-1, 4).T, one, 1 / one) for one in axes)
+            self._material.max_frequency_factor(F.reshape(-1, 4).T, one, 1 / one) for one in axes)
 
     def _hookean_stress(self, xx: Any, xy: Any, yx: Any, yy: Any) -> tuple[Any, Any, Any, Any]:
         """Returns the stress of Grad u by Hooke's law."""
