@@ -228,8 +228,8 @@ def allocate(scene) -> dict[str, np.ndarray]:
                          np.zeros((n, n))], axis=-1)
     sizes, force = pack_tables(*map(paired_mode_entries, patch.force[1:]))
     return {
-        **shared.initial_companion_arrays((first.order, first.count, second.count, len(second.node_coordinates),
-                                           len(patch.places), seen.columns),
+        **shared.initial_companion_arrays((first.order, first.count, second.count, len(second.node_coordinates), len(patch.places),
+                                           seen.columns),
                                           patch.frequency_at_rest, scene.time_step, patch.velocity, patch.inverse_mass,
                                           len(second.node_coordinates)),
         "companion_geometry": patch.geometry, "companion_slopes": seen.coordinate_gradients,
