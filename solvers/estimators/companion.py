@@ -50,12 +50,12 @@ LAYERS = 4
 
 @ti.func
 def advance_companion_if_due(body: ti.template(), step, accelerate: ti.template(), on: ti.template()):
-    """Advances the companion over its next interval when ``step``, the particles' last, was the first beyond its end.
+    """Advances the companion in the state ``body`` by an interval if ``step``, counted from 1, is the first beyond it.
 
     The stages of one sub-step of length H from (u, v, a = k1) at t are k2 = f(t + H/2, u + H/2 v + H^2/8 k1) and
     k3 = f(t + H, u + H v + H^2/2 k2); then u += H v + H^2/6 (k1 + 2 k2), v += H/6 (k1 + 4 k2 + k3), and a third
-    evaluation finds the new a. Before the first interval only that is done: it finds a at the start.
-    ``accelerate(body, t, on)`` puts f(t, trial) where the acceleration belongs.
+    evaluation finds the new a; before the first interval only the a of the start. ``accelerate(body, t, on)``, with the
+    compile-time options ``on``, writes the acceleration f(t, u) in m/s^2 at the trial u to all nodes' row in WORK.
     """
     begun = step - 1
     if begun % body.companion_counts[INTERVAL] == 0:
@@ -76,7 +76,7 @@ def advance_companion_if_due(body: ti.template(), step, accelerate: ti.template(
 
 @ti.func
 def copy_end_to_start(body: ti.template()):
-    """Copies the end state of one interval to the start of the next."""
+    """Copies u, v and a of the companion's nodes at the end of an interval to the start of the next, in the state."""
     N = body.companion_counts[NODES]
     for i in range(N):
         body.companion_nodes[START * N + i] = body.companion_nodes[END * N + i]
@@ -84,7 +84,7 @@ def copy_end_to_start(body: ti.template()):
 
 @ti.func
 def set_trial_displacement(body: ti.template(), stage, H):
-    """Sets the displacement at which the stage's acceleration is evaluated, and clears the acceleration."""
+    """Writes all nodes' trial u (m) for the acceleration of ``stage`` (0 to 2) of a step of H s, and zero for that."""
     N = body.companion_counts[NODES]
     ahead, curve = 0.0, 0.0  # nothing for the acceleration at the end of the step
     if stage == 0:
@@ -100,7 +100,7 @@ def set_trial_displacement(body: ti.template(), stage, H):
 
 @ti.func
 def finish_stage(body: ti.template(), stage, H):
-    """Completes the sub-step after its second stage; stores the new acceleration, after the last stage for good."""
+    """Stores the acceleration of ``stage`` (0 to 2) of a step of H s; after 1 also its end's u and v, after 2 its a."""
     N = body.companion_counts[NODES]
     for i in range(N):
         end, work = body.companion_nodes[END * N + i], body.companion_nodes[WORK * N + i]
@@ -118,7 +118,7 @@ def finish_stage(body: ti.template(), stage, H):
 
 @ti.func
 def interpolate_nodes_in_time(body: ti.template(), step):
-    """Interpolates u and v of the nodes at ``step``, and a one step before, within the last interval."""
+    """Writes all nodes' u (m) and v (m/s) after ``step`` steps of the run, and a (m/s^2) one before, to layer NOW."""
     k, N = body.companion_counts[INTERVAL], body.companion_counts[NODES]
     H = k * body.dt
     s = (step - (ti.max(step - 1, 0) // k) * k) / ti.cast(k, ti.f64)
@@ -137,8 +137,8 @@ def interpolate_nodes_in_time(body: ti.template(), step):
 
 
 def hooks(accelerate: Callable, memory: Mapping[str, object], **others: Any) -> EstimatorHooks:
-    """Returns the hooks of a problem's companion with ``accelerate`` as in :func:`advance_companion_if_due`, its
-    ``memory`` beside the shared numbers, and the ``others`` of its hooks."""
+    """Returns the hooks of a problem's companion: ``accelerate`` as in :func:`advance_companion_if_due`, ``memory`` the
+    types of the problem's own arrays by name, ``others`` further fields of :class:`EstimatorHooks`."""
     @ti.func
     def after_step(body: ti.template(), base, step, on: ti.template()):
         advance_companion_if_due(body, step, accelerate, on)
@@ -151,8 +151,9 @@ def hooks(accelerate: Callable, memory: Mapping[str, object], **others: Any) -> 
 
 def initial_companion_arrays(sizes: Sequence[int], frequency: float, dt: float, velocity: np.ndarray,
                              inverse_mass: np.ndarray, extra: int = 0) -> dict[str, np.ndarray]:
-    """Returns the shared arrays of a body that starts undeformed, with these ``companion_counts`` except the last and
-    ``extra`` rows of nodes; ``velocity`` and ``inverse_mass`` are (N, 2), ``dt`` is the particles' step in s."""
+    """Returns the companion's arrays by name for a body of N nodes, undeformed at t = 0. ``sizes`` are its first six
+    ``companion_counts``, ``frequency`` the highest at rest (1/s), ``dt`` the particles' step (s), ``velocity`` (N, 2)
+    in m/s; ``inverse_mass`` (N, 2) is 0 for fixed components; ``companion_nodes`` gets ``extra`` rows at its end."""
     layers = np.zeros((LAYERS, len(velocity), 8))
     layers[START, :, 2:4] = layers[END, :, 2:4] = velocity * (inverse_mass > 0)
     layers[WORK, :, 6:] = inverse_mass
@@ -162,16 +163,14 @@ def initial_companion_arrays(sizes: Sequence[int], frequency: float, dt: float, 
 
 
 def steps_per_companion_step(frequency: float, dt: float) -> int:
-    """Returns the particle steps per companion step; ``frequency`` is the highest at rest, in 1/s, ``dt`` in s."""
+    """Returns the particle steps per companion interval; ``frequency`` is the highest at rest, in 1/s, ``dt`` in s."""
     return max(1, min(MOST_INTERVAL, int(CHOSEN / (frequency * dt))))
 
 
 def why_not_trusted(elements: np.ndarray, axes: tuple[int, ...], square: float) -> str | None:
-    """Returns why the estimate is not to be trusted, as a sentence, or None.
-
-    ``elements`` are the displacements (..., 2) at the elements' points, which ``axes`` count; ``square`` is the mean
-    square of the estimated error of x, in m^2.
-    """
+    """Returns why the companion's estimate is not to be trusted, as a sentence, or None. ``elements`` (..., 2) are its
+    displacements in m, with the points of an element along the ``axes``; ``square`` is the mean square of the
+    estimated error of x, in m^2."""
     if not np.all(np.isfinite(elements)):
         return Message("not valid here: the companion solve itself has failed; choose a smaller amplitude or fewer "
                        "periods")

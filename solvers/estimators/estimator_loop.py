@@ -10,13 +10,14 @@ from solvers.scene.estimator_hooks import NEVER
 
 @mark_untranslated_by_taichi
 def with_memory(state, estimators, name):
-    """Returns the state with an estimator's packed memory as attributes, while kernels are compiled."""
+    """Returns ``state`` with the memory of estimator ``name`` as further attributes, while a kernel is compiled;
+    ``estimators`` are all hooks by name, as their memory is packed together."""
     return PackedMembersView(state, packing(estimators), estimators[name].memory)
 
 
 @ti.func
 def in_step(state: ti.template(), step, estimators: ti.template(), on: ti.template()):
-    """Runs the estimators' hooks between nodes and particles; ``step`` includes this step."""
+    """Calls the active estimators' hooks ``in_step``, after the nodes of step number ``step`` (from 1) have moved."""
     for e in ti.static(range(len(on.estimators))):
         if ti.static(estimators[on.estimators[e]].in_step):
             if step % state.estimate_intervals[e] == 0:
@@ -26,7 +27,7 @@ def in_step(state: ti.template(), step, estimators: ti.template(), on: ti.templa
 
 @ti.func
 def after_step(state: ti.template(), step, estimators: ti.template(), on: ti.template()):
-    """Runs the estimators' hooks at the end of a step; ``step`` includes it."""
+    """Calls the active estimators' hooks ``after_step``, at the end of step number ``step`` (from 1)."""
     for e in ti.static(range(len(on.estimators))):
         if ti.static(estimators[on.estimators[e]].after_step):
             if step % state.estimate_intervals[e] == 0:
@@ -36,7 +37,7 @@ def after_step(state: ti.template(), step, estimators: ti.template(), on: ti.tem
 
 @ti.func
 def report(state: ti.template(), step, estimators: ti.template(), on: ti.template()):
-    """Updates every estimate after ``step`` steps, unless its estimator is left out."""
+    """Writes all estimates to the state's ``estimate`` arrays after ``step`` steps, unless an estimator is left out."""
     for e in ti.static(range(len(on.estimators))):
         if ti.static(estimators[on.estimators[e]].report):
             if state.estimate_intervals[e] != NEVER:
@@ -46,7 +47,7 @@ def report(state: ti.template(), step, estimators: ti.template(), on: ti.templat
 
 @ti.func
 def report_at_once(state: ti.template(), step, estimators: ti.template(), on: ti.template()):
-    """Updates every estimate on a GPU, inside a kernel, from what the CPU has advanced to ``step`` steps."""
+    """Writes all estimates on a GPU, inside a kernel, from the estimators' bodies that the CPU solved to ``step``."""
     for e in ti.static(range(len(on.estimators))):
         estimators[on.estimators[e]].report_at_once(
             with_memory(state, estimators, on.estimators[e]), e * state.particles, step, on)

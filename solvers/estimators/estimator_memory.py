@@ -11,12 +11,12 @@ from solvers.scene.scene import Scene
 
 
 def packing(estimators: Mapping[str, EstimatorHooks]) -> ArrayPacking:
-    """Returns the layout of all estimators' memory in the state."""
+    """Returns the layout of all estimators' memory in a state's arrays; ``estimators`` are the hooks by name."""
     return ArrayPacking({name: kind for estimator in estimators.values() for name, kind in estimator.memory.items()})
 
 
 def allocate_memory(estimators: Mapping[str, EstimatorHooks], scene: Scene) -> dict:
-    """Returns the packed initial memory: the active estimators' own values, for others the smallest valid ones."""
+    """Returns packed initial arrays by name: an active estimator's own values, for others the smallest valid ones."""
     values: dict[str, object] = {}
     for name, estimator in estimators.items():
         blank = {member: _blank(kind) for member, kind in estimator.memory.items()}
@@ -28,12 +28,12 @@ def allocate_memory(estimators: Mapping[str, EstimatorHooks], scene: Scene) -> d
 
 
 def unpack_arrays(estimators: Mapping[str, EstimatorHooks], memory: Mapping) -> dict[str, np.ndarray]:
-    """Returns all estimators' arrays by name from their packed memory."""
+    """Returns all estimators' arrays by name from the packed arrays by name, ``memory``."""
     return packing(estimators).unpack(memory)
 
 
 def _blank(kind: Any) -> float | int | np.ndarray:
-    """Returns zero, or an array of length one, for a Taichi type."""
+    """Returns zero for a number's Taichi type, or zeros of length one for an array's."""
     if not hasattr(kind, "ndim"):
         return 0
     element = kind.dtype

@@ -18,9 +18,9 @@ import numpy as np
 
 @dataclass(frozen=True)
 class Rows:
-    """A linear map with rows of ``width`` weights: entry ``first[r] + k`` times ``weights[r, k]``, entries modulo their
-    number. ``weights`` (rows, width, ...) may hold several maps, such as a value and a slope, side by side.
-    """
+    """Sparse linear map: entry r of its result is the sum over k < ``width`` of ``weights[r, k]`` times the input's
+    entry ``first[r] + k``, modulo its length. ``first`` (rows,) are indices; ``weights`` (rows, width, ...) may hold
+    several maps, such as a value and a slope, side by side."""
 
     first: np.ndarray
     weights: np.ndarray
@@ -30,8 +30,8 @@ class Rows:
         return self.weights.shape[1]
 
     def repeat_over_cells(self, cells: int, rows: int, columns: int) -> "Rows":
-        """Returns the map of a periodic line of ``cells`` equal cells with ``rows`` rows and ``columns`` columns each,
-        from that of a shorter line. Its weights are those of one cell's rows: row r has weights ``r % rows``."""
+        """Returns the map of a periodic line of ``cells`` equal cells, with ``rows`` results and ``columns`` inputs
+        each, from the map of fewer such cells. It stores one cell's weights: row r has ``weights[r % rows]``."""
         few = len(self.first) // rows * columns  # columns of the shorter line
         first = self.first[:rows].astype(np.int64)
         first = np.where(first > few // 2, first - few, first)
@@ -39,7 +39,7 @@ class Rows:
         return Rows(first.astype(np.int32), self.weights[:rows])
 
     def __call__(self, values: np.ndarray) -> np.ndarray:
-        """Applies the map, or maps, to ``values``: returns (rows, ...), for use outside kernels."""
+        """Returns the map or maps of ``values`` (inputs,): (rows, ...), for use outside kernels."""
         at = (self.first[:, None] + np.arange(self.width)) % len(values)
         weights = self.weights[np.arange(len(at)) % len(self.weights)]
         return np.einsum("rk...,rk->r...", weights, values[at])
@@ -47,7 +47,9 @@ class Rows:
 
 @dataclass(frozen=True)
 class Line:
-    """Line of ``points`` particles with the given ``length`` in m, under ``elements`` elements of the error grid."""
+    """Line of ``points`` particles, ``length`` m long, under ``elements`` elements of the error grid; ``ends``, what
+    lies beyond, is "periodic", "free", "mirror" or "walls". Maps have a sign for each of the vector components that
+    differ beyond symmetry planes: two with "mirror" and "walls", else one."""
 
     points: int
     elements: int
@@ -56,7 +58,7 @@ class Line:
 
     @property
     def node_count(self) -> int:
-        """Number of functions of the error grid: one per element, and one more beyond each free end."""
+        """Number of B-splines of the error grid: one per element, and one more beyond each free end."""
         return self.elements + (2 if self.ends == "free" else 0)
 
     @property
@@ -68,38 +70,39 @@ class Line:
         return self.elements / self.length
 
     def quadrature(self) -> tuple[np.ndarray, np.ndarray]:
-        """Returns Gauss points, in particle spacings, and weights in m: at least two a particle, equal in each element.
-
-        They belong to elements and not to particles, whose domains may end anywhere: an integral of N' that is not
-        exact leaves a force in a constant stress, at every mesh.
-        """
+        """Returns Gauss points (Q,), in particle spacings from the line's start, and weights (Q,) in m: two a particle
+        or more, equal in each element. They belong to elements and not to particles, whose domains may end anywhere:
+        an integral of N' that is not exact leaves a force in a constant stress, at every mesh."""
         points, weights = np.polynomial.legendre.leggauss(max(3, 2 * -(-self.points // self.elements)))
         at = (np.arange(self.elements)[:, None] + 0.5 + 0.5 * points) * (self.points / self.elements)
         return at.ravel(), np.tile(0.5 * weights / self.elements_per_length, self.elements)
 
     def particle_positions(self) -> np.ndarray:
+        """Returns where the particles are (points,), in particle spacings from the line's start."""
         return np.arange(self.points) + 0.5
 
     def fit_operator(self, width: int, degree: int) -> Rows:
-        """Returns recovered value and slope (1/length) at every particle: weights (points, width, components, 2)."""
+        """Returns the map from values at particles to fits of ``degree`` over ``width`` of them: value and slope (per
+        m) at every particle, weights (points, width, components, 2)."""
         index, value, slope = self._recovery_weights(self.particle_positions(), width, degree)
         index, sign = self._fold(index, self.points)
         weights = sign[..., None] * np.stack([value, slope * self.points_per_length], axis=-1)[:, :, None]
         return self._sum_rows(np.arange(self.points)[:, None], index, weights, self.points, self.points)
 
     def interpolation_operator(self) -> Rows:
-        """Returns value and slope (1/length) of the B-splines at every particle: weights (points, 3, components, 2)."""
+        """Returns the map from coefficients of B-splines to value and slope (per m) at every particle: weights (points,
+        3, components, 2)."""
         index, value, slope = self._splines(self.particle_positions())
         index, sign = self._fold_nodes(index)
         weights = sign[..., None] * np.stack([value, slope * self.elements_per_length], axis=-1)[:, :, None]
         return self._sum_rows(np.arange(self.points)[:, None], index, weights, self.points, self.node_count)
 
     def projection_operator(self, width: int, degree: int, measure: np.ndarray | float = 1.0) -> Rows:
-        """Returns integrals of N f, N' f and N f without measure over the line, over the integral of N (with measure).
+        """Returns the map from f at particles to integrals of m N f, m N' f and N f, each over the integral of m N.
 
-        f is recovered from particles; ``measure`` weighs the integration points, as R does on a radius.
-        Weights (nodes, k, components, 3), one for each integral. In the second f is a derivative along the line, so
-        beyond a symmetry plane it has the other sign than the component itself.
+        f is a fit of ``degree`` over ``width`` particles, N a B-spline, and m the ``measure`` at the Gauss points (Q,),
+        such as R on a radius. Weights (nodes, k, components, 3), one for each integral. In the second f is a derivative
+        along the line, so beyond a symmetry plane it has the other sign than the component itself.
         """
         q, weight = self.quadrature()
         measured = weight * measure
@@ -116,7 +119,7 @@ class Line:
         return Rows(banded.first, banded.weights / self.spline_integrals(measure)[:, None, None, None])
 
     def spline_integrals(self, measure: np.ndarray | float = 1.0) -> np.ndarray:
-        """Returns the integral of N (nodes,), images beyond a mirror included."""
+        """Returns integrals (nodes,) in m of the B-splines times ``measure`` (Q,), images beyond a mirror included."""
         q, weight = self.quadrature()
         node, N, _ = self._splines(q)
         total = np.zeros(self.node_count)
@@ -124,10 +127,8 @@ class Line:
         return total
 
     def smoothing_operator(self, measure: np.ndarray | float = 1.0) -> Rows:
-        """Returns the integral of N_i N_j over that of N_i: what spreading and gathering does to nodal values.
-
-        Weights (nodes, k, components, 2), the second of each pair zero, as for maps that have a slope.
-        """
+        """Returns the map of nodal values by the integral of N_i N_j over that of N_i, both times ``measure`` (Q,):
+        what spreading and gathering does. Weights (nodes, k, components, 2), the second of each pair zero."""
         q, weight = self.quadrature()
         node, N, _ = self._splines(q)
         node, sign = self._fold_nodes(node)
@@ -137,11 +138,9 @@ class Line:
         return Rows(banded.first, np.stack([weights, np.zeros_like(weights)], axis=-1))
 
     def _recovery_weights(self, at: np.ndarray, width: int, degree: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Returns weights (Q, width) of the nearest particles for value and slope (per spacing) at the places ``at``.
-
-        Weight (1 - (d/r)^2)^2 with r just beyond the furthest. Equal places in a lattice without free ends have equal
-        weights, which are then found once.
-        """
+        """Returns indices of the nearest particles to the places ``at`` (Q,), in spacings, and their weights for value
+        and slope (per spacing) there, (Q, width) each: fits of ``degree``, in which a particle at the distance d counts
+        (1 - (d/r)^2)^2, r just beyond the furthest. Equal places have equal weights, which are then found once."""
         width = min(width, self.points) if self.ends == "free" else width
         first = np.ceil(at - 0.5 * (width + 1) - 1e-9).astype(np.int64)
         if self.ends == "free":
@@ -157,7 +156,8 @@ class Line:
         return index, found[back.ravel(), 0], slope[back.ravel()]
 
     def _splines(self, at: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Returns the three quadratic B-splines at each place ``at`` (in particle spacings): index, value, slope."""
+        """Returns the three quadratic B-splines at places ``at`` (Q,), in particle spacings: indices, values and slopes
+        (per element), (Q, 3) each."""
         x = at * (self.elements / self.points)
         element = np.clip(np.floor(x), 0, self.elements - 1).astype(np.int64)
         s = x - element
@@ -165,14 +165,14 @@ class Line:
         return element[:, None] + np.arange(-1, 2), value, np.stack([s - 1, 1 - 2 * s, s], axis=1)
 
     def _fold_nodes(self, index: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Returns the nodes that stand for indices of B-splines (...), and signs of components: see :meth:`_fold`."""
         return (index + 1, np.ones((*index.shape, 1))) if self.ends == "free" else self._fold(index, self.elements)
 
     def _fold(self, index: np.ndarray, count: int) -> tuple[np.ndarray, np.ndarray]:
-        """Maps images back into the line; returns their indices and the sign (..., components) of each component.
-
-        Mirrors: component 0 is odd across the far end and component 1 across the near one (x across the plane x = 0,
-        which is at the angle pi/2, and y across y = 0). Between walls component 0, along the line, is odd at both.
-        """
+        """Returns the points of a line of ``count`` that stand for indices (...) beyond its ends, and the sign (...,
+        components) of each component there. Mirrors: component 0 is odd across the far end and component 1 across the
+        near one (x across the plane x = 0, which is at the angle pi/2, and y across y = 0). Between walls component 0,
+        along the line, is odd at both."""
         if self.ends in ("mirror", "walls"):
             low, high = index < 0, index >= count
             inside = np.where(low, -1 - index, np.where(high, 2 * count - 1 - index, index))
@@ -182,7 +182,8 @@ class Line:
 
     def _sum_rows(self, rows: np.ndarray, columns: np.ndarray, values: np.ndarray, row_count: int,
                   column_count: int) -> Rows:
-        """Adds up entries with equal row and column into rows of consecutive columns."""
+        """Returns the map of a matrix given by its entries, with equal ones summed: ``rows`` and ``columns`` (...),
+        ``values`` (..., maps)."""
         rows, columns = np.broadcast_arrays(rows, columns)
         tail = values.shape[rows.ndim:]
         rows, columns, values = rows.ravel(), columns.ravel(), values.reshape(rows.size, *tail)

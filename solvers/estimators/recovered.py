@@ -31,41 +31,42 @@ ROWS_PER_GROUP = 3
 
 @ti.func
 def group_count(count):
-    """Number of groups of ``ROWS_PER_GROUP`` for ``count`` items; the last two overlap."""
+    """Number of groups of ``ROWS_PER_GROUP`` that contain ``count`` items; the last two may overlap."""
     return (count + (ROWS_PER_GROUP - 1)) // ROWS_PER_GROUP
 
 
 @ti.func
 def first_in_group(group, count):
-    """Index of the first item of a group."""
+    """Index of the first of ``count`` items in the group of this number."""
     return ti.min(group * ROWS_PER_GROUP, count - ROWS_PER_GROUP)
 
 
 @ti.func
 def store_sums(field: ti.template(), place, apart, values: ti.template()):
-    """Stores the sums of a group, with ``apart`` entries between neighbours."""
+    """Writes the sums ``values`` of a group to ``field``, from entry ``place`` on, one every ``apart`` entries."""
     for k in ti.static(range(ROWS_PER_GROUP)):
         field[place + k * apart] = values[k]
 
 
 @ti.func
 def fourth_difference_weight(k):
-    """Weight of value ``k`` of five in their fourth difference: 1, -4, 6, -4, 1."""
+    """Weight of value ``k`` (0 to 4) in the fourth difference of five: 1, -4, 6, -4, 1."""
     return ti.select(k == 2, 6.0, ti.select(k % 2 == 1, -4.0, 1.0))
 
 
 @ti.func
 def initial_reference_solution(reference, a, interval):
-    """Returns an allocated reference, with mean rate w = v, that starts with the acceleration ``a``: w = v + H/2 a."""
+    """Returns a node's U, w, a, a at the start from ``reference`` = (U, v, ...), the acceleration ``a`` in m/s^2 and
+    the reference's step H (``interval``) in s: w = v + H/2 a is the mean rate in the step to come."""
     return ti.Vector([reference[0], reference[1] + 0.5 * interval * a, a, a])
 
 
 @ti.func
 def next_reference_solution(reference, a, interval, first):
-    """Returns U, w, a and the previous a (components side by side in each quarter), given the acceleration ``a``.
+    """Returns a node's new U, w, a and previous a from ``reference``, the last ones, and the new acceleration ``a``.
 
-    w is the mean rate over the time H (``interval``) to come: w += H (a + (a - 2 a_1 + a_2)/12) with the two before
-    (Stoermer, with Numerov's correction one step late, which also damps what H hardly resolves). The first step
+    w is the mean rate over the time H (``interval``, s) to come: w += H (a + (a - 2 a_1 + a_2)/12) with the two before
+    (Stoermer, with Numerov's correction one step late, which also damps what H hardly resolves). The ``first`` step
     instead completes the Taylor series of U from the start.
     """
     change = a - reference[2]
@@ -79,8 +80,8 @@ def next_reference_solution(reference, a, interval, first):
 
 @ti.func
 def acceleration_two_steps_before(reference, a, first):
-    """Returns the acceleration two steps before ``a`` of a reference that has not advanced yet, or its
-    extrapolation."""
+    """Returns a node's acceleration two steps before the new ``a`` in m/s^2, from its ``reference`` = (U, w, a,
+    previous a) of the last step; before the ``first`` step, its extrapolation."""
     before = reference[3]
     if first:
         before = 2 * reference[2] - a
@@ -89,11 +90,10 @@ def acceleration_two_steps_before(reference, a, first):
 
 @ti.func
 def reference_solution_at(reference, before, interval, since, dt):
-    """Returns U and its rate ``since`` s after its last step, and its acceleration dt earlier, by Taylor series.
-
-    ``before`` is the acceleration two steps before. Without it, on a free bar in its first half period, what was left
-    out of the acceleration was up to three times its error.
-    """
+    """Returns a node's U (m) and its rate (m/s) ``since`` s after the last step of its ``reference`` = (U, w, a,
+    previous a), and its acceleration ``dt`` s earlier, by Taylor series; steps take ``interval`` s. ``before`` is the
+    acceleration two steps before. Without it, on a free bar in its first half period, what was left out of the
+    acceleration was up to three times its error."""
     snap = (reference[2] - 2 * reference[3] + before) / (interval * interval)
     jerk = (reference[2] - reference[3]) / interval + interval / 2 * snap
     v = reference[1] - interval * (reference[2] / 2 + interval * (jerk / 6 + interval / 24 * snap))
@@ -104,67 +104,66 @@ def reference_solution_at(reference, before, interval, since, dt):
 
 
 def wave_travel_steps(scene, length):
-    """Returns the number of steps in which a wave travels ``length``, in m."""
+    """Returns the number of steps of the run in which a wave travels ``length`` m, from 1 to ``MOST_STEPS``."""
     return max(1, min(MOST_STEPS, int(length / (scene.wave_speed * scene.time_step))))
 
 
 def initial_numbers(scene, steps):
-    """Returns the estimators' numbers at the start."""
+    """Returns the estimator's numbers (8,) at the start, as ``H`` to ``SHORTEST`` index them; its reference's step is
+    ``steps`` of the run's."""
     return np.array([steps * scene.time_step, DAMPING * scene.spacing / scene.wave_speed, NEW, *[0.0] * 5])
 
 
 def fit_width(scene):
-    """Returns the number of particles of a fit along a line: four cells, longer than the method's own kinks."""
+    """Returns the number of particles of a fit along a line: four cells, longer than the method's own kinks, or six."""
     return max(NARROWEST_FIT, FIT_CELLS.get(scene.velocity, OTHER_FIT_CELLS) * scene.ppc + 1)
 
 
 @ti.func
 def time_since_reference_step(step, dt, interval):
-    """Returns the time in s since the reference's last step, after ``step`` steps of the run."""
+    """Returns the time in s since the reference's last step, after ``step`` steps of ``dt`` s of the run; the
+    reference's take ``interval`` s."""
     steps = ti.cast(interval / dt + 0.5, ti.i32)
     return step % steps * dt
 
 
 @ti.func
 def is_check_due(step, dt, interval):
-    """Returns whether the sums for the verdict grow after ``step`` steps; the first turn is one of these."""
+    """Returns whether the sums for the verdict grow after ``step`` steps of ``dt`` s of the run: in every
+    ``TURNS_PER_CHECK``-th step of the reference, which takes ``interval`` s, from the first on."""
     steps = ti.cast(interval / dt + 0.5, ti.i32)
     return step // steps % TURNS_PER_CHECK == 1
 
 
 @ti.func
 def table_row_range(state: ti.template(), table: ti.template(), row, pattern):
-    """Returns the first entry of row ``row`` of a table, and the first and the end index of its weights.
-
-    ``table`` is what the names of its members begin with; ``pattern`` is the row itself, or the one that it repeats.
+    """Returns the input entry at which row ``row`` of a table begins, and the first and the end index of its weights.
+    ``table`` is what the state's members for it begin with; ``pattern`` is the row itself, or the one that it repeats.
     """
     width = prefix_view(state, table).width
     return prefix_view(state, table).first[row], pattern * width, (pattern + 1) * width
 
 
 def table_types(names):
-    """Returns the members that hold these tables, with their types."""
+    """Returns the Taichi types of the state's members, by name, that hold the tables of these names."""
     return {name + member: kind for name in names for member, kind in TABLE.items()}
 
 
 def table_values(tables):
-    """Returns the members' values from :class:`~solvers.estimators.lattice_line_operators.Rows` by the names of the
-    tables.
-
-    Weights (rows, width, n) become vectors of n.
-    """
+    """Returns the values of :func:`table_types` by name, from a ``lattice_line_operators.Rows`` for the name of each
+    table; weights (rows, width, n) become vectors of n."""
     return {name + member: value for name, rows in tables.items() for member, value in (
         ("first", rows.first.astype(np.int32)), ("width", rows.width),
         ("weights", rows.weights.reshape(-1, rows.weights.shape[-1])))}
 
 
 def why_not_trusted(memory, growth):
-    """Returns why not to trust what was reported: the reference is inverted, diverged, or oscillates from node to node.
+    """Returns why not to trust recovered's estimate, as a sentence, or None: its reference is inverted, diverged, or
+    oscillates from node to node. ``memory`` are its arrays by name, ``growth`` the largest U now over the motion's.
 
-    It oscillates where it follows uneven particles and where it is unstable: then the estimate is the reference's own
+    A reference oscillates where it follows uneven particles and where it is unstable: then the estimate is its own
     error. The measure is the size of the fourth differences of U, with a node spacing of one, over that of the error,
-    in sums over the whole run. ``growth`` is the largest U now over the motion's amplitude, at most one.
-    """
+    in sums over the whole run."""
     numbers = memory["recovered_numbers"]
     if not (np.isfinite(memory["recovered_nodes"]).all() and np.isfinite(numbers).all()):
         return Message("not valid here: the recovered deformation turned inside out; take shorter steps or a smaller "

@@ -14,21 +14,19 @@ SAFE_STEP = 1.5  # omega H of a step: 2.58 is where the method ends; at 1.5 its 
 
 
 class ElasticBody(ABC):
-    """Body that moves: N nodes with D components.
-
-    ``velocity`` (N, D) is the initial one, ``frequency`` the highest of the body at rest, in 1/s.
-    """
+    """Elastic body as N nodes with D components: ``velocity`` (N, D) in m/s at t = 0, and its highest angular
+    ``frequency`` at rest in 1/s."""
 
     velocity: np.ndarray
     frequency: float
 
     @abstractmethod
     def accelerations(self, u: np.ndarray, t: float) -> np.ndarray:
-        """Returns (N, D) in m/s^2 at the displacements u (N, D) in m and the time t in s."""
+        """Returns the nodes' accelerations (N, D) in m/s^2 at displacements u (N, D) in m and the time t in s."""
 
     @abstractmethod
     def values_and_gradients(self, u: np.ndarray, X: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Returns the values (P, D) and gradients (P, D, D) of a nodal field u (N, D) at material points X (P, D)."""
+        """Returns values (P, D) and gradients (P, D, D; per m) of nodal values u (N, D) at material points X (P, D)."""
 
 
 class MotionDivergedError(ArithmeticError):
@@ -40,13 +38,13 @@ class MotionDivergedError(ArithmeticError):
 
 
 def accurate_time_step(body: ElasticBody) -> float:
-    """Returns a step in s that is short enough for its own error to be negligible."""
+    """Returns a step of :class:`NystromIntegrator`, in s, so short that the error in time is negligible for a body."""
     return SAFE_STEP / body.frequency
 
 
 class NystromIntegrator:
-    """Time integrator of a body, undeformed at t = 0, with steps of at most ``longest`` seconds: ``u``, ``v`` and ``a``
-    (N, D) are those at ``time``, to which it was advanced last."""
+    """Time integrator of a body, undeformed at t = 0, with steps of at most ``longest`` seconds: ``u`` (m), ``v`` (m/s)
+    and ``a`` (m/s^2), (N, D) each, are those of the nodes at ``time`` (s), to which it was advanced last."""
 
     def __init__(self, body: ElasticBody, longest: float = math.inf):
         self.body, self.time, self.longest = body, 0.0, min(longest, accurate_time_step(body))
@@ -54,8 +52,8 @@ class NystromIntegrator:
         self.a = body.accelerations(self.u, 0.0)
 
     def advance_to(self, time: float) -> None:
-        """Advances to a time in s that is not earlier. Raises :class:`MotionDivergedError` where the motion breaks
-        down."""
+        """Advances ``u``, ``v``, ``a`` and ``time`` to a time in s that is not earlier. Raises
+        :class:`MotionDivergedError` where the motion becomes infinite or NaN."""
         u, v, k1, body = self.u, self.v, self.a, self.body
         steps = math.ceil((time - self.time) / self.longest)
         for step in range(steps):
@@ -71,12 +69,10 @@ class NystromIntegrator:
 
 
 def solve(body: ElasticBody, times: Sequence[float]) -> list[tuple[np.ndarray, np.ndarray]]:
-    """Returns displacement and velocity of the nodes, (N, D) each, at times in s from 0 on that never decrease.
-
-    Raises :class:`MotionDivergedError` where the motion breaks down.
-    """
-    integrator, found = NystromIntegrator(body), []
+    """Returns displacements in m and velocities in m/s of a body's nodes, (N, D) each, at each of the ``times`` in s,
+    from 0 on and never decreasing. Raises :class:`MotionDivergedError` where the motion becomes infinite or NaN."""
+    integrator, motion = NystromIntegrator(body), []
     for time in times:
         integrator.advance_to(time)
-        found.append((integrator.u, integrator.v))
-    return found
+        motion.append((integrator.u, integrator.v))
+    return motion

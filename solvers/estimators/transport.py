@@ -7,8 +7,8 @@ MOST = 100.0  # of the motion's acceleration, at the worst node; up to 60 were s
 
 
 def why_not_trusted(error: float, begun: bool, size: float) -> str | None:
-    """Returns why not to trust the estimate, or None. ``error`` is the largest estimated error of a at the nodes,
-    ``size`` the motion's own acceleration, both in m/s^2; before a run has ``begun`` there is no reason."""
+    """Returns why not to trust transport's estimate, as a sentence, or None. ``error`` is the largest estimated error
+    of a at the nodes, ``size`` the motion's own acceleration, in m/s^2; None before the run has ``begun``."""
     if begun and error < NOTHING * size:
         return Message("not valid here: the terms of transport vanish for this mapping, so that its estimate is zero")
     if begun and not error < MOST * size:  # true for NaN too

@@ -51,15 +51,15 @@ STENCILS = {"first": integers, "row": integers, "taps": ti.i32, "weights": pairs
 
 
 class ComponentStencils(NamedTuple):
-    """Compared fields, one vector per particle: for each component, the index of the stencil weight (0 or 1) along the
-    lines of the lattice, and across them where there is more than one line."""
+    """Choice of stencils for fields with several components per particle: for each component, which of the two weights
+    (0 or 1) of a stencil's points it takes along the lattice's lines, and across them if there are several lines."""
 
     along: tuple[int, ...]
     across: tuple[int, ...] = ()
 
 
 def memory_types(vectors: object) -> dict:
-    """Returns the types of the estimator's memory for any problem; ``vectors`` is the type of arrays of the fields."""
+    """Returns Taichi types of two-grid's memory by name, for any problem; ``vectors`` is the type of fields' arrays."""
     return {
         **{f"two_grid_{table}_{way}_{member}": kind for table in TABLES for way in ("along", "across")
            for member, kind in STENCILS.items()},
@@ -74,8 +74,9 @@ def memory_types(vectors: object) -> dict:
 
 def allocate(scene: Scene, fields: ComponentStencils, fine: tuple[int, int], coarse: tuple[int, int],
              common: tuple[int, int], ends: tuple[str, str]) -> dict:
-    """Returns the values of :func:`memory_types`. Lattices are (points on a line, lines); ``ends`` is what continues a
-    line beyond its ends, and the lattice beyond its first and last lines."""
+    """Returns the initial values of :func:`memory_types` by name. The lattices ``fine`` (of the run), ``coarse`` (of
+    the second run) and ``common`` are (points on a line, lines); ``ends`` is what continues a line beyond its ends, and
+    the lattice beyond its first and last lines: "periodic", "mirror" or "free"."""
     smooth, cubic = (FIT_CELLS[0] * scene.ppc, FIT_CELLS[1] * scene.ppc), (CUBIC_COEFFICIENTS, CUBIC_COEFFICIENTS)
     values: dict = {}
     for table, source, target, fit in zip(TABLES, (fine, coarse, common), (common, common, fine),
@@ -94,14 +95,14 @@ def allocate(scene: Scene, fields: ComponentStencils, fine: tuple[int, int], coa
 
 @ti.func
 def clear_common_lattice(own: ti.template()):
-    """Sets the fields on the common lattice to zero."""
+    """Sets the fields on the common lattice to zero; ``own`` is the estimator's memory, without ``two_grid_``."""
     for t in range(own.common_points * own.common_lines):
         own.common[t] = own.common[t] * 0.0
 
 
 @ti.func
 def store_largest_error(own: ti.template(), square):
-    """Keeps a mean square of e_x if it is the largest so far; NaN replaces any."""
+    """Stores the mean square of e_x, ``square`` in m^2, in the memory ``own`` if it is the largest so far, or NaN."""
     if not square <= own.largest[0]:
         own.largest[0] = square
 
@@ -109,7 +110,8 @@ def store_largest_error(own: ti.template(), square):
 @ti.func
 def transfer_fields(own: ti.template(), fields: ti.template(), table: ti.template(), source: ti.template(),
                     at: ti.template(), into: ti.template(), to: ti.template(), share):
-    """Adds a share of the fields on the lattice ``at``, smoothed or interpolated, to those on the lattice ``to``."""
+    """Adds to the fields ``into`` on the lattice ``to`` the ``share`` (a factor) of the fields ``source`` on the
+    lattice ``at``, smoothed or interpolated by the stencils ``table``: names of ``LATTICES`` and ``TABLES``."""
     from_lattice, to_lattice = ti.static([prefix_view(own, at + "_"), prefix_view(own, to + "_")])
     along, across = ti.static([prefix_view(own, table + "_along_"), prefix_view(own, table + "_across_")])
     points, lines, wanted = from_lattice.points, from_lattice.lines, to_lattice.points
@@ -129,7 +131,8 @@ def transfer_fields(own: ti.template(), fields: ti.template(), table: ti.templat
 
 @ti.func
 def stencil_sum(table: ti.template(), picks: ti.template(), t, source: ti.template(), start, stride, count):
-    """Returns stencil ``t`` applied to ``count`` entries that lie ``stride`` apart, periodically."""
+    """Returns the sum of stencil number ``t`` of a ``table`` over ``source``, whose ``count`` entries from ``start`` on
+    lie ``stride`` apart and repeat periodically; ``picks`` is the weight (0 or 1) that each component takes."""
     row, entry = table.row[t], table.first[t]
     total = source[start] * 0.0
     for k in range(table.taps):
@@ -140,7 +143,7 @@ def stencil_sum(table: ti.template(), picks: ti.template(), t, source: ti.templa
 
 
 def steps_per_coarse_step(scene: Scene) -> int:
-    """Returns the steps of the run per step of the coarse run: at least two, for equal Courant numbers.
+    """Returns the steps of the run per step of the coarse run: 2, for equal Courant numbers, to ``MOST_STEPS``.
 
     More where steps are so short that they could be longer without harm; preferably so many that the coarse run has
     just arrived whenever a sample is taken.
@@ -150,22 +153,20 @@ def steps_per_coarse_step(scene: Scene) -> int:
 
 
 def extrapolation_factor(scene: Scene) -> float:
-    """Returns 1/(r^2 - 1), r the ratio of the cell sizes."""
+    """Returns 1/(r^2 - 1), r the ratio of the second run's cells to the scene's: about 1/3."""
     return 1 / ((scene.cells / (scene.cells // 2)) ** 2 - 1)
 
 
 def coarse_run_options(on: KernelOptions) -> KernelOptions:
-    """Returns the compile-time options of the second run: the bare method, and only the acceleration beside it."""
+    """Returns the second run's compile-time options from the run's: the bare method, and only the acceleration."""
     return on._replace(effects=("acceleration",), estimators=())
 
 
 def coarse_run_verdict(scene: Scene, determinant: np.ndarray, displacement: np.ndarray, farthest: float,
                        largest: np.ndarray) -> str | None:
-    """Returns why the coarse run cannot be used, or None: particles inverted, crushed or too far away; or lost.
-
-    ``largest`` is the largest mean square of e_x. The coarse run's error is r^2 times e_x as long as extrapolation is
-    possible; a lost run cannot be extrapolated.
-    """
+    """Returns why the coarse run cannot be used, as a sentence, or None. Some particle may be inverted or crushed (its
+    ``determinant`` of F), or ``farthest`` m or more from its start (``displacement``), or the run lost: its error is
+    r^2 times e_x while extrapolation is possible; ``largest`` (1,) is the largest mean square of e_x in m^2."""
     with np.errstate(invalid="ignore", over="ignore"):
         sound = np.all(determinant > CRUSHED_JACOBIAN) and np.all(np.abs(displacement) < farthest)  # False for NaN
         share = (1 + 1 / extrapolation_factor(scene)) * float(np.sqrt(largest[0])) / scene.motion_amplitude
@@ -178,7 +179,8 @@ def coarse_run_verdict(scene: Scene, determinant: np.ndarray, displacement: np.n
 
 
 def stencils(places: np.ndarray, count: int, windows: tuple[int, int], ends: str) -> dict:
-    """Returns stencils at ``places``, in spacings from the first of ``count`` lattice points, as in ``STENCILS``.
+    """Returns stencils at ``places`` (T,), in spacings from the first of ``count`` lattice points: the four members
+    that ``STENCILS`` names. ``ends`` is "periodic", "mirror" or "free".
 
     ``windows`` are the numbers of points in fits of two kinds, whose weights stand side by side, the shorter's padded
     with zeros; between mirrors all fits are of the first, and the weights those of components that are even and odd.
@@ -211,11 +213,12 @@ def stencils(places: np.ndarray, count: int, windows: tuple[int, int], ends: str
 
 
 def _first_points(places: np.ndarray, points: int, count: int, ends: str) -> np.ndarray:
-    """Returns the index of the first of the ``points`` lattice points nearest to each place."""
+    """Returns the index of the first of the ``points`` nearest lattice points, of ``count``, to each place (T,)."""
     first = np.round(places - 0.5 * (points - 1) + 1e-9).astype(int)
     return np.clip(first, 0, count - points) if ends == "free" else first
 
 
 def target_point_positions(targets: int, count: int) -> np.ndarray:
-    """Returns the points of a lattice of ``targets`` points, in spacings of one of ``count`` over the same length."""
+    """Returns where ``targets`` even points (targets,) lie, in spacings of ``count`` over the same length, from their
+    first."""
     return (np.arange(targets) + 0.5) * (count / targets) - 0.5

@@ -22,7 +22,8 @@ MOST_LAG = 0.9
 
 
 def phase_lag(scene: Any, wavenumber: float | Callable[[Any], float]) -> float:
-    """Returns the lag in radians of a wave in the second run behind the exact one at the end; wavenumber in 1/m."""
+    """Returns the lag in radians of a wave in two-grid's second run behind the exact one when the scene ends;
+    ``wavenumber`` is in rad/m, or a function of the scene."""
     slowing = 1 / 4 if scene.method == "bspline" else 1 / 8 + 1 / (24 * scene.ppc**2)
     k = wavenumber(scene) if callable(wavenumber) else wavenumber
     coarse = scene.spacing * scene.cells / (scene.cells // 2)
@@ -30,7 +31,7 @@ def phase_lag(scene: Any, wavenumber: float | Callable[[Any], float]) -> float:
 
 
 def phase_lag_limit(wavenumber: float | Callable[[Any], float], **where: Any) -> Limit:
-    """Returns the limit on the phase lag of the second run at the end; the lag falls with the square of the cells."""
+    """Returns two-grid's limit on :func:`phase_lag`; ``where`` are values of the scene's fields for which it holds."""
     return Limit("two-grid", lambda scene: phase_lag(scene, wavenumber), most=MOST_LAG, where=where, give={
         "cells": lambda scene, lag: 2 * math.ceil(scene.cells / 2 * math.sqrt(lag / MOST_LAG) + 1),
         "end_time": lambda scene, lag: scene.end_time * MOST_LAG / lag},

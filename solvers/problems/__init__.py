@@ -12,13 +12,7 @@ PROBLEMS: dict[str, Problem] = {"bar": BarProblem(), "ring": RING, "vortex": VOR
 
 def register(problem: Problem) -> None:
     """Makes an external problem known to commands, page and studies: in a module that ``MPM_LAB_EXTENSIONS`` names, or
-    before anything runs.
-
-    Raises
-    ------
-    ValueError
-        Where its name is that of another one.
-    """
+    before anything runs. Raises ValueError where another problem has its name."""
     name = problem.scene.problem
     if name in PROBLEMS:
         raise ValueError(f"there is a problem called {name}; give yours another name")

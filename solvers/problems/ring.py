@@ -31,7 +31,7 @@ INVERSION = 0.386  # amplitude at which the exact ring turns inside out: 1 + A m
 @document_fields
 @dataclass(frozen=True)
 class RingScene(CircularScene):
-    """Definition of a run of the ring: h = 1.2 m/``cells``, ``ppc`` counts per direction.
+    """Definition of a run of the expanding ring: cells are 1.2 m/``cells`` wide, ``ppc`` counts per direction.
 
     ``plan`` says how the step is spread over threads: one serial kernel, slabs side by side, or whichever is faster.
     """
@@ -74,6 +74,7 @@ class RingScene(CircularScene):
         return share * X, share * Y
 
     def second_tone_shape(self, X: np.ndarray, t: Any) -> np.ndarray:
+        """Returns the shape (P, 2) in m, at X (P, 2), of the second tone of the body force "two-tone"."""
         R = np.linalg.norm(X, axis=1)[:, None]
         return self.amplitude * np.cos(math.pi * (R - INNER) / (OUTER - INNER)) * X / R
 

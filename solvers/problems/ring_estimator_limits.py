@@ -72,20 +72,20 @@ LIMITS = (
 
 
 def disturbance_growth(scene: Any) -> float:
-    """Returns the factor per period by which a disturbance of the exact motion in the mode n = 2 grows, a lower bound
-    above ``KNOWN``; 1 where the motion is stable."""
+    """Returns the factor per period by which a disturbance of the ring's exact motion in the mode n = 2 grows: 1 where
+    the motion is stable, a lower bound at amplitudes above ``KNOWN`` m."""
     A = min(scene.amplitude, KNOWN)
     return math.exp(GROWTH * math.sqrt(A * A - ONSET * ONSET)) if scene.amplitude >= RESONANCE else 1.0
 
 
 def expected_life(scene: Any, first_error: float = FIRST_ERROR) -> float:
-    """Returns the periods until a relative error in mode n = 2, ``first_error`` after one period, is a tenth."""
+    """Returns the periods until a relative error in mode n = 2, ``first_error`` after one, is a tenth (inf: never)."""
     rate = disturbance_growth(scene)
     return 1 + math.log(LARGE_ERROR / first_error) / math.log(rate) if rate > 1 else math.inf
 
 
 def warnings(scene: Any) -> list[str]:
-    """Returns sentences about surprising behaviour of a scene."""
+    """Returns sentences about an unstable motion of the ring in this scene; an empty list where it is stable."""
     if scene.amplitude < RESONANCE or not scene.solution_known:
         return []
     amplitude, rate, life = scene.amplitude, disturbance_growth(scene), expected_life(scene)
@@ -100,7 +100,7 @@ def warnings(scene: Any) -> list[str]:
 
 
 def fallback_advice(scene: Any) -> str:
-    """Returns advice for an unstable run without a more specific cause, as an imperative."""
+    """Returns advice for an unstable run of the ring, as an imperative, where no other cause is known."""
     if scene.amplitude >= RESONANCE:
         return Message("from A = {resonance} on the ring's own motion is unstable (parametric resonance) and no remedy "
                        "helps: choose a smaller amplitude or fewer periods", RESONANCE)

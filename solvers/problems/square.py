@@ -22,7 +22,7 @@ from solvers.translatable_message import Message
 @document_fields
 @dataclass(frozen=True)
 class SquareScene(TypedMotionScene, BoxScene):
-    """Definition of a run of the square: h = 1 m/``cells``, ``ppc`` counts per direction."""
+    """Definition of a run of the unit square: cells are 1 m/``cells`` wide, ``ppc`` counts per direction."""
 
     problem: str = option("square", choices=("square",))
     amplitude: float = option(0.02, "Amplitude A of the displacement", "m")

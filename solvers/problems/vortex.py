@@ -29,7 +29,7 @@ MOST_AMPLITUDE = 0.5 * math.pi  # with which the vortex has been studied; beyond
 
 
 def swirl_profile(R: Any) -> Any:
-    """Returns h(R): the angle of a circle over that of the middle circle."""
+    """Returns h(R), the angle of the circle of radius R (m) over that of the middle circle; arrays or jets."""
     square = (R - 1.0) * (R - 1.0)
     return (256.0 * square - 32.0) * square + 1.0
 
@@ -37,10 +37,10 @@ def swirl_profile(R: Any) -> Any:
 @document_fields
 @dataclass(frozen=True)
 class VortexScene(CircularScene):
-    """Definition of a run of the vortex: h = 3 m/``cells``, ``ppc`` counts per direction.
+    """Definition of a run of the vortex: cells are 3 m/``cells`` wide, ``ppc`` counts per direction.
 
-    ``amplitude`` is the angle by which the middle circle turns against the rims, which rest; ``frequency`` is B.
-    """
+    ``amplitude`` is the angle in rad by which the middle circle turns against the rims, which rest; ``frequency``,
+    in 1/s, is B in sin(pi B t)."""
 
     problem: str = option("vortex", choices=("vortex",))
     method: str = option("cpdi", "Shape functions of the particles; cpgimp stretches its boxes by F, cpgimp-v by the "
@@ -84,6 +84,7 @@ class VortexScene(CircularScene):
         return nearer * X - around * Y, around * X + nearer * Y
 
     def second_tone_shape(self, X: np.ndarray, t: Any) -> np.ndarray:
+        """Returns the shape (P, 2) in m, at X (P, 2) and time t, of the second tone of the body force "two-tone"."""
         x, y = self.EXACT.position(self, X, t).T
         return self.amplitude * swirl_profile(np.linalg.norm(X, axis=1))[:, None] * np.stack([-y, x], axis=1)
 
@@ -96,7 +97,8 @@ class VortexScene(CircularScene):
         return math.pi * self.frequency
 
     def size_of(self, quantity: str) -> float:
-        """Returns the scale of errors of x, v, sigma or a: the largest displacement, and accordingly."""
+        """Returns the scale of errors of "x", "v", "sigma" or "a", in m, m/s, Pa or m/s^2: for x the largest
+        displacement, for the others what belongs to it."""
         A, w, shear = self.amplitude, self.angular_frequency, self.STRAIN_PER_AMPLITUDE * self.amplitude
         return {"x": self.motion_amplitude, "v": A * w, "sigma": self.lame_moduli[1] * shear * (1 + shear),
                 "a": A * w * w}[quantity]

@@ -20,13 +20,13 @@ ENOUGH = 3  # particles per cell and direction, with which GIMP keeps its rim up
 
 
 def swirl_slopes(scene: Any) -> tuple[np.ndarray, np.ndarray]:
-    """Returns radii R across the ring in m, and h' there in 1/m, of h(R) = 1 - 32 (R-1)^2 + 256 (R-1)^4."""
+    """Returns radii R (101,) across the vortex in m, and there h' in 1/m of h(R) = 1 - 32 (R-1)^2 + 256 (R-1)^4."""
     R = np.linspace(scene.INNER, scene.OUTER, 101)
     return R, (1024 * (R - 1) ** 2 - 64) * (R - 1)
 
 
 def relative_wave_rate(scene: Any) -> float:
-    """Returns the angle in radians that a wave runs on the fastest circle while one at rest runs a metre.
+    """Returns the angle in radians that a wave runs along the fastest circle while a wave at rest runs a metre.
 
     With F = [[1, 0], [g, 1]] the stiffest tangent along e_Theta, at rest, is mu + (lambda + mu) (1 + g^2), and there
     g/R = A |h'|. Where the shear is largest, circles are wider than the inner rim.
@@ -37,7 +37,7 @@ def relative_wave_rate(scene: Any) -> float:
 
 
 def relative_turn(scene: Any) -> float:
-    """Returns the largest angle in radians by which circles one cell apart rotate against each other."""
+    """Returns the largest angle in radians by which circles of material one cell apart turn against each other."""
     return float(scene.amplitude * scene.spacing * np.abs(swirl_slopes(scene)[1]).max())
 
 
@@ -68,7 +68,7 @@ LIMITS = (
 
 
 def fallback_advice(scene: Any) -> str:
-    """Returns advice for an unstable run without a more specific cause, as an imperative."""
+    """Returns advice for an unstable run of the vortex, as an imperative, where no other cause is known."""
     if scene.method == "mpm":
         return Message("hat functions fail in such a shear: choose CPDI")
     if scene.method != "cpdi":

@@ -12,14 +12,14 @@ SECOND_RATIO = 0.5  # of the second tone, in w^2 times its shape
 
 
 class BodyForce(NamedTuple):
-    """Force per mass at K points as data; ``second_tone`` is the factor of sin(1.7 wt)."""
+    """Body force per mass at K points (``points``) as data; ``second_tone`` is the factor of sin(1.7 wt)."""
 
     points: int
     built_in: SeparableField | None = None
     second_tone: SeparableField | None = None
 
     def __call__(self, t: float) -> np.ndarray:
-        """Returns the force (K, 2) in m/s^2 at the time t in s."""
+        """Returns the body force per mass (K, 2) in m/s^2 at the time t in s."""
         force = self.built_in(t) if self.built_in else np.zeros((self.points, 2))
         if self.second_tone:
             force += np.sin(SECOND_FREQUENCY * self.second_tone.angular_frequency * t) * self.second_tone(t)
@@ -27,18 +27,18 @@ class BodyForce(NamedTuple):
 
 
 def body_force_at(scene: Any, X: np.ndarray, t: Any) -> np.ndarray:
-    """Returns the force per mass (P, 2) in m/s^2 at material points X (P, 2) and a time, or times (P,)."""
+    """Returns the scene's body force per mass (P, 2), m/s^2, at material points X (P, 2) and a time or times (P,)."""
     if scene.body_force == "none":
         return np.zeros_like(X)
     force = scene.EXACT.body_force(scene, X, t)
     if scene.body_force == "two-tone":
-        force = force + _second_tone_amplitude(scene, X,
-                                               t) * np.sin(SECOND_FREQUENCY * scene.angular_frequency * t)[..., None]
+        tone = np.sin(SECOND_FREQUENCY * scene.angular_frequency * t)[..., None]
+        force = force + _second_tone_amplitude(scene, X, t) * tone
     return force
 
 
 def tabulate_body_force(scene: Any, points: np.ndarray) -> BodyForce:
-    """Returns the force per mass at material points (K, 2) as data."""
+    """Returns the scene's body force per mass at material ``points`` (K, 2), m, as data: a function of the time."""
     if scene.body_force == "none":
         return BodyForce(len(points))
     first = separate(lambda X, t: scene.EXACT.body_force(scene, X, t), points, scene.period)
@@ -48,5 +48,5 @@ def tabulate_body_force(scene: Any, points: np.ndarray) -> BodyForce:
 
 
 def _second_tone_amplitude(scene: Any, X: np.ndarray, t: Any) -> np.ndarray:
-    """Returns the amplitude (P, 2) in m/s^2 of the second tone, whose shape in m the scene defines."""
+    """Returns the amplitude (P, 2), m/s^2, of the force's second tone at X (P, 2) and t; its shape is the scene's."""
     return SECOND_RATIO * scene.angular_frequency**2 * scene.second_tone_shape(X, t)

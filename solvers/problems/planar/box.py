@@ -33,7 +33,8 @@ MAX_UNRESOLVED = 3e-4  # of the displacement: RMS that a mesh may leave out
 
 @dataclass(frozen=True)
 class BoxScene(PlanarScene):
-    """Fields of every problem on a square. A subclass defines ``displacement_at`` and may override more."""
+    """Definition of a run on the unit square between four symmetry planes. A subclass defines ``displacement_at`` and
+    may override more."""
 
     method: str = option("cpdi", "Shape functions of the particles", choices=("ugimp", "cpgimp", "cpdi", "mpm"))
     cells: int = option(32, "Cells of the grid along a side; h = 1 m / cells")
@@ -121,19 +122,19 @@ class BoxScene(PlanarScene):
 
     @functools.cached_property
     def least_stiffness(self) -> float:
-        """Smallest stiffness of waves in any direction, anywhere along the exact motion, over mu."""
+        """Smallest stiffness of waves in any direction, anywhere along the exact motion, over the shear modulus."""
         F = (self.EXACT.deformation_gradient(self, self._evaluation_points,
                                              t) for t in np.arange(LINE) / LINE * self.period)
         return min(self.material.least_wave_stiffness(one.reshape(-1, 4).T) for one in F)
 
     def node_acceleration_field(self) -> SeparableField:
-        """Returns the exact acceleration in m/s^2 of the material that is at the nodes."""
+        """Returns the exact acceleration in m/s^2 of the material at the nodes (row^2, row by row), for any time."""
         line = (np.arange(self.row) - self.origin) * self.spacing
         return separate(lambda x, t: self.EXACT.acceleration(self, x if self.frozen else self._invert_motion(x, t), t),
                         np.stack(np.meshgrid(line, line), axis=-1).reshape(-1, 2), self.period)
 
     def _invert_motion(self, x: np.ndarray, t: np.ndarray) -> np.ndarray:
-        """Returns the material points (n, 2) at the places x (n, 2) at the times t (n,), by Newton's method."""
+        """Returns the material points X (n, 2) in m that the exact motion brings to x (n, 2) at times t (n,), in s."""
         X = x.copy()
         for _ in range(NEWTON_STEPS):
             F = self.EXACT.deformation_gradient(self, X, t)
@@ -145,13 +146,13 @@ class BoxScene(PlanarScene):
 
     @functools.cached_property
     def _largest_and_rms(self) -> dict[str, tuple[float, float]]:
-        """Largest value and RMS of x, v, sigma and a over the body and a period."""
+        """Largest size and RMS of "x" (u), "v", "sigma" and "a", in SI units, over the body and a period."""
         return {name: (float(np.sqrt(squares.max())), float(np.sqrt(squares.mean())))
                 for name, squares in self.exact_squares(self._evaluation_points, INSTANTS).items()}
 
     @property
     def _evaluation_points(self) -> np.ndarray:
-        """Material points (n, 2) throughout the body at which its motion is evaluated."""
+        """Material points (n, 2) in m, throughout the body, at which the exact motion is evaluated."""
         line = np.linspace(0, self.SIDE, LINE + 1)
         return np.stack(np.meshgrid(line, line), axis=-1).reshape(-1, 2)
 
@@ -167,14 +168,15 @@ class BoxScene(PlanarScene):
         return self._largest_and_rms[quantity][1]
 
     def exact_plotted_component(self, quantity: str, X: np.ndarray, t: float) -> np.ndarray:
-        """Returns the component along x of the exact quantity (P,)."""
+        """Returns the x or xx component (P,), in SI units, of "x" (u), "v", "sigma" or "a" (a step before) at X (P, 2)
+        at rest."""
         exact = self.EXACT
         if quantity == "a":
             return exact.acceleration(self, X, max(0.0, t - self.time_step))[:, 0]
         return {"x": exact.displacement, "v": exact.velocity, "sigma": exact.stress}[quantity](self, X, t)[:, 0]
 
     def companion_body(self, fine: bool | None) -> CompanionPatch:
-        """Returns the companion's patch, with as many elements as the motion needs, of higher order if ``fine``."""
+        """Returns the companion's body, with as many elements as the motion needs, of higher order if ``fine``."""
         usual = max(k for k, (fewest_cells, *_) in enumerate(COMPANION_ELEMENTS) if fewest_cells <= self.cells)
         for _, count, own_order in COMPANION_ELEMENTS[usual:]:
             line = Elements(0.0, self.SIDE, count, FINE_ORDER if fine else own_order)
@@ -185,8 +187,8 @@ class BoxScene(PlanarScene):
                                                axis=0))
 
     def _unresolved_part(self, line: Elements) -> float:
-        """Returns the RMS over body and period of the displacement that the elements' polynomials omit, over that of
-        the displacement."""
+        """Returns the part of the exact displacement that elements like ``line`` in x and y omit: a ratio of RMS over
+        body and period."""
         between = (np.arange(TEST_POINTS * line.count) + 0.5) / (TEST_POINTS * line.count) * self.SIDE
         element, values, _ = line.evaluate_basis(between)
         basis = np.zeros((len(between), len(line.node_coordinates)))
@@ -203,7 +205,7 @@ class BoxScene(PlanarScene):
         return math.sqrt(missed / squares)
 
     def momentum_balance_moments(self, times: np.ndarray) -> DisplacementMoments:
-        """Returns the motion's moments at the times (T,) in s, with the modes of the exact one."""
+        """Returns the exact motion's moments with its own modes at the ``times`` (T,) in s."""
         if not self.solution_known:
             return DisplacementMoments(np.zeros((len(times), MODES)), np.zeros(len(times)), np.eye(MODES),
                                        self.particles, np.zeros(len(times), bool))
@@ -222,6 +224,6 @@ class BoxScene(PlanarScene):
 
 @functools.lru_cache(maxsize=2)
 def mode_gram_matrix(scene: BoxScene) -> np.ndarray:
-    """Returns sum_p u_k . u_l (r, r) of the displacements of the motion's modes."""
+    """Returns sum_p u_k . u_l (r, r), over particles p, of the displacements u_k of the exact motion's r modes."""
     u = motion_table(scene).modes[:, :, :2]
     return np.einsum("pkc,plc->kl", u, u)

@@ -28,7 +28,8 @@ MOST_TERMS, LEAST_TERM = 32, 1e-13  # of a displacement's expansion along the ra
 
 @dataclass(frozen=True)
 class CircularScene(PlanarScene):
-    """Fields of every such problem. A subclass defines ``displacement_at`` and may override more."""
+    """Definition of a run between two radii, with a motion that is the same all around. A subclass defines
+    ``displacement_at`` and may override more."""
 
     method: str = option("cpdi", "Shape functions of the particles", choices=("ugimp", "cpgimp", "cpdi", "mpm"))
     ppc: int = option(2, "Particles per cell and direction")
@@ -53,7 +54,7 @@ class CircularScene(PlanarScene):
 
     @property
     def farthest(self) -> float:
-        """Largest coordinate in a sound run, in m, with half an amplitude to spare; inside the grid."""
+        """Largest coordinate of particles in a sound run, in m, with half an amplitude to spare; inside the grid."""
         return self.OUTER + 1.5 * self.amplitude + self.spacing if self.PLANES[0] else 0.5 * (self.SIDE - self.spacing)
 
     @functools.cached_property
@@ -65,7 +66,7 @@ class CircularScene(PlanarScene):
 
     @property
     def relative_wave_rate(self) -> float:
-        """Angle in radians that a wave runs on the fastest circle while one at rest runs a metre."""
+        """Angle in radians that a wave runs along the fastest circle while a wave at rest runs a metre."""
         return 1 / self.INNER
 
     def companion_body(self, fine: bool | None) -> CircularBody:
@@ -74,8 +75,8 @@ class CircularScene(PlanarScene):
         return CircularBody(self, count, order)
 
     def node_acceleration_field(self) -> SeparableField:
-        """Returns the displacement in m on the x axis as coefficients of Chebyshev polynomials of the radius between
-        the rims, in increasing order, as many as needed."""
+        """Returns the displacement in m on the x axis, for any time, as coefficients (terms, 2) of Chebyshev
+        polynomials of the radius between the rims, in increasing order, as many as needed."""
         middle, half = 0.5 * (self.OUTER + self.INNER), 0.5 * (self.OUTER - self.INNER)
         there = chebyshev.chebpts1(MOST_TERMS)
         field = separate(lambda X, t: self.EXACT.displacement(self, X, t), points_on_x_axis(middle + half * there),
@@ -86,7 +87,8 @@ class CircularScene(PlanarScene):
         return SeparableField(modes[:terms], field.series, field.angular_frequency)
 
     def exact_plotted_component(self, quantity: str, X: np.ndarray, t: float) -> np.ndarray:
-        """Returns the component along e_R or e_Theta at radii (P,) or points (P, 2): see :func:`plot_direction`."""
+        """Returns the plotted component (P,) of the exact "x" (u), "v", "sigma" or "a" (a step before), in SI units, at
+        radii (P,) or points (P, 2) in m at rest; along e_R or e_Theta: see :func:`plot_direction`."""
         points, exact = points_on_x_axis(X if X.ndim == 1 else np.linalg.norm(X, axis=1)), self.EXACT
         now = max(0.0, t - self.time_step) if quantity == "a" else t
         x = points + exact.displacement(self, points, now)
@@ -99,8 +101,8 @@ class CircularScene(PlanarScene):
 
     @functools.cached_property
     def _rms_sizes(self) -> dict[str, float]:
-        """RMS over the body and a period of x (its displacement), v, sigma and a in the exact motion, from lengths of
-        vectors and Frobenius norms."""
+        """RMS over the body and a period of "x" (u), "v", "sigma" and "a" in the exact motion, in SI units, from
+        lengths of vectors and Frobenius norms."""
         edges = np.linspace(self.INNER, self.OUTER, CIRCLES + 1)
         R = 0.5 * (edges[1:] + edges[:-1])
         return {name: float(np.sqrt(np.mean([np.average(now, weights=R) for now in squares])))
@@ -114,16 +116,16 @@ class CircularScene(PlanarScene):
 
 
 def plot_direction(component: str, quantity: str, X: np.ndarray, x: np.ndarray) -> np.ndarray:
-    """Returns e_r (P, 2) of the frame in which a plot shows a ``component`` of a quantity (its key), for particles at x
-    with rest positions X (P, 2): of the rest position for radial components and displacements, of the present one for
-    angular components."""
+    """Returns the unit vectors e_r (P, 2) of the frame in which a plot shows a ``component`` ("radial" or "angular") of
+    a ``quantity`` (such as "x"), for particles at x with rest positions X (P, 2): towards the rest position for radial
+    components and displacements, towards the present one for angular components."""
     place = X if component == "radial" or quantity == "x" else x
     return place / np.linalg.norm(place, axis=1)[:, None]
 
 
 def polar_component(component: str, c: np.ndarray, s: np.ndarray, *parts: np.ndarray) -> np.ndarray:
-    """Returns the component "radial", along e_r = (c, s), or "angular", along e_theta, of a vector (x, y), or rr or r
-    theta of a tensor (xx, xy, yy), each (P,)."""
+    """Returns the ``component`` (P,) "radial", along e_r = (c, s), or "angular", along e_theta, of a vector with
+    ``parts`` x, y, or rr or r theta of a symmetric tensor with xx, xy, yy, (P,) each."""
     if len(parts) == 2:
         x, y = parts
         return x * c + y * s if component == "radial" else y * c - x * s

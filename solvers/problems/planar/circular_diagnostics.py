@@ -32,7 +32,8 @@ TO_COMPLEX = np.array([1, 1j])  # what makes a number of a vector
 
 
 class CircleState(NamedTuple):
-    """Complex places and velocities of the circles' nodes (N,) at a time; None where they are unknown."""
+    """State of the circles at ``time`` s: complex places p + i q in m (None where unknown) and velocities in m/s, (N,)
+    each, of the nodes along a radius."""
 
     time: float
     place: np.ndarray | None
@@ -40,7 +41,7 @@ class CircleState(NamedTuple):
 
 
 class CircleMotion:
-    """Motion of a scene's circles, computed up to the requested times and cached."""
+    """Motion of a scene's circles of material by the balance of momentum, computed up to requested times and cached."""
 
     def __init__(self, scene: Any):
         self._scene = scene
@@ -57,7 +58,8 @@ class CircleMotion:
         self._inverse = np.linalg.pinv(gram, hermitian=True)
 
     def moments(self, times: np.ndarray) -> DisplacementMoments:
-        """Returns the moments at times (T,), with Legendre polynomials of R along e_R, then along e_Theta."""
+        """Returns moments of the displacement at times (T,) in s, with Legendre polynomials of R: along e_R, then along
+        e_Theta."""
         sums, squares = np.zeros((len(times), MODES)), np.zeros(len(times))
         trusted = np.zeros(len(times), bool)
         for row, time in enumerate(times):
@@ -70,7 +72,7 @@ class CircleMotion:
         return DisplacementMoments(sums, squares, self._inverse, int(self._counts.sum()), trusted)
 
     def _state_at(self, time: float) -> CircleState:
-        """Returns the circles at a time, computed from the last known state before it."""
+        """Returns the circles at a time in s, computed from the last cached state before it, and caches them."""
         known = bisect.bisect_right(self._instants, time, key=lambda one: one.time)
         last = self._instants[known - 1]
         if last.time == time:
@@ -84,7 +86,7 @@ class CircleMotion:
         return found
 
     def _advance(self, start: CircleState, end: float) -> CircleState:
-        """Returns the state at a later time ``end``; without places where the computation fails."""
+        """Returns the state at a later time ``end`` in s; without places where the computation fails."""
         z, v, t = start.place, start.velocity, start.time
         while z is not None and t < end:
             stiffening = self._body.stiffening(self._body.deformation_gradient(z))
@@ -104,7 +106,7 @@ class CircleMotion:
 
     def _steps_from(self, z: np.ndarray, v: np.ndarray, t: float, H: float,
                     steps: int) -> tuple[np.ndarray, np.ndarray]:
-        """Returns places and velocities after ``steps`` steps of H seconds from the time t on."""
+        """Returns complex places (m) and velocities (m/s), (N,) each, ``steps`` steps of H s after z and v at t s."""
         loads = [self._body.force(t + H * k) @ TO_COMPLEX for k in range(steps + 1)]
         a = loads[0] + self._body.internal_acceleration(z)
         for b in loads[1:]:
@@ -117,5 +119,5 @@ class CircleMotion:
 
 @functools.lru_cache(maxsize=4)
 def cached_circle_motion(scene: Any) -> CircleMotion:
-    """Returns the motion of a scene's circles, cached so that it continues while a run is watched."""
+    """Returns the motion of a scene's circles; the last four scenes' are cached, to continue while a run is watched."""
     return CircleMotion(scene)

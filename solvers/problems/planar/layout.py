@@ -14,7 +14,7 @@ MOST_HALF_WIDTH = 0.5  # of a box, in cells: it meets at most two cells, so that
 
 @dataclass(frozen=True)
 class Layout:
-    """P particles. ``edges`` are the domain's two edge vectors r1 and r2, as (r1x, r1y, r2x, r2y).
+    """P particles at rest, in m. ``edges`` are the two edge vectors r1 and r2 of a domain, as (r1x, r1y, r2x, r2y).
 
     Particles that a symmetry of the motion maps onto each other form an orbit: the exact motion is evaluated once per
     orbit, at a representative material point, and rotated to each particle. In a body with rotational symmetry an orbit
@@ -31,7 +31,7 @@ class Layout:
 
 
 def particle_layout(scene: Any) -> Layout:
-    """Returns the scene's layout: "polar" fills the ring exactly, "cartesian" has staircases at its rims."""
+    """Returns the scene's particles at rest: "polar" fills a ring exactly, "cartesian" has staircases at its rims."""
     if scene.layout == "box":
         return square_layout(scene.cells * scene.ppc, scene.SIDE)
     if scene.layout == "polar":
@@ -41,7 +41,7 @@ def particle_layout(scene: Any) -> Layout:
 
 
 def circle_counts(scene: Any) -> tuple[np.ndarray, np.ndarray]:
-    """Returns the radii (K,) of the scene's layout and the number of particles on each (K,)."""
+    """Returns the radii (K,), in m, of the scene's circles of particles, and the number of particles on each (K,)."""
     if scene.layout == "polar":
         around, across = scene.lattice_counts(scene.cells, scene.ppc)
         return polar_radii(scene.INNER, scene.OUTER, across), np.full(across, around)
@@ -50,14 +50,14 @@ def circle_counts(scene: Any) -> tuple[np.ndarray, np.ndarray]:
 
 
 def polar_radii(inner: float, outer: float, across: int) -> np.ndarray:
-    """Returns the radii of ``across`` circles of particles, evenly spaced between two others."""
+    """Returns the radii (across,) of circles of particles, evenly spaced between the rims ``inner`` and ``outer``."""
     return inner + (np.arange(across) + 0.5) * ((outer - inner) / across)
 
 
 def half_edges(scene: Scene, F: np.ndarray, edges: np.ndarray) -> np.ndarray:
-    """Returns half the edge vectors (P, 2, 2) in m, one per row, of the particles' domains as the method sees them at
-    the deformation gradients ``F`` (P, 2, 2); ``edges`` (P, 4) are those of the layout. Zeros for methods without
-    domains."""
+    """Returns half the edge vectors (P, 2, 2) in m, one per row, of the particles' domains in the scene's method at
+    deformation gradients ``F`` (P, 2, 2); ``edges`` (P, 4) in m are those at rest. Zeros for methods without domains.
+    """
     if scene.method == "cpdi":
         rest = 0.5 * edges.reshape(-1, 2, 2)
         return rest if scene.frozen else np.einsum("pij,pej->pei", F, rest)
@@ -69,8 +69,8 @@ def half_edges(scene: Scene, F: np.ndarray, edges: np.ndarray) -> np.ndarray:
 
 
 def box_stretch(method: str, F: np.ndarray) -> np.ndarray:
-    """Returns the widths of the boxes in x and y (P, 2) over those at rest, for deformation gradients F (P, 2, 2):
-    |F_xx| and |F_yy|, or V_xx and V_yy of the spatial stretch V = sqrt(F F^T), which no rotation changes."""
+    """Returns the widths of particles' boxes in x and y (P, 2) over those at rest, for F (P, 2, 2): |F_xx| and |F_yy|;
+    for the method "cpgimp-v" V_xx and V_yy of the spatial stretch V = sqrt(F F^T), which no rotation changes."""
     if method != "cpgimp-v":
         return np.abs(F[:, [0, 1], [0, 1]])
     with np.errstate(all="ignore"):  # for unstable runs
@@ -80,8 +80,8 @@ def box_stretch(method: str, F: np.ndarray) -> np.ndarray:
 
 
 def polar_layout(inner: float, outer: float, angle: float, around: int, across: int) -> Layout:
-    """Returns ``around`` x ``across`` particles that fill the region between two radii and from the x axis to an
-    ``angle`` exactly. A full turn is closed."""
+    """Returns ``around`` x ``across`` particles that exactly fill the region between the radii ``inner`` and ``outer``
+    (m), from the x axis to ``angle`` (rad). In a full turn the last row neighbours the first."""
     d_angle, d_radius = angle / around, (outer - inner) / across
     radii = polar_radii(inner, outer, across)
     theta, radius = (g.ravel() for g in np.meshgrid((np.arange(around) + 0.5) * d_angle, np.arange(across),
@@ -94,7 +94,7 @@ def polar_layout(inner: float, outer: float, angle: float, around: int, across: 
 
 
 def square_layout(across: int, side: float) -> Layout:
-    """Returns particles that tile a square."""
+    """Returns ``across`` x ``across`` particles that tile a square, ``side`` m wide, with a corner at the origin."""
     width = side / across
     line = (np.arange(across) + 0.5) * width
     y, x = (g.ravel() for g in np.meshgrid(line, line, indexing="ij"))
@@ -105,8 +105,8 @@ def square_layout(across: int, side: float) -> Layout:
 
 
 def cartesian_layout(inner: float, outer: float, side: float, least: float) -> Layout:
-    """Returns particles ``side`` apart whose centres lie between two radii, both coordinates above ``least``: a
-    staircase at the rims."""
+    """Returns particles ``side`` m apart whose centres lie between the radii ``inner`` and ``outer`` (m), with both
+    coordinates above ``least`` (m): a staircase at the rims."""
     line = (np.arange(int(np.floor(least / side)), int(np.ceil(outer / side))) + 0.5) * side
     y, x = (g.ravel() for g in np.meshgrid(line, line, indexing="ij"))
     R = np.hypot(x, y)
@@ -120,13 +120,13 @@ def cartesian_layout(inner: float, outer: float, side: float, least: float) -> L
 
 
 def points_on_x_axis(radii: np.ndarray) -> np.ndarray:
-    """Returns points (K, 2) of these radii on the x axis, where e_R and e_Theta are the axes."""
+    """Returns points (K, 2) on the x axis at these ``radii`` (K,): e_R and e_Theta are the axes there."""
     return np.stack([radii, np.zeros_like(radii)], axis=1)
 
 
 def lattice_neighbours(number: np.ndarray, closed: bool = False) -> np.ndarray:
-    """Returns the next particles in both directions (P, 2), -1 for none, of a lattice of numbers, -1 where it has no
-    particle. If ``closed``, the first row follows the last."""
+    """Returns each particle's next one (P, 2) along columns and along rows of a lattice, -1 for none. ``number`` has
+    the lattice's particles, -1 for a gap. If ``closed``, the first row follows the last."""
     wide = np.pad(number, ((0, 1), (0, 1)), constant_values=-1)
     if closed:
         wide[-1, :-1] = number[0]

@@ -15,13 +15,12 @@ if TYPE_CHECKING:
 
 
 class ViewSettings(NamedTuple):
-    """Display of a problem: the ranges of its sliders (low, high, step) and (low, high), the hint at the amplitude, and
-    each estimator's share of the running time in the usual scene, alone on one thread.
+    """Display of a problem on the page: the ranges of its sliders, (low, high, step) or (low, high), and their hints.
 
-    ``speed`` is the lowest, the first and the highest, in periods a second. ``estimators`` are those that the page
-    begins with, the first of them drawn. ``details`` are fields of the method, each with its hint. ``sparks`` are the
-    questions that the page asks, by name (``app/problems/planar_suggestions.py``); ``breaking`` is the run that will
-    not last: a hint, what is otherwise in its scene, and for how many periods it may hold.
+    ``prices`` are each estimator's share of the running time, alone on one thread; ``speed`` the lowest, the first and
+    the highest, in periods a second; ``estimators`` those at the start, the first of them drawn; ``details`` fields of
+    the method, each with its hint; ``sparks`` names of suggested experiments (``app/problems/planar_suggestions.py``);
+    ``breaking`` a run that will not last: a hint, other fields of its scene, and how many periods it may hold.
     """
 
     cells: tuple[int, int, int]
@@ -40,7 +39,7 @@ class ViewSettings(NamedTuple):
 
 
 class PlanarProblem(Problem):
-    """A problem's scene class, and its other parts, which are imported on first use."""
+    """A plane problem, from its scene class and how the page shows it; other parts are imported on first use."""
 
     scene: type[PlanarScene]
 

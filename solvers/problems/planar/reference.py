@@ -19,7 +19,8 @@ EDGE_COLUMNS = ("edge1_x", "edge1_y", "edge2_x", "edge2_y")
 
 
 class PlanarReference(ProblemReference):
-    """Reference of a problem with this scene class, whose texts are in the file of the problem's name beside it."""
+    """Description for other codes of the plane problem with scene class ``kind``; texts are in a .md file beside its
+    module, or general ones."""
 
     axes = ("x", "y")
 
@@ -55,7 +56,8 @@ class PlanarReference(ProblemReference):
         return body_force_at(scene, X, t)
 
     def along(self, quantity: str, X: np.ndarray, x: np.ndarray, values: np.ndarray) -> np.ndarray:
-        """Returns the component along x; with rotational symmetry, along the radius or around the centre."""
+        """Returns the x or xx component (P,) of ``values`` at particles; of a circular body, that along the radius or
+        around the centre."""
         parts = values.T if values.ndim == 2 else (values[:, 0, 0], values[:, 0, 1], values[:, 1, 1])
         component = self._component
         return polar_component(component, *plot_direction(component, quantity, X, x).T,

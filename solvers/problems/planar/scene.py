@@ -28,7 +28,7 @@ GHOSTS = 2  # rows of nodes beyond a symmetry plane
 
 
 class PlanarScene(Scene):
-    """Scene of a plane body; not a dataclass itself, because a dataclass would turn its class variables into fields."""
+    """Definition of a run of a plane body; no dataclass, because that would turn its class variables into fields."""
 
     layout: str  # the lattice on which particles begin: "polar", "cartesian" or "box"
     ppc: int  # per direction
@@ -61,7 +61,7 @@ class PlanarScene(Scene):
 
     @abstractmethod
     def displacement_at(self, X: Any, Y: Any, t: Any) -> tuple[Any, Any]:
-        """Returns u_x and u_y in m at material points and a time, for any kind of number."""
+        """Returns u_x and u_y in m at material points (X, Y) in m and times t in s: numbers, arrays or jets."""
 
     def __init_subclass__(cls, **kwargs: Any) -> None:
         super().__init_subclass__(**kwargs)
@@ -71,7 +71,7 @@ class PlanarScene(Scene):
     @staticmethod
     @abstractmethod
     def lattice_counts(cells: int, ppc: int) -> tuple[int, int]:
-        """Returns the numbers of particles around and across the body that make their domains about h/ppc wide."""
+        """Returns the numbers of particles (around, across) in a lattice whose domains are about h/ppc wide."""
 
     @classmethod
     @abstractmethod
@@ -85,23 +85,23 @@ class PlanarScene(Scene):
 
     @abstractmethod
     def node_acceleration_field(self) -> SeparableField:
-        """Returns the reference for the nodes' acceleration: see
-        ``solvers.problems.planar.method.node_acceleration_errors``."""
+        """Returns, for any time, the exact acceleration at nodes in m/s^2, or on circles displacements in m to derive
+        it from: see ``solvers.problems.planar.method.node_acceleration_errors``."""
 
     @abstractmethod
     def exact_plotted_component(self, quantity: str, X: np.ndarray, t: float) -> np.ndarray:
-        """Returns the component (P,) of the exact solution that a plot shows of a quantity (a key of
-        ``samples.QUANTITIES``), u for x, as a method has it at the time t: the acceleration is that of its last step,
-        one step before."""
+        """Returns the component (P,) that a plot shows of the exact ``quantity`` ("x" for u, "v", "sigma", "a"), in SI
+        units, at material points X as a method has it at the time t in s: "a" is that of the last step, one step
+        before."""
 
     @abstractmethod
     def companion_body(self, fine: bool | None) -> ElasticBody:
-        """Returns the companion's body; for particles of another code on a ``fine`` mesh or a coarser one (True,
-        False), for a run None."""
+        """Returns the body that the companion solves: with ``fine`` None for a run; for particles of another code on a
+        fine mesh or a coarser one (True, False)."""
 
     def exact_squares(self, X: np.ndarray, instants: int) -> dict[str, np.ndarray]:
-        """Returns squared sizes (instants, P) over a period of x (its displacement), v, sigma and a in the exact motion
-        at material points X (P, 2): of vectors, and Frobenius norms of tensors."""
+        """Returns the exact motion's squared sizes (instants, P) of "x" (u), "v", "sigma" and "a", in SI units, at
+        material points X (P, 2), m, and ``instants`` times of a period: of vectors, and Frobenius norms of tensors."""
         exact = self.EXACT
         fields = {"x": (exact.displacement, (1, 1)), "v": (exact.velocity, (1, 1)), "sigma": (exact.stress, (1, 2, 1)),
                   "a": (exact.acceleration, (1, 1))}
@@ -110,7 +110,7 @@ class PlanarScene(Scene):
                 for name, (field, weights) in fields.items()}
 
     def fallback_advice(self) -> str:
-        """Returns advice for an unstable run without a more specific cause, as an imperative."""
+        """Returns advice for an unstable run, as an imperative, where no other cause is known."""
         if self.method == "mpm":
             return Message("hat functions fail in such a motion: choose CPDI")
         return Message("choose more particles per cell, a smaller amplitude or fewer periods")
@@ -137,12 +137,12 @@ class PlanarScene(Scene):
 
     @property
     def active_rows(self) -> int:
-        """Number of rows that can have mass in a sound run."""
+        """Number of rows of nodes, from the lower end, that can have mass in a sound run."""
         return self.row
 
     @property
     def particles(self) -> int:
-        """Number of particles in the polar layout; close to it in the Cartesian one."""
+        """Number of particles; in the Cartesian layout of a ring there are nearly as many."""
         return math.prod(self.lattice_counts(self.cells, self.ppc))
 
     @property
@@ -169,14 +169,14 @@ class PlanarScene(Scene):
     def is_uneven(self) -> bool:
         """Whether particles are so uneven that recovered's fits follow them, so that only x and v can be estimated.
 
-        Measured on 14 such runs of the ring: sigma 1.06 to 5.6 times the error, x .97 to 1.06 while the verdict does
-        not doubt it.
+        Measured on 14 such runs of the ring: sigma 1.06 to 5.6 times the error, x .97 to 1.06 while the verdict trusts
+        the estimate.
         """
         return self.ppc == 1 or self.velocity == "particle"
 
     @property
     def is_coarse(self) -> bool:
-        """Whether cells are so wide that recovered's fits lose the short waves of the acceleration."""
+        """Whether cells are so wide that recovered's fits lose short waves of the acceleration, which it then omits."""
         return self.cells < self.COARSE_BELOW
 
     def warnings(self) -> list[str]:
@@ -210,7 +210,7 @@ class PlanarScene(Scene):
             raise SceneError("plan", self.plan, "is for CPUs, and a GPU has its own plan; give auto, or --arch cpu")
 
     def _check_remedies(self) -> None:
-        """Raises :class:`SceneError` for a remedy that harms the method."""
+        """Raises :class:`SceneError` for a stabilisation that harms the scene's method."""
         if COUPLED in self.remedies and self.method == "cpdi":
             raise SceneError("remedies", " ".join(self.remedies), "coupled-deformation makes CPDI worse, because its "
                              "domains follow the deformation; give null-space-filter or frozen-weights")
@@ -222,7 +222,8 @@ class PlanarScene(Scene):
 
 @functools.lru_cache(maxsize=2)
 def motion_table(scene: PlanarScene) -> SeparableField:
-    """Returns the table of u_x, u_y, and Grad u as xX, xY, yX, yY, at the orbits' representative points."""
+    """Returns u_x, u_y (m), and Grad u as xX, xY, yX, yY, of the exact motion as a function of time: (K, 6) at the
+    points that represent the orbits of particles."""
     def field(X: np.ndarray, t: np.ndarray) -> np.ndarray:
         return stack_components(scene.EXACT.jets(scene, X, t).displacement_and_gradient, len(X))
 

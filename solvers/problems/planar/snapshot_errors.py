@@ -21,7 +21,8 @@ Errors = list[Parts]  # of x, v, sigma and a
 
 @np.errstate(all="ignore")  # for unstable runs
 def true_errors(scene: Any, a: PlanarBody, step: int) -> Errors:
-    """Returns the true errors of x, v, sigma and, with the effect, a after ``step`` steps."""
+    """Returns the true errors, in SI units, of x, v, sigma and a (None without that diagnostic) of the arrays ``a``
+    after ``step`` steps."""
     time = step * scene.time_step
     used = None
     if step and scene.has("acceleration"):  # the one that the last step has used
@@ -32,8 +33,8 @@ def true_errors(scene: Any, a: PlanarBody, step: int) -> Errors:
 
 @np.errstate(all="ignore")
 def plotted_field(scene: Any, a: PlanarBody, quantity: str, time: float) -> np.ndarray:
-    """Returns the component that a plot shows of a quantity (a key of ``samples.QUANTITIES``), u for x, and its
-    deviation from the exact one (P, 2), NaN where that is unknown."""
+    """Returns the component that a plot shows of a ``quantity`` ("x" for u, "v", "sigma", "a") in the arrays ``a`` at
+    ``time`` s, and its deviation from the exact one: (P, 2) in SI units, NaN where unknown."""
     values = deviation = np.full(len(a.position_velocity), np.nan)
     if quantity != "a" or scene.has("acceleration"):
         q, X = a.position_velocity, a.material_position
@@ -47,7 +48,7 @@ def plotted_field(scene: Any, a: PlanarBody, quantity: str, time: float) -> np.n
 
 
 def vector_errors(scene: Any, a: PlanarBody, time: float) -> tuple[Vector, Vector]:
-    """Returns the errors of x and of v, each as components (P,)."""
+    """Returns the true errors of x (m) and of v (m/s) in the arrays ``a`` at ``time`` s, each as components (P,)."""
     exact = scene.EXACT.jets(scene, a.orbit_point, time)
     (x, y), (v_x, v_y) = _rotate_to_particles(a, exact.x.value, exact.y.value), _rotate_to_particles(a, *exact.velocity)
     X, q = a.material_position, a.position_velocity
@@ -55,12 +56,12 @@ def vector_errors(scene: Any, a: PlanarBody, time: float) -> tuple[Vector, Vecto
 
 
 def cauchy_stress_of(scene: Any, a: PlanarBody) -> Tensor:
-    """Returns the Cauchy stress of the particles, as components (P,) in Pa."""
+    """Returns the Cauchy stress of the particles in the arrays ``a``, as xx, xy, yy (P,) in Pa."""
     return scene.material.cauchy_stress(np.ascontiguousarray(a.deformation_gradient.T))
 
 
 def stress_error(scene: Any, a: PlanarBody, time: float) -> Tensor:
-    """Returns the error of the Cauchy stress, as components (P,) in Pa."""
+    """Returns the true error of the Cauchy stress in the arrays ``a`` at ``time`` s, as xx, xy, yy (P,) in Pa."""
     xx, xy, yy = (one[a.orbit] for one in scene.EXACT.stress(scene, a.orbit_point, time).T)
     c, s = np.ascontiguousarray(a.direction.T)
     mean, half, double = 0.5 * (xx + yy), 0.5 * (xx - yy), 2 * c * s
@@ -71,16 +72,16 @@ def stress_error(scene: Any, a: PlanarBody, time: float) -> Tensor:
 
 
 def body_force(a: PlanarBody, some: np.ndarray) -> np.ndarray:
-    """Returns the body force on some particles (c,), in N (c, 2)."""
+    """Returns the body force (c, 2), in N per metre of thickness, on the particles with the indices ``some`` (c,)."""
     return a.mass[some][:, None] * np.stack(rotate_vectors(a.direction[some], *a.orbit_force[a.orbit[some]].T), axis=1)
 
 
 def _rotate_to_particles(a: PlanarBody, x: Any, y: Any) -> Vector:
-    """Returns vectors (K,) at the orbits' points rotated to their particles (P,)."""
+    """Returns components (P,) of vectors x, y (K,) at the orbits' points, rotated to the orbits' particles."""
     return rotate_vectors(a.direction, *(np.broadcast_to(one, len(a.orbit_point))[a.orbit] for one in (x, y)))
 
 
 def rotate_vectors(e: np.ndarray, x: np.ndarray, y: np.ndarray) -> Vector:
-    """Returns vectors rotated so that the x axis becomes e (P, 2)."""
+    """Returns components (P,) of vectors x, y (P,), each rotated by the angle from the x axis to its e (P, 2)."""
     c, s = np.ascontiguousarray(e.T)
     return x * c - y * s, y * c + x * s

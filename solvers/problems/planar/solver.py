@@ -33,11 +33,8 @@ PARALLEL_FROM = 300_000  # particles from which on two threads beat one: a paral
 
 
 class PlanarSolver(Solver):
-    """Owns the arrays of one body. It has three plans: one serial kernel for many steps, parallel slabs, or, on a GPU,
-    all particles at once.
-
-    :func:`make_solver_class` makes the class of a problem.
-    """
+    """Solver of a plane scene, with the arrays of its body. It has three plans: one serial kernel for many steps,
+    parallel slabs, or, on a GPU, all particles at once. :func:`make_solver_class` makes the class of a problem."""
 
     PARTS: ClassVar[PlanarParts]
     KERNELS: ClassVar[CpuKernels]
@@ -114,12 +111,12 @@ class PlanarSolver(Solver):
 
     @functools.cached_property
     def _motion_table(self) -> SeparableField:
-        """Table of the exact motion, stored here because other runs could displace it from a shared cache."""
+        """Function of time of the exact u and Grad u at the orbits' points: in each solver, as a cache may lose it."""
         return motion_table(self.scene)
 
     def _with_exact_angular_momentum(self, rows: np.ndarray) -> np.ndarray:
-        """Returns the rows of samples with the exact angular momentum of the particles, if requested: that of half a
-        step before, to which velocities belong."""
+        """Writes the particles' exact angular momentum into samples ``rows``, if requested, and returns these: that of
+        half a step before, to which velocities belong."""
         scene, a = self.scene, self._arrays
         if scene.has("spin") and self._switches.truth:
             mass = np.bincount(a.orbit, a.mass)
@@ -137,7 +134,7 @@ class PlanarSolver(Solver):
 
 
 def estimated_errors(a: InstrumentedBody, estimator: int) -> Errors:
-    """Returns the errors of x, v, sigma and a that the estimator of this number reports."""
+    """Returns the errors of x, v, sigma and a, in SI units, that estimator number ``estimator`` left in ``a``."""
     part = slice(estimator * len(a.position_velocity), (estimator + 1) * len(a.position_velocity))
     motion = a.estimate[part].T
     return [(motion[0], motion[1]), (motion[2], motion[3]), tuple(a.estimate_stress[part].T[:3]),
@@ -145,12 +142,12 @@ def estimated_errors(a: InstrumentedBody, estimator: int) -> Errors:
 
 
 def error_columns(parts: Errors) -> ParticleValues:
-    """Returns the errors of x, v and sigma, those that are known, with a column for each component."""
+    """Returns the known ones of the errors of x, v and sigma as arrays with a column per component."""
     return ParticleValues(*(np.stack(one, axis=1) for one in parts if one is not None))
 
 
 def error_sizes(errors: Errors) -> np.ndarray:
-    """Returns lengths of the vectors and Frobenius norms of the tensors (P, 4); 0 where an error is None."""
+    """Returns sizes (P, 4) of the errors of x, v, sigma and a: lengths or Frobenius norms; 0 where an error is None."""
     out = np.zeros((next(len(parts[0]) for parts in errors if parts), len(errors)))
     with np.errstate(over="ignore", invalid="ignore"):
         for column, parts in enumerate(errors):
@@ -162,7 +159,7 @@ def error_sizes(errors: Errors) -> np.ndarray:
 
 
 def distances(one: Errors, other: Errors) -> np.ndarray:
-    """Returns the sizes (P, 4) of ``one`` minus ``other`` as vectors and tensors. None counts as 0."""
+    """Returns sizes (P, 4) of ``one`` minus ``other``, errors of x, v, sigma and a; 0 where either is None."""
     with np.errstate(over="ignore", invalid="ignore"):
         return error_sizes([mine if mine is None or theirs is None else
                             tuple(a - b for a, b in zip(mine, theirs, strict=True))
@@ -171,7 +168,7 @@ def distances(one: Errors, other: Errors) -> np.ndarray:
 
 @functools.cache
 def make_solver_class(kind: type[PlanarScene]) -> type[PlanarSolver]:
-    """Returns the solver class of a problem with this scene class."""
+    """Returns the solver class of the problem with the scene class ``kind``, made once."""
     traits = make_problem_kernels(kind)
     box = kind.layout == "box"
     made = {"companion": lambda: circular_companion.HOOKS if kind.CIRCULAR else companion.HOOKS,

@@ -24,7 +24,8 @@ QUARTER_SIGNS = np.array([[1.0, -1.0, -1.0, 1.0], [1.0, 1.0, -1.0, -1.0]])
 
 
 class Weights(NamedTuple):
-    """Weights of P particles at M nodes each: places in x and y, in cells, S, and its gradients in 1/m, all (P, M)."""
+    """Weights of P particles at M nodes each: the nodes' column i and row j, S, and its x and y derivatives in 1/m, all
+    (P, M)."""
 
     i: np.ndarray
     j: np.ndarray
@@ -34,8 +35,8 @@ class Weights(NamedTuple):
 
 
 class Images(NamedTuple):
-    """Nodes that stand for others by symmetry, and the signs of the components of velocity there; ``turned`` is where x
-    and y are exchanged. All have the shape of the places that were passed."""
+    """Nodes that stand for others by symmetry: their numbers, the signs that v_x and v_y have at the others, and where
+    x and y are exchanged (``turned``); arrays of equal shape."""
 
     number: np.ndarray
     sign_x: np.ndarray
@@ -44,8 +45,8 @@ class Images(NamedTuple):
 
 
 def quarter_turn_images(i: np.ndarray, j: np.ndarray, cells: int) -> Images:
-    """Returns the image of node (i, j) by quarter turns with i > 0 and j >= 0, both counted in half cells from the
-    middle of the grid, which is the middle of a cell where the number of cells is odd."""
+    """Returns the images of nodes (i, j), arrays of cells from the grid's middle, which quarter turns bring to the
+    quarter i > 0, j >= 0. If ``cells``, the grid's along a side, is odd, i and j count from half a cell before it."""
     a, b = 2 * i - cells % 2, 2 * j - cells % 2
     turns = np.select([(a > 0) & (b >= 0), (a <= 0) & (b > 0), (a < 0) & (b <= 0)], [0, 1, 2], 3)
     crossed = turns % 2 == 1
@@ -54,8 +55,8 @@ def quarter_turn_images(i: np.ndarray, j: np.ndarray, cells: int) -> Images:
 
 
 class MotionSamples:
-    """Moments of a body on a scene's cells, at ``parts`` (n,) of the way from one extreme of the motion to the other:
-    the weights ``weights``, F (n, P, 2, 2), and the longest steps ``limits`` (n,) in s.
+    """Samples of the exact motion on a scene's cells, at ``parts`` (n,) of the way, 0 to 1, from one extreme to the
+    other: the weights ``weights``, F (n, P, 2, 2), and the longest stable steps ``limits`` (n,) in s.
 
     Between symmetry planes all of the body is looked at. Where there is no plane, lattice, grid and motion look the
     same after a quarter of a turn, and a quarter of the particles is enough, if a node has one number with the three
@@ -77,12 +78,12 @@ class MotionSamples:
         self.limits = longest_step_per_instant(self._configurations())
 
     def stretch(self) -> float:
-        """Returns the largest stretch in the motion."""
+        """Returns the largest stretch of any line of material in the motion, over its length at rest."""
         return max(float(np.linalg.norm(self._gradient_at(part), 2, axis=(1, 2)).max())
                    for part in np.linspace(0, 1, STRETCH_INSTANTS))
 
     def gershgorin_bound(self, moment: int) -> float:
-        """Returns the bound by Gershgorin's circles at a moment, in s."""
+        """Returns Gershgorin's bound of the stable step, in s, at the sample with index ``moment``."""
         one, F = self.weights[moment], np.moveaxis(self.F[moment].reshape(-1, 4), -1, 0)[..., None]
         number = self._images(one.i, one.j).number
         mass = np.bincount(number.ravel(), (self.scene.density * self._volume[:, None] * one.S).ravel())
@@ -92,14 +93,16 @@ class MotionSamples:
         return gershgorin_step_bound(number, lengths, self._volume, mass)
 
     def _time_at(self, part: float) -> float:
+        """Returns the time in s at this part, 0 to 1, of the way between the extremes of the motion."""
         start, end = self.scene.EXTREMES
         return self.scene.period * (start + (end - start) * part)
 
     def _gradient_at(self, part: float) -> np.ndarray:
+        """Returns F (P, 2, 2) of the particles at this part, 0 to 1, of the way between the extremes of the motion."""
         return self.scene.EXACT.deformation_gradient(self.scene, self._X, self._time_at(part))
 
     def _images(self, i: np.ndarray, j: np.ndarray) -> Images:
-        """Returns the images of nodes' places by symmetry."""
+        """Returns the images by symmetry of the nodes in columns i and rows j, (P, M) each."""
         n, high = self.scene.cells, self._high
         if not self._low:
             return quarter_turn_images(i, j, n)
@@ -108,7 +111,7 @@ class MotionSamples:
         return Images(inside[0] + 2 * n * inside[1], sign_x, sign_y, np.zeros(i.shape, bool))
 
     def _configurations(self) -> Configurations:
-        """Returns the configurations, whose unknowns are the components x and y of all nodes with particles nearby."""
+        """Returns the samples as linear systems, whose unknowns are v_x and v_y of all nodes with particles nearby."""
         scene, V, F = self.scene, self._volume, self.F
         wide = max(one.S.shape[1] for one in self.weights)
         i, j, S, x, y = (np.stack([_pad(part, wide) for part in parts]) for parts in zip(*self.weights, strict=True))
@@ -130,48 +133,48 @@ class MotionSamples:
         return Configurations(2 * N, links, S, links, [x, y], scene.density * V, stress, np.flatnonzero(held))
 
 
-def critical_time_step(fine: Any) -> StepBound:
-    """Returns the bound of a scene.
+def critical_time_step(scene: Any) -> StepBound:
+    """Returns the bound of a scene's stable time step.
 
     All moments are evaluated on so few cells that it is quick: on a finer grid particles meet nodes in the same ways,
     and the bound shrinks with the cells. But which node at a rim is emptiest, and how empty it is, depends on the cells
     themselves. So the hardest moment, and another where weights move, are evaluated again on the scene's own cells, and
     if they give a lower bound there, it scales all moments.
     """
-    parts = motion_fractions(fine)
-    few = MotionSamples(coarsen(fine, MOST_PARTICLES), parts)
+    parts = motion_fractions(scene)
+    few = MotionSamples(coarsen(scene, MOST_PARTICLES), parts)
     hardest = int(np.argmin(few.limits))
-    whole, share = coarsen(fine, MOST_AT_FEW_MOMENTS), 1.0
+    whole, share = coarsen(scene, MOST_AT_FEW_MOMENTS), 1.0
     by_circles = few.gershgorin_bound(hardest)
     if whole.cells > few.scene.cells:
-        again = MotionSamples(whole, parts[sorted({hardest, hardest if fine.frozen else len(parts) // 2})])
+        again = MotionSamples(whole, parts[sorted({hardest, hardest if scene.frozen else len(parts) // 2})])
         larger, least = few.scene.spacing / whole.spacing, int(np.argmin(again.limits))
         share = larger * float(again.limits[least] / few.limits[hardest])
         if share < 1:
             by_circles = larger * again.gershgorin_bound(least)
-    finer, first = few.scene.spacing / fine.spacing, few.weights[0]
+    finer, first = few.scene.spacing / scene.spacing, few.weights[0]
     crossed = any(np.any(one.i[:, 0] != first.i[:, 0]) or np.any(one.j[:, 0] != first.j[:, 0]) for one in few.weights)
-    seconds = (fine.EXTREMES[1] - fine.EXTREMES[0]) * fine.period
+    seconds = (scene.EXTREMES[1] - scene.EXTREMES[0]) * scene.period
     return combine_instant_bounds(few.scene, min(1.0, share) * few.limits, seconds * finer, few.stretch(), by_circles,
                                   crossed).scaled_by_cell_size(1 / finer)
 
 
 def coarsen(scene: Any, most: int) -> Any:
-    """Returns the scene with so few cells that a quarter of its body has no more than ``most`` particles."""
+    """Returns the scene with so few cells that a quarter of its body has at most ``most`` particles, if possible."""
     while scene.particles * 0.5 * np.pi / scene.ANGLE > most and scene.cells > scene.FEWEST_CELLS:
         scene = replace(scene, cells=max(scene.cells // 2, scene.FEWEST_CELLS))
     return scene
 
 
 def _pad(part: np.ndarray, wide: int) -> np.ndarray:
-    """Returns the part padded to ``wide`` nodes: the last place is repeated, with zero weights."""
+    """Returns nodes or weights, ``part`` (P, M), padded to (P, wide): the last node is repeated, with zero weights."""
     more = wide - part.shape[1]
     last = part[:, -1:] if part.dtype.kind == "i" else np.zeros((len(part), 1))
     return np.hstack([part, np.repeat(last, more, axis=1)]) if more else part
 
 
 def particle_weights(scene: Scene, x: np.ndarray, F: np.ndarray, edges: np.ndarray) -> Weights:
-    """Returns the weights of particles at ``x`` (P, 2), deformed by ``F`` (P, 2, 2), with ``edges`` (P, 4) at rest."""
+    """Returns the weights of particles at ``x`` (P, 2) in m, with F (P, 2, 2) and ``edges`` (P, 4) at rest in m."""
     if scene.frozen:
         F = np.tile(IDENTITY, (len(x), 1, 1))
     return cpdi_weights(scene, x, F.reshape(-1, 4), edges) if scene.method == "cpdi" \
@@ -179,8 +182,8 @@ def particle_weights(scene: Scene, x: np.ndarray, F: np.ndarray, edges: np.ndarr
 
 
 def gimp_weights(scene: Scene, x: np.ndarray, stretch: np.ndarray) -> Weights:
-    """Returns hat and GIMP functions, M = 9, of particles at ``x`` (P, 2), whose boxes are ``stretch`` (P, 2) times as
-    wide as at rest, except with uGIMP."""
+    """Returns hat or GIMP weights at M = 9 nodes of particles at ``x`` (P, 2) in m, whose boxes are ``stretch`` (P, 2)
+    times as wide as at rest, except with uGIMP."""
     axes = []
     for axis in range(2):
         half_width = np.full(len(x), 0.5 / scene.ppc)
@@ -195,8 +198,8 @@ def gimp_weights(scene: Scene, x: np.ndarray, stretch: np.ndarray) -> Weights:
 
 
 def cpdi_weights(scene: Scene, x: np.ndarray, F: np.ndarray, edges: np.ndarray) -> Weights:
-    """Returns CPDI's weights: corners of a domain may share nodes, where gradients add up. ``F`` (P, 4) are the
-    deformation gradients, ``edges`` (P, 4) those of the domains at rest."""
+    """Returns CPDI's weights of particles at ``x`` (P, 2) in m, with F (P, 4) and ``edges`` (P, 4) of the domains at
+    rest in m: corners of a domain may share nodes, where gradients add up."""
     first = np.stack([F[:, 0] * edges[:, 0] + F[:, 1] * edges[:, 1], F[:, 2] * edges[:, 0] + F[:, 3] * edges[:, 1]], 1)
     second = np.stack([F[:, 0] * edges[:, 2] + F[:, 1] * edges[:, 3], F[:, 2] * edges[:, 2] + F[:, 3] * edges[:, 3]], 1)
     area = (first[:, 0] * second[:, 1] - first[:, 1] * second[:, 0])[:, None]

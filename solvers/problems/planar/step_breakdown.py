@@ -12,7 +12,7 @@ from solvers.solver.step_breakdown import NodeImage, ParticleState, StepBreakdow
 
 @np.errstate(all="ignore")  # for unstable runs
 def particle_state(scene: PlanarScene, a: InstrumentedBody) -> ParticleState:
-    """Returns a copy of the particles' present state."""
+    """Returns a copy of the particles' x, v, F and Cauchy stress in the arrays ``a``, in SI units."""
     (xx, xy, yy), q = cauchy_stress_of(scene, a), a.position_velocity
     return ParticleState(q[:, :2].copy(), q[:, 2:].copy(), a.deformation_gradient.reshape(-1, 2, 2).copy(),
                          np.stack([xx, xy, xy, yy], axis=1).reshape(-1, 2, 2))
@@ -20,7 +20,8 @@ def particle_state(scene: PlanarScene, a: InstrumentedBody) -> ParticleState:
 
 def breakdown(scene: PlanarScene, a: InstrumentedBody, particle: int, step: int,
               before: ParticleState) -> StepBreakdown:
-    """Returns the breakdown of the last step, number ``step``, around a particle; ``before`` is the state before."""
+    """Returns the breakdown of the last step, number ``step``, around ``particle``, an index, from the arrays ``a``
+    after and the state ``before`` it."""
     ghosts = GHOSTS if scene.PLANES[0] else 0  # rows of nodes beyond a symmetry plane
     edges, row = half_edges(scene, before.deformation_gradient, a.edges), a.row
     grid = MirroredNodeGrid(row, ghosts, scene.PLANES[1])
@@ -45,7 +46,8 @@ def breakdown(scene: PlanarScene, a: InstrumentedBody, particle: int, step: int,
 
 
 def _images(node: int, row: int, ghosts: int, last: int) -> list[NodeImage]:
-    """Returns the mirror images of nodes in the rows next to a plane, on either side; nodes on a plane have none."""
+    """Returns ``node`` and its mirror images across planes at most ``ghosts`` rows away, each with its signs; ``row``
+    is the number of nodes in a row, ``last`` the row of the upper plane."""
     def along(index: int) -> list[int]:
         found = [index, 2 * ghosts - index] if index <= 2 * ghosts and index != ghosts else [index]
         return [*found, 2 * last - index] if index >= last - ghosts and index != last else found

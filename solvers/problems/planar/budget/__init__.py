@@ -9,7 +9,7 @@ solution put through the same map misses itself by M_w y0^n - y0^{n+1} = tau. So
 M_w has two products, of F in the stress and of F with the gradient of the velocity. Both are divided by exact product
 rules, so that nothing is linearised.
 
-A problem gives its exact solution at a time (``moment``); all else is the same for each: ``solvers.problems.planar.
-weights`` has the maps of a step, ``pieces`` the parts of the body that particles stand for, ``causes`` what each cause
-does in a step and how its errors go on, ``on_demand`` steps and samples.
+A problem gives its exact solution at a time (``exact_state``); all else is the same for each: ``solvers.problems.
+planar.weights`` has the maps of a step, ``body_pieces`` the parts of the body that particles stand for,
+``cause_errors`` what each cause does in a step and how its errors go on, ``on_demand_budget`` steps and samples.
 """

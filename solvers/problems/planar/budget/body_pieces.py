@@ -16,7 +16,8 @@ CELL_CORNERS = ((0, 0), (1, 0), (1, 1), (0, 1))  # the corners of a lattice's ce
 
 
 class PieceLattice:
-    """Corners (K) and edges (E) of the pieces of P particles, in the material."""
+    """Corners (K) and edges (E) of the pieces of a scene's P particles, at rest: ``corner`` (P, 4) and ``edge`` (P, 4)
+    of each piece, ``ends`` (E, 2), the corners of each edge, ``place`` (K, 2), the corners in m."""
 
     def __init__(self, scene: PlanarScene):
         X = particle_layout(scene).position
@@ -43,16 +44,16 @@ class PieceLattice:
         on_plane = [np.abs(self.place - end) < 1e-9 * scene.SIDE for end in planes]
         self.free = np.where(np.any(on_plane, axis=0), 0.0, 1.0) if planes else np.ones_like(self.place)
 
-    def corners(self, moved: np.ndarray, F: np.ndarray) -> np.ndarray:
-        """Returns the corners' places (K, 2) from the particles' displacements ``moved`` (P, 2) and F (P, 2, 2)."""
-        given = moved[:, None, :] + np.einsum("pij,pcj->pci", F - np.eye(2), self.from_particle)
-        total = np.stack([np.bincount(self.corner.ravel(), given[:, :, d].ravel()) for d in range(2)], axis=1)
+    def corners(self, displacement: np.ndarray, F: np.ndarray) -> np.ndarray:
+        """Returns the corners' places (K, 2) in m at a ``displacement`` (P, 2) in m and F (P, 2, 2) of particles."""
+        moves = displacement[:, None, :] + np.einsum("pij,pcj->pci", F - np.eye(2), self.from_particle)
+        total = np.stack([np.bincount(self.corner.ravel(), moves[:, :, d].ravel()) for d in range(2)], axis=1)
         return self.place + self.free * self.share * total
 
 
 class MovedBodyPieces:
-    """Pieces at one time, and their maps to a grid's nodes. ``corners`` (K, 2) are in m, ``place`` has them in cells
-    from the first node."""
+    """Pieces of a ``lattice`` in motion, and their maps to the nodes of a grid. ``corners`` (K, 2) are where they are,
+    in m; ``place`` has the same in cells from the first node."""
 
     def __init__(self, lattice: PieceLattice, corners: np.ndarray, grid: MirroredNodeGrid, place: np.ndarray):
         self.lattice, self.grid = lattice, grid
@@ -64,7 +65,8 @@ class MovedBodyPieces:
         self.area = 0.5 * np.sum(x * np.roll(y, -1, axis=1) - y * np.roll(x, -1, axis=1), axis=1)
 
     def nodal_force(self, stress: np.ndarray) -> np.ndarray:
-        """Returns the nodal force (N, 2), in N, of stresses (P, 2, 2) constant in each piece, from its edges."""
+        """Returns the nodal force (N, 2) of a ``stress`` (P, 2, 2) in Pa that is constant in each piece, in N per metre
+        of thickness."""
         jump = np.zeros_like(self.normal)
         for k in range(4):
             edge = self.lattice.edge[:, k]
@@ -75,7 +77,7 @@ class MovedBodyPieces:
         return -self.grid.sum_at_nodes(self.node_numbers, given[None])[0]
 
     def gradient(self, vectors: np.ndarray) -> np.ndarray:
-        """Returns the mean over each piece (P, 2, 2) of the gradient of nodal vectors (N, 2)."""
+        """Returns means over each piece (P, 2, 2), per m, of the gradient of nodal ``vectors`` (N, 2)."""
         on_edge = np.einsum("em,emi->ei", self.weight, self.signs * vectors[self.node_numbers])
         through = self.lattice.along[:, :, None, None] \
             * (on_edge[:, :, None] * self.normal[:, None, :])[self.lattice.edge]
@@ -83,7 +85,8 @@ class MovedBodyPieces:
 
 
 def _mean_hats(a: np.ndarray, b: np.ndarray, row: int) -> tuple[np.ndarray, np.ndarray]:
-    """Returns the nodes (E, M) of edges from a to b (E, 2), in cells, and the mean of each one's hat along the edge."""
+    """Returns nodes (E, M) near edges from a to b (E, 2), in cells, and the mean (E, M) of their hats along the edge;
+    ``row`` is the number of nodes in a row."""
     low, high = np.minimum(a, b), np.maximum(a, b)
     most = max(0, int(np.max(np.ceil(high) - np.floor(low))) - 1)  # lines that an edge crosses in one direction
     lines = np.floor(low)[:, :, None] + 1 + np.arange(most)
@@ -103,7 +106,8 @@ def _mean_hats(a: np.ndarray, b: np.ndarray, row: int) -> tuple[np.ndarray, np.n
 
 
 def _polar_cells(scene: PlanarScene, X: np.ndarray):
-    """Returns the cell of each particle in radius and angle, and a function from corners to places."""
+    """Returns the polar cell (P, 2), in radius and angle, of particles at X (P, 2), and a function from the indices of
+    corners (..., 2) to places in m."""
     around, across = scene.lattice_counts(scene.cells, scene.ppc)
     width, angle = (scene.OUTER - scene.INNER) / across, scene.ANGLE / around
     theta = np.arctan2(X[:, 1], X[:, 0]) % (2 * np.pi)

@@ -27,8 +27,8 @@ CROSSINGS, COARSE_GRID, TIME_STEP = range(len(LOCAL_CAUSES))
 
 
 class StepErrorSources(NamedTuple):
-    """Errors that each of ``LOCAL_CAUSES`` adds in a step to x and v (3, P, 2) and F (3, P, 2, 2), and the velocity
-    gradient of the exact motion (P, 2, 2)."""
+    """Errors that each of ``LOCAL_CAUSES`` adds in a step to x in m, v in m/s (3, P, 2) and F (3, P, 2, 2), and the
+    velocity gradient of the exact motion (P, 2, 2) in 1/s."""
 
     position: np.ndarray
     velocity: np.ndarray
@@ -39,11 +39,9 @@ class StepErrorSources(NamedTuple):
 def step_error_sources(weights: StepWeights, pieces: MovedBodyPieces, now: ExactState, then: ExactState,
                        stress: np.ndarray, volume: np.ndarray, dt: float, with_particle: bool,
                        frozen: bool) -> StepErrorSources:
-    """Returns the sources of the step from ``now`` to ``then``.
-
-    ``stress`` (P, 2, 2) is J sigma of the exact F now, or P if the weights are ``frozen``; ``volume`` (P,) is that at
-    rest; ``with_particle`` is whether particles move with their own velocity.
-    """
+    """Returns the errors that each cause adds in the step of ``dt`` s from the exact state ``now`` to ``then``, by the
+    run's ``weights`` and ``pieces``. ``stress`` (P, 2, 2), Pa, is J sigma of the exact F now, or P if the weights are
+    ``frozen``; ``volume`` (P,) in m^2 is at rest; ``with_particle``: particles move with their own velocity."""
     particles = len(volume)
     x, v = np.zeros((len(LOCAL_CAUSES), particles, 2)), np.zeros((len(LOCAL_CAUSES), particles, 2))
     F = np.zeros((len(LOCAL_CAUSES), particles, 2, 2))
@@ -75,7 +73,7 @@ def step_error_sources(weights: StepWeights, pieces: MovedBodyPieces, now: Exact
 
 
 class CauseErrors:
-    """Errors of x and v (3, P, 2) and of F (3, P, 2, 2) that each of ``LOCAL_CAUSES`` has caused so far."""
+    """Errors of x in m, of v in m/s (3, P, 2) and of F (3, P, 2, 2) that each of ``LOCAL_CAUSES`` has caused so far."""
 
     def __init__(self, particles: int):
         self.position = np.zeros((len(LOCAL_CAUSES), particles, 2))
@@ -83,13 +81,14 @@ class CauseErrors:
         self.deformation_gradient = np.zeros((len(LOCAL_CAUSES), particles, 2, 2))
 
     def fields(self) -> dict[str, np.ndarray]:
-        """Returns the errors by the names of ``solvers.scene.error_causes.FIELDS``."""
+        """Returns the errors "x" in m, "v" in m/s (3, P, 2) and "F" (3, P, 2, 2)."""
         return {"x": self.position, "v": self.velocity, "F": self.deformation_gradient}
 
     def propagate(self, weights: StepWeights, material: StressDifference, F: np.ndarray, F0: np.ndarray,
-                  volume: np.ndarray, given: StepErrorSources, dt: float, with_particle: bool) -> None:
-        """Propagates the errors through a step that began with the run's ``F`` and the exact ``F0`` (P, 2, 2), and adds
-        the step's sources. L F - L0 F0 = (L - L0) F + L0 (F - F0), exactly; with frozen weights F has L only."""
+                  volume: np.ndarray, sources: StepErrorSources, dt: float, with_particle: bool) -> None:
+        """Propagates the errors through a step of ``dt`` s that began with the run's ``F`` and the exact ``F0`` (P, 2,
+        2), and adds the step's ``sources``; ``volume`` and ``with_particle`` as in :func:`step_error_sources`. L F - L0
+        F0 = (L - L0) F + L0 (F - F0), exactly; with frozen weights F has L only."""
         stress = material.split_difference(F, F0, self.deformation_gradient)
         acceleration = weights.stress_acceleration(volume[:, None, None] * stress)
         moved = weights.average_to_nodes(self.velocity) + dt * acceleration
@@ -101,8 +100,8 @@ class CauseErrors:
         self.velocity += faster
         slope = weights.gradient(moved)
         if not material.at_rest:
-            slope = slope @ F + given.velocity_gradient @ self.deformation_gradient
+            slope = slope @ F + sources.velocity_gradient @ self.deformation_gradient
         self.deformation_gradient += dt * slope
-        self.position += given.position
-        self.velocity += given.velocity
-        self.deformation_gradient += given.deformation_gradient
+        self.position += sources.position
+        self.velocity += sources.velocity
+        self.deformation_gradient += sources.deformation_gradient

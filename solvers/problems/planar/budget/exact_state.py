@@ -10,7 +10,7 @@ from solvers.problems.planar.scene import motion_table
 
 
 class ExactState(NamedTuple):
-    """The exact solution at one time, at the material positions of P particles, SI."""
+    """The exact solution at one time, at the material positions of P particles, in SI units."""
 
     displacement: np.ndarray  # u (P, 2)
     velocity: np.ndarray  # v (P, 2)
@@ -22,7 +22,7 @@ class ExactState(NamedTuple):
 
 
 def exact_state_at(scene: Any, a: PlanarBody, t: float) -> ExactState:
-    """Returns the exact solution at the particles of ``a``, from that at the orbits' points."""
+    """Returns the scene's exact solution at the time t in s, at the particles of the arrays ``a``."""
     jets, K = scene.EXACT.jets(scene, a.orbit_point, t), len(a.orbit_point)
     rate = [one.derivative(axis, TIME) for one in jets for axis in (X_AXIS, Y_AXIS)]
     vectors = [stack_components(one, K) for one in ((jets.x.value, jets.y.value), jets.velocity, jets.acceleration,

@@ -29,12 +29,12 @@ from solvers.translatable_message import Message
 
 @dataclass(frozen=True)
 class PlanarBudget:
-    """Error budget of a problem with this solver."""
+    """Error budgets of the runs of a plane problem with this ``solver``."""
 
     solver: type[PlanarSolver]
 
     def require_budget(self, scene: Any, take_away: str = NOTHING) -> None:
-        """Raises :class:`SceneError` where a scene has no budget, or none without the cause ``take_away``."""
+        """Raises :class:`SceneError` where a scene has no budget, or where there is no cause ``take_away``."""
         require_choice("take_away", take_away, (NOTHING, *CAUSES))
         if not scene.solution_known:
             raise SceneError("body_force", scene.body_force, "leaves no exact solution to compare the {problem} with, "
@@ -50,8 +50,9 @@ class PlanarBudget:
 
     def budget_series(self, scene: Any, steps: np.ndarray, take_away: str = NOTHING,
                       on_progress: Callable[[float], None] | None = None) -> tuple[dict[str, np.ndarray], Solver]:
-        """Returns the budget's samples (``solvers.solver.samples.BUDGET``) after the ``steps`` (T,), which increase,
-        NaN once the run is unstable; and the solver at the end."""
+        """Returns the budget's samples (T,) by key (``solvers.solver.samples.BUDGET``) after the numbers of ``steps``
+        (T,), which increase, NaN once the run is unstable; and the solver at the end. The run lacks the effect of the
+        cause ``take_away``; ``on_progress`` is called with the part done, 0 to 1."""
         bare = replace(scene, effects=(), estimators=(), plan="serial", threads=1)
         run = BudgetRun(self.solver(bare), take_away)
         out = {name: np.full(len(steps), np.nan) for name in BUDGET}
@@ -68,8 +69,8 @@ class PlanarBudget:
 
 
 class BudgetRun:
-    """A scene's run from its start, and the errors that each cause makes in it; the contribution of one of ``CAUSES``
-    can be removed from the run, exactly."""
+    """The run of a ``solver`` from its start, and the errors that each cause makes in it; the contribution of the cause
+    ``take_away``, one of ``CAUSES``, is removed from the run, exactly."""
 
     def __init__(self, solver: PlanarSolver, take_away: str = NOTHING):
         self.solver, self._scene, self._arrays = solver, solver.scene, solver._arrays
@@ -89,14 +90,14 @@ class BudgetRun:
             self.causes.velocity[TIME_STEP] = 0.0
 
     def true_errors(self) -> dict[str, np.ndarray]:
-        """Returns the true errors of x, v (P, 2) and F (P, 2, 2)."""
+        """Returns the run's true errors now: "x" in m, "v" in m/s (P, 2) and "F" (P, 2, 2)."""
         q, now = self._arrays.position_velocity, self._now
         return {"x": q[:, :2] - self._X - now.displacement, "v": q[:, 2:] - now.velocity,
                 "F": self._arrays.deformation_gradient.reshape(-1, 2, 2) - now.deformation_gradient}
 
     @IGNORE_OVERFLOW
     def step(self) -> bool:
-        """Takes one step; returns False where the run is unstable."""
+        """Takes one step of run and errors; returns False where the run is unstable, and then leaves the errors."""
         scene, a, now = self._scene, self._arrays, self._now
         F = a.deformation_gradient.reshape(-1, 2, 2).copy()
         corners = self._lattice.place if scene.frozen else \
@@ -109,35 +110,36 @@ class BudgetRun:
         weights = StepWeights(scene, a, F, self._grid)
         pieces = MovedBodyPieces(self._lattice, corners, self._grid, place)
         particle = scene.velocity == "particle"
-        given = step_error_sources(weights, pieces, now, then, self._material.stress(now.deformation_gradient),
-                                   self._volume, scene.time_step, particle, scene.frozen)
+        sources = step_error_sources(weights, pieces, now, then, self._material.stress(now.deformation_gradient),
+                                     self._volume, scene.time_step, particle, scene.frozen)
         if self._removed_cause is not None:
-            self._remove_cause(given, self._removed_cause)
-        self.causes.propagate(weights, self._material, F, now.deformation_gradient, self._volume, given,
+            self._remove_cause(sources, self._removed_cause)
+        self.causes.propagate(weights, self._material, F, now.deformation_gradient, self._volume, sources,
                               scene.time_step, particle)
         self._now = then
         return True
 
-    def _remove_cause(self, given: StepErrorSources, cause: int) -> None:
-        """Subtracts a cause's sources of one step from the run's particles and sets these sources to zero."""
+    def _remove_cause(self, sources: StepErrorSources, cause: int) -> None:
+        """Subtracts the ``sources`` of ``cause``, an index, in one step from the run's particles, and zeros them."""
         a = self._arrays
-        a.position_velocity[:, :2] -= given.position[cause]
-        a.position_velocity[:, 2:] -= given.velocity[cause]
-        a.deformation_gradient -= given.deformation_gradient[cause].reshape(-1, 4)
-        for source in (given.position, given.velocity, given.deformation_gradient):
+        a.position_velocity[:, :2] -= sources.position[cause]
+        a.position_velocity[:, 2:] -= sources.velocity[cause]
+        a.deformation_gradient -= sources.deformation_gradient[cause].reshape(-1, 4)
+        for source in (sources.position, sources.velocity, sources.deformation_gradient):
             source[cause] = 0.0
 
 
 @IGNORE_OVERFLOW
 def sample_budget(run: BudgetRun) -> dict[str, float]:
-    """Returns RMS errors, each cause's signed part and the RMS of its own errors, by the names of samples."""
-    found: dict[str, float] = dict.fromkeys(BUDGET, 0.0)
+    """Returns, by names of samples, RMS errors of x (m), v (m/s) and F, each cause's signed part of them, and the RMS
+    of its own errors."""
+    numbers: dict[str, float] = dict.fromkeys(BUDGET, 0.0)
     for field in FIELDS:
         error, parts = run.true_errors()[field], run.causes.fields()[field]
         count = len(error)
         size = float(np.sqrt(np.sum(error**2) / count))
-        found[f"budget/error_{field}"] = size
+        numbers[f"budget/error_{field}"] = size
         for c, cause in enumerate(LOCAL_CAUSES):
-            found[f"budget/part_{field}_{cause}"] = float(np.sum(parts[c] * error) / count / size) if size else 0.0
-            found[f"budget/size_{field}_{cause}"] = float(np.sqrt(np.sum(parts[c] ** 2) / count))
-    return found
+            numbers[f"budget/part_{field}_{cause}"] = float(np.sum(parts[c] * error) / count / size) if size else 0.0
+            numbers[f"budget/size_{field}_{cause}"] = float(np.sqrt(np.sum(parts[c] ** 2) / count))
+    return numbers

@@ -42,7 +42,7 @@ from solvers.solver.separable_field_tables import (
 
 @ti.func
 def accelerate(body: ti.template(), t, on: ti.template()):
-    """Computes the nodes' accelerations at the trial displacement and time t; they must be zero before."""
+    """Writes the nodes' accelerations (m/s^2) at the trial displacement and t s to layer WORK, zero before."""
     N, order = body.companion_counts[shared.NODES], body.companion_counts[shared.ORDER]
     stiffest = 1.0
     for e in range(body.companion_counts[shared.ACROSS]):
@@ -59,10 +59,8 @@ def accelerate(body: ti.template(), t, on: ti.template()):
 
 @ti.func
 def element_forces(body: ti.template(), first, on: ti.template()):
-    """Subtracts the internal forces of the element from node ``first`` on from its nodes.
-
-    Returns its stiffest waves' stiffness over lambda + 2 mu. They run along the radius; |F^-T e_R| = |F e_Theta|/J.
-    """
+    """Subtracts the internal forces of the element from node ``first`` on from its nodes; returns the stiffness of its
+    stiffest waves, along the radius, over lambda + 2 mu, at least 1. |F^-T e_R| = |F e_Theta|/J."""
     n = body.companion_counts[shared.ORDER] + 1
     trial = shared.WORK * body.companion_counts[shared.NODES] + first
     at_rest, stiffest = body.lame_modulus + 2 * body.shear_modulus, 1.0
@@ -77,8 +75,8 @@ def element_forces(body: ti.template(), first, on: ti.template()):
         along, around = polar_gradient(slope, u, R)
         F = ti.Vector([along[0], around[0], along[1], around[1]])
         J, q, r, A, x = coefficients(body, F, on)
-        found = wave_stiffness(q, r, A, x, along.dot(along), around.dot(around) / (J * J))
-        stiffest = ti.max(stiffest, found / at_rest)
+        stiffness = wave_stiffness(q, r, A, x, along.dot(along), around.dot(around) / (J * J))
+        stiffest = ti.max(stiffest, stiffness / at_rest)
         P = piola(F, q, (r - q) / J)
         radial, hoop = w * R * ti.Vector([P[0], P[2]]), w * ti.Vector([P[1], P[3]])  # P e_R, P e_Theta
         body.companion_nodes[trial + k][2] = body.companion_nodes[trial + k][2] - hoop[1]
@@ -92,21 +90,21 @@ def element_forces(body: ti.template(), first, on: ti.template()):
 
 @ti.func
 def polar_gradient(slope, u, R):
-    """Returns F e_R and F e_Theta in the frame (e_R, e_Theta) of the particle at rest, from u' and u."""
+    """Returns F e_R and F e_Theta in the frame (e_R, e_Theta) of the point at rest, from u' (``slope``), u and R."""
     return ti.Vector([1 + slope[0], slope[1]]), ti.Vector([-u[1], R + u[0]]) / R
 
 
 @ti.func
 def report(body: ti.template(), base, step, on: ti.template()):
-    """Reports every particle's error at ``step``: computed minus the companion's, at its material point; the companion
-    is evaluated once for all particles of a radius."""
+    """Writes every particle's error after ``step`` steps, computed minus the companion's, to the ``estimate`` arrays
+    from entry ``base`` on; the companion is evaluated once for all particles of a radius."""
     shared.interpolate_nodes_in_time(body, step)
     report_at_once(body, base, step, on)
 
 
 @ti.func
 def report_at_once(body: ti.template(), base, step, on: ti.template()):
-    """Reports every particle's error from nodes that are at ``step`` already, as on a GPU."""
+    """Writes every particle's error as :func:`report`, from nodes that are at ``step`` already, as on a GPU."""
     n = body.companion_counts[shared.ORDER] + 1
     for k in range(body.orbits):
         now = shared.NOW * body.companion_counts[shared.NODES] + body.companion_first[k]
@@ -130,7 +128,7 @@ def report_at_once(body: ti.template(), base, step, on: ti.template()):
 
 @ti.func
 def particle_error(body: ti.template(), base, p, step, on: ti.template()):
-    """Stores the errors of x, v, Cauchy stress and a at a particle; returns the square of that of x."""
+    """Writes the estimated errors of particle p (:func:`store_errors`); returns the square of that of x, in m^2."""
     f, e, true = body.companion_circles[body.orbit[p]], body.direction[p], body.companion_circle_stress[body.orbit[p]]
     u, v, sigma = (rotate_vector(e, f[0], f[1]), rotate_vector(e, f[2], f[3]),
                    rotate_tensor(e, true[0], true[1], true[2]))
@@ -139,11 +137,11 @@ def particle_error(body: ti.template(), base, p, step, on: ti.template()):
 
 
 def allocate(scene) -> dict[str, np.ndarray]:
-    """Returns the companion's arrays, undeformed and with the initial velocity."""
+    """Returns the companion's arrays by name for a scene, undeformed and with the initial velocity."""
     solved = scene.companion_body(fine=None)
     elements, layout = solved.elements, particle_layout(scene)
-    n, R = elements.order + 1, elements.nodes
-    element, *basis = elements.locate(layout.orbits[:, 0])
+    n, R = elements.order + 1, elements.node_coordinates
+    element, *basis = elements.evaluate_basis(layout.orbits[:, 0])
     sizes, force = pack_tables(*map(paired_mode_entries, solved.force[1:]))
     start = shared.initial_companion_arrays((elements.order, elements.count, 1, len(R), len(R), len(R)),
                                             solved.frequency_at_rest, scene.time_step, solved.velocity,
@@ -156,7 +154,7 @@ def allocate(scene) -> dict[str, np.ndarray]:
 
 
 def verdict(scene, memory) -> str | None:
-    """Returns why not to trust the last report, or None."""
+    """Returns why not to trust the companion's last report, as a sentence, or None; ``memory`` are arrays by name."""
     counts = memory["companion_counts"]
     order = counts[shared.ORDER]
     u = memory["companion_nodes"].reshape(-1, counts[shared.NODES], 8)[shared.NOW, :, :2]

@@ -15,13 +15,14 @@ INSTANTS = 16  # of a period, at which the stiffest deformation is searched
 
 
 def sector_masses(elements: Elements) -> np.ndarray:
-    """Returns w_i R_i of the nodes: their masses in a sector of one radian, for a density of 1."""
+    """Returns quadrature weight times radius (N,), in m^2, of the nodes along a radius: the area of each in a sector of
+    one radian."""
     return elements.assembled_weights * elements.node_coordinates
 
 
 @functools.cache
 def unit_frequency(elements: Elements) -> float:
-    """Returns the body's highest frequency at rest in 1/s for a wave speed of 1 m/s: u_tt = u'' + u'/R - u/R^2."""
+    """Returns the highest frequency in 1/s of u_tt = u'' + u'/R - u/R^2 on a radius: waves of 1 m/s at rest."""
     R, node, weights = elements.node_coordinates, elements.node_of_point, elements.weights
     inverse_mass = 1 / sector_masses(elements)
 
@@ -34,9 +35,9 @@ def unit_frequency(elements: Elements) -> float:
 
 
 class CircularBody(ElasticBody):
-    """Body given by two functions of the radius on a line of elements, because all angles are equal (see
-    ``solvers.problems.planar.estimators.circular_companion`` for the equations). The unknowns are the displacements of
-    points on the x axis, along it and across it."""
+    """Elastic body with a motion that is the same all around, given by two functions of the radius on ``count``
+    elements of ``order`` (``solvers.problems.planar.estimators.circular_companion`` has the equations). The unknowns
+    (N, 2) are the displacements in m of points on the x axis, along it and across it."""
 
     def __init__(self, scene: Any, count: int, order: int):
         self.elements, self._material = Elements(scene.INNER, scene.OUTER, count, order), scene.material
@@ -51,14 +52,14 @@ class CircularBody(ElasticBody):
         self.frequency = self.frequency_at_rest * self.stiffening(F.reshape(-1, 4).T)
 
     def stiffening(self, F: Any) -> float:
-        """Returns the factor by which F, by (e_R, e_Theta), raises the frequencies of waves along the radius, at least
-        1; |F^-T e_R| = |F e_Theta|/J."""
+        """Returns the largest factor, at least 1, by which F, four components in (e_R, e_Theta), raises frequencies of
+        waves along the radius; |F^-T e_R| = |F e_Theta|/J."""
         pressed = (F[1] * F[1] + F[3] * F[3]) / determinant(F) ** 2
         return self._material.max_frequency_factor(F, F[0] * F[0] + F[2] * F[2], pressed)
 
     def deformation_gradient(self, z: np.ndarray) -> tuple[np.ndarray, ...]:
-        """Returns F by (e_R, e_Theta) at the points of the elements, for complex places z of the nodes: columns z', i
-        z/R."""
+        """Returns F as rr, rt, tr, tt, r along e_R and t along e_Theta, at the elements' points (count, p+1), for
+        nodes at complex places z (N,) in m: columns z', i z/R."""
         node = self.elements.node_of_point
         slope, hoop = z[node] @ self.elements.derivative.T, z[node] / self._R[node]
         return slope.real, -hoop.imag, slope.imag, hoop.real
@@ -69,8 +70,8 @@ class CircularBody(ElasticBody):
         return self.force(t) + np.stack([internal.real, internal.imag], axis=1)
 
     def internal_acceleration(self, z: np.ndarray) -> np.ndarray:
-        """Returns the nodes' acceleration (N,) by stress, complex like their places z: along e_R at rest, and as
-        imaginary part along e_Theta."""
+        """Returns the nodes' acceleration (N,) by stress in m/s^2, complex like their places z in m: along e_R at rest,
+        and as imaginary part along e_Theta."""
         node, w = self.elements.node_of_point, self.elements.weights
         xx, xy, yx, yy = self._material.first_piola_stress(self.deformation_gradient(z))
         pull = (w * self._R[node] * (xx + 1j * yx)) @ self.elements.derivative + w * (yy - 1j * xy)
@@ -84,18 +85,17 @@ class CircularBody(ElasticBody):
         element, values, slopes = self.elements.evaluate_basis(R)
         local = u[self.elements.node_of_point[element]]
         there, slope = (np.einsum("pi,pic->pc", basis, local) for basis in (values, slopes))
-        outward, around = vectors_from_components(e,
-                                                  slope), vectors_from_components(e, rotate_right(-there) / R[:, None])
-        return vectors_from_components(e, there), outward[:, :, None] * e[:, None] + around[:, :, None] * rotate_right(
-            -e
-        )[:, None]
+        outward = vectors_from_components(e, slope)
+        around = vectors_from_components(e, rotate_right(-there) / R[:, None])
+        return vectors_from_components(e, there), \
+            outward[:, :, None] * e[:, None] + around[:, :, None] * rotate_right(-e)[:, None]
 
 
 def rotate_right(vectors: np.ndarray) -> np.ndarray:
-    """Returns vectors (..., 2) rotated by 90 degrees to the right."""
+    """Returns vectors (..., 2) turned right by 90 degrees."""
     return np.stack([vectors[..., 1], -vectors[..., 0]], axis=-1)
 
 
 def vectors_from_components(e: np.ndarray, parts: np.ndarray) -> np.ndarray:
-    """Returns vectors (P, 2) from their ``parts`` along e (P, 2) and along e rotated by 90 degrees to the left."""
+    """Returns vectors (P, 2) from ``parts`` (P, 2) along unit vectors e (P, 2), and e turned left by 90 degrees."""
     return parts[:, :1] * e - parts[:, 1:] * rotate_right(e)

@@ -30,7 +30,7 @@ from solvers.solver.separable_field_tables import (
 
 @ti.func
 def accelerate(body: ti.template(), t, on: ti.template()):
-    """Computes the nodes' accelerations at the trial displacement and time t; they must be zero before."""
+    """Writes the nodes' accelerations (m/s^2) at the trial displacement and t s to layer WORK, zero before."""
     row = body.companion_counts[shared.ROW]
     stiffest = 1.0
     for across in range(body.companion_counts[shared.ACROSS]):
@@ -51,10 +51,8 @@ def accelerate(body: ti.template(), t, on: ti.template()):
 
 @ti.func
 def element_stresses(body: ti.template(), corner, on: ti.template()):
-    """Stores w j P grad xi and w j P grad eta at the points of the element from node ``corner`` on.
-
-    Returns the stiffness of its stiffest waves, along a principal axis, over lambda + 2 mu.
-    """
+    """Stores w j P grad xi and w j P grad eta at the points of the element from node ``corner`` on; returns the
+    stiffness of its stiffest waves, along a principal axis, over lambda + 2 mu, at least 1."""
     n, row = body.companion_counts[shared.ORDER] + 1, body.companion_counts[shared.ROW]
     trial = shared.WORK * body.companion_counts[shared.NODES] + corner
     for i in range(n):
@@ -89,7 +87,7 @@ def element_stresses(body: ti.template(), corner, on: ti.template()):
 
 @ti.func
 def element_forces(body: ti.template(), corner):
-    """Subtracts the element's internal forces from its nodes."""
+    """Subtracts the internal forces of the element from node ``corner`` on, of stored stresses, from its nodes."""
     n, row = body.companion_counts[shared.ORDER] + 1, body.companion_counts[shared.ROW]
     trial = shared.WORK * body.companion_counts[shared.NODES] + corner
     for i in range(n):
@@ -105,8 +103,8 @@ def element_forces(body: ti.template(), corner):
 
 @ti.func
 def report(body: ti.template(), base, step, on: ti.template()):
-    """Reports every particle's error at ``step``: computed minus the companion's, at its material point. For particles
-    of the same xi the companion is first reduced to one line of nodes, then evaluated there at each eta."""
+    """Writes every particle's error after ``step`` steps, computed minus the companion's, to the ``estimate`` arrays
+    from ``base`` on. Of each xi the companion is first reduced to a line of nodes, then evaluated there at each eta."""
     shared.interpolate_nodes_in_time(body, step)
     squares = 0.0
     for k in range(body.companion_counts[shared.RADII]):
@@ -118,7 +116,7 @@ def report(body: ti.template(), base, step, on: ti.template()):
 
 @ti.func
 def report_at_once(body: ti.template(), base, step, on: ti.template()):
-    """Reports every particle's error on a GPU, from nodes at ``step``, each on its own part of its line."""
+    """Writes every particle's error as :func:`report` on a GPU, from nodes at ``step``, each on a line of its own."""
     squares = 0.0
     for n in range(body.particles):
         squares += particle_error(body, base, body.companion_counts[shared.RADII] + 1 + n, step, on)
@@ -127,7 +125,7 @@ def report_at_once(body: ti.template(), base, step, on: ti.template()):
 
 @ti.func
 def interpolate_to_line(body: ti.template(), k):
-    """Computes u, v, a and u_xi on the line of the particles' k-th xi, at the nodes' eta."""
+    """Stores u, v, a and u_xi on the line of the particles' k-th xi, at the nodes' eta, behind the layers of nodes."""
     line = shared.LAYERS * body.companion_counts[shared.NODES]
     for j in range(body.companion_counts[shared.ROW]):
         total = line_node_values(body, k, j)
@@ -136,7 +134,7 @@ def interpolate_to_line(body: ti.template(), k):
 
 @ti.func
 def line_node_values(body: ti.template(), k, j):
-    """Returns u, v, a and u_xi at node j of the line of the particles' k-th xi."""
+    """Returns the companion's u, v, a and u_xi, (x, y) each, at node j of the line of the particles' k-th xi."""
     n, row = body.companion_counts[shared.ORDER] + 1, body.companion_counts[shared.ROW]
     start = shared.NOW * body.companion_counts[shared.NODES] + body.companion_places[4 * k + 1]
     total, slope = ti.Vector([0.0] * 8), ti.Vector([0.0, 0.0])
@@ -150,8 +148,8 @@ def line_node_values(body: ti.template(), k, j):
 
 @ti.func
 def particle_error(body: ti.template(), base, row, step, on: ti.template()):
-    """Stores the errors of x, v, Cauchy stress and a at a particle, whose ``row`` of the places is (p, first node of
-    its line, first of its polynomials, number of its xi); returns the square of that of x."""
+    """Writes the estimated errors (:func:`store_errors`) of the particle in ``row`` of ``companion_places``: (p, first
+    node of its line, first of its polynomials, number of its xi). Returns the square of that of x, in m^2."""
     place = ti.Vector([body.companion_places[4 * row + k] for k in range(4)])
     p = place[0]
     f = ti.Vector([0.0] * 8)  # u, v, a, u_xi
@@ -173,7 +171,8 @@ def particle_error(body: ti.template(), base, row, step, on: ti.template()):
 
 @ti.func
 def store_errors(body: ti.template(), base, p, step, motion, acceleration, sigma, on: ti.template()):
-    """Stores a particle's errors against the companion's u, v, a and stress; returns the square of that of x."""
+    """Writes the errors of particle p against the companion's ``motion`` (u, v), a and Cauchy stress ``sigma`` (xx, xy,
+    yy), SI units, to the ``estimate`` arrays at ``base + p``; returns the square of that of x, in m^2."""
     q, X = body.position_velocity[p], body.material_position[p]
     error = ti.Vector([q[0] - X[0] - motion[0], q[1] - X[1] - motion[1], q[2] - motion[2], q[3] - motion[3]])
     body.estimate[base + p] = error
@@ -187,12 +186,13 @@ def store_errors(body: ti.template(), base, p, step, motion, acceleration, sigma
 
 
 class ParticleBasis(NamedTuple):
-    """Tables with which the companion's kernels evaluate it at particles, sorted by xi.
+    """Tables with which kernels evaluate the companion at P particles, sorted by xi.
 
-    ``basis`` are values and derivatives of the p + 1 polynomials at every xi of ``columns``, then at every eta.
-    ``places`` begin with a line for each xi and one more, (where its particles begin, first node of its element, 0, 0),
-    and then have the particles: (particle, first node of its element on a line of nodes, its basis, its xi).
-    ``coordinate_gradients`` are grad xi and grad eta (P, 4).
+    ``basis`` (n, 2) are values and derivatives of the p + 1 polynomials at each different xi, of which there are
+    ``columns``, then at each eta. ``places`` (rows, 4) begin with a row for each xi and one more: the row of its first
+    particle, first node of its element, 0, 0; then have a row for each particle: its number, the first node of its
+    element on a line of nodes, the first row of its basis, the number of its xi. ``coordinate_gradients`` (P, 4) are
+    grad xi and grad eta in 1/m.
     """
 
     basis: np.ndarray
@@ -202,7 +202,7 @@ class ParticleBasis(NamedTuple):
 
 
 def particle_basis(patch: CompanionPatch, X: np.ndarray) -> ParticleBasis:
-    """Returns the tables for particles at material points X (P, 2)."""
+    """Returns the tables to evaluate the companion on ``patch`` at particles with material points X (P, 2) in m."""
     first, second = patch.lines
     (across, column), (along, line) = (np.unique(one.round(12), return_inverse=True)
                                        for one in patch.map.coordinates(X))
@@ -220,18 +220,18 @@ def particle_basis(patch: CompanionPatch, X: np.ndarray) -> ParticleBasis:
 
 
 def allocate(scene) -> dict[str, np.ndarray]:
-    """Returns the companion's arrays on the scene's patch, undeformed and with the initial velocity."""
+    """Returns the companion's arrays by name for a scene, undeformed and with the initial velocity."""
     patch = scene.companion_body(fine=None)
     (first, second), seen = patch.lines, particle_basis(patch, particle_layout(scene).position)
     n = first.order + 1
     matrices = np.stack([first.derivative, second.derivative, np.outer(first.weights, second.weights),
                          np.zeros((n, n))], axis=-1)
     sizes, force = pack_tables(*map(paired_mode_entries, patch.force[1:]))
+    row = len(second.node_coordinates)
     return {
-        **shared.initial_companion_arrays((first.order, first.count, second.count, len(second.nodes), len(patch.places),
-                                           seen.columns),
-                                          patch.frequency_at_rest, scene.time_step, patch.velocity, patch.inverse_mass,
-                                          len(second.nodes)),
+        **shared.initial_companion_arrays((first.order, first.count, second.count, row, len(patch.places),
+                                           seen.columns), patch.frequency_at_rest, scene.time_step, patch.velocity,
+                                          patch.inverse_mass, row),
         "companion_geometry": patch.geometry, "companion_slopes": seen.coordinate_gradients,
         "companion_matrices": matrices.reshape(-1, 4), "companion_trial": np.zeros((n * n, 2)),
         "companion_stresses": np.zeros((n * n, 4)), "companion_basis": seen.basis,
@@ -239,7 +239,7 @@ def allocate(scene) -> dict[str, np.ndarray]:
 
 
 def verdict(scene, memory) -> str | None:
-    """Returns why not to trust the last report, or None."""
+    """Returns why not to trust the companion's last report, as a sentence, or None; ``memory`` are arrays by name."""
     counts = memory["companion_counts"]
     order, shape = counts[shared.ORDER], (counts[shared.NODES] // counts[shared.ROW], counts[shared.ROW])
     u = memory["companion_nodes"][shared.NOW * counts[shared.NODES]:, :2][:counts[shared.NODES]].reshape(*shape, 2)

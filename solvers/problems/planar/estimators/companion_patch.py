@@ -14,8 +14,8 @@ INSTANTS = 8  # of a period, at which the stiffest deformation is searched
 
 
 class CoordinateMap(NamedTuple):
-    """Map X(xi, eta): ``place`` returns (N, 2) in m for coordinates (N,) each, ``tangents`` dX/dxi and dX/deta (N, 2)
-    each, ``coordinates`` xi and eta (P,) of material points (P, 2)."""
+    """Map X(xi, eta) of a patch: ``place(xi, eta)`` returns points (N, 2) in m for coordinates (N,) each, ``tangents``
+    dX/dxi and dX/deta (N, 2) each, ``coordinates(X)`` xi and eta (P,) of material points (P, 2) in m."""
 
     place: Callable[[np.ndarray, np.ndarray], np.ndarray]
     tangents: Callable[[np.ndarray, np.ndarray], tuple[np.ndarray, np.ndarray]]
@@ -29,31 +29,21 @@ CARTESIAN = CoordinateMap(lambda xi, eta: np.stack([xi, eta], axis=1),
 
 
 def contravariant_vectors(tangents: tuple[np.ndarray, np.ndarray]) -> np.ndarray:
-    """Returns j grad xi and j grad eta (N, 4) from the tangents, j = det dX/d(xi, eta)."""
+    """Returns j grad xi and j grad eta (N, 4) from ``tangents`` dX/dxi, dX/deta (N, 2), j = det dX/d(xi, eta)."""
     (a, b), (c, d) = (one.T for one in tangents)
     return np.stack([d, -c, -b, a], axis=1)
 
 
 class CompanionPatch(ElasticBody):
-    """The companion of a scene with a manufactured solution on one patch, and its solver in numpy without a run.
-
-    Parameters
-    ----------
-    scene
-        Scene with ``EXACT``, ``material``, ``density``, ``body_force`` and ``period``.
-    lines
-        Elements along xi and along eta, of one order.
-    patch_map
-        Map from the coordinates to material points.
-    held
-        Function that returns which components (N, 2) of the nodes at material points (N, 2) a symmetry plane fixes.
-    """
+    """Elastic body of a scene's companion on one patch, in numpy. ``lines`` are the elements along xi and along eta, of
+    one order, ``patch_map`` maps these coordinates to material points; ``held`` returns which components (N, 2) of
+    nodes at material points (N, 2) in m a symmetry plane fixes."""
 
     def __init__(self, scene: Any, lines: tuple[Elements, Elements], patch_map: CoordinateMap,
                  held: Callable[[np.ndarray], np.ndarray]):
         first, second = self.lines = lines
-        self.map, self._material, self._shape = (patch_map, scene.material,
-                                                 (len(first.node_coordinates), len(second.node_coordinates)))
+        self.map, self._material = patch_map, scene.material
+        self._shape = len(first.node_coordinates), len(second.node_coordinates)
         xi, eta = (line.ravel() for line in np.meshgrid(first.node_coordinates, second.node_coordinates, indexing="ij"))
         self.places = patch_map.place(xi, eta)
         self.geometry = contravariant_vectors(patch_map.tangents(xi, eta))
@@ -79,13 +69,14 @@ class CompanionPatch(ElasticBody):
             self._material.max_frequency_factor(F.reshape(-1, 4).T, one, 1 / one) for one in axes)
 
     def _hookean_stress(self, xx: Any, xy: Any, yx: Any, yy: Any) -> tuple[Any, Any, Any, Any]:
-        """Returns the stress of Grad u by Hooke's law."""
+        """Returns the stress as xx, xy, yx, yy in Pa by Hooke's law, for arrays of Grad u in the same order."""
         _, bulk, mu = self._material
         shear = mu * (xy + yx)
         return bulk * (xx + yy) + 2 * mu * xx, shear, shear, bulk * (xx + yy) + 2 * mu * yy
 
     def _internal_forces(self, u: np.ndarray, law: Callable[..., Any]) -> np.ndarray:
-        """Returns the internal forces (N, 2) of displacements, in N, which resist them."""
+        """Returns the internal forces (N, 2), in N per metre of thickness, that resist displacements u (N, 2) in m;
+        ``law`` returns the stress in Pa from Grad u, both as xx, xy, yx, yy."""
         (first, second), local = self.lines, u[self._node]  # (a, b, i, k, 2)
         by_xi = np.einsum("ik,abkjc->abijc", first.derivative, local, optimize=True)
         by_eta = np.einsum("jk,abikc->abijc", second.derivative, local, optimize=True)
@@ -116,6 +107,6 @@ class CompanionPatch(ElasticBody):
         return values, by_xi[:, :, None] * slopes[:, None, :2] + by_eta[:, :, None] * slopes[:, None, 2:]
 
     def coordinate_gradients(self, X: np.ndarray) -> np.ndarray:
-        """Returns grad xi and grad eta (P, 4) at material points."""
+        """Returns grad xi and grad eta (P, 4) at material points X (P, 2) in m."""
         g = contravariant_vectors(self.map.tangents(*self.map.coordinates(X)))
         return g / (g[:, 0] * g[:, 3] - g[:, 1] * g[:, 2])[:, None]

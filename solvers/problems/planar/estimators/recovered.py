@@ -43,7 +43,8 @@ MEMORY = {
 
 @ti.func
 def start_reference(body: ti.template(), nodes: ti.template(), t, lattice: ti.template(), on: ti.template()):
-    """Starts the reference, once, with the acceleration at time t, when the body was undeformed: a = M b."""
+    """Starts the reference in ``nodes``, once, with the acceleration a = M b at t s, when the body was undeformed;
+    ``lattice`` are :class:`~solvers.problems.planar.estimators.recovered_operators.LatticeOptions`."""
     if body.recovered_numbers[TURNS] == NEW:
         op.project_body_force(body, t, lattice, on)
         B, step = body.recovered_line_nodes, body.recovered_numbers[H]
@@ -61,12 +62,12 @@ def start_reference(body: ti.template(), nodes: ti.template(), t, lattice: ti.te
 
 @ti.func
 def after_step(body: ti.template(), step, lattice: ti.template(), on: ti.template()):
-    """Advances the reference: U += H w; w += H (a + correction), with a = M b - D P/rho."""
+    """Advances the reference to ``step`` steps: U += H w; w += H (a + correction), with a = M b - D P/rho."""
     start_reference(body, body.recovered_nodes, step * body.dt - body.recovered_numbers[H], lattice, on)
     for p in range(body.particles):
         q, X = body.position_velocity[p], body.material_position[p]
-        body.recovered_particles[op.particle_index(body, op.FIELD,
-                                                   p)] = ti.Vector([q[0] - X[0], q[1] - X[1], q[2], q[3]])
+        field = ti.Vector([q[0] - X[0], q[1] - X[1], q[2], q[3]])
+        body.recovered_particles[op.particle_index(body, op.FIELD, p)] = field
     op.project_along_lines(body, op.FIELD, lattice.value)
     damped_errors(body, body.recovered_nodes, step, lattice)
     op.interpolate_across_lines(body, lattice)
@@ -79,7 +80,7 @@ def after_step(body: ti.template(), step, lattice: ti.template(), on: ti.templat
 
 @ti.func
 def damped_errors(body: ti.template(), nodes: ti.template(), step, lattice: ti.template()):
-    """Computes U += H w at the nodes, and e* = 2 e - C e + tau (1 - C)^2 e'."""
+    """Sets U += H w in ``nodes``, and their errors e* = 2 e - C e + tau (1 - C)^2 e'; C smooths (see the module)."""
     op.project_across_lines(body, op.PROJECTED, op.PAIR_VALUES, lattice)
     for i in range(body.recovered_count):
         r = nodes[op.node_index(body, op.MOTION, i)]
@@ -108,7 +109,7 @@ def damped_errors(body: ti.template(), nodes: ti.template(), step, lattice: ti.t
 
 @ti.func
 def compute_recovered_stress(body: ti.template(), lattice: ti.template(), on: ti.template()):
-    """Computes P e_R and P e_angle at the particles, from slopes along the lattice's own lines."""
+    """Stores P e_R and P e_angle, in Pa, at the particles, from slopes along the lattice's own lines."""
     op.fit_across_lines(body, op.FIELD, op.FITTED_SLOPES, op.PAIR_SLOPES, lattice)
     op.fit_along_lines(body, op.HALF_SLOPES, lattice.slope)
     for line in range(body.particles // body.recovered_line):
@@ -124,7 +125,7 @@ def compute_recovered_stress(body: ti.template(), lattice: ti.template(), on: ti
 
 @ti.func
 def piola_stress_vectors(body: ti.template(), a, b, c, d, on: ti.template()):
-    """Returns P e_R and P e_angle as (x, y, x, y), where F e_R = (a, c) and F e_angle = (b, d)."""
+    """Returns P e_R and P e_angle as (x, y, x, y) in Pa, where F e_R = (a, c) and F e_angle = (b, d)."""
     F = ti.Vector([a, b, c, d])
     J, q, r, _, _ = material.coefficients(body, F, on)
     xx, xy, yx, yy = material.piola(F, q, (r - q) / J)
@@ -133,15 +134,15 @@ def piola_stress_vectors(body: ti.template(), a, b, c, d, on: ti.template()):
 
 @ti.func
 def stress_error(body: ti.template(), p, a, b, c, d, on: ti.template()):
-    """Returns the Cauchy stress of a particle minus that of the gradient (a, b, c, d), as xx, xy, yy, 0."""
+    """Returns the Cauchy stress of particle p minus that of F e_R = (a, c), F e_angle = (b, d): xx, xy, yy, 0 in Pa."""
     miss = cauchy_stress(body, p, on) - cauchy_stress_of(body, ti.Vector([a, b, c, d]), on)
     return ti.Vector([miss[0], miss[1], miss[2], 0.0])
 
 
 @ti.func
 def gradient(body: ti.template(), p, slopes, lattice: ti.template()):
-    """Returns F e_R = (a, c) and F e_angle = (b, d) at particle p, from the displacement's slopes along the radius and
-    around it; on a square F e_x and F e_y, from those along x and y."""
+    """Returns a, b, c, d of F e_R = (a, c) and F e_angle = (b, d) at particle p, from the displacement's ``slopes`` by
+    radius (x, y) and angle (x, y); on a square of F e_x and F e_y, from slopes along x and y."""
     e, per_R = body.direction[p], 1.0
     if ti.static(not lattice.box):
         per_R = 1 / body.orbit_point[body.orbit[p]][0]
@@ -150,7 +151,7 @@ def gradient(body: ti.template(), p, slopes, lattice: ti.template()):
 
 @ti.func
 def advance_reference_motion(body: ti.template(), nodes: ti.template(), first, lattice: ti.template()):
-    """Computes the acceleration of every node, and the new rate."""
+    """Sets acceleration and mean rate of the reference at ``nodes``; ``first`` is whether it is its first step."""
     B, step = body.recovered_line_nodes, body.recovered_numbers[H]
     op.project_across_lines(body, op.PROJECTED, op.EACH, lattice)
     for a in range(body.recovered_count // B):
@@ -162,18 +163,18 @@ def advance_reference_motion(body: ti.template(), nodes: ti.template(), first, l
             at_r, at_rate = op.node_index(body, op.MOTION, a * B + b), op.node_index(body, op.RATE, a * B + b)
             r, rate = nodes[at_r], nodes[at_rate]
             x, y = ti.Vector([r[0], r[2], rate[0], rate[2]]), ti.Vector([r[1], r[3], rate[1], rate[3]])
-            nodes[op.node_index(body, op.BEFORE, a * B + b)] = ti.Vector(
-                [recovered.acceleration_two_steps_before(x, a_x, first),
-                 recovered.acceleration_two_steps_before(y, a_y, first), 0.0, 0.0]
-            )
-            x, y = recovered.next_reference_solution(x, a_x, step,
-                                                     first), recovered.next_reference_solution(y, a_y, step, first)
+            nodes[op.node_index(body, op.BEFORE, a * B + b)] = ti.Vector([
+                recovered.acceleration_two_steps_before(x, a_x, first),
+                recovered.acceleration_two_steps_before(y, a_y, first), 0.0, 0.0])
+            x = recovered.next_reference_solution(x, a_x, step, first)
+            y = recovered.next_reference_solution(y, a_y, step, first)
             nodes[at_r], nodes[at_rate] = ti.Vector([x[0], y[0], x[1], y[1]]), ti.Vector([x[2], y[2], x[3], y[3]])
 
 
 @ti.func
 def report(body: ti.template(), base, step, lattice: ti.template(), on: ti.template()):
-    """Reports the errors of x, v, sigma at the state's time and of a at the last step's, at the particles."""
+    """Writes the particles' errors of x, v, sigma after ``step`` steps, and of a one step before, to the ``estimate``
+    arrays from entry ``base`` on; NaN for those that are not estimated."""
     if step > 0:
         since = recovered.time_since_reference_step(step, body.dt, body.recovered_numbers[H])
         start_reference(body, body.recovered_nodes, step * body.dt - since, lattice, on)
@@ -205,7 +206,7 @@ def report(body: ti.template(), base, step, lattice: ti.template(), on: ti.templ
 
 @ti.func
 def report_particle(body: ti.template(), base, p, of_acceleration, lattice: ti.template(), on: ti.template()):
-    """Reports E of the fields at a particle: of x, v and sigma; or of a, which is unknown until then."""
+    """Writes the error E of particle p to the ``estimate`` arrays: of x, v and sigma, with a unknown; or of a."""
     line, j = p // body.recovered_line, p % body.recovered_line
     field, q = body.recovered_particles[op.particle_index(body, op.FIELD, p)], body.position_velocity[p]
     fitted = body.recovered_particles[op.particle_index(body, op.FITTED, p)]
@@ -223,8 +224,8 @@ def report_particle(body: ti.template(), base, p, of_acceleration, lattice: ti.t
 
 @ti.func
 def compute_nodal_errors(body: ti.template(), nodes: ti.template(), step, of_acceleration, lattice: ti.template()):
-    """Computes nodal errors of the fields, unsmoothed and spread along the angle; and the fitted fields, that of x and
-    v with its slopes."""
+    """Stores nodal errors of the particles' fields after ``step`` steps, unsmoothed and interpolated across lines; and
+    the fitted fields, unless ``of_acceleration`` with their slopes."""
     op.project_along_lines(body, op.FIELD, lattice.value)
     op.project_across_lines(body, op.PROJECTED, op.PAIR_VALUES, lattice)
     length = body.recovered_numbers[H]
@@ -260,7 +261,7 @@ def compute_nodal_errors(body: ti.template(), nodes: ti.template(), step, of_acc
 
 
 def hooks(lattice: op.LatticeOptions) -> EstimatorHooks:
-    """Returns the estimator's hooks for problems whose particles start on this lattice."""
+    """Returns recovered's hooks for problems whose particles start on this ``lattice``."""
     @ti.func
     def its_step(body: ti.template(), base, step, on: ti.template()):
         after_step(body, step, lattice, on)

@@ -44,7 +44,8 @@ PAIR_VALUES, PAIR_SLOPES, EACH = (0, 1, 0, 1), (2, 3, 2, 3), (0, 1, 2, 3)
 
 
 class LatticeOptions(NamedTuple):
-    """Compile-time description of the lattice, and the indices of the weights along a line."""
+    """Compile-time description of the particles' lattice, and which of a weight's four numbers along a line multiply
+    the components of two vectors (x, y, x, y), for values or slopes."""
 
     closed: bool = False  # a whole turn: the first line comes after the last
     box: bool = False  # the rows of a square, with a symmetry plane at all four sides; else radii
@@ -60,23 +61,26 @@ BOX = LatticeOptions(box=True, value=PAIR_VALUES, slope=PAIR_SLOPES, slope_value
 
 @ti.func
 def node_index(body: ti.template(), block: ti.template(), i):
+    """Returns the index of node i in a block (MOTION, RATE, ...) of ``recovered_nodes``."""
     return block * body.recovered_count + i
 
 
 @ti.func
 def line_node_index(body: ti.template(), block: ti.template(), line, b):
+    """Returns the index in ``recovered_particles`` of node b on a line of particles, in the block VALUES or SLOPES."""
     radii = body.particles // body.recovered_line
     return PARTICLE_BLOCKS * body.particles + (block * radii + line) * body.recovered_line_nodes + b
 
 
 @ti.func
 def particle_index(body: ti.template(), block: ti.template(), p):
+    """Returns the index of particle p in a block (FIELD, FITTED, ...) of ``recovered_particles``."""
     return block * body.particles + p
 
 
 @ti.func
 def pick_weights(weight, pick: ti.template()):
-    """Returns the four entries of a weight with the indices ``pick``."""
+    """Returns the four entries with the indices ``pick`` of a vector ``weight``."""
     ready = weight
     if ti.static(pick != EACH):
         first, third = weight[pick[0]], weight[pick[2]]
@@ -89,8 +93,8 @@ def pick_weights(weight, pick: ti.template()):
 
 @ti.func
 def row_sum(body: ti.template(), table: ti.template(), row, pick: ti.template(), field: ti.template(), start):
-    """Returns a table row's sum: entry ``start + i`` of ``field`` times the entries ``pick`` of the row's i-th
-    weight."""
+    """Returns the sum (4,) of a table's row: entries of ``field`` from ``start`` on, as the row says, times the entries
+    ``pick`` of its weights."""
     total = ti.Vector([0.0, 0.0, 0.0, 0.0])
     first, begin, end = table_row_range(body, table, row, row)
     entry = start + first
@@ -103,8 +107,8 @@ def row_sum(body: ti.template(), table: ti.template(), row, pick: ti.template(),
 @ti.func
 def row_sums(body: ti.template(), table: ti.template(), row, pick: ti.template(), field: ti.template(), start, apart,
              stride, count, closed: ti.template()):
-    """Returns the sums of a row for ``ROWS_PER_GROUP`` lines side by side, whose fields are ``apart`` entries apart;
-    entries are ``stride`` apart, and ``count`` in all where the line is ``closed``."""
+    """Returns :func:`row_sum` for ``ROWS_PER_GROUP`` lines side by side, which begin ``apart`` entries apart; a line's
+    entries are ``stride`` apart, and ``count`` in all where it is ``closed``."""
     one, two, three = ti.Vector([0.0] * 4), ti.Vector([0.0] * 4), ti.Vector([0.0] * 4)
     first, begin, end = table_row_range(body, table, row, row)
     entry, beyond = start + stride * first, start + stride * count
@@ -121,36 +125,34 @@ def row_sums(body: ti.template(), table: ti.template(), row, pick: ti.template()
 
 @ti.func
 def project_along_lines(body: ti.template(), block: ti.template(), pick: ti.template()):
-    """Computes integrals along each line of a block of the particles' fields, on a radius over that of N_b R.
-
-    With ``value`` those of N_b f R; with ``slope_metric`` of N_b' R P e_R and of N_b P e_angle, side by side.
-    """
+    """Stores integrals along each line of a block of the particles' fields, on a radius over that of N_b R: if ``pick``
+    is ``value``, of N_b f R; if ``slope_metric``, of N_b' R P e_R and of N_b P e_angle, side by side."""
     radii, K, B = body.particles // body.recovered_line, body.recovered_line, body.recovered_line_nodes
     for group in range(group_count(radii)):
         line = first_in_group(group, radii)
         for b in range(B):
-            store_sums(body.recovered_particles, line_node_index(body, VALUES, line, b), B,
-                       row_sums(body, ALONG_PROJECTION, b, pick, body.recovered_particles,
-                                particle_index(body, block, line * K), K, 1, 0, False))
+            store_sums(body.recovered_particles, line_node_index(body, VALUES, line, b), B, row_sums(
+                body, ALONG_PROJECTION, b, pick, body.recovered_particles, particle_index(body, block, line * K), K, 1,
+                0, False))
 
 
 @ti.func
 def project_across_lines(body: ti.template(), into: ti.template(), pick: ti.template(), lattice: ti.template()):
-    """Computes a block of the nodes from the lines' integrals: M f with ``PAIR_VALUES``; with ``EACH`` the two parts of
-    D P, the first vector with N_a and the second with N_a'."""
+    """Stores the block ``into`` of the nodes from the lines' integrals: M f if ``pick`` is ``PAIR_VALUES``; if ``EACH``
+    the two parts of D P, the first vector with N_a and the second with N_a'."""
     radii, B = body.particles // body.recovered_line, body.recovered_line_nodes
     for a in range(body.recovered_count // B):
         for group in range(group_count(B)):
             b = first_in_group(group, B)
-            store_sums(body.recovered_nodes, node_index(body, into, a * B + b), 1,
-                       row_sums(body, ACROSS_PROJECTION, a, pick, body.recovered_particles,
-                                line_node_index(body, VALUES, 0, b), 1, B, radii, lattice.closed))
+            store_sums(body.recovered_nodes, node_index(body, into, a * B + b), 1, row_sums(
+                body, ACROSS_PROJECTION, a, pick, body.recovered_particles, line_node_index(body, VALUES, 0, b), 1, B,
+                radii, lattice.closed))
 
 
 @ti.func
 def project_body_force(body: ti.template(), t, lattice: ti.template(), on: ti.template()):
-    """Computes M b: of a square at the nodes; else along the radius, of its parts along e_R and e_Theta. The force at
-    the particles is stored in one of their blocks."""
+    """Stores M b at t s: of a square at the nodes; else along the radius, of its parts along e_R and e_Theta. The block
+    HALF_SLOPES of the particles gets the force there."""
     if ti.static(on.body_force != "none"):
         compute_force_time_functions(body.tables, body.table_sizes, body.angular_frequency * t, on)
         for k in range(body.orbits):
@@ -161,14 +163,14 @@ def project_body_force(body: ti.template(), t, lattice: ti.template(), on: ti.te
             project_across_lines(body, FORCE, PAIR_VALUES, lattice)
         else:
             for b in range(body.recovered_line_nodes):
-                body.recovered_nodes[node_index(body, FORCE, b)] = row_sum(body, ALONG_PROJECTION, b, lattice.value,
-                                                                           body.recovered_particles,
-                                                                           particle_index(body, HALF_SLOPES, 0))
+                body.recovered_nodes[node_index(body, FORCE, b)] = row_sum(
+                    body, ALONG_PROJECTION, b, lattice.value, body.recovered_particles,
+                    particle_index(body, HALF_SLOPES, 0))
 
 
 @ti.func
 def nodal_body_force(body: ti.template(), nodes: ti.template(), a, b, lattice: ti.template()):
-    """Returns M b at node (a, b), in x and y; between the symmetry planes of a ring a force is radial."""
+    """Returns M b (m/s^2) at node (a, b), in x and y; between the symmetry planes of a ring a force is radial."""
     x, y = 0.0, 0.0
     if ti.static(lattice.box):
         push = nodes[node_index(body, FORCE, a * body.recovered_line_nodes + b)]
@@ -184,15 +186,15 @@ def nodal_body_force(body: ti.template(), nodes: ti.template(), a, b, lattice: t
 
 @ti.func
 def smooth_nodes(body: ti.template(), lattice: ti.template()):
-    """Applies C to the gathered nodal values."""
+    """Stores C times the nodes' block PROJECTED in SMOOTHED; C is what spreading and gathering does to nodal values."""
     B = body.recovered_line_nodes
     A = body.recovered_count // B
     for group in range(group_count(A)):
         a = first_in_group(group, A)
         for b in range(B):
-            store_sums(body.recovered_nodes, node_index(body, HALF_SMOOTHED, a * B + b), B,
-                       row_sums(body, ALONG_SMOOTHING, b, lattice.value, body.recovered_nodes,
-                                node_index(body, PROJECTED, a * B), B, 1, 0, False))
+            store_sums(body.recovered_nodes, node_index(body, HALF_SMOOTHED, a * B + b), B, row_sums(
+                body, ALONG_SMOOTHING, b, lattice.value, body.recovered_nodes, node_index(body, PROJECTED, a * B), B, 1,
+                0, False))
     for a in range(A):
         for group in range(group_count(B)):
             b = first_in_group(group, B)
@@ -203,8 +205,8 @@ def smooth_nodes(body: ti.template(), lattice: ti.template()):
 
 @ti.func
 def interpolate_across_lines(body: ti.template(), lattice: ti.template()):
-    """Interpolates the nodal errors along the angle, the angular half of sum N_i e_i; and the first field once more,
-    beside its slopes around."""
+    """Stores the nodal errors interpolated across the lines, half of sum N_i e_i, in VALUES; and of the first field
+    these and its slopes across in SLOPES."""
     B = body.recovered_line_nodes
     for line in range(body.particles // body.recovered_line):
         a, begin, _ = table_row_range(body, ACROSS_INTERPOLATION, line, line)
@@ -223,15 +225,15 @@ def interpolate_across_lines(body: ti.template(), lattice: ti.template()):
 
 @ti.func
 def repeat_first_vector(fields):
-    """Returns the first of two vectors, twice."""
+    """Returns the first two components of ``fields``, twice."""
     x, y = fields[0], fields[1]
     return ti.Vector([x, y, x, y])
 
 
 @ti.func
 def interpolate_along_line(body: ti.template(), i, j, block: ti.template(), pick: ti.template()):
-    """Returns from what was spread across the lines: with ``VALUES`` and ``value`` the errors at particle (i, j); with
-    ``SLOPES`` and ``slope_value`` the slopes of the first field's error, along the line and across."""
+    """Returns at particle (i, j), from the results of :func:`interpolate_across_lines`, the errors of both fields
+    (``VALUES``, ``value``) or the slopes along the line and across of the first's (``SLOPES``, ``slope_value``)."""
     b, begin, _ = table_row_range(body, ALONG_INTERPOLATION, j, j)
     total = ti.Vector([0.0] * 4)
     for k in range(3):
@@ -242,25 +244,22 @@ def interpolate_along_line(body: ti.template(), i, j, block: ti.template(), pick
 
 @ti.func
 def fit_along_lines(body: ti.template(), into: ti.template(), pick: ti.template()):
-    """Computes the recovered fields along each line with ``value``, or with ``slope`` their slopes."""
+    """Stores the particles' block FIELD, fitted along each line, in the block ``into``: values if ``pick`` is the
+    lattice's ``value``, slopes if ``slope``."""
     K = body.recovered_line
     for group in range(group_count(body.particles // K)):
         line = first_in_group(group, body.particles // K)
         for j in range(K):
-            store_sums(
-                body.recovered_particles,
-                particle_index(body, into, line * K + j),
-                K,
-                row_sums(body, ALONG_FIT, j, pick, body.recovered_particles, particle_index(body, FIELD, line * K), K,
-                         1, 0, False),
-            )
+            store_sums(body.recovered_particles, particle_index(body, into, line * K + j), K, row_sums(
+                body, ALONG_FIT, j, pick, body.recovered_particles, particle_index(body, FIELD, line * K), K, 1, 0,
+                False))
 
 
 @ti.func
 def fit_across_lines(body: ti.template(), block: ti.template(), into: ti.template(), pick: ti.template(),
                      lattice: ti.template()):
-    """Computes a block of the particles' fields recovered across the lines: values with ``PAIR_VALUES``, slopes with
-    ``PAIR_SLOPES``; with ``EACH`` values of the first field and slopes of the second."""
+    """Stores a ``block`` of the particles' fields fitted across the lines in ``into``: values if ``pick`` is
+    ``PAIR_VALUES``, slopes if ``PAIR_SLOPES``; if ``EACH``, values of the first field and slopes of the second."""
     K = body.recovered_line
     for line in range(body.particles // K):
         for group in range(group_count(K)):
@@ -272,7 +271,7 @@ def fit_across_lines(body: ti.template(), block: ti.template(), into: ti.templat
 
 @ti.func
 def add_verdict_sums(body: ti.template(), nodes: ti.template(), lattice: ti.template()):
-    """Adds this turn's fourth differences of U along both lines, and e, to the sums for the verdict."""
+    """Adds the mean squares of U's fourth differences along and across lines, and of e, to ROUGH and SIZE, in m^2."""
     B, rough, size = body.recovered_line_nodes, 0.0, 0.0
     A = body.recovered_count // B
     for a in range(A):

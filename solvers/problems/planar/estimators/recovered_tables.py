@@ -25,34 +25,36 @@ UNEVEN_FEW = 1.5  # times that where particles move with their own velocity, who
 
 
 def project_component(rows: Rows, component: int, values: np.ndarray) -> np.ndarray:
-    """Returns M of a component of a field (points, lines) along the first axis: (nodes, lines)."""
+    """Returns (nodes, lines): component ``component`` of a field, ``values`` (points, lines), mapped by the integrals
+    ``rows`` (``Line.projection_operator``) along the first axis."""
     return np.stack([rows(line)[:, component, 0] for line in values.T], axis=1)
 
 
 def project_directions(angle: Line, gather_table: Rows) -> tuple[np.ndarray, np.ndarray]:
-    """Returns M e_R and M e_angle at the nodes of the angle (A, 2); between symmetry planes M e_angle is 0."""
+    """Returns M e_R and M e_angle at the nodes of the line ``angle`` (A, 2); between symmetry planes M e_angle is 0.
+    ``gather_table`` is M along it, by its ``projection_operator``."""
     theta = angle.particle_positions() / angle.points_per_length
     c, s = np.cos(theta), np.sin(theta)
-    found = [gather_table(wave)[:, :, 0] for wave in (c, s)]
-    along = np.stack([wave[:, k % wave.shape[1]] for k, wave in enumerate(found)], axis=1)
+    means = [gather_table(wave)[:, :, 0] for wave in (c, s)]
+    along = np.stack([wave[:, k % wave.shape[1]] for k, wave in enumerate(means)], axis=1)
     return along, (np.zeros_like(along) if angle.ends == "mirror" else np.stack([-along[:, 1], along[:, 0]], axis=1))
 
 
 def cartesian_weights(rows: Rows, swapped: bool = False) -> Rows:
-    """Returns weights (value x, value y, slope x, slope y) of a line along x, or ``swapped`` along y."""
+    """Returns the map ``rows`` along x, or if ``swapped`` y, with weights (value x, value y, slope x, slope y)."""
     weights = np.broadcast_to(rows.weights[..., :2], (*rows.weights.shape[:2], 2, 2))[:, :, ::-1 if swapped else 1]
     return Rows(rows.first, np.swapaxes(weights, 2, 3).reshape(*weights.shape[:2], 4))
 
 
 def pad_to_four(rows: Rows) -> Rows:
-    """Returns weights of the one component on a radius, padded to four."""
+    """Returns the map ``rows`` on a radius, which has one component, with its weights padded to four."""
     weights = rows.weights[:, :, 0]
     return Rows(rows.first, np.concatenate([weights, np.zeros((*weights.shape[:2], 4 - weights.shape[2]))], axis=2))
 
 
 def interval(scene):
-    """Returns the run's steps per step of the estimator: its reference moves by an explicit method in the material
-    frame, with elements whose sides a wave passes at the scene's ``crossing_rate``. Under large shear these steps are
+    """Returns the run's steps per step of recovered's reference, which moves by an explicit method in the material
+    frame, with elements whose sides waves pass at the scene's ``relative_wave_rate``. Under large shear these steps are
     hardly longer than the run's, and the estimator costs more than the run."""
     across, along = lattice_lines(scene)
     side = 1 / max(across.elements_per_length * scene.relative_wave_rate, along.elements_per_length)
@@ -60,12 +62,10 @@ def interval(scene):
 
 
 def lattice_lines(scene):
-    """Returns the lattice's lines, around and across a ring or twice that of a square, with elements one cell wide, at
-    the inner rim of a ring.
-
-    With one particle per cell they are half as wide again: elements as narrow as the particles' spacing are unstable.
-    None is narrower than the reference's step bears, which is no shorter than the run's.
-    """
+    """Returns the two ``Line`` of a scene's lattice, around and across a ring or along x and y of a square, with
+    elements one cell wide, at the inner rim of a ring. With one particle per cell they are half as wide again: elements
+    as narrow as the particles' spacing are unstable. None is narrower than the reference's step bears, which is no
+    shorter than the run's."""
     width = scene.spacing * (SPARSE_WIDTH if scene.ppc == 1 else 1.0)
     counts = scene.lattice_counts(scene.cells, scene.ppc)
     if scene.layout == "box":
@@ -80,7 +80,7 @@ def lattice_lines(scene):
 
 
 def allocate(scene):
-    """Returns operators across and along the lines, and the reference in the initial configuration."""
+    """Returns recovered's arrays by name for a scene: operators across and along lines, and the initial reference."""
     across, along = lattice_lines(scene)
     box, width = scene.layout == "box", recovered.fit_width(scene)
     R = 1.0 if box else scene.INNER + along.quadrature()[0] / along.points_per_length
@@ -113,7 +113,8 @@ def allocate(scene):
 
 
 def verdict(scene: PlanarScene, memory: Mapping[str, np.ndarray]) -> str | None:
-    """Returns why not to trust the estimate: a bad reference, or errors too short for fits and error grid; or None."""
+    """Returns why not to trust recovered's estimate, as a sentence, or None: a bad reference, or errors too short for
+    fits and error grid. ``memory`` are its arrays by name."""
     U = memory["recovered_nodes"].reshape(op.NODE_BLOCKS, -1, 4)[op.MOTION, :, :2]
     if reason := recovered.why_not_trusted(memory, np.abs(U).max() / scene.motion_amplitude):
         return reason

@@ -40,7 +40,7 @@ MEMORY = {
 
 
 def hooks(traits: ProblemKernels) -> EstimatorHooks:
-    """Returns the estimator's hooks for a problem with these traits."""
+    """Returns transport's hooks for the problem with the kernel functions ``traits``."""
     @ti.func
     def its_step(body: ti.template(), base, on: ti.template()):
         in_step(body, base, traits, on)
@@ -51,7 +51,7 @@ def hooks(traits: ProblemKernels) -> EstimatorHooks:
 
 @ti.func
 def in_step(body: ti.template(), base, traits: ti.template(), on: ti.template()):
-    """Advances Ex by H = k dt and reports Ev and Ea, between the node update and the particle update."""
+    """Advances the estimates Ex by H = k dt and writes Ev and Ea, after the nodes of a step have moved."""
     sum_moments_at_nodes(body, traits, on)
     traits.fold(body, fold_pair)
     node_errors(body, traits)
@@ -60,7 +60,8 @@ def in_step(body: ti.template(), base, traits: ti.template(), on: ti.template())
 
 @ti.func
 def sum_moments_at_nodes(body: ti.template(), traits: ti.template(), on: ti.template()):
-    """Sums V S (sigma_xx, sigma_yy, 1), V (-S_x, -S_y, -S_x r_x, -S_y r_y) and S times the force at the nodes."""
+    """Sums V S (sigma_xx, sigma_yy, 1), V (-S_x, -S_y, -S_x r_x, -S_y r_y) and S times the body force at the nodes, in
+    ``transport_stress``, ``transport_moments`` and ``transport_error``."""
     for j in range(body.active):
         for node in range(j * body.row, j * body.row + body.active):
             body.transport_stress[node], body.transport_moments[node] = ti.Vector([0.0] * 4), ti.Vector([0.0] * 4)
@@ -95,7 +96,8 @@ def sum_moments_at_nodes(body: ti.template(), traits: ti.template(), on: ti.temp
 
 @ti.func
 def add_contribution(body: ti.template(), p, node, S, S_x, S_y, volume, stress, force):
-    """Adds one particle's part at one node; r = x_p - x_i. The force is stored where the error goes later."""
+    """Adds particle p's part at a node to the sums of :func:`sum_moments_at_nodes`: its weight S and slopes S_x, S_y
+    there, ``volume`` V, ``stress`` (V sigma_xx, V sigma_yy, V, 0) and body force; r = x_p - x_i."""
     r_x = body.position_velocity[p][0] - (node % body.row - body.origin) * body.spacing
     r_y = body.position_velocity[p][1] - (node // body.row - body.origin) * body.spacing
     body.transport_stress[node] = body.transport_stress[node] + S * stress
@@ -105,7 +107,7 @@ def add_contribution(body: ti.template(), p, node, S, S_x, S_y, volume, stress, 
 
 @ti.func
 def fold_pair(body: ti.template(), ghost, image, in_x, in_y):
-    """Adds the sums of a ghost to its image; D across the plane and the force are odd."""
+    """Adds the sums of node ``ghost`` to its mirror ``image``; D and force take the signs ``in_x`` and ``in_y``."""
     moments, force = body.transport_moments[ghost], body.transport_error[ghost]
     body.transport_stress[image] = body.transport_stress[image] + body.transport_stress[ghost]
     body.transport_moments[image] = body.transport_moments[image] \
@@ -115,7 +117,7 @@ def fold_pair(body: ti.template(), ghost, image, in_x, in_y):
 
 @ti.func
 def node_errors(body: ti.template(), traits: ti.template()):
-    """Computes Ea at the nodes. The internal part of a is a minus the nodal mean of the body force."""
+    """Writes Ea (m/s^2) to ``transport_error``. The internal part of a is a minus the nodal mean of the body force."""
     for j in range(traits.first, body.active):
         for i in range(traits.first, body.active):
             node = j * body.row + i
@@ -134,7 +136,7 @@ def node_errors(body: ti.template(), traits: ti.template()):
 
 @ti.func
 def particle_errors(body: ti.template(), base, on: ti.template()):
-    """Computes Ea and Ev at the particles, and advances Ex by H."""
+    """Writes Ea and Ev of the particles to the estimate arrays from entry ``base`` on, and advances Ex there by H."""
     for p in range(body.particles):
         Ea = interpolate(body, p, on)
         Ev = body.dt * Ea  # eq 48
@@ -147,7 +149,7 @@ def particle_errors(body: ti.template(), base, on: ti.template()):
 
 @ti.func
 def interpolate(body: ti.template(), p, on: ti.template()):
-    """Returns sum S Ea_i at the particle, with the step's own weights."""
+    """Returns the nodal error of a (x, y), m/s^2, interpolated to particle p with the step's own weights."""
     total = ti.Vector([0.0, 0.0])
     if ti.static(on.method == "cpdi"):
         w, = ti.static([stored_weight_entries(body, p, on)])
@@ -168,24 +170,24 @@ def interpolate(body: ti.template(), p, on: ti.template()):
 
 @ti.func
 def report(body: ti.template(), base, step, on: ti.template()):
-    """Sets the error of the stress to NaN, because it is unknown; the others are always up to date."""
+    """Sets the particles' estimated error of the stress to NaN, as unknown; other errors are always up to date."""
     for p in range(body.particles):
         body.estimate_stress[base + p] = ti.Vector([ti.math.nan] * 4)
 
 
 def interval(scene):
-    """Returns the steps per turn, about a sample interval: nothing is fed back that needs shorter ones."""
+    """Returns the run's steps per step of transport, at most ``MOST_INTERVAL``; samples come after whole ones."""
     return scene.sample_interval // math.ceil(scene.sample_interval / MOST_INTERVAL)
 
 
 def verdict(scene, memory):
-    """Returns why not to trust the last report, or None."""
+    """Returns why not to trust transport's last report, as a sentence, or None; ``memory`` are its arrays by name."""
     a = memory["transport_error"].reshape(-1, 4)[:, :2]
     return why_not_trusted(np.abs(a).max(), memory["transport_moments"].any(), scene.size_of("a"))
 
 
 def allocate(scene):
-    """Returns nodal arrays."""
+    """Returns transport's memory by name for a scene: its step in s, and nodal arrays of zeros."""
     nodes = scene.row**2
     return {"transport_dt": interval(scene) * scene.time_step, "transport_stress": np.zeros((nodes, 4)),
             "transport_moments": np.zeros((nodes, 4)), "transport_error": np.zeros((nodes, 4))}

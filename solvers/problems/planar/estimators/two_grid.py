@@ -42,7 +42,7 @@ MEMORY = {
 
 @ti.func
 def after_step(body: ti.template(), step, traits: ti.template(), on: ti.template()):
-    """Takes one step of the second run, over the last ``coarse_dt``; stores F and a before it, for their rates."""
+    """Takes one step of the second run, to the run's ``step``; stores its F and a before that, for their rates."""
     coarse, bare = ti.static([prefix_view(body, "coarse_"), two_grid.coarse_run_options(on)])
     for q in range(coarse.particles):
         body.two_grid_before[q] = coarse.deformation_gradient[q]
@@ -53,7 +53,8 @@ def after_step(body: ti.template(), step, traits: ti.template(), on: ti.template
 
 @ti.func
 def report(body: ti.template(), base, step, fields: ti.template(), on: ti.template()):
-    """Reports e = q_h - I q*, in Cartesian components."""
+    """Writes the errors e = q_h - I q* of x, v and sigma after ``step`` steps, in Cartesian components and SI units, to
+    the ``estimate`` arrays from entry ``base`` on. ``fields`` are :class:`two_grid.ComponentStencils`."""
     own, coarse = ti.static([prefix_view(body, "two_grid_"), prefix_view(body, "coarse_")])
     two_grid.clear_common_lattice(own)
     store_run_fields(body, own, on)
@@ -77,7 +78,8 @@ def report(body: ti.template(), base, step, fields: ti.template(), on: ti.templa
 
 @ti.func
 def fields_in_local_axes(u_x, u_y, v_x, v_y, direction, sigma):
-    """Returns u, v and the Cauchy stress, given as xx, xy, yy, in components along and across the ``direction``."""
+    """Returns u, v and Cauchy stress ``sigma`` (xx, xy, yy) in components along and across the unit vector
+    ``direction``, as a vector of eight with a last 0."""
     back = ti.Vector([direction[0], -direction[1]])
     u, v = rotate_vector(back, u_x, u_y), rotate_vector(back, v_x, v_y)
     local = rotate_tensor(back, sigma[0], sigma[1], sigma[2])
@@ -86,7 +88,7 @@ def fields_in_local_axes(u_x, u_y, v_x, v_y, direction, sigma):
 
 @ti.func
 def store_run_fields(body: ti.template(), own: ti.template(), on: ti.template()):
-    """Stores the fields of the run."""
+    """Stores the run's fields (:func:`fields_in_local_axes`) in ``two_grid_fields``."""
     for p in range(body.particles):
         q, X, e = body.position_velocity[p], body.material_position[p], body.direction[p]
         own.fields[p] = fields_in_local_axes(q[0] - X[0], q[1] - X[1], q[2], q[3], e, cauchy_stress(body, p, on))
@@ -94,9 +96,8 @@ def store_run_fields(body: ti.template(), own: ti.template(), on: ti.template())
 
 @ti.func
 def store_coarse_fields(body: ti.template(), own: ti.template(), coarse: ti.template(), step, on: ti.template()):
-    """Stores the fields of the second run, extrapolated by ``late`` seconds from its last step to the present.
-
-    v is early by r^2 dt/2 on purpose: see ``store_coarse_fields`` of the bar.
+    """Stores the second run's fields (:func:`fields_in_local_axes`) in ``two_grid_fields``, extrapolated by ``late``
+    seconds from its last step to ``step``. v is early by r^2 dt/2 on purpose: see ``store_coarse_fields`` of the bar.
     """
     dt, H = body.dt, coarse.dt
     late = step % own.interval * dt
@@ -116,12 +117,12 @@ def store_coarse_fields(body: ti.template(), own: ti.template(), coarse: ti.temp
 
 @functools.cache
 def coarse_scene_class(kind: type) -> type:
-    """Returns the scene class of a problem that allows grids too coarse for a run of their own."""
+    """Returns a subclass of the scene class ``kind`` that allows grids too coarse for a run of their own."""
     return type("SecondScene", (kind,), {"FEWEST_CELLS": FEWEST_CELLS})
 
 
 def coarse_scene(scene):
-    """Returns the scene of the second run."""
+    """Returns the scene of two-grid's second run, with half the cells and steps of a multiple, from the run's."""
     own = {f.name: getattr(scene, f.name) for f in fields(scene)}
     return coarse_scene_class(type(scene))(**{
         **own, "cells": scene.cells // 2, "dt": two_grid.steps_per_coarse_step(scene) * scene.time_step, "cfl": None,
@@ -129,7 +130,7 @@ def coarse_scene(scene):
 
 
 def allocate(scene):
-    """Returns the second run at its start, and the tables of the comparison."""
+    """Returns two-grid's memory by name for a scene: the second run at its start, and the tables of the comparison."""
     second, box = coarse_scene(scene), scene.layout == "box"
     members = initial_body(second, two_grid.coarse_run_options(kernel_options_of(second)), slabs=1)
     fine, coarse = (one.lattice_counts(one.cells, one.ppc)[::-1] for one in (scene, second))
@@ -141,7 +142,7 @@ def allocate(scene):
 
 
 def verdict(scene, memory):
-    """Returns why the second run cannot be used, or None."""
+    """Returns why two-grid's second run cannot be used, as a sentence, or None; ``memory`` are arrays by name."""
     F, farthest = memory["coarse_deformation_gradient"].T, 1.5 * scene.motion_amplitude + 2 * scene.spacing
     with np.errstate(invalid="ignore", over="ignore"):
         moved = memory["coarse_position_velocity"][:, :2] - memory["coarse_material_position"]
@@ -150,7 +151,7 @@ def verdict(scene, memory):
 
 
 def hooks(traits: ProblemKernels, fields: two_grid.ComponentStencils) -> EstimatorHooks:
-    """Returns the estimator's hooks for a problem with these traits, which compares these fields."""
+    """Returns two-grid's hooks for the problem with the kernel functions ``traits``; ``fields`` are those compared."""
     @ti.func
     def its_step(body: ti.template(), base, step, on: ti.template()):
         after_step(body, step, traits, on)

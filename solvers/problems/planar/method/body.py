@@ -27,9 +27,10 @@ from solvers.solver.state_arrays import Diagnostics, Members, initial_diagnostic
 
 @dataclass
 class PlanarBody(Members):
-    """P particles in K orbits (``solvers.problems.planar.layout``), N nodes, T slabs of particles with grids of their
-    own. Arrays that only an inactive effect would use have length one. Tables of the exact motion
-    (``solvers.solver.separable_field_tables``) share one array, because a kernel takes 64 arguments at most."""
+    """State of a plane run in SI units: P particles in K orbits (``solvers.problems.planar.layout``), N nodes, T slabs
+    of particles with grids of their own. Arrays that only an inactive diagnostic would use have length one. Tables of
+    the exact motion (``solvers.solver.separable_field_tables``) share one array: a kernel takes 64 arguments at most.
+    """
 
     particles: Integer
     nodes: Integer
@@ -81,15 +82,15 @@ class PlanarBody(Members):
 
 @dataclass
 class InstrumentedBody(Diagnostics, PlanarBody):
-    """A body with its diagnostics, and the estimates that are vectors and tensors."""
+    """State of a plane run with its diagnostics, and with the estimates of E estimators for P particles."""
 
     estimate_acceleration: Pairs  # estimated error of a (E*P, 2)
     estimate_stress: Quads  # estimated error of sigma, as xx, xy, yy and nothing (E*P, 4)
 
 
 def initial_body(scene: PlanarScene, on: KernelOptions, slabs: int) -> dict:
-    """Returns the members of a :class:`PlanarBody` at the start: the layout, F = I, and the exact velocity at the time
-    to which the scene assigns initial velocities."""
+    """Returns the members of a :class:`PlanarBody` by name at the start: the particles' layout, F = I, and the exact
+    velocity at the time to which the scene assigns initial ones; ``slabs`` is the number of grids."""
     layout, row, mended = particle_layout(scene), scene.row, on.filtered or on.coupled
     P, K, N, X = len(layout.volume), len(layout.orbits), row * row, layout.position
     lame_modulus, shear_modulus = scene.lame_moduli
@@ -120,7 +121,8 @@ def initial_body(scene: PlanarScene, on: KernelOptions, slabs: int) -> dict:
 
 def initial_instruments(scene: Scene, on: KernelOptions, particles: int, farthest: float,
                         hooks: dict[str, EstimatorHooks]) -> dict:
-    """Returns the members of an :class:`InstrumentedBody` beyond those of a body, at the start."""
+    """Returns the members of an :class:`InstrumentedBody` beyond a :class:`PlanarBody`'s, by name, at the start, for
+    this number of ``particles``; ``farthest`` is their largest coordinate in a sound run, in m."""
     estimated, entries = bool(on.estimators), len(on.estimators) * particles
     return {**initial_diagnostics(scene, on, particles, farthest, hooks),
             "estimate_acceleration": zeros(entries, 2, when=estimated),

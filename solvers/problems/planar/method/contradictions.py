@@ -20,15 +20,15 @@ SAME = 1e-12  # relative difference of a distance computed twice, in loops compi
 
 
 def make_circle_contradiction_kernel(inner: float, outer: float, turns: bool) -> Callable:
-    """Returns the check for contradictions within a body between these radii, in m. Circles move along the radius only,
-    so that motion around the centre is an error too, unless each ``turns`` as a whole.
+    """Returns the Taichi function (body, row) that samples contradictions within a body between two radii in m. Circles
+    move along the radius only, so that motion around the centre is an error too, unless each ``turns`` as a whole.
 
     Displacements in the frame of each particle at rest are the same along a circle; their scatter is a strict lower
     bound of the error. A cartesian layout has next to no two particles on a circle, and shows little of it.
     """
     @ti.func
     def record_contradictions(body: ti.template(), row):
-        """Samples the gaps between neighbours and the distortion of circles, in m."""
+        """Writes the gaps between neighbours and the distortion of circles, in m, to sample ``row``."""
         record_neighbour_gaps(body, row)
         turning = 0.0
         for k in range(body.orbits):
@@ -62,12 +62,12 @@ def make_circle_contradiction_kernel(inner: float, outer: float, turns: bool) ->
 
 @ti.func
 def record_mode_moments(body: ti.template(), row):
-    """Samples the gaps between neighbours in m, and the moments of the displacement with the modes of the exact motion:
-    see ``BoxScene.balanced_motion``. The body has no known symmetry."""
+    """Writes the gaps between neighbours in m, and the moments of the displacement with the modes of the exact motion
+    (``BoxScene.momentum_balance_moments``), to sample ``row``, for a body without a known symmetry."""
     record_neighbour_gaps(body, row)
     squares, sums = 0.0, ti.Vector([0.0] * MODES)
-    rank, modes = (table_size(body, MOTION, separable_field_tables.RANK),
-                   table_size(body, MOTION, separable_field_tables.MODES))
+    rank = table_size_entry(body, MOTION, separable_field_tables.RANK)
+    modes = table_size_entry(body, MOTION, separable_field_tables.MODES)
     for p in range(body.particles):
         X, q = body.material_position[p], body.position_velocity[p]
         u = ti.Vector([q[0] - X[0], q[1] - X[1]])
@@ -84,7 +84,7 @@ def record_mode_moments(body: ti.template(), row):
 
 @ti.func
 def record_neighbour_gaps(body: ti.template(), row):
-    """Samples the gaps between neighbours, in m, and the particle where they are worst."""
+    """Writes the RMS gap between neighbours, in m, and the particle with the worst one to sample ``row``."""
     squares, pairs, worst, place = 0.0, 0, -1.0, 0
     for p in range(body.particles):
         for side in ti.static(range(2)):
@@ -113,7 +113,7 @@ def record_neighbour_gaps(body: ti.template(), row):
 
 @ti.func
 def squared_neighbour_gap(body: ti.template(), p, q):
-    """Returns |x_q - x_p - (F_p + F_q)/2 (X_q - X_p)| squared."""
+    """Returns |x_q - x_p - (F_p + F_q)/2 (X_q - X_p)|^2 in m^2, for particles p and q."""
     dx = body.position_velocity[q] - body.position_velocity[p]
     dX = body.material_position[q] - body.material_position[p]
     F = 0.5 * (body.deformation_gradient[p] + body.deformation_gradient[q])
@@ -124,8 +124,9 @@ def squared_neighbour_gap(body: ti.template(), p, q):
 
 @ti.func
 def circle_moments(body: ti.template(), k, along, around, inner, outer):
-    """Returns a circle's contribution to the sums of ``solvers.problems.planar.circular_diagnostics``: its
-    displacements ``along`` e_R and ``around``, summed over particles, times the radius's Legendre polynomials."""
+    """Returns what circle k adds to the moments of ``solvers.problems.planar.circular_diagnostics`` (MODES,): its
+    displacements in m ``along`` e_R and ``around``, summed over particles, times Legendre polynomials of its radius
+    between the radii ``inner`` and ``outer``."""
     half = ti.static(MODES // 2)
     s = (2 * body.orbit_point[k][0] - inner - outer) / (outer - inner)
     sums = ti.Vector([0.0] * MODES)

@@ -18,7 +18,7 @@ GRADIENTS, NODES = 8, 12
 
 @ti.func
 def find_weights(body: ti.template(), some: ti.template(), on: ti.template()):
-    """Stores the cell of each corner of some particles, the corner's place in it, and the corners' gradients."""
+    """Stores, for a block of particles ``some``, each corner's cell, its place in it, and the corners' gradients."""
     per = body.cells_per_length
     x, y = load_component(body.position_velocity, some, 0), load_component(body.position_velocity, some, 1)
     if ti.static(on.frozen):
@@ -45,13 +45,13 @@ def find_weights(body: ti.template(), some: ti.template(), on: ti.template()):
 
 @ti.func
 def corner_cell_nodes(w: ti.template()):
-    """Returns the first nodes of the corners' cells, which are stored as real numbers, as integers."""
+    """Returns the four corners' cells' first nodes from a particle's stored numbers ``w``, as integers."""
     return [ti.cast(w[NODES + c], ti.i32) for c in ti.static(range(4))]
 
 
 @ti.func
 def corner_gradients(body: ti.template(), p, on: ti.template()):
-    """Returns the weights of corners 1 and 2 in d/dx and d/dy: (x of 1, y of 1, x of 2, y of 2), in 1/length."""
+    """Returns the weights of particle p's corners 1 and 2 in d/dx and d/dy: (x of 1, y of 1, x of 2, y of 2), 1/m."""
     r = body.edges[p] * body.cells_per_length  # r1 and r2, or F r1 and F r2, in cells
     if ti.static(not on.frozen):
         F = body.deformation_gradient[p]
@@ -63,7 +63,8 @@ def corner_gradients(body: ti.template(), p, on: ti.template()):
 
 @ti.func
 def stored_gradients(body: ti.template(), p, w: ti.template(), on: ti.template()):
-    """Returns the corners' gradients for F at the start of the step; with the coupling, for the present F."""
+    """Returns :func:`corner_gradients` of particle p as stored in ``w``, for F at the start of the step; with the
+    stabilisation "coupled-deformation", for the present F."""
     g = [w[GRADIENTS + k] for k in ti.static(range(4))]
     if ti.static(on.coupled):
         g = corner_gradients(body, p, on)
@@ -72,7 +73,7 @@ def stored_gradients(body: ti.template(), p, w: ti.template(), on: ti.template()
 
 @ti.func
 def corner_hats(w: ti.template(), c: ti.template()):
-    """Returns the hat functions of corner c at its cell's nodes: left and right below, left and right above."""
+    """Returns corner c's hat functions at its cell's nodes, from stored ``w``: left and right below, then above."""
     x, y = w[c], w[c + 4]
     both = x * y
     return ti.Vector([1 - x - y + both, x - both, y - both, both])
@@ -80,7 +81,8 @@ def corner_hats(w: ti.template(), c: ti.template()):
 
 @ti.func
 def particles_to_nodes(body: ti.template(), start, end, grid, traits: ti.template(), on: ti.template()):
-    """Adds mass, momentum and force of the particles from ``start`` to ``end`` to the nodes from ``grid`` on."""
+    """Adds mass, momentum and force of the particles from ``start`` up to ``end`` to ``node_sums``, to the nodes from
+    number ``grid`` on."""
     for p in range(start, end):
         w, = ti.static([stored_weight_entries(body, p, on)])
         cells, g = corner_cell_nodes(w), stored_gradients(body, p, w, on)
@@ -98,7 +100,7 @@ def particles_to_nodes(body: ti.template(), start, end, grid, traits: ti.templat
 
 @ti.func
 def gather(body: ti.template(), p, values: ti.template(), on: ti.template()):
-    """Returns the nodes' values, four numbers, at the particle, and their derivatives in x and y."""
+    """Returns nodal ``values``, vectors of four, interpolated to particle p, and their x and y derivatives (per m)."""
     w, = ti.static([stored_weight_entries(body, p, on)])
     cells, g = corner_cell_nodes(w), stored_gradients(body, p, w, on)
     total, first_pair, second_pair = ti.Vector([0.0] * 4), ti.Vector([0.0] * 4), ti.Vector([0.0] * 4)
@@ -118,7 +120,7 @@ def gather(body: ti.template(), p, values: ti.template(), on: ti.template()):
 
 @ti.func
 def scatter(body: ti.template(), p, carried, values: ti.template(), on: ti.template()):
-    """Adds four numbers of the particle to the nodes' values, with its weights."""
+    """Adds the vector of four ``carried`` of particle p to the nodal ``values``, times its weights."""
     w, = ti.static([stored_weight_entries(body, p, on)])
     cells = corner_cell_nodes(w)
     for c in ti.static(range(4)):

@@ -19,15 +19,15 @@ from solvers.solver.separable_field_tables import GRID, MODES, MOTION, PRESENT, 
 
 @ti.func
 def compute_exact_solution(body: ti.template(), step, on: ti.template()):
-    """Computes the exact solution at the orbits' points, and the functions of time of the nodes' acceleration, after
-    ``step`` steps; the acceleration one step before, when the method computed its own."""
+    """Writes the exact solution at the orbits' points after ``step`` steps to ``exact``, and the functions of time of
+    the nodes' acceleration to the tables; accelerations are of one step before, as the method's own."""
     w = body.angular_frequency
     now = w * body.dt * step
     before = ti.max(0.0, now - w * body.dt)
     for number in range(MOTION, GRID + 1):  # one loop, for its code is compiled once
         compute_time_functions(body.tables, body.table_sizes, number, w, now, before)
-    rank, modes = table_size(body, MOTION, RANK), table_size(body, MOTION, MODES)
-    out = table_size(body, MOTION, PRESENT)
+    rank, modes = table_size_entry(body, MOTION, RANK), table_size_entry(body, MOTION, MODES)
+    out = table_size_entry(body, MOTION, PRESENT)
     for k in range(body.orbits):
         motion, a, F = ti.Vector([0.0] * 4), ti.Vector([0.0] * 4), ti.Vector([1.0, 0.0, 0.0, 1.0])
         for n in range(rank):
@@ -43,7 +43,7 @@ def compute_exact_solution(body: ti.template(), step, on: ti.template()):
 
 @ti.func
 def vector_errors(body: ti.template(), p, on: ti.template()):
-    """Returns the errors of x and v as one vector of four, and of a, at particle p."""
+    """Returns the true errors at particle p: of x (m) and v (m/s) as one vector of four, and of a (m/s^2)."""
     at, e, X, q = 3 * body.orbit[p], body.direction[p], body.material_position[p], body.position_velocity[p]
     f = body.exact[at]
     u, v = rotate_vector(e, f[0], f[1]), rotate_vector(e, f[2], f[3])
@@ -56,14 +56,14 @@ def vector_errors(body: ti.template(), p, on: ti.template()):
 
 @ti.func
 def stress_error(body: ti.template(), p, on: ti.template()):
-    """Returns the error of the Cauchy stress, as xx, xy, yy."""
+    """Returns the true error of the Cauchy stress at particle p, as xx, xy, yy in Pa."""
     f = body.exact[3 * body.orbit[p] + 2]
     return cauchy_stress(body, p, on) - rotate_tensor(body.direction[p], f[0], f[1], f[2])
 
 
 @ti.func
 def sample_angular_momentum(body: ti.template(), row, step, on: ti.template()):
-    """Samples the angular momentum, and the impulse of the body force's torque so far."""
+    """Writes the particles' angular momentum, and the impulse of the body force's torque so far, to sample ``row``."""
     momentum, torque = 0.0, 0.0
     for p in range(body.particles):
         q = body.position_velocity[p]
@@ -75,11 +75,10 @@ def sample_angular_momentum(body: ti.template(), row, step, on: ti.template()):
 
 
 def make_diagnostic_kernels(kind: type[PlanarScene], first: int) -> DiagnosticKernels:
-    """Returns the diagnostics of a problem with this scene class; nodes before ``first`` lie beyond a symmetry
-    plane."""
-    nodes = (make_circular_acceleration_error(kind, first)
-             if kind.CIRCULAR
-             else make_node_acceleration_error(first if kind.PLANES[1] else 0))
+    """Returns the diagnostic functions of the problem with the scene class ``kind``; nodes before ``first`` in a row
+    lie beyond a symmetry plane."""
+    nodes = make_circular_acceleration_error(kind, first) if kind.CIRCULAR \
+        else make_node_acceleration_error(first if kind.PLANES[1] else 0)
     record_contradictions = make_circle_contradiction_kernel(kind.INNER, kind.OUTER, kind.PLOTTED == "angular") \
         if kind.CIRCULAR else record_mode_moments
     spin = {"spin": sample_angular_momentum} if "spin" in kind.OWN_EFFECTS else {}

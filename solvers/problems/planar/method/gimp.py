@@ -11,9 +11,9 @@ from solvers.problems.planar.method.stored_weights import store_weight_part, sto
 
 @ti.func
 def half_widths(body: ti.template(), some: ti.template(), c: ti.template(), on: ti.template()):
-    """Returns half the boxes of some particles in x or y (``c``), in cells: constant for uGIMP, stretched by |F_xx| or
-    |F_yy| for cpGIMP, for its variant by those of V = sqrt(F F^T) = (b + J I)/sqrt(tr b + 2 J), b = F F^T, by Cayley
-    and Hamilton."""
+    """Returns half the widths of the particles' (``some``) boxes in x (``c`` = 0) or y (1), in cells: constant for
+    uGIMP, stretched by |F_xx| or |F_yy| for cpGIMP, for its variant by V_xx or V_yy of V = sqrt(F F^T) = (b + J I)/
+    sqrt(tr b + 2 J), b = F F^T, by Cayley and Hamilton."""
     widths = ti.Vector([body.half_width for _ in ti.static(range(some.n))])
     if ti.static(on.method == "cpgimp" and not on.frozen):
         stretched = body.half_width * load_component(body.deformation_gradient, some, 3 * c)
@@ -30,7 +30,7 @@ def half_widths(body: ti.template(), some: ti.template(), c: ti.template(), on: 
 
 @ti.func
 def find_weights(body: ti.template(), some: ti.template(), on: ti.template()):
-    """Stores the stencils of some particles for both mappings of the step."""
+    """Stores ``first_node`` and weights of a block of particles ``some`` for both mappings of the step."""
     x, y = stencil_along(body, some, 0, on), stencil_along(body, some, 1, on)
     # Positions of an unstable run are arbitrary: stay inside the arrays until the check stops it.
     last = float(body.active - 3)
@@ -42,7 +42,8 @@ def find_weights(body: ti.template(), some: ti.template(), on: ti.template()):
 
 @ti.func
 def stencil_along(body: ti.template(), some: ti.template(), c: ti.template(), on: ti.template()):
-    """Returns first node, outer weights and outer slopes of some particles in x or y (``c``)."""
+    """Returns first node, two outer weights and their slopes (per m) of the particles ``some`` in x (``c`` = 0) or y
+    (1)."""
     per = body.cells_per_length
     position = load_component(body.position_velocity, some, c)
     if ti.static(on.frozen):
@@ -54,7 +55,7 @@ def stencil_along(body: ti.template(), some: ti.template(), c: ti.template(), on
 
 @ti.func
 def stored_stencils(body: ti.template(), p, on: ti.template()):
-    """Returns the stored stencils: weights and gradients (1/length) at three nodes in x and in y."""
+    """Returns the stored stencils of particle p: weights and slopes (per m) at three nodes in x, then in y."""
     w, = ti.static([stored_weight_entries(body, p, on)])
     S, dS = complete_stencil(w[0], w[2], w[4], w[6])
     R, dR = complete_stencil(w[1], w[3], w[5], w[7])
@@ -63,7 +64,8 @@ def stored_stencils(body: ti.template(), p, on: ti.template()):
 
 @ti.func
 def particles_to_nodes(body: ti.template(), start, end, grid, traits: ti.template(), on: ti.template()):
-    """Adds mass, momentum and force of the particles from ``start`` to ``end`` to the nodes from ``grid`` on."""
+    """Adds mass, momentum and force of the particles from ``start`` up to ``end`` to ``node_sums``, to the nodes from
+    number ``grid`` on."""
     for p in range(start, end):
         S, dS, R, dR = stored_stencils(body, p, on)
         first = grid + body.first_node[p]
@@ -79,7 +81,7 @@ def particles_to_nodes(body: ti.template(), start, end, grid, traits: ti.templat
 
 @ti.func
 def gather(body: ti.template(), p, values: ti.template(), on: ti.template()):
-    """Returns the nodes' values, four numbers, at the particle, and their derivatives in x and y."""
+    """Returns nodal ``values``, vectors of four, interpolated to particle p, and their x and y derivatives (per m)."""
     S, dS, R, dR = stored_stencils(body, p, on)
     first = body.first_node[p]
     here, by_x, by_y = ti.Vector([0.0] * 4), ti.Vector([0.0] * 4), ti.Vector([0.0] * 4)
@@ -96,7 +98,7 @@ def gather(body: ti.template(), p, values: ti.template(), on: ti.template()):
 
 @ti.func
 def scatter(body: ti.template(), p, carried, values: ti.template(), on: ti.template()):
-    """Adds four numbers of the particle to the nodes' values, with its weights."""
+    """Adds the vector of four ``carried`` of particle p to the nodal ``values``, times its weights."""
     S, _, R, _ = stored_stencils(body, p, on)
     first = body.first_node[p]
     for j in ti.static(range(3)):

@@ -16,28 +16,26 @@ MIN_LOG_JACOBIAN = 1e-300  # least det F whose logarithm is taken: the run is un
 
 
 def strip_annotations(formula: FunctionType) -> Callable:
-    """Returns the function without its annotations, which Taichi would read."""
+    """Returns the Taichi function of a ``formula`` in Python, without its annotations, which Taichi would read."""
     return ti.func(FunctionType(formula.__code__, formula.__globals__, formula.__name__))
 
 
 LAWS = {name: one._replace(energy=strip_annotations(one.energy), coefficients=strip_annotations(one.coefficients))
         for name, one in IN_NUMPY.items()}
 determinant, piola, kirchhoff, stiffness_metric, reference_stiffness_metric, wave_stiffness = map(
-    strip_annotations,
-    (law.determinant, law.piola, law.kirchhoff, law.stiffness_metric, law.reference_stiffness_metric,
-     law.wave_stiffness),
-)
+    strip_annotations, (law.determinant, law.piola, law.kirchhoff, law.stiffness_metric,
+                        law.reference_stiffness_metric, law.wave_stiffness))
 
 
 @ti.func
 def log_jacobian(J):
-    """Returns ln J."""
+    """Returns ln J, for J = det F of at least ``MIN_LOG_JACOBIAN``."""
     return log(ti.max(J, MIN_LOG_JACOBIAN))
 
 
 @ti.func
 def coefficients(body: ti.template(), F, on: ti.template()):
-    """Returns J, q, r, A, x, for F as (xx, xy, yx, yy) in the body's material."""
+    """Returns J and the law's coefficients q, r, A, x in Pa (``solvers.motion.laws.law``) for F as (xx, xy, yx, yy)."""
     J, volumetric = determinant(F), 0.0
     if ti.static(LAWS[on.law].logarithmic):
         if body.lame_modulus != 0:  # a logarithm a particle is a tenth of some estimator's time
@@ -48,7 +46,7 @@ def coefficients(body: ti.template(), F, on: ti.template()):
 
 @ti.func
 def cauchy_stress_of(body: ti.template(), F, on: ti.template()):
-    """Returns sigma as (xx, xy, yy), for F as (xx, xy, yx, yy) in the body's material."""
+    """Returns the Cauchy stress as (xx, xy, yy) in Pa, for F as (xx, xy, yx, yy) in the body's material."""
     J, q, r, _, _ = coefficients(body, F, on)
     xx, xy, yy = kirchhoff(F, q, r)
     return ti.Vector([xx, xy, yy]) / J
@@ -56,14 +54,15 @@ def cauchy_stress_of(body: ti.template(), F, on: ti.template()):
 
 @ti.func
 def cauchy_stress(body: ti.template(), p, on: ti.template()):
-    """Returns sigma of particle p as (xx, xy, yy)."""
+    """Returns the Cauchy stress of particle p as (xx, xy, yy) in Pa."""
     return cauchy_stress_of(body, body.deformation_gradient[p], on)
 
 
 @ti.func
 def volume_and_stiffness_metric(body: ti.template(), p, on: ti.template()):
-    """Returns, for the step margin, V0 in m^3 and a metric (xx, xy, yy) in Pa. The product of two nodes' weight
-    gradients measured in it bounds the stiffness between them: gradients in space, or at rest with frozen weights."""
+    """Returns, for the step margin, V0 of particle p in m^2 and a metric (xx, xy, yy) in Pa. The product of two nodes'
+    weight gradients in the metric bounds the stiffness between the nodes: gradients in space, or at rest with frozen
+    weights."""
     F = body.deformation_gradient[p]
     J, q, r, A, x = coefficients(body, F, on)
     xx, xy, yy = ti.static(reference_stiffness_metric if on.frozen else stiffness_metric)(F, J, q, r, A, x)
@@ -72,7 +71,7 @@ def volume_and_stiffness_metric(body: ti.template(), p, on: ti.template()):
 
 @ti.func
 def strain_energy(body: ti.template(), p, on: ti.template()):
-    """Returns the strain energy of a particle, in J."""
+    """Returns the strain energy of particle p, in J per metre of thickness."""
     F, mu = body.deformation_gradient[p], body.shear_modulus
     J = determinant(F)
     return body.mass[p] / body.density * LAWS[on.law].energy(F, J, log_jacobian(J), body.lame_modulus, mu)

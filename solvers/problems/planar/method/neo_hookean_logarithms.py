@@ -9,9 +9,9 @@ FAR, TERMS = 1 / 7, 9  # |J-1|/|J+1| up to which so many terms give ln J to roun
 
 @ti.func
 def compute_volumetric_stress(body: ti.template(), start, end):
-    """Computes lambda ln J of the particles from ``start`` to ``end``, in a loop of its own, because logarithms within
-    the sums at the nodes would cost a third of the step; for four particles at a time, to use vector instructions.
-    Where fewer are left, the last one is computed repeatedly."""
+    """Writes lambda ln J in Pa of the particles from ``start`` up to ``end`` to ``volumetric``, in a loop of its own:
+    logarithms within the sums at the nodes would cost a third of the step. It takes four particles at a time, to use
+    vector instructions; where fewer are left, the last one is computed repeatedly."""
     for group in range((end - start + 3) // 4):
         J, first = ti.Vector([0.0] * 4), start + 4 * group
         for k in ti.static(range(4)):
@@ -23,7 +23,7 @@ def compute_volumetric_stress(body: ti.template(), start, end):
 
 @ti.func
 def logarithms(J):
-    """Returns ln of four numbers: near 1, as J of sound runs, by the series of 2 artanh((J-1)/(J+1)), to rounding."""
+    """Returns ln J of a vector of four J: near 1, as in sound runs, by the series of 2 artanh((J-1)/(J+1)), exactly."""
     s = (J - 1) / (J + 1)
     square, series = s * s, ti.Vector([0.0] * 4)
     for k in ti.static(range(TERMS)):

@@ -15,13 +15,13 @@ MIN_RADIUS = 0.1  # of the inner radius: a node nearer to the centre, where no m
 
 
 def make_node_acceleration_error(ghosts: int) -> Callable:
-    """Returns the function that measures it, for bodies whose grid table has the acceleration at each node, with
-    ``ghosts`` rows of nodes beyond planes at both ends."""
+    """Returns the Taichi function (body, on) of the nodes' mean squared acceleration error, m^2/s^4, of bodies whose
+    grid table has the exact acceleration at each node; ``ghosts`` rows of nodes lie beyond planes at both ends."""
     @ti.func
     def node_acceleration_error(body: ti.template(), on: ti.template()):
-        """Returns the mean squared error of the acceleration of the nodes that carry mass."""
-        total, count, last = 0.0, 0, body.row - 1 - ghosts
-        rank, modes, out = table_size(body, GRID, RANK), table_size(body, GRID, MODES), table_size(body, GRID, PRESENT)
+        """Returns the mean squared error of the acceleration, m^2/s^4, over the nodes that carry mass."""
+        total, count, rank, last = 0.0, 0, table_size_entry(body, GRID, RANK), body.row - 1 - ghosts
+        modes, out = table_size_entry(body, GRID, MODES), table_size_entry(body, GRID, PRESENT)
         for node in range(body.nodes):  # not one loop in another: Vulkan in software adds wrongly there
             i, j = node % body.row, node // body.row
             if i >= ghosts and j >= ghosts and i <= last and j <= last and body.node_mass[node] > 0:
@@ -38,15 +38,15 @@ def make_node_acceleration_error(ghosts: int) -> Callable:
 
 
 def make_circular_acceleration_error(kind: type[PlanarScene], first: int) -> Callable:
-    """Returns the Taichi function of the nodes' mean squared acceleration error, m^2/s^4, of bodies between circles;
-    the exact motion is a polynomial of the radius, and nodes before ``first`` in a row lie beyond a symmetry plane."""
+    """Returns the Taichi function (body, on) of the nodes' mean squared acceleration error, m^2/s^4, of bodies between
+    circles, whose exact motion is a polynomial of the radius; nodes before ``first`` in a row lie beyond a plane."""
     beyond, inner, outer = kind.BEYOND_RIMS, kind.INNER, kind.OUTER
     nearest, middle, half = MIN_RADIUS * inner, 0.5 * (outer + inner), 0.5 * (outer - inner)
 
     @ti.func
     def expansion(body: ti.template(), s):
-        """Returns u and a at the radius s, from -1 to 1 between the rims, and du/ds: Clenshaw's recurrence for sum c_m
-        T_m(s), and for its derivative."""
+        """Returns (u, a) at the radius s, -1 to 1 from rim to rim, as a vector of four, and its derivative by s:
+        Clenshaw's recurrence for sum c_m T_m(s), and for its derivative."""
         b, older = ti.Vector([0.0] * 4), ti.Vector([0.0] * 4)
         d, older_d = ti.Vector([0.0] * 4), ti.Vector([0.0] * 4)
         start, terms = 3 * body.orbits, body.exact.shape[0]
@@ -58,8 +58,9 @@ def make_circular_acceleration_error(kind: type[PlanarScene], first: int) -> Cal
 
     @ti.func
     def node_acceleration_error(body: ti.template(), on: ti.template()):
-        """Returns the mean squared error of the acceleration of the nodes that carry mass."""
-        rank, modes, out = table_size(body, GRID, RANK), table_size(body, GRID, MODES), table_size(body, GRID, PRESENT)
+        """Returns the mean squared error of the acceleration, m^2/s^4, over the nodes that carry mass."""
+        rank, modes = table_size_entry(body, GRID, RANK), table_size_entry(body, GRID, MODES)
+        out = table_size_entry(body, GRID, PRESENT)
         for m in range(body.exact.shape[0] - 3 * body.orbits):
             now = ti.Vector([0.0] * 4)
             for k in range(rank):

@@ -9,8 +9,8 @@ NONZERO_ENTRIES = 5  # numbers of a node's record that are not always zero
 
 @ti.func
 def particle_contribution(body: ti.template(), p, traits: ti.template(), on: ti.template()):
-    """Returns a particle's contribution to nodes: the record to multiply by the weight, and V sigma = (xx, xy, yx, yy)
-    to multiply by its gradient."""
+    """Returns particle p's contribution to nodes: the record (momentum, force, mass, zeros) to multiply by a weight,
+    and V sigma = (xx, xy, yx, yy), in J per metre of thickness, to multiply by its gradient."""
     q, mass = body.position_velocity[p], body.mass[p]
     force = ti.Vector([0.0, 0.0])
     if ti.static(on.body_force != "none"):
@@ -21,13 +21,13 @@ def particle_contribution(body: ti.template(), p, traits: ti.template(), on: ti.
 
 @ti.func
 def force_record(x, y):
-    """Returns the record of a node on which only a force acts."""
+    """Returns the record (8,) of a node with only a force (x, y)."""
     return ti.Vector([0.0, 0.0, x, y, 0.0, 0.0, 0.0, 0.0])
 
 
 @ti.func
 def scatter_add(records: ti.template(), place, record):
-    """Adds to one of many records: of nodes, or of circles.
+    """Adds the vector ``record`` to entry ``place`` of the array ``records``: of nodes, or of circles.
 
     On a CPU no other thread adds there (slabs have grids of their own), and an atomic addition, as by +=, would cost
     three times as much. On a GPU all particles add at once.

@@ -17,7 +17,7 @@ TOTALS = 3  # of a slab, so far: grid crossings, work and impulse of the torque 
 
 @ti.func
 def map_and_update_nodes(body: ti.template(), t, traits: ti.template(), on: ti.template()):
-    """Runs the first half of a step on one thread, from time t: particles to nodes, and the nodes' new motion."""
+    """Runs the first half of a step on one thread, from time t in s: particles to nodes, and the nodes' new motion."""
     traits.forces(body, t, on)
     particles_to_nodes(body, 0, traits, on)
     traits.fold(body, fold_ghost_sums)
@@ -28,7 +28,7 @@ def map_and_update_nodes(body: ti.template(), t, traits: ti.template(), on: ti.t
 
 @ti.func
 def active_particle_count(body: ti.template()):
-    """Returns the number of particles in a step: on a GPU none in steps that were queued when a run became unstable."""
+    """Returns the number of particles to step: all; on a GPU none once the run is unstable, as steps are queued."""
     count = body.particles
     if ti.static(not runtime.runs_on_cpu()):
         count *= 1 - ti.min(body.verdict[0] - SOUND,
@@ -38,10 +38,8 @@ def active_particle_count(body: ti.template()):
 
 @ti.func
 def particles_to_nodes(body: ti.template(), slab, traits: ti.template(), on: ti.template()):
-    """Clears the slab's grid, computes its particles' weights, and adds mass, momentum and force to the grid.
-
-    Weights have a loop of their own: short enough for a processor to work on several particles at a time.
-    """
+    """Clears the grid of slab number ``slab``, stores its particles' weights, and adds mass, momentum and force to the
+    grid. Weights have a loop of their own: short enough for a processor to work on several particles at a time."""
     start, end = particle_range(body, body.particles, slab)
     grid = slab * body.nodes
     for j in range(body.active):
@@ -52,7 +50,8 @@ def particles_to_nodes(body: ti.template(), slab, traits: ti.template(), on: ti.
 
 @ti.func
 def map_to_nodes(body: ti.template(), start, end, grid, traits: ti.template(), on: ti.template()):
-    """Computes weights of the particles from ``start`` to ``end``, and adds their contributions to a cleared grid."""
+    """Stores weights of the particles from ``start`` up to ``end``, and adds mass, momentum and force to the cleared
+    nodes from number ``grid`` on."""
     if ti.static(not on.frozen):
         find_weights(body, start, end, on)
     traits.prepare(body, start, end, on)
@@ -64,8 +63,8 @@ def map_to_nodes(body: ti.template(), start, end, grid, traits: ti.template(), o
 
 @ti.func
 def find_weights(body: ti.template(), start, end, on: ti.template()):
-    """Stores the weights of the particles from ``start``, the first of a block, to ``end``, for both mappings of the
-    step. A CPU computes a block at a time, in which the last particle fills unused places."""
+    """Stores the weights of the particles from ``start``, the first of a block, up to ``end``, for both mappings of
+    the step. A CPU computes a block at a time, in which the last particle fills unused places."""
     together = ti.static(BLOCK if runtime.runs_on_cpu() else 1)
     for turn in range(start // together, (end + together - 1) // together):
         some = ti.Vector([ti.min(turn * together + k, end - 1) for k in ti.static(range(together))])
@@ -77,7 +76,8 @@ def find_weights(body: ti.template(), start, end, on: ti.template()):
 
 @ti.func
 def nodes_to_particles(body: ti.template(), slab, step, traits: ti.template(), on: ti.template()):
-    """Sets v += dt sum S a; x += dt sum S v_i (not the printed eq 24); F <- (I + dt L) F, L = sum v_i grad S."""
+    """Sets v += dt sum S a; x += dt sum S v_i (not the printed eq 24); F <- (I + dt L) F, L = sum v_i grad S, of the
+    particles of slab number ``slab`` in step number ``step``, and adds to the slab's ``totals``."""
     start, end = particle_range(body, active_particle_count(body), slab)
     dt, jumps, work, spun = body.dt, 0.0, 0.0, 0.0
     for p in range(start, end):
@@ -115,7 +115,7 @@ def nodes_to_particles(body: ti.template(), slab, step, traits: ti.template(), o
 
 @ti.func
 def gather(body: ti.template(), p, values: ti.template(), on: ti.template()):
-    """Returns the nodes' values, four numbers, at the particle, and their derivatives in x and y."""
+    """Returns nodal ``values``, vectors of four, interpolated to particle p, and their x and y derivatives (per m)."""
     here, by_x, by_y = ti.Vector([0.0] * 4), ti.Vector([0.0] * 4), ti.Vector([0.0] * 4)
     if ti.static(on.method == "cpdi"):
         here, by_x, by_y = cpdi.gather(body, p, values, on)
@@ -126,28 +126,28 @@ def gather(body: ti.template(), p, values: ti.template(), on: ti.template()):
 
 @ti.func
 def jacobian(body: ti.template(), p):
-    """Returns det F of a particle."""
+    """Returns det F of particle p."""
     F = body.deformation_gradient[p]
     return F[0] * F[3] - F[1] * F[2]
 
 
 @ti.func
 def slab_range(count, slab, slabs):
-    """Returns the slab's part of ``count`` items, as start and end."""
+    """Returns the start and the end of part number ``slab`` of ``slabs`` equal parts of ``count`` items."""
     return slab * (count // slabs) + ti.min(slab, count % slabs), \
         (slab + 1) * (count // slabs) + ti.min(slab + 1, count % slabs)
 
 
 @ti.func
 def particle_range(body: ti.template(), count, slab):
-    """Returns the slab's part of ``count`` particles in whole blocks, as start and end."""
+    """Returns the start and the end of the part of ``count`` particles in slab number ``slab``, in whole blocks."""
     first, last = slab_range((count + BLOCK - 1) // BLOCK, slab, body.slabs)
     return ti.min(first * BLOCK, count), ti.min(last * BLOCK, count)
 
 
 @ti.func
 def sum_slabs_in_row(body: ti.template(), j):
-    """Adds the slabs' grids in row j to the first one's."""
+    """Adds row j of all other slabs' grids to that of the first slab's."""
     for node in range(j * body.row, j * body.row + body.active):
         for slab in range(1, body.slabs):
             body.node_sums[node] = body.node_sums[node] + body.node_sums[slab * body.nodes + node]
@@ -155,14 +155,14 @@ def sum_slabs_in_row(body: ti.template(), j):
 
 @ti.func
 def fold_ghost_sums(body: ti.template(), ghost, image, in_x, in_y):
-    """Adds the sums of a ghost to those of its mirror image; ``in_x`` and ``in_y`` are the signs of the components."""
+    """Adds the sums of node ``ghost`` to those of its mirror ``image``, with signs ``in_x`` and ``in_y`` of vectors."""
     sign = ti.Vector([in_x, in_y, in_x, in_y, 1.0, 1.0, 1.0, 1.0])
     body.node_sums[image] = body.node_sums[image] + sign * body.node_sums[ghost]
 
 
 @ti.func
 def update_node_row(body: ti.template(), j, traits: ti.template(), on: ti.template()):
-    """Sets a_i = f_i/m_i and v_i += dt a_i in row j; nothing moves across a symmetry plane."""
+    """Sets a_i = f_i/m_i and v_i += dt a_i of the nodes in row j; nothing moves across a symmetry plane."""
     least = EMPTY * body.density * body.spacing * body.spacing
     for i in range(traits.first, body.active):
         update_node(body, i, j, least, traits, on)
@@ -170,7 +170,7 @@ def update_node_row(body: ti.template(), j, traits: ti.template(), on: ti.templa
 
 @ti.func
 def update_node(body: ti.template(), i, j, least, traits: ti.template(), on: ti.template()):
-    """Sets a and v of node i in row j; with ``least`` mass or less they are zero."""
+    """Sets a and v of node i in row j; with a mass of ``least`` kg/m or less they are zero."""
     node = j * body.row + i
     sums = body.node_sums[node]
     mass = sums[4]

@@ -12,12 +12,12 @@ from solvers.solver.separable_field_tables import body_force_at, compute_force_t
 
 
 def make_problem_kernels(kind: type[PlanarScene]) -> ProblemKernels:
-    """Returns the kernel parts of a problem with this scene class."""
+    """Returns the functions for kernels of the problem with the scene class ``kind``."""
     circular, volumetric, low = kind.CIRCULAR, kind.VOLUMETRIC, kind.PLANES[0]
 
     @ti.func
     def forces(body: ti.template(), t, on: ti.template()):
-        """Computes the body force per mass at time t: its functions of time, and the force itself on circles."""
+        """Writes the body force per mass (m/s^2) at t s: its functions of time to the tables, on circles itself."""
         compute_force_time_functions(body.tables, body.table_sizes, body.angular_frequency * t, on)
         if ti.static(circular and on.body_force != "none"):
             for k in range(body.orbits):
@@ -25,7 +25,7 @@ def make_problem_kernels(kind: type[PlanarScene]) -> ProblemKernels:
 
     @ti.func
     def prepare(body: ti.template(), start, end, on: ti.template()):
-        """Computes lambda ln J of the particles from ``start`` to ``end``, and the force where each is an orbit."""
+        """Writes lambda ln J of the particles from ``start`` up to ``end``, and their force where each is an orbit."""
         if ti.static(volumetric and LAWS[on.law].logarithmic):
             compute_volumetric_stress(body, start, end)
         if ti.static(not circular and on.body_force != "none"):
@@ -34,7 +34,7 @@ def make_problem_kernels(kind: type[PlanarScene]) -> ProblemKernels:
 
     @ti.func
     def body_force_on(body: ti.template(), p):
-        """Returns the body force on a particle, in N."""
+        """Returns the body force (x, y) on particle p, in N per metre of thickness."""
         f = body.orbit_force[body.orbit[p]]
         if ti.static(circular):
             f = rotate_vector(body.direction[p], f[0], f[1])
@@ -42,7 +42,7 @@ def make_problem_kernels(kind: type[PlanarScene]) -> ProblemKernels:
 
     @ti.func
     def stress(body: ti.template(), p, on: ti.template()):
-        """Returns J sigma as (xx, xy, yx, yy), or P with frozen weights."""
+        """Returns J sigma of particle p as (xx, xy, yx, yy) in Pa, or P with frozen weights."""
         F, bulk, full = body.deformation_gradient[p], 0.0, ti.Vector([0.0] * 4)
         if ti.static(volumetric and LAWS[on.law].logarithmic):
             bulk = body.volumetric[p]
@@ -57,7 +57,7 @@ def make_problem_kernels(kind: type[PlanarScene]) -> ProblemKernels:
 
     @ti.func
     def has_escaped(body: ti.template(), p, step):
-        """Returns whether a particle is at a place that none reaches in a sound run."""
+        """Returns whether particle p is at a place that none reaches in a sound run, at any ``step``."""
         q, X = body.position_velocity[p], body.material_position[p]
         least = -body.spacing if ti.static(low) else -body.farthest
         inside = q[0] > least and q[1] > least and q[0] < body.farthest and q[1] < body.farthest

@@ -16,20 +16,20 @@ from solvers.solver.serial_stepping import sample_effects
 
 @ti.func
 def squared_frobenius_norm(tensor):
-    """Returns the squared Frobenius norm of a symmetric tensor given as xx, xy, yy."""
+    """Returns the squared Frobenius norm of a symmetric ``tensor`` (xx, xy, yy)."""
     return tensor[0] * tensor[0] + 2 * tensor[1] * tensor[1] + tensor[2] * tensor[2]
 
 
 @ti.func
 def squared_norms(motion, sigma, a):
-    """Returns the squared sizes of x, v, sigma and a."""
+    """Returns the squared sizes of x, v, sigma and a, from ``motion`` = (x, v), ``sigma`` = (xx, xy, yy) and ``a``."""
     return ti.Vector([motion[0] * motion[0] + motion[1] * motion[1], motion[2] * motion[2] + motion[3] * motion[3],
                       squared_frobenius_norm(sigma), a[0] * a[0] + a[1] * a[1]])
 
 
 @ti.func
 def sample(body: ti.template(), row, step, looks, measures: ti.template(), on: ti.template()):
-    """Writes one row of sums; with ``looks`` also contradictions, which are sampled more rarely."""
+    """Writes sample ``row`` of the state after ``step`` steps; with ``looks`` also contradictions, which are rarer."""
     sample_sums(body, row, step, measures, on)
     if ti.static(on.soundness):
         if looks:
@@ -38,7 +38,7 @@ def sample(body: ti.template(), row, step, looks, measures: ti.template(), on: t
 
 @ti.func
 def sample_sums(body: ti.template(), row, step, measures: ti.template(), on: ti.template()):
-    """Writes one row of sums, without contradictions."""
+    """Writes sample ``row`` of the state after ``step`` steps: sums over particles, without contradictions."""
     crossings, work = 0.0, 0.0
     for slab in range(body.slabs):
         crossings += body.totals[ti.static(TOTALS) * slab]
@@ -60,7 +60,7 @@ def sample_sums(body: ti.template(), row, step, measures: ti.template(), on: ti.
 
 @ti.func
 def sample_truth(body: ti.template(), row, step, measures: ti.template(), on: ti.template()):
-    """Samples the true errors, sums of squares: of x, v, sigma and, with the effect, a at particles and nodes."""
+    """Writes sums of squared true errors to ``row``: of x, v, sigma and, with that diagnostic, a (also at nodes)."""
     squares = ti.Vector([0.0, 0.0, 0.0, 0.0])
     for p in range(body.particles):
         motion, a = vector_errors(body, p, on)
@@ -76,7 +76,7 @@ def sample_truth(body: ti.template(), row, step, measures: ti.template(), on: ti
 
 @ti.func
 def sample_estimates(body: ti.template(), row, step, on: ti.template()):
-    """Samples each estimate and its difference from the truth, sums of squares."""
+    """Writes sums of squares to sample ``row``: of each estimator's errors and their differences from the true ones."""
     if ti.static(runtime.runs_on_cpu()):
         for e in range(ti.static(len(on.estimators))):
             sample_estimate(body, row, step, e, on)
@@ -87,7 +87,7 @@ def sample_estimates(body: ti.template(), row, step, on: ti.template()):
 
 @ti.func
 def sample_estimate(body: ti.template(), row, step, e, on: ti.template()):
-    """Samples the estimate number e and its difference from the truth, sums of squares."""
+    """Writes sums of squares to ``row``: of estimator number e's errors and their differences from the true ones."""
     squares, missed = ti.Vector([0.0, 0.0, 0.0, 0.0]), ti.Vector([0.0, 0.0, 0.0, 0.0])
     for p in range(body.particles):
         motion, stress = body.estimate[e * body.particles + p], body.estimate_stress[e * body.particles + p]
@@ -109,7 +109,7 @@ def sample_estimate(body: ti.template(), row, step, e, on: ti.template()):
 
 @ti.func
 def sample_energy(body: ti.template(), row, measures: ti.template(), on: ti.template()):
-    """Samples the particles' kinetic energy and strain energy."""
+    """Writes the particles' kinetic energy and strain energy, in J per metre of thickness, to sample ``row``."""
     kinetic, strain = 0.0, 0.0
     for p in range(body.particles):
         q, mass = body.position_velocity[p], body.mass[p]

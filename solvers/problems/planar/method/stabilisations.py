@@ -15,7 +15,7 @@ LEAST_JACOBIAN = 0.1  # of I - grad u, below which its inverse is meaningless
 
 @ti.func
 def in_step(body: ti.template(), step, traits: ti.template(), on: ti.template()):
-    """Applies the remedies that are due between nodes and particles; ``step`` includes this step."""
+    """Applies the stabilisations that are due in step number ``step``, after the nodes have moved."""
     if ti.static(on.filtered or on.coupled):
         if step % body.remedy_interval == 0:
             apply_remedies(body, traits, on)
@@ -23,7 +23,8 @@ def in_step(body: ti.template(), step, traits: ti.template(), on: ti.template())
 
 @ti.func
 def apply_remedies(body: ti.template(), traits: ti.template(), on: ti.template()):
-    """Applies v_p -= rate (I - S S^+)^2 v; F += rate ((I - grad u)^-1 - F) with u_i the sharpened copy of x - X."""
+    """Applies the active ones of v_p -= rate (I - S S^+)^2 v and F += rate ((I - grad u)^-1 - F) to all particles, with
+    u_i the nodes' sharpened copy of x - X; S maps nodes to particles, S^+ back."""
     begin_remedies(body, on)
     for pass_number in range(ti.static(PASSES if on.coupled else 1)):
         sharpen(body, pass_number, traits, on)
@@ -32,7 +33,7 @@ def apply_remedies(body: ti.template(), traits: ti.template(), on: ti.template()
 
 @ti.func
 def begin_remedies(body: ti.template(), on: ti.template()):
-    """Computes the particles' records: the part of v that the nodes lacked before the step, and x - X."""
+    """Writes the particles' records, the part of v that nodes lacked before the step and x - X; zeros the nodes'."""
     for node in range(body.nodes):
         body.node_remedy[node] = ti.Vector([0.0] * 4)
     for p in range(active_particle_count(body)):
@@ -45,7 +46,8 @@ def begin_remedies(body: ti.template(), on: ti.template()):
 
 @ti.func
 def sharpen(body: ti.template(), pass_number, traits: ti.template(), on: ti.template()):
-    """Adds the grid's part of the particles' records to the nodes, and leaves the rest of x - X to the particles."""
+    """Adds what nodes see of the particles' records to the nodes' (of v in pass 0 only), and leaves to the particles
+    what is not seen of x - X."""
     scratch_to_nodes(body, traits, on)
     for node in range(body.nodes):
         new = body.node_scratch[node]
@@ -61,7 +63,7 @@ def sharpen(body: ti.template(), pass_number, traits: ti.template(), on: ti.temp
 
 @ti.func
 def end_remedies(body: ti.template(), on: ti.template()):
-    """Moves the particles' velocity and F towards their targets, at the rate."""
+    """Moves the particles' v and F towards their targets by the share ``remedy_rate`` of the difference."""
     for p in range(active_particle_count(body)):
         here, by_x, by_y = gather(body, p, body.node_remedy, on)
         if ti.static(on.filtered):
@@ -79,7 +81,8 @@ def end_remedies(body: ti.template(), on: ti.template()):
 
 @ti.func
 def scratch_to_nodes(body: ti.template(), traits: ti.template(), on: ti.template()):
-    """Maps the particles' records to nodes by S^+: weighted by mass, folded at symmetry planes like a velocity."""
+    """Maps the particles' ``particle_scratch`` to the nodes' ``node_scratch`` by S^+: weighted by mass, folded at
+    symmetry planes like a velocity."""
     for node in range(body.nodes):
         body.node_scratch[node] = ti.Vector([0.0] * 4)
     for p in range(active_particle_count(body)):
@@ -102,4 +105,5 @@ def scratch_to_nodes(body: ti.template(), traits: ti.template(), on: ti.template
 
 @ti.func
 def fold_scratch(body: ti.template(), ghost, image, in_x, in_y):
+    """Adds ``node_scratch`` of node ``ghost`` to its ``image``'s, with the signs ``in_x`` and ``in_y`` of vectors."""
     body.node_scratch[image] = body.node_scratch[image] + ti.Vector([in_x, in_y, in_x, in_y]) * body.node_scratch[ghost]

@@ -10,8 +10,8 @@ from solvers.problems.planar.method.stored_weights import stored_weight_entries,
 
 @ti.func
 def store_step_margin(body: ti.template(), traits: ti.template(), on: ti.template()):
-    """Stores dt over the bound; NaN before the first step. On a GPU it must be called from a kernel itself: particles
-    run in parallel there, so that nodes cannot store values of one, which are recomputed where needed."""
+    """Writes dt over the stable step to ``step_margin``, or NaN before the first step. On a GPU it must be called from
+    a kernel itself: particles run in parallel there, so that nodes cannot store values of one, which are recomputed."""
     for node in range(body.nodes):
         body.node_scratch[node] = ti.Vector([0.0, 0.0, 0.0, 0.0])
     if ti.static(on.method == "cpdi" and runtime.runs_on_cpu()):
@@ -35,10 +35,11 @@ def store_step_margin(body: ti.template(), traits: ti.template(), on: ti.templat
 
 @ti.func
 def add_corner_gershgorin_sums(body: ti.template(), traits: ti.template(), on: ti.template()):
-    """Adds CPDI's circles on a CPU, where a search for corners that share a node would take several times as long.
+    """Adds Gershgorin's sums of all nodes to ``node_scratch`` for CPDI on a CPU, where a search for corners that share
+    a node would take several times as long.
 
     A node's record: grad S of the present particle (two numbers), |grad S|/sqrt(m), Gershgorin's sum. Loops are not
-    unrolled: this runs seldom, and would take longer to compile.
+    unrolled: they run seldom, and would take longer to compile.
     """
     for p in range(body.particles):
         total, g = 0.0, cpdi.corner_gradients(body, p, on)
@@ -56,8 +57,8 @@ def add_corner_gershgorin_sums(body: ti.template(), traits: ti.template(), on: t
 
 @ti.func
 def scale_gradient(body: ti.template(), traits: ti.template(), metric, node):
-    """Returns |grad S|/sqrt(m) of the present particle at a node, and stores it there in place of the gradient, so that
-    a second corner at the same node gets 0."""
+    """Returns |grad S|/sqrt(m), in ``metric`` (xx, xy, yy), of the present particle at a node, and stores it there in
+    place of the gradient, so that a second corner at the same node gets 0."""
     record = body.node_scratch[node]
     scaled = scaled_gradient_norm(body, traits, metric, ti.Vector([record[0], record[1]]), node)
     if scaled > 0:
@@ -67,7 +68,7 @@ def scale_gradient(body: ti.template(), traits: ti.template(), metric, node):
 
 @ti.func
 def scaled_gradient_norm(body: ti.template(), traits: ti.template(), metric, gradient, node):
-    """Returns |grad S|/sqrt(m) at a node, 0 where it has no mass."""
+    """Returns |grad S|/sqrt(m) of a ``gradient`` (x, y) in a ``metric`` (xx, xy, yy) at a node; 0 without mass."""
     along, across = gradient[0] * gradient[0], gradient[1] * gradient[1]
     size = ti.sqrt(ti.max(0.0, metric[0] * along + metric[2] * across + 2 * metric[1] * gradient[0] * gradient[1]))
     mass = body.node_mass[traits.image(body, node)]
@@ -79,7 +80,7 @@ def scaled_gradient_norm(body: ti.template(), traits: ti.template(), metric, gra
 
 @ti.func
 def add_gershgorin_sum(body: ti.template(), traits: ti.template(), node, stiffness):
-    """Adds the present particle's part to the sum of a node, once."""
+    """Adds ``stiffness`` times the present particle's |grad S|/sqrt(m) to Gershgorin's sum of a node, once."""
     scaled = body.node_scratch[node][2]
     body.node_scratch[node][2] = 0.0
     body.node_scratch[traits.image(body, node)][3] += stiffness * scaled
@@ -87,8 +88,8 @@ def add_gershgorin_sum(body: ti.template(), traits: ti.template(), node, stiffne
 
 @ti.func
 def node_gradient(body: ti.template(), p, k, on: ti.template()):
-    """Returns the particle's k-th node and the gradient of its weight there; for CPDI, where several corners may share
-    a node, the whole gradient at its first occurrence and zero at others."""
+    """Returns particle p's k-th node and the gradient (x, y) of its weight there, per m; for CPDI, where several
+    corners may share a node, the whole gradient at its first occurrence and zero at others."""
     node, gradient = 0, ti.Vector([0.0, 0.0])
     if ti.static(on.method == "cpdi"):
         g = cpdi.corner_gradients(body, p, on)
@@ -111,13 +112,13 @@ def node_gradient(body: ti.template(), p, k, on: ti.template()):
 
 @ti.func
 def corner_stencil_node(body: ti.template(), p, k, on: ti.template()):
-    """Returns the k-th of the sixteen nodes of the corners of a particle."""
+    """Returns the k-th of the sixteen nodes of the corners' cells of CPDI particle p."""
     return ti.cast(stored_weight_entry(body, p, cpdi.NODES + k // 4, on), ti.i32) + (k % 4 // 2) * body.row + k % 2
 
 
 @ti.func
 def corner_stencil_hat(body: ti.template(), p, k, on: ti.template()):
-    """Returns the hat function of its corner at the k-th of those nodes, with the sign of the corner's gradient."""
+    """Returns the hat function at :func:`corner_stencil_node` number k, with the sign of the corner's gradient."""
     c = k // 4
     x, y = stored_weight_entry(body, p, c, on), stored_weight_entry(body, p, c + 4, on)
     return (x if k % 2 == 1 else 1 - x) * (y if k % 4 // 2 == 1 else 1 - y) * (1.0 if c < 2 else -1.0)
@@ -125,11 +126,11 @@ def corner_stencil_hat(body: ti.template(), p, k, on: ti.template()):
 
 @ti.func
 def three_node_weight(i, left, right):
-    """Returns weight i of three, given the outer two."""
+    """Returns weight i (0 to 2) of three that sum to 1, given the outer two."""
     return left if i == 0 else (right if i == 2 else 1 - left - right)
 
 
 @ti.func
 def three_node_slope(i, left, right):
-    """Returns slope i of three, given the outer two."""
+    """Returns slope i (0 to 2) of three that sum to 0, given the outer two."""
     return left if i == 0 else (right if i == 2 else -left - right)

@@ -17,31 +17,33 @@ SHIFT = BLOCK.bit_length() - 1  # BLOCK = 2^SHIFT
 
 
 def parts_per_particle(method: str) -> int:
-    """Returns the number of parts, of eight numbers each, that are stored per particle."""
+    """Returns the number of parts, of eight weights each, that are stored per particle with a ``method``: 1 or 2."""
     return PARTS_PER_PARTICLE.get(method, 1)
 
 
 def allocate_weights(method: str, particles: int) -> np.ndarray:
-    """Returns an array for ``particles`` particles: blocks times parts, each of eight numbers of four particles."""
+    """Returns zeros for the weights of so many particles: (blocks times parts, eight numbers of four particles)."""
     return np.zeros((-(-particles // BLOCK) * parts_per_particle(method), NUMBERS * BLOCK))
 
 
 def weights_by_particle(kept: np.ndarray, method: str, particles: int) -> np.ndarray:
-    """Returns the stored numbers with one row per particle (P, 8 parts)."""
+    """Returns the array of :func:`allocate_weights`, ``kept``, with one row per particle (P, 8 parts)."""
     numbers = NUMBERS * parts_per_particle(method)
     return kept.reshape(-1, numbers, BLOCK).transpose(0, 2, 1).reshape(-1, numbers)[:particles]
 
 
 @mark_untranslated_by_taichi
 def concatenate(numbers: Any) -> Any:
-    """Returns one vector of several. Each becomes a variable first, or it would be recomputed for every entry."""
+    """Returns one vector of several of ``BLOCK`` entries. Each becomes a variable first, or it would be recomputed for
+    every entry."""
     variables = [make_kernel_variable(number) for number in numbers]
     return ti.Vector([subscript_expression(number, lane) for number in variables for lane in range(BLOCK)])
 
 
 @ti.func
 def store_weight_part(body: ti.template(), p, part: ti.template(), numbers: ti.template(), on: ti.template()):
-    """Stores a part, ``numbers``, of particle p, or of a whole block from p on: vectors of one or four entries."""
+    """Stores ``numbers``, eight vectors, as part number ``part`` of particle p (vectors of one entry) or of a whole
+    block from p on (of four)."""
     entry = (p >> SHIFT) * ti.static(parts_per_particle(on.method)) + part
     if ti.static(numbers[0].n == BLOCK):
         body.weights[entry] = concatenate(numbers)
@@ -51,7 +53,7 @@ def store_weight_part(body: ti.template(), p, part: ti.template(), numbers: ti.t
 
 
 class _StoredWeightEntries:
-    """Stored numbers of a particle by index, while a kernel is compiled."""
+    """Stored weights of one particle by index, while a kernel is compiled; ``array`` has those of all."""
 
     def __init__(self, array: Any, entry: Any, lane: Any):
         self._array, self._entry, self._lane = array, entry, lane
@@ -63,13 +65,13 @@ class _StoredWeightEntries:
 
 @mark_untranslated_by_taichi
 def stored_weight_entries(body: Any, p: Any, on: Any) -> _StoredWeightEntries:
-    """Returns the stored numbers of particle p, for kernels with constant indices; computes their address once."""
+    """Returns the stored weights of particle p, for kernels with constant indices; computes their address once."""
     return _StoredWeightEntries(body.weights, make_kernel_variable((p >> SHIFT) * parts_per_particle(on.method)),
                                 make_kernel_variable(p & (BLOCK - 1)))
 
 
 @ti.func
 def stored_weight_entry(body: ti.template(), p, k, on: ti.template()):
-    """Returns the stored number ``k``, which may be a variable."""
+    """Returns number ``k``, which may be a variable, of the stored weights of particle p."""
     entry = (p >> SHIFT) * ti.static(parts_per_particle(on.method)) + k // NUMBERS
     return body.weights[entry][k % NUMBERS * BLOCK + (p & (BLOCK - 1))]

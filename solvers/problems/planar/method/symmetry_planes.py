@@ -8,23 +8,21 @@ from solvers.problems.planar.scene import GHOSTS
 
 
 def make_symmetry_plane_kernels(low: bool, high: bool) -> dict[str, Any]:
-    """Returns the parts of ``solvers.problems.planar.kernel_parts.ProblemKernels`` that depend on planes: at the lower
-    ends if ``low``, and then at the upper ends if ``high``."""
+    """Returns the members of ``solvers.problems.planar.kernel_parts.ProblemKernels``, by name, that depend on planes:
+    at the lower ends of x and y if ``low``, and then at the upper ends if ``high``."""
     G = GHOSTS if low else 0
     ghosts = tuple((side, k) for k in range(G) for side in ((0, 1) if high else (0,)))  # the lower end, and the upper
 
     @ti.func
     def row_from_end(body: ti.template(), side: ti.template(), k):
-        """Returns the index of the k-th row or column from an end."""
+        """Returns the index of the k-th row or column from the lower (``side`` = 0) or upper end."""
         return k if ti.static(side == 0) else body.row - 1 - k
 
     @ti.func
     def fold(body: ti.template(), fold_pair: ti.template()):
-        """Adds the sums of nodes beyond a plane to their mirror images, the component across the plane with odd sign.
-
-        Setting it to zero instead costs up to a factor 2.5 in accuracy. ``fold_pair(body, ghost, image, in_x, in_y)``
-        adds a node's values, with these signs, to those of its image.
-        """
+        """Adds values of nodes beyond a plane to their mirror images, the component across the plane with odd sign:
+        setting that to zero instead costs up to a factor 2.5 in accuracy. ``fold_pair(body, ghost, image, in_x, in_y)``
+        adds one node's, with these signs, to its image's."""
         if ti.static(low):
             for j in range(body.active):
                 for side, k in ti.static(ghosts):
@@ -37,7 +35,7 @@ def make_symmetry_plane_kernels(low: bool, high: bool) -> dict[str, Any]:
 
     @ti.func
     def pin(body: ti.template(), i, j, record):
-        """Returns the record of node (i, j) without the components that would move it across a plane."""
+        """Returns node (i, j)'s ``record`` (two vectors) without the components that would move it across a plane."""
         pinned, last = record, body.row - 1 - G
         if ti.static(low):
             if i == G or (ti.static(high) and i == last):
@@ -48,7 +46,7 @@ def make_symmetry_plane_kernels(low: bool, high: bool) -> dict[str, Any]:
 
     @ti.func
     def mirror(body: ti.template(), values: ti.template()):
-        """Copies the nodes' values, two vectors each, to their images beyond planes, odd in the component across."""
+        """Copies nodal ``values``, two vectors each, to their images beyond planes, odd in the component across."""
         if ti.static(low):
             for j in range(G, body.active):
                 for side, k in ti.static(ghosts):
@@ -61,7 +59,7 @@ def make_symmetry_plane_kernels(low: bool, high: bool) -> dict[str, Any]:
 
     @ti.func
     def image(body: ti.template(), node):
-        """Returns the node of which a ghost is the mirror image, and any other node itself."""
+        """Returns the number of the node that ``node``, beyond a plane, is the mirror image of; or ``node`` itself."""
         own = node
         if ti.static(low):
             i, j, last = node % body.row, node // body.row, body.row - 1 - G

@@ -33,7 +33,8 @@ INDICES_PER_TASK = 512  # indices that a parallel loop never splits between thre
 
 
 class CpuKernels(NamedTuple):
-    """Kernels of a problem, and the type of their ``state``; ``on`` are a scene's compile-time options."""
+    """Compiled functions of a problem's runs, and the type of their argument ``state``; ``step`` and ``slabs`` are
+    numbers, ``line`` a row of samples, ``purpose`` of ``solvers.solver.base``, ``on`` compile-time options."""
 
     state: Any
     phases: StepFunctions
@@ -44,13 +45,14 @@ class CpuKernels(NamedTuple):
 
 
 def make_cpu_kernels(parts: PlanarParts) -> CpuKernels:
+    """Returns the kernels of the problem with these ``parts``."""
     HOOKS, TRAITS, MEASURES = parts.hooks, parts.traits, parts.measures
     # Numbers and arrays as one argument: nothing of a scene is baked into compiled code but its switches.
     State = ti.types.argpack(**InstrumentedBody.types(), **packing(HOOKS).types)
 
     @ti.func
     def one_step(body: ti.template(), step, on: ti.template()):
-        """Takes step number ``step``, counted from one, on one thread."""
+        """Takes step number ``step`` (from 1) on one thread."""
         phases.map_and_update_nodes(body, (step - 1) * body.dt, TRAITS, on)
         estimator_loop.in_step(body, step, HOOKS, on)
         stabilisations.in_step(body, step, TRAITS, on)
@@ -77,7 +79,7 @@ def make_cpu_kernels(parts: PlanarParts) -> CpuKernels:
 
     @ti.kernel
     def step_in_slabs(step: ti.i32, slabs: ti.i32, body: State, on: ti.template()):
-        """Takes one step on as many threads as there are slabs; ``slabs`` = 0 only compiles."""
+        """Takes the step after ``step`` steps on as many threads as there are slabs; ``slabs`` = 0 only compiles."""
         for _ in range(ti.min(slabs, 1)):
             TRAITS.forces(body, step * body.dt, on)
         for task in range(INDICES_PER_TASK * slabs):
@@ -107,7 +109,7 @@ def make_cpu_kernels(parts: PlanarParts) -> CpuKernels:
 
     @ti.kernel
     def inspect(step: ti.i32, line: ti.i32, purpose: ti.i32, body: State, on: ti.template()):
-        """Checks the state, beside ``step_in_slabs``, unless the purpose is ``REPORT``, and samples it into ``line``
+        """Checks the state after ``step`` steps unless the purpose is ``REPORT``, and samples it into row ``line``
         unless that is negative, with contradictions where they are due or the purpose is ``MEASURE``."""
         ti.loop_config(serialize=True)
         for _ in range(1):
@@ -123,7 +125,7 @@ def make_cpu_kernels(parts: PlanarParts) -> CpuKernels:
 
 
 class CpuStepper(SerialStepper):
-    """Steps the arrays in place, on ``threads`` threads if ``parallel``, else on one with the serial kernel."""
+    """Stepper of a run's arrays in place, on ``threads`` threads if ``parallel``, else on one by the serial kernel."""
 
     def __init__(self, kernels: CpuKernels, scene: Scene, arrays: InstrumentedBody, on: KernelOptions, parallel: bool,
                  threads: int):

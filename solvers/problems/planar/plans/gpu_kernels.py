@@ -19,7 +19,7 @@ from solvers.solver.serial_stepping import MIN_JACOBIAN, NAN_JACOBIAN
 
 
 class GpuKernels(NamedTuple):
-    """Kernels of a problem on a GPU; ``on`` are a scene's compile-time options."""
+    """Kernels of a problem's runs on a GPU; ``line`` is a row of samples, ``on`` are compile-time options."""
 
     to_nodes: Any  # (step, state, on)
     to_particles: Any  # (step, state, on)
@@ -36,7 +36,7 @@ class GpuKernels(NamedTuple):
 
 @ti.func
 def update_nodes(body: ti.template(), side, traits: ti.template(), on: ti.template()):
-    """Computes the new motion of the nodes, ``side`` in each direction, from their sums."""
+    """Sets v and a of the nodes, ``side`` in each direction, from their sums of momentum, force and mass."""
     traits.fold(body, phases.fold_ghost_sums)
     least = phases.EMPTY * body.density * body.spacing * body.spacing
     for place in range(side * side):
@@ -48,8 +48,8 @@ def update_nodes(body: ti.template(), side, traits: ti.template(), on: ti.templa
 
 @ti.func
 def check_particles_in_parallel(body: ti.template(), step, has_escaped: ti.template()):
-    """Checks all particles in parallel, with the result of ``solvers.solver.serial_stepping.check_particles``, except
-    that it picks the last of several NaN."""
+    """Writes to ``verdict`` why the run is unstable after ``step`` steps, if it is, from all particles in parallel: as
+    ``solvers.solver.serial_stepping.check_particles``, except that it picks the last of several NaN."""
     flattest, rank = MIN_JACOBIAN, body.particles
     for p in range(phases.active_particle_count(body)):
         J = jacobian_without_nan(body, p)
@@ -69,13 +69,13 @@ def check_particles_in_parallel(body: ti.template(), step, has_escaped: ti.templ
 
 @ti.func
 def jacobian_without_nan(body: ti.template(), p):
-    """Returns det F of a particle, or a stand-in for NaN."""
+    """Returns det F of particle p, or ``NAN_JACOBIAN`` for NaN."""
     J = phases.jacobian(body, p)
     return NAN_JACOBIAN if ti.math.isnan(J) else J
 
 
 def make_gpu_kernels(State: Any, parts: PlanarParts) -> GpuKernels:
-    """Returns the kernels of a problem whose state has the type ``State``."""
+    """Returns the kernels of the problem with these ``parts``, whose state has the Taichi type ``State``."""
     HOOKS, TRAITS, MEASURES = parts.hooks, parts.traits, parts.measures
 
     @ti.kernel
@@ -92,7 +92,7 @@ def make_gpu_kernels(State: Any, parts: PlanarParts) -> GpuKernels:
 
     @ti.kernel
     def to_particles(step: ti.i32, body: State, on: ti.template()):
-        """Runs the second half of step number ``step``, counted from one."""
+        """Runs the second half of step number ``step`` (from 1): nodes to particles."""
         phases.nodes_to_particles(body, 0, step, TRAITS, on)
 
     @ti.kernel
@@ -109,27 +109,27 @@ def make_gpu_kernels(State: Any, parts: PlanarParts) -> GpuKernels:
 
     @ti.kernel
     def check(step: ti.i32, body: State, on: ti.template()):
-        """Stops an unstable run."""
+        """Stops a run that is unstable after ``step`` steps, by its ``verdict``."""
         check_particles_in_parallel(body, step, TRAITS.has_escaped)
 
     @ti.kernel
     def sample(step: ti.i32, line: ti.i32, body: State, on: ti.template()):
-        """Samples the state into ``line``, without contradictions."""
+        """Samples the state after ``step`` steps into row ``line``, without contradictions."""
         sample_sums(body, line, step, MEASURES, on)
 
     @ti.kernel
     def contradictions(line: ti.i32, body: State, on: ti.template()):
-        """Samples contradictions into ``line``."""
+        """Samples contradictions into row ``line``."""
         MEASURES.record_contradictions(body, line)
 
     @ti.kernel
     def report(step: ti.i32, body: State, on: ti.template()):
-        """Fills the estimates of the companion, whose nodes have been advanced to the step."""
+        """Writes the companion's estimates after ``step`` steps, to which its nodes have been advanced."""
         estimator_loop.report_at_once(body, step, HOOKS, on)
 
     @ti.kernel
     def freeze(body: State, on: ti.template()):
-        """Computes the weights of a body with frozen weights."""
+        """Stores all particles' weights, once, for a run with frozen weights."""
         phases.find_weights(body, 0, body.particles, on)
 
     @ti.kernel

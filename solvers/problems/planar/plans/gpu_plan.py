@@ -28,16 +28,16 @@ FETCHED = ("verdict", "samples", "step_margin", "memory_reals")  # what is fetch
 
 
 class CompanionOnCpu:
-    """Companion's ``body`` solved on the CPU; its nodes are in the estimator's ``memory``, ``dt`` is the run's step in
-    s."""
+    """Companion solved on the CPU beside a GPU: its ``body``, the estimator's arrays by name, ``memory``, which get its
+    nodes, and the run's step ``dt`` in s."""
 
     def __init__(self, body: ElasticBody, memory: Mapping[str, np.ndarray], dt: float):
         self._body, self._nodes, self._dt = body, memory["companion_nodes"], dt
         self._instants = [NystromIntegrator(body, MOST_INTERVAL * dt)]
 
     def advance_to(self, step: int) -> None:
-        """Fills the layer ``NOW`` of ``companion_nodes``: u and v after ``step`` steps, and a one step before; NaN
-        where the companion itself is lost."""
+        """Writes the layer ``NOW`` of ``companion_nodes``: u (m) and v (m/s) after ``step`` steps of the run, and a
+        (m/s^2) one step before; NaN where the companion itself is lost."""
         integrator = self._integrator_at(max(0, step - 1))
         a = integrator.a
         if step:
@@ -46,7 +46,7 @@ class CompanionOnCpu:
         self._nodes[NOW * N:(NOW + 1) * N, :6] = np.concatenate([integrator.u, integrator.v, a], axis=1)
 
     def _integrator_at(self, step: int) -> NystromIntegrator:
-        """Returns the body's integrator after ``step`` steps, advanced from the last known state before."""
+        """Returns the body's integrator after ``step`` steps of the run, advanced from the last cached state before."""
         time = step * self._dt
         while self._instants[-1].time > time:
             self._instants.pop()
@@ -60,10 +60,10 @@ class CompanionOnCpu:
 
 
 class DeviceArrays:
-    """Copies on the GPU of ``arrays`` by name, with the types of a kernel's arguments.
+    """Copies on the GPU of ``arrays`` by name; ``types`` are those of a kernel's arguments.
 
-    They free their memory themselves: Taichi 1.7.4 never frees arrays of vectors, and other arrays only in Python's
-    garbage collection, by an address at which the next program may have allocated another by then.
+    :meth:`free` exists because Taichi 1.7.4 never frees arrays of vectors, and other arrays only in Python's garbage
+    collection, by an address at which the next program may have allocated another by then.
     """
 
     def __init__(self, arrays: dict[str, np.ndarray], types: dict[str, Any]):
@@ -78,12 +78,12 @@ class DeviceArrays:
         self.free()
 
     def fetch(self, *names: str) -> None:
-        """Copies these arrays from the GPU."""
+        """Copies the arrays of these names from the GPU."""
         for name in names:
             self.arrays[name][...] = self.copies[name].to_numpy()
 
     def upload(self, *names: str) -> None:
-        """Copies these arrays to the GPU."""
+        """Copies the arrays of these names to the GPU."""
         for name in names:
             self.copies[name].from_numpy(self.arrays[name])
 
@@ -99,11 +99,9 @@ class DeviceArrays:
 
 
 class GpuStepper:
-    """Steps copies of the arrays on a GPU. The arrays themselves have the state of the last fetch; after steps, only
-    verdict and samples are fetched.
-
-    The CPU advances an estimator ``beside`` while the GPU works through its queue. Nodal sums are atomic.
-    """
+    """Stepper of copies of a run's ``arrays`` on a GPU. The arrays themselves have the state of the last fetch; after
+    steps, only verdict and samples are fetched. The CPU advances the companion ``beside`` while the GPU works through
+    its queue. Nodal sums are atomic."""
 
     def __init__(self, kernels: GpuKernels, State: Any, scene: Scene, arrays: InstrumentedBody, on: KernelOptions,
                  beside: CompanionOnCpu | None):
@@ -137,7 +135,7 @@ class GpuStepper:
             kernels.report.compile(0)
 
     def run(self, before: int, steps: int) -> None:
-        """Takes steps after ``before`` of them; after a check that finds the run unstable the others do nothing."""
+        """Takes ``steps`` steps after the first ``before``; once a check finds the run unstable they do nothing."""
         kernels, scene, line = self._kernels, self._scene, 0
         for step in range(before + 1, before + steps + 1):
             kernels.to_nodes(step - 1)
@@ -155,7 +153,8 @@ class GpuStepper:
         self._device_arrays.fetch(*FETCHED)
 
     def inspect_state(self, step: int, purpose: int) -> None:
-        """Samples the state after ``step`` steps into row 0, or only updates the estimates."""
+        """Samples the state after ``step`` steps into row 0, with a check before if ``purpose`` is ``MEASURE``; if it
+        is ``REPORT``, only updates the estimates."""
         if purpose == MEASURE:
             self._kernels.check(step)
         if purpose == REPORT:
@@ -169,11 +168,11 @@ class GpuStepper:
         self._device_arrays.fetch(*FETCHED)
 
     def fetch(self) -> None:
-        """Copies all arrays from the GPU."""
+        """Copies all arrays of the run from the GPU."""
         self._device_arrays.fetch(*self._names)
 
     def upload(self) -> None:
-        """Copies all arrays to the GPU, which continues from them."""
+        """Copies all arrays of the run to the GPU, which continues from them."""
         self._device_arrays.upload(*self._names)
 
     def _sample(self, step: int, line: int, looks: bool) -> None:
@@ -183,7 +182,7 @@ class GpuStepper:
             self._kernels.contradictions(line)
 
     def _report_estimates(self, step: int) -> None:
-        """Updates the estimates. The CPU advances its part while the GPU has work in its queue."""
+        """Updates the estimates to ``step`` steps. The CPU advances its part while the GPU has work in its queue."""
         if self._companion and self._arrays.estimate_intervals[0] != NEVER:
             self._companion.advance_to(step)
             self._device_arrays.upload(COMPANION_NODES)
