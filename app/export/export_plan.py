@@ -63,8 +63,8 @@ def make_export_plan(state: State, axes: Sequence[SliderAxis], quantities: Seque
 
 
 def with_end_time(scene: Scene, like: Scene | None = None) -> Scene:
-    """Returns the scene if it has an end time; else a copy with the end of ``like`` or, without that, after one period
-    or the problem's default if that is shorter."""
+    """Returns the scene if it has an end time; else a copy that ends as ``like`` or, without that, after one period, or
+    the problem's default if that is shorter."""
     if scene.t_end is not None or scene.periods is not None:
         return scene
     if like is not None:
@@ -73,8 +73,7 @@ def with_end_time(scene: Scene, like: Scene | None = None) -> Scene:
 
 
 def recordings_needed(plans: Sequence[ExportPlan]) -> dict[tuple[int, str], RecordingRequest]:
-    """Returns the recordings to make, by (index in ``plans``, the run's text). Each keeps so few particles that all
-    together have at most ``BUDGET`` bytes."""
+    """Returns requests by (index in ``plans``, run's text), for so few particles that all fit into ``BUDGET`` bytes."""
     counts = [(plan, min(parse_state(text).scene.particles, MOST[plan.scene.DIMENSIONS]))
               for plan in plans for text in plan.run_texts]
     # The most particles for which all recordings fit into the budget; smaller runs need less.
@@ -97,8 +96,7 @@ def _recording_bytes(plan: ExportPlan, particles: int) -> int:
 
 
 def export_plan_to_json(plan: ExportPlan, numbers: Mapping[str, int]) -> dict[str, Any]:
-    """Returns the plan as a JSON object for the player; ``numbers`` maps the text of each run to the index of its
-    recording in the file."""
+    """Returns the plan as a JSON object for the player; ``numbers`` maps a run's text to the index of its recording."""
     state, scene = plan.state, plan.scene
     return {"axes": [{"field": axis.field, "label": tr(LABELS[axis.field]), "start": axis.start, "values": axis.values,
                       "says": [format_axis_label(type(scene), axis.field,

@@ -2,6 +2,7 @@
 
 import hashlib
 import io
+import math
 import re
 import sys
 import zipfile
@@ -38,9 +39,7 @@ ELSEWHERE = {"slow-motion": lazy("slow motion"), "look-back": lazy("look back"),
 def lesson_page(lesson: Lesson, processes: int, on_progress: ProgressCallback, counts: Mapping[str, int] = COUNTS,
                 core: bool = False, scripts: Sequence[str] = SCRIPTS) -> str:
     """Returns the html of an offline page with a lesson; runs and records the scenes of its steps and answers.
-
-    ``counts`` is the most values of each field on its slider; with ``core`` the page first offers the core alone;
-    ``scripts`` are those of the player."""
+    ``counts`` is the most values of each field on its slider; with ``core`` the page first offers the core alone."""
     plans = {  # by the key of a step with a stage and the number of the variant
         (step.key, number): _step_plan(lesson, step, fill_numbers(step.stage, numbers),
                                        fill_numbers(step.text, numbers), counts)
@@ -72,7 +71,7 @@ def _step_plan(lesson: Lesson, step: Step, stage: str, text: str, counts: Mappin
         axes.append(slider_grid.axis_through(scene, sought, values, len(DENSE) + 1))
     for axis in slider_grid.axes_around(scene, counts):
         offered = not lesson.controls or axis.field in lesson.controls
-        room = slider_grid.count_runs((*axes, axis)) <= MOST_RUNS
+        room = math.prod(len(other.values) for other in (*axes, axis)) <= MOST_RUNS
         if offered and room and axis.field not in {other.field for other in axes}:
             axes.append(axis)
     return make_export_plan(shown, axes, kept)
@@ -190,8 +189,7 @@ WRITTEN = (1980, 1, 1, 0, 0, 0)  # fixed time in the archive, so that equal less
 
 def make_scorm_package(lessons: Sequence[Lesson], processes: int, on_progress: ProgressCallback,
                        counts: Mapping[str, int] = COUNTS, core: bool = False) -> bytes:
-    """Returns a SCORM 1.2 package, a zip archive, of lessons that are opened, scored and completed separately; other
-    arguments are those of :func:`lesson_page`."""
+    """Returns a SCORM 1.2 package (zip) of lessons that are scored separately; arguments as :func:`lesson_page`."""
     pages = {}
     for number, lesson in enumerate(lessons):
         def so_far(part: float, what: str, number: int = number) -> None:

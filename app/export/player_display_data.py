@@ -24,8 +24,7 @@ LATER = "…"  # placeholder for a text of a run or frame
 
 
 def shared_display_data(problems: Iterable[str]) -> dict[str, Any]:
-    """Returns number formats, scales, colours, names and texts of the live page as a JSON object for the player, with
-    the static data of the stages of some ``problems`` (names)."""
+    """Returns what the player shares with the live page as a JSON object, with static data of the problems' stages."""
     formats = {"prefixes": words.PREFIXES, "superscripts": words.SUPERSCRIPTS, "ratios": words.PLAIN_RATIOS,
                "percents": (*words.PLAIN_PERCENT, words.WHOLE_PERCENT), "powers": words.PLAIN_POWERS,
                "nothing": words.NOTHING}
@@ -90,7 +89,7 @@ def missing_value_texts(scene: Scene, not_valid: Mapping[str, str], silent: Mapp
                         difference: bool) -> dict[str, Any]:
     """Returns a JSON object of texts by quantity (x, v, ...): why a row of the readout has no number, the field plot's
     caption, and by estimator ("" if none) captions of both halves and headline templates. ``not_valid`` maps estimators
-    to reasons, ``silent`` quantities to estimators without values; ``difference`` adds captions for that view."""
+    to reasons, ``silent`` quantities to estimators without values; ``difference`` adds captions of that view."""
     component = VIEWS[scene.problem].stage.PLOT.component
     return {key: {"rows": captions.why_no_numbers(scene, not_valid, key, silent[key]),
                   "field": vars(captions.field_plot_caption(scene, component, key)),
@@ -99,8 +98,7 @@ def missing_value_texts(scene: Scene, not_valid: Mapping[str, str], silent: Mapp
 
 
 def stage_notes(scene: Scene, stride: int) -> dict[str, str]:
-    """Returns notes for a scene's stage: ``note`` on its scale, ``marks`` on crossings, which every ``stride``-th
-    particle shows."""
+    """Returns a stage's notes: ``note`` on its scale, ``marks`` on crossings, on every ``stride``-th particle."""
     stage = VIEWS[scene.problem].stage
     return {"note": stage.scale_note(scene), "marks": captions.crossing_marks_legend(stage.MARKED, stride)}
 

@@ -25,8 +25,7 @@ CODES = {kind: {"top": top, "none": NONE[kind], "bytes": BYTES[kind]} for kind, 
 
 @dataclass(frozen=True)
 class Track:
-    """Array of a recording: ``values`` (rows, width) in SI units, usually a row per picture; ``kind`` is the encoding:
-    size, signed, place or number."""
+    """Array of a recording: ``values`` (rows, width) in SI units, usually a row per picture, encoded as ``kind``."""
 
     name: str
     kind: str

@@ -127,8 +127,7 @@ def _particle_count(shots: list[dict[str, Snapshot]]) -> int:
 
 
 def _select_particles(dimensions: int, count: int, most: int) -> np.ndarray:
-    """Returns the sorted indices of at most ``most`` of ``count`` particles: every k-th along the bar (1 dimension), a
-    fixed random choice in the plane."""
+    """Returns indices of at most ``most`` of ``count`` particles: every k-th on the bar, random ones in the plane."""
     if dimensions == 1:
         return np.arange(0, count, -(-count // most))
     return np.arange(count) if count <= most else np.sort(np.random.default_rng(0).choice(count, most, replace=False))

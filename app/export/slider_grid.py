@@ -1,7 +1,6 @@
 """The runs of a file: a grid of scenes around one, so that sliders work without a solver."""
 
 import itertools
-import math
 import re
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
@@ -46,8 +45,7 @@ def why_too_long_to_record(scene: Scene) -> str | None:
 
 
 def axes_around(scene: Scene, counts: Mapping[str, int]) -> list[SliderAxis]:
-    """Returns axes through a scene with usual factors on its values; ``counts`` maps fields to the most values. An axis
-    of a single value is left out."""
+    """Returns axes of more than one value around a scene's own; ``counts`` maps fields to the most values."""
     axes = [axis_through(scene, field, _axis_candidates(scene, field), most) for field, most in counts.items()]
     return [axis for axis in axes if len(axis.values) > 1]
 
@@ -82,14 +80,8 @@ def axes_for_instructions(scene: Scene, text: str) -> list[SliderAxis]:
             if len((made := axis_through(scene, field, values, len(values) + 1)).values) > 1]
 
 
-def count_runs(axes: Sequence[SliderAxis]) -> int:
-    """Returns the number of combinations of the axes' values."""
-    return math.prod(len(axis.values) for axis in axes)
-
-
 def scene_texts(scene: Scene, axes: Sequence[SliderAxis]) -> Iterator[str]:
-    """Yields the scene with each combination of the axes' values as the text of a state, the last axis fastest; or
-    ``!`` and the reason if it is invalid."""
+    """Yields a grid's scenes as texts of states, the last axis fastest; or ``!`` and the reason if one is invalid."""
     for values in itertools.product(*(axis.values for axis in axes)):
         changes = dict(zip((axis.field for axis in axes), values, strict=True))
         try:

@@ -36,8 +36,7 @@ class AnswerMark:
 
 @dataclass(frozen=True)
 class RightAnswer:
-    """Right answer, in words in ``text``: of a choice the right ``options``, counted from 1; else the ``value``, a word
-    or a number in the question's unit."""
+    """Right answer in words, and of a choice the right ``options``, from 1, else the value, a number or a word."""
 
     text: str
     options: tuple[int, ...] = ()
@@ -58,8 +57,8 @@ def mark_answer(lesson: Lesson, step: Step, answer: Any, numbers: Numbers, outco
 
 
 def right_answer(lesson: Lesson, step: Step, numbers: Numbers, outcomes: RunCache) -> RightAnswer:
-    """Returns the right answer to a step's question, which is not free text, for one variant's ``numbers``; runs scenes
-    in ``outcomes`` as needed, and raises as :func:`mark_answer`."""
+    """Returns the right answer to a question that is not free text, for a variant's ``numbers``; runs scenes, raises as
+    :func:`mark_answer`."""
     asked = step.asked_question
     texts = answer_expressions(asked, numbers)
     scope = outcomes.scope(lesson, step, numbers, texts)

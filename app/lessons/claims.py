@@ -72,8 +72,7 @@ class ClaimError(ValueError):
 
 @dataclass(frozen=True)
 class RunOutcome:
-    """Outcome of a lesson's run: the JSON objects of its results, one or, in order, several that differ in the field
-    ``varied`` ("" for one)."""
+    """Outcome of a lesson's run: the JSON objects of its results, several if they differ in the field ``varied``."""
 
     results: Sequence[Mapping[str, Any]]
     varied: str = ""
@@ -81,8 +80,7 @@ class RunOutcome:
 
 @dataclass(frozen=True)
 class ClaimScope:
-    """Outcomes by the names of their runs, the name of the ``main`` run, which paths without a name mean, and the
-    allowed paths (``vocabulary``; None for :func:`result_paths`)."""
+    """Outcomes by name of the run, that of the ``main`` run, which paths without a name mean, and the allowed paths."""
 
     outcomes: Mapping[str, RunOutcome]
     main: str = ""
@@ -102,8 +100,7 @@ class ClaimResult:
 
 
 def evaluate_expression(text: str, scope: ClaimScope) -> float | str:
-    """Returns the value of an expression such as "hat.error.x.max / 2": a finite number in SI units or a word. Raises
-    :class:`ClaimError` if it has none or several."""
+    """Returns the number or word that an expression such as "error.x.max / 2" gives; raises :class:`ClaimError`."""
     found = _evaluate_node(_parse_expression(text), scope)
     if isinstance(found, list):
         raise ClaimError(f"{text} has {len(found)} values; take order(), first(), last(), min() or max() of them")
@@ -277,8 +274,7 @@ def _evaluate_call(node: ast.Call, scope: ClaimScope) -> float:
 
 
 def _value_at_path(result: Mapping[str, Any], path: tuple[str, ...]) -> float | str:
-    """Returns the number or word at a split path of a run's JSON object; raises :class:`ClaimError` if there is
-    none."""
+    """Returns the number or word at a split path of a result's JSON object; raises :class:`ClaimError` without one."""
     found: Any = result
     names = list(path)
     if path[0] in ("estimate", "index", "distance", "valid"):

@@ -1,8 +1,7 @@
 """Class plans for teachers, in ``lessons/classes/``: which cores to take when, and what to say.
 
 A file begins with a head: its ``title``, and the ``minutes`` of a session. A table with the columns ``from``,
-``minutes`` and ``what`` is a timetable; a row that links a lesson has the time of its core, and up to ``TALK`` minutes
-more."""
+``minutes`` and ``what`` is a timetable; a row that links a lesson has the time of its core, and up to ``TALK`` more."""
 
 import functools
 import re
@@ -26,8 +25,7 @@ LINK = re.compile(r"\]\(\.\./([\w-]+)\.md\)")
 
 @dataclass(frozen=True)
 class TimetableRow:
-    """Row of a timetable: its line in the file, start (since the session's start) and length in minutes, and the name
-    of the lesson that it links, or ""."""
+    """Row of a timetable: line in the file, start and length in minutes, and the lesson that it links, or ""."""
 
     line: int
     start: int
@@ -37,8 +35,7 @@ class TimetableRow:
 
 @dataclass(frozen=True)
 class ClassPlan:
-    """Class plan: the ``minutes`` of a session, its ``claims`` and their runs as a lesson, and in ``sessions`` the rows
-    of the timetables by heading."""
+    """Class plan: minutes of a session, ``claims`` and their runs as a lesson, rows of timetables by heading."""
 
     name: str
     minutes: int
@@ -77,8 +74,7 @@ def parse_class_plan(text: str, name: str) -> ClassPlan:
 
 
 def check_class_plan(plan: ClassPlan, lessons: Mapping[str, Lesson], outcomes: RunCache) -> Iterator[CheckedClaim]:
-    """Yields checks of a plan's claims, running their scenes in ``outcomes``, and of the times in its timetables;
-    ``lessons`` are all lessons by name."""
+    """Yields checks of a plan's claims, whose scenes are run, and of its timetables; ``lessons`` are by name."""
     yield from lesson_check.check_lesson(plan.claims, outcomes)
     for session, rows in plan.sessions.items():
         total = sum(row.minutes for row in rows)

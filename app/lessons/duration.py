@@ -50,8 +50,8 @@ STAGE = "On the stage"
 def with_minutes(lesson: Lesson) -> Lesson:
     """Returns a copy of the lesson with ``minutes``, of all steps, and ``core_minutes`` set."""
     opening = _reading_seconds(" ".join((lesson.intro, *lesson.goals))) + TURN_SECONDS
-    return replace(lesson, minutes=_whole_minutes(opening + seconds_of_rounds(lesson.steps, lesson)),
-                   core_minutes=_whole_minutes(opening + seconds_of_rounds(lesson.steps_to_take(core=True), lesson)))
+    return replace(lesson, minutes=whole_minutes(opening + seconds_of_rounds(lesson.steps, lesson)),
+                   core_minutes=whole_minutes(opening + seconds_of_rounds(lesson.steps_to_take(core=True), lesson)))
 
 
 def minutes_text(lesson: Lesson) -> str:
@@ -59,12 +59,6 @@ def minutes_text(lesson: Lesson) -> str:
     if not lesson.optional_steps:
         return tr("{minutes} min", minutes=lesson.minutes)
     return tr("{core} min core, {minutes} min in all", core=lesson.core_minutes, minutes=lesson.minutes)
-
-
-def minutes_of_rounds(steps: Sequence[Step], lesson: Lesson) -> int:
-    """Returns the whole minutes, at least 1, that some steps of a lesson take: complete rounds, prediction to
-    explanation."""
-    return _whole_minutes(seconds_of_rounds(steps, lesson))
 
 
 def seconds_of_rounds(steps: Sequence[Step], lesson: Lesson) -> float:
@@ -79,7 +73,8 @@ def seconds_of_rounds(steps: Sequence[Step], lesson: Lesson) -> float:
     return compared * COMPARING_SECONDS + seconds
 
 
-def _whole_minutes(seconds: float) -> int:
+def whole_minutes(seconds: float) -> int:
+    """Rounds seconds to minutes, at least 1."""
     return max(1, round(seconds / 60))
 
 

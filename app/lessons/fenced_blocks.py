@@ -47,8 +47,7 @@ def line_of_key(key: str, text: str, line: int) -> int:
 
 
 def require_value(values: Mapping[str, Any], key: str, kind: type | tuple[type, ...], expected: str, line: int) -> Any:
-    """Returns the value of a key; unless it is of a ``kind``, raises :class:`LessonError` for the line with the
-    sentence ``expected``."""
+    """Returns a key's value of a ``kind``; else raises :class:`LessonError` with the sentence ``expected``."""
     found = values.get(key)
     if not isinstance(found, kind) or isinstance(found, bool):
         said = f"{key} is missing" if key not in values else f"{key} = {str(found)[:60]}"
@@ -65,10 +64,8 @@ def require_texts(values: Mapping[str, Any], key: str, line: int) -> tuple[str, 
 
 
 def parse_runs_and_stage(text: str, line: int, variants: tuple[Numbers, ...]) -> tuple[tuple[LessonRun, ...], str]:
-    """Returns the runs of a run block and the text of the state that its step puts on the stage: of a named run, of a
-    scene, or of the first run. Raises :class:`LessonError` if any is invalid for some variant's numbers.
-
-    ``text`` is the block, which begins at ``line`` of the file."""
+    """Returns the runs of a block, which begins at ``line`` of the file, and the text of the state that it puts on the
+    stage: of a named run, a scene, or the first run. Raises :class:`LessonError` if any is invalid for a variant."""
     values, found = parse_toml(text, line), dict[str, LessonRun]()
     for name, scene in values.items():
         at = line_of_key(name, text, line)
@@ -116,8 +113,7 @@ def _check_state(text: str, line: int, variants: tuple[Numbers, ...]) -> None:
 
 
 def parse_question(text: str, line: int) -> Question:
-    """Parses a question block that begins at a line; raises :class:`LessonError`. Names of runs in it are checked
-    later, when all are known."""
+    """Parses a question block that begins at a line; raises :class:`LessonError`. Names of runs are not checked yet."""
     values = parse_toml(text, line)
     kind = values.pop("kind", None)
     if kind not in QUESTIONS:

@@ -18,8 +18,7 @@ BETS = ("intervals", "held", "mean score")  # columns of a table with bets
 
 @dataclass(frozen=True)
 class GradedFile:
-    """Student's file: answers in words with their marks (None: its runs fail) by the steps' keys, and the ``steps``
-    whose questions count, by key."""
+    """Student's file: answers in words, marks (None: failed), and the ``steps`` whose questions count, by key."""
 
     file: str
     progress: StudentProgress
@@ -51,8 +50,8 @@ class GradedFile:
 
 def grade_file(file: str, progress: StudentProgress, lesson: Lesson, outcomes: RunCache,
                core: bool = False) -> GradedFile:
-    """Returns the graded ``progress`` of a file: of predictions the first answers count, of observations the last; with
-    ``core`` only questions of the core. Runs scenes in ``outcomes``."""
+    """Returns the graded file of a student's progress: first answers to predictions count, last ones to observations;
+    with ``core`` only questions of the core. Runs scenes."""
     numbers = draw_numbers(lesson, progress.name)
     asked = {step.key: step for step in lesson.steps_to_take(core) if step.question}
     answers = {key: _mark_recorded_answer(lesson, key, progress, numbers, outcomes)

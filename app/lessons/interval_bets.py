@@ -22,7 +22,7 @@ BETTORS = (YOURS, BY_ROUND, *JUDGES)
 WORTHLESS = 2.0  # score of a bet without points: a factor of 100 wide, or, at level 0.8, off by a factor of 1.6
 #: Path that judges can bet on: a run's final error, "fine.error.x.final".
 PATH = re.compile(r"(?:(?P<run>[a-z][a-z0-9_]*)\.)?error\.(?P<quantity>x|v|sigma)\.final")
-ABOUT_BETS = re.compile(r"\bbet\.")
+ABOUT_BETS = re.compile(r"\bbet\.")  # in a claim with a path to a judge's bet, "hat.bet.gci.x.score"
 
 
 def interval_score(low: float, high: float, truth: float, level: float) -> float:
@@ -86,11 +86,6 @@ def earlier_bet_steps(lesson: Lesson, step: Step) -> list[Step]:
 def judge_name_in_claims(judge: str) -> str:
     """Returns the name in claims of a judge (an estimator that bets, or GCI): "two_grid" for "two-grid"."""
     return judge.replace("-", "_").lower()
-
-
-def is_about_bets(claim: str) -> bool:
-    """Whether a claim has a path to a judge's bet, such as "hat.bet.gci.x.score"."""
-    return ABOUT_BETS.search(claim) is not None
 
 
 def judge_bets_for_claims(ends: Mapping[str, Mapping[str, Ends | None]],

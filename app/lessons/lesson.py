@@ -52,8 +52,7 @@ class LessonError(ValueError):
 
 @dataclass(frozen=True)
 class LessonRun:
-    """Named run of a lesson: one scene, or several that differ in one field. ``texts`` are states with placeholders for
-    a variant's numbers, ``line`` is that in the file."""
+    """Named run of a lesson: a scene, or several that differ in one field, as texts of states with {placeholders}."""
 
     name: str
     texts: tuple[str, ...]

@@ -11,8 +11,7 @@ from app.lessons.lesson_runs import RunCache, RunFailed
 
 @dataclass(frozen=True)
 class CheckedClaim:
-    """Checked ``claim`` of a lesson, with one variant's numbers: whether it holds, the values found, and its place: the
-    lesson's file, the step's title and the line."""
+    """Checked claim of a lesson, with one variant's numbers: whether it holds, values found, where it stands."""
 
     lesson: str
     step: str
@@ -27,8 +26,7 @@ class CheckedClaim:
 
 
 def check_lesson(lesson: Lesson, outcomes: RunCache, variants: int | None = None) -> Iterator[CheckedClaim]:
-    """Yields checks of a lesson's claims, and of whether its questions have a right answer, for all ``variants`` of its
-    numbers or the first so many; runs scenes in ``outcomes``."""
+    """Yields checks of a lesson's claims and questions, for all ``variants`` of its numbers or the first so many."""
     for numbers in lesson.variants[:variants]:
         for step in lesson.steps:
             for claim in step.claims:

@@ -24,8 +24,7 @@ BLOCKS = ("run", "question", "claims", "teacher", "bets")
 
 @dataclass
 class LessonSection:
-    """Section of a file: its heading ("" before the first) and line, lines of Markdown, and fenced blocks, as (kind,
-    text, line of the text)."""
+    """Section under a heading, or "" before the first: lines of Markdown, and blocks (kind, text, line of the text)."""
 
     heading: str
     line: int
@@ -34,8 +33,7 @@ class LessonSection:
 
 
 def split_head(text: str) -> tuple[str, list[str], int]:
-    """Splits a file's text into its TOML head, the lines after it, and the number of the first of those lines. Raises
-    :class:`LessonError` without a head."""
+    """Splits a file's text into its TOML head, the lines after it, and the number of the first of those lines."""
     lines = text.splitlines()
     if not lines or lines[0].strip() != HEAD:
         raise LessonError(1, f"the file must begin with a head: a line {HEAD}, TOML such as title = \"...\", and a "
@@ -111,8 +109,7 @@ def parse_file(path: Path, parsed: Callable[[str], Found]) -> Found:
 
 
 def parse_lesson(text: str, name: str, folder: Path | None = None) -> Lesson:
-    """Parses and checks the Markdown of the lesson ``name``; its pictures are looked up in ``folder``. Raises
-    :class:`LessonError`."""
+    """Parses and checks a lesson's Markdown; pictures are looked up in ``folder``. Raises :class:`LessonError`."""
     head, body, first = split_head(text)
     lesson = _parse_lesson_head(head, name, hashlib.sha256(text.encode()).hexdigest()[:16])
     opening, *parts = split_sections(body, first)
@@ -194,8 +191,7 @@ def _parse_step(part: LessonSection, lesson: Lesson) -> Step:
 
 
 def _parse_step_heading(part: LessonSection) -> tuple[str, str, bool]:
-    """Returns the kind, title and whether "(core)" of a heading such as "## Predict (core): ..."; raises
-    LessonError."""
+    """Returns kind, title, and whether "(core)", of a heading such as "## Predict (core): ..."; raises LessonError."""
     found = HEADING.fullmatch(part.heading.strip())
     kind = found["kind"].strip().lower() if found else ""
     if not found or kind not in KINDS:
@@ -207,8 +203,7 @@ def _parse_step_heading(part: LessonSection) -> tuple[str, str, bool]:
 
 
 def check_unique_names(lesson: Lesson) -> None:
-    """Raises :class:`LessonError` if two steps have one key or two runs one name, or a run's name is a word of
-    claims."""
+    """Raises :class:`LessonError` if steps share a key, runs a name, or a run's name is a word of claims."""
     keys: dict[str, int] = {}
     names: dict[str, int] = {}
     for step in lesson.steps:

@@ -8,7 +8,7 @@ from typing import Any
 
 from app import state
 from app.lessons.claims import ClaimScope, RunOutcome, runs_needed
-from app.lessons.interval_bets import Ends, is_about_bets, judge_bets_for_claims
+from app.lessons.interval_bets import ABOUT_BETS, Ends, judge_bets_for_claims
 from app.lessons.lesson import Lesson, Numbers, Step, fill_numbers
 from solvers.scene.kernel_options import kernel_key
 from solvers.workers.worker_pool import WorkerPool, one_of_each_first
@@ -40,8 +40,7 @@ class RunCache:
         return self._await_result(text, False)
 
     def judge_bets(self, text: str) -> dict[str, dict[str, Ends | None]]:
-        """Returns the judges' bets (low, high), or None, on a scene's final errors, in SI units, by quantity and judge;
-        waits for them. Raises :class:`RunFailed`."""
+        """Returns judges' bets (low, high), or None, on final errors (SI units), by quantity and judge."""
         return self._await_result(text, True)
 
     def _await_result(self, text: str, judged: bool) -> dict[str, Any]:
@@ -68,7 +67,7 @@ class RunCache:
         main, runs = lesson.main_run(step), lesson.runs
         texts = list(texts)
         asked = set().union(*(runs_needed(text, runs, main) for text in texts))
-        result = self._result_with_bets if any(map(is_about_bets, texts)) else self.result
+        result = self._result_with_bets if any(map(ABOUT_BETS.search, texts)) else self.result
         return ClaimScope({name: RunOutcome([result(fill_numbers(text, numbers)) for text in run.texts], run.varied)
                            for name, run in runs.items() if name in asked}, main)
 
@@ -78,8 +77,8 @@ class RunCache:
         return {**found, "bet": judge_bets_for_claims(self.judge_bets(text), found["error"])}
 
     def prepare(self, texts: Iterable[str], on_progress: Callable[[int, int], None]) -> None:
-        """Runs all of these scenes in parallel; ``on_progress`` receives the numbers done and in all. Failures are
-        raised when a result is requested."""
+        """Runs scenes in parallel; ``on_progress`` receives the numbers done and in all. Failures are raised when a
+        result is requested."""
         scenes = {text: state.parse_state(text).scene for text in texts}
         longest_first = sorted(scenes, key=lambda text: (-scenes[text].particles * scenes[text].steps, text))
         runs = dict.fromkeys(map(self._submit_run, one_of_each_first(longest_first, _scene_kernel_key)))

@@ -32,8 +32,7 @@ class RenderError(ValueError):
 
 
 def to_html(markdown: str, folder: Path | None = None) -> str:
-    """Converts Markdown to html; html in it is shown as text. Pictures are looked up in ``folder`` and embedded. Raises
-    :class:`RenderError`."""
+    """Converts Markdown to html, with html in it as text, and pictures from ``folder``; raises :class:`RenderError`."""
     return _make_parser(folder).render(markdown)
 
 

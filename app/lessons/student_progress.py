@@ -66,8 +66,7 @@ class StudentProgress:
 
 
 def parse_progress(text: str, find: Callable[[str], Lesson | None]) -> StudentProgress:
-    """Parses a student's progress in JSON; ``find`` returns a lesson by name, or None. Invalid answers are left out.
-    Raises :class:`InvalidProgress`."""
+    """Parses a progress in JSON; ``find`` returns a lesson by name, or None. Raises :class:`InvalidProgress`."""
     try:
         values = parse_json(text)
     except ValueError:

@@ -7,7 +7,7 @@ from app.language.translation import current_language, tr
 from app.lessons.answer_check import format_in_unit, right_answer
 from app.lessons.catalogue import FOLDER
 from app.lessons.claims import ClaimError
-from app.lessons.duration import minutes_of_rounds, minutes_text
+from app.lessons.duration import minutes_text, seconds_of_rounds, whole_minutes
 from app.lessons.lesson import CHOICE, TEXT, TITLES, Lesson, Numbers, Step
 from app.lessons.lesson_runs import RunCache, RunFailed
 from app.lessons.markdown_html import to_html
@@ -38,7 +38,7 @@ def guide_markdown(lesson: Lesson, outcomes: RunCache, core: bool = False) -> st
               variants, lesson.intro, _quote_notes(lesson.notes)]
     numbers = {step.key: number for number, step in enumerate(lesson.steps_to_take(core), 1)}
     for one in split_rounds(lesson.steps_to_take(core)):
-        takes = minutes_of_rounds(one, lesson)
+        takes = whole_minutes(seconds_of_rounds(one, lesson))
         begins = tr("*This round takes {minutes} min.*", minutes=takes) if one[0].core else \
             tr("*Deeper: this round is not part of the core and takes {minutes} min.*", minutes=takes)
         for step in one:

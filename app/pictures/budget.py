@@ -28,8 +28,7 @@ BARS = {"before": "as it was", "predicted": "predicted by the budget", "again": 
 
 
 def budget_figure(found: BudgetResult) -> Figure:
-    """Returns the budget of x, v and F over time; if a cause was removed, below it the errors before, predicted and
-    after."""
+    """Returns the budget of x, v and F over time; below, for a removed cause, errors before, predicted and after."""
     taken = found.take_away()
     figure = make_figure(WIDTH, HEIGHT + (MORE if taken else 0), _figure_title(found.result))
     places = figure.add_gridspec(2 if taken else 1, 3, height_ratios=(HEIGHT, MORE) if taken else (1,))

@@ -67,8 +67,7 @@ def _draw_norms(axes: Axes, g: GridJudgement, q: str, k: int, count: int) -> Non
 
 
 def spatial_error_figure(judged: Judgement) -> Figure | None:
-    """Returns the error of x of the last grid's particles at its largest: over X on the bar, as colour in the plane;
-    None if no error is known."""
+    """Returns the last grid's errors of x when they are largest: over X on the bar, coloured in the plane; or None."""
     g = judged.grids[-1]
     worst = g.worst("x")
     if worst is None:
@@ -105,8 +104,7 @@ def spatial_error_figure(judged: Judgement) -> Figure | None:
 
 
 def order_figure(judged: Judgement) -> Figure | None:
-    """Returns the largest errors of the particles and of our methods over the cell size h, a panel per quantity; None
-    with one grid and no runs of ours."""
+    """Returns the largest errors of the particles and of our methods over h, by quantity; None with one grid alone."""
     ours = any(g.ours for g in judged.grids)
     if len(judged.grids) < 2 and not ours:
         return None

@@ -109,8 +109,7 @@ def _group_rows(name: str, rows: list[dict]) -> dict[Any, list[dict]]:
 
 
 def _draw_errors(axes: Axes, series: dict[str, list[dict]], key: str) -> None:
-    """Draws the error ``key`` over h on logarithmic axes: ours, a line per series (label: rows), the paper's, and
-    slopes of first and second order."""
+    """Draws the error ``key`` over h: ours by series (rows by label), the paper's, slopes of first and second order."""
     axes.set(xscale="log", yscale="log")
     for style, (label, rows) in zip(OURS, series.items(), strict=False):
         axes.plot(*_known_points((row["h"], row["ours"][key]) for row in rows), label=label, **style)

@@ -84,7 +84,7 @@ def error_spacing_figure(rows: Sequence[dict]) -> Figure:
 
 
 def estimate_truth_figure(rows: Sequence[dict]) -> Figure:
-    """Returns estimated over true errors, a row of panels per estimator, a column per quantity; equal on the line."""
+    """Returns estimated against true errors, with the diagonal: panels by estimator (rows) and quantity (columns)."""
     title = "Can the estimate be believed? Estimated against true error (largest RMS of each run)"
     rows = completed_rows(rows)
     shown = parts.known_quantities(rows)
@@ -105,8 +105,7 @@ def estimate_truth_figure(rows: Sequence[dict]) -> Figure:
 
 
 def step_cost_figure(rows: Sequence[dict]) -> Figure:
-    """Returns the time per particle-step of each method, and the extra time of estimators and diagnostics in per
-    cent."""
+    """Returns the time per particle-step of each method, and the added time of estimators and diagnostics."""
     title = "What a run costs"
     rows = [row for row in completed_rows(rows) if row["status"] == OK and row["rate"]]
     if not rows:
@@ -157,8 +156,7 @@ def _draw_fits(axes: Axes, lines: Sequence[tuple[Series, dict]], quantity: str) 
 
 
 def _draw_triangles(axes: Axes, points: Sequence[tuple[float, float | None]]) -> None:
-    """Draws slopes 1 and 2 in the corner of small h and large errors; extends the axis if ``points`` (h, error) are
-    there."""
+    """Draws slopes 1 and 2 at small h and large errors; extends the axis if ``points`` (h, error) are there."""
     spacings = [h for h, _ in points]
     left, ratio = min(spacings), (max(spacings) / min(spacings)) ** 0.3
     right = left * ratio
@@ -199,7 +197,7 @@ def _draw_balances(axes: Axes, lines: Sequence[tuple[Series, Look]], quantity: s
 
 
 def _draw_agreement(axes: Axes, rows: Sequence[dict], estimator: str, quantity: str) -> None:
-    """Draws an estimator's error of a quantity over the true one, largest RMS of each run; unstable runs as crosses."""
+    """Draws an estimator's against the true error of a quantity, largest RMS of each run; unstable runs as crosses."""
     name = QUANTITIES[quantity]
     axes.set_title(f"{str(name).capitalize()} by {estimator}")
     axes.set_xlabel("true error", color=TRUTH_INK)
@@ -239,8 +237,7 @@ def _draw_agreement(axes: Axes, rows: Sequence[dict], estimator: str, quantity: 
 
 
 def _extra_costs(rows: Sequence[dict]) -> dict[str, list[tuple[str, float]]]:
-    """Returns for each estimator and diagnostic (method, added time over the bare run's) per row; untimed diagnostics
-    are together."""
+    """Returns by estimator and diagnostic (method, added over bare run's time) per row; untimed ones are together."""
     prices: dict[str, list[tuple[str, float]]] = {}
     for row in rows:
         method, seconds = row["scene"]["method"], row["seconds"]

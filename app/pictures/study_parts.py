@@ -1,6 +1,5 @@
-"""Parts of studies' pictures; and two of them: coverage, the shares of runs with accurate estimates, with 95 %
-intervals, by how far particles move; and the stability map, lifetime over amplitude and time step, by method and
-treatment."""
+"""Parts of studies' pictures; and coverage, the shares of runs with accurate estimates, by how far particles move; and
+the stability map, lifetime over amplitude and time step, by method and treatment."""
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any
@@ -52,7 +51,7 @@ def known_quantities(rows: Sequence[dict], among: Iterable[str] = QUANTITIES) ->
 
 def series_styles(rows: Sequence[dict], along: str = "cells") -> list[tuple[Series, Look]]:
     """Returns the series of rows along one input, each with its style: colour and marker by method, line style and
-    filling by other settings."""
+    filling by other inputs."""
     lines = group_series(rows, along)
     numbers = {variant: k for k, variant in enumerate(dict.fromkeys(line.variant for line in lines))}
     return [(line, {"color": METHOD_COLOURS[line.method], "marker": METHOD_MARKS[line.method], "markersize": 6,
@@ -135,7 +134,7 @@ SPREAD = 0.22  # distance of markers in one row
 
 def coverage_figure(counted: Sequence[Mapping]) -> Figure:
     """Returns, left, the shares of runs whose estimate of x is within the smallest factor of the truth; right, those of
-    error bars that contain it. ``counted`` has one object of ``mpm-lab coverage --json``."""
+    error bars that contain it. ``counted`` has one object of counts, from ``coverage_counts.tally``."""
     [one] = counted
     title = f"How often is it right? {one['runs']:,} runs of the {one['problem']}, drawn at random"
     figure, axes = make_panel_grid(title, 1, 2, (13.5, 5.2))

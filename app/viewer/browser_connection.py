@@ -36,8 +36,7 @@ class BrowserConnections:
         self.open_ones = WeakSet["BrowserConnection"]()
 
     def register(self, connection: "BrowserConnection", remote: object) -> None:
-        """Adds a new connection from ``remote``, (address, port, ...); aborts another one if its network has too
-        many."""
+        """Adds a new connection from (address, port); aborts another of a network with too many."""
         who = str(remote[0]) if isinstance(remote, tuple) else "somewhere"
         network = str(remote) if self.trusts_proxy and is_loopback(who) else network_of(who)
         self.open_ones.add(connection)
@@ -80,8 +79,7 @@ class BrowserConnection(ServerConnection):
         super().connection_lost(exc)
 
     async def ping_until_closed(self) -> None:
-        """Pings the browser, which answers when it has read all that was sent before, until its websocket is closed;
-        sets ``asked_at``."""
+        """Pings the browser until the websocket closes; it answers after reading all sent before."""
         with suppress(ConnectionClosed):
             while True:
                 self.asked_at = monotonic()
@@ -91,8 +89,7 @@ class BrowserConnection(ServerConnection):
 
 
 def address_of(connection: Any, trusts_proxy: bool) -> str:
-    """Returns the IP address of a websocket's other end or, if ``trusts_proxy``, of the client for which a proxy on
-    this machine connects; "somewhere" if unknown."""
+    """Returns the IP address of a websocket's browser, or that named by a trusted proxy on this machine."""
     remote = connection.remote_address
     who = str(remote[0]) if isinstance(remote, tuple) else "somewhere"
     told = connection.request.headers.get_all("X-Real-IP") if trusts_proxy and is_loopback(who) else []

@@ -73,15 +73,12 @@ FIELDS: dict[str, dict[str, Rule]] = {
         "ray_direction": _or_none(lambda value: _SPACE(value) and abs(value[2]) > STEEP),
         "screen_pos": lambda value: type(value) is list and len(value) <= 2 and all(map(_numbers(2), value)),
         "modifier": _or_none(_words)},
-    upload.START: {
-        "source_component_uuid": _words, "transfer_uuid": _words, "filename": _text(LONGEST_NAME),
-        "mime_type": _words, "part_count": _whole(0, 2**53), "size_bytes": _whole(0, 2**53)},
-    upload.PART: {
-        "source_component_uuid": _words, "transfer_uuid": _words, "part_index": _whole(0, 2**53),
-        "content": lambda value: type(value) is bytes},
-    "FileTransferPartAck": {
-        "source_component_uuid": _or_none(_words), "transfer_uuid": _words,
-        "transferred_bytes": _whole(0, 2**53), "total_bytes": _whole(0, 2**53)}}
+    upload.START: {"source_component_uuid": _words, "transfer_uuid": _words, "filename": _text(LONGEST_NAME),
+                   "mime_type": _words, "part_count": _whole(0, 2**53), "size_bytes": _whole(0, 2**53)},
+    upload.PART: {"source_component_uuid": _words, "transfer_uuid": _words, "part_index": _whole(0, 2**53),
+                  "content": lambda value: type(value) is bytes},
+    "FileTransferPartAck": {"source_component_uuid": _or_none(_words), "transfer_uuid": _words,
+                            "transferred_bytes": _whole(0, 2**53), "total_bytes": _whole(0, 2**53)}}
 
 
 def why_message_refused(message: bytes | str, find: Callable[[str], Any], who: str = "") -> str | None:

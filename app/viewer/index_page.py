@@ -1,9 +1,8 @@
 """The html that a browser loads first: the viewer's, with our title and icon, and a plain ground before there is a
-stage.
+stage; and its Content-Security-Policy.
 
 Everything else of the page comes over the websocket; until then the viewer would show its own panel. The viewer's own
-handler, which looks for files, remains, but no part of a path is ever looked up on disk, as the page is one text. This
-module defines which paths have a page, and its Content-Security-Policy."""
+handler, which looks for files, remains, but no part of a path is ever looked up on disk, as the page is one text."""
 
 import base64
 import gzip
@@ -67,8 +66,7 @@ _PACKED = re.compile(r'<script data-p="([^"]*)" data-ss="(\d+)" data-cs="(\d+)">
 
 def make_response(status: HTTPStatus, text: str, kind: str = "text/plain", cookie: str = "",
                   wait: float = 0) -> Response:
-    """Returns an uncached response with a text of a MIME type ``kind``. ``cookie`` is the value of Set-Cookie, ``wait``
-    the seconds of Retry-After; empty for none."""
+    """Returns an uncached response of a MIME type ``kind``; ``cookie`` is set, ``wait`` in s asks to retry later."""
     body = text.encode() + (b"\n" if kind == "text/plain" and text else b"")
     headers = Headers({"Content-Type": f"{kind}; charset=utf-8", "Content-Length": str(len(body)),
                        "Cache-Control": "no-store", "Connection": "close"})
@@ -90,8 +88,7 @@ def with_security_headers(connection: object, request: Request, response: Respon
 
 
 class IndexPage:
-    """The page that a browser loads first, in every language: the viewer's html with that of ``ground()``, what is
-    shown before there is a stage, and the address of the ``icon``."""
+    """Page that a browser loads first, by language: the viewer's html with ``ground()`` in it; ``icon`` is a URL."""
 
     def __init__(self, ground: Callable[[], str], icon: str):
         self._pages = {code: _LocalisedIndexPage(code, with_language(ground, code)(), icon) for code in LANGUAGES}

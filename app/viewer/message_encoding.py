@@ -71,8 +71,7 @@ def stored_frame(words: bytes) -> bytes:
 
 async def send_messages(websocket: Any, buffer: AsyncMessageBuffer, client_id: int,
                         backlog_done_message: Message | None = None) -> None:
-    """Sends the messages of a buffer to the browser of a client until the buffer is closed; the last argument once,
-    after those that are waiting at first."""
+    """Sends a buffer's messages to a client until it is closed; the last argument after those waiting at first."""
     compressor = zstandard.ZstdCompressor(level=1)
     async with aclosing(buffer.window_generator(client_id, backlog_done_message)) as windows:
         async for window in windows:

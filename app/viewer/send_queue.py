@@ -99,13 +99,12 @@ class SendNotifier:
             self._events.popleft().set()
 
 
-_TOWERS = WeakKeyDictionary[asyncio.AbstractEventLoop, SendNotifier]()
+_NOTIFIERS = WeakKeyDictionary[asyncio.AbstractEventLoop, SendNotifier]()
 
 
 @dataclass
 class SendBuffer(AsyncMessageBuffer):
-    """Outgoing messages of one browser, in order; they wait briefly for others to go together, but not after a
-    flush."""
+    """Outgoing messages of one browser, in order; they wait briefly to be sent together, but not after a flush."""
 
     message_event: SendEvent = field(default_factory=SendEvent)
     _flushed: bool = False
@@ -113,7 +112,8 @@ class SendBuffer(AsyncMessageBuffer):
     _sent: int = -1  # the number of the last message sent to this browser alone
 
     def __post_init__(self) -> None:
-        self._tower = _TOWERS.get(self.event_loop) or _TOWERS.setdefault(self.event_loop, SendNotifier(self.event_loop))
+        loop = self.event_loop
+        self._notifier = _NOTIFIERS.get(loop) or _NOTIFIERS.setdefault(loop, SendNotifier(loop))
 
     @property
     def all_sent(self) -> bool:
@@ -161,8 +161,7 @@ class SendBuffer(AsyncMessageBuffer):
 
     async def _window_loop(self, client_id: int, backlog_last_id: int,
                            backlog_done_message: Message | None) -> AsyncGenerator[Sequence[Message], None]:
-        """Yields messages to send together to a client; ``backlog_done_message`` once, after number
-        ``backlog_last_id``."""
+        """Yields messages to send together, and the last argument once, after number ``backlog_last_id``."""
         marker, last = backlog_done_message, -1
         self.generator_cursors[client_id] = last
         try:
@@ -187,11 +186,10 @@ class SendBuffer(AsyncMessageBuffer):
 
     def _notify(self) -> None:
         if not self.atomic_counter:  # otherwise at the end of the block
-            self.message_event.notify(self._tower)
+            self.message_event.notify(self._notifier)
 
     def _next_window(self, last: int, newest: int, client_id: int) -> tuple[list[Message], int]:
-        """Returns messages for a client after number ``last`` up to ``newest``, not too many, and the last one's
-        number."""
+        """Returns messages for a client after number ``last`` to ``newest``, and the last number seen."""
         window: list[Message] = []
         if not self.persistent_messages and newest - last <= self.max_window_size:
             with self.buffer_lock:
@@ -224,8 +222,7 @@ class SendBuffer(AsyncMessageBuffer):
 
 
 def patch_viser() -> None:
-    """Makes servers of this process started later use :class:`SendBuffer` and the other faster parts of
-    ``app.viewer``."""
+    """Makes new servers of this process use :class:`SendBuffer` and other faster parts of ``app.viewer``."""
     viser_patches.speed_up_widget_creation()
     _infra.AsyncMessageBuffer = SendBuffer  # type: ignore[assignment, misc]
     _infra._message_producer = message_encoding.send_messages

@@ -104,8 +104,7 @@ class VisitorUploads:
             self._release_quota(0)
 
     def handle_message(self, kind: str, said: dict[str, Any], who: str = "") -> str | None:
-        """Handles a decoded message of a ``kind`` (``START`` or ``PART``) from the IP address ``who``; returns why it
-        is refused, in words for the log, or None."""
+        """Handles a message (``START`` or ``PART``) from an IP address; returns why it is refused, or None."""
         with self._lock:
             if not self._open:
                 return "a file for nobody"

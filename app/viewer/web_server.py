@@ -73,7 +73,7 @@ class LabServer(viser.ViserServer):
         loop = self._websock_server._background_event_loop
         if loop is not None:
             with suppress(RuntimeError):  # it has ended
-                loop.call_soon_threadsafe(loop.call_later, STOPPING, self.access.abort_all)
+                loop.call_soon_threadsafe(loop.call_later, STOPPING, self.access.connections.abort_all)
         super().stop()
 
     def request_share_url(self, verbose: bool = True) -> None:
@@ -84,14 +84,14 @@ class LabServer(viser.ViserServer):
 
 
 class AccessControl:
-    """Access control of one server: allowed ``addresses``, the class ``code`` (None: none is required) and rate limits.
-    All but :meth:`guard_servers` is called on the web server's loop."""
+    """Access control of one server: allowed addresses, class code (None: none is required), rate limits. All but
+    :meth:`guard_servers` is called on the web server's loop."""
 
     def __init__(self, addresses: Addresses, code: ClassCode | None):
         self._addresses, self._code, self._refusals = addresses, code, RefusalLog()
         self._handshakes = TokenBuckets(lambda: TokenBucket(HANDSHAKES, HANDSHAKES_A_SECOND))
         self._parts = TokenBuckets(lambda: TokenBucket(PARTS, PARTS_A_SECOND))
-        self._lines = BrowserConnections(trusts_proxy=bool(addresses.names))
+        self.connections = BrowserConnections(trusts_proxy=bool(addresses.names))
         self._going: set[asyncio.Future] = set()  # websockets that are being closed
         self._away: dict[str, float] = {}  # time until which an address must wait
         self._server: viser.ViserServer | None = None
@@ -102,9 +102,6 @@ class AccessControl:
         self._server, self._visitors = server, visitors
         server.access, server.visitors = self, visitors
 
-    def abort_all(self) -> None:
-        """Aborts all connections."""
-        self._lines.abort_all()
 
     @contextmanager
     def guard_servers(self, index: IndexPage) -> Iterator[None]:
@@ -121,7 +118,7 @@ class AccessControl:
             asyncio.get_running_loop().set_exception_handler(viser_patches.log_loop_failure)
             own = {"max_size": LARGEST_MESSAGE, "max_queue": WAITING, "logger": log, "process_request": answer,
                    "open_timeout": browser_connection.HEADS_WITHIN, "process_response": with_security_headers,
-                   "create_connection": partial(BrowserConnection, self._lines)}
+                   "create_connection": partial(BrowserConnection, self.connections)}
             return serve(partial(self._handle_websocket, handler), *args, **{**options, **own})
 
         log = logging.Logger("websockets.server", logging.ERROR)  # of this server alone
@@ -133,8 +130,7 @@ class AccessControl:
             websockets.asyncio.server.serve = serve  # type: ignore[misc]
 
     def _filter_log_record(self, record: logging.LogRecord) -> bool:
-        """Returns whether the server's own log shows a record: no failures, which are counted, ignored or logged
-        here."""
+        """Log filter: refuses clients that send no HTTP, ignores early disconnects, logs others in a line."""
         error = record.exc_info[1] if record.exc_info else None
         if record.getMessage() != "opening handshake failed":
             if isinstance(error, Exception):
@@ -146,8 +142,7 @@ class AccessControl:
         return False
 
     async def _handle_websocket(self, handler: Callable[[Any], Awaitable[None]], connection: Any) -> None:
-        """Handles a websocket: passes it to the viewer's ``handler`` after its first message; nothing is built
-        before."""
+        """Passes a websocket to the viewer's ``handler`` after its first message; nothing is built for it before."""
         who = self._address_of(connection)
         if connection.subprotocol != PROTOCOL:
             self._refusals.record("a page of another version", who)
@@ -155,7 +150,7 @@ class AccessControl:
             return
         hearing = IncomingMessageFilter(connection, who, self._refusals, self._parts.get(network_of(who)),
                                         partial(self._find_widget, connection), self._block_address)
-        if gone := self._lines.silent.add(connection, network_of(who)):
+        if gone := self.connections.silent.add(connection, network_of(who)):
             self._close_silent_websocket(gone, CROWDED)
         silent = asyncio.get_running_loop().call_later(SILENT, self._close_silent_websocket, connection, NOTHING_SAID)
         try:
@@ -164,7 +159,7 @@ class AccessControl:
             return
         finally:
             silent.cancel()
-            self._lines.silent.discard(connection)
+            self.connections.silent.discard(connection)
         pulse = asyncio.create_task(connection.ping_until_closed())
         try:
             await handler(connection)
@@ -208,8 +203,7 @@ class AccessControl:
         return make_response(HTTPStatus.NO_CONTENT if there else HTTPStatus.NOT_FOUND, "")
 
     def identify(self, visitor: int) -> CookieIdentity | None:
-        """Returns whose code a visitor (number of the viewer's client) has used, the teacher's if none is required;
-        None if the visitor has left."""
+        """Returns whose code a visitor used, the teacher's if none is required; None if the visitor has left."""
         if self._code is None:
             return CookieIdentity(TEACHER)
         connection = self._websocket_of(visitor)
@@ -227,8 +221,7 @@ class AccessControl:
         return server._websock_server._live_connections.get(visitor) if server else None
 
     def _rate_limit_refusal(self, who: str) -> Response | None:
-        """Returns a refusal of a websocket if its network has opened many or its address ``who`` must wait; else
-        None."""
+        """Returns a refusal for websockets of a network with many, or an address that must wait; else None."""
         now, handshakes = monotonic(), self._handshakes.get(network_of(who))
         self._away = {other: until for other, until in self._away.items() if until > now}
         wait = max(handshakes.delay(), self._away.get(who, now) - now)
@@ -265,7 +258,7 @@ class AccessControl:
         going.add_done_callback(self._going.discard)
 
     def _address_of(self, connection: Any) -> str:
-        return address_of(connection, trusts_proxy=self._lines.trusts_proxy)
+        return address_of(connection, trusts_proxy=self.connections.trusts_proxy)
 
     def _find_widget(self, connection: Any, widget: str) -> Any:
         """Returns the widget with an id on the page of a websocket, from private attributes of the viewer, or None."""

@@ -45,9 +45,8 @@ class CppProgram:
                              f"{reasons[0].rpartition('error')[2].strip(': ')}")
 
     def run(self, *arguments: object) -> tuple[float, float]:
-        """Runs the program with arguments (``ComparisonCase``); returns million particle-steps per second of CPU time,
-        and the largest error of x over the amplitude, which proves that the work was done. Raises
-        :class:`CppMissing`."""
+        """Runs the program (arguments: ``ComparisonCase``); returns million particle-steps per second of CPU time, and
+        the largest error of x over the amplitude, as a proof of work. Raises :class:`CppMissing`."""
         said = _run_command(str(self.path), *map(str, arguments))
         if said.returncode:
             raise CppMissing(f"the C++ of the {self.path.name} ended with status {said.returncode}")
@@ -56,8 +55,7 @@ class CppProgram:
 
 
 def find_compiler() -> str:
-    """Returns the path of the C++ compiler that the variable CXX names, or of a usual one. Raises
-    :class:`CppMissing`."""
+    """Returns the path of the C++ compiler in the variable CXX, or of a usual one. Raises :class:`CppMissing`."""
     names = (os.environ["CXX"],) if os.environ.get("CXX") else COMPILERS
     for name in names:
         if found := shutil.which(name):
@@ -83,8 +81,7 @@ class ComparisonCase:
 
 
 def comparison_cases(problem: str) -> list[ComparisonCase]:
-    """Returns the cases of a problem: the bar's methods, all against C++ of uGIMP, or the ring's, each against its
-    own."""
+    """Returns a problem's cases: the bar's methods, all against C++ of uGIMP; or the ring's, each against its own."""
     if problem == "bar":
         return [ComparisonCase(method, BAR_CELLS, (BAR_CELLS, BAR_STEPS))
                 for method in PROBLEMS[problem].scene.choices("method")]

@@ -2,8 +2,7 @@
 
 Everything is measured in one fresh process, which restarts Taichi for each plan. A step moves at least what its phases
 read and write of each particle, so that the memory's bandwidth, measured here by a copy, limits the rate; nodes, of
-which there is one for several particles, are neglected.
-"""
+which there is one for several particles, are neglected."""
 
 import os
 import time

@@ -1,8 +1,7 @@
-"""Benchmarks of solvers in this process: rates, prices, and the overhead of inactive effects.
+"""Benchmarks of solvers in this process: rates, prices, and the overhead of inactive diagnostics.
 
 Everything runs on one thread in CPU time. The motion is gentle, so that every method's run stays sound; the time per
-step does not depend on how far the particles move.
-"""
+step does not depend on how far the particles move."""
 
 import math
 import time
@@ -24,8 +23,8 @@ from solvers.study.row import PRICED
 
 
 def optional_part_inputs(scene: type[Scene]) -> dict[str, tuple[dict[str, Any], dict[str, Any]]]:
-    """Returns the optional parts of a step of a class of scenes by name: the scene's inputs that switch the part on,
-    and those to compare with."""
+    """Returns the optional parts of a step by name: the inputs of this class of scenes that switch the part on, and
+    those to compare with."""
     found: dict[str, tuple[dict[str, Any], dict[str, Any]]] = {
         name: ({"effects": (*needed, name)}, {"effects": needed}) for name, needed in PRICED.items()}
     found["body force"] = ({}, {"body_force": "none"})

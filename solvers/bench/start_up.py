@@ -1,7 +1,5 @@
-"""Time from nothing to a solver that can step: imports, Taichi's start, compilation. Wall time.
-
-Cold means that Taichi's cache of compiled kernels is empty, as after an installation; warm that it is filled.
-"""
+"""Wall time from nothing to a solver that can step: imports, Taichi's start, compilation, with an empty cache of
+compiled kernels (cold, as after an installation) or a filled one (warm)."""
 
 import subprocess
 import tempfile

@@ -1,10 +1,9 @@
 """The paper's tables in this project: their rows, the runs for each, and choices that had to be made.
 
-A row is up to three runs: ``errors`` with every estimator, sampled as often as the estimators step, so that sums
-over samples are sums over steps; ``cost``, a tenth as long and sampled as a run is by default, for the price of each
+A row is up to three runs: ``errors`` with every estimator, sampled as often as the estimators step, so that sums over
+samples are sums over steps; ``cost``, a tenth as long and sampled as a run is by default, for the price of each
 estimator; and for Table 1 ``crossings``, longer and with nothing else switched on. Tables 2 and 3 share their runs.
-Beside each stand the numbers that the paper prints.
-"""
+Beside each stand the numbers that the paper prints."""
 
 import functools
 import json
@@ -44,8 +43,7 @@ def _printed_numbers() -> dict:
 
 
 def printed_bar_row(modulus: float, cells: int) -> dict[str, float]:
-    """Returns a printed row of Table 1, for a modulus (Pa) and cells: errors in SI units, ``grid_crossings``, indices
-    ``index_x`` ...; empty if there is no such row."""
+    """Returns a printed row of Table 1, by modulus (Pa) and cells: errors (SI units), crossings, indices; or {}."""
     for case in _printed_numbers()["table1"]["cases"]:
         for row in case["rows"]:
             if case["modulus"] == modulus and row["cells"] == cells:
@@ -70,8 +68,7 @@ def _printed_ring_row(table: str, cells: int) -> dict:
 
 
 def format_digits(value: float, count: int) -> str:
-    """Returns a number with so many significant digits, with an exponent only where that is shorter: 3.49e-6,
-    0.0581."""
+    """Returns a number with ``count`` significant digits, with an exponent only if that is shorter: 3.49e-6, 0.0581."""
     mantissa, _, exponent = f"{value:.{count - 1}e}".partition("e")
     power = int(exponent)
     return f"{value:.{max(0, count - 1 - power)}f}" if -2 <= power <= 2 else f"{mantissa}e{power}"
@@ -85,8 +82,7 @@ def format_round_number(value: float) -> str:
 
 @dataclass(frozen=True)
 class TableRow:
-    """Row of a table of the paper: a unique name, the heading ``part`` above it, its runs (errors, cost, crossings),
-    and the numbers printed in the paper."""
+    """Row of a table of the paper: unique name, heading ``part``, runs by name, and the printed numbers."""
 
     name: str
     part: str

@@ -1,8 +1,6 @@
 """Runs of tables, measured and stored like rows of any study, and a finished table as one JSON object: for each row its
-inputs, the paper's numbers, ours, and the estimators'.
-
-Everything that is printed or drawn of a table is made from this object and nothing else.
-"""
+inputs, the paper's numbers, ours, and the estimators'. Everything that is printed or drawn of a table is made from
+this."""
 
 from collections.abc import Callable, Iterable, Mapping
 
@@ -35,8 +33,7 @@ def all_runs(tables: Iterable[PaperTable]) -> list[Task]:
 
 
 def measure_in_worker(task: dict, answer: Callable[[dict], None]) -> None:
-    """Measures the run of ``task`` (fields of a Task) in a worker process, with estimators' prices if it is timed, and
-    sends its row."""
+    """Measures the run of a task (fields of Task) in a worker process, with prices if it is timed; sends its row."""
     answer(measure(Task(**task), _run_to_row))
 
 
@@ -111,8 +108,7 @@ def _estimator_to_dict(name: str, results: Results) -> dict:
 
 
 def _estimator_value(run: dict, kind: str, name: str, quantity: str) -> float | None:
-    """Returns an estimator's index or distance (``kind``) of a quantity from a result's JSON object; None if
-    unknown."""
+    """Returns an estimator's index or distance (``kind``) of a quantity from a result's object; None if unknown."""
     names = run["scene"]["estimator"]
     if name not in names or name in run["not_valid"]:
         return None
