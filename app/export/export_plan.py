@@ -24,7 +24,9 @@ PICTURES = {1: (48, 240), 2: (30, 120)}
 
 @dataclass(frozen=True)
 class ExportPlan:
-    """State for the stage, the ``axes`` around it and the ``texts`` of all runs (``slider_grid.scene_texts``)."""
+    """Plan of one stage in an exported file: its ``state``, the sliders' ``axes`` around that scene, the keys of the
+    ``quantities`` whose errors are recorded, and the scenes at all combinations of the axes' values, as ``texts`` of
+    states, the last axis fastest; or "!" and the reason where a combination is invalid."""
 
     state: State
     axes: tuple[SliderAxis, ...]
@@ -37,28 +39,32 @@ class ExportPlan:
 
     @property
     def pinned(self) -> str | None:
+        """The pinned scene as the text of a state, with an end time; None if nothing is pinned."""
         return None if self.state.pinned is None else write_state(State(with_end_time(self.state.pinned, self.scene)))
 
     @property
     def frame_count(self) -> int:
-        """Number of pictures of each run: the first and one per interval."""
+        """Number of instants recorded of each run: the start, and the end of each interval between pictures."""
         scene = self.scene
         a_period, most = PICTURES[scene.DIMENSIONS]
         return 1 + round(min(max(scene.end_time / scene.period, 1.0) * a_period, most))
 
     @property
     def run_texts(self) -> list[str]:
+        """Texts of states of all runs to record: the valid ones of ``texts``, and the pinned one."""
         return [text for text in (*self.texts, *([self.pinned] if self.pinned else [])) if not text.startswith("!")]
 
 
 def make_export_plan(state: State, axes: Sequence[SliderAxis], quantities: Sequence[str]) -> ExportPlan:
-    """Returns the plan of a state; a scene without an end is recorded for one period."""
+    """Returns the plan to record a state's scene, all combinations of the axes' values and its pinned scene, with the
+    errors of ``quantities`` (keys). A scene without an end is recorded for a period (see :func:`with_end_time`)."""
     state = replace(state, scene=with_end_time(state.scene))
     return ExportPlan(state, tuple(axes), tuple(quantities), tuple(slider_grid.scene_texts(state.scene, axes)))
 
 
 def with_end_time(scene: Scene, like: Scene | None = None) -> Scene:
-    """Returns a scene with an end: its own, that of another one, or one period (less if the problem's default is)."""
+    """Returns the scene if it has an end time; else a copy that ends as ``like`` or, without that, after one period, or
+    the problem's default if that is shorter."""
     if scene.t_end is not None or scene.periods is not None:
         return scene
     if like is not None:
@@ -67,7 +73,7 @@ def with_end_time(scene: Scene, like: Scene | None = None) -> Scene:
 
 
 def recordings_needed(plans: Sequence[ExportPlan]) -> dict[tuple[int, str], RecordingRequest]:
-    """Returns the recordings to make, by the number of the plan and the text of the run."""
+    """Returns requests by (index in ``plans``, run's text), for so few particles that all fit into ``BUDGET`` bytes."""
     counts = [(plan, min(parse_state(text).scene.particles, MOST[plan.scene.DIMENSIONS]))
               for plan in plans for text in plan.run_texts]
     # The most particles for which all recordings fit into the budget; smaller runs need less.
@@ -80,7 +86,7 @@ def recordings_needed(plans: Sequence[ExportPlan]) -> dict[tuple[int, str], Reco
 
 
 def _recording_bytes(plan: ExportPlan, particles: int) -> int:
-    """Returns the uncompressed size of a recording in bytes."""
+    """Returns the uncompressed size in bytes of a plan's recording of one run with so many ``particles`` kept."""
     scene, quantities = plan.scene, len(plan.quantities)
     norms = 4 * (3 + 4 * (1 + 3 * len(scene.estimators)))
     each = scene.DIMENSIONS + len(scene.estimators) * (1 + plan.state.difference)
@@ -90,7 +96,7 @@ def _recording_bytes(plan: ExportPlan, particles: int) -> int:
 
 
 def export_plan_to_json(plan: ExportPlan, numbers: Mapping[str, int]) -> dict[str, Any]:
-    """Returns the plan for the player; ``numbers`` are those of the recorded runs, by their texts."""
+    """Returns the plan as a JSON object for the player; ``numbers`` maps a run's text to the index of its recording."""
     state, scene = plan.state, plan.scene
     return {"axes": [{"field": axis.field, "label": tr(LABELS[axis.field]), "start": axis.start, "values": axis.values,
                       "says": [format_axis_label(type(scene), axis.field,
@@ -107,7 +113,7 @@ def export_plan_to_json(plan: ExportPlan, numbers: Mapping[str, int]) -> dict[st
 
 
 def format_axis_label(kind: type[Scene], field: str, value: Any) -> str:
-    """Formats a value on an axis of a class of scenes."""
+    """Formats a value of a scene's ``field`` (SI units) for a slider, with its unit; ``kind`` is the scene's class."""
     if field == "method":
         return str(METHODS[value])
     unit = unit_of(kind, field)

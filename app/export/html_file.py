@@ -25,12 +25,15 @@ SCRIPTS = ("words", "tracks", "frame", "colours", "field", "bar", "plane", "stag
 IN_A_COURSE = (*SCRIPTS[:-1], "scorm", "suspended", "course", "main")
 USUAL = ("x", "v", "sigma")  # quantities whose errors are recorded; accelerations only on request
 
-ProgressCallback = Callable[[float, str], None]
+ProgressCallback = Callable[[float, str], None]  # receives the part done, 0 to 1, and what was done, "run 3 of 8"
+Recordings = dict[tuple[int, str], dict[str, Any]]  # JSON objects by (index of the plan, text of the run)
 
 
 def scene_page(text: str, processes: int, on_progress: ProgressCallback,
                counts: Mapping[str, int] = slider_grid.FULL) -> str:
-    """Returns the page of a state's text, or of a problem's name, with so many values of each field on sliders."""
+    """Returns the html of an offline page with a scene and sliders; runs and records all of its scenes.
+
+    ``text`` is that of a state, or a problem's name; ``counts`` the most values of each field on its slider."""
     shown = state.parse_state(text)
     if text.strip() in VIEWS and (judges := VIEWS[text.strip()].estimators):
         shown = replace(shown, scene=replace(shown.scene, estimators=judges))
@@ -41,7 +44,7 @@ def scene_page(text: str, processes: int, on_progress: ProgressCallback,
 
 
 def recorded_page(shown: state.State) -> str:
-    """Returns the page of a state without further runs, recorded in this process."""
+    """Returns the html of an offline page with a state's scene and no sliders, run and recorded in this process."""
     one = make_export_plan(shown, (), recorded_quantities(shown))
     recorded = _make_distinct_recordings([one], lambda once: [record_scene(wanted) for wanted in once])
     return assemble_page(_page_title(one), [one], recorded, None)
@@ -53,42 +56,39 @@ def _page_title(one: ExportPlan) -> str:
 
 
 def recorded_quantities(shown: state.State) -> tuple[str, ...]:
-    """Returns the quantities whose errors are recorded."""
+    """Returns the keys of the quantities whose errors are recorded: x, v, sigma, and the one that the state shows."""
     return (*USUAL, *(key for key in (shown.quantity,) if key not in USUAL))
 
 
-def record_plans(plans: Sequence[ExportPlan], processes: int,
-                 on_progress: ProgressCallback) -> dict[tuple[int, str], dict[str, Any]]:
-    """Makes the recordings in parallel; returns them by the number of their plan and their text."""
+def record_plans(plans: Sequence[ExportPlan], processes: int, on_progress: ProgressCallback) -> Recordings:
+    """Runs and records all scenes of plans in so many parallel ``processes``; see ``Recordings`` for the result."""
     return _make_distinct_recordings(plans, lambda once: record_scenes(
         once, processes, lambda done: on_progress(done / len(once), f"run {done} of {len(once)}")))
 
 
 def _make_distinct_recordings(plans: Sequence[ExportPlan],
-                              make: Callable[[list[RecordingRequest]], list[dict[str, Any]]]) -> dict[
-        tuple[int, str], dict[str, Any]]:
-    """Makes each distinct recording once with ``make``; returns them by plan and text."""
+                              make: Callable[[list[RecordingRequest]], list[dict[str, Any]]]) -> Recordings:
+    """Returns the recordings of plans; equal requests are passed to ``make`` once, which returns one for each."""
     wanted = export_plan.recordings_needed(plans)
     once = list(dict.fromkeys(wanted.values()))
     found = dict(zip(once, make(once), strict=True))
     return {key: found[one] for key, one in wanted.items()}
 
 
-def assemble_page(heading: str, plans: Sequence[ExportPlan], recorded: Mapping[tuple[int, str], dict[str, Any]],
-                  lesson: Mapping[str, Any] | None, scripts: Sequence[str] = SCRIPTS) -> str:
-    """Returns the page from plans and recordings, of a ``lesson`` if given, with these player scripts."""
+def assemble_page(heading: str, plans: Sequence[ExportPlan], recorded: Recordings, lesson: Mapping[str, Any] | None,
+                  scripts: Sequence[str] = SCRIPTS) -> str:
+    """Returns the html of an offline page: its title, a stage for each plan with its recordings, the JSON object of a
+    lesson or None for a scene alone, and the player's scripts (names of files in ``player/``, in this order)."""
     runs = list({id(run): run for run in recorded.values()}.values())
     places = {id(run): number for number, run in enumerate(runs)}
-    stages = [export_plan_to_json(one, {text: places[id(recorded[k, text])] for text in one.run_texts}) for k,
-              one in enumerate(plans)]
+    stages = [export_plan_to_json(one, {text: places[id(recorded[k, text])] for text in one.run_texts})
+              for k, one in enumerate(plans)]
     texts = list({_script_safe_json(run["texts"]): run["texts"] for run in runs}.values())  # equal for most runs
     data = {"words": load_catalogue(current_language()).translations_for_files("app/export/player/"),
             **shared_display_data({one.scene.problem for one in plans}), "stages": stages, "lesson": lesson,
-            "texts": texts,
-            "runs": [{"head": run["head"], "tracks": run["tracks"], "texts": texts.index(run["texts"])}
-                     for run in runs]}
-    packed = "\n".join(f"<script type=\"text/plain\" id=\"run-{k}\">{run['data']}</script>"
-                       for k, run in enumerate(runs))
+            "texts": texts, "runs": [{"head": run["head"], "tracks": run["tracks"], "texts": texts.index(run["texts"])}
+                                     for run in runs]}
+    packed = "\n".join(f'<script type="text/plain" id="run-{k}">{run["data"]}</script>' for k, run in enumerate(runs))
     own = f" lang=\"{lesson['language']}\"" if lesson and lesson["language"] != current_language() else ""
     parts = {"title": escape(heading), "lang": own, "version": __version__, "kind": "lesson" if lesson else "scene",
              "language": current_language(),

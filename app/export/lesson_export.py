@@ -2,6 +2,7 @@
 
 import hashlib
 import io
+import math
 import re
 import sys
 import zipfile
@@ -12,16 +13,9 @@ from urllib.parse import quote
 from xml.etree.ElementTree import Element, SubElement, indent, tostring
 
 from app import state
-from app.export import slider_grid
+from app.export import html_file, slider_grid
 from app.export.export_plan import ExportPlan, make_export_plan
-from app.export.html_file import (
-    IN_A_COURSE,
-    SCRIPTS,
-    ProgressCallback,
-    assemble_page,
-    record_plans,
-    recorded_quantities,
-)
+from app.export.html_file import SCRIPTS, ProgressCallback, assemble_page, record_plans, recorded_quantities
 from app.frame.budget_chart import QUESTION
 from app.language.translation import lazy, tr, use_language
 from app.lessons import answer_check, bet_chart, catalogue, student_progress
@@ -44,7 +38,8 @@ ELSEWHERE = {"slow-motion": lazy("slow motion"), "look-back": lazy("look back"),
 
 def lesson_page(lesson: Lesson, processes: int, on_progress: ProgressCallback, counts: Mapping[str, int] = COUNTS,
                 core: bool = False, scripts: Sequence[str] = SCRIPTS) -> str:
-    """Returns the page of a lesson with so many values of each field on sliders; with ``core``, it begins with that."""
+    """Returns the html of an offline page with a lesson; runs and records the scenes of its steps and answers.
+    ``counts`` is the most values of each field on its slider; with ``core`` the page first offers the core alone."""
     plans = {  # by the key of a step with a stage and the number of the variant
         (step.key, number): _step_plan(lesson, step, fill_numbers(step.stage, numbers),
                                        fill_numbers(step.text, numbers), counts)
@@ -58,7 +53,10 @@ def lesson_page(lesson: Lesson, processes: int, on_progress: ProgressCallback, c
 
 
 def _step_plan(lesson: Lesson, step: Step, stage: str, text: str, counts: Mapping[str, int]) -> ExportPlan:
-    """Returns the plan of a step: its state, axes for its instructions and, if runs are left, for more controls."""
+    """Returns the plan of a lesson's step. Its axes have the values in the step's instructions, those around a value to
+    find by dragging and, up to ``MOST_RUNS`` runs, those of other controls.
+
+    ``stage`` is the text of the step's state, ``text`` its Markdown, both with numbers filled in."""
     shown = state.parse_state(stage)
     kept = recorded_quantities(shown)
     with use_language(lesson.language):
@@ -73,7 +71,7 @@ def _step_plan(lesson: Lesson, step: Step, stage: str, text: str, counts: Mappin
         axes.append(slider_grid.axis_through(scene, sought, values, len(DENSE) + 1))
     for axis in slider_grid.axes_around(scene, counts):
         offered = not lesson.controls or axis.field in lesson.controls
-        room = slider_grid.count_runs((*axes, axis)) <= MOST_RUNS
+        room = math.prod(len(other.values) for other in (*axes, axis)) <= MOST_RUNS
         if offered and room and axis.field not in {other.field for other in axes}:
             axes.append(axis)
     return make_export_plan(shown, axes, kept)
@@ -81,7 +79,8 @@ def _step_plan(lesson: Lesson, step: Step, stage: str, text: str, counts: Mappin
 
 def marking_rules(lesson: Lesson, processes: int,
                   on_progress: Callable[[float, str], None]) -> dict[str, list[dict[str, Any] | None]]:
-    """Returns the right answer to each question for each variant of the numbers; None if that fails."""
+    """Returns how the player marks answers: by key of each step with a question a list with an entry per variant of the
+    lesson's numbers (see :func:`_marking_rule`). Runs the scenes that the right answers need."""
     found = []  # the scenes of all runs in questions
     for step in lesson.questions.values():
         for numbers in lesson.variants:
@@ -95,7 +94,8 @@ def marking_rules(lesson: Lesson, processes: int,
 
 
 def _marking_rule(lesson: Lesson, step: Step, numbers: Numbers, outcomes: RunCache) -> dict[str, Any] | None:
-    """Returns how the player marks an answer: the right ``options``, or the ``value`` with its tolerance."""
+    """Returns how the player marks an answer, for one variant's ``numbers``: the right ``options``, counted from 1, or
+    the ``value`` and relative ``tolerance``, and the right answer in words (``told``); None if its runs fail."""
     asked = step.question
     assert asked is not None
     if asked.kind == TEXT:
@@ -111,10 +111,13 @@ def _marking_rule(lesson: Lesson, step: Step, numbers: Numbers, outcomes: RunCac
 
 def _lesson_to_json(lesson: Lesson, right: Mapping[str, list[Any]], stages: Mapping[tuple[str, int], int],
                     bets: Mapping[str, list[Any]], core: bool) -> dict[str, Any]:
-    """Returns the lesson's data for the player; what differs between variants is a list with an entry for each."""
+    """Returns a lesson as a JSON object for the player. Texts are lists with an entry per variant, or one if all agree.
+
+    ``right`` is from :func:`marking_rules`, ``bets`` from :func:`bets_by_step`; ``stages`` maps (step's key, index of
+    the variant) to the index of the stage in the file; with ``core`` the page first offers the core alone."""
     def each(text: str) -> list[str]:
-        return _collapse_if_equal([to_html(fill_numbers(text, numbers),
-                                           catalogue.FOLDER) for numbers in lesson.variants])
+        return _collapse_if_equal([to_html(fill_numbers(text, numbers), catalogue.FOLDER)
+                                   for numbers in lesson.variants])
 
     known = catalogue.load_lessons()
     # A name's variant is drawn as in ``app.lessons.lesson``: with Unicode case folding and white space.
@@ -141,14 +144,15 @@ def _lesson_to_json(lesson: Lesson, right: Mapping[str, list[Any]], stages: Mapp
 
 
 def _collapse_if_equal(each: Sequence[Any]) -> list[Any]:
+    """Returns the values as a list, with only the first if all are equal."""
     return list(each[:1] if all(one == each[0] for one in each) else each)
 
 
 def _question_to_json(lesson: Lesson, asked: Question | None, right: list[Any]) -> dict[str, Any] | None:
     if asked is None:
         return None
-    options = _collapse_if_equal([[fill_numbers(option,
-                                                numbers) for option in asked.options] for numbers in lesson.variants])
+    options = _collapse_if_equal([[fill_numbers(option, numbers) for option in asked.options]
+                                  for numbers in lesson.variants])
     made: dict[str, Any] = {"kind": asked.kind, "options": options, "unit": asked.unit, "rules": right,
                             "level": asked.level}
     if asked.kind == DRAG:
@@ -159,7 +163,7 @@ def _question_to_json(lesson: Lesson, asked: Question | None, right: list[Any]) 
 
 
 def bet_chart_texts() -> dict[str, Any]:
-    """Returns texts and limits of the chart of bets, from ``app.lessons.bet_chart``."""
+    """Returns texts, names of bettors and the limit in powers of ten of the chart of bets, as a JSON object."""
     return {"yours": YOURS, "by_round": BY_ROUND, "your_bets": tr(bet_chart.YOUR_BETS), "round": tr(bet_chart.ROUND),
             "told": tr(bet_chart.TOLD), "some": tr(bet_chart.SOME), "none": tr(bet_chart.NONE),
             "scored": tr(bet_chart.SCORED), "said": tr(bet_chart.SAID), "truth": tr(bet_chart.TRUTH),
@@ -167,7 +171,8 @@ def bet_chart_texts() -> dict[str, Any]:
 
 
 def bets_by_step(lesson: Lesson, processes: int) -> dict[str, list[dict[str, dict[str, Any]]]]:
-    """Returns judges' bets by the key of each step that shows them, for each variant, by judge and question."""
+    """Returns the judges' bets that a lesson shows: by key of the step that shows them a list with an entry per
+    variant, which maps judge and key of the step that asked to (low, high), or None for no bet. Runs their scenes."""
     steps = [step for step in lesson.steps if set(step.bets) - {*OWN}]
     with closing(RunCache(processes)) as outcomes:
         return {step.key: [{judge: {other.key: judge_ends(lesson, other, judge, numbers, outcomes)
@@ -184,18 +189,18 @@ WRITTEN = (1980, 1, 1, 0, 0, 0)  # fixed time in the archive, so that equal less
 
 def make_scorm_package(lessons: Sequence[Lesson], processes: int, on_progress: ProgressCallback,
                        counts: Mapping[str, int] = COUNTS, core: bool = False) -> bytes:
-    """Returns the archive of lessons, each opened, scored and completed separately, at first as ``core`` if set."""
+    """Returns a SCORM 1.2 package (zip) of lessons that are scored separately; arguments as :func:`lesson_page`."""
     pages = {}
     for number, lesson in enumerate(lessons):
         def so_far(part: float, what: str, number: int = number) -> None:
             on_progress((number + part) / len(lessons), what)
 
-        pages[_page_file_name(lesson)] = lesson_page(lesson, processes, so_far, counts, core, IN_A_COURSE)
+        pages[_page_file_name(lesson)] = lesson_page(lesson, processes, so_far, counts, core, html_file.IN_A_COURSE)
     return _zip_archive({"imsmanifest.xml": scorm_manifest(lessons), **pages})
 
 
 def scorm_manifest(lessons: Sequence[Lesson]) -> str:
-    """Returns the SCORM manifest; identifiers contain fingerprints, so that a changed lesson is another one."""
+    """Returns the XML of a SCORM package's manifest. Identifiers contain fingerprints: a changed lesson is another."""
     keys = [_scorm_identifier(lesson) for lesson in lessons]
     whole = keys[0] if len(keys) == 1 else hashlib.sha256(" ".join(keys).encode()).hexdigest()[:24]
     root = Element("manifest", {"identifier": f"mpm-lab-{whole}", "version": "1.0", **SPACES})
@@ -222,7 +227,7 @@ def _scorm_identifier(lesson: Lesson) -> str:
 
 
 def _xml_safe_title(lesson: Lesson) -> str:
-    """Returns the title without characters that are invalid in XML."""
+    """Returns a lesson's title without unprintable characters, which XML forbids, of at most ``LONGEST_TITLE``."""
     return "".join(letter for letter in lesson.title if letter.isprintable())[:LONGEST_TITLE]
 
 
@@ -231,6 +236,7 @@ def _page_file_name(lesson: Lesson) -> str:
 
 
 def _zip_archive(texts: Mapping[str, str]) -> bytes:
+    """Returns a zip archive of texts by their file names; equal texts give equal bytes."""
     made = io.BytesIO()
     with zipfile.ZipFile(made, "w", zipfile.ZIP_DEFLATED) as archive:
         for name, text in texts.items():

@@ -24,7 +24,7 @@ LATER = "…"  # placeholder for a text of a run or frame
 
 
 def shared_display_data(problems: Iterable[str]) -> dict[str, Any]:
-    """Returns all of it as a JSON object, with the stages of some problems."""
+    """Returns what the player shares with the live page as a JSON object, with static data of the problems' stages."""
     formats = {"prefixes": words.PREFIXES, "superscripts": words.SUPERSCRIPTS, "ratios": words.PLAIN_RATIOS,
                "percents": (*words.PLAIN_PERCENT, words.WHOLE_PERCENT), "powers": words.PLAIN_POWERS,
                "nothing": words.NOTHING}
@@ -43,9 +43,8 @@ def shared_display_data(problems: Iterable[str]) -> dict[str, Any]:
                       "now": tr(headline.NOW), "paused": tr(headline.PAUSED), "less": tr(headline.LESS),
                       "more": tr(headline.MORE), "all": headline.ALL_OF_IT, "not_counted": tr(captions.NOT_COUNTED)},
         "budget": {
-            "causes": {
-                name: {"words": tr(said), "meaning": tr(budget_chart.MEANINGS[name]), "colour": CAUSES[name].light}
-                for name, said in error_causes.CAUSES.items()},
+            "causes": {name: {"words": tr(cause), "meaning": tr(budget_chart.MEANINGS[name]),
+                              "colour": CAUSES[name].light} for name, cause in error_causes.CAUSES.items()},
             "fields": error_causes.FIELDS, "units": budget_chart.UNITS, "seen": budget_chart.SEEN,
             "caption": tr(budget_chart.CAPTION), "question": tr(budget_chart.QUESTION)},
         "magnifications": words.MAGNIFICATIONS,
@@ -54,9 +53,8 @@ def shared_display_data(problems: Iterable[str]) -> dict[str, Any]:
 
 
 def static_stage_data(stage: type[Stage]) -> dict[str, Any]:
-    """Returns the data common to all frames of a stage: mirror images, plot axis, and layout and labels by bounds.
-
-    A label's text is ``LATER`` if it comes with a run or a frame, and "" if it is not shown."""
+    """Returns a JSON object with what all frames of a problem's stage share: mirror images, plot axis, and layout and
+    labels in the bounds of a window and of a phone. A label's text is ``LATER`` if a run or frame has it."""
     return {"mirrors": stage.MIRRORS, "outlined": stage.OUTLINED, "lines": stage.LINES,
             "plot": {"start": stage.PLOT.start, "end": stage.PLOT.end, "along": stage.PLOT.where is not None},
             "alike": tr(captions.ALIKE).format(tr(stage.HALVES)),
@@ -64,7 +62,7 @@ def static_stage_data(stage: type[Stage]) -> dict[str, Any]:
 
 
 def _stage_layout(stage: type[Stage], room: StageMetrics) -> dict[str, Any]:
-    """Returns the layout of a stage in bounds."""
+    """Returns a JSON object with the boxes and labels of a stage with these bounds (stage units, 1 = its width)."""
     places = stage.layout(room, RunSlot.ALONE)
     top = layout.colour_bar_box(room, room.high)
     halves = tr(captions.ESTIMATE[0]), tr(captions.TRUTH)
@@ -78,7 +76,7 @@ def _stage_layout(stage: type[Stage], room: StageMetrics) -> dict[str, Any]:
 
 
 def _colour_map_data() -> dict[str, Any]:
-    """Returns the colour map as bytes, and the named colours."""
+    """Returns a JSON object with the colour map (bytes r, g, b in base64) and the named colours as CSS."""
     marks = {name: f"rgb{colour}" for name, colour in vars(LIGHT).items()}
     tones = {"plain": "ink2", "bold": "ink", "faint": "ink3", "estimate": "estimate-ink", "truth": "truth-ink",
              "crossing": "cross"}
@@ -89,9 +87,9 @@ def _colour_map_data() -> dict[str, Any]:
 
 def missing_value_texts(scene: Scene, not_valid: Mapping[str, str], silent: Mapping[str, Collection[str]],
                         difference: bool) -> dict[str, Any]:
-    """Returns texts by quantity: why a row of the readout has no number, words of the field plot, and by estimator (""
-    for none) both halves' captions (also as ``difference`` if set) and headline templates; ``silent`` ones have no
-    value."""
+    """Returns a JSON object of texts by quantity (x, v, ...): why a row of the readout has no number, the field plot's
+    caption, and by estimator ("" if none) captions of both halves and headline templates. ``not_valid`` maps estimators
+    to reasons, ``silent`` quantities to estimators without values; ``difference`` adds captions of that view."""
     component = VIEWS[scene.problem].stage.PLOT.component
     return {key: {"rows": captions.why_no_numbers(scene, not_valid, key, silent[key]),
                   "field": vars(captions.field_plot_caption(scene, component, key)),
@@ -99,14 +97,15 @@ def missing_value_texts(scene: Scene, not_valid: Mapping[str, str], silent: Mapp
                          for name in scene.estimators or ("",)}} for key in silent}
 
 
-def stage_notes(scene: Scene, every: int) -> dict[str, str]:
-    """Returns the notes at the stage, on which one particle in ``every`` has marks for crossings."""
+def stage_notes(scene: Scene, stride: int) -> dict[str, str]:
+    """Returns a stage's notes: ``note`` on its scale, ``marks`` on crossings, on every ``stride``-th particle."""
     stage = VIEWS[scene.problem].stage
-    return {"note": stage.scale_note(scene), "marks": captions.crossing_marks_legend(stage.MARKED, every)}
+    return {"note": stage.scale_note(scene), "marks": captions.crossing_marks_legend(stage.MARKED, stride)}
 
 
 def _estimator_texts(scene: Scene, not_valid: Mapping[str, str], quantity: str, name: str, silent: Collection[str],
                      difference: bool) -> dict[str, Any]:
+    """Returns captions and headline templates of one quantity by one estimator, or none if its ``name`` is ""."""
     estimator, no_truth = name or None, captions.why_no_truth(scene, quantity)
     no_estimate = captions.why_no_estimate(scene, not_valid, estimator, quantity) \
         or f"{name} {captions.not_estimated_text(quantity)}" * (name in silent)

@@ -25,7 +25,7 @@ CODES = {kind: {"top": top, "none": NONE[kind], "bytes": BYTES[kind]} for kind, 
 
 @dataclass(frozen=True)
 class Track:
-    """One quantity of a recording: ``values`` (rows, width), usually a row per picture, encoded as ``kind``."""
+    """Array of a recording: ``values`` (rows, width) in SI units, usually a row per picture, encoded as ``kind``."""
 
     name: str
     kind: str
@@ -33,17 +33,17 @@ class Track:
 
     @property
     def header(self) -> dict[str, str | int]:
-        """The metadata that the player needs to read it."""
+        """The metadata that the player needs to decode the track: name, kind, rows, width."""
         return {"name": self.name, "kind": self.kind, "rows": len(self.values), "width": self.values.shape[1]}
 
 
 def pack_tracks(tracks: list[Track]) -> bytes:
-    """Returns all tracks, concatenated and compressed."""
+    """Returns the encoded tracks, concatenated in this order and compressed by zlib."""
     return zlib.compress(b"".join(map(_track_bytes, tracks)), 9)
 
 
 def _track_bytes(track: Track) -> bytes:
-    """Returns a track's scales (float32, one per row; for ``place`` one) and codes."""
+    """Returns an encoded track: float32 scales (one per row; for ``place`` one), then codes; or float32 numbers."""
     values = np.asarray(track.values, float)
     with np.errstate(invalid="ignore", over="ignore", under="ignore"):
         if track.kind == NUMBER:

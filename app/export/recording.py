@@ -40,7 +40,7 @@ FARTHEST = 2.0  # metres: clip for particles of a broken run
 
 @dataclass(frozen=True)
 class RecordingRequest:
-    """Request for ``frame_count`` of a scene with at most ``particles`` and errors of the ``quantities`` (keys)."""
+    """Request to record a run: at ``frame_count`` instants at most ``particles``, errors of ``quantities`` (keys)."""
 
     scene: str  # as a state's text
     frame_count: int
@@ -53,9 +53,8 @@ class RecordingRequest:
 
 def record_scenes(wanted: Sequence[RecordingRequest], processes: int,
                   on_progress: Callable[[int], None]) -> list[dict[str, Any]]:
-    """Returns a recording for each request, made in parallel processes; ``on_progress`` receives the number done.
-
-    Raises :class:`~solvers.workers.worker_process.ProcessDied` if one cannot be made."""
+    """Returns the recording (:func:`record_scene`) of each request, made in so many parallel ``processes``;
+    ``on_progress`` receives the number done. Raises :class:`~solvers.workers.worker_process.ProcessDied`."""
     with closing(WorkerPool(f"{__name__}:record_in_worker", processes)) as pool:
         # One of each kind of run first, so that processes compile different kernels.
         asked = {one: pool.submit(asdict(one), kind=_request_kernel_key(one))
@@ -67,19 +66,20 @@ def record_scenes(wanted: Sequence[RecordingRequest], processes: int,
 
 
 def _request_kernel_key(wanted: RecordingRequest) -> tuple:
-    """Returns the key of the kernels that it needs."""
+    """Returns the key of the kernels that a request's run needs: equal keys share compiled kernels."""
     return kernel_key(state.parse_state(wanted.scene).scene)
 
 
 def record_in_worker(question: Mapping[str, Any], answer: Callable[[dict], None]) -> None:
-    """Records one scene in a worker process."""
+    """Records one run in a worker process: ``question`` has the fields of a request, ``answer`` sends the recording."""
     values = dict(question)
     values["quantities"] = tuple(values["quantities"])
     answer(record_scene(RecordingRequest(**values)))
 
 
 def record_scene(wanted: RecordingRequest) -> dict[str, Any]:
-    """Returns the recording as a JSON object: ``head`` describes it, ``tracks`` the layout of ``data``, in base64."""
+    """Runs a request's scene; returns the recording as a JSON object: ``head`` describes the run, ``texts`` are in the
+    request's language, ``tracks`` is the layout of ``data``, the packed arrays in base64."""
     with use_language(wanted.language):
         return _run_and_record(wanted)
 
@@ -100,8 +100,8 @@ def _run_and_record(wanted: RecordingRequest) -> dict[str, Any]:
     kept = _select_particles(scene.DIMENSIONS, _particle_count(shots), wanted.particles)
     marked = kept[::marking_stride(len(kept), VIEWS[scene.problem].stage.MOST_MARKED)]
     tracks = _particle_tracks(wanted, scene, kept, marked, shots)
-    regular, pictures = (samples.read_rows(np.concatenate(some), scene, _particle_count(shots),
-                                           gershgorin_to_linear_factor(scene))
+    factor = gershgorin_to_linear_factor(scene)
+    regular, pictures = (samples.read_rows(np.concatenate(some), scene, _particle_count(shots), factor)
                          for some in (rows, own))
     tracks += _norm_tracks(scene, regular, pictures)
     if scene.has("budget"):  # by field: the error, RMS over particles, and each cause's contribution
@@ -118,7 +118,7 @@ def _run_and_record(wanted: RecordingRequest) -> dict[str, Any]:
 
 
 def _first_snapshot(shot: Mapping[str, Snapshot]) -> Snapshot:
-    """Returns one of the views of an instant, which differ only in the plotted field."""
+    """Returns one of an instant's snapshots, which are by quantity and differ only in the plotted field."""
     return next(iter(shot.values()))
 
 
@@ -127,7 +127,7 @@ def _particle_count(shots: list[dict[str, Snapshot]]) -> int:
 
 
 def _select_particles(dimensions: int, count: int, most: int) -> np.ndarray:
-    """Selects the particles to keep: every k-th along the bar, a random choice of a lattice in the plane."""
+    """Returns indices of at most ``most`` of ``count`` particles: every k-th on the bar, random ones in the plane."""
     if dimensions == 1:
         return np.arange(0, count, -(-count // most))
     return np.arange(count) if count <= most else np.sort(np.random.default_rng(0).choice(count, most, replace=False))
@@ -135,7 +135,8 @@ def _select_particles(dimensions: int, count: int, most: int) -> np.ndarray:
 
 def _particle_tracks(wanted: RecordingRequest, scene: Scene, kept: np.ndarray, marked: np.ndarray,
                      shots: list[dict[str, Snapshot]]) -> list[Track]:
-    """Returns tracks of the kept particles: positions, errors, estimates, exact curves and lines, crossings."""
+    """Returns the tracks of particles: positions, errors, estimates, exact curves and lines, crossings. ``kept`` are
+    indices of the particles recorded, ``marked`` of those with crossings, ``shots`` snapshots by time and quantity."""
     instants, stage = [_first_snapshot(shot) for shot in shots], VIEWS[scene.problem].stage
     rest = _flatten_by_component(instants[0].material_position[kept])
     position = np.stack([_flatten_by_component(shot.position[kept]) for shot in instants])
@@ -144,8 +145,7 @@ def _particle_tracks(wanted: RecordingRequest, scene: Scene, kept: np.ndarray, m
         position = np.fmax(np.fmin(position, farthest), -farthest)
     tracks = [Track("rest", NUMBER, rest.reshape(1, -1)), Track("position", PLACE, position)]
     if wanted.domains and issubclass(stage, PlanarStage):
-        half = [stage.half_edge_vectors(scene,
-                                        shot.deformation_gradient)[kept] for shot in instants]  # (n, 2 edges, 2) each
+        half = [stage.half_edge_vectors(scene, shot.deformation_gradient)[kept] for shot in instants]  # (n, 2 edges, 2)
         tracks.append(Track("edges", SIGNED, np.stack([one.transpose(1, 2, 0).ravel() for one in half])))
     for key in wanted.quantities:
         tracks += _quantity_tracks(wanted, scene, key, [shot[key] for shot in shots], kept)
@@ -156,14 +156,14 @@ def _particle_tracks(wanted: RecordingRequest, scene: Scene, kept: np.ndarray, m
 
 
 def _flatten_by_component(points: np.ndarray) -> np.ndarray:
-    """Returns (n,) or (n, D) as one row: x of all, then y of all."""
+    """Returns points (n,) or (n, D) as one row (n D,): x of all, then y of all."""
     return points.T.ravel()
 
 
 def _quantity_tracks(wanted: RecordingRequest, scene: Scene, key: str, shots: list[Snapshot],
                      kept: np.ndarray) -> list[Track]:
-    """Returns the tracks of one quantity: the field's signed deviation from the exact one, or the field if that is
-    unknown; sizes of the true (if not equal to the deviation) and estimated errors; and the exact field on a curve."""
+    """Returns the tracks of the quantity ``key`` in its SI unit: the plotted field's signed deviation from the exact
+    one (the field if that is unknown), sizes of true errors (if others) and estimates, the exact field on a curve."""
     column, known = samples.QUANTITIES.index(key), scene.solution_known
     fields = np.stack([shot.plotted[kept, int(known)] for shot in shots if shot.plotted is not None])
     tracks = [Track(f"deviation.{key}", SIGNED, fields)]
@@ -189,7 +189,8 @@ def _quantity_tracks(wanted: RecordingRequest, scene: Scene, key: str, shots: li
 
 
 def _crossing_tracks(scene: Scene, shots: list[Snapshot], kept: np.ndarray, marked: np.ndarray) -> list[Track]:
-    """Returns the last crossing of each marked particle between two pictures, in the order of time."""
+    """Returns two tracks (events, 1) of cell crossings by time: the particle's index in ``kept``, and the time in s. Of
+    each ``marked`` particle (index) the last crossing between two instants counts."""
     numbers = np.searchsorted(kept, marked)
     found = []
     for before, shot in itertools.pairwise(shots):
@@ -203,7 +204,10 @@ def _crossing_tracks(scene: Scene, shots: list[Snapshot], kept: np.ndarray, mark
 
 
 def _norm_tracks(scene: Scene, regular: Mapping[str, np.ndarray], pictures: Mapping[str, np.ndarray]) -> list[Track]:
-    """Returns error norms (pictures, 4) at each picture, and index and distance of each estimator up to then."""
+    """Returns tracks with a row per picture: time (s), crossings, margin, norms of true and estimated errors (x, v,
+    sigma, a), and each estimator's index and distance over the run so far.
+
+    ``regular`` has the columns of the run's samples, ``pictures`` of one sample per picture."""
     times = pictures["time"]
     ends = np.searchsorted(regular["time"], times + 0.5 * scene.time_step)  # numbers of samples so far
     alone = np.abs(regular["time"][ends - 1] - times) > 0.5 * scene.time_step  # no sample at the picture's time
@@ -213,12 +217,12 @@ def _norm_tracks(scene: Scene, regular: Mapping[str, np.ndarray], pictures: Mapp
               Track("norm.true", NUMBER, _stack_quantity_series(pictures, "error_{}"))]
 
     def so_far(accumulate: np.ufunc, start: float, name: str, of: Callable[[np.ndarray], np.ndarray]) -> np.ndarray:
-        """Accumulates all samples of a series, or of a function ``of`` it, up to each picture."""
+        """Returns (pictures,) the sum or maximum up to each picture of ``of(values)`` of the series ``name``."""
         together = np.append(start, accumulate.accumulate(of(regular[name])))[ends]
         return accumulate(together, np.where(alone, of(pictures[name]), start))
 
     def ratios(norm: str, key: str) -> np.ndarray:
-        """Returns the error index (:func:`solvers.solver.error_norms.error_index`) of samples up to each picture."""
+        """Returns (pictures,) the sum of the series ``norm`` over that of a quantity's true error; NaN for rounding."""
         true = f"error_{key}"
         total, true_total = (so_far(np.add, 0.0, name, np.asarray) for name in (norm, true))
         worst = so_far(np.maximum, -np.inf, true, lambda values: np.where(np.isnan(values), np.inf, values))
@@ -237,12 +241,15 @@ def _norm_tracks(scene: Scene, regular: Mapping[str, np.ndarray], pictures: Mapp
 
 
 def _stack_quantity_series(series: Mapping[str, np.ndarray], name: str) -> np.ndarray:
+    """Returns (T, 4) the series with this name for x, v, sigma, a; "{}" in the name stands for the quantity."""
     return np.stack([series[name.format(key)] for key in samples.QUANTITIES], axis=1)
 
 
 def _recording_metadata(wanted: RecordingRequest, scene: Scene, solver: Solver, not_valid: dict[str, str], shown: int,
                         shots: list[dict[str, Snapshot]], *series: Mapping[str, np.ndarray]) -> dict[str, Any]:
-    """Returns the metadata of a run for the player."""
+    """Returns a JSON object that describes a run for the player: geometry, times, verdict, validity and error budget.
+
+    ``not_valid`` maps estimators to reasons, ``shown`` is the number of particles kept; ``series`` are all samples."""
     found = [finding for one in series if (finding := earliest_finding(findings(scene, one), not_valid))]
     large: dict[str, LargeRelativeError] = {}
     for one in series:

@@ -1,7 +1,6 @@
 """The runs of a file: a grid of scenes around one, so that sliders work without a solver."""
 
 import itertools
-import math
 import re
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
@@ -30,7 +29,7 @@ LONGEST_RUN = 2e9  # particle-steps of a requested run: a minute or two
 
 @dataclass(frozen=True)
 class SliderAxis:
-    """Slider: a field of the scene and its values, of which that with the index ``start`` is the scene's own."""
+    """Slider: the name of a scene's field and its values, SI units; that at the index ``start`` is the scene's own."""
 
     field: str
     values: tuple[Any, ...]
@@ -38,7 +37,7 @@ class SliderAxis:
 
 
 def why_too_long_to_record(scene: Scene) -> str | None:
-    """Returns why a run takes too long to record, or None."""
+    """Returns why a scene's run takes too long to record (``LONGEST_RUN``), as the end of a sentence, or None."""
     if (work := scene.particles * scene.steps) <= LONGEST_RUN:
         return None
     return f"would take {work:.2g} particle-steps, too long to record; give fewer cells, periods or a larger cfl, " \
@@ -46,27 +45,29 @@ def why_too_long_to_record(scene: Scene) -> str | None:
 
 
 def axes_around(scene: Scene, counts: Mapping[str, int]) -> list[SliderAxis]:
-    """Returns axes through a scene with at most so many values of each field, without axes of a single value."""
+    """Returns axes of more than one value around a scene's own; ``counts`` maps fields to the most values."""
     axes = [axis_through(scene, field, _axis_candidates(scene, field), most) for field, most in counts.items()]
     return [axis for axis in axes if len(axis.values) > 1]
 
 
 def axis_through(scene: Scene, field: str, candidates: Sequence[Any], most: int) -> SliderAxis:
-    """Returns an axis of the scene's own value and the first valid candidates, sorted."""
+    """Returns the axis of a ``field``: the scene's own value and the first valid ``candidates`` that are not too long
+    to run, together at most ``most`` values, sorted (methods: in this order)."""
     own = getattr(scene, field) if field != "cfl" else scene.courant_number
     values = [own]
     for value in candidates:
         if value not in values and len(values) < most:
             with suppress(SceneError):
-                if count_particle_steps(_change_scene(scene,
-                                                      {field: value})) <= max(MOST_WORK, count_particle_steps(scene)):
+                changed = _change_scene(scene, {field: value})
+                if count_particle_steps(changed) <= max(MOST_WORK, count_particle_steps(scene)):
                     values.append(value)
     order = values if field == "method" else sorted(values)
     return SliderAxis(field, tuple(order), order.index(own))
 
 
 def axes_for_instructions(scene: Scene, text: str) -> list[SliderAxis]:
-    """Returns the axes for instructions in a lesson's text, such as "Set **Cells** to `80`"."""
+    """Returns the axes that instructions in Markdown need, such as "Set **Cells** to `80`" in the current language: the
+    scene's own value and those in the ``text``. Instructions for other controls are ignored."""
     found: dict[str, list[Any]] = {}
     called = {tr(name): field for name, field in CONTROLS.items()}
     between = "|".join(re.escape(tr(SENTENCES[verb]).partition("{name}")[2].partition("{value}")[0])
@@ -79,13 +80,8 @@ def axes_for_instructions(scene: Scene, text: str) -> list[SliderAxis]:
             if len((made := axis_through(scene, field, values, len(values) + 1)).values) > 1]
 
 
-def count_runs(axes: Sequence[SliderAxis]) -> int:
-    """Returns the number of runs in a grid."""
-    return math.prod(len(axis.values) for axis in axes)
-
-
 def scene_texts(scene: Scene, axes: Sequence[SliderAxis]) -> Iterator[str]:
-    """Yields the states' texts of all runs of a grid, the last axis fastest; or ``!`` and the reason if invalid."""
+    """Yields a grid's scenes as texts of states, the last axis fastest; or ``!`` and the reason if one is invalid."""
     for values in itertools.product(*(axis.values for axis in axes)):
         changes = dict(zip((axis.field for axis in axes), values, strict=True))
         try:
@@ -95,12 +91,13 @@ def scene_texts(scene: Scene, axes: Sequence[SliderAxis]) -> Iterator[str]:
 
 
 def _change_scene(scene: Scene, changes: Mapping[str, Any]) -> Scene:
-    """Returns a changed scene; a Courant number replaces the step."""
+    """Returns the scene with new values of fields; a Courant number replaces the time step. Raises SceneError."""
     step: dict[str, Any] = {"dt": None} if "cfl" in changes else {}
     return replace(scene, **changes, **step)
 
 
 def _axis_candidates(scene: Scene, field: str) -> Sequence[Any]:
+    """Returns values that a slider may offer for a field: method, cells, or a number; the most useful first."""
     if field == "method":
         return [method for method in METHODS if method in scene.choices("method")]
     if field == "cells":
@@ -111,12 +108,12 @@ def _axis_candidates(scene: Scene, field: str) -> Sequence[Any]:
 
 
 def count_particle_steps(scene: Scene) -> float:
-    """Returns the particle-steps of a run: some tens of millions take a second."""
+    """Returns a scene's number of particles times its number of steps: some tens of millions take a second."""
     return float(scene.particles) * scene.steps
 
 
 def _parse_axis_value(scene: Scene, field: str, text: str) -> Any:
-    """Returns the value of a field in a text between backquotes, or None."""
+    """Returns the value that an instruction's ``text`` means for a field: method, whole or other number; else None."""
     if field == "method":
         plain = text.lower()
         return next((code for code, method in NAMES.items()

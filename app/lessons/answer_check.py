@@ -21,7 +21,8 @@ TOLD_AFTER = 3  # attempts, after which the right answer is shown
 
 @dataclass(frozen=True)
 class AnswerMark:
-    """Mark of an answer, or None in ``right``; ``expected`` is the right answer as text, ``bet`` an interval."""
+    """Mark of an answer: whether it is ``right`` (None: free text, not marked), the right answer as text in
+    ``expected``, and the interval with the true value in ``bet`` if the question asks for one."""
 
     right: bool | None
     expected: str
@@ -29,13 +30,13 @@ class AnswerMark:
 
     @property
     def points(self) -> float:
-        """Points of the answer: 1 or 0; an interval's depend on its score, so that width costs (:attr:`Bet.points`)."""
+        """Points of the answer: 1 or 0; those of an interval fall with its width and miss (:attr:`Bet.points`)."""
         return self.bet.points if self.bet else float(bool(self.right))
 
 
 @dataclass(frozen=True)
 class RightAnswer:
-    """Right answer, as text in ``text``: for a choice the ``options``, counted from 1, else the ``value``."""
+    """Right answer in words, and of a choice the right ``options``, from 1, else the value, a number or a word."""
 
     text: str
     options: tuple[int, ...] = ()
@@ -43,9 +44,8 @@ class RightAnswer:
 
 
 def mark_answer(lesson: Lesson, step: Step, answer: Any, numbers: Numbers, outcomes: RunCache) -> AnswerMark:
-    """Returns the mark of a valid answer; runs scenes as needed.
-
-    Raises :class:`~app.lessons.lesson_runs.RunFailed` and :class:`~app.lessons.claims.ClaimError`."""
+    """Returns the mark of a valid answer to a step's question: text, option counted from 1, number or (low, high).
+    ``numbers`` are the student's variant; ``outcomes`` runs scenes as needed. Raises RunFailed and ClaimError."""
     if step.asked_question.kind == TEXT:
         return AnswerMark(None, "")
     found = right_answer(lesson, step, numbers, outcomes)
@@ -57,7 +57,8 @@ def mark_answer(lesson: Lesson, step: Step, answer: Any, numbers: Numbers, outco
 
 
 def right_answer(lesson: Lesson, step: Step, numbers: Numbers, outcomes: RunCache) -> RightAnswer:
-    """Returns the right answer to a question other than free text; runs scenes, and raises as :func:`mark_answer`."""
+    """Returns the right answer to a question that is not free text, for a variant's ``numbers``; runs scenes, raises as
+    :func:`mark_answer`."""
     asked = step.asked_question
     texts = answer_expressions(asked, numbers)
     scope = outcomes.scope(lesson, step, numbers, texts)
@@ -77,31 +78,31 @@ def right_answer(lesson: Lesson, step: Step, numbers: Numbers, outcomes: RunCach
 
 
 def answer_expressions(asked: Question, numbers: Numbers) -> list[str]:
-    """Returns the claims of a question's options, or its expected value, with these numbers filled in."""
+    """Returns the claims of a question's options, or one expression for its value, with these numbers filled in."""
     return [fill_numbers(text, numbers) for text in (*asked.holds, asked.expected) if text]
 
 
-def format_in_unit(asked: Question, found: float | str) -> str:
-    """Formats a value with the question's unit; with a prefix if the unit has none."""
-    if asked.unit in BARE and not isinstance(found, str):
-        return with_unit(found, asked.unit, DIGITS)
-    return f"{format_value(found)} {asked.unit}".strip()
+def format_in_unit(asked: Question, value: float | str) -> str:
+    """Formats a value in the question's unit with that unit; SI units get a prefix where it is shorter."""
+    if asked.unit in BARE and not isinstance(value, str):
+        return with_unit(value, asked.unit, DIGITS)
+    return f"{format_value(value)} {asked.unit}".strip()
 
 
-def is_right(asked: Question, answer: Any, found: RightAnswer) -> bool:
-    """Whether an answer is right, or an interval contains the result."""
+def is_right(asked: Question, answer: Any, right: RightAnswer) -> bool:
+    """Whether an answer is the right option or word, within the tolerance, or an interval that contains the value."""
     if asked.kind == CHOICE:
-        return answer in found.options
-    if isinstance(found.value, str):
-        return answer == found.value
+        return answer in right.options
+    if isinstance(right.value, str):
+        return answer == right.value
     if asked.kind == INTERVAL:
         low, high = answer
-        return low <= found.value <= high
-    return abs(answer - found.value) <= asked.tolerance * abs(found.value)
+        return low <= right.value <= high
+    return abs(answer - right.value) <= asked.tolerance * abs(right.value)
 
 
 def why_invalid(asked: Question, answer: Any) -> str:
-    """Returns why something is no valid answer to a question, as a sentence, or ""."""
+    """Returns why a decoded JSON value is no valid answer to a question, as a sentence for the student; "" if it is."""
     if asked.kind == TEXT:
         fits = isinstance(answer, str) and 0 < len(answer.strip()) <= LONGEST
         return "" if fits else tr("Please write one to {most} characters.", most=LONGEST)
@@ -120,7 +121,7 @@ def why_invalid(asked: Question, answer: Any) -> str:
 
 
 def format_answer(asked: Question, answer: Any) -> str:
-    """Returns an answer as text; a visitor's own text must be escaped."""
+    """Returns a valid answer in words, with the unit; free text is returned as typed, not escaped for html."""
     if asked.kind == CHOICE:
         return asked.options[answer - 1]
     if asked.kind == INTERVAL:
@@ -135,7 +136,8 @@ def _is_real(number: Any) -> bool:
 
 def bettors_of_step(lesson: Lesson, step: Step, given: Mapping[str, Sequence[float]], numbers: Numbers,
                     outcomes: RunCache) -> list[Bettor]:
-    """Returns the bets that a step shows, on the answers ``given`` before it by key; raises as :func:`mark_answer`."""
+    """Returns the student's and the judges' bets that a step compares, empty without earlier bets. ``given`` maps the
+    key of each answered step that asked for a bet to (low, high). Runs scenes, and raises as :func:`mark_answer`."""
     steps = [other for other in earlier_bet_steps(lesson, step) if other.key in given]
     truths = [float(right_answer(lesson, other, numbers, outcomes).value) for other in steps]
     found = []
@@ -156,8 +158,8 @@ def bettors_of_step(lesson: Lesson, step: Step, given: Mapping[str, Sequence[flo
 
 
 def judge_ends(lesson: Lesson, step: Step, judge: str, numbers: Numbers, outcomes: RunCache) -> Ends | None:
-    """Returns a judge's bet on the answer to a step, or None."""
-    found = PATH.fullmatch(step.asked_question.expected)
-    assert found is not None  # has been checked
-    run = lesson.runs[found["run"] or lesson.main_run(step)]
-    return outcomes.judge_bets(fill_numbers(run.texts[0], numbers))[found["quantity"]][judge]
+    """Returns a judge's bet (low, high) on the answer to a step, in the SI unit of the error, or None for no bet."""
+    path = PATH.fullmatch(step.asked_question.expected)
+    assert path is not None  # has been checked
+    run = lesson.runs[path["run"] or lesson.main_run(step)]
+    return outcomes.judge_bets(fill_numbers(run.texts[0], numbers))[path["quantity"]][judge]

@@ -20,7 +20,8 @@ TRUTH, LESS, MORE = lazy("truth"), "÷ {factor}", "× {factor}"
 
 @dataclass(frozen=True)
 class BettorLines:
-    """A bettor's ``lines``: start and end of each bet in % of the width and whether it held, None for no bet."""
+    """A bettor's bets as lines: each the start and end in per cent of the chart's width and whether the bet contains
+    the truth, None for no bet. ``result`` is a sentence on all, ``own`` whether they are the student's."""
 
     name: str
     result: str
@@ -30,7 +31,7 @@ class BettorLines:
 
 @dataclass(frozen=True)
 class BetChart:
-    """Chart of bets: ``reach`` is the powers of ten to either side, ``description`` the caption."""
+    """Chart of bets on a logarithmic axis, the truth in the middle: ``reach`` powers of ten to either side."""
 
     reach: int
     description: str
@@ -38,13 +39,13 @@ class BetChart:
 
     @property
     def ticks(self) -> list[tuple[float, str]]:
-        """Positions in per cent and labels along the axis."""
+        """Positions in per cent of the width, and labels, of both ends and the middle of the axis."""
         factor = f"{10**self.reach:,}"
         return [(0.0, LESS.format(factor=factor)), (50.0, tr(TRUTH)), (100.0, MORE.format(factor=factor))]
 
 
 def make_bet_chart(bettors: Sequence[Bettor]) -> BetChart:
-    """Returns the chart of bettors with the same questions."""
+    """Returns the chart of bettors who bet on the same questions, in their order."""
     every = [bet for bettor in bettors for bet in bettor.placed_bets]
     farthest = max((abs(decades_above_truth(end, bet)) for bet in every for end in (bet.low, bet.high)), default=0.0)
     reach = min(max(math.ceil(farthest), 1), MOST)
@@ -54,12 +55,12 @@ def make_bet_chart(bettors: Sequence[Bettor]) -> BetChart:
 
 
 def decades_above_truth(end: float, bet: Bet) -> float:
-    """Returns the decimal logarithm of an end over the truth."""
+    """Returns log10 of an end of a bet over its true value."""
     return math.log10(end) - math.log10(bet.truth)
 
 
 def expected_answer_text(mark: AnswerMark) -> str:
-    """Returns the result, with the score of a bet."""
+    """Returns the right answer in a mark as text; after a bet with the bet's score, "1.2 mm; score 0.50"."""
     return tr(SCORED, told=mark.expected, score=format_bet_score(mark.bet.score)) if mark.bet else mark.expected
 
 

@@ -23,13 +23,13 @@ class UnknownLesson(LookupError):
 
 
 def lesson_names(folder: Path = FOLDER) -> list[str]:
-    """Returns the names of the lessons in order: their files are numbered."""
+    """Returns the names of the lessons in a folder, without suffix and translations, by their numbers: "04-..."."""
     return sorted(path.stem for path in folder.glob("*.md")
                   if path.stem not in NO_LESSONS and Path(path.stem).suffix.removeprefix(".") not in LANGUAGES)
 
 
 def resolve_lesson_name(name: str, folder: Path = FOLDER) -> str:
-    """Returns the full name of a lesson from its name, its number or its name without the number."""
+    """Returns a lesson's full name, given that, its number or its name without the number. Raises UnknownLesson."""
     known = lesson_names(folder)
     found = [full for full in known if name in (full, *full.split("-", 1))]
     found = found or [full for full in known if full.split("-", 1)[0].lstrip("0") == name]
@@ -39,12 +39,12 @@ def resolve_lesson_name(name: str, folder: Path = FOLDER) -> str:
 
 
 def load_lesson(name: str, folder: Path = FOLDER) -> Lesson:
-    """Reads a lesson by its full name, in the current language if it is translated."""
+    """Reads a lesson by its full name, in the current language if it is translated. Raises :class:`LessonError`."""
     return _localise_lesson(read_lesson(folder / f"{name}.md"), folder)
 
 
 def load_every_language(name: str, folder: Path = FOLDER) -> Iterator[Lesson]:
-    """Yields a lesson in each language that it has."""
+    """Yields a lesson, by its full name, in English and in each language with a translated file."""
     for code in LANGUAGES:
         if code == ENGLISH or (folder / f"{name}.{code}.md").is_file():
             with use_language(code):
@@ -53,23 +53,23 @@ def load_every_language(name: str, folder: Path = FOLDER) -> Iterator[Lesson]:
 
 
 def load_lessons(folder: Path = FOLDER) -> dict[str, Lesson]:
-    """Returns all lessons by name from the present files, without invalid ones."""
+    """Returns the valid lessons in a folder by full name, in the current language; reads changed files again."""
     paths = {name: folder / f"{name}.md" for name in lesson_names(folder)}
-    files = tuple((name, path.stat().st_mtime_ns, localised_path(path).stat().st_mtime_ns) for name,
-                  path in paths.items())
+    files = tuple((name, path.stat().st_mtime_ns, localised_path(path).stat().st_mtime_ns)
+                  for name, path in paths.items())
     with _READING:  # simultaneous visitors read them once
         return _read_lessons(folder, files)
 
 
 def next_lesson(lesson: Lesson, folder: Path = FOLDER) -> Lesson | None:
-    """Returns the next lesson, or None."""
+    """Returns the lesson after this one in the folder, or None."""
     every = list(load_lessons(folder).values())
     return next(iter(every[every.index(lesson) + 1:]), None) if lesson in every else None
 
 
 @language_cache(4)
 def _read_lessons(folder: Path, files: tuple[tuple[str, int, int], ...]) -> dict[str, Lesson]:
-    """Returns the lessons of files with these modification times."""
+    """Returns the valid lessons; ``files`` has name and modification times in ns of a lesson and its translation."""
     found = {}
     for name, *_ in files:
         with suppress(LessonError):
@@ -79,14 +79,14 @@ def _read_lessons(folder: Path, files: tuple[tuple[str, int, int], ...]) -> dict
 
 
 def _localise_lesson(original: Lesson, folder: Path) -> Lesson:
-    """Returns the lesson in the current language, if it is translated."""
+    """Returns the lesson's translation into the current language, or ``original`` without one."""
     path = localised_path(folder / f"{original.name}.md")
     return original if path.stem == original.name else translate_lesson(original, path, current_language())
 
 
 def translate_lesson(original: Lesson, path: Path, language: str) -> Lesson:
-    """Returns the ``original`` with the words of a file, but its own name, steps' keys and fingerprint, so that answers
-    are marked in any language. Raises :class:`LessonError` if the file is invalid or differs in more than words."""
+    """Returns the ``original`` with the words of the file ``path`` in a language (code), but its own name, steps' keys
+    and fingerprint, so that answers are marked in any. Raises :class:`LessonError` if more than words differ."""
     own = read_lesson(path)
     for line, what in _structural_differences(original, own):
         raise LessonError(line, f"{what} differ from {original.name}.md; give the same there, for a translation has "
@@ -96,7 +96,7 @@ def translate_lesson(original: Lesson, path: Path, language: str) -> Lesson:
 
 
 def _structural_differences(original: Lesson, own: Lesson) -> Iterator[tuple[int, str]]:
-    """Yields the lines of the translation that differ in more than words, and what differs."""
+    """Yields where a translation ``own`` differs in more than words: its line, and what differs."""
     for name in ALIKE:
         if getattr(original, name) != getattr(own, name):
             yield 1, f"the {name} of the head"
@@ -113,6 +113,6 @@ def _structural_differences(original: Lesson, own: Lesson) -> Iterator[tuple[int
 
 
 def _untranslated_parts(step: Step) -> tuple[Any, Any, Any]:
-    """Returns the parts of a step that are not words."""
+    """Returns the parts of a step that a translation must repeat: (runs, stage), question, claims; without lines."""
     asked = step.question and replace(step.question, line=0, options=("",) * len(step.question.options))
     return ([replace(run, line=0) for run in step.runs], step.stage), asked, [claim.text for claim in step.claims]

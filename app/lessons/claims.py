@@ -47,7 +47,7 @@ _RANGE = re.compile(r"(.+?)\s+in\s+(.+?)\.\.(.+)", re.DOTALL)
 
 @functools.cache
 def result_paths() -> Vocabulary:
-    """Returns the paths of a result: the possible words at each level after the first."""
+    """Returns the paths that claims may use: by first word the allowed words at each further level."""
     load_extensions()
     estimators = tuple(name.replace("-", "_") for name in ESTIMATORS)
     found = {effect.json_key: tuple(filter(None, [tuple(number.key for number in effect.numbers if number.key)]))
@@ -72,7 +72,7 @@ class ClaimError(ValueError):
 
 @dataclass(frozen=True)
 class RunOutcome:
-    """Outcome of a run: the result's JSON object, or for runs that differ in one field theirs, in order."""
+    """Outcome of a lesson's run: the JSON objects of its results, several if they differ in the field ``varied``."""
 
     results: Sequence[Mapping[str, Any]]
     varied: str = ""
@@ -80,7 +80,7 @@ class RunOutcome:
 
 @dataclass(frozen=True)
 class ClaimScope:
-    """Outcomes by the names of their runs, the ``main`` run for paths without a name, and the paths of an outcome."""
+    """Outcomes by name of the run, that of the ``main`` run, which paths without a name mean, and the allowed paths."""
 
     outcomes: Mapping[str, RunOutcome]
     main: str = ""
@@ -93,14 +93,14 @@ class ClaimScope:
 
 @dataclass(frozen=True)
 class ClaimResult:
-    """Whether a claim holds, and the values found, as text."""
+    """Whether a claim holds, and the values of its left side, as text."""
 
     holds: bool
     text: str
 
 
 def evaluate_expression(text: str, scope: ClaimScope) -> float | str:
-    """Returns the value of an expression; raises :class:`ClaimError` if it has none."""
+    """Returns the number or word that an expression such as "error.x.max / 2" gives; raises :class:`ClaimError`."""
     found = _evaluate_node(_parse_expression(text), scope)
     if isinstance(found, list):
         raise ClaimError(f"{text} has {len(found)} values; take order(), first(), last(), min() or max() of them")
@@ -110,7 +110,7 @@ def evaluate_expression(text: str, scope: ClaimScope) -> float | str:
 
 
 def decide_claim(claim: str, scope: ClaimScope) -> ClaimResult:
-    """Decides whether a claim holds; for several runs, whether it holds for each."""
+    """Decides a claim such as "error.x.max < 1e-5"; if its left side has several values, it must hold for each."""
     parts = _split_claim(claim)
     found = _evaluate_node(_parse_expression(parts[0]), scope)
     each = found if isinstance(found, list) else [evaluate_expression(parts[0], scope)]
@@ -119,7 +119,7 @@ def decide_claim(claim: str, scope: ClaimScope) -> ClaimResult:
 
 
 def _decide_for_value(claim: str, parts: tuple[str, ...], found: float | str, scope: ClaimScope) -> ClaimResult:
-    """Decides a claim for one value of its left side."""
+    """Decides a claim, split into ``parts`` by :func:`_split_claim`, for one value of its left side."""
     if parts[1] in _COMPARISONS:
         other = evaluate_expression(parts[2], scope)
         if isinstance(found, str) != isinstance(other, str):
@@ -133,14 +133,15 @@ def _decide_for_value(claim: str, parts: tuple[str, ...], found: float | str, sc
 
 
 def check_claim(claim: str, runs: Mapping[str, Any], main: str, vocabulary: Vocabulary | None = None) -> None:
-    """Raises :class:`ClaimError` for a claim that no result can decide. ``runs`` are by name."""
+    """Raises :class:`ClaimError` for a claim that no result can decide. Other arguments: :func:`check_expression`."""
     parts = _split_claim(claim)
     for part in (parts[0], *(part for part in parts[1:] if part not in _COMPARISONS)):
         check_expression(part, runs, main, vocabulary)
 
 
 def check_expression(text: str, runs: Mapping[str, Any], main: str, vocabulary: Vocabulary | None = None) -> None:
-    """Raises :class:`ClaimError` for an expression that can have no value, whatever the results."""
+    """Raises :class:`ClaimError` for an expression that no results can give a value. ``runs`` has the runs' names as
+    keys, ``main`` is the run meant by paths without a name ("" for none), ``vocabulary`` as :func:`result_paths`."""
     for node in ast.walk(_parse_expression(text)):
         if isinstance(node, ast.Call) and (not isinstance(node.func, ast.Name) or node.func.id not in FUNCTIONS
                                            or len(node.args) != 1 or node.keywords):
@@ -154,23 +155,20 @@ def check_expression(text: str, runs: Mapping[str, Any], main: str, vocabulary: 
 
 
 def runs_needed(text: str, runs: Mapping[str, Any], main: str) -> set[str]:
-    """Returns the names of the runs in a claim or an expression."""
+    """Returns the names of the runs in a claim or an expression; paths without a name mean the run ``main``."""
     found = _split_claim(text) if any(sign in text for sign in (" in ", "<", ">", "=")) else (text,)
     parts = [part for part in found if part not in _COMPARISONS]
-    return {
-        _split_run_from_path(path, runs, main, result_paths())[0]
-        for part in parts
-        for path in _dotted_paths(_parse_expression(part))
-    }
+    return {_split_run_from_path(path, runs, main, result_paths())[0]
+            for part in parts for path in _dotted_paths(_parse_expression(part))}
 
 
-def format_value(found: float | str) -> str:
-    """Formats a value for a sentence."""
-    return found if isinstance(found, str) else f"{found:.4g}"
+def format_value(value: float | str) -> str:
+    """Formats a number with four significant digits; words stay."""
+    return value if isinstance(value, str) else f"{value:.4g}"
 
 
 def _split_claim(claim: str) -> tuple[str, ...]:
-    """Splits a claim into (left, operator, right) or (value, low, high)."""
+    """Splits a claim into (left, operator, right) or, if it has "in low..high", (value, low, high)."""
     for pattern in (_RANGE, _COMPARED) if len(claim) <= LONGEST else ():
         if found := pattern.fullmatch(claim.strip()):
             return tuple(part.strip() for part in found.groups())
@@ -194,14 +192,14 @@ def _parse_expression(text: str) -> ast.expr:
 
 
 def _dotted_paths(tree: ast.expr) -> list[tuple[str, ...]]:
-    """Returns all paths in an expression, without words and names of functions."""
+    """Returns the paths in a parsed expression, split at dots, without words such as "lost" and names of functions."""
     if isinstance(tree, (ast.Attribute, ast.Name)):
         path = _dotted_path(tree)
         return [] if len(path) == 1 and path[0] in WORDS else [path]
     if isinstance(tree, ast.Call):
         return _dotted_paths(tree.args[0]) if tree.args else []
-    return [path for child in ast.iter_child_nodes(tree) if isinstance(child,
-                                                                       ast.expr) for path in _dotted_paths(child)]
+    return [path for child in ast.iter_child_nodes(tree) if isinstance(child, ast.expr)
+            for path in _dotted_paths(child)]
 
 
 def _dotted_path(node: ast.expr) -> tuple[str, ...]:
@@ -214,7 +212,7 @@ def _dotted_path(node: ast.expr) -> tuple[str, ...]:
 
 def _split_run_from_path(path: tuple[str, ...], runs: Mapping[str, Any], main: str,
                          vocabulary: Vocabulary) -> tuple[str, tuple[str, ...]]:
-    """Returns the run of a path, and the path within its result."""
+    """Returns the run of a split path (``main`` if it names none), and the path within that run's result."""
     if path[0] in runs:
         return path[0], path[1:]
     if path[0] not in vocabulary:
@@ -261,10 +259,9 @@ def _evaluate_call(node: ast.Call, scope: ClaimScope) -> float:
     name, argument = node.func.id, node.args[0]  # type: ignore[attr-defined]  # has been checked
     values = _evaluate_node(argument, scope)
     if name == "order":
-        named = (_split_run_from_path(path, scope.outcomes, scope.main,
-                                      scope.paths) for path in _dotted_paths(argument))
-        runs = [scope.outcomes[run] for run, _ in named]
-        varied = [outcome for outcome in runs if outcome.varied]
+        names = [_split_run_from_path(path, scope.outcomes, scope.main, scope.paths)[0]
+                 for path in _dotted_paths(argument)]
+        varied = [scope.outcomes[run] for run in names if scope.outcomes[run].varied]
         if not varied or not isinstance(values, list) or len(values) < 2:
             raise ClaimError(f"{ast.unparse(node)}: needs a run with several values of one field, such as "
                              "cells=20,40,80")
@@ -277,7 +274,7 @@ def _evaluate_call(node: ast.Call, scope: ClaimScope) -> float:
 
 
 def _value_at_path(result: Mapping[str, Any], path: tuple[str, ...]) -> float | str:
-    """Returns the part of a result at a path."""
+    """Returns the number or word at a split path of a result's JSON object; raises :class:`ClaimError` without one."""
     found: Any = result
     names = list(path)
     if path[0] in ("estimate", "index", "distance", "valid"):

@@ -1,8 +1,7 @@
 """Class plans for teachers, in ``lessons/classes/``: which cores to take when, and what to say.
 
 A file begins with a head: its ``title``, and the ``minutes`` of a session. A table with the columns ``from``,
-``minutes`` and ``what`` is a timetable; a row that links a lesson has the time of its core, and up to ``TALK`` minutes
-more."""
+``minutes`` and ``what`` is a timetable; a row that links a lesson has the time of its core, and up to ``TALK`` more."""
 
 import functools
 import re
@@ -26,7 +25,7 @@ LINK = re.compile(r"\]\(\.\./([\w-]+)\.md\)")
 
 @dataclass(frozen=True)
 class TimetableRow:
-    """Row of a timetable: its line, start and length in minutes, and the lesson that it links, or ""."""
+    """Row of a timetable: line in the file, start and length in minutes, and the lesson that it links, or ""."""
 
     line: int
     start: int
@@ -36,7 +35,7 @@ class TimetableRow:
 
 @dataclass(frozen=True)
 class ClassPlan:
-    """Class plan: its ``claims`` as a lesson, its timetables by heading, and the ``minutes`` of a session."""
+    """Class plan: minutes of a session, ``claims`` and their runs as a lesson, rows of timetables by heading."""
 
     name: str
     minutes: int
@@ -45,17 +44,17 @@ class ClassPlan:
 
 
 def class_plan_names(folder: Path = FOLDER) -> list[str]:
-    """Returns the names of the plans."""
+    """Returns the sorted names of the class plans in a folder."""
     return sorted(path.stem for path in folder.glob("*.md"))
 
 
 def load_class_plan(name: str, folder: Path = FOLDER) -> ClassPlan:
-    """Reads a plan by its name; raises :class:`LessonError` if its file is invalid."""
+    """Reads a class plan by its name; raises :class:`LessonError` if its file is invalid."""
     return lesson_parser.parse_file(folder / f"{name}.md", lambda text: parse_class_plan(text, name))
 
 
 def parse_class_plan(text: str, name: str) -> ClassPlan:
-    """Parses the text of a plan."""
+    """Parses the Markdown of a class plan; raises :class:`LessonError` if it is invalid."""
     head, body, first = split_head(text)
     values = fenced_blocks.parse_toml(head, 2)
     at = functools.partial(fenced_blocks.line_of_key, text=head, line=2)
@@ -74,35 +73,34 @@ def parse_class_plan(text: str, name: str) -> ClassPlan:
     return ClassPlan(name, minutes, claims, sessions)
 
 
-def check_class_plan(found: ClassPlan, lessons: Mapping[str, Lesson], outcomes: RunCache) -> Iterator[CheckedClaim]:
-    """Yields checks of all claims of a plan, and of the times in its timetables."""
-    yield from lesson_check.check_lesson(found.claims, outcomes)
-    for session, rows in found.sessions.items():
+def check_class_plan(plan: ClassPlan, lessons: Mapping[str, Lesson], outcomes: RunCache) -> Iterator[CheckedClaim]:
+    """Yields checks of a plan's claims, whose scenes are run, and of its timetables; ``lessons`` are by name."""
+    yield from lesson_check.check_lesson(plan.claims, outcomes)
+    for session, rows in plan.sessions.items():
         total = sum(row.minutes for row in rows)
-        yield CheckedClaim(found.name, session, rows[0].line, f"the minutes add up to {found.minutes}",
-                           total == found.minutes, f"found {total}")
+        yield CheckedClaim(plan.name, session, rows[0].line, f"the minutes add up to {plan.minutes}",
+                           total == plan.minutes, f"found {total}")
         for before, row in pairwise(rows):
             end = before.start + before.minutes
-            yield CheckedClaim(found.name, session, row.line, f"begins at {end}", row.start == end,
-                               f"found {row.start}")
+            yield CheckedClaim(plan.name, session, row.line, f"begins at {end}", row.start == end, f"found {row.start}")
         for row in rows:
             if row.lesson:
-                yield _check_core_time(found, session, row, lessons)
+                yield _check_core_time(plan, session, row, lessons)
 
 
-def _check_core_time(found: ClassPlan, session: str, row: TimetableRow, lessons: Mapping[str, Lesson]) -> CheckedClaim:
-    """Checks whether a row gives a core its time."""
+def _check_core_time(plan: ClassPlan, session: str, row: TimetableRow, lessons: Mapping[str, Lesson]) -> CheckedClaim:
+    """Checks whether a row has the minutes of its lesson's core, up to ``TALK`` more; ``session`` is its heading."""
     lesson = lessons.get(row.lesson)
     if lesson is None:
-        return CheckedClaim(found.name, session, row.line, f"{row.lesson} is a lesson", False, "there is none")
+        return CheckedClaim(plan.name, session, row.line, f"{row.lesson} is a lesson", False, "there is none")
     least = lesson.core_minutes
-    return CheckedClaim(found.name, session, row.line,
+    return CheckedClaim(plan.name, session, row.line,
                         f"the core of {row.lesson} has {least} to {least + TALK} minutes",
                         least <= row.minutes <= least + TALK, f"found {row.minutes}")
 
 
 def _section_to_step(part: LessonSection) -> Step:
-    """Returns a section as a step with its runs and claims."""
+    """Returns a section of a class plan as a lesson's step with its runs and claims; raises :class:`LessonError`."""
     title = part.heading.removeprefix("## ").strip()
     step = Step(RUN, title, f"line-{part.line}", part.line, "\n".join(part.text).strip())
     for kind, text, line in part.blocks:
@@ -117,7 +115,7 @@ def _section_to_step(part: LessonSection) -> Step:
 
 
 def _parse_timetable(part: LessonSection) -> tuple[TimetableRow, ...]:
-    """Returns the rows of the timetable in a section, or none."""
+    """Returns the rows of the timetable in a section, empty if it has none; raises :class:`LessonError`."""
     rows, inside = [], False
     for line, text in number_lines(part):
         cells = [cell.strip() for cell in text.strip().strip("|").split("|")]

@@ -48,26 +48,21 @@ STAGE = "On the stage"
 
 
 def with_minutes(lesson: Lesson) -> Lesson:
-    """Returns the lesson with the minutes of all steps, and of the core."""
+    """Returns a copy of the lesson with ``minutes``, of all steps, and ``core_minutes`` set."""
     opening = _reading_seconds(" ".join((lesson.intro, *lesson.goals))) + TURN_SECONDS
-    return replace(lesson, minutes=_whole_minutes(opening + seconds_of_rounds(lesson.steps, lesson)),
-                   core_minutes=_whole_minutes(opening + seconds_of_rounds(lesson.steps_to_take(core=True), lesson)))
+    return replace(lesson, minutes=whole_minutes(opening + seconds_of_rounds(lesson.steps, lesson)),
+                   core_minutes=whole_minutes(opening + seconds_of_rounds(lesson.steps_to_take(core=True), lesson)))
 
 
 def minutes_text(lesson: Lesson) -> str:
-    """Returns a lesson's minutes as text, for a list of lessons."""
+    """Returns a lesson's minutes in the current language: "25 min", or "15 min core, 25 min in all"."""
     if not lesson.optional_steps:
         return tr("{minutes} min", minutes=lesson.minutes)
     return tr("{core} min core, {minutes} min in all", core=lesson.core_minutes, minutes=lesson.minutes)
 
 
-def minutes_of_rounds(steps: Sequence[Step], lesson: Lesson) -> int:
-    """Returns the whole minutes of complete rounds of a lesson, without its introduction."""
-    return _whole_minutes(seconds_of_rounds(steps, lesson))
-
-
 def seconds_of_rounds(steps: Sequence[Step], lesson: Lesson) -> float:
-    """Returns the seconds of complete rounds of a lesson, with its first numbers."""
+    """Returns the seconds that some steps of a lesson take: complete rounds, with the first variant's numbers."""
     compared = sum(step.question is not None for one in split_rounds(steps) if one[-1].kind == EXPLAIN for step in one)
     seconds = 0.0
     for step in steps:
@@ -78,19 +73,20 @@ def seconds_of_rounds(steps: Sequence[Step], lesson: Lesson) -> float:
     return compared * COMPARING_SECONDS + seconds
 
 
-def _whole_minutes(seconds: float) -> int:
+def whole_minutes(seconds: float) -> int:
+    """Rounds seconds to minutes, at least 1."""
     return max(1, round(seconds / 60))
 
 
 def _reading_seconds(text: str) -> float:
-    """Returns the seconds to read a text and look at its formulas and figures."""
+    """Returns the seconds to read a Markdown text and look at its formulas and figures."""
     figures, formulas = len(FIGURE.findall(text)), len(FORMULA.findall(text))
     plain = CODE.sub(" x ", INLINE.sub(" x" * SPOKEN + " ", FORMULA.sub(" ", FIGURE.sub(" ", text))))
     return len(WORD.findall(plain)) * 60 / WORDS_A_MINUTE + figures * FIGURE_SECONDS + formulas * FORMULA_SECONDS
 
 
 def _running_seconds(step: Step, lesson: Lesson) -> float:
-    """Returns the seconds for the text's instructions, and to watch the results."""
+    """Returns the seconds to carry out the instructions in a step's text, and to watch the runs on the stage."""
     acts = ACT.findall(step.text)
     taken = 60 * sum(map(int, TAKE.findall(step.text)))
     put = any(name == STAGE for verb, name in acts if verb == "Press") or step.kind == RUN

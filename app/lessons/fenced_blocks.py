@@ -25,7 +25,7 @@ _AT = re.compile(r" \(at (?:line (\d+), column \d+|end of document)\)$")
 
 
 def parse_toml(text: str, line: int) -> dict[str, Any]:
-    """Parses a TOML text that begins at ``line``."""
+    """Parses a TOML text that begins at a line of its file; raises :class:`LessonError` if it is invalid."""
     try:
         return tomllib.loads(text)
     except (RecursionError, OverflowError):
@@ -41,13 +41,13 @@ def parse_toml(text: str, line: int) -> dict[str, Any]:
 
 
 def line_of_key(key: str, text: str, line: int) -> int:
-    """Returns the line of a key in a TOML text that begins at ``line``."""
+    """Returns the line in the file of a key in a TOML text that begins at ``line``; that line if the key is missing."""
     pattern = re.compile(rf"\s*\[*\s*[\"']?{re.escape(key)}[\"']?\s*[=\]]")
     return next((line + k for k, row in enumerate(text.splitlines()) if pattern.match(row)), line)
 
 
 def require_value(values: Mapping[str, Any], key: str, kind: type | tuple[type, ...], expected: str, line: int) -> Any:
-    """Returns a value of a type; raises :class:`LessonError` with what is ``expected`` otherwise."""
+    """Returns a key's value of a ``kind``; else raises :class:`LessonError` with the sentence ``expected``."""
     found = values.get(key)
     if not isinstance(found, kind) or isinstance(found, bool):
         said = f"{key} is missing" if key not in values else f"{key} = {str(found)[:60]}"
@@ -56,7 +56,7 @@ def require_value(values: Mapping[str, Any], key: str, kind: type | tuple[type, 
 
 
 def require_texts(values: Mapping[str, Any], key: str, line: int) -> tuple[str, ...]:
-    """Returns a list of texts, empty if the key is missing."""
+    """Returns the texts listed under a key, () if it is missing; raises :class:`LessonError` for the line otherwise."""
     found = values.get(key, [])
     if not isinstance(found, list) or not all(isinstance(item, str) and item.strip() for item in found):
         raise LessonError(line, f"{key} = {str(found)[:60]}: give a list of texts, such as [\"one\", \"two\"]")
@@ -64,7 +64,8 @@ def require_texts(values: Mapping[str, Any], key: str, line: int) -> tuple[str, 
 
 
 def parse_runs_and_stage(text: str, line: int, variants: tuple[Numbers, ...]) -> tuple[tuple[LessonRun, ...], str]:
-    """Returns the runs of a block and the stage's state: that of a named run, of a scene, or of the first run."""
+    """Returns the runs of a block, which begins at ``line`` of the file, and the text of the state that it puts on the
+    stage: of a named run, a scene, or the first run. Raises :class:`LessonError` if any is invalid for a variant."""
     values, found = parse_toml(text, line), dict[str, LessonRun]()
     for name, scene in values.items():
         at = line_of_key(name, text, line)
@@ -84,7 +85,7 @@ def parse_runs_and_stage(text: str, line: int, variants: tuple[Numbers, ...]) ->
 
 
 def _parse_run(name: str, text: str, line: int, variants: tuple[Numbers, ...]) -> LessonRun:
-    """Returns a run, or the runs that differ in a number with several values."""
+    """Returns the run with this name and scene ``text``; "cells=20,40" in it stands for several scenes of the run."""
     words = text.split()
     several = [k for k, word in enumerate(words) if "," in word and word.partition("=")[0] in VARIED]
     if len(several) > 1:
@@ -112,7 +113,7 @@ def _check_state(text: str, line: int, variants: tuple[Numbers, ...]) -> None:
 
 
 def parse_question(text: str, line: int) -> Question:
-    """Parses a question and its right answer. References to runs are checked later, when all are known."""
+    """Parses a question block that begins at a line; raises :class:`LessonError`. Names of runs are not checked yet."""
     values = parse_toml(text, line)
     kind = values.pop("kind", None)
     if kind not in QUESTIONS:
@@ -130,7 +131,7 @@ def parse_question(text: str, line: int) -> Question:
 
 
 def _check_options(asked: Question) -> Question:
-    """Checks that a choice defines the right option in one of two ways."""
+    """Returns a choice unchanged; raises :class:`LessonError` unless it defines the right option in one of two ways."""
     if not 2 <= len(asked.options) <= MOST_OPTIONS:
         raise LessonError(asked.line, f"there are {len(asked.options)} options; give 2 to {MOST_OPTIONS}")
     if (asked.correct is None) == (not asked.holds):
@@ -145,7 +146,7 @@ def _check_options(asked: Question) -> Question:
 
 
 def parse_claims(text: str, line: int) -> tuple[Claim, ...]:
-    """Parses the claims of a block, one per line; text after # is a comment."""
+    """Parses the claims of a block that begins at a line: one per line, comments after #. Raises if there is none."""
     found = [Claim(row.partition("#")[0].strip(), line + k) for k, row in enumerate(text.splitlines())]
     if not any(claim.text for claim in found):
         raise LessonError(line, "no claim: give lines such as error.x.max < 1e-5")
@@ -153,7 +154,7 @@ def parse_claims(text: str, line: int) -> tuple[Claim, ...]:
 
 
 def parse_bettors(text: str, line: int) -> tuple[str, ...]:
-    """Parses the bettors that a block compares, one per line."""
+    """Parses the names of the bettors that a block compares, one per line; raises :class:`LessonError` for others."""
     found = tuple(row.strip() for row in text.splitlines() if row.strip())
     if unknown := [name for name in found if name not in BETTORS]:
         raise LessonError(line, f"'{quoting.quote(unknown[0])}' does not bet; give {', '.join(BETTORS)}, one a line")
@@ -163,7 +164,8 @@ def parse_bettors(text: str, line: int) -> tuple[str, ...]:
 
 
 def _make_reader(kind: Any, fits: Callable[[Any], bool], expected: str) -> Callable[[Mapping[str, Any], str, int], Any]:
-    """Returns a reader of a word, or of a number as float, that ``fits``; errors say what is ``expected``."""
+    """Returns a function of (TOML values, key, line) that returns a word, or a number as float, if it is of a ``kind``
+    and ``fits``; else it raises :class:`LessonError` with the sentence ``expected``."""
     def read(values: Mapping[str, Any], key: str, line: int) -> Any:
         found = require_value(values, key, kind, expected, line)
         if not fits(found):

@@ -18,7 +18,7 @@ BETS = ("intervals", "held", "mean score")  # columns of a table with bets
 
 @dataclass(frozen=True)
 class GradedFile:
-    """File of a student: answers as text and marks by the steps' keys, and the ``steps`` whose questions count."""
+    """Student's file: answers in words, marks (None: failed), and the ``steps`` whose questions count, by key."""
 
     file: str
     progress: StudentProgress
@@ -33,7 +33,7 @@ class GradedFile:
 
     @property
     def bettor(self) -> Bettor:
-        """The student's intervals as a bettor."""
+        """The student as a bettor, with the intervals given in all answers."""
         marks = (mark for _, mark in self.answers.values() if mark is not None)
         return Bettor(YOURS, tuple(mark.bet for mark in marks if mark.bet))
 
@@ -44,24 +44,24 @@ class GradedFile:
 
     @property
     def minutes(self) -> float:
+        """Minutes from the display of each step to its answer, in all."""
         return sum(answer.seconds for answer in self.progress.answers.values()) / 60
 
 
 def grade_file(file: str, progress: StudentProgress, lesson: Lesson, outcomes: RunCache,
                core: bool = False) -> GradedFile:
-    """Marks first answers to predictions, last ones to observations; with ``core`` only questions of the core."""
-    numbers, asked = draw_numbers(lesson,
-                                  progress.name), {
-                                      step.key: step for step in lesson.steps_to_take(core) if step.question}
-    return GradedFile(file, progress, lesson, asked, {
-        key: _mark_recorded_answer(lesson, key, progress, numbers,
-                                   outcomes) for key in progress.answers if key in asked})
+    """Returns the graded file of a student's progress: first answers to predictions count, last ones to observations;
+    with ``core`` only questions of the core. Runs scenes."""
+    numbers = draw_numbers(lesson, progress.name)
+    asked = {step.key: step for step in lesson.steps_to_take(core) if step.question}
+    answers = {key: _mark_recorded_answer(lesson, key, progress, numbers, outcomes)
+               for key in progress.answers if key in asked}
+    return GradedFile(file, progress, lesson, asked, answers)
 
 
 def grades_csv(rows: Sequence[GradedFile]) -> str:
-    """Returns the rows as CSV: for each question the answer and whether it is right, and an interval's score.
-
-    "right" counts right answers; an interval counts 1 - score/2, but at least 0."""
+    """Returns CSV with a row per file: name, points ("right"), minutes and, per question, the answer, whether it is
+    right and an interval's score; an interval gives 1 - score/2 points, at least 0."""
     questions = {(row.lesson.name, key): None for row in rows for key in row.steps}
     several = len({row.lesson.name for row in rows}) > 1
     bets = {(row.lesson.name, key) for row in rows for key, step in row.steps.items()
@@ -90,7 +90,8 @@ def grades_csv(rows: Sequence[GradedFile]) -> str:
 
 
 def interval_coverage(rows: Sequence[GradedFile]) -> list[str]:
-    """Returns sentences on how many of a class's intervals contain the result, and should, by question and lesson."""
+    """Returns sentences on how many of a class's intervals contain the true value, and how many should, for each
+    question with intervals and, over several questions, for each lesson."""
     found: dict[tuple[str, str], list[Bet]] = {}
     for row in rows:
         for key, (_, answer) in row.answers.items():
@@ -104,7 +105,7 @@ def interval_coverage(rows: Sequence[GradedFile]) -> list[str]:
 
 
 def _coverage_text(what: str, bets: Sequence[Bet]) -> str:
-    """Returns the share of bets that contain the result, and their mean level."""
+    """Returns a sentence about ``what``: how many bets contain the true value, their mean level and score."""
     bettor, said = Bettor(YOURS, tuple(bets)), sum(bet.level for bet in bets) / len(bets)
     return f"{what}: {bettor.hits} of {len(bets)} intervals hold what came out, {bettor.hits / len(bets):.0%} where " \
            f"{said:.0%} was said; their mean score is {_format_score(bettor.score)}, and less is better"
@@ -112,6 +113,7 @@ def _coverage_text(what: str, bets: Sequence[Bet]) -> str:
 
 def _mark_recorded_answer(lesson: Lesson, key: str, progress: StudentProgress, numbers: Numbers,
                           outcomes: RunCache) -> tuple[str, AnswerMark | None]:
+    """Returns the answer that counts for a step's ``key`` in words, and its mark, None if its runs fail."""
     step, answer = lesson.questions[key], progress.answers[key]
     given = answer.first if step.kind == PREDICT else answer.last
     said = fill_numbers(format_answer(step.asked_question, given), numbers)
@@ -121,8 +123,8 @@ def _mark_recorded_answer(lesson: Lesson, key: str, progress: StudentProgress, n
         return said, None
 
 
-def _format_score(found: float | None) -> str:
-    return "" if found is None else f"{found:.2f}"
+def _format_score(score: float | None) -> str:
+    return "" if score is None else f"{score:.2f}"
 
 
 def _yes_or_no(true: bool) -> str:

@@ -1,14 +1,10 @@
 """Bets: intervals that should contain a result, their scores, and those of a class and of judges.
 
 An interval from a to b that should contain the truth t with probability 1 - alpha has the interval score (R. L.
-Winkler, "A decision-theoretic approach to interval estimation", J. Am. Stat. Assoc. 67 (1972) 187; T. Gneiting and A.
-E. Raftery, "Strictly proper scoring rules, prediction, and estimation", J. Am. Stat. Assoc. 102 (2007) 359): its width,
-plus 2/alpha times the distance by which it misses. Less is better; the expected score is least for one's own quantiles
-alpha/2 and 1 - alpha/2.
-
-Here it is computed from log10 a, log10 b and log10 t, since errors span decades: in metres one bad run would decide
-everything, and relative to the truth low bets would be rewarded. The logarithm is monotonic, so the score stays
-proper."""
+Winkler, J. Am. Stat. Assoc. 67 (1972) 187; T. Gneiting and A. E. Raftery, ibid. 102 (2007) 359): its width plus 2/alpha
+times the distance by which it misses. Less is better; the expected score is least for one's own quantiles alpha/2 and
+1 - alpha/2. Here it is computed from log10 of a, b and t, since errors span decades: in metres one bad run would decide
+everything, and relative to the truth low bets would be rewarded. The logarithm is monotonic: the score stays proper."""
 
 from __future__ import annotations
 
@@ -26,18 +22,19 @@ BETTORS = (YOURS, BY_ROUND, *JUDGES)
 WORTHLESS = 2.0  # score of a bet without points: a factor of 100 wide, or, at level 0.8, off by a factor of 1.6
 #: Path that judges can bet on: a run's final error, "fine.error.x.final".
 PATH = re.compile(r"(?:(?P<run>[a-z][a-z0-9_]*)\.)?error\.(?P<quantity>x|v|sigma)\.final")
-ABOUT_BETS = re.compile(r"\bbet\.")
+ABOUT_BETS = re.compile(r"\bbet\.")  # in a claim with a path to a judge's bet, "hat.bet.gci.x.score"
 
 
 def interval_score(low: float, high: float, truth: float, level: float) -> float:
-    """Returns the interval score of a bet at a level, from sizes above 0, in powers of ten: 0 is perfect."""
+    """Returns the interval score, in powers of ten (0 is perfect, less is better), of a bet that the truth is from
+    ``low`` to ``high`` with probability ``level``; all three are sizes above 0 in one unit."""
     least, most, true = math.log10(low), math.log10(high), math.log10(truth)
     return most - least + 2 / (1 - level) * max(least - true, true - most, 0.0)
 
 
 @dataclass(frozen=True)
 class Bet:
-    """Interval, and the result."""
+    """Bet that a size is from ``low`` to ``high`` with probability ``level``; ``truth`` is the true one, same unit."""
 
     low: float
     high: float
@@ -54,7 +51,7 @@ class Bet:
 
     @property
     def points(self) -> float:
-        """Points of a bet: 1 for a score of 0, falling linearly to 0 at 2."""
+        """Points of the bet: 1 for a score of 0, falling linearly to 0 for a score of 2 and more."""
         return max(0.0, 1 - self.score / WORTHLESS)
 
 
@@ -76,29 +73,26 @@ class Bettor:
 
     @property
     def score(self) -> float | None:
-        """The mean score; None without bets."""
+        """The mean score of the bets placed (:func:`interval_score`); None without any."""
         return sum(bet.score for bet in self.placed_bets) / len(self.placed_bets) if self.placed_bets else None
 
 
 def earlier_bet_steps(lesson: Lesson, step: Step) -> list[Step]:
-    """Returns the steps before this one that ask for bets."""
+    """Returns the steps of a lesson before ``step`` that ask for an interval, in order."""
     before = lesson.steps[:lesson.steps.index(step)]
     return [other for other in before if other.question and other.question.kind == INTERVAL]
 
 
 def judge_name_in_claims(judge: str) -> str:
-    """Returns a judge's name in claims: "two_grid", "gci"."""
+    """Returns the name in claims of a judge (an estimator that bets, or GCI): "two_grid" for "two-grid"."""
     return judge.replace("-", "_").lower()
-
-
-def is_about_bets(claim: str) -> bool:
-    """Whether a claim is about judges' bets."""
-    return ABOUT_BETS.search(claim) is not None
 
 
 def judge_bets_for_claims(ends: Mapping[str, Mapping[str, Ends | None]],
                           errors: Mapping[str, Mapping[str, float | None]]) -> dict:
-    """Returns the judges' bets on a run by judge and quantity, in the form of claims: low, high and score."""
+    """Returns the judges' bets on a run by the judge's name in claims and quantity: low, high and score, or None.
+
+    ``ends`` has (low, high) by quantity and judge, ``errors`` the norms of the true error by quantity, SI units."""
     found: dict[str, dict[str, dict[str, float] | None]] = {judge_name_in_claims(judge): {} for judge in JUDGES}
     for quantity, judged in ends.items():
         truth = errors[quantity]["final"]

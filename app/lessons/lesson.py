@@ -43,7 +43,7 @@ Numbers = Mapping[str, float | int | str]
 
 
 class LessonError(ValueError):
-    """Raised for an invalid lesson; the message gives the line, what is wrong and what is expected."""
+    """Raised for an invalid lesson; the message gives file, line (from 1), what is wrong and what is expected."""
 
     def __init__(self, line: int, sentence: str, file: str = ""):
         self.line, self.sentence = line, quoting.one_line(sentence)
@@ -52,7 +52,7 @@ class LessonError(ValueError):
 
 @dataclass(frozen=True)
 class LessonRun:
-    """Scene by its name, or several that differ in one number: ``texts`` are templates of states."""
+    """Named run of a lesson: a scene, or several that differ in one field, as texts of states with {placeholders}."""
 
     name: str
     texts: tuple[str, ...]
@@ -81,7 +81,7 @@ class Question:
 
 @dataclass(frozen=True)
 class Claim:
-    """Claim about the runs, evaluated by :mod:`app.lessons.claims`."""
+    """Claim about the results of runs, such as "error.x.max < 1e-5" (:mod:`app.lessons.claims`), and its line."""
 
     text: str
     line: int
@@ -107,7 +107,7 @@ class Step:
 
     @property
     def asked_question(self) -> Question:
-        """The question of a step that has one."""
+        """The question of a step that certainly has one."""
         assert self.question is not None
         return self.question
 
@@ -134,11 +134,12 @@ class Lesson:
 
     @property
     def file_stem(self) -> str:
-        """The name of its file without the suffix."""
+        """The name of the lesson's file without ".md": "04-...", or "04-....de" for a translation."""
         return self.name if self.language == ENGLISH else f"{self.name}.{self.language}"
 
     @functools.cached_property
     def questions(self) -> dict[str, Step]:
+        """The steps with a question, by key."""
         return {step.key: step for step in self.steps if step.question}
 
     @property
@@ -151,7 +152,8 @@ class Lesson:
         return tuple(step for step in self.steps if step.core or not core)
 
     def neighbour_step(self, at: int, by: int, core: bool) -> int:
-        """Returns the number of the step after ``at``, or before it if ``by`` < 0; 0 is the introduction."""
+        """Returns the number of the step after number ``at``, or before it if ``by`` < 0; with ``core`` skips optional
+        steps. Number 0 is the introduction, the one after the last step the end."""
         end = len(self.steps) + 1
         places = [0, *(k for k, step in enumerate(self.steps, 1) if step.core or not core), end]
         return min((k for k in places if k > at), default=end) if by > 0 else \
@@ -162,14 +164,15 @@ class Lesson:
         return {run.name: run for step in self.steps for run in step.runs}
 
     def main_run(self, step: Step) -> str:
-        """Returns the run meant by paths without a name: for a prediction the next, else the latest; "" if none."""
+        """Returns the name of the run meant by paths without one in a step's claims: for a prediction the next run from
+        there, else the latest up to there; "" if there is none."""
         at = self.steps.index(step)
         steps = self.steps[at:] if step.kind == PREDICT else self.steps[at::-1]
         return next((other.runs[0].name for other in steps if other.runs), "")
 
 
 def draw_numbers(lesson: Lesson, name: str) -> Numbers:
-    """Returns a student's numbers, drawn from the name; without one the first."""
+    """Returns one of the lesson's variants, drawn from a student's name, or the first for an empty name."""
     plain = " ".join(unicodedata.normalize("NFKC", name).casefold().split())
     if not plain:
         return lesson.variants[0]
@@ -178,5 +181,5 @@ def draw_numbers(lesson: Lesson, name: str) -> Numbers:
 
 
 def fill_numbers(text: str, numbers: Numbers) -> str:
-    """Replaces placeholders by numbers. Other braces, as in formulas, stay."""
+    """Replaces placeholders such as {A} by the numbers of a variant. Other braces, as in formulas, stay."""
     return PLACE.sub(lambda found: f"{numbers[found[1]]}" if found[1] in numbers else found[0], text)

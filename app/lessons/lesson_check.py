@@ -11,7 +11,7 @@ from app.lessons.lesson_runs import RunCache, RunFailed
 
 @dataclass(frozen=True)
 class CheckedClaim:
-    """Checked claim of a lesson, for one variant of its numbers: whether it holds, and the values found."""
+    """Checked claim of a lesson, with one variant's numbers: whether it holds, values found, where it stands."""
 
     lesson: str
     step: str
@@ -26,7 +26,7 @@ class CheckedClaim:
 
 
 def check_lesson(lesson: Lesson, outcomes: RunCache, variants: int | None = None) -> Iterator[CheckedClaim]:
-    """Yields checks of all claims of a lesson, for all variants of its numbers or the first so many."""
+    """Yields checks of a lesson's claims and questions, for all ``variants`` of its numbers or the first so many."""
     for numbers in lesson.variants[:variants]:
         for step in lesson.steps:
             for claim in step.claims:
@@ -46,6 +46,7 @@ def check_lesson(lesson: Lesson, outcomes: RunCache, variants: int | None = None
 
 
 def _check_question(lesson: Lesson, step: Step, numbers: Numbers, outcomes: RunCache) -> tuple[bool, str]:
+    """Returns whether a step's question has a right answer (a choice: exactly one), and what was found."""
     try:
         answer = right_answer(lesson, step, numbers, outcomes)
     except (ClaimError, RunFailed) as error:

@@ -24,7 +24,7 @@ BLOCKS = ("run", "question", "claims", "teacher", "bets")
 
 @dataclass
 class LessonSection:
-    """Section under a heading, or before the first: lines of Markdown, and blocks (kind, text, line)."""
+    """Section under a heading, or "" before the first: lines of Markdown, and blocks (kind, text, line of the text)."""
 
     heading: str
     line: int
@@ -33,7 +33,7 @@ class LessonSection:
 
 
 def split_head(text: str) -> tuple[str, list[str], int]:
-    """Returns the head, the lines after it, and the number of the first of those."""
+    """Splits a file's text into its TOML head, the lines after it, and the number of the first of those lines."""
     lines = text.splitlines()
     if not lines or lines[0].strip() != HEAD:
         raise LessonError(1, f"the file must begin with a head: a line {HEAD}, TOML such as title = \"...\", and a "
@@ -45,7 +45,8 @@ def split_head(text: str) -> tuple[str, list[str], int]:
 
 
 def split_sections(lines: list[str], first: int) -> list[LessonSection]:
-    """Splits lines into the sections before the first heading and under each."""
+    """Splits lines, the first of which has the number ``first``, into the sections before the first ## heading and
+    under each. Raises :class:`LessonError` for an unknown or unfinished block."""
     parts, block, opened = [LessonSection("", first, [], [])], None, 0
     for number, line in enumerate(lines, first):
         fence = line.strip()
@@ -68,12 +69,12 @@ def split_sections(lines: list[str], first: int) -> list[LessonSection]:
 
 
 def teacher_notes(part: LessonSection) -> str:
-    """Returns the teacher's notes in a section, as Markdown."""
+    """Returns the teacher's notes in a section, as Markdown, or ""."""
     return "\n\n".join(text for kind, text, _ in part.blocks if kind == "teacher")
 
 
 def number_lines(part: LessonSection) -> Sequence[tuple[int, str]]:
-    """Returns lines of Markdown with their numbers in the file, skipping those of blocks."""
+    """Returns a section's lines of Markdown with their numbers in the file, without heading and fenced blocks."""
     inside = [k for _, text, line in part.blocks for k in range(line - 1, line + len(text.splitlines()) + 1)]
     numbers = (k for k in range(part.line + bool(part.heading), 10**9) if k not in inside)
     return list(zip(numbers, part.text, strict=False))
@@ -92,7 +93,7 @@ def read_lesson(path: Path) -> Lesson:
 
 
 def parse_file(path: Path, parsed: Callable[[str], Found]) -> Found:
-    """Applies ``parsed`` to a file's text; raises :class:`LessonError` with the file's name on errors."""
+    """Returns ``parsed(text)`` of a UTF-8 file. A :class:`LessonError`, also of an unreadable file, names the file."""
     try:
         if path.stat().st_size > LARGEST:
             raise LessonError(1, f"the file has more than {LARGEST:,} bytes; make it shorter")
@@ -108,7 +109,7 @@ def parse_file(path: Path, parsed: Callable[[str], Found]) -> Found:
 
 
 def parse_lesson(text: str, name: str, folder: Path | None = None) -> Lesson:
-    """Parses a lesson; its pictures are looked up in ``folder``."""
+    """Parses and checks a lesson's Markdown; pictures are looked up in ``folder``. Raises :class:`LessonError`."""
     head, body, first = split_head(text)
     lesson = _parse_lesson_head(head, name, hashlib.sha256(text.encode()).hexdigest()[:16])
     opening, *parts = split_sections(body, first)
@@ -190,7 +191,7 @@ def _parse_step(part: LessonSection, lesson: Lesson) -> Step:
 
 
 def _parse_step_heading(part: LessonSection) -> tuple[str, str, bool]:
-    """Returns a step's kind and title, and whether its heading has (core)."""
+    """Returns kind, title, and whether "(core)", of a heading such as "## Predict (core): ..."; raises LessonError."""
     found = HEADING.fullmatch(part.heading.strip())
     kind = found["kind"].strip().lower() if found else ""
     if not found or kind not in KINDS:
@@ -202,7 +203,7 @@ def _parse_step_heading(part: LessonSection) -> tuple[str, str, bool]:
 
 
 def check_unique_names(lesson: Lesson) -> None:
-    """Raises :class:`LessonError` if two steps or runs have the same name."""
+    """Raises :class:`LessonError` if steps share a key, runs a name, or a run's name is a word of claims."""
     keys: dict[str, int] = {}
     names: dict[str, int] = {}
     for step in lesson.steps:
@@ -218,7 +219,7 @@ def check_unique_names(lesson: Lesson) -> None:
 
 
 def check_claims(lesson: Lesson) -> None:
-    """Checks that every claim and expected value is about existing runs and results."""
+    """Raises :class:`LessonError` if a claim or expected value of a lesson is not about its runs and their results."""
     for step in lesson.steps:
         main = lesson.main_run(step)
         checked: list[tuple[str, int, Callable[[str, Mapping[str, Any], str], None]]] = [
@@ -236,7 +237,7 @@ def check_claims(lesson: Lesson) -> None:
 
 
 def _check_bets(lesson: Lesson) -> None:
-    """Checks that bets to compare exist, and that judges can bet on them."""
+    """Raises :class:`LessonError` if a step compares bets and none came before, or some on which judges cannot bet."""
     for step in lesson.steps:
         asked = interval_bets.earlier_bet_steps(lesson, step) if step.bets else []
         if step.bets and not asked:
@@ -250,7 +251,7 @@ def _check_bets(lesson: Lesson) -> None:
 
 
 def _check_text(part: LessonSection, lesson: Lesson, folder: Path | None) -> None:
-    """Checks formulas, pictures and placeholders."""
+    """Raises :class:`LessonError` for a formula, picture or placeholder of a section that cannot be shown."""
     known = set(lesson.variants[0])
     for number, line in number_lines(part):
         plain = FORMULA.sub("", line)

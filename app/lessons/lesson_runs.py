@@ -8,7 +8,7 @@ from typing import Any
 
 from app import state
 from app.lessons.claims import ClaimScope, RunOutcome, runs_needed
-from app.lessons.interval_bets import Ends, is_about_bets, judge_bets_for_claims
+from app.lessons.interval_bets import ABOUT_BETS, Ends, judge_bets_for_claims
 from app.lessons.lesson import Lesson, Numbers, Step, fill_numbers
 from solvers.scene.kernel_options import kernel_key
 from solvers.workers.worker_pool import WorkerPool, one_of_each_first
@@ -24,7 +24,8 @@ class RunFailed(Exception):
 
 
 class RunCache:
-    """Thread-safe cache of runs, made in so many ``processes``, which start when needed."""
+    """Thread-safe cache of the results of scenes, run in so many worker ``processes``, which start when needed, at the
+    nice value ``politeness``. Scenes are given as texts of states, of which only the scene counts."""
 
     def __init__(self, processes: int = 1, politeness: int = 0):
         self._pool, self._politeness = WorkerPool(WORK, processes, several=SEVERAL), politeness
@@ -35,11 +36,11 @@ class RunCache:
         self._pool.close()
 
     def result(self, text: str) -> dict[str, Any]:
-        """Returns the result's JSON object for the scene of a state; waits for it."""
+        """Returns the JSON object of a scene's result; waits for the run. Raises :class:`RunFailed`."""
         return self._await_result(text, False)
 
     def judge_bets(self, text: str) -> dict[str, dict[str, Ends | None]]:
-        """Returns the judges' bets on the final errors of a scene, by quantity and judge; waits for them."""
+        """Returns judges' bets (low, high), or None, on final errors (SI units), by quantity and judge."""
         return self._await_result(text, True)
 
     def _await_result(self, text: str, judged: bool) -> dict[str, Any]:
@@ -49,7 +50,7 @@ class RunCache:
             raise RunFailed(f"{_scene_text(text)} could not be run: the process {error}") from None
 
     def _submit_run(self, text: str, judged: bool = False) -> Future[dict[str, Any]]:
-        """Returns the run of a state's scene, or the judges' bets on it; repeats a failed one."""
+        """Returns the future result of a scene or, if ``judged``, the judges' bets on it; repeats a failed run."""
         scene = _scene_text(text)
         with self._lock:
             run = self._runs.get((scene, judged))
@@ -61,21 +62,23 @@ class RunCache:
             return run
 
     def scope(self, lesson: Lesson, step: Step, numbers: Numbers, texts: Iterable[str]) -> ClaimScope:
-        """Returns the scope of these expressions in a step; runs only what they need."""
+        """Returns the scope to evaluate expressions and claims of a step with a variant's ``numbers``; runs only the
+        scenes that these ``texts`` need. Raises :class:`RunFailed`."""
         main, runs = lesson.main_run(step), lesson.runs
         texts = list(texts)
         asked = set().union(*(runs_needed(text, runs, main) for text in texts))
-        result = self._result_with_bets if any(map(is_about_bets, texts)) else self.result
+        result = self._result_with_bets if any(map(ABOUT_BETS.search, texts)) else self.result
         return ClaimScope({name: RunOutcome([result(fill_numbers(text, numbers)) for text in run.texts], run.varied)
                            for name, run in runs.items() if name in asked}, main)
 
     def _result_with_bets(self, text: str) -> dict[str, Any]:
-        """Returns a result with the judges' bets on it, in the form of claims."""
+        """Returns the JSON object of a scene's result with the judges' bets, as claims name them, under "bet"."""
         found = self.result(text)
         return {**found, "bet": judge_bets_for_claims(self.judge_bets(text), found["error"])}
 
     def prepare(self, texts: Iterable[str], on_progress: Callable[[int, int], None]) -> None:
-        """Runs all of these scenes in parallel; failures are raised when a result is requested."""
+        """Runs scenes in parallel; ``on_progress`` receives the numbers done and in all. Failures are raised when a
+        result is requested."""
         scenes = {text: state.parse_state(text).scene for text in texts}
         longest_first = sorted(scenes, key=lambda text: (-scenes[text].particles * scenes[text].steps, text))
         runs = dict.fromkeys(map(self._submit_run, one_of_each_first(longest_first, _scene_kernel_key)))
@@ -84,22 +87,22 @@ class RunCache:
 
 
 def _scene_text(text: str) -> str:
-    """Returns a state's text reduced to its scene."""
+    """Returns the text of a state with only its scene, without view and pinned run."""
     return state.write_state(state.State(state.parse_state(text).scene))
 
 
 def _scene_kernel_key(text: str) -> tuple:
-    """Returns the key of the kernels that a state's scene needs."""
+    """Returns the key of the kernels that a scene needs: equal keys share compiled kernels."""
     return kernel_key(state.parse_state(text).scene)
 
 
 def scene_texts(lesson: Lesson, numbers: Numbers) -> list[str]:
-    """Returns the scenes of all runs of a lesson with these numbers."""
+    """Returns the scenes of all runs of a lesson, as texts of states, with a variant's numbers filled in."""
     return [fill_numbers(text, numbers) for run in lesson.runs.values() for text in run.texts]
 
 
 def run_in_worker(question: Mapping[str, Any], answer: Callable[[dict], None]) -> None:
-    """Runs one scene, or computes the judges' bets on it, in a worker process."""
+    """Runs the scene in ``question`` in a worker process, or computes the judges' bets; sends the JSON object."""
     from solvers.running.run import run
     from solvers.study.coverage.track_record import bets
 

@@ -32,7 +32,7 @@ class RenderError(ValueError):
 
 
 def to_html(markdown: str, folder: Path | None = None) -> str:
-    """Converts Markdown to html; html in it is shown as text. Pictures are looked up in ``folder``."""
+    """Converts Markdown to html, with html in it as text, and pictures from ``folder``; raises :class:`RenderError`."""
     return _make_parser(folder).render(markdown)
 
 
@@ -53,7 +53,7 @@ def _make_parser(folder: Path | None) -> MarkdownIt:
 
 
 def to_mathml(latex: str, display: bool) -> str:
-    """Converts a formula to MathML, as a block (``display``) or inline; raises :class:`RenderError` if it cannot."""
+    """Converts a LaTeX formula to MathML, as a block (``display``) or inline; raises :class:`RenderError`."""
     latex = latex.strip()
     try:
         found = latex2mathml.converter.convert(latex, display="block" if display else "inline")
@@ -67,7 +67,7 @@ def to_mathml(latex: str, display: bool) -> str:
 
 
 def _image_data_url(folder: Path | None, source: str) -> str:
-    """Returns a picture as a data URL."""
+    """Returns the picture with the relative path ``source`` in a folder as a data URL; raises :class:`RenderError`."""
     path = None if folder is None else folder / source
     kind = KINDS.get(Path(source).suffix)
     if kind is None or path is None or not re.fullmatch(r"[\w./-]+", source) or ".." in source or not path.is_file():

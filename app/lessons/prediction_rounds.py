@@ -11,7 +11,7 @@ from app.lessons.lesson import EXPLAIN, Lesson, LessonError, Step, fill_numbers
 
 
 def split_rounds(steps: Sequence[Step]) -> list[tuple[Step, ...]]:
-    """Splits steps into rounds, which end with an explanation."""
+    """Splits a lesson's steps into rounds, each of which ends with an explanation; the last may lack it."""
     found: list[tuple[Step, ...]] = [()]
     for step in steps:
         found[-1] += (step,)
@@ -21,7 +21,8 @@ def split_rounds(steps: Sequence[Step]) -> list[tuple[Step, ...]]:
 
 
 def mark_core_rounds(steps: Sequence[Step]) -> tuple[Step, ...]:
-    """Returns steps with ``core`` set for complete rounds instead of their first steps."""
+    """Returns a lesson's steps, of which ``core`` is set for the first of a round, with ``core`` set for whole rounds;
+    for all if none is. Raises :class:`LessonError` if another step than a first is marked, or every round."""
     every = split_rounds(steps)
     for first, *others in every:
         if stray := next((step for step in others if step.core), None):

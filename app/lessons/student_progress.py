@@ -19,7 +19,7 @@ FORM = {"schema": str, "lesson": str, "fingerprint": str, "name": str, "step": i
 
 
 class InvalidProgress(ValueError):
-    """Raised for a text that is no progress; the message gives the reason."""
+    """Raised for a text that is no student's progress; the message is the end of a sentence about the file."""
 
     def __init__(self, sentence: str):
         super().__init__(quoting.one_line(sentence))
@@ -27,7 +27,7 @@ class InvalidProgress(ValueError):
 
 @dataclass
 class RecordedAnswer:
-    """The ``first`` and ``last`` answer, the number of attempts, and the seconds since the step was shown."""
+    """Answers to one question: the first and last, number of attempts, and seconds with the step shown, of all."""
 
     first: Any
     last: Any
@@ -37,7 +37,8 @@ class RecordedAnswer:
 
 @dataclass
 class StudentProgress:
-    """A student's ``step`` in a lesson (0: introduction), answers by the steps' keys, and whether only the ``core``."""
+    """Progress of the student ``name`` in a lesson: the number of the present step (0: introduction), answers by the
+    steps' keys, and whether only the core is taken. ``fingerprint`` is that of the lesson."""
 
     lesson: str
     fingerprint: str
@@ -47,7 +48,7 @@ class StudentProgress:
     core: bool = False
 
     def record(self, key: str, given: Any, seconds: float) -> None:
-        """Records an answer; the first one stays."""
+        """Adds an answer to the step ``key``, ``seconds`` after the step was shown; the first answer stays."""
         before = self.answers.get(key)
         first, attempts = (before.first, before.attempts) if before else (given, 0)
         self.answers[key] = RecordedAnswer(first, given, attempts + 1,
@@ -55,7 +56,7 @@ class StudentProgress:
 
     @property
     def file_name(self) -> str:
-        """The name of the handed-in file."""
+        """The name of the file to hand in: lesson and student, "04-...-Ann.json"."""
         called = re.sub(r"[^\w-]+", "-", self.name).strip("-") or "answers"
         return f"{self.lesson}-{called}.json"
 
@@ -65,7 +66,7 @@ class StudentProgress:
 
 
 def parse_progress(text: str, find: Callable[[str], Lesson | None]) -> StudentProgress:
-    """Parses a progress; ``find`` returns a lesson by name. Raises :class:`InvalidProgress`."""
+    """Parses a progress in JSON; ``find`` returns a lesson by name, or None. Raises :class:`InvalidProgress`."""
     try:
         values = parse_json(text)
     except ValueError:
@@ -88,7 +89,7 @@ def parse_progress(text: str, find: Callable[[str], Lesson | None]) -> StudentPr
 
 
 def parse_lesson_progress(text: str, lesson: Lesson) -> StudentProgress | None:
-    """Parses a progress; returns None if it is invalid, or of another version of the lesson."""
+    """Parses a student's progress in a lesson; returns None if it is invalid, or of another version of the lesson."""
     try:
         found = parse_progress(text, {lesson.name: lesson}.get)
     except InvalidProgress:

@@ -7,7 +7,7 @@ from app.language.translation import current_language, tr
 from app.lessons.answer_check import format_in_unit, right_answer
 from app.lessons.catalogue import FOLDER
 from app.lessons.claims import ClaimError
-from app.lessons.duration import minutes_of_rounds, minutes_text
+from app.lessons.duration import minutes_text, seconds_of_rounds, whole_minutes
 from app.lessons.lesson import CHOICE, TEXT, TITLES, Lesson, Numbers, Step
 from app.lessons.lesson_runs import RunCache, RunFailed
 from app.lessons.markdown_html import to_html
@@ -19,7 +19,7 @@ PAGE = Path(__file__).parent / "guide.html"
 
 
 def guide_markdown(lesson: Lesson, outcomes: RunCache, core: bool = False) -> str:
-    """Returns the guide, or that to the ``core`` alone, as Markdown. Runs scenes for the right answers."""
+    """Returns the teacher's guide to a lesson, or to its core, as Markdown; runs scenes for the right answers."""
     length = tr("*Teacher's guide to the core, which takes {minutes} minutes, without discussion.*",
                 minutes=lesson.core_minutes) if core else \
         tr("*Teacher's guide. {length}, without discussion.*", length=minutes_text(lesson))
@@ -38,7 +38,7 @@ def guide_markdown(lesson: Lesson, outcomes: RunCache, core: bool = False) -> st
               variants, lesson.intro, _quote_notes(lesson.notes)]
     numbers = {step.key: number for number, step in enumerate(lesson.steps_to_take(core), 1)}
     for one in split_rounds(lesson.steps_to_take(core)):
-        takes = minutes_of_rounds(one, lesson)
+        takes = whole_minutes(seconds_of_rounds(one, lesson))
         begins = tr("*This round takes {minutes} min.*", minutes=takes) if one[0].core else \
             tr("*Deeper: this round is not part of the core and takes {minutes} min.*", minutes=takes)
         for step in one:
@@ -50,12 +50,13 @@ def guide_markdown(lesson: Lesson, outcomes: RunCache, core: bool = False) -> st
 
 
 def guide_page(lesson: Lesson, outcomes: RunCache, core: bool = False) -> str:
-    """Returns the guide as one html file with its pictures."""
+    """Returns the teacher's guide to a lesson, or to its core, as one html file with its pictures; runs scenes."""
     return render_template(PAGE, language=current_language(), title=lesson.title,
                            body=to_html(guide_markdown(lesson, outcomes, core), FOLDER))
 
 
 def _question_markdown(lesson: Lesson, step: Step, outcomes: RunCache) -> Iterator[str]:
+    """Yields Markdown for a step's question: options, and the right answer, by variant where it differs."""
     asked = step.question
     if asked is None:
         return
@@ -81,7 +82,7 @@ def _right_answer_text(lesson: Lesson, step: Step, numbers: Numbers, outcomes: R
 
 
 def _quote_notes(notes: str) -> str:
-    """Returns notes as a block quote."""
+    """Returns the teacher's notes as a Markdown block quote, or "" without any."""
     return "\n".join(f"> {line}" for line in [tr("**Teacher**"), "", *notes.splitlines()]) if notes.strip() else ""
 
 

@@ -28,7 +28,7 @@ BARS = {"before": "as it was", "predicted": "predicted by the budget", "again": 
 
 
 def budget_figure(found: BudgetResult) -> Figure:
-    """Returns the budget of x, v and F over time; below, for a removed cause, errors before, predicted and actual."""
+    """Returns the budget of x, v and F over time; below, for a removed cause, errors before, predicted and after."""
     taken = found.take_away()
     figure = make_figure(WIDTH, HEIGHT + (MORE if taken else 0), _figure_title(found.result))
     places = figure.add_gridspec(2 if taken else 1, 3, height_ratios=(HEIGHT, MORE) if taken else (1,))
@@ -41,7 +41,8 @@ def budget_figure(found: BudgetResult) -> Figure:
 
 
 def draw_budget(panels: Sequence[Axes], series: Mapping[str, np.ndarray]) -> None:
-    """Draws each field's error as stacked parts, one field per panel; ``series`` of a run with the effect budget."""
+    """Draws the errors of x, v and F over time as stacked parts by cause, on one of three ``panels`` each; ``series``
+    are the samples by name of a run with the diagnostic budget."""
     for axes, field in zip(panels, FIELDS, strict=True):
         for layer in stack_layers(series, field):
             for edges in (layer.above, layer.below):
@@ -61,7 +62,7 @@ def draw_budget(panels: Sequence[Axes], series: Mapping[str, np.ndarray]) -> Non
 
 
 def add_cause_legend(figure: Figure, where: Literal["upper", "lower"] = "upper") -> None:
-    """Adds a legend of the causes' colours at the upper or lower edge of a figure, and a caption."""
+    """Adds a legend of the causes' colours at the upper or lower edge of a figure, and a caption at the bottom."""
     handles = [Patch(color=COLOURS[cause].light, label=name) for cause, name in CAUSES.items()]
     figure.legend(handles=handles, loc="outside upper right" if where == "upper" else "outside lower right",
                   ncols=len(handles))
@@ -70,7 +71,8 @@ def add_cause_legend(figure: Figure, where: Literal["upper", "lower"] = "upper")
 
 
 def _draw_removal_bars(axes: Axes, taken: dict, field: str, named: bool) -> None:
-    """Draws the error before, as predicted without the cause, and actual, in per cent of that before."""
+    """Draws bars of a field's error before, predicted and after a cause was removed, in per cent of that before.
+    ``taken`` is from ``BudgetResult.take_away``; the bars have names if ``named``."""
     before = taken["before"][field] or 1.0
     shares = [100 * (taken[key][field] or 0.0) / before for key in BARS]
     axes.barh(list(BARS.values())[::-1], shares[::-1], color=[INK, PINNED, INK3], height=0.6)

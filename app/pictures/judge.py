@@ -25,7 +25,7 @@ MARKS = "os^Dv"
 
 
 def norms_figure(judged: Judgement) -> Figure:
-    """Returns each quantity's norm over time, a line per grid; the companion's estimate is dashed."""
+    """Returns each quantity's RMS error over time on logarithmic axes, a line per grid; the companion's is dashed."""
     figure = Figure(figsize=(10, 7.5), layout="constrained")
     for axes, q in zip(figure.subplots(len(JUDGED), 1, sharex=True), JUDGED, strict=True):
         for k, g in enumerate(judged.grids):
@@ -44,7 +44,7 @@ def norms_figure(judged: Judgement) -> Figure:
 
 
 def _note_if_nothing_to_show(axes: Axes) -> bool:
-    """Whether nothing drawn can be shown on a logarithmic axis; then writes a note."""
+    """Returns whether no line on the axes has a finite value; then writes a note there."""
     if any(np.isfinite(line.get_ydata()).any() for line in axes.lines):
         return False
     axes.set_yticks([])
@@ -53,6 +53,7 @@ def _note_if_nothing_to_show(axes: Axes) -> bool:
 
 
 def _draw_norms(axes: Axes, g: GridJudgement, q: str, k: int, count: int) -> None:
+    """Draws the true norm of a quantity's error and the companion's over time, of the grid k of ``count``."""
     shade = 1.0 if count == 1 else 0.35 + 0.65 * (k + 1) / count
     mark = MARKS[k % len(MARKS)] if len(g.grid.times) <= 12 else None
     lines = [("truth", norm_series(g.true_errors)[q], TRUTH, "-")] if g.true_errors else []
@@ -66,19 +67,18 @@ def _draw_norms(axes: Axes, g: GridJudgement, q: str, k: int, count: int) -> Non
 
 
 def spatial_error_figure(judged: Judgement) -> Figure | None:
-    """Returns the finest grid's particles at the time of their largest error of x: along the bar, or in the plane."""
+    """Returns the last grid's errors of x when they are largest: over X on the bar, coloured in the plane; or None."""
     g = judged.grids[-1]
     worst = g.worst("x")
     if worst is None:
         return None
-    frame, errors = next((f, e) for f,
-                         e in zip(g.grid.frames, g.best_known_errors, strict=True) if f.time == worst.time)
+    frame, errors = next((f, e) for f, e in zip(g.grid.frames, g.best_known_errors, strict=True)
+                         if f.time == worst.time)
     size = error_magnitudes(errors["x"])
     few = np.union1d(random_subsample_indices(len(size)), [int(np.argmax(size))])
     X, x, shown = frame.material_position[few], frame.position[few], size[few]
-    alone = (np.isin(few, g.position_outliers.which)
-             if g.position_outliers and g.position_outliers.frame.time == frame.time
-             else np.zeros(len(few), bool))
+    outliers = g.position_outliers
+    alone = np.isin(few, outliers.which if outliers and outliers.frame.time == frame.time else [])
     figure = Figure(figsize=(10, 4) if X.shape[1] == 1 else (10, 8.5), layout="constrained")
     axes = figure.subplots()
     axes.set_title(f"Error of x at t = {frame.time:.4g} s, {g.grid.cells} cells")
@@ -104,7 +104,7 @@ def spatial_error_figure(judged: Judgement) -> Figure | None:
 
 
 def order_figure(judged: Judgement) -> Figure | None:
-    """Returns the largest errors of the particles and of our methods over h; None if there is nothing to compare."""
+    """Returns the largest errors of the particles and of our methods over h, by quantity; None with one grid alone."""
     ours = any(g.ours for g in judged.grids)
     if len(judged.grids) < 2 and not ours:
         return None
@@ -142,7 +142,8 @@ FIGURES: dict[str, Callable[[Judgement], Figure | None]] = {
 
 
 def motion_check_figure(checked: MotionCheck) -> Figure | None:
-    """Returns displacements (1D) or positions at the first contradiction, else at the end; None without neighbours."""
+    """Returns displacements over X (1D) or positions at the first contradiction, else at the end, coloured by distance
+    from the neighbours' plane; None where particles have no known neighbours."""
     motion = checked.motion.representative_part
     if motion.neighbourhood is None:
         return None

@@ -26,6 +26,7 @@ LEAST_SPAN, MOST_SPAN = (0.3, 3.0), (0.003, 2000.0)  # of the axis of an index
 
 
 def table_figure(table: dict) -> Figure:
+    """Returns the picture of a table of the paper, from its JSON object (``table_to_dict``)."""
     width, height = {"1": (15, 19), "2": (13, 12), "3": (20, 12.5)}[table["table"]]
     whole = make_figure(width, height, f"{table['title']}\n{table['caption']}")
     draw = {"1": (_draw_bar_errors, _draw_index_panels), "2": (_draw_ring_errors,),
@@ -37,7 +38,7 @@ def table_figure(table: dict) -> Figure:
 
 
 def _draw_bar_errors(figure: SubFigure, table: dict) -> None:
-    """Draws a row of panels per case, with both variants of the force in each panel."""
+    """Draws the errors of Table 1 over h: a row of panels per modulus, with both variants of the body force in each."""
     cases = _group_rows("modulus", table["rows"])
     axes = figure.subplots(len(cases), 3, squeeze=False)
     for across, (modulus, rows) in zip(axes, cases.items(), strict=True):
@@ -51,7 +52,7 @@ def _draw_bar_errors(figure: SubFigure, table: dict) -> None:
 
 
 def _draw_ring_errors(figure: SubFigure, table: dict) -> None:
-    """Draws a column of panels per method, with both set-ups in each panel."""
+    """Draws the errors of Table 2 over h: a column of panels per method, with both set-ups in each panel."""
     methods = _group_rows("method", table["rows"])
     axes = figure.subplots(3, len(methods), squeeze=False, sharey="row")
     for panels, method in zip(axes.T, methods, strict=True):
@@ -65,7 +66,7 @@ def _draw_ring_errors(figure: SubFigure, table: dict) -> None:
 
 
 def _draw_index_panels(figure: SubFigure, table: dict) -> None:
-    """Draws a row of panels for each quantity and a column for each part or method; a row shares its axis."""
+    """Draws error indices over the cells: a row of panels per quantity, a column per heading (Table 3: and method)."""
     if table["table"] == "1":
         columns = {"\n".join(part.rsplit(", ", 1)): rows for part, rows in rows_by_part(table).items()}
     else:
@@ -96,19 +97,19 @@ def _draw_index_panels(figure: SubFigure, table: dict) -> None:
 
 
 def _has_index(row: dict, quantity: str) -> bool:
-    """Whether any estimator or the paper has an index."""
+    """Whether any estimator or the paper has an index of a quantity in a row of a table's JSON object."""
     ours = any(estimator["index"][quantity] for estimator in row["estimators"].values())
     return ours or bool(row["paper"].get(f"index_{quantity}"))
 
 
 def _group_rows(name: str, rows: list[dict]) -> dict[Any, list[dict]]:
-    """Groups rows by the value of an input, in order."""
+    """Groups a table's rows by the value of the scene's input ``name``, in the order of appearance."""
     values = dict.fromkeys(row["inputs"][name] for row in rows)
     return {value: [row for row in rows if row["inputs"][name] == value] for value in values}
 
 
 def _draw_errors(axes: Axes, series: dict[str, list[dict]], key: str) -> None:
-    """Draws errors against h on logarithmic axes: ours, the paper's, and slopes of first and second order."""
+    """Draws the error ``key`` over h: ours by series (rows by label), the paper's, slopes of first and second order."""
     axes.set(xscale="log", yscale="log")
     for style, (label, rows) in zip(OURS, series.items(), strict=False):
         axes.plot(*_known_points((row["h"], row["ours"][key]) for row in rows), label=label, **style)
@@ -123,7 +124,7 @@ def _draw_errors(axes: Axes, series: dict[str, list[dict]], key: str) -> None:
 
 
 def _draw_slopes(axes: Axes, largest: float) -> None:
-    """Draws triangles of first and second order under the right end of the curves."""
+    """Draws triangles of first and second order under the right end, h = ``largest``, of the curves."""
     points = np.concatenate([np.asarray(line.get_xydata()) for line in axes.get_lines()])
     heights = points[points[:, 0] > 0.45 * largest, 1]
     if not len(heights):
@@ -136,7 +137,7 @@ def _draw_slopes(axes: Axes, largest: float) -> None:
 
 
 def _draw_indices(panels: list[Axes], rows: list[dict], quantities: list[str]) -> None:
-    """Draws each quantity's index against the cells, on a logarithmic axis with the band of reliable values."""
+    """Draws the error indices of some rows over the cells, a panel per quantity, with the band of reliable values."""
     cells = [row["inputs"]["cells"] for row in rows]
     for axes, quantity in zip(panels, quantities, strict=True):
         if not any(_has_index(row, quantity) for row in rows):
@@ -162,7 +163,7 @@ def _draw_indices(panels: list[Axes], rows: list[dict], quantities: list[str]) -
 
 
 def _format_log_ticks(axes: Axes) -> None:
-    """Formats ticks of a logarithmic axis: 1, 2, 5 if it is short, else powers of ten."""
+    """Sets ticks of a logarithmic vertical axis: 1, 2, 5 if it is short, else powers of ten."""
     low, high = axes.get_ylim()
     axes.yaxis.set_major_locator(LogLocator(subs=(1, 2, 5) if high / low < 60 else (1,)))
     axes.yaxis.set_major_formatter(lambda value, _: format_round_number(value))
@@ -170,7 +171,7 @@ def _format_log_ticks(axes: Axes) -> None:
 
 
 def _set_ticks(axes: Axes, labels: Mapping[float, str]) -> None:
-    """Sets the only ticks of the horizontal axis; ``set_xticks`` would change its limits."""
+    """Sets the only ticks of the horizontal axis, labels by value; ``set_xticks`` would change its limits."""
     axes.xaxis.set_major_locator(FixedLocator(list(labels)))
     axes.xaxis.set_minor_locator(NullLocator())
     axes.xaxis.set_major_formatter(FixedFormatter(list(labels.values())))
@@ -181,6 +182,6 @@ def _add_legend(figure: SubFigure, axes: Axes, columns: int = 7) -> None:
 
 
 def _known_points(points: Iterable[tuple[float, float | None]]) -> tuple[list[float], list[float]]:
-    """Returns abscissae and values of the points that have a value."""
+    """Returns the x and the y of the points whose y is neither None nor 0."""
     known = [(x, y) for x, y in points if y]
     return [x for x, _ in known], [y for _, y in known]

@@ -36,6 +36,7 @@ MOST_DECADES = 8  # keeps earlier errors visible then
 
 
 def run_figure(result: Result) -> Figure:
+    """Returns the picture of a run: norms and indices over time, errors on the body and, if known, the error budget."""
     view = VIEWS[result.scene.problem]
     height, lower = view.picture
     if result.scene.DIMENSIONS > 1:  # one picture of the body per estimator, side by side
@@ -84,7 +85,7 @@ def _figure_title(result: Result) -> str:
 
 
 def _draw_norm(axes: Axes, result: Result, quantity: str) -> None:
-    """Draws the true and each estimated norm of one quantity's error over time."""
+    """Draws the true and each estimated RMS error of a quantity over time, with a logarithmic vertical axis."""
     lines = [("true", "truth", f"error_{quantity}", TRUTH, "-")]
     lines += [(name, f"estimate ({name})", f"{name}/estimate_{quantity}", colour, style)
               for name, colour, style in estimator_styles(result)]
@@ -116,7 +117,7 @@ def _draw_norm(axes: Axes, result: Result, quantity: str) -> None:
 
 
 def _draw_index(axes: Axes, result: Result) -> None:
-    """Draws the error index of the run so far (eq 35): summed estimate over summed truth."""
+    """Draws the error indices of the run so far over time (eq 35: summed estimates over summed true errors)."""
     axes.set_title("Error index so far: sum of estimates / sum of true errors; 1 is perfect")
     axes.set_xlabel("time t")
     axes.axhline(1.0, color=TRUTH, linewidth=1.2)
@@ -155,7 +156,7 @@ def _draw_index(axes: Axes, result: Result) -> None:
 
 
 def _estimators_without_quantity(result: Result, quantity: str) -> list[str]:
-    """Returns the active estimators that do not estimate a quantity."""
+    """Returns the names of the active estimators that did not estimate a quantity in this run."""
     return [name for name in result.scene.active_estimators
             if np.isnan(result.series[f"{name}/estimate_{quantity}"]).all()]
 
@@ -165,7 +166,7 @@ def _marker_if_few_samples(values: np.ndarray) -> str | None:
 
 
 def _set_time_axis(axes: Axes, result: Result) -> None:
-    """Sets the time axis to the whole run, with a margin for markers at its ends."""
+    """Sets the horizontal axis to the times of the whole run in s, with a margin for markers at its ends."""
     end = float(result.series["time"][-1]) or result.scene.time_step
     axes.set_xlim(-0.02 * end, 1.02 * end)
     format_size_axis(axes.xaxis, "s", few=False)

@@ -35,7 +35,7 @@ BALANCE_LOOK: Look = {"marker": "*", "markersize": 15, "markeredgecolor": INK, "
 
 
 def error_run_time_figure(rows: Sequence[dict]) -> Figure:
-    """Returns error against seconds, with the Pareto front; lower left is better."""
+    """Returns each run's largest RMS error over its seconds, a panel per quantity, with the Pareto front."""
     title = "What accuracy costs: error against time"
     cells = sorted({row["scene"]["cells"] for row in completed_rows(rows)})
     shown = parts.known_quantities(rows, DRAWN)
@@ -60,7 +60,7 @@ def error_run_time_figure(rows: Sequence[dict]) -> Figure:
 
 
 def error_spacing_figure(rows: Sequence[dict]) -> Figure:
-    """Returns error against h, with the fitted orders and reference triangles."""
+    """Returns each run's largest RMS error over h, a panel per quantity, with fitted orders and reference triangles."""
     title = "Convergence: error against cell size"
     shown = parts.known_quantities(rows, DRAWN)
     if not shown:
@@ -84,7 +84,7 @@ def error_spacing_figure(rows: Sequence[dict]) -> Figure:
 
 
 def estimate_truth_figure(rows: Sequence[dict]) -> Figure:
-    """Returns estimated against true error, a row of panels per estimator; on the line they are equal."""
+    """Returns estimated against true errors, with the diagonal: panels by estimator (rows) and quantity (columns)."""
     title = "Can the estimate be believed? Estimated against true error (largest RMS of each run)"
     rows = completed_rows(rows)
     shown = parts.known_quantities(rows)
@@ -105,7 +105,7 @@ def estimate_truth_figure(rows: Sequence[dict]) -> Figure:
 
 
 def step_cost_figure(rows: Sequence[dict]) -> Figure:
-    """Returns nanoseconds per particle-step of each method, and the extra cost of estimators and effects."""
+    """Returns the time per particle-step of each method, and the added time of estimators and diagnostics."""
     title = "What a run costs"
     rows = [row for row in completed_rows(rows) if row["status"] == OK and row["rate"]]
     if not rows:
@@ -121,7 +121,7 @@ def step_cost_figure(rows: Sequence[dict]) -> Figure:
 
 
 def error_time_step_figure(rows: Sequence[dict]) -> Figure:
-    """Returns error against dt, a line per method and h, with the dt at which time and space error are equal."""
+    """Returns errors over dt, a line per method and h, with the dt at which time and space error are equal."""
     title = "Time step: where the error of time and the error of space balance"
     lines = [entry for entry in parts.series_styles(rows,
                                                     "dt") if len({row["scene"]["dt"] for row in entry[0].rows}) > 1]
@@ -141,7 +141,7 @@ def error_time_step_figure(rows: Sequence[dict]) -> Figure:
 
 
 def _draw_fits(axes: Axes, lines: Sequence[tuple[Series, dict]], quantity: str) -> None:
-    """Draws fitted straight lines through each series, with the orders as text if there is space."""
+    """Draws the fitted power of h of each series' errors of a quantity, with the orders as legend if they are few."""
     handles = []
     for line, look in lines:
         fit = line.fit(quantity)
@@ -156,7 +156,7 @@ def _draw_fits(axes: Axes, lines: Sequence[tuple[Series, dict]], quantity: str) 
 
 
 def _draw_triangles(axes: Axes, points: Sequence[tuple[float, float | None]]) -> None:
-    """Draws slopes 1 and 2 in the corner of small h and large errors; extends the axis if points are there."""
+    """Draws slopes 1 and 2 at small h and large errors; extends the axis if ``points`` (h, error) are there."""
     spacings = [h for h, _ in points]
     left, ratio = min(spacings), (max(spacings) / min(spacings)) ** 0.3
     right = left * ratio
@@ -171,6 +171,7 @@ def _draw_triangles(axes: Axes, points: Sequence[tuple[float, float | None]]) ->
 
 
 def _draw_balances(axes: Axes, lines: Sequence[tuple[Series, Look]], quantity: str) -> None:
+    """Draws the errors of a quantity over dt, their fits, and the dt at which time and space error are equal."""
     parts.draw_errors(axes, lines, quantity, lambda row: row["scene"]["dt"], joined=False)
     notes = []
     for line, look in lines:
@@ -196,6 +197,7 @@ def _draw_balances(axes: Axes, lines: Sequence[tuple[Series, Look]], quantity: s
 
 
 def _draw_agreement(axes: Axes, rows: Sequence[dict], estimator: str, quantity: str) -> None:
+    """Draws an estimator's against the true error of a quantity, largest RMS of each run; unstable runs as crosses."""
     name = QUANTITIES[quantity]
     axes.set_title(f"{str(name).capitalize()} by {estimator}")
     axes.set_xlabel("true error", color=TRUTH_INK)
@@ -235,7 +237,7 @@ def _draw_agreement(axes: Axes, rows: Sequence[dict], estimator: str, quantity: 
 
 
 def _extra_costs(rows: Sequence[dict]) -> dict[str, list[tuple[str, float]]]:
-    """Returns (method, seconds added over the bare run's) of each estimator and effect; untimed ones are together."""
+    """Returns by estimator and diagnostic (method, added over bare run's time) per row; untimed ones are together."""
     prices: dict[str, list[tuple[str, float]]] = {}
     for row in rows:
         method, seconds = row["scene"]["method"], row["seconds"]

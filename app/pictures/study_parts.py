@@ -1,6 +1,5 @@
-"""Parts of studies' pictures; and two of them: coverage, the shares of runs with accurate estimates, with 95 %
-intervals, by how far particles move; and the stability map, lifetime over amplitude and time step, by method and
-treatment."""
+"""Parts of studies' pictures; and coverage, the shares of runs with accurate estimates, by how far particles move; and
+the stability map, lifetime over amplitude and time step, by method and treatment."""
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any
@@ -46,12 +45,13 @@ def empty_figure(title: str, sentence: str) -> Figure:
 
 
 def known_quantities(rows: Sequence[dict], among: Iterable[str] = QUANTITIES) -> list[str]:
-    """Returns the quantities with a known error in any row."""
+    """Returns the keys, ``among`` some, of the quantities with a true error in any row of a completed run."""
     return [q for q in among if any(error_of(row, q) for row in completed_rows(rows))]
 
 
 def series_styles(rows: Sequence[dict], along: str = "cells") -> list[tuple[Series, Look]]:
-    """Returns each series and its style: colour and marker by method, line style and filling by other settings."""
+    """Returns the series of rows along one input, each with its style: colour and marker by method, line style and
+    filling by other inputs."""
     lines = group_series(rows, along)
     numbers = {variant: k for k, variant in enumerate(dict.fromkeys(line.variant for line in lines))}
     return [(line, {"color": METHOD_COLOURS[line.method], "marker": METHOD_MARKS[line.method], "markersize": 6,
@@ -61,7 +61,8 @@ def series_styles(rows: Sequence[dict], along: str = "cells") -> list[tuple[Seri
 
 def draw_errors(axes: Axes, lines: Sequence[tuple[Series, Look]], quantity: str, abscissa: Callable[[dict], float],
                 joined: bool = True) -> None:
-    """Draws the errors of each series; unstable runs are crosses, at the top edge if their error is too large."""
+    """Draws the errors of a quantity of each series over the ``abscissa`` of a row, ``joined`` by lines; unstable runs
+    are crosses, at the top edge if their error is too large. Sets the vertical axis."""
     stood: list[float] = []
     crosses = []
     for line, look in lines:
@@ -86,14 +87,14 @@ def draw_errors(axes: Axes, lines: Sequence[tuple[Series, Look]], quantity: str,
 
 
 def method_handles(rows: Iterable[dict]) -> list[Line2D]:
-    """Returns the legend entries of the rows' methods."""
+    """Returns an entry of a legend, with colour and marker, for each method in the rows."""
     there = {row["scene"]["method"] for row in rows}
     return [Line2D([], [], color=METHOD_COLOURS[m], marker=METHOD_MARKS[m], linestyle="none", label=METHODS[m].name)
             for m in METHODS if m in there]
 
 
 def add_legend_below(figure: Figure, entries: Sequence[tuple[Series, Look]], extra: Sequence[Line2D] = ()) -> None:
-    """Adds one legend for all panels, below them."""
+    """Adds one legend below all panels: the first series with their styles, ``extra`` entries and that of crosses."""
     shown, names = entries[:MOST_LEGEND_ENTRIES], {code: method.name for code, method in METHODS.items()}
     handles = [Line2D([], [], label=line.label(names), **look) for line, look in shown] + list(extra)
     if len(entries) > len(shown):
@@ -120,7 +121,7 @@ def set_log_axes(axes: Axes, unit: str = "s") -> None:
 
 
 def set_ticks_at(axes: Axes, values: Sequence[float], unit: str = "") -> None:
-    """Sets the abscissae as the only ticks, if they are few."""
+    """Makes ``values`` the only ticks of the horizontal axis, if they are few; labels have the unit."""
     if len(values) <= MOST_TICKS:
         axes.set_xticks(values, [with_unit(value, unit) if unit else f"{value:,.6g}" for value in values])
         axes.xaxis.set_minor_formatter(NullFormatter())
@@ -132,7 +133,8 @@ SPREAD = 0.22  # distance of markers in one row
 
 
 def coverage_figure(counted: Sequence[Mapping]) -> Figure:
-    """Returns, left, the shares of runs with an estimate of x within the smallest factor; right, of bars that held."""
+    """Returns, left, the shares of runs whose estimate of x is within the smallest factor of the truth; right, those of
+    error bars that contain it. ``counted`` has one object of counts, from ``coverage_counts.tally``."""
     [one] = counted
     title = f"How often is it right? {one['runs']:,} runs of the {one['problem']}, drawn at random"
     figure, axes = make_panel_grid(title, 1, 2, (13.5, 5.2))
@@ -160,7 +162,8 @@ def coverage_figure(counted: Sequence[Mapping]) -> Figure:
 
 
 def _draw_coverage_rows(axes: Axes, names: Sequence[str], counts: Callable[[str, str], tuple[int, int]]) -> None:
-    """Draws a row per name, in it a marker with its interval per regime with runs."""
+    """Draws a row per name: for each regime, how far particles move, a share in per cent with its 95 % interval.
+    ``counts`` returns the hits and runs of a name and a regime."""
     for row, name in enumerate(names):
         known = [key for key in ESTIMATORS if name.endswith(key)]
         colour = ESTIMATORS[known[0]].colour if known else INK3
@@ -182,7 +185,8 @@ SHORTEST = 0.1  # periods, at the dark end of the scale
 
 
 def stability_map_figure(rows: Sequence[dict]) -> Figure:
-    """Returns the stability map: bright runs lasted long, dark ones broke soon; a tick marks those that completed."""
+    """Returns the stability map: survived periods, bright for many, over amplitude and Courant number, a panel per
+    method and treatment; "✓" marks runs that stayed accurate to the end."""
     shown = completed_rows(rows)
     if not shown:
         return empty_figure("Stability", "no run was possible")

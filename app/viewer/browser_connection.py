@@ -26,8 +26,8 @@ BEAT = 1.0  # seconds between an answer to a ping and the next one
 
 
 class BrowserConnections:
-    """All connections of one server: ``new`` ones have sent no request, those of ``silent`` websockets no message. A
-    proxy on this machine connects when it has a complete request; behind one, new connections have no network yet."""
+    """All connections of one server: ``new`` ones have sent no request, those of ``silent`` websockets no message.
+    ``trusts_proxy``: behind a proxy on this machine, a connection's network is unknown until it sends a request."""
 
     def __init__(self, trusts_proxy: bool):
         self.trusts_proxy = trusts_proxy
@@ -35,11 +35,12 @@ class BrowserConnections:
                                  PendingConnections["BrowserConnection"](*SOCKETS))
         self.open_ones = WeakSet["BrowserConnection"]()
 
-    def register(self, line: "BrowserConnection", remote: object) -> None:
-        """Registers a connection from this address and port."""
+    def register(self, connection: "BrowserConnection", remote: object) -> None:
+        """Adds a new connection from (address, port); aborts another of a network with too many."""
         who = str(remote[0]) if isinstance(remote, tuple) else "somewhere"
-        self.open_ones.add(line)
-        if gone := self.new.add(line, str(remote) if self.trusts_proxy and is_loopback(who) else network_of(who)):
+        network = str(remote) if self.trusts_proxy and is_loopback(who) else network_of(who)
+        self.open_ones.add(connection)
+        if gone := self.new.add(connection, network):
             gone.transport.abort()
 
     def abort_all(self) -> None:
@@ -69,7 +70,7 @@ class BrowserConnection(ServerConnection):
         super().data_received(data)
 
     def on_answered(self) -> None:
-        """Releases its place among the new connections: its request is answered."""
+        """Releases the connection's place among the new ones, and ``head``: its request is answered."""
         self._lines.new.discard(self)
         self.head = b""
 
@@ -78,7 +79,7 @@ class BrowserConnection(ServerConnection):
         super().connection_lost(exc)
 
     async def ping_until_closed(self) -> None:
-        """Pings the browser until its websocket is closed: it answers when it has read all that was sent before."""
+        """Pings the browser until the websocket closes; it answers after reading all sent before."""
         with suppress(ConnectionClosed):
             while True:
                 self.asked_at = monotonic()
@@ -88,7 +89,7 @@ class BrowserConnection(ServerConnection):
 
 
 def address_of(connection: Any, trusts_proxy: bool) -> str:
-    """Returns the IP address of the other end, or of the client for which a proxy on this machine connects."""
+    """Returns the IP address of a websocket's browser, or that named by a trusted proxy on this machine."""
     remote = connection.remote_address
     who = str(remote[0]) if isinstance(remote, tuple) else "somewhere"
     told = connection.request.headers.get_all("X-Real-IP") if trusts_proxy and is_loopback(who) else []
@@ -96,7 +97,7 @@ def address_of(connection: Any, trusts_proxy: bool) -> str:
 
 
 async def close_websocket(connection: Any, why: str) -> None:
-    """Closes a websocket, also one whose other end does not respond."""
+    """Closes a websocket with the reason ``why`` (code 1008), also one whose other end does not respond."""
     with suppress(asyncio.TimeoutError):
         await asyncio.wait_for(connection.close(1008, why), GOING)
     connection.transport.abort()
@@ -104,7 +105,7 @@ async def close_websocket(connection: Any, why: str) -> None:
 
 
 def stalled_seconds(client: Any) -> float:
-    """Returns the seconds for which a visitor's browser has received nothing that was sent to it."""
+    """Returns the seconds for which the browser of a viewer's ``client`` has received nothing that was sent to it."""
     buffer = cast(SendBuffer, client._websock_connection.get_message_buffer())
     line = client._viser_server._websock_server._live_connections.get(client.client_id)
     asked_at = line.asked_at if isinstance(line, BrowserConnection) else None

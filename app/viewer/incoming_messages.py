@@ -30,7 +30,7 @@ PART_AS = 4  # and of an accepted part of a file
 PARTS, PARTS_A_SECOND = 64, 25  # of files per network: a burst of 32 MB, a rate of 13 MB/s
 TOO_MUCH = "too many messages"
 
-Rule = Callable[[Any], bool]
+Rule = Callable[[Any], bool]  # whether a decoded field of a message is valid
 
 
 def _numbers(count: int, reach: float = FAR) -> Rule:
@@ -55,7 +55,7 @@ def _or_none(rule: Rule) -> Rule:
 
 
 def _is_unit_quaternion(value: Any) -> bool:
-    """Whether a value is a rotation as a unit quaternion."""
+    """Whether a decoded field is a unit quaternion, [w, x, y, z]."""
     return _numbers(4, 1.01)(value) and abs(math.hypot(*value) - 1) < 0.01
 
 
@@ -73,19 +73,17 @@ FIELDS: dict[str, dict[str, Rule]] = {
         "ray_direction": _or_none(lambda value: _SPACE(value) and abs(value[2]) > STEEP),
         "screen_pos": lambda value: type(value) is list and len(value) <= 2 and all(map(_numbers(2), value)),
         "modifier": _or_none(_words)},
-    upload.START: {
-        "source_component_uuid": _words, "transfer_uuid": _words, "filename": _text(LONGEST_NAME),
-        "mime_type": _words, "part_count": _whole(0, 2**53), "size_bytes": _whole(0, 2**53)},
-    upload.PART: {
-        "source_component_uuid": _words, "transfer_uuid": _words, "part_index": _whole(0, 2**53),
-        "content": lambda value: type(value) is bytes},
-    "FileTransferPartAck": {
-        "source_component_uuid": _or_none(_words), "transfer_uuid": _words,
-        "transferred_bytes": _whole(0, 2**53), "total_bytes": _whole(0, 2**53)}}
+    upload.START: {"source_component_uuid": _words, "transfer_uuid": _words, "filename": _text(LONGEST_NAME),
+                   "mime_type": _words, "part_count": _whole(0, 2**53), "size_bytes": _whole(0, 2**53)},
+    upload.PART: {"source_component_uuid": _words, "transfer_uuid": _words, "part_index": _whole(0, 2**53),
+                  "content": lambda value: type(value) is bytes},
+    "FileTransferPartAck": {"source_component_uuid": _or_none(_words), "transfer_uuid": _words,
+                            "transferred_bytes": _whole(0, 2**53), "total_bytes": _whole(0, 2**53)}}
 
 
 def why_message_refused(message: bytes | str, find: Callable[[str], Any], who: str = "") -> str | None:
-    """Returns why a message from an IP address is refused, or None; ``find`` returns a widget by its id."""
+    """Returns why a websocket's message from the IP address ``who`` is refused, in words for the log, or None. Parts of
+    uploads are handled here. ``find`` returns the page's widget with an id, or None."""
     part_of_file = upload.upload_message_kind(message)
     most = upload.LARGEST_PART if part_of_file == upload.PART else MOST_BYTES
     if not isinstance(message, bytes) or len(message) > most:
@@ -117,17 +115,17 @@ def why_message_refused(message: bytes | str, find: Callable[[str], Any], who: s
 
 
 def _is_pointer_event(said: dict[str, Any]) -> bool:
-    """Whether a click has a ray and a position, or a rectangle two corners."""
+    """Whether a decoded pointer message is complete: a click has a ray and a position, a rectangle two corners."""
     if said["event_type"] == "click":
         return said["ray_origin"] is not None and said["ray_direction"] is not None and len(said["screen_pos"]) == 1
     return len(said["screen_pos"]) == 2
 
 
 class IncomingMessageFilter:
-    """Replaces a websocket's ``recv``, and passes on only valid messages to the viewer.
+    """Filter of a websocket's incoming messages: replaces its ``recv``, and passes only valid ones on to the viewer.
 
     ``who`` is the IP address, ``find`` returns a widget by its id, ``parts`` limits parts of files of its network, and
-    ``keep_away`` is called with the address of a misbehaving client."""
+    ``keep_away`` is called with the address of a misbehaving client. Refusals are logged in ``refusals``."""
 
     def __init__(self, connection: Any, who: str, refusals: RefusalLog, parts: TokenBucket, find: Callable[[str], Any],
                  keep_away: Callable[[str], None]):
@@ -142,6 +140,7 @@ class IncomingMessageFilter:
         self._first = await self._next_valid_message()
 
     async def _next_valid_message(self, *args: Any, **options: Any) -> Any:
+        """Returns the next valid message that the viewer needs, as ``recv`` would; delays a client above its rate."""
         if self._first is not None:
             first, self._first = self._first, None
             return first
@@ -169,7 +168,7 @@ class IncomingMessageFilter:
             raise
 
     async def _throttle(self) -> None:
-        """Delays further messages above the rate limit; closes the connection if that continues."""
+        """Waits while the client is above its rate limit; closes the websocket and raises if that continues."""
         if self._rate.tokens > 0.25 * self._rate.most:
             self._calm = monotonic()
         elif monotonic() - self._calm > PATIENCE:

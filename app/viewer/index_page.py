@@ -1,9 +1,8 @@
 """The html that a browser loads first: the viewer's, with our title and icon, and a plain ground before there is a
-stage.
+stage; and its Content-Security-Policy.
 
 Everything else of the page comes over the websocket; until then the viewer would show its own panel. The viewer's own
-handler, which looks for files, remains, but no part of a path is ever looked up on disk, as the page is one text. This
-module defines which paths have a page, and its Content-Security-Policy."""
+handler, which looks for files, remains, but no part of a path is ever looked up on disk, as the page is one text."""
 
 import base64
 import gzip
@@ -30,25 +29,17 @@ _NOTHING = "default-src 'none'; frame-ancestors 'none'; base-uri 'none'; form-ac
 
 
 def is_page_path(path: str) -> bool:
-    """Whether a request's path, without its query, is one of the page."""
+    """Whether a request's path, without its query, is that of the page."""
     return path in PATHS
 
 
 def content_security_policy(html: str = "", host: str = "", more: tuple[str, ...] | None = (),
                             unpacks: bool = False) -> str:
-    """Returns the Content-Security-Policy of a page.
+    """Returns the value of the Content-Security-Policy header of a page: its scripts run and no others.
 
-    Parameters
-    ----------
-    html
-        Of the page: its scripts run and no others.
-    host
-        Requested host and port: some browsers treat a websocket to it as another origin.
-    more
-        Further scripts that those of the page create; if None (unknown), any script in the page runs.
-    unpacks
-        Whether the page is the lab with its packed scripts, workers and pictures, not plain text.
-    """
+    ``host`` is the requested host and port: some browsers treat a websocket to it as another origin. ``more`` are
+    scripts that those in the page create; if None (unknown), any script in the page runs. ``unpacks`` is whether the
+    page is the lab with its packed scripts, workers and pictures, not plain text."""
     scripts = "'unsafe-inline'" if more is None else " ".join(
         f"'sha256-{_script_digest(script)}'" for script in (*re.findall(SCRIPT, html, re.DOTALL), *more))
     allowed = {"script-src": scripts, "style-src": "'unsafe-inline'", "img-src": "data:", "connect-src": "'self'"}
@@ -61,7 +52,7 @@ def content_security_policy(html: str = "", host: str = "", more: tuple[str, ...
 
 
 def _script_digest(script: str) -> str:
-    """Returns the hash of a script as a browser computes it, with normalised line endings."""
+    """Returns the SHA-256 of a script in base64 as a browser computes it, with normalised line endings."""
     plain = script.replace("\r\n", "\n").replace("\r", "\n")
     return base64.b64encode(hashlib.sha256(plain.encode()).digest()).decode()
 
@@ -75,7 +66,7 @@ _PACKED = re.compile(r'<script data-p="([^"]*)" data-ss="(\d+)" data-cs="(\d+)">
 
 def make_response(status: HTTPStatus, text: str, kind: str = "text/plain", cookie: str = "",
                   wait: float = 0) -> Response:
-    """Returns a response of our own, which is not cached."""
+    """Returns an uncached response of a MIME type ``kind``; ``cookie`` is set, ``wait`` in s asks to retry later."""
     body = text.encode() + (b"\n" if kind == "text/plain" and text else b"")
     headers = Headers({"Content-Type": f"{kind}; charset=utf-8", "Content-Length": str(len(body)),
                        "Cache-Control": "no-store", "Connection": "close"})
@@ -89,7 +80,7 @@ def make_response(status: HTTPStatus, text: str, kind: str = "text/plain", cooki
 
 
 def with_security_headers(connection: object, request: Request, response: Response) -> Response:
-    """Adds the headers common to all responses."""
+    """Adds the headers common to all responses to ``response``, and returns it."""
     for name, value in {**ALWAYS, POLICY: content_security_policy()}.items():
         if name not in response.headers:
             response.headers[name] = value
@@ -97,20 +88,20 @@ def with_security_headers(connection: object, request: Request, response: Respon
 
 
 class IndexPage:
-    """The viewer's html with ``ground`` in it, in every language; ``icon`` is an address."""
+    """Page that a browser loads first, by language: the viewer's html with ``ground()`` in it; ``icon`` is a URL."""
 
     def __init__(self, ground: Callable[[], str], icon: str):
         self._pages = {code: _LocalisedIndexPage(code, with_language(ground, code)(), icon) for code in LANGUAGES}
 
     def answer_in_language(self, request: Request, code: str) -> Response:
-        """Returns the response to a request for a page, which has one valid host, in a language."""
+        """Returns the response to a request with one valid Host header: the page in a language (code), or 404."""
         if not is_page_path(request.path.partition("?")[0]):
             return make_response(HTTPStatus.NOT_FOUND, "There is no such page.")
         return self._pages[code].answer(request)
 
 
 class _LocalisedIndexPage:
-    """The page in one language."""
+    """The page in the language ``code``, with the html ``own`` in it."""
 
     def __init__(self, code: str, own: str, icon: str):
         self._code = code
@@ -135,7 +126,7 @@ class _LocalisedIndexPage:
 
 
 def unpacked_script(html: str) -> str | None:
-    """Returns the script that the viewer's html unpacks and runs; None if it is not packed as in viser 1.1."""
+    """Returns the script that the viewer's html unpacks and runs; None if the html is not packed as in viser 1.1."""
     found = _PACKED.search(html)
     if found is None:
         return None
@@ -145,7 +136,7 @@ def unpacked_script(html: str) -> str | None:
 
 
 def _decode_base85(text: str) -> bytes:
-    """Decodes base-85 digits; an incomplete group is one byte shorter than its digits."""
+    """Decodes the viewer's base-85 digits, five for four bytes; a last group of n digits is n - 1 bytes."""
     value = np.zeros(128, dtype=np.int64)
     value[[ord(digit) for digit in _DIGITS]] = range(len(_DIGITS))
     digits = value[np.frombuffer(text.encode("ascii"), dtype=np.uint8)]

@@ -23,7 +23,7 @@ STORED, LAST_BLOCK = b"\x28\xb5\x2f\xfd\xa0", 1
 
 
 class ChangedArrays(SceneNodeUpdateMessage, include_in_scene_serialization=True):
-    """Message that replaces arrays of a scene node. The sender must not modify the arrays afterwards."""
+    """Message that replaces arrays of a scene node, ``updates`` by property. They must not be modified afterwards."""
 
     def redundancy_key(self) -> str:
         return _redundancy_key(self.name, tuple(self.updates))
@@ -43,12 +43,13 @@ class ChangedArrays(SceneNodeUpdateMessage, include_in_scene_serialization=True)
 
 @lru_cache(4096)
 def _redundancy_key(name: str, props: tuple[str, ...]) -> str:
-    """Returns the viewer's key of an update of these properties, of which only the last counts."""
+    """Returns the viewer's key of an update of a node's properties; of updates with equal keys only the last counts."""
     return SceneNodeUpdateMessage(name, dict.fromkeys(props)).redundancy_key()
 
 
 def pack_messages(window: Sequence[Message], compressor: zstandard.ZstdCompressor) -> bytes:
-    """Returns messages as sent to a browser: two lengths, text and numbers, then arrays."""
+    """Returns messages as one websocket message: the length of text and numbers in bytes, unpacked and packed (8 bytes
+    each), these as a Zstandard frame of MessagePack, then the arrays, each padded."""
     arrays: list[memoryview] = []
     messages = [message.as_serializable_dict(arrays) for message in window]
     words = msgspec.msgpack.encode({"messages": messages, "timestampSec": perf_counter(),
@@ -63,14 +64,14 @@ def pack_messages(window: Sequence[Message], compressor: zstandard.ZstdCompresso
 
 
 def stored_frame(words: bytes) -> bytes:
-    """Returns an uncompressed Zstandard frame of at most 128 kB."""
+    """Returns bytes, at most 128 kB, as an uncompressed Zstandard frame."""
     return b"".join((STORED, len(words).to_bytes(4, "little"), (LAST_BLOCK | len(words) << 3).to_bytes(3, "little"),
                      words))
 
 
 async def send_messages(websocket: Any, buffer: AsyncMessageBuffer, client_id: int,
                         backlog_done_message: Message | None = None) -> None:
-    """Sends the messages of a buffer to a browser until the buffer is closed."""
+    """Sends a buffer's messages to a client until it is closed; the last argument after those waiting at first."""
     compressor = zstandard.ZstdCompressor(level=1)
     async with aclosing(buffer.window_generator(client_id, backlog_done_message)) as windows:
         async for window in windows:

@@ -22,8 +22,8 @@ PROTOCOL = f"viser-v{viser.__version__}"  # ensures that page and server have th
 
 
 class SendEvent(asyncio.Event):
-    """Event that wakes the present waiters on a loop, no later ones. Any thread may call :meth:`notify`; the viewer
-    also calls :meth:`set`, from the sending thread, where it does nothing, and then from the loop."""
+    """Event that wakes those who wait now, not later ones. Any thread may call :meth:`notify`; :meth:`set` works on the
+    event loop, and does nothing in other threads, from which the viewer calls it too."""
 
     def __init__(self) -> None:
         super().__init__()
@@ -36,14 +36,14 @@ class SendEvent(asyncio.Event):
             super().set()
             self.clear()
 
-    def notify(self, tower: "SendNotifier") -> None:
-        """Schedules one wake-up for all calls until it is handled."""
+    def notify(self, notifier: "SendNotifier") -> None:
+        """Schedules one wake-up on the loop of ``notifier`` for all calls until it is handled."""
         if not self._is_pending:
             self._is_pending = True
-            tower.notify(self)
+            notifier.notify(self)
 
     async def wait_for(self, seconds: float | None = None) -> None:
-        """Waits for the event, at most so many seconds."""
+        """Waits for the event, at most so many seconds (None: for ever)."""
         timer = None if seconds is None else asyncio.get_running_loop().call_later(seconds, self.set)
         await self.wait()
         if timer:
@@ -61,14 +61,14 @@ _batch = _ThreadNotifiers()
 
 @contextmanager
 def batch_messages() -> Iterator[None]:
-    """Context manager: delays this thread's messages to several browsers, so that the loop is woken once."""
-    rung = _batch.notifiers = set()
+    """Context manager: delays this thread's messages to all browsers to its end, so that each loop is woken once."""
+    notifiers = _batch.notifiers = set()
     try:
         yield
     finally:
         _batch.notifiers = None
-        for tower in rung:
-            tower.wake()
+        for notifier in notifiers:
+            notifier.wake()
 
 
 class SendNotifier:
@@ -78,17 +78,16 @@ class SendNotifier:
         self._soon = loop.call_soon_threadsafe
         self._events, self._is_awake = deque[SendEvent](), False
 
-    def notify(self, bell: SendEvent) -> None:
-        """Adds an event from any thread. The order matters: an event that :meth:`_set_pending_events` misses wakes the
-        loop again."""
-        self._events.append(bell)
+    def notify(self, event: SendEvent) -> None:
+        """Adds an event to be set on the loop; any thread may call this."""
+        self._events.append(event)  # first: an event that ``_set_pending_events`` misses wakes the loop again
         if _batch.notifiers is None:
             self.wake()
         else:
             _batch.notifiers.add(self)
 
     def wake(self) -> None:
-        """Wakes the loop to handle pending events."""
+        """Wakes the loop to set the pending events, once until that is done."""
         if not self._is_awake:
             self._is_awake = True
             with suppress(RuntimeError):  # the loop is closed: nobody waits
@@ -100,12 +99,12 @@ class SendNotifier:
             self._events.popleft().set()
 
 
-_TOWERS = WeakKeyDictionary[asyncio.AbstractEventLoop, SendNotifier]()
+_NOTIFIERS = WeakKeyDictionary[asyncio.AbstractEventLoop, SendNotifier]()
 
 
 @dataclass
 class SendBuffer(AsyncMessageBuffer):
-    """A browser's outgoing messages in order; they wait briefly for others, but not after a flush."""
+    """Outgoing messages of one browser, in order; they wait briefly to be sent together, but not after a flush."""
 
     message_event: SendEvent = field(default_factory=SendEvent)
     _flushed: bool = False
@@ -113,7 +112,8 @@ class SendBuffer(AsyncMessageBuffer):
     _sent: int = -1  # the number of the last message sent to this browser alone
 
     def __post_init__(self) -> None:
-        self._tower = _TOWERS.get(self.event_loop) or _TOWERS.setdefault(self.event_loop, SendNotifier(self.event_loop))
+        loop = self.event_loop
+        self._notifier = _NOTIFIERS.get(loop) or _NOTIFIERS.setdefault(loop, SendNotifier(loop))
 
     @property
     def all_sent(self) -> bool:
@@ -126,14 +126,14 @@ class SendBuffer(AsyncMessageBuffer):
         return 0.0 if (given := self._given) is None else monotonic() - given
 
     def push(self, message: Message) -> None:
-        """Adds a message and drops those that it makes redundant; removals use the viewer's own method."""
+        """Adds a message, and drops a waiting one that the message makes redundant."""
         if self.done or message.lifecycle_phase == "remove":
             super().push(message)
         else:
             self.push_all((message,))
 
     def push_all(self, messages: Sequence[Message]) -> None:
-        """Adds messages that create or change something, in this order."""
+        """Adds messages that create or change something, in this order, and drops those made redundant."""
         if self.done:  # the viewer warns, once
             for message in messages:
                 super().push(message)
@@ -161,7 +161,7 @@ class SendBuffer(AsyncMessageBuffer):
 
     async def _window_loop(self, client_id: int, backlog_last_id: int,
                            backlog_done_message: Message | None) -> AsyncGenerator[Sequence[Message], None]:
-        """Yields messages to send together; ``backlog_done_message`` once, after number ``backlog_last_id``."""
+        """Yields messages to send together, and the last argument once, after number ``backlog_last_id``."""
         marker, last = backlog_done_message, -1
         self.generator_cursors[client_id] = last
         try:
@@ -186,10 +186,10 @@ class SendBuffer(AsyncMessageBuffer):
 
     def _notify(self) -> None:
         if not self.atomic_counter:  # otherwise at the end of the block
-            self.message_event.notify(self._tower)
+            self.message_event.notify(self._notifier)
 
     def _next_window(self, last: int, newest: int, client_id: int) -> tuple[list[Message], int]:
-        """Returns messages after number ``last`` up to ``newest``, not too many, and the last number examined."""
+        """Returns messages for a client after number ``last`` to ``newest``, and the last number seen."""
         window: list[Message] = []
         if not self.persistent_messages and newest - last <= self.max_window_size:
             with self.buffer_lock:
@@ -222,7 +222,7 @@ class SendBuffer(AsyncMessageBuffer):
 
 
 def patch_viser() -> None:
-    """Makes new servers use this buffer, :mod:`app.viewer.message_encoding` and :mod:`app.viewer.viser_patches`."""
+    """Makes new servers of this process use :class:`SendBuffer` and other faster parts of ``app.viewer``."""
     viser_patches.speed_up_widget_creation()
     _infra.AsyncMessageBuffer = SendBuffer  # type: ignore[assignment, misc]
     _infra._message_producer = message_encoding.send_messages

@@ -36,13 +36,13 @@ TOO_LARGE = lazy("The file is larger than 32 MB; give fewer times, or judge it w
 
 
 def upload_message_kind(message: bytes | str) -> str | None:
-    """Returns which of the two kinds of upload messages this is, or None."""
+    """Returns ``START`` or ``PART`` if an undecoded message starts an upload or is a part of a file; else None."""
     return next((kind for kind, head in HEADS.items() if isinstance(message, bytes) and message.startswith(head)), None)
 
 
 @dataclass
 class _IncomingFile:
-    """A file being received."""
+    """File being received into an open file on disk; ``size`` in bytes, ``since`` on the monotonic clock in s."""
 
     transfer: str
     name: str
@@ -57,16 +57,15 @@ class _IncomingFile:
 
 
 class VisitorUploads:
-    """Uploads of one visitor, one at a time. ``on_file(name, path)`` receives a complete file, in ``folder``, where the
-    next one will replace it; ``on_refusal`` a sentence. All but :meth:`close` is called on the web server's loop."""
+    """Uploads of one visitor by a ``button``, one at a time. ``on_file(name, path)`` receives a complete file, which
+    the next one will replace; ``on_refusal`` a sentence. All but :meth:`close` is called on the web server's loop."""
 
     def __init__(self, gui: viser.GuiApi, button: viser.GuiUploadButtonHandle, on_file: Callable[[str, Path], None],
                  on_refusal: Callable[[str], None]):
         self._gui, self._button, self._on_file, self._on_refusal = gui, button, on_file, on_refusal
         self._folder: Path | None = None  # made for the first one
         self._coming_file: _IncomingFile | None = None
-        self._reserved: list[tuple[str,
-                                   int]] = []  # address and bytes of the present file and of the one being received
+        self._reserved: list[tuple[str, int]] = []  # address and bytes, of the present file and the one being received
         self._open, self._lock = False, threading.Lock()
         object.__setattr__(button, _OWN, self)  # the viewer's own setter accepts its properties only
 
@@ -96,7 +95,7 @@ class VisitorUploads:
             self._delete_incomplete_file()
 
     def delete_files(self) -> None:
-        """Deletes all files, once no process works with them any more."""
+        """Deletes all files of the visitor, once no process works with them any more, and releases their quota."""
         end = monotonic() + GONE_WITHIN
         while self._folder and self._folder.exists() and monotonic() < end:
             shutil.rmtree(self._folder, ignore_errors=True)
@@ -105,7 +104,7 @@ class VisitorUploads:
             self._release_quota(0)
 
     def handle_message(self, kind: str, said: dict[str, Any], who: str = "") -> str | None:
-        """Handles a valid message from an IP address; returns why it is refused, or None."""
+        """Handles a message (``START`` or ``PART``) from an IP address; returns why it is refused, or None."""
         with self._lock:
             if not self._open:
                 return "a file for nobody"
@@ -146,7 +145,7 @@ class VisitorUploads:
         return None
 
     def _acknowledge_part(self, file: _IncomingFile) -> None:
-        """Acknowledges the received bytes to the browser; passes on a complete file."""
+        """Tells the browser how many bytes of a file have arrived; passes a complete file to ``on_file``."""
         self._gui._websock_interface.queue_message(FileTransferPartAck(
             self._button._impl.uuid, file.transfer, file.received_bytes, file.size))
         if file.received_bytes == file.size:
@@ -160,7 +159,7 @@ class VisitorUploads:
         return "a file for which there is no room"
 
     def _delete_incomplete_file(self) -> None:
-        """Deletes an incomplete file."""
+        """Deletes the file being received, if any, and releases its quota."""
         if self._coming_file is not None:
             self._coming_file.into.close()
             self._coming_file = None
@@ -168,12 +167,12 @@ class VisitorUploads:
             who, size = self._reserved.pop()
             ROOM.release(who, size)
 
-    def _release_quota(self, but: int) -> None:
-        """Releases the quota of all files but the last ``but``."""
-        while len(self._reserved) > but:
+    def _release_quota(self, kept: int) -> None:
+        """Releases the disk quota of all files but the last ``kept``."""
+        while len(self._reserved) > kept:
             ROOM.release(*self._reserved.pop(0))
 
 
 def uploads_of_button(button: Any) -> VisitorUploads | None:
-    """Returns the upload of a button, or None."""
+    """Returns the uploads that belong to a widget, None if it is no upload button of the page."""
     return getattr(button, _OWN, None)

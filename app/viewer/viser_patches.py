@@ -31,24 +31,24 @@ def speed_up_widget_creation() -> None:
 
 
 def widget_property_types(widget: Any) -> dict[str, Any]:
-    """Returns the types of a widget's properties, cached by kind of widget."""
+    """Returns the types of a widget's properties by name, cached by kind of widget."""
     return get_type_hints_cached(type(widget._impl.props))  # type: ignore[arg-type]  # kinds can be looked up
 
 
 @lru_cache(1)
 def _icon_archive() -> ZipFile:
-    """Returns the icons' archive, which stays open."""
+    """Returns the zip archive of the viewer's icons, which stays open."""
     return ZipFile(_ICONS)
 
 
 @lru_cache(256)
 def icon_svg(name: str) -> str:
-    """Returns an icon as svg by its name."""
+    """Returns one of the viewer's icons as svg by its name."""
     return _icon_archive().read(f"{name}.svg").decode()
 
 
 def log_callback_failures() -> None:
-    """Logs a failing callback in one line, instead of printing the traceback each time."""
+    """Makes the viewer log each failing callback of a widget in one line, instead of printing its traceback."""
     def print_exception(kind: type, error: BaseException, trace: object) -> None:
         log_failure(MESSAGE, error)
 
@@ -58,7 +58,7 @@ def log_callback_failures() -> None:
 
 
 def log_loop_failure(loop: asyncio.AbstractEventLoop, context: dict[str, Any]) -> None:
-    """Logs a failure in a loop's own callbacks in one line."""
+    """Logs a failure in an event loop's own callbacks in one line; an asyncio exception handler."""
     error = context.get("exception")
     if isinstance(error, Exception):
         log_failure(MESSAGE, error)
@@ -75,6 +75,6 @@ class _LanguageExecutor(Executor):
 
 
 def set_callback_language(client: Any) -> None:
-    """Makes callbacks of this visitor's widgets and stage run in the current language."""
+    """Makes callbacks of the widgets and stage of a viewer's ``client`` run in the language that is current now."""
     for part in (client.gui, client.scene):
         part._thread_executor = _LanguageExecutor(part._thread_executor)

@@ -26,14 +26,8 @@ from app.access.network_limits import TokenBucket, TokenBuckets, network_of
 from app.language import translation
 from app.language.translation import ENGLISH, current_language, language_cache, lazy, tr, with_language
 from app.templates import render_template
-from app.viewer import viser_patches
-from app.viewer.browser_connection import (
-    HEADS_WITHIN,
-    BrowserConnection,
-    BrowserConnections,
-    address_of,
-    close_websocket,
-)
+from app.viewer import browser_connection, viser_patches
+from app.viewer.browser_connection import BrowserConnection, BrowserConnections, address_of, close_websocket
 from app.viewer.incoming_messages import PARTS, PARTS_A_SECOND, IncomingMessageFilter
 from app.viewer.index_page import IndexPage, is_page_path, make_response, with_security_headers
 from app.viewer.send_queue import PROTOCOL, SendBuffer
@@ -56,18 +50,18 @@ _CODE_PAGE = Path(__file__).parents[1] / "access" / "code.html"
 
 @language_cache(1)
 def _code_page() -> str:
-    """Returns the page that asks for the class code."""
+    """Returns the html of the page that asks for the class code, in the current language."""
     return render_template(_CODE_PAGE, language=current_language())
 
 
 class LabServer(viser.ViserServer):
-    """The viewer's server without its tunnel; its ``visitors`` have passed its access control, ``access``."""
+    """The viewer's server without its tunnel; ``visitors`` has the pages of those who have passed ``access``."""
 
     visitors: Any = None
     access: "AccessControl"
 
     def wait_until_sent(self, seconds: float) -> None:
-        """Waits until every browser has been sent the last messages, at most so many seconds."""
+        """Waits, at most so many seconds, until all pages are closed and every browser has been sent its messages."""
         end = monotonic() + seconds
         states = self._websock_server._client_state_from_id
         while monotonic() < end and not (self.visitors.has_no_pending_page() and all(
@@ -75,11 +69,11 @@ class LabServer(viser.ViserServer):
             sleep(0.01)
 
     def stop(self) -> None:
-        """Stops the server; connections without a closing handshake are aborted."""
+        """Stops the server; connections whose closing handshake takes longer than ``STOPPING`` are aborted."""
         loop = self._websock_server._background_event_loop
         if loop is not None:
             with suppress(RuntimeError):  # it has ended
-                loop.call_soon_threadsafe(loop.call_later, STOPPING, self.access.abort_all)
+                loop.call_soon_threadsafe(loop.call_later, STOPPING, self.access.connections.abort_all)
         super().stop()
 
     def request_share_url(self, verbose: bool = True) -> None:
@@ -90,30 +84,28 @@ class LabServer(viser.ViserServer):
 
 
 class AccessControl:
-    """Access control of one server. All but :meth:`guard_servers` is called on the web server's loop."""
+    """Access control of one server: allowed addresses, class code (None: none is required), rate limits. All but
+    :meth:`guard_servers` is called on the web server's loop."""
 
     def __init__(self, addresses: Addresses, code: ClassCode | None):
         self._addresses, self._code, self._refusals = addresses, code, RefusalLog()
         self._handshakes = TokenBuckets(lambda: TokenBucket(HANDSHAKES, HANDSHAKES_A_SECOND))
         self._parts = TokenBuckets(lambda: TokenBucket(PARTS, PARTS_A_SECOND))
-        self._lines = BrowserConnections(trusts_proxy=bool(addresses.names))
+        self.connections = BrowserConnections(trusts_proxy=bool(addresses.names))
         self._going: set[asyncio.Future] = set()  # websockets that are being closed
         self._away: dict[str, float] = {}  # time until which an address must wait
         self._server: viser.ViserServer | None = None
         self._visitors: Any = None  # admitted visitors
 
     def attach_server(self, server: LabServer, visitors: Any) -> None:
-        """Sets the server, whose widgets messages refer to, and its visitors."""
+        """Sets the server and the pages of its ``visitors``, here and in the server; messages refer to its widgets."""
         self._server, self._visitors = server, visitors
         server.access, server.visitors = self, visitors
 
-    def abort_all(self) -> None:
-        """Aborts all connections."""
-        self._lines.abort_all()
 
     @contextmanager
     def guard_servers(self, index: IndexPage) -> Iterator[None]:
-        """Context manager: web servers started within use this access control and this ``index``."""
+        """Context manager: web servers started within use this access control, and send ``index`` as their page."""
         serve = websockets.asyncio.server.serve
 
         def serving(handler: Callable[[Any], Awaitable[None]], *args: Any, process_request: object,
@@ -124,9 +116,9 @@ class AccessControl:
                 return answer
 
             asyncio.get_running_loop().set_exception_handler(viser_patches.log_loop_failure)
-            own = {"max_size": LARGEST_MESSAGE, "max_queue": WAITING, "logger": log, "open_timeout": HEADS_WITHIN,
-                   "create_connection": partial(BrowserConnection, self._lines),
-                   "process_request": answer, "process_response": with_security_headers}
+            own = {"max_size": LARGEST_MESSAGE, "max_queue": WAITING, "logger": log, "process_request": answer,
+                   "open_timeout": browser_connection.HEADS_WITHIN, "process_response": with_security_headers,
+                   "create_connection": partial(BrowserConnection, self.connections)}
             return serve(partial(self._handle_websocket, handler), *args, **{**options, **own})
 
         log = logging.Logger("websockets.server", logging.ERROR)  # of this server alone
@@ -138,7 +130,7 @@ class AccessControl:
             websockets.asyncio.server.serve = serve  # type: ignore[misc]
 
     def _filter_log_record(self, record: logging.LogRecord) -> bool:
-        """Log filter: refuses clients that send no HTTP, ignores early disconnects, logs other failures in one line."""
+        """Log filter: refuses clients that send no HTTP, ignores early disconnects, logs others in a line."""
         error = record.exc_info[1] if record.exc_info else None
         if record.getMessage() != "opening handshake failed":
             if isinstance(error, Exception):
@@ -150,7 +142,7 @@ class AccessControl:
         return False
 
     async def _handle_websocket(self, handler: Callable[[Any], Awaitable[None]], connection: Any) -> None:
-        """Handles a websocket. The viewer gets it after its first message; before, nothing is built for it."""
+        """Passes a websocket to the viewer's ``handler`` after its first message; nothing is built for it before."""
         who = self._address_of(connection)
         if connection.subprotocol != PROTOCOL:
             self._refusals.record("a page of another version", who)
@@ -158,7 +150,7 @@ class AccessControl:
             return
         hearing = IncomingMessageFilter(connection, who, self._refusals, self._parts.get(network_of(who)),
                                         partial(self._find_widget, connection), self._block_address)
-        if gone := self._lines.silent.add(connection, network_of(who)):
+        if gone := self.connections.silent.add(connection, network_of(who)):
             self._close_silent_websocket(gone, CROWDED)
         silent = asyncio.get_running_loop().call_later(SILENT, self._close_silent_websocket, connection, NOTHING_SAID)
         try:
@@ -167,7 +159,7 @@ class AccessControl:
             return
         finally:
             silent.cancel()
-            self._lines.silent.discard(connection)
+            self.connections.silent.discard(connection)
         pulse = asyncio.create_task(connection.ping_until_closed())
         try:
             await handler(connection)
@@ -175,14 +167,14 @@ class AccessControl:
             pulse.cancel()
 
     def _answer_request(self, connection: BrowserConnection, request: Request, index: IndexPage) -> Response | None:
-        """Returns the response to a request; None for one that opens a websocket."""
+        """Returns the response to a request, in the browser's language; None for one that may open a websocket."""
         path, _, query = request.path.partition("?")
         code = translation.preferred_language(query, ",".join(request.headers.get_all("Accept-Language")))
         return with_language(self._respond_in_language, code)(connection, request, index, path)
 
     def _respond_in_language(self, connection: BrowserConnection, request: Request, index: IndexPage,
                              path: str) -> Response | None:
-        """Returns the response to a request in the visitor's language; None for one that opens a websocket."""
+        """Returns the response to a request for a ``path``, in the current language; None to open a websocket."""
         who, headers = self._address_of(connection), request.headers
         opens_socket = "websocket" in ",".join(headers.get_all("Upgrade")).lower()
         refusal = FOREIGN_PAGE if has_invalid_host_characters(connection.head) else \
@@ -211,28 +203,25 @@ class AccessControl:
         return make_response(HTTPStatus.NO_CONTENT if there else HTTPStatus.NOT_FOUND, "")
 
     def identify(self, visitor: int) -> CookieIdentity | None:
-        """Returns whose code a visitor has used, the teacher's if none is required; None if the visitor has left."""
+        """Returns whose code a visitor used, the teacher's if none is required; None if the visitor has left."""
         if self._code is None:
             return CookieIdentity(TEACHER)
         connection = self._websocket_of(visitor)
         return None if connection is None else self._code.identify(connection.request.headers)
 
     def language(self, visitor: int) -> str:
-        """Returns the code of the language of a present visitor's page."""
+        """Returns the language (code) of a visitor's page, English if the visitor has left."""
         connection = self._websocket_of(visitor)
-        return (
-            ENGLISH
-            if connection is None
-            else translation.language_from_cookies(connection.request.headers.get_all("Cookie"))
-        )
+        return ENGLISH if connection is None else \
+            translation.language_from_cookies(connection.request.headers.get_all("Cookie"))
 
     def _websocket_of(self, visitor: int) -> Any:
-        """Returns the websocket of a present visitor, from private attributes of the viewer."""
+        """Returns the websocket of a visitor, from private attributes of the viewer; None if the visitor has left."""
         server: Any = self._server
         return server._websock_server._live_connections.get(visitor) if server else None
 
     def _rate_limit_refusal(self, who: str) -> Response | None:
-        """Returns a refusal for websockets after many of their network, or after being sent away; else None."""
+        """Returns a refusal for websockets of a network with many, or an address that must wait; else None."""
         now, handshakes = monotonic(), self._handshakes.get(network_of(who))
         self._away = {other: until for other, until in self._away.items() if until > now}
         wait = max(handshakes.delay(), self._away.get(who, now) - now)
@@ -244,12 +233,13 @@ class AccessControl:
         return None
 
     def _block_address(self, who: str) -> None:
-        """Makes a misbehaving address wait."""
+        """Makes a misbehaving IP address wait ``AWAY`` seconds, and its network longer between websockets."""
         self._away[who] = monotonic() + AWAY
         handshakes = self._handshakes.get(network_of(who))
         handshakes.debit(min(MISDEED, max(0.0, handshakes.tokens)))
 
     def _log_in(self, code: ClassCode, headers: Headers, who: str) -> Response:
+        """Returns the response to a class code in a request's headers, with a cookie if the code is right."""
         guesses = headers.get_all("X-Class-Code")
         entry = code.log_in(unquote(guesses[0][:1000]) if guesses else "", who)
         if entry.cookie and code.is_authorised(headers) and not entry.more:
@@ -261,17 +251,17 @@ class AccessControl:
                              wait=entry.wait)
 
     def _close_silent_websocket(self, connection: Any, why: str) -> None:
-        """Closes a silent websocket."""
+        """Starts to close a websocket that has sent nothing, with the reason ``why``; logs that."""
         self._refusals.record("a connection that says nothing", self._address_of(connection))
         going = asyncio.ensure_future(close_websocket(connection, why))
         self._going.add(going)  # keeps a reference, so that it is not garbage-collected
         going.add_done_callback(self._going.discard)
 
     def _address_of(self, connection: Any) -> str:
-        return address_of(connection, trusts_proxy=self._lines.trusts_proxy)
+        return address_of(connection, trusts_proxy=self.connections.trusts_proxy)
 
     def _find_widget(self, connection: Any, widget: str) -> Any:
-        """Returns the widget with this id on the page of a websocket, from private attributes of the viewer."""
+        """Returns the widget with an id on the page of a websocket, from private attributes of the viewer, or None."""
         server: Any = self._server
         live = server._websock_server._live_connections if server else {}
         visitor = next((number for number, other in live.items() if other is connection), None)

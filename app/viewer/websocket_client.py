@@ -15,7 +15,7 @@ PATIENCE = 60.0  # timeout of the opening handshake in s
 
 
 class WebsocketConnection:
-    """Open websocket: messages are sent one by one, and received in groups."""
+    """Open websocket to the page: messages are sent one by one, and received in groups by ``async for``."""
 
     def __init__(self, socket: client.ClientConnection):
         self._socket = socket
@@ -31,19 +31,19 @@ class WebsocketConnection:
 
 @asynccontextmanager
 async def connect_to_page(address: str, headers: Mapping[str, str] | None = None) -> AsyncIterator[WebsocketConnection]:
-    """Context manager: a connection to the page at ``address`` (host:port), with these further headers."""
+    """Context manager: an open websocket to the page at ``address`` (host:port), requested with further ``headers``."""
     async with client.connect(f"ws://{address}", max_size=LARGEST, compression=None, open_timeout=PATIENCE,
                               additional_headers=headers, subprotocols=[client.Subprotocol(PROTOCOL)]) as socket:
         yield WebsocketConnection(socket)
 
 
 def pack_message(message: dict[str, Any]) -> bytes:
-    """Encodes a message as a browser does."""
+    """Encodes a message, a dict with its "type", as a browser does, in MessagePack."""
     return msgspec.msgpack.encode(message)
 
 
 def unpack_messages(raw: bytes) -> list[dict[str, Any]]:
-    """Decodes a group of messages without their arrays; it begins with their size, compressed and not."""
-    size, length = (int.from_bytes(raw[k:k + 8], "little") for k in (0, 8))
+    """Decodes a group of messages from the server into dicts, without their arrays (see ``pack_messages``)."""
+    size, length = (int.from_bytes(raw[k:k + 8], "little") for k in (0, 8))  # unpacked and packed
     words = zstandard.ZstdDecompressor().decompress(raw[16:16 + length], max_output_size=size)
     return msgspec.msgpack.decode(words)["messages"]

@@ -15,7 +15,7 @@ _OWN = "longest_text"  # attribute of a text that may be longer
 
 
 def why_value_refused(widget: Any, value: Any) -> str | None:
-    """Returns why a browser cannot have set this widget to ``value``, or None."""
+    """Returns why a browser cannot have set a widget to a decoded ``value``, in words for the log, or None."""
     rule = RULES.get(type(widget))
     if rule is None:
         return "a widget of a kind that takes no values"
@@ -25,7 +25,7 @@ def why_value_refused(widget: Any, value: Any) -> str | None:
 
 
 def set_max_length(text: viser.GuiTextHandle, longest: int) -> None:
-    """Sets the most characters of a text."""
+    """Sets the most characters that :func:`why_value_refused` allows in a text input."""
     object.__setattr__(text, _OWN, longest)  # the viewer's own setter accepts its properties only
 
 
@@ -35,7 +35,8 @@ def is_number_between(value: Any, low: float = -math.inf, high: float = math.inf
 
 
 def set_node_arrays(changed: Sequence[tuple[viser.SceneNodeHandle, dict[str, np.ndarray]]]) -> None:
-    """Sets arrays on one client's stage in one message each; the viewer's setters copy them, at half a frame's time."""
+    """Sets arrays, by property, of scene nodes of one client, in a message per node. They must not be modified later:
+    the viewer's own setters copy them, which takes half a frame's time."""
     messages, api = [], changed[0][0]._impl.api
     for handle, arrays in changed:
         vars(handle._impl.props).update(arrays)
@@ -54,7 +55,7 @@ def is_removed(widget: Any) -> bool:
 
 
 def _is_in_range(widget: Any, value: Any) -> bool:
-    """Whether a number is in range, up to half the last digit, as a browser rounds to the digits it shows."""
+    """Whether a number is in a widget's range, up to half its last digit, as a browser rounds to the digits shown."""
     half = 0.5 * 10.0**-widget.precision * (1 + 1e-9) if type(widget.value) is float else 0.0
     low = -math.inf if widget.min is None else widget.min - half
     high = math.inf if widget.max is None else widget.max + half

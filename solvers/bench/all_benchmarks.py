@@ -20,7 +20,8 @@ CPP_PROBLEMS = ("bar", "ring")  # problems whose step there is in C++; that of t
 
 
 def run_benchmarks(quick: bool, command: Sequence[str], on_progress: Callable[[float], None]) -> dict:
-    """Measures everything. ``command`` is a command of the user that exits at once; ``on_progress`` gets 0 to 1."""
+    """Returns the object of ``mpm-lab bench --json``, of fewer measurements if ``quick``. ``command`` is a command line
+    that exits at once, to time the start; ``on_progress`` receives the part done, from 0 to 1."""
     begun, effort = time.perf_counter(), solver_benchmarks.QUICK if quick else solver_benchmarks.FULL
     tasks: list[tuple[str, Callable[[], Any]]] = [
         ("start", partial(start_times, command, tuple(PROBLEMS))), ("gpu", partial(measure_gpu, quick)),
@@ -43,7 +44,8 @@ def run_benchmarks(quick: bool, command: Sequence[str], on_progress: Callable[[f
 
 
 def machine_info() -> dict[str, Any]:
-    """Returns the machine's properties and present load."""
+    """Returns system, processor, cores, mean load of the last minute (None if unknown), versions of Python and
+    Taichi."""
     load = os.getloadavg()[0] if hasattr(os, "getloadavg") else None
     return {"system": platform.system(), "processor": platform.machine(), "cores": os.cpu_count(), "load": load,
             "python": ".".join(map(str, sys.version_info[:3])), "taichi": ".".join(map(str, runtime.ti.__version__))}

@@ -1,8 +1,5 @@
-"""Our rates over those of hand-written C++, compiled here by an available compiler.
-
-It has the same step, fused, vectorised and with nothing but the method, as written by hand for one method and one CPU.
-Solver and C++ take turns, so that a CPU that changes its clock rate affects both.
-"""
+"""Our rates over those of hand-written C++ (``cpp/``), compiled here: the same step, fused and vectorised by hand for
+one method and one CPU. Solver and C++ take turns, so that a CPU that changes its clock rate affects both."""
 
 import os
 import shutil
@@ -32,11 +29,11 @@ RING_CELLS, RING_STEPS = 96, 512  # beyond 0.01 s the C++ ring, without remedies
 
 
 class CppMissing(Exception):
-    """Error where no rate can be compared here; the sentence says why, and what would help."""
+    """Raised where no C++ can be compiled or run; the message says why, and what would help."""
 
 
 class CppProgram:
-    """The step of a problem in C++, compiled into a folder. Raises :class:`CppMissing` where that is impossible."""
+    """C++ program of the step of a problem (name), compiled into a folder. Raises :class:`CppMissing`."""
 
     def __init__(self, problem: str, folder: Path):
         self.path = folder / problem
@@ -48,8 +45,8 @@ class CppProgram:
                              f"{reasons[0].rpartition('error')[2].strip(': ')}")
 
     def run(self, *arguments: object) -> tuple[float, float]:
-        """Returns million particle-steps per second of CPU time, without the start; and the largest error of x over the
-        amplitude, which proves that the work was done."""
+        """Runs the program (arguments: ``ComparisonCase``); returns million particle-steps per second of CPU time, and
+        the largest error of x over the amplitude, as a proof of work. Raises :class:`CppMissing`."""
         said = _run_command(str(self.path), *map(str, arguments))
         if said.returncode:
             raise CppMissing(f"the C++ of the {self.path.name} ended with status {said.returncode}")
@@ -58,7 +55,7 @@ class CppProgram:
 
 
 def find_compiler() -> str:
-    """Returns the compiler in the variable CXX, or the first that exists. Raises :class:`CppMissing` without one."""
+    """Returns the path of the C++ compiler in the variable CXX, or of a usual one. Raises :class:`CppMissing`."""
     names = (os.environ["CXX"],) if os.environ.get("CXX") else COMPILERS
     for name in names:
         if found := shutil.which(name):
@@ -76,7 +73,7 @@ def _run_command(*command: str) -> subprocess.CompletedProcess:
 
 @dataclass(frozen=True)
 class ComparisonCase:
-    """A method, its grid, and the arguments of the C++ program."""
+    """Method of ours and its number of cells, and the arguments of the C++ program that it is compared with."""
 
     method: str
     cells: int
@@ -84,20 +81,18 @@ class ComparisonCase:
 
 
 def comparison_cases(problem: str) -> list[ComparisonCase]:
-    """Returns the bar's methods, all against the C++ step of uGIMP; the ring's boxes and CPDI, each against its own."""
+    """Returns a problem's cases: the bar's methods, all against C++ of uGIMP; or the ring's, each against its own."""
     if problem == "bar":
-        return [ComparisonCase(method, BAR_CELLS,
-                               (BAR_CELLS, BAR_STEPS)) for method in PROBLEMS[problem].scene.choices("method")]
+        return [ComparisonCase(method, BAR_CELLS, (BAR_CELLS, BAR_STEPS))
+                for method in PROBLEMS[problem].scene.choices("method")]
     return [ComparisonCase(method, RING_CELLS, (method, RING_CELLS, RING_STEPS)) for method in RING_METHODS]
 
 
 def measure_ratios(problem: str, quick: bool) -> dict:
-    """Returns a row for each case of a problem, or why there is none. In a turn each case is measured twice, the solver
-    and at once the C++, after a turn that does not count.
-
-    ``ratio`` is the median over the turns, ``low`` and ``high`` are the quartiles; ``rate`` and ``limit`` are the
-    fastest of each, in million particle-steps a second of one thread's time; ``seconds`` are those of our step.
-    """
+    """Returns the measured ``cases`` of a problem, or in ``missing`` why there are none. In each turn the solver and at
+    once the C++ are measured; the first turn does not count. ``ratio`` is the median over the turns of our rate over
+    that of C++, ``low`` and ``high`` are the quartiles; ``rate`` and ``limit`` are the highest rates of ours and of
+    C++, in million particle-steps per second of one thread's time; ``seconds`` is our shortest time per step."""
     with tempfile.TemporaryDirectory(prefix="mpm-lab-limit-", ignore_cleanup_errors=True) as folder:
         try:
             program = CppProgram(problem, Path(folder))
@@ -113,7 +108,7 @@ def measure_ratios(problem: str, quick: bool) -> dict:
 
 
 def _ratio_row(case: ComparisonCase, particles: int, turns: np.ndarray) -> dict:
-    """Returns the row of a case; ``turns`` has seconds per step of the solver and the rate of the C++(turns, 2)."""
+    """Returns a row of :func:`measure_ratios`; ``turns`` (T, 2) has our seconds per step and the rate of C++."""
     seconds, limits = turns.T
     rates = 1e-6 * particles / seconds
     low, ratio, high = np.quantile(rates / limits, [0.25, 0.5, 0.75])

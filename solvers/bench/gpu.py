@@ -2,8 +2,7 @@
 
 Everything is measured in one fresh process, which restarts Taichi for each plan. A step moves at least what its phases
 read and write of each particle, so that the memory's bandwidth, measured here by a copy, limits the rate; nodes, of
-which there is one for several particles, are neglected.
-"""
+which there is one for several particles, are neglected."""
 
 import os
 import time
@@ -41,8 +40,8 @@ EXTRA_BYTES = {"ugimp": 4 * 3, "cpdi": 64 * 3 + 32 + 32}
 
 
 def measure_gpu(quick: bool) -> dict:
-    """Returns the GPU that ``gpu`` stands for, its bandwidth in GB/s and a row for each problem, method and size; None
-    and no rows, with a reason, where there is none or the process fails."""
+    """Returns the object of :func:`measure_device` for this machine's GPU, of small sizes only if ``quick``; without
+    values, with the reason in ``missing``, where there is no GPU or the process fails."""
     where = devices.resolve_arch(devices.GPU)
     nothing = {"arch": None, "name": "", "bandwidth": None, "rows": []}
     if where == devices.CPU:
@@ -59,7 +58,8 @@ def measure_in_worker(question: dict, answer: Callable[[dict], None]) -> None:
 
 
 def measure_device(where: str, sizes: Mapping[str, Sequence[int]], copied: int = COPIED_VECTORS) -> dict:
-    """Returns the measurements on one kind of GPU, for these numbers of cells of each problem."""
+    """Returns name, bandwidth in GB/s and rates (``rows``) of the GPU ``where`` (name of Taichi's backend); ``sizes``
+    maps problems to numbers of cells, ``copied`` is the number of vectors to copy for the bandwidth."""
     runtime.start(where)
     limit = measure_bandwidth(copied)
     rows = [measure_scene_rates(bare_scene(problem, n, method=method), where, limit)
@@ -69,21 +69,20 @@ def measure_device(where: str, sizes: Mapping[str, Sequence[int]], copied: int =
 
 
 def measure_scene_rates(scene: Scene, where: str, limit: float) -> dict:
-    """Returns the rates of a scene, in million particle-steps per second, on the GPU and by the CPU's plans, where
-    these allow so many particles; and the share of the first in the limit by bandwidth."""
+    """Returns the rates of a scene, in million particle-steps per second, on the GPU ``where`` and by the CPU's plans
+    (None if unstable or too many particles), and the GPU's rate over its ``limit`` by bandwidth (bytes per second)."""
     rates = {"gpu": measure_particle_step_rate(build(replace(scene, arch=where)))}
     everywhere: dict[str, Any] = {"plan": "parallel", "threads": os.cpu_count() or 1}
     for plan, inputs in {"serial": {}, "parallel": everywhere}.items():
-        rates[plan] = (
-            measure_particle_step_rate(build(replace(scene, **inputs))) if scene.particles <= MOST_PARTICLES else None
-        )
+        rates[plan] = measure_particle_step_rate(build(replace(scene, **inputs))) \
+            if scene.particles <= MOST_PARTICLES else None
     share = None if rates["gpu"] is None else 1e6 * rates["gpu"] * (BASE_BYTES + EXTRA_BYTES[scene.method]) / limit
     return {"problem": scene.problem, "method": scene.method, "cells": scene.cells, "particles": scene.particles,
             "rates": rates, "share": share}
 
 
 def measure_particle_step_rate(solver: Solver) -> float | None:
-    """Returns million particle-steps per second of wall time; None if the run becomes unstable."""
+    """Returns a solver's rate in million particle-steps per second of wall time; None if its run becomes unstable."""
     solver.compile()
     steps, most = 1, solver.longest_advance
     while (took := _time_call(partial(solver.advance, steps))) < SECONDS and 2 * steps <= most:
@@ -93,7 +92,7 @@ def measure_particle_step_rate(solver: Solver) -> float | None:
 
 
 def measure_bandwidth(vectors: int) -> float:
-    """Returns bytes per second that the GPU reads and writes in a copy of so many vectors of four numbers."""
+    """Returns the bytes per second that the GPU reads and writes in a copy of so many ``vectors`` of four doubles."""
     one, other = (ti.ndarray(quads.dtype, vectors) for _ in range(2))
     copy_vectors(one, other)
     took = [_time_call(lambda: (copy_vectors(one, other), ti.sync())) for _ in range(TURNS)]

@@ -1,8 +1,7 @@
-"""Benchmarks of solvers in this process: rates, prices, and the overhead of inactive effects.
+"""Benchmarks of solvers in this process: rates, prices, and the overhead of inactive diagnostics.
 
 Everything runs on one thread in CPU time. The motion is gentle, so that every method's run stays sound; the time per
-step does not depend on how far the particles move.
-"""
+step does not depend on how far the particles move."""
 
 import math
 import time
@@ -24,8 +23,8 @@ from solvers.study.row import PRICED
 
 
 def optional_part_inputs(scene: type[Scene]) -> dict[str, tuple[dict[str, Any], dict[str, Any]]]:
-    """Returns the optional parts of a problem's step: the inputs that switch each on, and those that it is compared
-    with, on an otherwise bare step."""
+    """Returns the optional parts of a step by name: the inputs of this class of scenes that switch the part on, and
+    those to compare with."""
     found: dict[str, tuple[dict[str, Any], dict[str, Any]]] = {
         name: ({"effects": (*needed, name)}, {"effects": needed}) for name, needed in PRICED.items()}
     found["body force"] = ({}, {"body_force": "none"})
@@ -37,7 +36,7 @@ def optional_part_inputs(scene: type[Scene]) -> dict[str, tuple[dict[str, Any], 
 
 @dataclass(frozen=True)
 class BenchmarkEffort:
-    """Effort of a benchmark: sizes, turns, and seconds of a stretch."""
+    """Effort of a benchmark: numbers of cells, of turns, and seconds of a stretch of steps."""
 
     cells: Mapping[int, tuple[int, ...]]  # by dimension
     priced_cells: Mapping[int, int]  # for prices and for what is off
@@ -52,20 +51,21 @@ QUICK = BenchmarkEffort({1: (40, 160), 2: (24,)}, {1: 40, 2: 24}, 3, 3, 5, 0.02)
 
 
 def bare_scene(problem: str, cells: int, **inputs: Any) -> Scene:
+    """Returns a scene of gentle motion with nothing optional but the given ``inputs`` (fields of the scene)."""
     kind = PROBLEMS[problem].scene
     return kind(**{"cells": cells, "effects": (), "estimators": (), "amplitude": kind.GENTLE_AMPLITUDE, **inputs})
 
 
 def measure_rates(problem: str, method: str, effort: BenchmarkEffort) -> list[dict]:
-    """Returns the rate at each size, in million particle-steps per second."""
+    """Returns a row per size of the effort, with the rate in million particle-steps per second (None if unstable)."""
     scenes = [bare_scene(problem, cells, method=method) for cells in effort.cells[PROBLEMS[problem].scene.DIMENSIONS]]
     return [{**_scene_columns(scene), "particles": scene.particles,
              "rate": finite_or_none(particle_step_rate(build(scene), effort.rate_turns))} for scene in scenes]
 
 
 def estimator_prices(problem: str, effort: BenchmarkEffort) -> list[dict]:
-    """Returns the time of a step with each estimator, all four quantities, over a bare one, null with a reason if it is
-    not valid."""
+    """Returns a row per estimator of a problem: in ``ratio`` the time of a step with it, for all four quantities, over
+    a bare step's; None with the reason in ``not_valid`` if it is not valid."""
     kind, with_it = PROBLEMS[problem].scene, dict[str, Scene]()
     for name in PROBLEMS[problem].estimators:  # of the default method, or the first for which the estimator is valid
         scenes = [_scene_to_price(problem, effort, method=method, effects=("estimate", "acceleration"),
@@ -79,7 +79,7 @@ def estimator_prices(problem: str, effort: BenchmarkEffort) -> list[dict]:
 
 
 def effect_prices(problem: str, effort: BenchmarkEffort) -> list[dict]:
-    """Returns the time of a step with each effect over one without it."""
+    """Returns a row per diagnostic or other optional part: in ``ratio`` the time of a step with over without it."""
     scene = _scene_to_price(problem, effort)
     pairs = {name: (replace(scene, **on), replace(scene, **off)) for name,
              (on, off) in optional_part_inputs(type(scene)).items()}
@@ -88,14 +88,12 @@ def effect_prices(problem: str, effort: BenchmarkEffort) -> list[dict]:
 
 
 def measure_inactive_overhead(problem: str, effort: BenchmarkEffort) -> dict:
-    """Measures a bare step over a baseline without optional code, and the uncertainty.
+    """Returns the time of a bare step over that of a baseline whose code has no optional parts, and the uncertainty.
 
     Two solvers of each kind take turns. ``ratio`` is the median over the turns, ``low`` and ``high`` are the quartiles;
-    ``same`` compares the two bare solvers, which run the same machine code and differ by noise alone. How
-    the compiler lays code out is not in that: kernels of the same phases, compiled apart, were 1 to 3 % apart. ``call``
-    and ``call_stripped`` are the seconds that a call of the kernel costs, however many steps it takes: they are not
-    part of a step, but more arguments, used or not, make a call longer.
-    """
+    ``same`` compares the two bare solvers, which run the same machine code and differ by noise alone. How the compiler
+    lays code out is not in that: kernels of the same phases, compiled apart, were 1 to 3 % apart. ``call`` and
+    ``call_stripped`` are the seconds that a call of either kernel costs beside its steps, more with more arguments."""
     scene = _scene_to_price(problem, effort)
     own, baseline = PROBLEMS[problem].solver, PROBLEMS[problem].baseline
     solvers = [kind(scene) for kind in (baseline, own, baseline, own)]
@@ -113,6 +111,7 @@ def measure_inactive_overhead(problem: str, effort: BenchmarkEffort) -> dict:
 
 
 def _empty_call_seconds(solver: Solver) -> float:
+    """Returns the least CPU time in s of a call of a solver's kernel for no steps."""
     took = []
     for _ in range(50):
         begun = time.thread_time()

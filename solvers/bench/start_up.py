@@ -1,7 +1,5 @@
-"""Time from nothing to a solver that can step: imports, Taichi's start, compilation. Wall time.
-
-Cold means that Taichi's cache of compiled kernels is empty, as after an installation; warm that it is filled.
-"""
+"""Wall time from nothing to a solver that can step: imports, Taichi's start, compilation, with an empty cache of
+compiled kernels (cold, as after an installation) or a filled one (warm)."""
 
 import subprocess
 import tempfile
@@ -18,8 +16,8 @@ PATIENCE = 120.0  # seconds
 
 
 def start_times(command: Sequence[str], problems: Sequence[str]) -> dict:
-    """Returns the seconds of a command, and to import, to start Taichi and to compile the default scenes of the
-    ``problems``, cold and warm; all None, with a reason, where a process fails."""
+    """Returns seconds: of a command line, to import, to start Taichi, and by problem (name) to compile its default
+    scene, cold and warm; all None, with the reason in ``failed``, where a process fails."""
     try:
         ready = min(time_command(command) for _ in range(TURNS))
         with tempfile.TemporaryDirectory(prefix="mpm-lab-bench-", ignore_cleanup_errors=True) as cache:
@@ -32,6 +30,7 @@ def start_times(command: Sequence[str], problems: Sequence[str]) -> dict:
 
 
 def time_command(command: Sequence[str]) -> float:
+    """Returns the wall time of a command line in s; raises :class:`ProcessDied` if it fails."""
     begun = time.perf_counter()
     try:
         subprocess.run(command, cwd=ROOT, capture_output=True, stdin=subprocess.DEVNULL, timeout=PATIENCE, check=True)

@@ -1,10 +1,9 @@
 """The paper's tables in this project: their rows, the runs for each, and choices that had to be made.
 
-A row is up to three runs: ``errors`` with every estimator, sampled as often as the estimators step, so that sums
-over samples are sums over steps; ``cost``, a tenth as long and sampled as a run is by default, for the price of each
+A row is up to three runs: ``errors`` with every estimator, sampled as often as the estimators step, so that sums over
+samples are sums over steps; ``cost``, a tenth as long and sampled as a run is by default, for the price of each
 estimator; and for Table 1 ``crossings``, longer and with nothing else switched on. Tables 2 and 3 share their runs.
-Beside each stand the numbers that the paper prints.
-"""
+Beside each stand the numbers that the paper prints."""
 
 import functools
 import json
@@ -44,7 +43,7 @@ def _printed_numbers() -> dict:
 
 
 def printed_bar_row(modulus: float, cells: int) -> dict[str, float]:
-    """Returns Table 1's errors, ``grid_crossings`` and indices ``index_x`` ...; empty without such a row."""
+    """Returns a printed row of Table 1, by modulus (Pa) and cells: errors (SI units), crossings, indices; or {}."""
     for case in _printed_numbers()["table1"]["cases"]:
         for row in case["rows"]:
             if case["modulus"] == modulus and row["cells"] == cells:
@@ -53,22 +52,23 @@ def printed_bar_row(modulus: float, cells: int) -> dict[str, float]:
 
 
 def printed_ring_errors(method: str, cells: int) -> dict[str, float]:
-    """Returns Table 2's errors of x, v and of the acceleration."""
+    """Returns the printed errors in Table 2 of x (m), v (m/s) and ``a_nodes`` (m/s²); empty without such a row."""
     return {KEYS[key]: value for key, value in _printed_ring_row("table2", cells).get(method, {}).items()}
 
 
 def printed_ring_index(method: str, cells: int) -> dict[str, float]:
-    """Returns Table 3's index of the displacement error."""
+    """Returns the printed index in Table 3 of the error of x, as ``index_x``; empty without such a row."""
     row = _printed_ring_row("table3", cells)
     return {"index_x": row[method]} if method in row else {}
 
 
 def _printed_ring_row(table: str, cells: int) -> dict:
+    """Returns the printed values of "table2" or "table3" for a number of cells, by method; empty without a row."""
     return next((row for row in _printed_numbers()[table]["rows"] if row["cells"] == cells), {})
 
 
 def format_digits(value: float, count: int) -> str:
-    """Returns a number with so many significant digits, with an exponent only where it is shorter: 3.49e-6, 0.0581."""
+    """Returns a number with ``count`` significant digits, with an exponent only if that is shorter: 3.49e-6, 0.0581."""
     mantissa, _, exponent = f"{value:.{count - 1}e}".partition("e")
     power = int(exponent)
     return f"{value:.{max(0, count - 1 - power)}f}" if -2 <= power <= 2 else f"{mantissa}e{power}"
@@ -82,7 +82,7 @@ def format_round_number(value: float) -> str:
 
 @dataclass(frozen=True)
 class TableRow:
-    """Row of a table. ``name`` is that of its file, ``part`` its heading, ``paper`` the printed numbers."""
+    """Row of a table of the paper: unique name, heading ``part``, runs by name, and the printed numbers."""
 
     name: str
     part: str
@@ -92,8 +92,8 @@ class TableRow:
 
 @dataclass(frozen=True)
 class PaperTable:
-    """A table before its runs. ``setup`` describes given and chosen parameters in sentences, ``caption`` the numbers
-    that all rows share."""
+    """Table of the paper ("1", "2" or "3") before its runs. ``setup`` describes given and chosen parameters in
+    sentences, ``caption`` those that all rows share."""
 
     number: str
     title: str
@@ -103,14 +103,15 @@ class PaperTable:
 
 
 def make_table(number: str, estimators: Mapping[str, Iterable[str]]) -> PaperTable:
-    """Returns a table of the paper, with the estimators of each problem."""
+    """Returns table "1", "2" or "3" of the paper; ``estimators`` maps problems to names of estimators to run."""
     makers: dict[str, Callable[..., PaperTable]] = {"1": table_1, "2": table_2, "3": table_3}
     return makers[number](estimators)
 
 
 def table_1(estimators: Mapping[str, Iterable[str]], cells: Iterable[int] = BAR_CELLS, end: float = 1.0,
             long: float = 10.0) -> PaperTable:
-    """Returns the table of the bar: errors, grid crossings and indices."""
+    """Returns Table 1, of the bar: errors, grid crossings and indices, a row per case, body force and number of cells.
+    Runs take ``end`` s, those that count crossings ``long`` s; ``estimators`` as for :func:`make_table`."""
     rows = []
     for case, force, n in product(BAR_CASES, BAR_FORCES, cells):
         modulus, amplitude = BAR_CASES[case]
@@ -130,8 +131,8 @@ def table_1(estimators: Mapping[str, Iterable[str]], cells: Iterable[int] = BAR_
 def _ring_table(number: str, title: str, names: tuple[str, ...], printed: Callable[[str, int], Mapping[str, float]],
                 estimators: Mapping[str, Iterable[str]], cells: Iterable[int] = RING_CELLS,
                 methods: Iterable[str] = RING_METHODS, end: float = 0.02) -> PaperTable:
-    """Returns a table of the ring: ``names`` of its own notes, and a function for the numbers ``printed`` in the paper
-    for a method and cells."""
+    """Returns a table of the ring, a row per set-up, method and number of cells; runs take ``end`` s. ``names`` are
+    those of its notes; ``printed`` returns the numbers in the paper for a method and cells."""
     rows = []
     for name, method, n in product(RING_SETUPS, methods, cells):
         amplitude, modulus, ppc, what = RING_SETUPS[name]
@@ -151,5 +152,6 @@ table_3 = functools.partial(_ring_table, "3", "Table 3. Expanding ring: error in
 
 
 def _error_and_cost_scenes(scene: Scene) -> dict[str, Scene]:
+    """Returns the runs ``errors``, sampled as often as estimators step, and ``cost``, a tenth as long."""
     return {"errors": replace(scene, sample_every=scene.estimate_interval),
             "cost": replace(scene, t_end=COST_PART * scene.end_time)}

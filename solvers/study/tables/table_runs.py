@@ -1,8 +1,6 @@
 """Runs of tables, measured and stored like rows of any study, and a finished table as one JSON object: for each row its
-inputs, the paper's numbers, ours, and the estimators'.
-
-Everything that is printed or drawn of a table is made from this object and nothing else.
-"""
+inputs, the paper's numbers, ours, and the estimators'. Everything that is printed or drawn of a table is made from
+this."""
 
 from collections.abc import Callable, Iterable, Mapping
 
@@ -26,8 +24,8 @@ Results = Mapping[str, dict]  # the object of ``mpm-lab run --json`` for each ru
 
 
 def all_runs(tables: Iterable[PaperTable]) -> list[Task]:
-    """Returns every run of the tables once: first those without timing, the longest first, so that no CPU is idle at
-    the end; then the timed ones, with ``repeats``."""
+    """Returns the distinct runs of tables: first those without timing, the longest first, so that no CPU is idle at the
+    end; then the timed ones, whose ``repeats`` is 1."""
     scenes = [(name in TIMED, scene) for table in tables for row in table.rows for name, scene in row.scenes.items()]
     wanted = sorted(scenes, key=lambda one: (one[0], 0 if one[0] else -one[1].particles * one[1].steps))
     found = {task.key: task for task in (task_of(scene, repeats=int(timed)) for timed, scene in wanted)}
@@ -35,11 +33,12 @@ def all_runs(tables: Iterable[PaperTable]) -> list[Task]:
 
 
 def measure_in_worker(task: dict, answer: Callable[[dict], None]) -> None:
-    """Measures one run in a worker process, with prices of estimators where it is timed."""
+    """Measures the run of a task (fields of Task) in a worker process, with prices if it is timed; sends its row."""
     answer(measure(Task(**task), _run_to_row))
 
 
 def _run_to_row(task: Task, scene: Scene) -> dict:
+    """Runs a scene; returns the row to store, with the object of ``mpm-lab run --json`` under ``result``."""
     from solvers.running.run import run  # here: a row can be read, kept and drawn without Taichi
 
     result = run(scene, prices=task.repeats > 0, mid_run=False).to_dict()
@@ -48,13 +47,13 @@ def _run_to_row(task: Task, scene: Scene) -> dict:
 
 
 def results_by_row(table: PaperTable, rows: Iterable[dict]) -> dict[str, Results]:
-    """Returns the results of each row of a table by its name, from the measured runs."""
+    """Returns the results of a table's runs by name of the row and run, from the stored ``rows`` of all runs."""
     found = {row["key"]: row["result"] for row in rows if "result" in row}
     return {row.name: {name: found[task_of(scene).key] for name, scene in row.scenes.items()} for row in table.rows}
 
 
 def table_to_dict(table: PaperTable, results: Mapping[str, Results]) -> dict:
-    """Returns the object of a table; ``results`` has each row's by its name."""
+    """Returns the JSON object of a table; ``results`` are from :func:`results_by_row`."""
     names = dict.fromkeys(name for row in table.rows for name in row.scenes["errors"].estimators)
     seconds = [result["seconds"] for row in table.rows for result in results[row.name].values()]
     return {"schema": SCHEMA, "table": table.number, "title": table.title, "caption": table.caption,
@@ -64,7 +63,7 @@ def table_to_dict(table: PaperTable, results: Mapping[str, Results]) -> dict:
 
 
 def rows_by_part(table: dict) -> dict[str, list[dict]]:
-    """Returns the rows of a table's object under each heading, in order."""
+    """Returns the rows of a table's JSON object by their heading, in order."""
     found: dict[str, list[dict]] = {}
     for row in table["rows"]:
         found.setdefault(row["part"], []).append(row)
@@ -72,6 +71,7 @@ def rows_by_part(table: dict) -> dict[str, list[dict]]:
 
 
 def _row_to_dict(number: str, row: TableRow, results: Results) -> dict:
+    """Returns the JSON object of a row of Table ``number``: inputs, the paper's values, ours, their ratios."""
     run = results["errors"]
     ours = _computed_values(number, results)
     paper = {key: row.paper.get(key) for key in ours}
@@ -84,8 +84,8 @@ def _row_to_dict(number: str, row: TableRow, results: Results) -> dict:
 
 
 def _computed_values(number: str, results: Results) -> dict:
-    """Returns for a row of Table 1 the largest errors, crossings to the end of the long run and of the short one, and
-    indices of the paper's estimator; for Table 2 the errors at the end; for Table 3 that index of x."""
+    """Returns our values in a row, by name. Table 1: largest RMS errors in SI units, crossings in the long and the
+    short run, indices of the paper's estimator; Table 2: errors at the end; Table 3: the index of x."""
     run = results["errors"]
     if number == "2":
         return {q: run["error"][q]["final"] for q in ("x", "v", "a_nodes")}
@@ -98,6 +98,7 @@ def _computed_values(number: str, results: Results) -> dict:
 
 
 def _estimator_to_dict(name: str, results: Results) -> dict:
+    """Returns an estimator's index and distance by quantity, its share of the run time, and why it is not valid."""
     run, cost = results["errors"], results["cost"]
     seconds = cost["seconds"]["estimators"].get(name)
     reason = run["not_valid"].get(name) or cost["not_valid"].get(name)
@@ -107,11 +108,11 @@ def _estimator_to_dict(name: str, results: Results) -> dict:
 
 
 def _estimator_value(run: dict, kind: str, name: str, quantity: str) -> float | None:
-    """Returns one estimator's index or distance, which has no level of names in a run with a single estimator."""
+    """Returns an estimator's index or distance (``kind``) of a quantity from a result's object; None if unknown."""
     names = run["scene"]["estimator"]
     if name not in names or name in run["not_valid"]:
         return None
-    return (run[kind][name] if len(names) > 1 else run[kind])[quantity]
+    return (run[kind][name] if len(names) > 1 else run[kind])[quantity]  # a single estimator has no level of names
 
 
 def _ratio(above: float | None, below: float | None) -> float | None:
