@@ -66,8 +66,8 @@ def record_mode_moments(body: ti.template(), row):
     (``BoxScene.momentum_balance_moments``), to sample ``row``, for a body without a known symmetry."""
     record_neighbour_gaps(body, row)
     squares, sums = 0.0, ti.Vector([0.0] * MODES)
-    rank = table_size_entry(body, MOTION, separable_field_tables.RANK)
-    modes = table_size_entry(body, MOTION, separable_field_tables.MODES)
+    rank = table_size(body, MOTION, separable_field_tables.RANK)
+    modes = table_size(body, MOTION, separable_field_tables.MODES)
     for p in range(body.particles):
         X, q = body.material_position[p], body.position_velocity[p]
         u = ti.Vector([q[0] - X[0], q[1] - X[1]])

@@ -26,8 +26,8 @@ def compute_exact_solution(body: ti.template(), step, on: ti.template()):
     before = ti.max(0.0, now - w * body.dt)
     for number in range(MOTION, GRID + 1):  # one loop, for its code is compiled once
         compute_time_functions(body.tables, body.table_sizes, number, w, now, before)
-    rank, modes = table_size_entry(body, MOTION, RANK), table_size_entry(body, MOTION, MODES)
-    out = table_size_entry(body, MOTION, PRESENT)
+    rank, modes = table_size(body, MOTION, RANK), table_size(body, MOTION, MODES)
+    out = table_size(body, MOTION, PRESENT)
     for k in range(body.orbits):
         motion, a, F = ti.Vector([0.0] * 4), ti.Vector([0.0] * 4), ti.Vector([1.0, 0.0, 0.0, 1.0])
         for n in range(rank):

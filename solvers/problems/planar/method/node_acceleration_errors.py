@@ -20,8 +20,8 @@ def make_node_acceleration_error(ghosts: int) -> Callable:
     @ti.func
     def node_acceleration_error(body: ti.template(), on: ti.template()):
         """Returns the mean squared error of the acceleration, m^2/s^4, over the nodes that carry mass."""
-        total, count, rank, last = 0.0, 0, table_size_entry(body, GRID, RANK), body.row - 1 - ghosts
-        modes, out = table_size_entry(body, GRID, MODES), table_size_entry(body, GRID, PRESENT)
+        total, count, rank, last = 0.0, 0, table_size(body, GRID, RANK), body.row - 1 - ghosts
+        modes, out = table_size(body, GRID, MODES), table_size(body, GRID, PRESENT)
         for node in range(body.nodes):  # not one loop in another: Vulkan in software adds wrongly there
             i, j = node % body.row, node // body.row
             if i >= ghosts and j >= ghosts and i <= last and j <= last and body.node_mass[node] > 0:
@@ -59,8 +59,8 @@ def make_circular_acceleration_error(kind: type[PlanarScene], first: int) -> Cal
     @ti.func
     def node_acceleration_error(body: ti.template(), on: ti.template()):
         """Returns the mean squared error of the acceleration, m^2/s^4, over the nodes that carry mass."""
-        rank, modes = table_size_entry(body, GRID, RANK), table_size_entry(body, GRID, MODES)
-        out = table_size_entry(body, GRID, PRESENT)
+        rank, modes = table_size(body, GRID, RANK), table_size(body, GRID, MODES)
+        out = table_size(body, GRID, PRESENT)
         for m in range(body.exact.shape[0] - 3 * body.orbits):
             now = ti.Vector([0.0] * 4)
             for k in range(rank):
