@@ -30,8 +30,8 @@ _MADE = {"crossings": lazy("crossings made {share} of the error of {symbol}{whos
 
 @dataclass(frozen=True)
 class Layer:
-    """A ``cause``'s part of an error over time: increases between the rows of ``above``, decreases of ``below``, (2,
-    T)."""
+    """Area of one ``cause`` (of ``CAUSES``) in a stacked chart of an error over T times: between the rows of ``above``
+    (2, T) where the cause increases the error, of ``below`` (2, T) where it reduces it, in the unit of the error."""
 
     cause: str
     above: np.ndarray
@@ -39,7 +39,8 @@ class Layer:
 
 
 def stack_layers(series: Mapping[str, np.ndarray], field: str) -> list[Layer]:
-    """Returns the stacked contributions to a field's error; ``series`` of a run with the effect ``budget``."""
+    """Returns the stacked contributions of all visible causes to the error of a field, x, v or F; ``series`` are those
+    of a run with the effect ``budget``, by name, (T,) each."""
     largest = float(np.max(np.abs(error_rms(series, field)), initial=0.0))
     up = down = np.zeros(len(series["time"]))
     layers = []
@@ -53,27 +54,29 @@ def stack_layers(series: Mapping[str, np.ndarray], field: str) -> list[Layer]:
 
 
 def error_rms(series: Mapping[str, np.ndarray], field: str) -> np.ndarray:
-    """Returns the error of a field (T,), RMS over particles; 0 where it is not finite."""
+    """Returns the error (T,) of a field, x in m, v in m/s or F, from a run's series: RMS over particles; 0 where it is
+    not finite."""
     return np.nan_to_num(series[f"budget/error_{field}"], posinf=0.0, neginf=0.0)
 
 
 def has_budget(series: Mapping[str, np.ndarray]) -> bool:
-    """Whether series contain a budget with at least two times."""
+    """Returns whether a run's series contain an error budget at two times or more."""
     return len(series.get("budget/error_x", ())) > 1
 
 
 def budget_field(quantity: str) -> str:
-    """Returns the field whose budget belongs to a quantity: F for stress and acceleration."""
+    """Returns the field, x, v or F, whose budget is shown for a quantity (key x, v, sigma or a): F for the last two."""
     return quantity if quantity in FIELDS else FIELDS[-1]
 
 
 def format_percent(share: float | None) -> str:
-    """Formats a share in whole per cent: 97 %, −4 %."""
+    """Returns a share, 1 for the whole, as text in whole per cent (97 %, −4 %); "–" for None."""
     return "–" if share is None else f"{round(100 * share) + 0:d} %".replace("-", "−")
 
 
 def largest_share(series: Mapping[str, np.ndarray], field: str) -> tuple[str, float] | None:
-    """Returns the largest cause of an error so far and its share; None without valid shares."""
+    """Returns the largest cause of the error of a field (x, v or F) so far, by name, and its share of the error (1 for
+    all); None if the run's series have no valid shares."""
     if not has_budget(series) or budget.why_not_valid(series):
         return None
     known = {cause: share for cause, share in budget.shares(series, field).items() if share is not None}
@@ -81,7 +84,8 @@ def largest_share(series: Mapping[str, np.ndarray], field: str) -> tuple[str, fl
 
 
 def largest_cause_fact(scene: Scene, series: Mapping[str, np.ndarray], quantity: str) -> str:
-    """Returns a sentence on the largest cause of a quantity's error so far; "" without a budget."""
+    """Returns a clause on the largest cause of the error of a quantity (key x, v, sigma or a) so far, from the series
+    of a scene's run; "" without a budget of it, or early in the run."""
     if not scene.has("budget") or quantity not in FIELDS or not has_budget(series) \
             or series["time"][-1] < EARLY * scene.period or (found := largest_share(series, quantity)) is None:
         return ""
@@ -90,5 +94,5 @@ def largest_cause_fact(scene: Scene, series: Mapping[str, np.ndarray], quantity:
 
 
 def estimated_error_note(scene: Scene) -> str:
-    """Returns the note after a share if the error is the companion's estimate."""
+    """Returns a note to append if the error in a budget is the companion's estimate; "" if it is the true one."""
     return "" if scene.has("truth") else tr(", as companion sees it")

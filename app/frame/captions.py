@@ -38,7 +38,8 @@ TRUE, ESTIMATED = lazy("true"), lazy("estimated")  # rows beside those of estima
 
 @dataclass(frozen=True)
 class Captions:
-    """Titles and sources of the two halves, why either is empty ("" if not), and what the colours measure."""
+    """Captions of the estimate's and the truth's half, in this order: their ``titles``, the source ``by`` which each is
+    known, why either is empty (``silences``; "" if it is not), and what the colours measure."""
 
     titles: tuple[str, str]
     by: tuple[str, str]
@@ -48,7 +49,7 @@ class Captions:
 
 @dataclass(frozen=True)
 class FieldPlotCaption:
-    """Name of a field plot, with a remark on what it shows, if needed."""
+    """Name of a field plot, and a remark on what it shows or why it is empty; "" if none is needed."""
 
     name: str
     remark: str = ""
@@ -59,8 +60,9 @@ class FieldPlotCaption:
 
 @language_cache(64)  # called with every frame
 def make_captions(quantity: str, estimator: str | None, difference: bool, no_estimate: str, no_truth: str) -> Captions:
-    """Returns the captions of a quantity's errors (x, v, sigma or a) by an estimator, or None; ``no_estimate`` and
-    ``no_truth`` are the reasons if either is missing, else ""."""
+    """Returns the captions of the errors of a quantity (key x, v, sigma or a) by an estimator's name, or None if none
+    is chosen. With ``difference`` the left half is estimate minus truth; ``no_estimate`` and ``no_truth`` are the
+    reasons if either is missing, else ""."""
     by = tr("by {estimator}", estimator=estimator) if estimator else "", tr(EXACT_SOLUTION)
     titles = tr(ESTIMATE[difference]), tr(TRUTH)
     if difference:
@@ -71,7 +73,8 @@ def make_captions(quantity: str, estimator: str | None, difference: bool, no_est
 
 
 def field_plot_caption(scene: Scene, component: str, quantity: str) -> FieldPlotCaption:
-    """Returns name and remark of the plot of a ``component`` of a quantity's field."""
+    """Returns name and remark of the plot of the field of a quantity (key x, v, sigma or a), of which it shows a
+    ``component``: "radial" or "angular" of a vector, "" if there is only one."""
     noun = QUANTITIES[quantity].noun
     name = tr(COMPONENTS[component], noun=noun) if component else noun
     name = name[:1].upper() + name[1:]
@@ -83,7 +86,8 @@ def field_plot_caption(scene: Scene, component: str, quantity: str) -> FieldPlot
 
 
 def add_unknown_count(remark: str, unknown: int | str) -> str:
-    """Appends the number of particles without a number to a remark, unless all have none."""
+    """Returns the ``remark`` on a plot with the number of particles whose value is ``unknown`` (or its placeholder)
+    appended; unchanged if that is 0, or the remark says that no particle has a value."""
     if not unknown or remark == tr(OFF):
         return remark
     if not remark:
@@ -91,13 +95,14 @@ def add_unknown_count(remark: str, unknown: int | str) -> str:
     return tr("{remark}; {unknown} without a number", remark=remark, unknown=unknown)
 
 
-def crossing_marks_legend(marked: str, every: int) -> str:
-    """Returns the legend of crossing marks, which one in ``every`` particles has."""
-    return tr("{marked} (1 in {every})", marked=tr(marked), every=every) if every > 1 else tr(marked)
+def crossing_marks_legend(legend: str, stride: int) -> str:
+    """Returns the ``legend`` (a translatable text) of the marks at cell crossings, which every ``stride``-th particle
+    can have; a stride above 1 is named in it."""
+    return tr("{marked} (1 in {every})", marked=tr(legend), every=stride) if stride > 1 else tr(legend)
 
 
 def why_no_truth(scene: Scene, quantity: str) -> str:
-    """Returns why a scene has no true error of a quantity, or ""."""
+    """Returns in a sentence why a scene has no true error of a quantity (key x, v, sigma or a); "" if it has one."""
     if not scene.solution_known:
         return tr(UNKNOWN)
     if not scene.has("truth"):
@@ -106,7 +111,8 @@ def why_no_truth(scene: Scene, quantity: str) -> str:
 
 
 def why_no_estimate(scene: Scene, not_valid: Mapping[str, str], estimator: str | None, quantity: str) -> str:
-    """Returns why an estimator has no estimate of a quantity, or ""."""
+    """Returns in a sentence why an estimator (its name; None if none is chosen) has no estimate of a quantity (key x,
+    v, sigma or a); "" if it has. ``not_valid`` has a reason for each estimator that is not valid in the run."""
     if estimator is None:
         return tr(NONE_CHOSEN)
     if "estimate" not in scene.effects:
@@ -119,29 +125,20 @@ def why_no_estimate(scene: Scene, not_valid: Mapping[str, str], estimator: str |
 
 
 def why_no_field(scene: Scene, quantity: str) -> str:
-    """Returns why the particles' values of a quantity are not known, or ""."""
+    """Returns why the particles' values of a quantity (key x, v, sigma or a) are not computed; "" if they are."""
     return tr(OFF) if quantity == "a" and not scene.has("acceleration") else ""
 
 
 def not_estimated_text(quantity: str) -> str:
-    """Returns the text, after an estimator's name, that it does not estimate a quantity."""
+    """Returns "does not estimate the ..." for a quantity (key x, v, sigma or a), to follow an estimator's name."""
     return tr("does not estimate the {quantity}", quantity=QUANTITIES[quantity])
 
 
 def why_no_numbers(scene: Scene, not_valid: Mapping[str, str], quantity: str,
                    silent: Collection[str]) -> dict[str, str]:
-    """Returns for the truth and each estimator requested why it has no number of a quantity, or "".
-
-    Parameters
-    ----------
-    scene
-    not_valid
-        Reasons of the estimators that are not valid (``Result.not_valid``).
-    quantity
-        Key of x, v, sigma or a.
-    silent
-        Estimators without a finite value of it so far.
-    """
+    """Returns for "true" and each requested estimator's name why it has no error of a quantity (key x, v, sigma or a),
+    "" if it has; "estimated" stands for the estimators if none is requested. ``not_valid`` has the reasons of invalid
+    ones (``Result.not_valid``), ``silent`` the names of those without a finite value of the quantity so far."""
     found = {TRUE: why_no_truth(scene, quantity)}
     for name in scene.estimators:
         found[name] = translate_message(not_valid.get(name, "")) or why_no_estimate(scene, not_valid, name, quantity) \
@@ -150,7 +147,8 @@ def why_no_numbers(scene: Scene, not_valid: Mapping[str, str], quantity: str,
 
 
 def why_no_index(scene: Scene, valid: Collection[str], quantity: str) -> str:
-    """Returns why the plot of the error index is empty, given the ``valid`` estimators, or ""."""
+    """Returns why the plot of a quantity's error index (estimate over true error) is empty, "" if it is not; ``valid``
+    are the names of the estimators that are valid in the run."""
     if not scene.solution_known:
         return tr(NO_INDEX)
     if why_no_truth(scene, quantity):
@@ -160,7 +158,8 @@ def why_no_index(scene: Scene, valid: Collection[str], quantity: str) -> str:
 
 @dataclass(frozen=True)
 class StageHalf:
-    """Lane of the bar or half of a plane body: ``sizes`` (P,) of errors, or the reason for none in ``silence``."""
+    """Lane of the bar or half of a plane body: its title, the source ``by`` which the errors are known, their ``sizes``
+    (P,) in the quantity's unit, or None and the reason in ``silence``."""
 
     title: str
     by: str
@@ -170,7 +169,8 @@ class StageHalf:
 
 @dataclass(frozen=True)
 class ErrorView:
-    """Both halves, what the scale measures, and the estimated and true sizes (P,) for numbers."""
+    """View of a frame's errors: its left half (the estimate, or estimate minus truth) and right half (the truth), what
+    the colour scale measures, and the sizes (P,) of the estimated and the true errors, None if unknown."""
 
     left: StageHalf
     right: StageHalf
@@ -181,7 +181,8 @@ class ErrorView:
 
 def frame_error_view(report: FrameReport, arrays: FrameArrays, quantity: str, estimator: str | None,
                      difference: bool) -> ErrorView:
-    """Returns the view of a frame, ``report`` and ``arrays``, with the other arguments of :func:`make_captions`."""
+    """Returns the view of the errors of a quantity (key x, v, sigma or a) in a frame, given by ``report`` and
+    ``arrays``, by an estimator's name or None; with ``difference``, of estimate minus truth in the left half."""
     scene, column = report.scene, samples.QUANTITIES.index(quantity)
     no_truth = why_no_truth(scene, quantity)
     no_estimate = why_no_estimate(scene, report.not_valid, estimator, quantity)
@@ -196,17 +197,10 @@ def frame_error_view(report: FrameReport, arrays: FrameArrays, quantity: str, es
 
 def error_view_of_sizes(quantity: str, estimator: str | None, estimated: np.ndarray | None, true: np.ndarray | None,
                         no_estimate: str, no_truth: str, difference: bool, apart: np.ndarray | None) -> ErrorView:
-    """Returns the view of sizes of errors.
-
-    Parameters
-    ----------
-    quantity, estimator, no_estimate, no_truth, difference
-        As for :func:`make_captions`.
-    estimated, true, apart : (P,) array or None, in the unit of the quantity
-        Sizes of both errors, and of estimate minus truth.
-    """
-    said = make_captions(quantity, estimator, difference, no_estimate, no_truth)
-    silence = said.silences[0] or (tr(NOT_COMPARED) if difference and apart is None else "")
+    """Returns the view of given errors: ``estimated``, ``true`` and ``apart`` are the sizes (P,), in the quantity's
+    unit, of both errors and of estimate minus truth, None if unknown; other arguments as in :func:`make_captions`."""
+    captions = make_captions(quantity, estimator, difference, no_estimate, no_truth)
+    silence = captions.silences[0] or (tr(NOT_COMPARED) if difference and apart is None else "")
     shown = None if silence else apart if difference else estimated
-    return ErrorView(StageHalf(said.titles[0], said.by[0], shown, silence),
-                     StageHalf(said.titles[1], said.by[1], true, no_truth), said.measures, estimated, true)
+    return ErrorView(StageHalf(captions.titles[0], captions.by[0], shown, silence),
+                     StageHalf(captions.titles[1], captions.by[1], true, no_truth), captions.measures, estimated, true)

@@ -27,7 +27,9 @@ BEYOND = 10  # times the largest true error: larger estimates do not extend the 
 
 
 class ColourScale:
-    """Maps sizes of errors to colours, up to a round number that grows with the largest error of the run."""
+    """Scale that maps sizes of errors to colours, from 0 (or, if ``logarithmic``, three decades below) to a round
+    number ``top`` in the unit of the sizes, which grows with the largest error of the run unless the scale is ``held``.
+    ``clock`` returns the present time in s."""
 
     def __init__(self, clock: Callable[[], float] = monotonic) -> None:
         self._table, self._clock = colour_table(), clock
@@ -39,12 +41,15 @@ class ColourScale:
         self.exceeded = False  # whether an error is above the top
 
     def reset(self) -> None:
-        """Restarts the scale for another quantity or run, unless held."""
+        """Lets the next update set the top anew, for another quantity or run, unless the scale is ``held``."""
         self._begun = self._begun and self.held
 
     def update(self, estimated: np.ndarray | None, true: np.ndarray | None, run: Hashable = None,
                beside: tuple[np.ndarray | None, np.ndarray | None] = (None, None), least: float = 0.0) -> None:
-        """Adjusts the top, unless held, to the errors of a ``run`` and one ``beside`` it, and to at least ``least``."""
+        """Sets ``top``, unless ``held``, and ``exceeded`` from a frame's errors, all sizes (P,) in one unit or None.
+
+        ``run`` identifies the run of the ``estimated`` and ``true`` ones, whose largest error so far counts; ``beside``
+        has the estimated and true ones of a second run on the stage. The top is at least ``least``."""
         truth, estimate = (max(largest_finite(true), largest_finite(beside[1])),
                            max(largest_finite(estimated), largest_finite(beside[0])))
         top = max(truth, min(estimate, BEYOND * truth)) if truth > 0 else estimate
@@ -58,29 +63,28 @@ class ColourScale:
         self.exceeded = max(truth, estimate) > self.top
 
     def _raise_top(self, size: float) -> None:
-        """Raises the top to at least a size, if due."""
+        """Raises the top to at least a size, unless it has just grown and the size is not far above it."""
         now = self._clock()
-        if size <= SMALLEST or (self._begun and size <= self.top):
-            return
-        if self._begun and now < self._next and size < HIDDEN * self.top:
+        if size <= SMALLEST or (self._begun and (size <= self.top or (now < self._next and size < HIDDEN * self.top))):
             return
         self.top, step = round_up(size, TOPS)
         self._parts = TOPS[step]
         self._begun, self._next = True, now + CALM_SECONDS
 
     def colours(self, sizes: np.ndarray) -> np.ndarray:
-        """Returns colours (P, 3) for sizes (P,); NaN counts as above the top. Callers silence numpy's warnings about
-        such sizes, once for everything drawn: that takes as long as the colours do."""
+        """Returns colours (P, 3), uint8 RGB, for sizes (P,) of errors; NaN counts as above the top. Callers silence
+        numpy's warnings about such sizes, once for everything drawn: that takes as long as the colours do."""
         share = 1 + np.log10(sizes / self.top) / DECADES if self.logarithmic else sizes / self.top
         row = np.fmax(np.fmin(255 * share, 255), 0)  # fmin ignores NaN
         return self._table.take(row.astype(np.uint8), axis=0)
 
     def gradient(self, steps: int) -> np.ndarray:
-        """Returns colours (steps, 3) from the bottom of the scale to its top, for the colour bar."""
+        """Returns evenly spaced colours (steps, 3), uint8 RGB, from the bottom of the scale to its top."""
         return self._table[np.linspace(0, 255, steps).astype(np.int32)]
 
     def ticks(self, unit: str) -> list[tuple[float, str]]:
-        """Returns positions 0 to 1 along the scale and the numbers there, with the unit at the last or at each."""
+        """Returns ticks, from the bottom up: positions 0 to 1 along the scale and the texts there, which are numbers
+        with ``unit`` (without prefix: "m") at the last, or at each of a logarithmic scale."""
         if self.logarithmic:
             ticks = [(k / DECADES, with_unit(self.top * 10.0 ** (k - DECADES), unit)) for k in range(DECADES + 1)]
         else:
@@ -94,12 +98,12 @@ class ColourScale:
 
 
 def any_finite(sizes: np.ndarray) -> bool:
-    """Whether any of the sizes, none of which is negative, is finite."""
+    """Returns whether any of the sizes (n,), none of which is negative, is finite."""
     return bool(np.fmin.reduce(sizes, initial=np.inf) < np.inf)  # fmin ignores NaN
 
 
 def largest_finite(sizes: np.ndarray | None) -> float:
-    """Returns the largest finite size, or 0."""
+    """Returns the largest finite one of sizes (n,), none of which is negative; 0 for None, or if there is none."""
     if sizes is None:
         return 0.0
     top = float(np.maximum.reduce(sizes, initial=0.0))
@@ -107,6 +111,7 @@ def largest_finite(sizes: np.ndarray | None) -> float:
 
 
 def round_up(value: float, steps: Iterable[float]) -> tuple[float, float]:
-    """Returns the next of ``steps``, from 1 on, times a power of ten, and that step, for scales with round ends."""
+    """Rounds a value above 0 up to a step times a power of ten; returns the rounded value and the step, which is one of
+    the ascending ``steps``, from 1 to below 10."""
     power = 10.0 ** math.floor(math.log10(value))
     return next(((step * power, step) for step in steps if value <= step * power), (10 * power, 1.0))

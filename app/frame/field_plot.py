@@ -32,18 +32,18 @@ BEYOND = 0.01  # share of the axis by which dots may be outside it
 
 
 class ValueAxis:
-    """Value axis from -``top`` to ``top``, a round number; contains all values, and shrinks slowly. Runs can share
-    it."""
+    """Value axis from -``top`` to ``top``, a round number in the unit of the values, which contains all values and
+    shrinks slowly. The field plots of two runs share one."""
 
     def __init__(self) -> None:
         self._peak, self.top = 0.0, 1.0
 
     def reset(self) -> None:
-        """Restarts with the next frame."""
+        """Lets the next update set the top of the axis anew."""
         self._peak = 0.0
 
     def update(self, largest: float, least: float) -> None:
-        """Adjusts the axis to the ``largest`` size of a frame's values, and to at least ``least``."""
+        """Adjusts ``top`` to the ``largest`` size of a frame's values, or to ``least`` if that is larger."""
         begun, need = self._peak > 0, max(largest, least)
         self._peak = max(need, FADE * self._peak)
         if self._peak > SMALLEST and (not begun or need > ROOM * self.top or self._peak < SLACK * self.top):
@@ -52,10 +52,11 @@ class ValueAxis:
 
 @dataclass(frozen=True)
 class FieldPlotDefinition:
-    """Settings of a field plot: its axis from ``start`` to ``end`` in metres, labelled ``ends``.
+    """Settings of a field plot: its horizontal axis from ``start`` to ``end`` in m, with texts at its ``ends``.
 
-    ``exact(scene, quantity, X, t)`` returns exact values at reference positions X, of which ``component`` is plotted;
-    ``where(scene, X, t)`` their positions along the axis, None if that is X itself."""
+    ``exact(scene, quantity, X, t)`` returns exact values (n,), of the ``component`` that is plotted ("" for the only
+    one), at reference positions X (n,) in m and the time t in s; ``where(scene, X, t)`` returns their positions along
+    the axis (n,) in m, and is None if these are X."""
 
     start: float
     end: float
@@ -66,7 +67,8 @@ class FieldPlotDefinition:
 
 
 class FieldPlot:
-    """Particles as dots around the exact curve, with stems in the colour of their errors; crossings are highlighted."""
+    """Field plot: particles as dots around the exact curve, with stems in the colour of their errors; those that
+    have just crossed a cell boundary are highlighted. It shares the value axis of a plot ``beside`` it."""
 
     def __init__(self, plotted: FieldPlotDefinition, beside: "FieldPlot | None" = None):
         self._plotted = plotted
@@ -78,32 +80,17 @@ class FieldPlot:
 
     @property
     def shared_axis_changed(self) -> bool:
-        """Whether another plot has changed the axis since this one was drawn."""
+        """Whether the plot that shares the value axis has changed it since this one was drawn."""
         return self._labelled is not None and self._labelled[1] != self.axis.top
 
     def draw(self, places: StageLayout, scene: Scene, quantity: str, magnified: int, at: np.ndarray, field: np.ndarray,
              t: float, crossed: np.ndarray, shades: np.ndarray) -> Iterator[Mark]:
-        """Yields the marks of a field.
+        """Yields the marks of the field of a quantity (key x, v, sigma or a) at the time t in s in a layout ``places``.
 
-        Parameters
-        ----------
-        places
-            Layout of the plot.
-        scene
-        quantity
-            Key of x, v, sigma or a.
-        magnified
-            Factor of drawn deviations.
-        at : (P,) array, m
-            Positions of the particles along the axis.
-        field : (P, 2) array, in the unit of the quantity
-            Values, and their deviations from the exact ones.
-        t : float, s
-        crossed : (P,) array of bool
-            Whether particles have just crossed a cell boundary.
-        shades : (P, 3) array
-            Colours of the particles' errors.
-        """
+        ``at`` (P,) are the particles' positions along the axis in m; ``field`` (P, 2) has their values and the
+        deviations from the exact ones, in the unit of the quantity, which are drawn with the factor ``magnified``;
+        ``crossed`` (P,) of bool are those that have just crossed a cell boundary; ``shades`` (P, 3), uint8 RGB, are the
+        colours of their errors."""
         if (now := (scene, quantity, magnified, places)) != self._drawn or t < self._time:
             if self._drawn is None or now[:3] != self._drawn[:3] or t < self._time:
                 self.axis.reset()
@@ -129,12 +116,13 @@ class FieldPlot:
         yield Dots("field/crossed", over, self._ink[2], crowd * CROSSED * pixel)
 
     def dot_positions(self, particles: slice, count: int) -> np.ndarray:
-        """Returns the points of the dots of ``count`` particles, (count, 3); out of view if none are drawn."""
+        """Returns the points (count, 3) of the stage where the dots of ``count`` particles (a slice of all) are drawn;
+        points out of view if the plot is not drawn."""
         dots = self._dots[particles]
         return dots if len(dots) == count else np.full((count, 3), AWAY, np.float32)
 
     def _prepare_value_range(self, places: StageLayout, scene: Scene, quantity: str) -> None:
-        """Prepares another scene or quantity: determines the range of the exact field."""
+        """Prepares the plot of another scene, quantity or layout: stores its box, and the range of the exact field."""
         self._at: np.ndarray | None = None
         plotted, box, self._least = self._plotted, places.field, 0.5 * DOT * places.stage_metrics.pixel
         self._box, self._per_metre = box, (box.right - box.left) / (plotted.end - plotted.start)
@@ -150,7 +138,7 @@ class FieldPlot:
 
     def _axis_marks(self, places: StageLayout, scene: Scene, quantity: str, magnified: int,
                     unknown: int) -> Iterator[Mark]:
-        """Yields the axes with their labels."""
+        """Yields the axes with their labels; ``unknown`` is the number of particles without a value."""
         box, colours = self._box, places.stage_metrics.palette
         self._ink = [np.array(colour, np.uint8) for colour in (colours.dot, colours.ground, colours.crossing)]
         end = ROOM * box.half
@@ -164,17 +152,15 @@ class FieldPlot:
                                number, scene.solution_known)
 
     def _exact_curve_marks(self, places: StageLayout, scene: Scene, quantity: str, t: float) -> Iterator[Mark]:
-        """Yields the exact curve, if it is known."""
-        curve = self._level[:0]
-        if scene.solution_known:
-            curve = self._level
-            if scene.swings:
-                curve = curve.copy()
-                heights = self._heights(self._plotted.exact(scene, quantity, self._line, t))
-                curve[:, 0, 1], curve[:, 1, 1] = heights[:-1], heights[1:]
-                if self._plotted.where:
-                    along = self._abscissae(self._plotted.where(scene, self._line, t))
-                    curve[:, 0, 0], curve[:, 1, 0] = along[:-1], along[1:]
+        """Yields the exact curve at the time t in s, without segments if it is not known."""
+        curve = self._level if scene.solution_known else self._level[:0]
+        if scene.solution_known and scene.swings:
+            curve = curve.copy()
+            heights = self._heights(self._plotted.exact(scene, quantity, self._line, t))
+            curve[:, 0, 1], curve[:, 1, 1] = heights[:-1], heights[1:]
+            if self._plotted.where:
+                along = self._abscissae(self._plotted.where(scene, self._line, t))
+                curve[:, 0, 0], curve[:, 1, 0] = along[:-1], along[1:]
         yield Lines("field/exact", curve, places.stage_metrics.palette.exact, CURVE_WIDTH)
 
     def _deviation_stems(self, scene: Scene, field: np.ndarray, magnified: int, shades: np.ndarray) -> Lines:
@@ -193,7 +179,8 @@ class FieldPlot:
         return Lines("field/stems", segments, np.repeat(shades[drawn, None], 2, axis=1), 2.5)
 
     def _stage_points(self, at: np.ndarray, values: np.ndarray, known: np.ndarray) -> np.ndarray:
-        """Returns points (n, 3) of the stage for values at positions (n,) along the axis; unknown ones are AWAY."""
+        """Returns points (n, 3) of the stage for values (n,) at positions ``at`` (n,) in m along the axis; where
+        ``known`` (n,) is false, or the position is off the axis, at the height ``AWAY``."""
         box, out = self._box, np.empty((len(values), 3), np.float32)
         if at is not self._at:  # constant in the plane
             self._at, self._across = at, self._abscissae(at)
@@ -211,19 +198,20 @@ class FieldPlot:
 
 def plot_labels(places: StageLayout, ends: tuple[str, str], words: FieldPlotCaption, magnified: int, number: str,
                 exact: bool) -> Iterator[Label]:
-    """Yields the labels of a plot, always the same ones: the ``number`` at the end of its axis, ``ends`` at those of
-    the other, its name, with keys of particles and the ``exact`` curve, the factor ``magnified``, and a remark."""
-    box, room = places.field, places.stage_metrics
-    beside = box.left > 0 or room.gutter > 0  # otherwise only the upper number fits, within the plot
+    """Yields the labels of a field plot in a layout, always the same ones: the text ``number`` at the upper end of its
+    value axis, the texts ``ends`` at those of the other, name and remark from ``words``, keys of particles and (if
+    ``exact``) of the exact curve, and the factor ``magnified`` of deviations."""
+    box, metrics = places.field, places.stage_metrics
+    beside = box.left > 0 or metrics.gutter > 0  # otherwise only the upper number fits, within the plot
     left = box.at is not None and box.at[0] < 0 and not box.keys  # the name stands beside the zero
-    crowded = left and 1.2 * room.text_extent(words.name)[0] + room.text_extent(" 0")[0] > room.gutter
+    crowded = left and 1.2 * metrics.text_extent(words.name)[0] + metrics.text_extent(" 0")[0] > metrics.gutter
     for key, text, y in (("low", f"−{number.partition(' ')[0]}", -box.half), ("zero", "" if crowded else "0", 0.0)):
         yield Label(f"field/{key}", text if beside else "", box.left - 0.01, box.middle + y, "center-right", "number")
     yield Label("field/high", f"+{number}", box.left - 0.01 if beside else 0.01,
                 box.middle + (box.half if beside else ROOM * box.half), "center-right" if beside else "top-left",
                 "number")
     below, written = box.below or 0.0, box.below is not None
-    if room.text_extent("  ".join(ends))[0] > box.right - box.left:  # too narrow for both: as one
+    if metrics.text_extent("  ".join(ends))[0] > box.right - box.left:  # too narrow for both: as one
         ends = f"{ends[0].rpartition(' ')[0]}–{ends[1]}", ""
     yield Label("field/start", ends[0] if written else "", box.left, below, "top-left", "number")
     yield Label("field/end", ends[1] if written else "", box.right, below, "top-right", "number")
@@ -240,12 +228,13 @@ def plot_labels(places: StageLayout, ends: tuple[str, str], words: FieldPlotCapt
     curve = tr(CURVE) if exact else ""
     keys: tuple[tuple[str, Tone, Sign], ...] = (tr(PARTICLES), "plain", "dot"), (curve, "truth", "line")
     for row, (text, tone, sign) in enumerate(keys, 1):
-        yield Label(f"field/key{row}", text if box.keys else "", x, y - 1.15 * row * room.line_height, "center-left",
+        yield Label(f"field/key{row}", text if box.keys else "", x, y - 1.15 * row * metrics.line_height, "center-left",
                     "gutter" if x < 0 else "note", tone=tone, sign=sign)
 
 
 def magnify_deviation(scene: Scene, field: np.ndarray, magnified: int) -> np.ndarray:
-    """Returns values (P,) with ``magnified`` deviations of a ``field`` (P, 2); without oscillation only deviations."""
+    """Returns the values (P,) to plot, from those of a ``field`` and their deviations from the exact ones (P, 2), in
+    one unit: with deviations ``magnified`` times as large; only these deviations if the scene does not oscillate."""
     if not scene.solution_known or (scene.swings and magnified == 1):
         return field[:, 0]
     with np.errstate(over="ignore", invalid="ignore"):

@@ -32,7 +32,7 @@ PLACES = {name: f"{{{name}}}" for name in ("wrong", "off", "by", "found", "true"
 
 @dataclass(frozen=True)
 class Headline:
-    """Headline in spans, and facts, each of which becomes a sentence."""
+    """Headline about a run in spans, (kind, text) each, and facts, each of which becomes a sentence below it."""
 
     headline: tuple[Span, ...] = ()
     facts: tuple[str, ...] = ()
@@ -40,7 +40,8 @@ class Headline:
 
     @classmethod
     def from_template(cls, headline: str, *facts: str, **places: str) -> "Headline":
-        """Returns a headline with texts in its placeholders; empty facts are dropped."""
+        """Returns a headline from its template and facts; ``places`` has the texts for the template's placeholders by
+        their names. Empty facts are dropped."""
         return cls(tuple(to_spans(headline, places)), tuple(filter(None, facts)))
 
     def __bool__(self) -> bool:
@@ -48,7 +49,7 @@ class Headline:
 
     @property
     def spans(self) -> list[Span]:
-        """The headline as a sentence."""
+        """Spans of the headline as a sentence, with a capital and a full stop."""
         if not self.headline:
             return []
         (kind, first), *rest = self.headline
@@ -57,7 +58,7 @@ class Headline:
 
     @property
     def fact_sentences(self) -> list[str]:
-        """The facts as sentences."""
+        """Facts as sentences, with a capital and a full stop."""
         return [_capitalise(fact) + "." * (not fact.endswith(ENDS)) for fact in self.facts]
 
     def __str__(self) -> str:
@@ -66,11 +67,11 @@ class Headline:
 
 @dataclass(frozen=True)
 class ErrorHeadlineTemplates:
-    """Templates about the error of a quantity. ``told`` has {wrong}, the true error (or else the estimate) over the
-    quantity's ``size``, and {found}, the comparison with the estimate (:func:`over_or_underestimates`); ``names`` are
-    its other placeholders. ``of`` has {true} and the size; ``why`` is the reason for a missing number. ``unmeasured``
-    is for missing numbers; ``still`` and ``trace`` for a true error of at most ``least``, round-off of a scene at
-    rest."""
+    """Translated templates of sentences about the error of a quantity. ``told``, the headline, has the places {wrong},
+    the true error (or else the estimate) over the quantity's ``size`` (in its unit), and {found}, the comparison with
+    the estimate (:func:`over_or_underestimates`); ``names`` has the texts of its other places. ``of`` has {true} and
+    the size; ``why`` is the reason for a missing number, ``unmeasured`` the headline then; ``still`` and ``trace`` are
+    headline and fact for a true error of at most ``least``, round-off of a scene at rest."""
 
     told: str
     names: Mapping[str, str]
@@ -85,7 +86,8 @@ class ErrorHeadlineTemplates:
 
 def error_headline_templates(scene: Scene, quantity: str, estimator: str | None, no_estimate: str,
                              no_truth: str) -> ErrorHeadlineTemplates:
-    """Returns the templates for a quantity's errors; arguments as for :func:`app.frame.captions.make_captions`."""
+    """Returns the templates for the errors of a quantity (key x, v, sigma or a) by an estimator's name, or None;
+    ``no_estimate`` and ``no_truth`` are the reasons if either is missing, else ""."""
     words, size = QUANTITIES[quantity], scene.size_of(quantity)
     noun = words.noun
     why = no_truth
@@ -108,19 +110,9 @@ def error_headline_templates(scene: Scene, quantity: str, estimator: str | None,
 
 def format_error_headline(words: ErrorHeadlineTemplates, unit: str, true: float, estimate: float, index: float,
                           before: str = "") -> Headline:
-    """Fills the templates with numbers.
-
-    Parameters
-    ----------
-    words
-        From :func:`error_headline_templates`.
-    unit
-        Of the norms.
-    true, estimate, index
-        Both RMS norms, of one moment or as means over time, and their ratio; NaN if unknown.
-    before
-        First words of the headline: the moment or time span.
-    """
+    """Returns the headline with numbers in the templates ``words``: the RMS norms of true error and estimate in
+    ``unit`` (without prefix), of one moment or as means over time, and their ratio ``index``, estimate over true error;
+    NaN if unknown. ``before`` are the first words of the headline: the moment or time span."""
     if true <= words.least:
         return Headline.from_template(before + words.still,
                                       words.trace.format(true=_format_size(true, unit) if true else tr("zero")))
@@ -136,7 +128,8 @@ def format_error_headline(words: ErrorHeadlineTemplates, unit: str, true: float,
 
 
 def over_or_underestimates(index: float) -> str:
-    """Returns the template that compares an estimate with the true error, for an error index."""
+    """Returns the template that compares an estimate with the true error, for an index (estimate over true error): with
+    the place {factor} if it is 1 or more, rounded, otherwise with {share}."""
     return tr(MORE if index >= ALL_OF_IT else LESS)
 
 
@@ -149,12 +142,13 @@ def _capitalise(text: str) -> str:
 
 
 def fill_template(text: str, **numbers: str) -> str:
-    """Returns a text with its placeholders replaced."""
+    """Returns a text with its placeholders {name} replaced by ``numbers``; those without a number stay."""
     return "".join(piece for _, piece in to_spans(text, numbers))
 
 
 def to_spans(text: str, places: Mapping[str, str]) -> list[Span]:
-    """Splits a text into spans and replaces placeholders; those not in ``places`` stay."""
+    """Returns a text as spans, (kind, text) each, with placeholders {name} replaced by the texts in ``places``, whose
+    kind the name sets; placeholders without a text stay."""
     pieces = re.split(r"\{(\w+)\}", text)  # every second piece is a placeholder's name
     return [(KINDS.get(piece, ""), places[piece]) if k % 2 and piece in places
             else ("", f"{{{piece}}}" if k % 2 else piece) for k, piece in enumerate(pieces) if piece]

@@ -30,9 +30,10 @@ Spot = tuple[float, float, Anchor]  # position and anchor of a text
 
 @dataclass(frozen=True)
 class PlotBox:
-    """Box of a plot: from x = ``left`` to ``right``, its zero at ``middle`` and the ends of its axis ``half`` above and
-    below. Labels of the axis are ``below`` it; the factor ``magnified`` and a ``remark`` are at spots; its name begins
-    at a point ``at``, followed by a legend if ``keys`` fit. None if something does not fit."""
+    """Box of a plot in stage coordinates: from x = ``left`` to ``right``, the zero of its values at the height
+    ``middle`` and the ends of their axis ``half`` above and below. Labels of the horizontal axis are at the height
+    ``below``; the factor ``magnified`` and a ``remark`` are at spots; its name begins at a point ``at``, followed by a
+    legend if ``keys`` fit. None if something does not fit."""
 
     left: float
     right: float
@@ -47,7 +48,8 @@ class PlotBox:
 
 @dataclass(frozen=True)
 class StageLayout:
-    """Layout of a run: its ``rectangle`` in a settled ``stage_metrics``, and the box of the field plot."""
+    """Layout of the run in a ``slot`` of a stage with rounded metrics: the ``rectangle`` of everything drawn, and the
+    box of the field plot."""
 
     stage_metrics: StageMetrics
     slot: RunSlot
@@ -57,7 +59,8 @@ class StageLayout:
 
 @dataclass(frozen=True)
 class ColourBarBox:
-    """Box of the colour bar: ``high`` around ``middle``, ``numbers`` and titles; everything else is below ``end``."""
+    """Box of the colour bar in stage coordinates: its height ``high`` around the height ``middle``, the heights of its
+    ``numbers`` and of the ``end``, below which everything else is, and the spots of its title and quantity."""
 
     middle: float
     high: float
@@ -68,47 +71,49 @@ class ColourBarBox:
 
 
 def drawing_rectangle(high: float) -> Rectangle:
-    """Returns the rectangle of everything drawn on a stage of this height."""
+    """Returns the rectangle (x0, x1, y0, y1) of everything drawn on a stage of the height ``high``, without gutter."""
     return -EDGE, 1 + EDGE, 0.0, high
 
 
-def colour_bar_box(room: StageMetrics, high: float) -> ColourBarBox:
-    """Returns the box of the colour bar at the top of a stage; its title is above it if there is no gutter."""
-    pixel = room.pixel
-    first = high - ABOVE * pixel - (0.0 if room.gutter else 1.2 * room.line_height)
+def colour_bar_box(metrics: StageMetrics, high: float) -> ColourBarBox:
+    """Returns the box of the colour bar at the top of a stage with these metrics and the height ``high``; its title is
+    above the bar if the stage has no gutter."""
+    pixel = metrics.pixel
+    first = high - ABOVE * pixel - (0.0 if metrics.gutter else 1.2 * metrics.line_height)
     middle, numbers = first - 0.5 * BAR * pixel, first - (BAR + TICK) * pixel
-    row = numbers - 0.5 * room.line_height
-    title: Spot = (-room.gutter, middle, "center-left") if room.gutter else (0.0, high, "top-left")
-    quantity: Spot = (-room.gutter, row, "center-left") if room.gutter else (60 * pixel, high, "top-left")
+    row = numbers - 0.5 * metrics.line_height
+    title: Spot = (-metrics.gutter, middle, "center-left") if metrics.gutter else (0.0, high, "top-left")
+    quantity: Spot = (-metrics.gutter, row, "center-left") if metrics.gutter else (60 * pixel, high, "top-left")
     return ColourBarBox(middle, BAR * pixel, numbers, title, quantity, numbers - TICK_LINE * pixel)
 
 
 class ColourBar:
-    """Draws the scale on a surface of its own, as square points, which alone show colours unchanged."""
+    """Colour bar of a scale, drawn on a surface of its own as square points, which alone show colours unchanged."""
 
     def __init__(self, sheet: Surface, scale: ColourScale):
         self.sheet, self._scale = sheet, scale
         self._drawn: tuple[StageMetrics, float, str, float, bool, bool] | None = None
 
     def draw(self, quantity: str, high: float) -> None:
-        """Draws the scale, with the key of the quantity whose error it measures, on a stage of height ``high``."""
-        scale, room = self._scale, self.sheet.stage_metrics
-        now = (room, high, quantity, scale.top, scale.logarithmic, scale.exceeded)
+        """Draws the bar on a stage of the height ``high``, unless nothing has changed; ``quantity`` is the key (x, v,
+        sigma or a) of the quantity whose errors the scale measures."""
+        scale, metrics = self._scale, self.sheet.stage_metrics
+        now = (metrics, high, quantity, scale.top, scale.logarithmic, scale.exceeded)
         if now == self._drawn:
             return
+        place, unit = colour_bar_box(metrics.rounded(), high), QUANTITIES[quantity].unit
         if self._drawn is None or now[:2] != self._drawn[:2]:
-            place = colour_bar_box(room.rounded(), high)
             ends = place.high / 2
             self.sheet.show_marks(Dots("bar", in_plane(np.linspace(ends, 1 - ends, POINTS), place.middle),
                                        scale.gradient(POINTS), place.high, "square"))
         self._drawn = now
-        place, unit = colour_bar_box(room.rounded(), high), QUANTITIES[quantity].unit
-        self.sheet.show_marks(*colour_bar_labels(place, room.gutter > 0, quantity, scale.ticks(unit)))
+        self.sheet.show_marks(*colour_bar_labels(place, metrics.gutter > 0, quantity, scale.ticks(unit)))
 
 
 def colour_bar_labels(place: ColourBarBox, gutter: bool, quantity: str,
                       ticks: list[tuple[float, str]]) -> Iterator[Label]:
-    """Yields the titles of the bar, beside it in a ``gutter`` or above it, and its numbers."""
+    """Yields the labels of a colour bar: its titles, beside it in a ``gutter`` or above it, with a quantity's name (by
+    its key), and ``ticks``, positions 0 to 1 along the bar with their texts."""
     for name, text, (x, y, anchor) in (("title", tr("Error of"), place.title),
                                        ("quantity", str(QUANTITIES[quantity]), place.quantity)):
         yield Label(name, text, x, y, anchor, "gutter" if gutter else "caption", bold=True)

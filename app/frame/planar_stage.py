@@ -30,7 +30,8 @@ WHOLE: Mirrors = ((1, 1),)
 
 
 class PlanarStage(Stage[PlaneScene]):
-    """Stage of a plane problem: estimate left, truth right; a quarter is drawn with its mirror images."""
+    """Stage of a plane problem: the body with the estimate in its left half and the truth in its right one, and the
+    field plot beside it. A quarter is drawn with its mirror images."""
 
     MIRRORS: ClassVar[Mirrors] = QUARTERS
     OUTLINED: ClassVar[Mirrors] = QUARTERS[::2]
@@ -45,13 +46,15 @@ class PlanarStage(Stage[PlaneScene]):
 
     @staticmethod
     def half_edge_vectors(scene: Any, F: np.ndarray) -> np.ndarray:
-        """Returns half the edge vectors (P, 2, 2) of particles' domains, m, for deformation gradients F (P, 2, 2)."""
+        """Returns half edge vectors (P, 2, 2) in m, a row each, of all particles' domains for their deformation
+        gradients F (P, 2, 2)."""
         return half_edges(scene, F, particle_layout(scene).edges)
 
     layout, labels = staticmethod(make_planar_layout), staticmethod(planar_labels)
 
     def particles_in(self, low: tuple[float, float], high: tuple[float, float], arrays: FrameArrays) -> np.ndarray:
-        """Returns which particles (P,), or their images, lie in the rectangle from ``low`` to ``high`` of the stage."""
+        """Returns which particles lie, or have a mirror image, in the rectangle with the lower left corner ``low`` and
+        the upper right one ``high``, in stage coordinates: (P,) of bool."""
         images = self._mirror_images(arrays.position, self.MIRRORS).reshape(len(self.MIRRORS), -1, 3)[:, :, :2]
         return np.any(np.all((images >= low) & (images <= high), axis=2), axis=0)
 
@@ -94,7 +97,7 @@ class PlanarStage(Stage[PlaneScene]):
 
     @staticmethod
     def max_stretch(scene: Any) -> float:
-        """Returns about how much wider than at rest a particle's domain becomes."""
+        """Returns about how many times as wide as at rest a particle's domain becomes."""
         return 1.0
 
     def _plot_axis_positions(self, arrays: FrameArrays) -> np.ndarray:
@@ -105,36 +108,36 @@ class PlanarStage(Stage[PlaneScene]):
         x = clip_to_view(arrays.position)
         yield from self._particle_marks(x, estimated, true)
         marks = self._mirror_images(x[crossed], self.MIRRORS, 0.018)
-        pixel = self._layout.stage_metrics.pixel * min(1.0,
-                                                       self._layout.radius / (ROOMY * self._layout.stage_metrics.pixel))
+        pixel = self._layout.stage_metrics.pixel
+        pixel *= min(1.0, self._layout.radius / (ROOMY * pixel))
         yield Dots("around", marks - BELOW, self._ink[0], HALO * pixel)
         yield Dots("crossings", marks, self._ink[1], CROSSED * pixel)
         yield self._domain_outlines(scene, arrays, x)
 
     def _worst_region_marks(self, worst: tuple[WorstRegionMark | None, WorstRegionMark | None],
                             arrays: FrameArrays) -> Iterator[Mark]:
-        """Yields a line from the worst region of each half to a label beside it."""
+        """Yields a line from the worst region of each half, if any, to a label beside the body."""
         places, segments = self._layout, [np.empty((0, 2, 3), np.float32)]
-        room, (x, y), wanted = (places.stage_metrics, places.middle,
-                                places.slot == RunSlot.ALONE and places.stage_metrics.gutter > 0)
+        metrics, (x, y) = places.stage_metrics, places.middle
+        wanted = places.slot == RunSlot.ALONE and metrics.gutter > 0
         for found, name, sign in zip(worst, ("estimate", "truth"), (-1, 1), strict=True):
-            text, edge = "", x + AROUND * places.radius + 4 * room.pixel if sign > 0 else -EDGE
+            text, edge = "", x + AROUND * places.radius + 4 * metrics.pixel if sign > 0 else -EDGE
             at = clip_to_view(arrays.position)[found.particles] if found and wanted else np.empty((0, 2))
             height = y
             if found and len(at):
                 upright = (1, 1) if self.MIRRORS == WHOLE else (sign, 1)
                 place = self._mirror_images(at.mean(axis=0, keepdims=True), (upright,), 0.02)
-                height = float(np.clip(place[0, 1], y + 3.2 * room.line_height, places.end - room.line_height))
-                bend = in_plane(np.array([edge - (8 * room.pixel if sign > 0 else 0), edge]), np.full(2, height), 0.02)
+                height = float(np.clip(place[0, 1], y + 3.2 * metrics.line_height, places.end - metrics.line_height))
+                bend = in_plane(np.array([edge - (8 * metrics.pixel if sign > 0 else 0), edge]), height, 0.02)
                 corners = np.concatenate([place, bend])
                 segments.append(join_points(corners[:-1], corners[1:]))
                 text = tr("worst: {size}", size=found.size)
-            yield Label(f"{name}-worst", text, edge + 3 * sign * room.pixel, height,
+            yield Label(f"{name}-worst", text, edge + 3 * sign * metrics.pixel, height,
                         "center-left" if sign > 0 else "center-right", "note", bold=True)
-        yield Lines("worst", np.concatenate(segments), room.palette.dot, 1.5)
+        yield Lines("worst", np.concatenate(segments), metrics.palette.dot, 1.5)
 
     def _particle_marks(self, x: np.ndarray, estimated: np.ndarray, true: np.ndarray) -> Iterator[Mark]:
-        """Yields the particles at ``x`` (P, 2) in m, in the colours (P, 3) of the two errors."""
+        """Yields dots for the particles at x (P, 2) in m, in the colours (P, 3) of estimated and true errors."""
         if self.MIRRORS == WHOLE:
             colours = np.where(x[:, :1] < 0, estimated, true)
             yield Dots("particles", self._mirror_images(x, self.MIRRORS), colours, self._width, self._shape)
@@ -143,7 +146,8 @@ class PlanarStage(Stage[PlaneScene]):
             yield Dots(half, self._mirror_images(x, mirrors), np.tile(shades, (2, 1)), self._width, self._shape)
 
     def _domain_outlines(self, scene: PlaneScene, arrays: FrameArrays, x: np.ndarray) -> Lines:
-        """Returns outlines of the particles' domains: boxes for GIMP, parallelograms for CPDI."""
+        """Returns outlines of the domains of particles at ``x`` (P, 2) in m: boxes for GIMP, parallelograms for CPDI;
+        no segments unless ``domains`` is set."""
         outlines = np.empty((0, 2, 3), np.float32)
         if self.domains and self._edges is not None and len(x) == len(self._edges):
             F = arrays.deformation_gradient.reshape(-1, 2, 2)
@@ -154,12 +158,12 @@ class PlanarStage(Stage[PlaneScene]):
         return Lines("domains", outlines, self._layout.stage_metrics.palette.outline, 1.2)
 
     def _to_stage(self, x: np.ndarray, depth: float = 0.0) -> np.ndarray:
-        """Returns points (n, 3) of the stage for positions (n, 2) in m."""
+        """Returns points (n, 3) of the stage, at the z ``depth``, for positions (n, 2) in m from the middle."""
         return in_plane(self._middle[0] + self._per_metre * x[:, 0], self._middle[1] + self._per_metre * x[:, 1], depth)
 
     def _mirror_images(self, x: np.ndarray, mirrors: Mirrors, depth: float = 0.0) -> np.ndarray:
-        """Returns the mirror images of positions (n, 2) one after the other, as points of the stage (len(mirrors) n,
-        3). Called with every frame, so written in place, once per side instead of per image."""
+        """Returns the mirror images, whose signs of x and y are ``mirrors``, of positions (n, 2) in m, as points of the
+        stage (len(mirrors) n, 3), image by image. Written in place, as it runs with every frame."""
         out = np.empty((len(mirrors), len(x), 3), np.float32)
         out[:, :, 2] = depth
         for axis in range(2):
@@ -171,5 +175,5 @@ class PlanarStage(Stage[PlaneScene]):
 
 
 def clip_to_view(x: np.ndarray) -> np.ndarray:
-    """Returns positions (n, 2) in m clipped to ±FARTHEST; NaN becomes FARTHEST."""
+    """Returns positions (n, 2) in m from the middle, with components clipped to ±2 m, out of view; NaN becomes 2 m."""
     return np.fmax(np.fmin(x, FARTHEST), -FARTHEST)

@@ -19,8 +19,8 @@ Colour = tuple[int, int, int]
 
 @dataclass(frozen=True)
 class Palette:
-    """Colours: background; plotted particles and lines beside labels; axes; grid lines; cell edges; crossings;
-    particles without a known error; exact curve; outlines of domains."""
+    """Colours of a light or dark stage: background; plotted particles and lines beside labels; axes; grid lines; cell
+    edges; crossings; particles without a known error; exact curve; outlines of domains."""
 
     ground: Colour
     dot: Colour
@@ -43,7 +43,6 @@ def _palette(ground: str) -> Palette:
 
 LIGHT, DARK = _palette("light"), _palette("dark")
 
-
 AWAY = -50.0  # coordinate of points that cannot be shown, far outside the view
 LETTER_WIDTH = 6.0  # pixels of an average letter of usual size
 LINE_HEIGHT = 16.0  # pixels of a line of such letters, with its margins
@@ -61,7 +60,8 @@ Sign = Literal["", "dot", "line"]  # legend key before the text, in the label's 
 
 @dataclass(frozen=True)
 class Label:
-    """Text at (x, y) by its ``anchor``, wrapped at ``width`` letters, scaled by ``size``, with a ``sign`` before it."""
+    """Text whose ``anchor`` is at (x, y) of the stage, wrapped at ``width`` letters (0: not), ``size`` times as large
+    as usual letters, with a ``sign`` before it. ``name`` identifies the label on its surface."""
 
     name: str
     text: str
@@ -78,8 +78,8 @@ class Label:
 
 @dataclass(eq=False, slots=True)
 class Dots:
-    """Points (n, 3), ``size`` across, relative to an ``origin``, with colours (n, 3), or (3,) for all, from 0 to 255.
-    Only dots show colours unchanged. The arrays must not be modified afterwards."""
+    """Points (n, 3) relative to an ``origin``, of diameter ``size``, all in stage coordinates, with colours (n, 3), or
+    (3,) for all, from 0 to 255. Only dots show colours unchanged. The arrays must not be modified afterwards."""
 
     name: str
     points: np.ndarray
@@ -94,7 +94,8 @@ class Dots:
 
 @dataclass(eq=False, slots=True)
 class Lines:
-    """Segments (n, 2, 3) in one colour, or one per end (n, 2, 3), with a thickness in pixels."""
+    """Segments (n, 2, 3) in stage coordinates, in one colour or one for each end (n, 2, 3), uint8 RGB, with a thickness
+    in pixels."""
 
     name: str
     segments: np.ndarray
@@ -110,21 +111,9 @@ Mark = Label | Dots | Lines
 
 @dataclass(frozen=True)
 class StageMetrics:
-    """The bounds of a stage.
-
-    Attributes
-    ----------
-    pixels
-        Per unit of length: from x = 0 to 1 of the stage.
-    lettering
-        Factor on the usual size of letters.
-    high
-        Height: y goes from 0 to it.
-    gutter
-        Width left of x = 0 for names; if 0, they are above what they name.
-    dark
-        Whether the background is dark.
-    """
+    """Size of a stage and its letters: ``pixels`` from x = 0 to 1, the factor ``lettering`` on the usual size of
+    letters, the height ``high`` (y goes from 0 to it), the width ``gutter`` left of x = 0 for names (if 0, names are
+    above what they name), and whether the background is ``dark``. Lengths are in units of the stage's width."""
 
     pixels: float
     lettering: float = 1.0
@@ -134,30 +123,31 @@ class StageMetrics:
 
     @property
     def palette(self) -> Palette:
-        """The colours for this background."""
+        """Colours for the dark or light background."""
         return DARK if self.dark else LIGHT
 
     @property
     def pixel(self) -> float:
-        """Length of a pixel on the stage, of a screen on which letters have their usual size."""
+        """Stage length of a pixel, on a screen on which letters have their usual size."""
         return self.lettering / self.pixels
 
     @property
     def line_height(self) -> float:
-        """Height of a line of text on the stage."""
+        """Stage height of a line of text of usual size."""
         return LINE_HEIGHT * self.pixel
 
     def rounded(self) -> "StageMetrics":
-        """Returns the bounds rounded to just visible steps, so that tiny changes cause no new layout."""
+        """Returns the metrics rounded to just visible steps, so that tiny changes cause no new layout."""
         return replace(self, pixels=max(8.0, 8 * round(self.pixels / 8)), high=round(self.high, 2),
                        gutter=round(self.gutter, 2))
 
     def letters_per_line(self, length: float, size: float = 1.0) -> int:
-        """Returns how many letters of a size fit into a length of the stage."""
+        """Returns how many letters, ``size`` times as large as usual, fit into a length of the stage; at least 1."""
         return max(1, int(length * self.pixels / (LETTER_WIDTH * size * self.lettering)))
 
     def first_fitting_text(self, texts: Iterable[str], width: float, height: float) -> tuple[str, int]:
-        """Returns the first text that fits into a box, and the letters per line; "" if none fits."""
+        """Returns the first of the texts that fits, wrapped, into a box of a stage width and height, or "" if none
+        does, and the number of letters per line."""
         letters = self.letters_per_line(width)
         for text in texts:
             lines = wrap_text(text, letters).split("\n")
@@ -166,13 +156,13 @@ class StageMetrics:
         return "", letters
 
     def text_extent(self, text: str, size: float = 1.0) -> np.ndarray:
-        """Returns the approximate width and height (2,) of a text of this size on the stage."""
+        """Returns the approximate stage width and height (2,) of a text, ``size`` times as large as usual."""
         scale, lines = size * self.lettering / self.pixels, text.split("\n")
         return scale * np.array([LETTER_WIDTH * max(map(len, lines)), LINE_HEIGHT * len(lines)])
 
 
 class Surface(Protocol):
-    """Something to draw marks on. A mark replaces one of the same name; an empty one is hidden."""
+    """Interface of what marks are drawn on. A mark replaces one of the same name; an empty one is hidden."""
 
     visible: bool
 
@@ -182,35 +172,37 @@ class Surface(Protocol):
     def show_marks(self, *marks: Mark) -> None: ...
 
     def add_child(self, name: str) -> "Surface":
-        """Returns a surface that is visible only with this one."""
+        """Returns a new surface with this name, which is visible only while its parent is."""
 
 
 def error_colours(scale: ColourScale, sizes: np.ndarray | None, count: int, unknown: Colour) -> np.ndarray:
-    """Returns colours (P, 3), uint8, of error sizes (P,); ``unknown`` for all ``count`` of them if none is finite."""
+    """Returns colours (P, 3), uint8 RGB, of P = ``count`` particles on a scale for the sizes (P,) of their errors; the
+    colour ``unknown`` for all particles if sizes are None or none is finite."""
     if sizes is None or not any_finite(sizes):
         return np.full((count, 3), unknown, np.uint8)
     return scale.colours(sizes)
 
 
 def fade_colours(ages: np.ndarray, palette: Palette) -> np.ndarray:
-    """Returns colours (n, 3) that fade from a crossing's to the background, for ages (n,) from 0 to 1."""
+    """Returns colours (n, 3), uint8 RGB, from the palette's for crossings at age 0 almost to its background at age 1,
+    for ages (n,)."""
     ground, crossing = np.array(palette.ground, np.float32), np.array(palette.crossing, np.float32)
     return (crossing + (0.85 * ages)[:, None] * (ground - crossing)).astype(np.uint8)
 
 
 def in_plane(x: np.ndarray, y: np.ndarray | float, z: float = 0.0) -> np.ndarray:
-    """Returns points (n, 3) from coordinates (n,) or one for all; written in place, as it runs with every frame."""
+    """Returns points (n, 3), float32, from coordinates x (n,), y (n,) or one for all, and one z for all."""
     points = np.empty((len(x), 3), np.float32)
     points[:, 0], points[:, 1], points[:, 2] = x, y, z
     return points
 
 
 def join_points(starts: np.ndarray, ends: np.ndarray) -> np.ndarray:
-    """Returns line segments (n, 2, 3) between points (n, 3)."""
+    """Returns line segments (n, 2, 3) from points ``starts`` to ``ends``, both (n, 3)."""
     return np.stack([starts, ends], axis=1)
 
 
 @lru_cache(1000)
 def wrap_text(text: str, width: int) -> str:
-    """Wraps a text at ``width`` characters; 0 leaves it as it is."""
+    """Returns a text with line breaks, at most ``width`` characters a line; unchanged if that is 0."""
     return "\n".join(textwrap.wrap(text, width)) if width else text

@@ -12,15 +12,18 @@ LEAST_SECONDS = 0.4  # on the screen
 
 
 def crossing_window(scene: Scene, speed: float) -> float:
-    """Returns the simulated seconds for which a crossing is shown, at a ``speed`` in simulated seconds per second."""
+    """Returns for how long, in s of a scene's time, a cell crossing is shown while a run plays at a ``speed`` in
+    simulated s per s."""
     return max(WINDOW * scene.period, LEAST_SECONDS * speed)
 
 
 def is_recent_crossing(steps_since: np.ndarray, scene: Scene, speed: float) -> np.ndarray:
-    """Returns whether particles' last crossings, this many steps ago (P,), -1 for never, are in the window, (P,)."""
+    """Returns which particles' last cell crossings, (P,) steps ago or -1 for never, are recent enough to be shown, (P,)
+    of bool, while a run plays at a ``speed`` in simulated s per s (:func:`crossing_window`)."""
     return (steps_since >= 0) & (steps_since <= crossing_window(scene, speed) / scene.time_step)
 
 
 def crossing_ages(steps_since: np.ndarray, scene: Scene, speed: float) -> np.ndarray:
-    """Returns the ages (n,) of crossings this many steps ago (n,), as fractions of the window."""
+    """Returns the ages (n,) of cell crossings that were (n,) steps ago, as fractions of the time for which they are
+    shown (:func:`crossing_window`) at a ``speed`` in simulated s per s."""
     return steps_since * np.float32(scene.time_step / crossing_window(scene, speed))

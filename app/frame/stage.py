@@ -25,7 +25,9 @@ Names = tuple[str, str]  # of the estimate and of the truth
 
 @dataclass(frozen=True)
 class StageLabels:
-    """Labels on a stage: titles, sources and reasons of both halves, run, scale note, crossings, equal halves."""
+    """Texts of the labels on a stage: of the estimate's and the truth's half, the ``titles``, the sources ``by`` which
+    the errors are known and the reasons why they are empty (``silences``); besides, the run's name, the note on the
+    scale of the drawing, the legend of marks at crossings, and the hint about two halves that look alike."""
 
     titles: Names = ("", "")
     by: Names = ("", "")
@@ -38,7 +40,7 @@ class StageLabels:
 
 @dataclass(frozen=True, eq=False)
 class WorstRegionMark:
-    """Region with the largest error: its particles (P,), and the error's size as text."""
+    """Region of the body with the largest error: its ``particles`` (P,) of bool, and the error's ``size`` as text."""
 
     particles: np.ndarray
     size: str
@@ -46,7 +48,8 @@ class WorstRegionMark:
 
 @dataclass(frozen=True, eq=False)
 class Annotations:
-    """Notes in a picture: the worst regions of estimate and truth, and whether the run is lost or well estimated."""
+    """Notes in a picture: the ``worst`` regions of estimate and truth, None if there is none or it is not wanted,
+    whether the run is ``lost``, and whether the estimate is ``right`` nevertheless."""
 
     worst: tuple[WorstRegionMark | None, WorstRegionMark | None] = (None, None)
     lost: bool = False
@@ -57,11 +60,12 @@ NOTHING = Annotations()
 
 
 class Stage(ABC, Generic[AnyScene]):
-    """Draws the marks of a problem's frames on a surface; both halves and the colour bar use one scale.
+    """Stage that draws the frames of a problem's runs on the surface ``sheet``; both halves and the colour bar use one
+    ``scale``.
 
-    ``domains`` sets whether the particles' domains are outlined, if supported; ``plotted`` is the quantity whose field
-    the frames contain, if any, and ``magnified`` the factor of its deviation from the exact one. A pinned run has a
-    stage of its own, ``beside`` the first; their field plots share an axis."""
+    The attribute ``domains`` sets whether the particles' domains are outlined, if supported; ``plotted`` is the key of
+    the quantity whose field is plotted, None for no plot, and ``magnified`` the factor of its drawn deviation from the
+    exact one. A pinned run has a stage of its own, ``beside`` the first; their field plots share a value axis."""
 
     HIGH: ClassVar[tuple[float, float]] = (0.3, 0.9)  # least and greatest height of the stage
     PLOT: ClassVar[FieldPlotDefinition]  # settings of the field plot
@@ -79,7 +83,7 @@ class Stage(ABC, Generic[AnyScene]):
         self.magnified = 1
         self._drawn_scene: AnyScene | None = None
         self._foreign = False
-        self._seat = RunSlot.SECOND if beside else RunSlot.ALONE
+        self._slot = RunSlot.SECOND if beside else RunSlot.ALONE
         self._second: Stage[AnyScene] | None = None
         self._labels, self._shown = StageLabels(), (StageLabels(), None)
         self._captioned: tuple | None = None  # arguments of the present captions
@@ -88,17 +92,18 @@ class Stage(ABC, Generic[AnyScene]):
         self._lay_out()
 
     def _lay_out(self) -> None:
-        """Computes the layout for the present bounds."""
+        """Computes the layout for the surface's present metrics; all is drawn anew."""
         self._stage_metrics = self.sheet.stage_metrics
-        room = self._stage_metrics.rounded()
+        metrics = self._stage_metrics.rounded()
         low, high = self.HIGH
-        self._layout = self.layout(replace(room, high=min(max(room.high, low), high)), self._seat)
+        self._layout = self.layout(replace(metrics, high=min(max(metrics.high, low), high)), self._slot)
         self._drawn_scene, self._remarks = None, None
 
     def pinned_run_stage(self, wanted: bool) -> "Stage | None":
-        """Makes space for a pinned run, or takes it back; returns the stage of that run if ``wanted``."""
-        if wanted != (self._seat == RunSlot.FIRST):
-            self._seat = RunSlot.FIRST if wanted else RunSlot.ALONE
+        """Makes space for a pinned run beside this one and returns that run's stage if ``wanted``; otherwise takes the
+        space back, hides that stage and returns None."""
+        if wanted != (self._slot == RunSlot.FIRST):
+            self._slot = RunSlot.FIRST if wanted else RunSlot.ALONE
             self._lay_out()
             self._second = self._second or type(self)(self.sheet.add_child("pinned"), self._scale, self)
             self._second.sheet.visible = wanted
@@ -106,35 +111,32 @@ class Stage(ABC, Generic[AnyScene]):
 
     @property
     def rectangle(self) -> Rectangle:
-        """The rectangle of everything drawn, without names in the gutter."""
-        room = self.sheet.stage_metrics
-        if room is not self._stage_metrics and room != self._stage_metrics:
+        """Rectangle of everything drawn, without names in the gutter: x0, x1, y0, y1 in stage coordinates."""
+        metrics = self.sheet.stage_metrics
+        if metrics is not self._stage_metrics and metrics != self._stage_metrics:
             self._lay_out()
         return self._layout.rectangle
 
     @property
     def shared_axis_changed(self) -> bool:
-        """Whether it must be redrawn, because the run beside it has changed their common axis."""
+        """Whether the stage must be redrawn because the run beside it has changed the value axis of their plots."""
         return self._field.shared_axis_changed
 
     def show_run_name(self, text: str) -> None:
-        """Shows the run's name, if there are two."""
+        """Shows a text as the run's name; it appears only if there are two runs."""
         self._update_labels(run=text)
 
     def show_captions(self, estimate: StageHalf, truth: StageHalf) -> None:
-        """Shows the titles of the halves, and the reason in an empty one."""
-        said = self._seat, estimate.title, estimate.by, estimate.silence, truth.title, truth.by, truth.silence
-        if said == self._captioned:
+        """Shows titles and sources of both halves, and the reason in an empty one, shortened beside another run."""
+        captions = self._slot, estimate.title, estimate.by, estimate.silence, truth.title, truth.by, truth.silence
+        if captions == self._captioned:
             return
-        self._captioned, alone = said, self._seat == RunSlot.ALONE
-        self._update_labels(
-            titles=(estimate.title, truth.title),
-            by=(estimate.by, truth.by),
-            silences=tuple(half.silence if alone else short_reason(half.silence) for half in (estimate, truth)),
-        )
+        self._captioned, alone = captions, self._slot == RunSlot.ALONE
+        silences = tuple(half.silence if alone else short_reason(half.silence) for half in (estimate, truth))
+        self._update_labels(titles=(estimate.title, truth.title), by=(estimate.by, truth.by), silences=silences)
 
     def annotate(self, remarks: Annotations, arrays: FrameArrays) -> None:
-        """Shows annotations in the frame; unchanged ones stay."""
+        """Shows annotations at the particles of a frame's ``arrays``; the same object a second time changes nothing."""
         if remarks is self._remarks:
             return
         self._remarks = remarks
@@ -145,9 +147,13 @@ class Stage(ABC, Generic[AnyScene]):
 
     def draw(self, scene: AnyScene, arrays: FrameArrays, estimated: np.ndarray | None, true: np.ndarray | None,
              t: float, speed: float, foreign: bool = False) -> None:
-        """Draws a frame at t in s with sizes (P,) of errors or None, in one unit, and ``speed`` in simulated s/s."""
-        room = self.sheet.stage_metrics
-        if room is not self._stage_metrics and room != self._stage_metrics:
+        """Draws the frame of a scene at the time t in s.
+
+        ``estimated`` and ``true`` are the sizes (P,) of both errors in one unit, or None. ``speed``, at which the run
+        plays, in simulated s per s, sets how long crossings stay marked. ``foreign`` is whether the particles are not
+        the scene's own but come from a file of another code."""
+        metrics = self.sheet.stage_metrics
+        if metrics is not self._stage_metrics and metrics != self._stage_metrics:
             self._lay_out()
         if scene != self._drawn_scene or foreign or self._foreign:
             self._drawn_scene, self._foreign = scene, foreign
@@ -169,13 +175,13 @@ class Stage(ABC, Generic[AnyScene]):
             self.sheet.show_marks(*marks)
 
     def _select_marked_particles(self, particles: int) -> None:
-        """Selects the particles whose crossings are marked, few enough not to hide the rest, and shows the legend."""
-        every = marking_stride(particles, self.MOST_MARKED)
-        self._marked = np.arange(particles) % every == 0
-        self._update_labels(crossings=crossing_marks_legend(self.MARKED, every))
+        """Selects, of so many particles, those whose crossings are marked, and shows the legend of the marks."""
+        stride = marking_stride(particles, self.MOST_MARKED)
+        self._marked = np.arange(particles) % stride == 0
+        self._update_labels(crossings=crossing_marks_legend(self.MARKED, stride))
 
     def _update_labels(self, **changes: Any) -> None:
-        """Updates labels whose text or position has changed."""
+        """Changes fields of :class:`StageLabels`; draws the labels if a text or the layout has changed."""
         if any(getattr(self._labels, name) != value for name, value in changes.items()):
             self._labels = replace(self._labels, **changes)
         if (now := (self._labels, self._layout)) != self._shown:
@@ -184,61 +190,69 @@ class Stage(ABC, Generic[AnyScene]):
 
     @staticmethod
     @abstractmethod
-    def layout(room: StageMetrics, seat: RunSlot) -> Any:
-        """Returns the layout (:class:`~app.frame.layout.StageLayout` or a subclass) in settled bounds."""
+    def layout(metrics: StageMetrics, slot: RunSlot) -> Any:
+        """Returns the layout (:class:`~app.frame.layout.StageLayout` or a subclass) of the run in a slot of a stage
+        with these metrics, which are rounded."""
 
     @staticmethod
     @abstractmethod
     def labels(words: StageLabels, places: Any) -> Iterator[Label]:
-        """Yields all labels except the scale's and the plot's numbers, and remarks."""
+        """Yields the labels of halves, run and marks, with texts from ``words``, at their places in a layout."""
 
     @staticmethod
     def max_radius(scene: AnyScene) -> float | None:
-        """Returns how far from the middle particles get, in m; None in one dimension."""
+        """Returns the largest distance of particles from the middle during a run, in m; None in one dimension."""
         return None
 
     @staticmethod
     def scale_note(scene: AnyScene) -> str:
-        """Returns a note on the scale of the drawing and whatever else the stage does not show."""
+        """Returns a note, in the visitor's language, on the scale of the drawing: sizes in m of body and cells."""
         return ""
 
     @classmethod
     def particle_shape(cls, scene: AnyScene) -> tuple[Literal["circle", "square"], float] | None:
-        """Returns a particle's shape in a plane body and its size in m, so that particles tile the body."""
+        """Returns shape and size in m of a plane body's particles, so that they tile the body; None for the bar."""
         return None
 
     @staticmethod
     def cell_edge_position(scene: AnyScene) -> float:
-        """Returns the position of a line between cells, in m from the middle."""
+        """Returns the position, in m from the middle and along either axis, of one of the lines between cells."""
         return 0.0
 
     @staticmethod
     def exact_material_lines(scene: AnyScene, t: float, count: int) -> np.ndarray:
-        """Returns the first ``count`` material ``LINES`` of the exact solution, (count, n, 2) in m, at t in s."""
+        """Returns points (count, n, 2) in m of the first ``count`` of the material ``LINES`` that the exact solution
+        draws, at the time t in s."""
         return np.empty((0, 0, 2))
 
     @abstractmethod
     def particles_in(self, low: tuple[float, float], high: tuple[float, float], arrays: FrameArrays) -> np.ndarray:
-        """Returns which particles (P,) lie in the rectangle from ``low`` to ``high`` of the stage."""
+        """Returns which of a frame's particles lie in the rectangle with the lower left corner ``low`` and the upper
+        right one ``high``, in stage coordinates: (P,) of bool."""
 
     def nearest_particle(self, point: tuple[float, float], arrays: FrameArrays) -> int | None:
-        """Returns the index of the particle drawn nearest to a point of the stage; None if none is near."""
+        """Returns the index of the frame's particle that is drawn nearest to a point, in stage coordinates; None if
+        none is near."""
         apart = np.linalg.norm(self.drawn_particle_points(arrays, slice(None))[:, :, :2] - point, axis=2)
         image, particle = np.unravel_index(np.argmin(np.nan_to_num(apart, nan=np.inf)), apart.shape)
         return int(particle) if apart[image, particle] < TOUCH else None
 
     @abstractmethod
     def drawn_particle_points(self, arrays: FrameArrays, particles: slice) -> np.ndarray:
-        """Returns all points of the stage where n particles are drawn, (images, n, 3)."""
+        """Returns the points (images, n, 3) of the stage where n particles (a slice of a frame's) are drawn: in the
+        halves or mirror images, and in the field plot."""
 
     @abstractmethod
     def _static_marks(self, scene: AnyScene, particles: int, at_rest: np.ndarray | None) -> Iterator[Mark]:
-        """Yields marks that stay while a scene runs. Particles of a foreign one began ``at_rest`` (P, D)."""
+        """Yields marks that stay while a scene runs. ``at_rest`` (P, D) are the positions in m at rest of particles
+        from a file of another code, None for the scene's own."""
 
     @abstractmethod
     def _moving_marks(self, scene: AnyScene, arrays: FrameArrays, estimated: np.ndarray, true: np.ndarray, t: float,
                       crossed: np.ndarray, age: np.ndarray) -> Iterator[Mark]:
-        """Yields marks that move, with colours (P, 3) of both errors, crossed particles (P,) and their ages (n,)."""
+        """Yields marks that move, at the time t in s, with the colours (P, 3) of the ``estimated`` and ``true`` errors;
+        ``crossed`` (P,) of bool are particles to be marked, which crossed a cell boundary, and ``age`` (n,) their ages,
+        0 to 1."""
 
     @abstractmethod
     def _plot_axis_positions(self, arrays: FrameArrays) -> np.ndarray:
@@ -247,9 +261,9 @@ class Stage(ABC, Generic[AnyScene]):
     @abstractmethod
     def _worst_region_marks(self, worst: tuple[WorstRegionMark | None, WorstRegionMark | None],
                             arrays: FrameArrays) -> Iterator[Mark]:
-        """Yields marks at the worst regions of estimate and truth, always the same number of marks."""
+        """Yields marks at the ``worst`` regions of estimate and truth in a frame, always the same number of marks."""
 
 
 def marking_stride(particles: int, most: int) -> int:
-    """Returns n such that marking every n-th particle marks at most ``most``."""
+    """Returns the least n such that every n-th of so many particles is at most ``most`` particles."""
     return -(-particles // most)

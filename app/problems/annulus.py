@@ -20,8 +20,10 @@ NO_BREAK = "\N{NO-BREAK SPACE}"
 
 
 class AnnulusViewSettings(NamedTuple):
-    """Settings of a quarter or whole ring: its regions, in so many ``angles`` from the x axis and ``shells`` from the
-    inside, and its picture, in which the outer radius is about so many ``points`` long and dark ``lines`` are exact."""
+    """Settings of the view of a quarter or whole ring: its regions, in so many ``angles`` from the x axis on and in
+    ``shells`` from the inside, whose names have places for the angles {low} and {high} in degrees, their ``division``
+    in words, and the height in inches and ratio of rows of a ``picture``, in which the outer radius is about ``points``
+    long and dark ``lines`` are exact."""
 
     angles: int
     shells: tuple[str, ...]
@@ -46,7 +48,7 @@ LOOKS = {
 
 
 class AnnulusStage(PlanarStage[CircularScene]):
-    """Stage of a quarter ring."""
+    """Stage of a quarter ring, drawn with its mirror images."""
 
     @staticmethod
     def max_radius(scene: CircularScene) -> float:
@@ -90,7 +92,7 @@ class WholeAnnulusStage(AnnulusStage):
 
 
 def annulus_body_view(kind: type[Any]) -> BodyKindView:
-    """Returns the view of the body of a class of scenes."""
+    """Returns the view of the body of a class of circular scenes: a quarter or whole ring by its ``ANGLE``."""
     whole = kind.ANGLE >= FULL
     look = LOOKS["whole" if whole else "quarter"]
     base: type[AnnulusStage] = WholeAnnulusStage if whole else AnnulusStage
@@ -102,7 +104,7 @@ def annulus_body_view(kind: type[Any]) -> BodyKindView:
 
 
 def _outer_rim_displacement(scene: CircularScene) -> float:
-    """Returns how far the outer rim moves outwards, in m."""
+    """Returns how far, in m, the outer rim of the ring moves outwards at most."""
     return scene.amplitude if scene.PLOTTED == "radial" else 0.0
 
 

@@ -20,13 +20,13 @@ POINTS_PER_METRE = 240  # of the picture, roughly
 
 
 def plotted_row(scene: BoxScene) -> float:
-    """Returns the height Y in m of the plotted row of particles."""
+    """Returns the height Y at rest, in m, of the row of particles whose field is plotted."""
     across = scene.cells * scene.ppc
     return (int(HEIGHT * across) + 0.5) / across * scene.SIDE
 
 
 class BoxStage(PlanarStage[BoxScene]):
-    """Stage of the square."""
+    """Stage of the square, drawn with its mirror images; plots the field along a row of particles."""
 
     PLOT = FieldPlotDefinition(0.0, 1.0, ("X = 0", "1 m"), lambda scene, quantity, X, t: scene.exact_plotted_component(
         quantity, np.stack([X, np.full_like(X, plotted_row(scene))], axis=1), t))
@@ -51,6 +51,7 @@ class BoxStage(PlanarStage[BoxScene]):
 
 
 def regions(X: np.ndarray) -> MaterialRegions:
+    """Returns the square's 16 regions for particles at X (P, 2) in m at rest."""
     cell = np.clip((X * REGIONS).astype(int), 0, REGIONS - 1)
     names = tuple(tr("column {column}, row {row} from below", column=i + 1, row=j + 1)
                   for j in range(REGIONS) for i in range(REGIONS))
@@ -58,6 +59,7 @@ def regions(X: np.ndarray) -> MaterialRegions:
 
 
 def draw_picture(figure: Any, space: Any, particles: Any, result: Any) -> None:
+    """Draws a result into axes and subplot of a figure (:class:`~app.problems.interface.ProblemView`)."""
     from app.renderers.plane_panels import OVER_WIDTH, draw_estimate_and_truth_halves, draw_profile
 
     draw_profile(space, result, BoxStage, OVER_WIDTH)

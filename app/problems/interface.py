@@ -17,8 +17,9 @@ from app.state import State
 
 @dataclass(frozen=True)
 class SliderRanges:
-    """Ranges of a problem's sliders: integers (low, high, step), and (low, high) of logarithmic ones. The speed is in
-    periods per second. Some ranges exceed what is valid; the page then shows the instructive reason."""
+    """Ranges of a problem's sliders: of ``cells`` along a side (low, high, step), of particles per cell in a direction
+    (low, high), and of logarithmic ones (low, high): amplitude in m, modulus in Pa, speed in periods per second. Some
+    ranges exceed what is valid; the page then shows the instructive reason."""
 
     cells: tuple[int, int, int]
     ppc: tuple[int, int]
@@ -33,13 +34,14 @@ LinearSlider = tuple[str, float, float, float, str]
 
 @dataclass(frozen=True)
 class MaterialRegions:
-    """``names`` of the regions, and the ``number`` of the region in which each of P particles was at rest."""
+    """Regions into which a body's material is divided: their translated ``names``, and for each particle the ``number``
+    (P,) of the region, an index into the names, in which it was at rest."""
 
     names: tuple[str, ...]
     number: np.ndarray
 
     def rms_errors(self, sizes: np.ndarray) -> np.ndarray:
-        """Returns the root mean square of sizes (P,) in each region; NaN for empty regions."""
+        """Returns the root mean square of errors of the sizes (P,) in each region, (regions,); NaN for empty ones."""
         with np.errstate(all="ignore"):  # a region may be empty, and a run gone bad holds anything
             squares = np.bincount(self.number, sizes.astype(float) ** 2, len(self.names))
             return np.sqrt(squares / np.bincount(self.number, minlength=len(self.names)))
@@ -47,9 +49,10 @@ class MaterialRegions:
 
 @dataclass(frozen=True)
 class MotionChoice:
-    """The choice of a problem's motion: ``hint`` of the widget, and ``change(scene, motion, usual)``, which returns the
-    scene with that motion, and the ``usual`` estimators if its own have no estimate. ``sliders`` are the fields only of
-    a motion without oscillation; ``speed`` and ``quantity`` are the initial ones of such a motion."""
+    """Choice of a problem's motion: ``hint`` is the widget's; ``change_motion(scene, motion, usual)`` returns the scene
+    with that motion, and the ``usual`` estimators unless the motion restricts them. ``sliders`` are those of fields
+    that only a motion without oscillation has; ``speed`` (periods per second) and ``quantity`` (key) are the initial
+    ones of such a motion."""
 
     hint: str
     change_motion: Callable[[Any, str, tuple[str, ...]], Any]
@@ -70,19 +73,19 @@ class BodyKindView(NamedTuple):
 
 @dataclass(frozen=True)
 class ProblemView:
-    """View of one problem. Its texts are translated where they are used.
+    """View of the ``problem`` of this name. Its texts are translated where they are used.
 
-    ``stage`` draws its frames, ``slow_motion_stage`` one step in slow motion. ``draw(figure, space, particles,
-    result)`` draws a run's error in space into the axes ``space`` and the final particles into ``particles``; it
-    imports the slow matplotlib when called. ``regions`` divides the material by positions at rest (P, D), as in
-    ``division``: "the bar into 20 lengths". ``picture`` is the height of a run's picture in inches, and its lower row
-    over the upper one. ``speed`` is initial, in periods per second. ``details`` are fields among the "Method details",
-    ``material`` those beside the modulus, ``formula`` is a text field with label and hint; ``motion`` is None if the
-    scene has one motion only.
+    ``stage`` draws its frames, ``slow_motion_stage`` one step in slow motion. ``draw_picture(figure, space, particles,
+    result)`` draws a result's field along a line into the axes ``space`` and its particles into the subplot
+    ``particles``; it imports the slow matplotlib when called. ``regions`` divides the material by positions at rest
+    (P, D) in m, as in ``division``: "the bar into 20 lengths". ``picture`` is the height of a run's picture in inches,
+    and its lower row over the upper one. ``speed`` is initial, in periods per second. ``details`` has the hint of each
+    scene field among the "Method details", ``material`` the sliders beside the modulus, ``formula`` the name, label and
+    hint of a text field; ``motion`` is None if the scene has one motion only.
 
     ``estimators`` are the initial ones if not the scene's own, the first of them drawn. ``suggestions`` returns the
-    suggestions for a state (:mod:`app.problems.suggestion`). ``prices`` are the estimators' shares of the run time in
-    the usual scene, each alone on one thread, as ``mpm-lab run`` reports them (median of three)."""
+    suggestions for a state of the page. ``prices`` are the estimators' shares of the run time in the usual scene, each
+    alone on one thread, as ``mpm-lab run`` reports them (median of three)."""
 
     problem: str
     stage: type[Stage[Any]]
@@ -105,6 +108,6 @@ class ProblemView:
 
     @property
     def about(self) -> str:
-        """Html on the motion: ``about/PROBLEM.html``, if there is one."""
+        """Text in html on the problem's motion, from ``about/PROBLEM.html`` in the visitor's language; "" if none."""
         path = localised_path(Path(__file__).parent / "about" / f"{self.problem}.html")
         return path.read_text(encoding="utf-8") if path.exists() else ""

@@ -4,28 +4,19 @@ from dataclasses import replace
 
 from app.language.translation import lazy, tr, translate_message
 from app.problems import suggestion
-from app.problems.suggestion import (
-    Answer,
-    ComparedRuns,
-    Offer,
-    Suggestion,
-    SuggestionNotApplicable,
-    changed_state,
-    suggest_breaking,
-    work_ratio,
-)
+from app.problems.suggestion import Answer, ComparedRuns, Offer, Suggestion, SuggestionNotApplicable, changed_state
 from app.state import State
 from app.words import format_factor, format_ratio, per_cent
 from solvers.problems.planar.problem import ViewSettings
 
 
-def planar_suggestions(showing: ViewSettings) -> tuple[Suggestion, ...]:
-    """Returns a problem's suggestions, within the range of its sliders."""
-    fewest, most, _ = showing.cells
+def planar_suggestions(settings: ViewSettings) -> tuple[Suggestion, ...]:
+    """Returns the suggestions that a plane problem's settings list by key, within the range of its sliders."""
+    fewest, most, _ = settings.cells
     known = (suggestion.suggest_halving_cells(most), _suggest_doubling_cells(2 * fewest),
-             suggest_breaking(*showing.breaking), TRANSPORT, STAIRCASE, TILE)
-    by_name = {spark.key: spark for spark in known}
-    return tuple(by_name[name] for name in showing.sparks)
+             suggestion.suggest_breaking(*settings.breaking), TRANSPORT, STAIRCASE, TILE)
+    by_key = {one.key: one for one in known}
+    return tuple(by_key[key] for key in settings.sparks)
 
 
 def _transport_offer(state: State) -> Offer:
@@ -36,14 +27,14 @@ def _transport_offer(state: State) -> Offer:
     return Offer(tr("Ask transport, too"), tr("the method's own equations"), replace(changed, estimator="transport"))
 
 
-def _transport_answer(ran: ComparedRuns) -> Answer:
-    if "transport" in ran.not_valid:
-        return tr("Transport: {reason}.", reason=translate_message(ran.not_valid["transport"])), \
+def _transport_answer(runs: ComparedRuns) -> Answer:
+    if "transport" in runs.not_valid:
+        return tr("Transport: {reason}.", reason=translate_message(runs.not_valid["transport"])), \
             tr("It is not valid here and reports this.")
-    index, companion = ran.index("transport"), ran.index("companion")
+    index, companion = runs.index("transport"), runs.index("companion")
     if index != index:
         return tr("Transport does not estimate the {noun}.",
-                  noun=ran.quantity_noun), tr("It reports this instead of a number.")
+                  noun=runs.quantity_noun), tr("It reports this instead of a number.")
     said = tr("Transport estimates {times} times the true error.", times=format_ratio(index)) if index >= 1 else \
         tr("Transport estimates {share} of the true error.", share=per_cent(index))
     if companion == companion:
@@ -56,7 +47,7 @@ TRANSPORT = Suggestion("transport", "judge", lazy("Ask transport, too"), _transp
 
 
 def _suggest_doubling_cells(fewest: int) -> Suggestion:
-    """Suggests cells twice as wide, down to ``fewest`` cells."""
+    """Returns the suggestion to make cells twice as wide, down to so many cells along a side."""
     def offer(state: State) -> Offer:
         if state.scene.cells < 2 * fewest:
             raise SuggestionNotApplicable(tr("{fewest} cells are the fewest here", fewest=fewest))
@@ -66,10 +57,10 @@ def _suggest_doubling_cells(fewest: int) -> Suggestion:
     return Suggestion("widen", "halve", lazy("Double the cells' width"), offer, _doubling_cells_answer, 0.2)
 
 
-def _doubling_cells_answer(ran: ComparedRuns) -> Answer:
-    return tr("Its error is {factor} times as large; theory: 4 times.", factor=format_factor(ran.ratio)), \
+def _doubling_cells_answer(runs: ComparedRuns) -> Answer:
+    return tr("Its error is {factor} times as large; theory: 4 times.", factor=format_factor(runs.ratio)), \
         tr("It takes {factor} of the particle steps: fewer particles, and fewer steps.",
-           factor=format_factor(work_ratio(ran)))
+           factor=format_factor(suggestion.work_ratio(runs)))
 
 
 def _staircase_rim_offer(state: State) -> Offer:
@@ -80,8 +71,8 @@ def _staircase_rim_offer(state: State) -> Offer:
                  changed_state(state, {"layout": "cartesian"}))
 
 
-def _staircase_rim_answer(ran: ComparedRuns) -> Answer:
-    return tr("Its error is {factor} times as large.", factor=format_factor(ran.ratio)), \
+def _staircase_rim_answer(runs: ComparedRuns) -> Answer:
+    return tr("Its error is {factor} times as large.", factor=format_factor(runs.ratio)), \
         tr("Only the particles' initial positions differ: see the rims.")
 
 
@@ -96,9 +87,9 @@ def _domain_tiling_offer(state: State) -> Offer:
                  changed_state(state, {"method": "ugimp"}))
 
 
-def _domain_tiling_answer(ran: ComparedRuns) -> Answer:
-    said = tr("Its error is {factor} times as large.", factor=format_factor(ran.ratio))
-    if ran.state.scene.method == "ugimp":
+def _domain_tiling_answer(runs: ComparedRuns) -> Answer:
+    said = tr("Its error is {factor} times as large.", factor=format_factor(runs.ratio))
+    if runs.state.scene.method == "ugimp":
         return said, tr("Boxes that keep their size leave gaps where the material stretches. Would smaller cells help?")
     return said, tr("Parallelograms follow the material and leave no gap.")
 

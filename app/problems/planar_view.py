@@ -14,18 +14,17 @@ FORMULA = ("displacement", lazy("Displacement u_x, u_y"),
 
 
 def planar_problem_view(problem: PlanarProblem) -> ProblemView:
-    """Returns the view of a problem."""
+    """Returns the view of a plane problem: that of its kind of body, with the settings in the problem's file."""
     kind: type[Any] = problem.scene
-    showing, fields = problem.showing, kind.__dataclass_fields__
+    settings, fields = problem.showing, kind.__dataclass_fields__
     body = box.BODY if kind.layout == "box" else annulus.annulus_body_view(kind)
-    lowest, speed, highest = showing.speed
-    poisson = (lazy("Poisson's ratio ν"), -0.5, 0.49, 0.01, showing.poisson_hint)
-    asks = planar_suggestions(showing)
+    lowest, speed, highest = settings.speed
+    poisson = (lazy("Poisson's ratio ν"), -0.5, 0.49, 0.01, settings.poisson_hint)
+    asks = planar_suggestions(settings)
     return ProblemView(
         kind.problem, body.stage, PlanarSlowMotionStage, body.draw_picture, body.regions, body.division, body.picture,
-        speed=speed,
-        slider_ranges=SliderRanges(showing.cells, showing.ppc, showing.amplitude, showing.modulus, (lowest, highest)),
-        amplitude_hint=showing.amplitude_hint, modulus_hint=showing.modulus_hint, prices=showing.prices,
-        details={**showing.details, "velocity": lazy("the velocity that moves the particles")},
+        SliderRanges(settings.cells, settings.ppc, settings.amplitude, settings.modulus, (lowest, highest)),
+        speed=speed, amplitude_hint=settings.amplitude_hint, modulus_hint=settings.modulus_hint, prices=settings.prices,
+        details={**settings.details, "velocity": lazy("the velocity that moves the particles")},
         material={"poisson_ratio": poisson} if "poisson_ratio" in fields else {},
-        formula=FORMULA if FORMULA[0] in fields else None, estimators=showing.estimators, suggestions=lambda _: asks)
+        formula=FORMULA if FORMULA[0] in fields else None, estimators=settings.estimators, suggestions=lambda _: asks)

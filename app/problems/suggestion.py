@@ -17,12 +17,13 @@ SAME = 0.005  # distance from 1 within which a ratio is shown as 1.00
 
 
 class SuggestionNotApplicable(Exception):
-    """Raised if a suggestion does not apply to the state; the message is a short reason."""
+    """Raised if a suggestion does not apply to the page's present state; the message is a short translated reason."""
 
 
 @dataclass(frozen=True)
 class Offer:
-    """Offer of a suggestion: ``title``, a short ``hint``, and the new ``state``, with the run to compare pinned."""
+    """Offer of a suggestion in a certain state of the page, in the visitor's language: ``title``, a short ``hint`` at
+    the result to expect, and the ``state`` to go to, in which the run to compare with is pinned."""
 
     title: str
     hint: str
@@ -31,9 +32,9 @@ class Offer:
 
 @dataclass(frozen=True)
 class ComparedRuns:
-    """Result of a ``state``: its ``series`` and those of the pinned run, over the requested periods, the error
-    ``ratio`` of the quantity on the stage, the run's mean over the pinned one's, and reasons for estimators
-    ``not_valid``."""
+    """Results of a suggested run and of the pinned run beside it: the page's ``state``, the ``series`` of both by name,
+    (T,) each, over the requested periods, the ``ratio`` of the errors of the quantity on the stage (the run's mean over
+    the pinned one's), and a reason for each of the run's estimators that is ``not_valid``."""
 
     state: State
     series: Mapping[str, np.ndarray]
@@ -42,7 +43,8 @@ class ComparedRuns:
     not_valid: Mapping[str, str]
 
     def index(self, estimator: str) -> float:
-        """Returns the error index of an estimator for the quantity on the stage."""
+        """Returns the last error index (estimate over true error) of an estimator, by name, for the quantity on the
+        stage; NaN if unknown."""
         values = self.series.get(f"{estimator}/index_{self.state.quantity}", np.zeros(0))
         return float(values[-1]) if len(values) else math.nan
 
@@ -56,11 +58,11 @@ Answer = tuple[str, str]  # a sentence, and a second one to think about
 
 @dataclass(frozen=True)
 class Suggestion:
-    """Suggested experiment, with a translatable ``title`` for when it does not apply.
+    """Suggested experiment with a unique ``key`` and a translatable ``title`` for when it does not apply.
 
-    ``offer`` returns what it does with a state, or raises :class:`SuggestionNotApplicable`; ``answer`` is called once
-    the runs have reached ``periods``; a run that is lost has no answer if that was the purpose (``breaks``). ``icon``
-    is the name of a drawing (``sparks.js``)."""
+    ``offer`` returns the offer in a state of the page, or raises :class:`SuggestionNotApplicable`; ``answer`` returns
+    two sentences on the results once both runs have lasted ``periods``. A run that is lost has no answer if that was
+    the purpose (``breaks``). ``icon`` is the name of a drawing (``sparks.js``)."""
 
     key: str
     icon: str
@@ -72,7 +74,9 @@ class Suggestion:
 
 
 def changed_state(state: State, changes: Mapping[str, Any], pinned: bool = True, **view: Any) -> State:
-    """Returns the state with a changed scene from t = 0 on, with the run before pinned if ``pinned``."""
+    """Returns the page's state with ``changes`` to fields of its scene, from t = 0 on, and further changes ``view`` to
+    the state's own fields; the scene before is pinned if ``pinned``. Raises :class:`SuggestionNotApplicable` for an
+    invalid scene."""
     before = replace(state.scene, periods=None, t_end=None)
     try:
         after = replace(before, **changes)
@@ -82,18 +86,18 @@ def changed_state(state: State, changes: Mapping[str, Any], pinned: bool = True,
                              "stops": False, "traced": None, "magnified": 1, "difference": False, **view})
 
 
-def work_ratio(ran: ComparedRuns) -> float:
-    """Returns the particle steps per period over those of the pinned run."""
+def work_ratio(runs: ComparedRuns) -> float:
+    """Returns a run's particle steps (particles times steps) per period over the pinned run's; NaN without one."""
     def a_period(scene: Any) -> float:
         return scene.particles * scene.period / scene.time_step
 
-    return math.nan if ran.state.pinned is None else a_period(ran.state.scene) / a_period(ran.state.pinned)
+    return math.nan if runs.state.pinned is None else a_period(runs.state.scene) / a_period(runs.state.pinned)
 
 
-def _halving_cells_answer(ran: ComparedRuns) -> Answer:
-    """Returns the answer on the error with cells half as wide."""
-    by, hint = ran.ratio, tr("Largest error in the first period. Theory: 0.25 times, for {work} times the work.",
-                             work=format_number(work_ratio(ran)))
+def _halving_cells_answer(runs: ComparedRuns) -> Answer:
+    """Returns the answer to a comparison with cells half as wide: how the error has changed, and what theory says."""
+    by, hint = runs.ratio, tr("Largest error in the first period. Theory: 0.25 times, for {work} times the work.",
+                              work=format_number(work_ratio(runs)))
     if not math.isfinite(by):
         return tr("Unknown: there is no true error to compare."), hint
     if by >= 1 + SAME:
@@ -104,19 +108,20 @@ def _halving_cells_answer(ran: ComparedRuns) -> Answer:
 
 
 def suggest_halving_cells(most: int) -> Suggestion:
-    """Suggests cells half as wide, up to ``most`` cells."""
+    """Returns the suggestion to make cells half as wide, up to ``most`` cells along a side."""
     def offer(state: State) -> Offer:
         cells = 2 * state.scene.cells
         if cells > most:
             raise SuggestionNotApplicable(tr("{most} cells are the most here", most=most))
-        return Offer(tr("Halve the cells"), tr("theory: error falls to a "
-                                               "quarter"), changed_state(state, {"cells": cells}))
+        return Offer(tr("Halve the cells"), tr("theory: error falls to a quarter"),
+                     changed_state(state, {"cells": cells}))
 
     return Suggestion("halve", "halve", lazy("Halve the cells"), offer, _halving_cells_answer)
 
 
 def suggest_breaking(hint: str, changes: Mapping[str, Any], periods: float) -> Suggestion:
-    """Suggests a run that will fail."""
+    """Returns the suggestion to try a run that will fail: a translatable ``hint``, the ``changes`` to fields of the
+    scene, and the ``periods`` after which a run that still holds is answered."""
     title = lazy("Break it")
 
     def offer(state: State) -> Offer:
@@ -126,8 +131,8 @@ def suggest_breaking(hint: str, changes: Mapping[str, Any], periods: float) -> S
             raise SuggestionNotApplicable(tr("it is on the stage"))
         return Offer(tr(title), tr(hint), changed_state(state, wanted, pinned=False, quantity="x", estimator=None))
 
-    def answer(ran: ComparedRuns) -> Answer:
-        index = ran.index("companion")
+    def answer(runs: ComparedRuns) -> Answer:
+        index = runs.index("companion")
         said = format_ratio(index) if math.isfinite(index) else ""
         knows = tr("Companion estimates {index} times the true error.", index=said) if said else ""
         return tr("It was stable for {periods:g} periods. Continue?", periods=periods), knows

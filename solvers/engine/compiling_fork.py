@@ -27,17 +27,18 @@ COMPILE_SECONDS = 3.0  # seconds of compiling after which what is there is hande
 
 
 class CompilingFork:
-    """The parent's handle of a child that compiles ``scenes``, possibly not all of them. ``asked_for`` is whether a
-    visitor waits for it."""
+    """Handle, in the parent, of a child of this process id that compiles ``scenes``, possibly not all, and speaks to
+    the parent through ``pipe``; ``asked_for`` is whether a visitor waits for it."""
 
     def __init__(self, process_id: int, pipe: Connection, scenes: Sequence[Scene], asked_for: bool):
         self.scenes, self.asked_for, self.pipe = scenes, asked_for, pipe
         self.compiled: Sequence[Scene] = ()  # those that are compiled
-        self.process_id, self._rests = process_id, False
+        self.process_id, self._suspended = process_id, False
 
-    def can_take_over(self, announced: Callable[[], Any]) -> bool:
-        """Returns whether the child is ready to replace the engine. Once it has compiled it receives what is
-        ``announced``, and prepares for that. Raises EOFError when it has died, MemoryError when out of memory."""
+    def can_take_over(self, announcement: Callable[[], Any]) -> bool:
+        """Returns, at once, whether the child is ready to replace the engine. Once it has compiled it receives the
+        result of ``announcement()``, the sessions to prepare for. Raises EOFError if it has died, MemoryError if it is
+        out of memory."""
         if not self.pipe.poll(0):
             return False
         answer = self.pipe.recv()
@@ -46,21 +47,21 @@ class CompilingFork:
         if answer == PREPARED:
             return True
         self.compiled = self.scenes[:answer]
-        self.pipe.send(announced())
+        self.pipe.send(announcement())
         return False
 
-    def pause(self, wanted: bool) -> None:
-        """Suspends the child or lets it continue."""
-        if wanted != self._rests:
-            self._rests = wanted
+    def pause(self, suspended: bool) -> None:
+        """Suspends the child, or lets it continue if not ``suspended``."""
+        if suspended != self._suspended:
+            self._suspended = suspended
             with suppress(ProcessLookupError):  # its end will be noticed
-                os.kill(self.process_id, signal.SIGSTOP if wanted else signal.SIGCONT)
+                os.kill(self.process_id, signal.SIGSTOP if suspended else signal.SIGCONT)
 
-    def hand_over(self, estate: Any) -> None:
-        """Transfers everything to the child. When this returns the parent must touch nothing more and exit. Raises
-        EOFError or OSError if the child died: then everything still belongs to the parent."""
+    def hand_over(self, state: Any) -> None:
+        """Transfers the engine's ``state`` to the child, and waits until it has it: then the parent must touch nothing
+        more and exit. Raises EOFError or OSError if the child died: then all still belongs to the parent."""
         self.pause(False)
-        self.pipe.send(estate)
+        self.pipe.send(state)
         self.pipe.recv()
 
     def terminate(self) -> None:
@@ -73,12 +74,11 @@ class CompilingFork:
 
 def fork_to_compile(scenes: Sequence[Scene], asked_for: bool, prepare: Callable[[Any], None]) -> CompilingFork | Any:
     """Forks a child that compiles the scenes' kernels, or the first that fit into a short time, and then calls
-    ``prepare`` with what is announced to it.
+    ``prepare`` with the announcement of the parent (:meth:`CompilingFork.can_take_over`).
 
     Returns twice: at once, in the parent, with the :class:`CompilingFork`; and, when the parent exits, in the child,
-    with the state that it received. A child that cannot compile logs why and exits. One that no visitor waits for
-    yields to other work.
-    """
+    with the state from :meth:`CompilingFork.hand_over`. A child that cannot compile logs why and exits. One that no
+    visitor waits for (not ``asked_for``) yields to other work."""
     ours, theirs = multiprocessing.Pipe()
     parent = os.getpid()
     process_id = os.fork()
@@ -95,12 +95,12 @@ def fork_to_compile(scenes: Sequence[Scene], asked_for: bool, prepare: Callable[
         theirs.send(_compile_scenes(scenes))
         prepare(theirs.recv())
         theirs.send(PREPARED)
-        estate = theirs.recv()
+        state = theirs.recv()
         os.sched_setscheduler(0, os.SCHED_OTHER, os.sched_param(0))
         worker_process.die_with_parent(False)
         theirs.send(TAKEN_OVER)
         theirs.close()
-        return estate
+        return state
     except (ConnectionError, EOFError):  # the parent has ended: the result is useless
         os._exit(1)
     except BaseException as error:
@@ -111,7 +111,7 @@ def fork_to_compile(scenes: Sequence[Scene], asked_for: bool, prepare: Callable[
 
 
 def _compile_scenes(scenes: Sequence[Scene]) -> int:
-    """Compiles the scenes' kernels, one after another until time is up; returns the number of scenes."""
+    """Compiles the scenes' kernels, one after another until time is up; returns the number of compiled scenes."""
     begun = monotonic()
     for done, scene in enumerate(scenes, 1):
         build(scene).compile()

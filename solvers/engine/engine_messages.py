@@ -14,8 +14,9 @@ FRAME_SECONDS = 1 / 30
 
 @dataclass(frozen=True)
 class Pace:
-    """Pace of a run. ``speed`` is in periods per second. ``restarts`` and ``single_steps`` are counters: an engine acts
-    when they have increased. A run that ``ends`` stops at its scene's end; others continue."""
+    """Pace of a run: whether it is ``playing``, its ``speed`` in periods per second, and whether it ``ends`` at its
+    scene's end or continues. ``restarts`` and ``single_steps`` count the requests for a restart or a step so far: an
+    engine acts when they have increased."""
 
     playing: bool = True
     speed: float = 1.0
@@ -28,11 +29,11 @@ class Pace:
 class SessionRequest:
     """Complete request of a visitor: an engine acts on the latest and discards the others.
 
-    ``number`` increases with every request and returns in frames, to match answers with requests. ``memory`` is the
-    name of the shared memory block for frames, ``frame`` their contents. ``partner`` is another session of the same
-    engine: the two are synchronised in periods, and restart together. ``frame_seconds`` is the time between two frames
-    of a running session.
-    """
+    ``session`` is the number of the visitor's session; ``number`` increases with every request and returns in frames,
+    to match answers with requests. ``memory`` is the name of the shared memory block for frames, ``frame`` their
+    optional contents. ``partner`` is the number of another session of the same engine, or None: the two are
+    synchronised in periods, and restart together. ``frame_seconds`` is the time in s between two frames of a running
+    session."""
 
     session: int
     number: int
@@ -46,33 +47,33 @@ class SessionRequest:
 
 @dataclass(frozen=True)
 class SessionClosed:
-    """Message that the visitor has left, so that the session's resources can be freed."""
+    """Message that the visitor of the ``session`` of this number has left: the engine frees its resources."""
 
     session: int
 
 
 @dataclass(frozen=True)
 class Prewarm:
-    """Scenes that visitors usually request, the likeliest first, to be compiled when there is time."""
+    """Message with scenes that visitors usually request, the likeliest first, to be compiled when there is time."""
 
     scenes: tuple[Scene, ...]
 
 
 @dataclass(eq=False)
 class FrameReport:
-    """Report of a frame in the session's block ``memory``. ``rows`` are the samples since the last frame. The receiver
-    may unify equal ``scene`` objects of several reports, and changes nothing else.
+    """Report of a frame, at the ``time`` in s, in the session's shared memory block ``memory``; ``number`` is that of
+    the request. ``rows`` (n, C) are the samples since the last frame. The receiver may unify equal ``scene`` objects of
+    several reports, and changes nothing else.
 
     ``fresh`` marks the first frame after a build, when data collected before belong to another run. ``rate`` is million
-    particle-steps per second of kernel time; ``real_speed`` is in simulated seconds per second, None until measured.
-    ``not_valid`` has a sentence for each estimator that does not hold here, known beforehand or found in the run;
-    ``holds`` are the contents of the frame that exist. ``status`` is "ok", "unstable" or "lost"
-    (``solvers.solver.soundness``), ``reason`` a sentence why, ``since`` the time in s since when. An unstable run has
-    stopped, a lost one continues; one that is ok for positions has a reason where other quantities have errors as large
-    as themselves. ``not_checked`` says what is not checked. ``breakdown`` is that of the last step, if requested and a
-    single step. ``goals`` are numbers of the body, at most half a second old while the run moves
-    (:func:`solvers.running.quantities_of_interest.evaluate_goal`).
-    """
+    particle-steps per s of kernel time; ``real_speed`` is in simulated s per s, None until measured. ``not_valid`` has
+    a sentence for each estimator that does not hold here, known beforehand or found in the run; ``holds`` are the
+    optional contents that the frame has. ``status`` is "ok", "unstable" or "lost" (``solvers.solver.soundness``),
+    ``reason`` a sentence why, ``since`` the time in s since when. An unstable run has stopped, a lost one continues;
+    one that is ok for positions has a reason if other quantities have errors as large as themselves. ``not_checked`` is
+    a sentence on what is not checked. ``breakdown`` is that of the last step, if requested and a single step. ``goals``
+    are numbers of the body, at most half a second old while the run moves
+    (:func:`solvers.running.quantities_of_interest.evaluate_goal`)."""
 
     session: int
     number: int
@@ -98,20 +99,20 @@ class FrameReport:
 
     @property
     def valid_estimators(self) -> tuple[str, ...]:
-        """Names of the run's estimators that hold in it, as far as known by now."""
+        """Names of the run's estimators that are valid in it, as far as known by now."""
         return tuple(name for name in self.scene.active_estimators if name not in self.not_valid)
 
 
 @dataclass(frozen=True)
 class FrameBatch:
-    """Frames of several sessions that are due together: each message by itself wakes the page's threads."""
+    """Message with the frames of several sessions, together because every message wakes the page's threads."""
 
     reports: tuple[FrameReport, ...]
 
 
 @dataclass(frozen=True)
 class EngineError:
-    """Error of an engine that could not fulfil a request; ``sentence`` is for the visitor."""
+    """Message that an engine could not fulfil request ``number`` of a session; ``sentence`` is for the visitor."""
 
     session: int
     number: int
@@ -120,7 +121,7 @@ class EngineError:
 
 @dataclass(frozen=True)
 class CompilePending:
-    """Message that request ``number`` must be compiled first; meanwhile the previous scene continues."""
+    """Message that request ``number`` of a session must be compiled first; meanwhile its previous scene continues."""
 
     session: int
     number: int
@@ -128,15 +129,14 @@ class CompilePending:
 
 @dataclass(frozen=True)
 class ForkStarted:
-    """Message that the engine has a child that compiles: if the engine dies, the page must reap it."""
+    """Message that the engine has a child, of this process id, that compiles; the page reaps it if the engine dies."""
 
     process_id: int
 
 
 @dataclass(frozen=True)
 class EngineReplaced:
-    """Message that a child has replaced the engine and has all of its sessions (``solvers.engine.compiling_fork``);
-    sent by this new process."""
+    """Message from a child, of this process id, that it has replaced the engine and has all of its sessions."""
 
     process_id: int
 

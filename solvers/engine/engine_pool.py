@@ -23,17 +23,8 @@ DEATHS_ALLOWED = 3  # engines a session may lose without a frame in between befo
 
 
 class EnginePool:
-    """A fixed number of engine processes and their sessions.
-
-    Parameters
-    ----------
-    warm_up
-        Scene that they compile before they are ready.
-    engines
-        Number of engines.
-    frame_seconds : float, s
-        Shortest time between two frames of a session.
-    """
+    """Pool of so many engine processes, with their sessions: all compile the scene ``warm_up`` before they are ready;
+    two frames of a session are at least ``frame_seconds`` s apart."""
 
     def __init__(self, warm_up: Scene, engines: int = 1, frame_seconds: float = FRAME_SECONDS):
         self._numbers, self._frame_seconds = itertools.count(1), frame_seconds
@@ -46,32 +37,25 @@ class EnginePool:
             engine.prewarm(usual)
 
     def set_delivery_context(self, together: Callable[[], AbstractContextManager]) -> None:
-        """Sets the context manager in which sessions receive frames that arrive at once."""
+        """Sets the function that returns the context manager in which sessions receive frames that arrive at once."""
         for engine in self._engines:
             engine.together = together
 
     def open_session(self, listener: SessionListener, beside: SessionLink | None = None) -> SessionLink:
-        """Returns a new session, on the engine with the fewest; on an engine that has been given up only if all have.
-
-        Parameters
-        ----------
-        listener
-            Object that receives frames and errors, from a thread of the engine's.
-        beside
-            Session whose engine the new one shares, as its partner
-            (:class:`~solvers.engine.engine_messages.SessionRequest`).
-        """
+        """Returns a new session, on the engine with the fewest, or on that of the session ``beside`` it, whose partner
+        it becomes (:class:`~solvers.engine.engine_messages.SessionRequest`). The ``listener`` receives frames and
+        errors, from a thread of the engine's."""
         engine = beside.engine if beside else min(self._engines, key=lambda e: (e.given_up, len(e.links)))
         return SessionLink(next(self._numbers), engine, listener, beside.session if beside else None,
                            self._frame_seconds)
 
     def wait_ready(self, timeout: float) -> bool:
-        """Waits until every engine has compiled the first page's kernels; returns False after ``timeout`` s."""
+        """Waits until every engine is ready; returns False if one is not within ``timeout`` s."""
         return all(engine.ready.wait(timeout) for engine in self._engines)
 
     @property
     def playing_sessions(self) -> int:
-        """Number of sessions that should move."""
+        """Number of sessions whose request is to play."""
         links = [link for engine in self._engines for link in list(engine.links.values())]
         return sum(link.wish is not None and link.wish.pace.playing for link in links)
 
@@ -85,7 +69,7 @@ class EnginePool:
             engine.request_stop()
 
     def close(self, patience: float = PATIENCE) -> None:
-        """Closes all sessions and stops all engines, after ``patience`` s by force. The pool ends with it."""
+        """Closes all sessions and stops all engines for good; after ``patience`` s they are killed."""
         self.request_stop()
         for link in [link for engine in self._engines for link in list(engine.links.values())]:
             link.close()
@@ -95,8 +79,8 @@ class EnginePool:
 
 
 class SessionLink:
-    """A session's connection to its engine. Thread-safe; a request replaces the one before. The engine's reader thread
-    calls :meth:`receive` and :meth:`engine_lost`."""
+    """Connection of the session of this number to its engine; ``partner`` is the number of a synchronised session or
+    None. Thread-safe. The engine's reader thread calls :meth:`receive` and :meth:`engine_lost`."""
 
     def __init__(self, session: int, engine: EngineProcess, listener: SessionListener, partner: int | None,
                  frame_seconds: float):
@@ -113,18 +97,8 @@ class SessionLink:
             self.close()
 
     def ask(self, scene: Scene, pace: Pace = Pace(), frame: FrameOptions = FrameOptions()) -> int:
-        """Sets the request from now on; never waits.
-
-        Parameters
-        ----------
-        scene, pace, frame
-            The scene, its pace, and the contents of its frames beside the particles.
-
-        Returns
-        -------
-        int
-            Number of the request, which returns in frames; after :meth:`close` the last one.
-        """
+        """Requests a scene, its pace, and optional contents of its frames, in place of the request before; returns at
+        once the number of the request, which its frames have too (of the last request after :meth:`close`)."""
         with self._lock:
             last = 0 if self.wish is None else self.wish.number
             if self._closed:
@@ -141,7 +115,7 @@ class SessionLink:
         return number
 
     def close(self) -> None:
-        """Closes the session. Frames still on their way are dropped. A second call does nothing."""
+        """Closes the session and frees its memory. Frames on their way are dropped; a second call does nothing."""
         with self._lock:
             if self._closed:
                 return
@@ -151,7 +125,8 @@ class SessionLink:
         self.engine.send(SessionClosed(self.session))
 
     def receive(self, report: FrameReport) -> None:
-        """Copies a frame out of the block, frees the block for the next and passes the copy to the listener."""
+        """Copies the reported frame out of its memory block, which is then free for the next, and passes report and
+        copy to the listener."""
         with self._lock:
             self._deaths = 0
             if report.scene == self._scene:  # the same object, so that what has been worked out for it is there
@@ -166,8 +141,8 @@ class SessionLink:
         self.listener.on_frame(report, arrays)
 
     def engine_lost(self, had_worked: bool) -> None:
-        """Requests the same scene from the start after the engine died, unless the scene keeps killing it. An engine
-        that never started to work (``had_worked``) has not read the scene, which then cannot be the cause."""
+        """Requests the same scene from the start after the engine died, unless the scene keeps killing engines: then
+        reports an error. ``had_worked`` is whether the engine was ready, so that the scene may be the cause."""
         self._deaths += had_worked
         if self._deaths > DEATHS_ALLOWED:
             self.listener.on_error(Message("the simulation process keeps ending with this scene; change a setting"))

@@ -30,7 +30,8 @@ CANNOT_START = Message("the simulation process cannot be started; see the termin
 
 
 class SessionListener(Protocol):
-    """Callbacks of a session, called from the engine's reader thread: they must be quick."""
+    """Callbacks of a session, called from the engine's reader thread, so that they must be quick: a frame has arrived,
+    the request of this number is being compiled, an error in a sentence for the visitor, the engine has ended."""
 
     def on_frame(self, report: FrameReport, arrays: FrameArrays) -> None: ...
     def on_compiling(self, number: int) -> None: ...
@@ -50,16 +51,18 @@ class Link(Protocol):
 
 
 def run_engine_process(pipe: Connection, warm_up: Scene, usual: Sequence[Scene]) -> None:
-    """Entry point of an engine process. Only there is Taichi imported: the page's process stays light."""
+    """Runs an engine process, which speaks to the page through ``pipe``: it first compiles the scene ``warm_up``, later
+    the ``usual`` scenes. Only here is Taichi imported: the page's process stays light."""
     from solvers.engine import engine_server
 
     engine_server.serve_engine(pipe, warm_up, usual)
 
 
 class EngineProcess:
-    """Starts the process, restarts it when it dies, and passes messages to and from ``links``, by session. A child may
-    replace the process (:class:`~solvers.engine.engine_messages.EngineReplaced`) on the same pipe. Frames that arrive
-    at once are passed on within a context of ``together``."""
+    """Handle of an engine process: starts it, with the scene ``warm_up`` to compile first, restarts it when it dies,
+    and passes messages to and from ``links``, by session number. A child may replace the process
+    (:class:`~solvers.engine.engine_messages.EngineReplaced`) on the same pipe. Frames that arrive at once are passed on
+    within a context that ``together()`` returns."""
 
     def __init__(self, warm_up: Scene):
         self.together: Callable[[], AbstractContextManager] = nullcontext
@@ -80,14 +83,14 @@ class EngineProcess:
             threading.Thread(target=work, name=f"engine{work.__name__}", daemon=True).start()
 
     def prewarm(self, usual: Sequence[Scene]) -> None:
-        """Lets the process, and any replacement, compile the ``usual`` scenes beside its work."""
+        """Lets the process, and any replacement, compile the ``usual`` scenes, in this order, beside its work."""
         with self._news:
             self._usual = tuple(usual)
             self._outbox.append(engine_messages.Prewarm(self._usual))
             self._news.notify_all()
 
     def send(self, message: SessionRequest | SessionClosed) -> None:
-        """Queues a message; never waits. A newer request of a session replaces an older one."""
+        """Queues a message for the engine and returns at once; a session's newer request replaces one in the queue."""
         with self._news:
             if self.given_up:
                 return
@@ -105,7 +108,7 @@ class EngineProcess:
         return self._closing
 
     def request_stop(self) -> None:
-        """Requests that the process stops; a second call does nothing."""
+        """Requests that the process stops, and returns at once; a second call does nothing."""
         with self._news:
             if not self._closing:
                 self._leaving.append(self.process_id)
@@ -113,7 +116,7 @@ class EngineProcess:
             self._news.notify_all()  # the writer sends None, at which the process ends
 
     def close(self, patience: float) -> None:
-        """Stops the process, after ``patience`` s by force."""
+        """Stops the process and its children and waits for their end; after ``patience`` s they are killed."""
         self.request_stop()
         end = monotonic() + patience
         while self._reap_stopped_processes() and monotonic() < end:
@@ -158,7 +161,8 @@ class EngineProcess:
         self._pipe, self._process, self.process_id = ours, process, process.pid or 0  # it is started at once
 
     def _restart(self) -> None:
-        """Replaces a dead process: at once if it had been ready, otherwise after a pause, and not for ever."""
+        """Starts a new process in place of a dead one: at once if that had been ready, otherwise after a pause, until
+        too many in a row have failed; informs all links."""
         self._process.join(1)
         self._leaving.append(self.process_id)
         with suppress(ChildProcessError):  # it had ended before
@@ -194,8 +198,8 @@ class EngineProcess:
             _notify(link.listener.on_error, CANNOT_START)
 
     def _reap_stopped_processes(self) -> list[int]:
-        """Returns processes that were stopped and still exist. Children become those of the page's process once the
-        engine that forked them has ended, where the system supports that."""
+        """Returns the ids of processes that were stopped and still exist, and reaps those that have ended. An engine's
+        children become the page's own once the engine has ended, where the system supports that."""
         def is_running(process_id: int) -> bool:
             if process_id == self._process.pid:
                 return self._process.is_alive()
@@ -232,9 +236,9 @@ class EngineProcess:
                 link.listener.on_error(message.sentence)
 
 
-def _notify(hear: Callable, what: object) -> None:
-    """Logs exceptions of a session's callback: a page that fails to draw must not stop the others' frames."""
+def _notify(callback: Callable, message: object) -> None:
+    """Calls a session's callback and logs its exceptions: a page that fails to draw must not stop others' frames."""
     try:
-        hear(what)
+        callback(message)
     except Exception:
         logging.getLogger(__name__).exception("a session could not take a message")

@@ -1,10 +1,9 @@
 """The engine process: one thread that does everything with Taichi, and one pipe to the page.
 
 Sessions are scheduled round-robin: each that is behind its clock gets one short time slice, then the next. Requests are
-read before every round, and only a session's last one counts, so a dragged slider never leaves stale work in a queue;
-when many sessions send requests at once, some wait for the next round, so that no run stands still for the others' new
-scenes. Missing kernels are compiled by a fork, which then replaces the engine; usual ones are compiled before visitors
-request them.
+read before every round, and only a session's last one counts; of many that arrive at once some wait for the next round,
+so that no run stands still for the others' new scenes. Missing kernels are compiled by a fork, which then replaces the
+engine; usual ones are compiled before visitors request them.
 """
 
 import gc
@@ -39,8 +38,8 @@ FAILED = Message("the simulation of this scene failed; change a setting")
 
 
 def serve_engine(pipe: Connection, warm_up: Scene, usual: Sequence[Scene]) -> None:
-    """Serves sessions until the page exits, or a fork takes over. ``warm_up`` is compiled before the first visitor,
-    ``usual`` scenes when there is time."""
+    """Serves sessions, with messages through ``pipe``, until the page exits, or a fork takes over. The scene
+    ``warm_up`` is compiled before the first visitor, ``usual`` scenes when there is time."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is the page's to handle; the pipe then closes
     if compiling_fork.CAN_FORK:
         runtime.allow_forks()
@@ -56,7 +55,9 @@ def serve_engine(pipe: Connection, warm_up: Scene, usual: Sequence[Scene]) -> No
 
 
 class EngineServer:
-    """Sessions of one engine. A session that fails is dropped and informed; its next request restarts it."""
+    """Server of one engine's sessions, with messages through ``pipe``. ``compiled`` are the keys (``kernel_key``) of
+    scenes whose kernels are compiled, ``usual`` scenes to compile when there is time. A session that fails is dropped
+    and informed; its next request restarts it."""
 
     def __init__(self, pipe: Connection, compiled: Iterable[tuple] = (), usual: Sequence[Scene] = ()):
         self._pipe, self._compiled = pipe, set(compiled)
@@ -71,7 +72,7 @@ class EngineServer:
         self._late = False  # whether most sessions that move get their frames late
 
     def serve(self) -> None:
-        """Serves sessions until a fork has taken over. Raises EOFError when the page has exited."""
+        """Serves sessions until a fork has taken over from this process. Raises EOFError when the page has exited."""
         while True:
             self._read_messages()
             self._act_on_requests()
@@ -112,7 +113,7 @@ class EngineServer:
             self._frames.clear()
 
     def _read_messages(self) -> None:
-        """Reads all messages; only a session's last request counts, in the position of the first."""
+        """Reads all messages from the page; only a session's last request counts, in the position of its first."""
         while self._pipe.poll(0):
             message = self._pipe.recv()
             match message:
@@ -127,14 +128,15 @@ class EngineServer:
                     self._drop_session(message.session)
 
     def _act_on_requests(self) -> None:
-        """Acts on requests, the oldest first, for a short time: the others wait for the next round."""
+        """Acts on the requests that were read, the oldest first, for a short time; the rest wait for the next round."""
         begun = perf_counter()
         while self._wishes and perf_counter() - begun < WISHES_SECONDS:
             wish = self._wishes.pop(next(iter(self._wishes)))
             self._run_guarded(wish, partial(self._accept_request, wish))
 
     def _accept_request(self, wish: SessionRequest) -> None:
-        """Acts on a request. One that needs the compiler waits, except for its effect on the previous scene."""
+        """Acts on a session's request. If its scene must be compiled first the request waits; only its pace and frame
+        contents apply at once, to the previous scene."""
         self._waiting.pop(wish.session, None)
         stepper = self._steppers.get(wish.session)
         anew = False
@@ -156,8 +158,8 @@ class EngineServer:
             self._run_guarded(partner.wish, partner.rebuild)
 
     def _update_partners(self) -> None:
-        """Updates the number of moving sessions and partners, after sessions came, left or failed, and whether most
-        sessions get their frames late."""
+        """Sets, in every stepper, the number of moving sessions and its partner, and stores whether most sessions get
+        their frames late."""
         running = [stepper.frames_are_late for stepper in self._steppers.values() if stepper.running]
         moving, self._late = len(running), 2 * sum(running) > len(running)
         for stepper in self._steppers.values():
@@ -167,11 +169,8 @@ class EngineServer:
                 stepper.partner, partner.partner = partner, stepper
 
     def _compile_in_fork(self) -> bool:
-        """Lets a fork compile what a visitor waits for, or else usual scenes: these are abandoned for a visitor, and
-        slowed down while frames are late.
-
-        Returns whether this process is the fork and has just taken over.
-        """
+        """Lets a fork compile the scene a visitor waits for, or else usual scenes: these are abandoned for a visitor,
+        and slowed down while frames are late. Returns whether this process is the fork and has just taken over."""
         wanted = [wish.scene for wish in self._waiting.values()]
         if self._successor:
             soon = bool(self._successor.compiled)  # it prepares to take over: new requests come next
@@ -193,7 +192,8 @@ class EngineServer:
         return False
 
     def _try_hand_over(self, replacement: CompilingFork) -> bool:
-        """Returns whether the fork was ready and has taken over everything, so that this process can exit."""
+        """Hands everything over to a fork that is ready; returns whether it was and has taken over, so that this
+        process can exit. A fork that has failed is given up."""
         try:
             if not replacement.can_take_over(lambda: {session: stepper.solver.scene
                                                       for session, stepper in self._steppers.items()}):
@@ -209,7 +209,8 @@ class EngineServer:
         return False
 
     def _give_up_fork(self, replacement: CompilingFork, sentence: str) -> None:
-        """Informs the visitors who wait for the fork that it could not compile, and never retries unasked."""
+        """Ends a fork that could not compile, tells the visitors who wait for it why in a ``sentence``, and removes the
+        scene from the usual ones."""
         replacement.terminate()
         self._successor, failed = None, kernel_key(replacement.scenes[0])
         self._usual = [scene for scene in self._usual if kernel_key(scene) != failed]
@@ -218,8 +219,8 @@ class EngineServer:
             self._pipe.send(engine_messages.EngineError(wish.session, wish.number, sentence))
 
     def _prepare_solvers(self, announced: dict[int, Scene]) -> None:
-        """Builds solvers for the sessions that this fork will get, while they continue elsewhere; those that it had
-        when it forked are reused. Also runs a garbage collection, and exempts survivors from the next ones."""
+        """Builds, in a fork, solvers for the sessions (number: scene) that it will get, while they continue elsewhere;
+        reuses those that it had when it forked. Also collects garbage, and exempts survivors from later collections."""
         for session, scene in announced.items():
             stepper = self._steppers.get(session)
             with suppress(Exception):  # it is tried again later, with an error message to the visitor
@@ -233,8 +234,8 @@ class EngineServer:
 
     def _take_over_sessions(self, states: dict[int, tuple[SessionRequest, dict]], wishes: dict[int, SessionRequest],
                             compiled: set[tuple], usual: list[Scene]) -> None:
-        """Takes over the sessions of the engine that this process was forked from. ``wishes`` are pending requests,
-        including those that waited for the compiler."""
+        """Takes over, in a fork, the engine's sessions: the request and the state of each stepper, the pending requests
+        ``wishes`` by session, the keys of scenes that are ``compiled``, and the ``usual`` scenes."""
         self._wishes, self._waiting, self._successor = wishes, {}, None
         self._compiled, self._usual = compiled, usual
         self._pipe.send(engine_messages.EngineReplaced(os.getpid()))
@@ -247,7 +248,8 @@ class EngineServer:
         self._steppers[session] = SessionStepper.from_state(state, self._prepared.get(session))
 
     def _run_guarded(self, wish: SessionRequest, work: Callable[[], FrameReport | None]) -> FrameReport | None:
-        """Runs a part of one session's work; an error affects only that session."""
+        """Returns the result of ``work()``, a part of the work for a session's request; after an error, which drops
+        only that session, None."""
         sentence = None
         try:
             return work()

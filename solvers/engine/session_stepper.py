@@ -32,11 +32,13 @@ LAST_STEP = MOST_STEPS - 1_000_000_000  # a page left open for days stops here
 
 
 class BlockFreed(Exception):
-    """Signal that the page has freed the block of a request: its visitor has left, and no answer is needed."""
+    """Raised if the page has freed the memory block of a request: its visitor has left, and no answer is needed."""
 
 
 class SessionStepper:
-    """Steps a session's solver towards its target, one time slice after another, in the engine's one thread."""
+    """Stepper of one session in an engine: builds the solver for the request ``wish`` and steps it towards the time of
+    a clock, one time slice after another, in the engine's one thread. Raises :class:`BlockFreed` if the request's
+    memory block is gone."""
 
     def __init__(self, wish: SessionRequest):
         self.wish = wish
@@ -52,7 +54,7 @@ class SessionStepper:
             raise
 
     def rebuild(self) -> None:
-        """Restarts the scene at t = 0."""
+        """Builds and compiles a new solver of the request's scene, at t = 0."""
         self.solver = build(self.wish.scene)
         self.solver.compile()
         self._watch = SoundnessWatch(self.solver.scene)
@@ -73,10 +75,8 @@ class SessionStepper:
         self._frame_wanted = True
 
     def accept(self, wish: SessionRequest) -> bool:
-        """Accepts a newer request; rebuilds for another scene or a restart. Unusable after an exception.
-
-        Returns whether it was rebuilt.
-        """
+        """Accepts a newer request of the session; rebuilds the solver for another scene or a restart, and takes single
+        steps that are requested. Returns whether the solver was rebuilt. The stepper is unusable after an exception."""
         old, self.wish = self.wish, wish
         if self._block.name != wish.memory:
             self.close()
@@ -97,14 +97,14 @@ class SessionStepper:
         return anew
 
     def state(self) -> dict[str, Any]:
-        """Returns the state with which a stepper in another process continues (:meth:`from_state`); clocks are
-        shared."""
+        """Returns the state with which a stepper in another process of this machine continues (:meth:`from_state`)."""
         return {**{name: value for name, value in vars(self).items() if name not in ("solver", "partner", "_block")},
                 "solver": self.solver.state()}
 
     @classmethod
     def from_state(cls, state: dict[str, Any], prepared: Solver | None) -> "SessionStepper":
-        """Returns the stepper with this state, to the bit. A ``prepared`` solver is used if it has the same scene."""
+        """Returns a stepper that continues from the ``state`` of another, to the bit; it uses the ``prepared`` solver
+        if that has the same scene."""
         stepper, scene = cls.__new__(cls), state["wish"].scene
         solver = prepared if prepared and prepared.scene == scene else build(scene)
         vars(stepper).update(state, solver=solver, partner=None, _block=_attach(state["wish"].memory))
@@ -117,7 +117,7 @@ class SessionStepper:
 
     @property
     def is_behind(self) -> bool:
-        """Whether it is time to step: a frame is due, or a whole slice of work is missing."""
+        """Whether it is time to step: a frame is due, or the run lags behind its clock by a whole time slice."""
         if not self.running or (self._frame_due() and self._frame_is_unread):
             return False
         if self._frame_due():
@@ -129,18 +129,18 @@ class SessionStepper:
 
     @property
     def frame_is_ready(self) -> bool:
-        """Whether a frame can be sent: the last was read and this one is due."""
+        """Whether a frame can be sent: the page has read the last one, and the next is due."""
         return (self._frame_wanted or (self.running and self._frame_due())) and not self._frame_is_unread
 
     @property
     def next_due(self) -> float:
-        """Time of the session's next action, by ``perf_counter``; soon if the last frame is unread."""
+        """Time of the session's next action in s of ``perf_counter``: soon if the last frame is unread, inf if none."""
         if not (self.running or self._frame_wanted):
             return float("inf")
         return max(self._due, perf_counter() + LOOK_SECONDS) if self._frame_is_unread else self._due
 
     def advance_slice(self) -> None:
-        """Steps for at most one slice towards the clock's time."""
+        """Takes at least one step, and at most those of one time slice, towards the clock's time."""
         wanted = self._steps_wanted()
         self._advance(max(1, min(wanted, self._slice_steps, self.solver.longest_advance)))
         if wanted * self._seconds_a_step > LAG_SECONDS:
@@ -150,13 +150,14 @@ class SessionStepper:
             self._frame_wanted = True
 
     def _sample(self) -> None:
-        """Samples this step, unless that was done or due."""
+        """Measures a sample of the present step, unless it has been measured or is one that the solver samples."""
         if self.solver.step != self._measured and self.solver.step % self.solver.scene.sample_interval:
             self._rows.append(self.solver.measure())
             self._measured = self.solver.step
 
     def write_frame(self) -> FrameReport:
-        """Writes the particles into the block and returns the report. Call when ``next_due`` has come."""
+        """Writes the particles into the session's memory block and returns the report of the frame, with the samples
+        since the last one. Call when :attr:`frame_is_ready`."""
         now, solver, wished = perf_counter(), self.solver, self.wish.frame
         shot = solver.snapshot(wished.differences, wished.plotted)
         shared_frames.write_frame(self._block, solver.scene, shot)
@@ -189,17 +190,18 @@ class SessionStepper:
         return report
 
     def _goals_at(self, now: float) -> dict[str, dict]:
-        """Returns numbers of the whole body: of this moment, or of a recent one while it moves."""
+        """Returns numbers of the whole body by goal: at the time ``now`` of ``perf_counter`` in s, or, while the run
+        moves, up to half a second older."""
         if now >= self._goals_due or not self.running:
             solver, self._goals_due = self.solver, now + GOAL_SECONDS
             fields = solver.fields()
-            self._goals = {name: evaluate_goal(Goal(name), fields, solver.scene,
-                                               solver.step) for name in (ENERGY, STRESS)}
+            self._goals = {name: evaluate_goal(Goal(name), fields, solver.scene, solver.step)
+                           for name in (ENERGY, STRESS)}
         return self._goals
 
     @property
     def frames_are_late(self) -> bool:
-        """Whether frames have recently been later than requested."""
+        """Whether frames have recently been later than the session's request allows."""
         return self._lateness > LATE_SHARE * self.wish.frame_seconds
 
     @property
@@ -212,7 +214,7 @@ class SessionStepper:
 
     @property
     def _speed(self) -> float:
-        """Speed in simulated seconds per second."""
+        """Requested speed in simulated s per s."""
         return self.wish.pace.speed * self.wish.scene.period
 
     @property
@@ -221,26 +223,26 @@ class SessionStepper:
 
     @property
     def _slice_steps(self) -> int:
-        """Number of steps in one turn: in a full engine frames have priority, and runs are slower than requested."""
+        """Number of steps in a time slice; in a full engine frames come first, and runs are slower than requested."""
         seconds = max(SHORTEST_SLICE, min(SLICE_SECONDS, ROUND_SECONDS / self.sessions - self._seconds_a_frame))
         return max(1, int(seconds / self._seconds_a_step))
 
     @property
     def turn_seconds(self) -> float:
-        """Expected maximum duration of a turn, in s."""
+        """Expected duration of one time slice, in s."""
         return self._slice_steps * self._seconds_a_step
 
     def _frame_due(self) -> bool:
         return perf_counter() >= self._due
 
     def _steps_wanted(self) -> int:
-        """Returns whole steps to the time of the clock. The clock waits for a partner that cannot keep up: lost time is
-        not made up later, when the partner stops or leaves."""
+        """Returns the number of whole steps to the time of the clock. The clock waits for a partner that cannot keep
+        up: lost time is not made up later, when the partner stops or leaves."""
         now, (wall, simulated) = perf_counter(), self._anchor
         target, partner = simulated + (now - wall) * self._speed, self.partner
-        if partner is not None and partner.running:  # no farther than ``_lead`` beyond its number of periods
-            bound = (partner.solver.time / partner.solver.scene.period * self.solver.scene.period
-                     + self._max_lead_over_partner)
+        if partner is not None and partner.running:
+            periods = partner.solver.time / partner.solver.scene.period
+            bound = periods * self.solver.scene.period + self._max_lead_over_partner
             if bound < target:
                 target = bound
                 self._anchor = (now, bound)
@@ -248,13 +250,14 @@ class SessionStepper:
 
     @property
     def _max_lead_over_partner(self) -> float:
-        """Largest lead over its partner in s: one frame, but invisible at high speeds; and at least two steps, so that
-        the one behind can always take one."""
+        """Largest lead over the partner in simulated s: one frame, but invisible at high speeds; and at least two
+        steps, so that the one behind can always take one."""
         scene = self.solver.scene
         return max(min(self.wish.frame_seconds * self._speed, MOST_APART * scene.period), 2 * scene.time_step)
 
     def _advance(self, steps: int, broken_down: int | None = None) -> None:
-        """Takes steps, the last with a breakdown around the particle ``broken_down``, if any."""
+        """Takes so many steps, the last with a breakdown around the particle of the number ``broken_down``, if any;
+        collects their samples and measures the time of a step."""
         begun, self._breakdown, self._before_step = perf_counter(), None, None
         if broken_down is None:
             self._rows.append(self.solver.advance(steps))

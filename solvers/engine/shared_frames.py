@@ -25,9 +25,9 @@ DIFFERENCE = "{} minus truth"  # what an estimator's is called in the block
 class FrameOptions:
     """Optional contents of a frame, beside the particles with their errors and estimates.
 
-    ``differences`` are the sizes of estimate minus truth, ``plotted`` is the key of the quantity whose field it holds,
-    if any; ``broken_down`` is the number of a particle, if any, around which single steps are taken apart.
-    """
+    ``differences`` is whether it has the sizes of estimate minus truth, ``plotted`` the key (x, v, sigma or a) of the
+    quantity whose field it has, None for none; ``broken_down`` is the number of the particle around which single steps
+    are taken apart (:class:`~solvers.solver.step_breakdown.StepBreakdown`), None for none."""
 
     differences: bool = False
     plotted: str | None = None
@@ -36,13 +36,13 @@ class FrameOptions:
 
 @dataclass(frozen=True)
 class FrameArrays:
-    """Particles of a frame in single precision, for drawing. D dimensions; columns of errors are x, v, sigma, a.
+    """Data of a frame's P particles in D dimensions, in single precision, for drawing.
 
-    ``position`` and ``displacement`` (P, D), ``deformation_gradient`` (P, D * D), ``steps_since_crossing`` (P,) with -1
-    for never, ``error`` and each ``estimate`` (P, 4), NaN where nothing is known; ``difference`` (P, 4) of each, the
-    size of estimate minus truth, only where it was asked for. ``plotted`` (P, 2) is the field of one quantity and its
-    deviation from the exact one (``Snapshot.plotted``), (P, 0) where none was asked for.
-    """
+    ``position`` and ``displacement`` (P, D) in m, ``deformation_gradient`` (P, D * D), ``steps_since_crossing`` (P,) of
+    a cell boundary, -1 for never. By the columns x (m), v (m/s), sigma (Pa), a (m/s²): the true ``error`` and, by
+    estimator, each ``estimate`` (P, 4), NaN where unknown; and, only if requested, each ``difference`` (P, 4), the size
+    of estimate minus truth. ``plotted`` (P, 2) is the field of one quantity, in its unit, and its deviation from the
+    exact one (``Snapshot.plotted``), (P, 0) if none was requested."""
 
     position: np.ndarray
     displacement: np.ndarray
@@ -55,12 +55,13 @@ class FrameArrays:
 
 
 def block_bytes(scene: Scene) -> int:
-    """Returns the largest size of a scene's frame in bytes: a layout may exceed the scene's count a little."""
+    """Returns the size in bytes of a block for any frame of a scene; a layout may have a few particles more than it."""
     return HEADER + 4 * (scene.particles + scene.particles // 8 + 64) * sum(_field_widths(scene, True, True).values())
 
 
 def attach_block(name: str) -> SharedMemory:
-    """Returns a block that another process has created and will remove. Raises FileNotFoundError when it is removed.
+    """Returns the shared memory block of this name, which another process has created and will remove. Raises
+    FileNotFoundError if it has been removed.
 
     Python before 3.13 lets a process's resource tracker remove what the process only opened. Usually all processes
     share the server's tracker; but an engine whose tracker was killed starts its own, which would remove the blocks of
@@ -77,7 +78,7 @@ def attach_block(name: str) -> SharedMemory:
 
 
 def write_frame(block: SharedMemory, scene: Scene, shot: Snapshot) -> None:
-    """Writes a snapshot into the block, which is then :func:`is_unread`."""
+    """Writes a snapshot of a scene's particles into the shared memory block, which is then :func:`is_unread`."""
     P, crossing = len(shot.position), shot.last_crossing
     columns = {"position": shot.position, "displacement": shot.position - shot.material_position,
                "deformation_gradient": shot.deformation_gradient,
@@ -93,18 +94,18 @@ def write_frame(block: SharedMemory, scene: Scene, shot: Snapshot) -> None:
 
 
 def is_unread(block: SharedMemory) -> bool:
-    """Returns whether the block contains a frame that the page has not copied yet."""
+    """Returns whether the shared memory block contains a frame that the page has not copied yet."""
     return _block_memoryview(block)[0] != 0
 
 
 def mark_as_read(block: SharedMemory) -> None:
-    """Marks the block as free for the next frame."""
+    """Marks the shared memory block as free for the next frame."""
     _block_memoryview(block)[0] = 0
 
 
 def read_frame(block: SharedMemory, scene: Scene, particles: int, holds: FrameOptions = FrameOptions()) -> FrameArrays:
-    """Returns a copy of the frame of ``scene`` with so many particles and the optional contents ``holds``; the block
-    may then be written again."""
+    """Returns a copy of the frame in a shared memory block, which has so many particles of a scene and the optional
+    contents ``holds``, and marks the block as read."""
     widths = _field_widths(scene, holds.differences, holds.plotted is not None)
     held = bytes(_block_memoryview(block)[HEADER:HEADER + 4 * particles * sum(widths.values())])
     mark_as_read(block)
@@ -118,7 +119,7 @@ def read_frame(block: SharedMemory, scene: Scene, particles: int, holds: FrameOp
 
 @lru_cache(64)
 def _field_widths(scene: Scene, differences: bool, plotted: bool) -> dict[str, int]:
-    """Returns the fields of a frame, in order, with their numbers per particle."""
+    """Returns the fields of a scene's frame, in their order in the block, with their numbers per particle."""
     D, active = scene.DIMENSIONS, scene.active_estimators
     compared = map(DIFFERENCE.format, active) if differences else ()
     return {"position": D, "displacement": D, "deformation_gradient": D * D, "steps_since_crossing": 1, "error": WIDTH,
@@ -127,7 +128,7 @@ def _field_widths(scene: Scene, differences: bool, plotted: bool) -> dict[str, i
 
 def _field_views(held: bytes | memoryview, particles: int, widths: dict[str, int],
                  start: int = 0) -> dict[str, np.ndarray]:
-    """Returns bytes from ``start`` on as one array (P, width) for each field."""
+    """Returns views of ``held``, from the byte ``start`` on, as one float32 array (particles, width) for each field."""
     parts = {}
     for name, width in widths.items():
         parts[name] = np.ndarray((particles, width), np.float32, held, start)

@@ -23,7 +23,7 @@ EXPONENT_BITS, BIAS = 52, 1023  # of a double: where its exponent begins, and wh
 
 @ti.func
 def sin(x):
-    """Returns sin x."""
+    """Returns the sine of an angle in radians, of size up to 1e6."""
     value = 0.0
     if ti.static(runtime.runs_on_cpu()):
         value = ti.sin(x)
@@ -34,7 +34,7 @@ def sin(x):
 
 @ti.func
 def cos(x):
-    """Returns cos x."""
+    """Returns the cosine of an angle in radians, of size up to 1e6."""
     value = 0.0
     if ti.static(runtime.runs_on_cpu()):
         value = ti.cos(x)
@@ -66,8 +66,8 @@ def log(x):
 
 @ti.func
 def _sine_of_quarter(x, quarters):
-    """Returns sin(x + quarters pi/2). Conditions are integers: on Vulkan, Taichi 1.7.4 loses booleans between one loop
-    of a kernel and the next."""
+    """Returns sin(x + quarters pi/2) for an angle x in radians and an integer. Conditions are integers: on Vulkan,
+    Taichi 1.7.4 loses booleans between one loop of a kernel and the next."""
     turns = ti.floor(x / (HALF_PI + HALF_PI_NEXT) + 0.5)
     y = ((x - turns * HALF_PI) - turns * HALF_PI_NEXT) - turns * HALF_PI_LAST
     square = y * y
@@ -80,7 +80,7 @@ def _sine_of_quarter(x, quarters):
 
 @ti.func
 def _polynomial(z, coefficients: ti.template()):
-    """Returns z (c_0 + z (c_1 + ...))."""
+    """Returns z (c_0 + z (c_1 + ...)) for compile-time ``coefficients`` c."""
     total = 0.0
     for k in ti.static(range(len(coefficients) - 1, -1, -1)):
         total = (total + coefficients[k]) * z

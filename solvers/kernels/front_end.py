@@ -36,7 +36,7 @@ _subscript = impl.subscript
 
 
 def speed_up_front_end() -> None:
-    """Removes that work from now on: call before kernels are decorated, that is imported, and compiled."""
+    """Makes Taichi's front end faster in this process: call before modules with kernels are imported."""
     ASTTransformerContext.get_pos_info = _source_location
     kernel_impl.getsourcelines = functools.cache(kernel_impl.getsourcelines)
     kernel_impl._inside_class = lambda level_of_class_stackframe: False  # Taichi passes it by this name
@@ -47,13 +47,13 @@ def speed_up_front_end() -> None:
 
 
 def _source_location(context: ASTTransformerContext, node: syntax | stmt) -> str:
-    """Returns the location of a node in the source, as in the first line of Taichi's own message."""
+    """Returns file, line and function of a node of the syntax tree, as in the first line of Taichi's own message."""
     line = node.lineno + context.lineno_offset
     return f'File "{context.file}", line {line}, in {context.func.func.__name__}:\n'
 
 
 def _translate_with_common_numbers(tree: mod, context: ASTTransformerContext) -> object:
-    """Translates a function; for a kernel, with the usual numbers in front."""
+    """Returns Taichi's translation of a syntax tree; for a kernel, with variables for common numbers in front."""
     if not context.is_kernel:
         return transform_tree(tree, context)
     source = impl.get_runtime().src_info_stack
@@ -70,7 +70,7 @@ def _translate_with_common_numbers(tree: mod, context: ASTTransformerContext) ->
 
 
 def _common_number_expression(value: object, kind: object) -> expr.Expr:
-    """Returns an expression for a number: the variable that has this value, if there is one and no type is given."""
+    """Returns an expression for a number: the kernel's variable of this value, if there is one and no type is given."""
     known = _constants.get(_number_key(value)) if _constants and kind is None else None
     return _make_constant(value, kind) if known is None else known
 
@@ -81,7 +81,8 @@ def _number_key(value: object) -> tuple[type, object]:
 
 
 def _subscript_expression(builder: object, value: object, *places: object, **how: object) -> expr.Expr:
-    """Returns an entry of an array or a vector. The index of a vector must be a number, to be known at compile time."""
+    """Returns the expression of an entry, at ``places``, of an array or a vector, as Taichi makes it but with indices
+    as plain numbers: those of a vector must be known at compile time."""
     if not isinstance(value, expr.Expr):
         return _subscript(builder, value, *places, **how)
     aside = dict(_constants)
@@ -93,7 +94,8 @@ def _subscript_expression(builder: object, value: object, *places: object, **how
 
 
 def _member_index_in_pack(pack: argpack.ArgPack, member: int) -> int:
-    """Returns the place of a pack's member among those that are not arrays, counted once for all its members."""
+    """Returns the place of an argument pack's member, by its number, among those that are not arrays; the places are
+    counted once for all members, and stored in the pack."""
     if not hasattr(pack, PLACES_ATTRIBUTE):
         apart = [isinstance(kind, UNPACKED_TYPES) for kind in pack._annotations]
         setattr(pack, PLACES_ATTRIBUTE, [k - before for k, before in enumerate(accumulate(apart, initial=0))])

@@ -17,14 +17,14 @@ HOME, KERNELS, PICTURES = "XDG_CACHE_HOME", "TI_OFFLINE_CACHE_FILE_PATH", "MPLCO
 
 
 def raise_cache_size() -> None:
-    """Sets Taichi's cache to 500 MB of kernels, unless the environment sets it. A kernel takes 1 MB, and with Taichi's
-    own 100 MB a page, a sweep and a class displace each other's kernels."""
+    """Limits Taichi's cache on disk to 500 MB of kernels, unless the environment sets its size. A kernel takes 1 MB,
+    and with Taichi's own 100 MB a page, a sweep and a class displace each other's kernels."""
     os.environ.setdefault(CACHE_SIZE, str(500 * 2**20))
 
 
 def ensure_writable_cache_folder() -> None:
-    """Sets the cache folder of this process and its children to a temporary one if the usual one is not writable. Call
-    before Taichi is imported; otherwise does nothing."""
+    """Sets the cache folder of this process and its children to a temporary one, which is removed at the end, if the
+    usual one is not writable; otherwise does nothing. Call before Taichi is imported."""
     below_home = os.path.join(os.environ["HOME"], ".cache") if "HOME" in os.environ else ""
     if os.name == "nt" or (_is_writable(os.environ.get(HOME, below_home)) and _is_writable(os.environ.get(KERNELS))):
         return  # Windows has another folder, which is never read-only
@@ -37,7 +37,7 @@ def ensure_writable_cache_folder() -> None:
 
 
 def _is_writable(folder: str | None) -> bool:
-    """Returns whether a folder can be written to, or created; True for None, which stands for no setting."""
+    """Returns whether a folder, by its path, can be written to, or created; True for None, which means no setting."""
     if folder is None:
         return True
     there = next((place for place in (Path(folder), *Path(folder).parents) if place.exists()), Path())

@@ -16,8 +16,9 @@ from solvers.kernels import runtime
 
 
 class Launch:
-    """Kernel whose arguments are whole numbers, then a ``pack`` of numbers and arrays, then templates. The first call
-    compiles it; arrays must not be replaced after that, only written to."""
+    """Kernel with its arguments, to be called with whole numbers: its arguments are these, then an argument ``pack`` of
+    numbers and arrays, then ``templates``. The first call compiles it; after that the pack's arrays must not be
+    replaced, only written to."""
 
     def __init__(self, kernel: Any, pack: Any, *templates: Any):
         self._kernel, self._arguments = kernel, (pack, *templates)
@@ -38,19 +39,19 @@ class Launch:
         program.launch_kernel(compiled, context)
 
     def compile(self, *numbers: int) -> None:
-        """Compiles the kernel for a GPU without launching it."""
+        """Compiles the kernel for a GPU, for any whole numbers as its first arguments, without launching it."""
         primal, program = self._kernel._primal, impl.get_runtime().prog
         own = primal.compiled_kernels[primal.ensure_compiled(*numbers, *self._arguments)]
         self._kept = program, program.compile_kernel(program.config(), program.get_device_caps(), own), own
 
     def free(self) -> None:
-        """Releases all objects of Taichi, which is about to end."""
+        """Releases all objects of Taichi, before it ends; on a GPU the kernel cannot be called afterwards."""
         self._kept = None
         if not runtime.runs_on_cpu():
             self._arguments = ()  # its arrays too
 
     def _queue_launch_on_gpu(self, numbers: tuple[int, ...]) -> None:
-        """Queues the launch on a GPU; returns at once."""
+        """Queues the launch with these whole numbers on a GPU, compiled if necessary; returns before it is done."""
         if self._kept is None:
             self.compile(*numbers)
         program, compiled, own = cast(tuple, self._kept)
@@ -63,13 +64,13 @@ class Launch:
         program.launch_kernel(compiled, context)
 
     def _arrays(self) -> list[tuple[Any, Any]]:
-        """Returns the pack's arrays and their types, in order: they come after all other arguments."""
+        """Returns the pack's arrays and their Taichi types, in the order in which they follow all other arguments."""
         pack = self._arguments[0]
         return [(pack[name], kind) for name, kind in pack._ArgPack__annotations.items()
                 if isinstance(kind, ndarray_type.NdarrayType)]
 
     def _compile_kernel(self, program: Any, numbers: tuple[int, ...]) -> tuple[Any, Any, Any]:
-        """Returns the program, the compiled kernel, and a context with the pack."""
+        """Returns Taichi's program, the kernel compiled for a CPU, and a launch context that contains the pack."""
         primal, pack, at = self._kernel._primal, self._arguments[0], len(numbers)
         own = primal.compiled_kernels[primal.ensure_compiled(*numbers, *self._arguments)]
         context = own.make_launch_context()

@@ -22,10 +22,10 @@ SHAPES = {"integers": (), "reals": (), "pairs": (2,), "quads": (4,), "octets": (
 
 
 class ArrayPacking:
-    """Members by name and type. Arrays of types that cannot be packed stay as they are.
+    """Packing of ``members``, numbers and arrays by name with their Taichi types, into one array for each type.
 
-    ``types`` are the state's members that hold them, ``values`` fills these, ``parts`` finds the members in them again.
-    """
+    ``types`` has the names (with the ``prefix``) and types of the packed arrays, and of the members whose types cannot
+    be packed, which stay as they are; :meth:`pack` returns their values, :meth:`unpack` the members in them."""
 
     def __init__(self, members: Mapping[str, object], prefix: str = PREFIX):
         self.types: dict[str, object] = {}
@@ -45,7 +45,7 @@ class ArrayPacking:
         self.types.update({prefix + array: getattr(dtypes, array) for array in SHAPES if array in used})
 
     def pack(self, members: Mapping[str, Any]) -> dict[str, np.ndarray]:
-        """Returns the packed arrays that contain these members."""
+        """Returns the packed arrays, new ones by the names in ``types``, that contain these values of the members."""
         pieces: dict[str, list[np.ndarray]] = {
             array: [np.zeros((self.front.get(array, 0), *shape), _dtype(array))] for array, shape in SHAPES.items()}
         length = {array: len(piece[0]) for array, piece in pieces.items()}
@@ -58,23 +58,22 @@ class ArrayPacking:
         packed = {self.prefix + array: np.concatenate(piece) for array, piece in pieces.items()}
         return {name: packed[name] if name in packed else members[name] for name in self.types}
 
-    def unpack(self, memory: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
-        """Returns the arrays among the members, with their present values."""
-        found = {name: memory[name] for name in self.types if not name.startswith(self.prefix)}
+    def unpack(self, packed: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
+        """Returns the arrays among the members, by name, as views of the packed arrays; not the numbers."""
+        members = {name: packed[name] for name in self.types if not name.startswith(self.prefix)}
         for array in SHAPES:
-            begins = sorted((int(memory[self.prefix + "integers"][slot]), name)
+            begins = sorted((int(packed[self.prefix + "integers"][slot]), name)
                             for name, (held, slot, is_array) in self.places.items() if is_array and held == array)
             for k, (begin, name) in enumerate(begins):
-                found[name] = memory[self.prefix + array][begin:begins[k + 1][0] if k + 1 < len(begins) else None]
-        return found
+                members[name] = packed[self.prefix + array][begin:begins[k + 1][0] if k + 1 < len(begins) else None]
+        return members
 
 
 class PackedMembersView:
-    """A state, and some of the packed members as more of its attributes, while a kernel is compiled.
+    """View of a kernel's ``state`` with the packed members of these ``names`` as more of its attributes.
 
-    Numbers, and the places where arrays begin, are read once, where this is made: read at every use, they were a third
-    of what the compiler had to work through.
-    """
+    Numbers, and the places where arrays begin, are read once, where the view is made: read at every use, they were a
+    third of what the compiler had to work through."""
 
     def __init__(self, state: object, packing: ArrayPacking, names: Iterable[str]):
         self._state, self._members = state, {}
@@ -82,9 +81,8 @@ class PackedMembersView:
             if name in packing.places:
                 array, slot, is_array = packing.places[name]
                 own = getattr(state, packing.prefix + array)
-                number = make_kernel_variable(
-                    subscript_expression(getattr(state, packing.prefix + "integers") if is_array else own, slot)
-                )
+                front = getattr(state, packing.prefix + "integers") if is_array else own
+                number = make_kernel_variable(subscript_expression(front, slot))
                 self._members[name] = _ArraySlice(own, number) if is_array else number
 
     def __getattr__(self, name: str) -> object:
@@ -92,7 +90,7 @@ class PackedMembersView:
 
 
 class _PrefixView:
-    """Attributes of a state that begin with a prefix, by the rest of their names."""
+    """View of a state's attributes whose names begin with a prefix, by the rest of their names."""
 
     def __init__(self, state: object, prefix: str):
         self._state, self._prefix = state, prefix
@@ -102,7 +100,7 @@ class _PrefixView:
 
 
 class _ArraySlice:
-    """Array within a packed one: its index counts from its own beginning."""
+    """Part of a packed array in a kernel, whose index counts from the entry ``begin``."""
 
     def __init__(self, array: object, begin: Any):
         self._array, self._begin = array, begin
@@ -113,7 +111,8 @@ class _ArraySlice:
 
 @mark_untranslated_by_taichi
 def prefix_view(state: object, prefix: str) -> _PrefixView:
-    """Returns, for kernels, the members whose names begin with ``prefix``, as attributes by the rest of their names."""
+    """Returns, for use in a kernel, a view of the state's members whose names begin with ``prefix``, as attributes by
+    the rest of their names."""
     return _PrefixView(state, prefix)
 
 

@@ -23,26 +23,25 @@ _options: dict = {}
 
 
 def allow_forks() -> None:
-    """Allows forks of this process; call before the first :func:`start`. Taichi's own threads are not forked, and the
-    first compilation of a child would wait for them for ever."""
+    """Lets children forked from this process compile kernels; call before the first :func:`start`. Taichi's own threads
+    are not forked, and the first compilation of a child would wait for them for ever."""
     _options["num_compile_threads"] = 0
 
 
 def store_kernels_and_exit() -> NoReturn:
-    """Ends the process after it has written compiled kernels to disk. Taichi's own exit would wait for threads that,
-    for a fork, only its parent has."""
+    """Writes compiled kernels to disk and ends the process with status 0. In a fork, Taichi's own exit would wait for
+    threads that only the parent has."""
     _store_compiled_kernels()
     os._exit(0)
 
 
 def start(arch: str = "cpu", threads: int = 1) -> str:
-    """Starts Taichi once for this process on ``arch``, "cpu", "cuda" or "vulkan", and returns the architecture that
-    really runs ("x64", "cuda", ...).
+    """Starts Taichi for this process on ``arch``, "cpu", "cuda" or "vulkan", with so many CPU threads for a kernel, and
+    returns the architecture that really runs ("x64", "cuda", ...). A call with other settings restarts Taichi, one with
+    the same does nothing. All calls must come from one thread.
 
-    Taichi falls back to the CPU with only a warning when a GPU is asked for and none is there, so the answer may differ
-    from the question: ``solvers.solver.devices`` finds out beforehand, in a process of its own. All calls must come
-    from one thread; a call with other settings restarts Taichi. ``fast_math`` stays off: it gains nothing in the bar
-    and hides NaN from the stability check.
+    Without a GPU Taichi falls back to the CPU with only a warning: ``solvers.solver.devices`` finds out beforehand, in
+    a process of its own. ``fast_math`` stays off: it gains nothing in the bar and hides NaN from the stability check.
 
     On the CPU vectors stay whole: by default Taichi takes them apart into numbers, and LLVM puts back together only
     what it recognises, in registers of the oldest processor where it does not know the present one. Whole vectors make
@@ -61,7 +60,7 @@ def start(arch: str = "cpu", threads: int = 1) -> str:
 
 
 def running_arch() -> str:
-    """Returns the architecture on which Taichi was started."""
+    """Returns the architecture on which Taichi was started, by its name: "x64", "arm64", "cuda" or "vulkan"."""
     return ti.lang.impl.current_cfg().arch.name
 
 

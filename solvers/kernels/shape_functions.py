@@ -12,14 +12,16 @@ import taichi as ti
 
 @ti.func
 def complete_stencil(outer_left, outer_right, slope_left, slope_right):
-    """Returns a stencil from its outer nodes: partition of unity and its derivative fix the middle one."""
+    """Returns the weights and the gradients (vectors of 3 numbers) of a stencil's nodes from those of the outer two:
+    partition of unity and its derivative fix the middle one."""
     return (ti.Vector([outer_left, 1 - outer_left - outer_right, outer_right]),
             ti.Vector([slope_left, -slope_left - slope_right, slope_right]))
 
 
 @ti.func
 def hat(position):
-    """Returns the piecewise linear functions of the original MPM. The third node's weight is zero."""
+    """Returns the stencil (first node, outer weights, outer gradients in 1/cell) of the piecewise linear functions of
+    the original MPM at a position in cells. The third node's weight is zero."""
     first = ti.floor(position)
     nothing = 0.0 * position
     return first, 1 - (position - first), nothing, nothing - 1, nothing
@@ -27,13 +29,13 @@ def hat(position):
 
 @ti.func
 def gimp(position, half_width):
-    """Returns the hat averaged over the particle's domain [position - half_width, position + half_width].
+    """Returns the stencil (first node, outer weights, outer gradients in 1/cell) of the hat averaged over the domain
+    [position - half_width, position + half_width], in cells.
 
-    ``half_width`` at most 1/2, so that the domain meets at most two cells. With a constant half width this is
-    uGIMP, with one that follows F cpGIMP. The average of the hat (1 - s) over the part of the domain in the
-    first cell and of (s - 1) over the part in the second gives the outer weights; the gradient is the
-    difference of the hat at the domain's two ends over its length.
-    """
+    ``half_width`` is above 0 and at most 1/2, so that the domain meets at most two cells. With a constant half width
+    the method is uGIMP, with one that follows F cpGIMP. The average of the hat (1 - s) over the part of the domain in
+    the first cell and of (s - 1) over the part in the second gives the outer weights; the gradient is the difference of
+    the hat at the domain's two ends over its length."""
     first = ti.floor(position - half_width)
     start = position - half_width - first  # left end of the domain, in [0, 1)
     end = start + 2 * half_width
@@ -47,7 +49,8 @@ def gimp(position, half_width):
 
 @ti.func
 def bspline(position):
-    """Returns the quadratic B-spline centred on the nodes: the GIMP function of a domain one cell wide."""
+    """Returns the stencil (first node, outer weights, outer gradients in 1/cell), at a position in cells, of quadratic
+    B-splines centred on the nodes: the GIMP functions of a domain one cell wide."""
     first = ti.floor(position - 0.5)
     s = position - first - 0.5  # in [0, 1)
     return first, 0.5 * (1 - s) * (1 - s), 0.5 * s * s, s - 1, s
@@ -55,10 +58,9 @@ def bspline(position):
 
 @ti.func
 def outer_weights(method: ti.template(), position, half_width):
-    """Returns first node, outer weights and slopes of ``method``: "mpm", "ugimp", "cpgimp", "cpgimp-v" or "bspline".
-
-    ``position`` and ``half_width`` may be vectors, with one entry per direction, for vector instructions.
-    """
+    """Returns first node, left and right weight, and left and right gradient in 1/cell, of the outer nodes of a
+    particle's stencil by a ``method``: "mpm", "ugimp", "cpgimp", "cpgimp-v" or "bspline". ``position`` and
+    ``half_width``, in cells, may be vectors, with one entry per direction, for vector instructions."""
     first, left, right, slope_left, slope_right = hat(position)
     if ti.static(method in ("ugimp", "cpgimp", "cpgimp-v")):
         first, left, right, slope_left, slope_right = gimp(position, half_width)

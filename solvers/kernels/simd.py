@@ -11,11 +11,11 @@ LANES = 4  # numbers in a register of most processors; no bar has fewer particle
 
 @ti.func
 def load(numbers: ti.template(), p):
-    """Returns ``LANES`` numbers from entry ``p`` on."""
+    """Returns, as a vector, the ``LANES`` entries of an array of numbers from index ``p`` on."""
     return ti.Vector([numbers[p + k] for k in ti.static(range(LANES))])
 
 
 @ti.func
 def load_component(vectors: ti.template(), some: ti.template(), c: ti.template()):
-    """Returns number ``c`` of each of the vectors with the indices ``some``."""
+    """Returns, as a vector, component ``c`` of the entries of an array of vectors at the indices ``some``."""
     return ti.Vector([vectors[some[k]][c] for k in ti.static(range(some.n))])

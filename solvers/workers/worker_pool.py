@@ -25,7 +25,7 @@ Listener = Callable[[dict], object]
 
 @dataclass(frozen=True, eq=False)
 class _QueuedQuestion:
-    """Question in the queue."""
+    """Question in the queue of a pool: arguments and future of :meth:`WorkerPool.submit`."""
 
     future: Future[dict]
     question: Mapping | Sequence
@@ -35,9 +35,10 @@ class _QueuedQuestion:
 
 
 class WorkerPool:
-    """Pool of ``processes`` processes for one kind of work (``"module:function"``, as in a
-    :class:`~solvers.workers.worker_process.WorkerProcess`). One starts when a question comes and no other is idle;
-    after a crash, with the next question. Thread-safe."""
+    """Pool of ``processes`` processes for one function ``work`` ("module:function", as in a
+    :class:`~solvers.workers.worker_process.WorkerProcess`), with additions to the ``environment``. One starts when a
+    question comes and no other is idle; after a crash, with the next question. A process takes a question of a kind
+    that only busy processes have had if at least ``several`` questions wait. Thread-safe."""
 
     def __init__(self, work: str, processes: int = 1, environment: Mapping[str, str] | None = None, several: int = 1):
         self._several = several
@@ -54,9 +55,10 @@ class WorkerPool:
 
     def submit(self, question: Mapping | Sequence, on_answer: Listener = lambda _: None,
                patience: float | None = None, kind: Hashable = None) -> Future[dict]:
-        """Queues a question of a ``kind``. ``on_answer`` receives every answer, in a thread of the pool; the future has
-        the last one, or :class:`~solvers.workers.worker_process.ProcessDied` (after at most ``patience`` seconds of
-        work), or the OSError for which no process could be started."""
+        """Queues a question, as for json, whose ``kind`` is what makes a process faster at the next one of it. Every
+        answer is passed to ``on_answer``, in a thread of the pool. Returns the future of the last answer, or of a
+        :class:`~solvers.workers.worker_process.ProcessDied` (after ``patience`` s of work, if not None), or of the
+        OSError for which no process could be started."""
         future: Future[dict] = Future()
         with self._lock:
             self._waiting.append(_QueuedQuestion(future, question, on_answer, patience, kind))
@@ -71,7 +73,7 @@ class WorkerPool:
         return future
 
     def lower_priority(self) -> None:
-        """Lowers the priority of the running processes, irreversibly."""
+        """Lowers the priority of the running processes, irreversibly, where the system supports that."""
         for process_id in self.process_ids:
             with contextlib.suppress(AttributeError, OSError):  # not everywhere is there such a thing
                 os.setpriority(os.PRIO_PROCESS, process_id, os.getpriority(os.PRIO_PROCESS, 0) + NICENESS)
@@ -87,7 +89,7 @@ class WorkerPool:
             process.close()
 
     def _answer_questions(self, process: WorkerProcess) -> None:
-        """Lets a process answer questions as long as there are any."""
+        """Lets a process answer questions from the queue as long as there are any for it."""
         while waiting := self._next_question(process):
             if not waiting.future.set_running_or_notify_cancel():
                 continue
@@ -103,8 +105,8 @@ class WorkerPool:
                 waiting.future.set_result(answer)
 
     def _next_question(self, process: WorkerProcess) -> _QueuedQuestion | None:
-        """Returns the next question for a process; None where it becomes idle, because there is none or others will
-        soon have done it."""
+        """Takes the next question for a process out of the queue and returns it; None if the process becomes idle,
+        because there is none, or other processes will be faster."""
         with self._lock:
             own = self._had[process]
             busy = set[Hashable]().union(*(kinds for other, kinds in self._had.items()
@@ -121,22 +123,23 @@ class WorkerPool:
 
 
 def one_of_each_first(things: Iterable[T], kind: Callable[[T], Hashable]) -> list[T]:
-    """Returns the things with one of each kind in front: in this order, processes start with different kinds."""
+    """Returns the things in an order with the first one of every kind, as ``kind(thing)`` returns it, in front: in this
+    order, a pool's processes start with different kinds."""
     ahead: dict[Hashable, T] = {}
     rest = [thing for thing in things if ahead.setdefault(kind(thing), thing) is not thing]
     return [*ahead.values(), *rest]
 
 
 class Slots:
-    """Limited slots for work on one machine: each piece of work takes one and releases it. Thread-safe."""
+    """Slots, ``count`` in all, for work on one machine: each piece of work takes one and releases it. Thread-safe."""
 
-    def __init__(self, places: int):
-        self._places, self._lock, self.taken = places, threading.Lock(), 0
+    def __init__(self, count: int):
+        self._count, self._lock, self.taken = count, threading.Lock(), 0
 
     def acquire(self) -> bool:
         """Takes a slot; returns whether one was free."""
         with self._lock:
-            free = self.taken < self._places
+            free = self.taken < self._count
             self.taken += free
             return free
 

@@ -36,17 +36,17 @@ PARENT_DEATH_SIGNAL, SUBREAPER = 1, 36  # options of Linux's prctl
 
 
 class ProcessDied(Exception):
-    """Error for a process that ended before its work was done, or whose work failed; the sentence says how."""
+    """Raised if a worker process ended before its work was done, or the work failed; the message says how."""
 
 
 class WorkerTimeout(ProcessDied):
-    """Error for a process that was killed because its time was up."""
+    """Raised if a worker process was killed because it gave no answer in time; the message names that time."""
 
 
 class WorkerProcess:
-    """Process that does ``work``, given as ``"module:function"``: the function is called with every question and with a
-    callback for each answer. It starts with the first question, and again after it died. Thread-safe: questions wait
-    for each other."""
+    """Process that does the ``work`` of a function, given as "module:function", which is called with every question
+    and with a callback for each answer. ``environment`` has additions to the environment variables. The process starts
+    with the first question, and again after it died. Thread-safe: questions wait for each other."""
 
     def __init__(self, work: str, environment: Mapping[str, str] | None = None):
         self._work, self._environment = work, environment
@@ -61,7 +61,7 @@ class WorkerProcess:
         return process.pid if process and process.poll() is None else None
 
     def start(self) -> subprocess.Popen[str]:
-        """Starts the process unless it runs; returns it."""
+        """Starts the process unless it runs; returns it. Raises :class:`ProcessDied` if it has been closed."""
         if self._closed:
             raise ProcessDied("was closed")
         if self.process_id is None:
@@ -75,8 +75,8 @@ class WorkerProcess:
         return cast(subprocess.Popen, self._process)
 
     def ask(self, question: Mapping | Sequence, patience: float | None = None) -> Generator[dict]:
-        """Yields the answers to a question as they come. Raises :class:`ProcessDied` if there will be no more of them,
-        and :class:`WorkerTimeout` after ``patience`` seconds. Closing the generator kills the process."""
+        """Asks a question, as for json, and yields its answers as they come. Raises :class:`ProcessDied` if the process
+        ends before the last, :class:`WorkerTimeout` after ``patience`` s. Closing the generator kills the process."""
         late = threading.Event()
         with self._lock:
             process = self.start()
@@ -121,14 +121,14 @@ class WorkerProcess:
         raise ProcessDied(failure or status)
 
     def kill(self) -> None:
-        """Kills the process at once, whatever it does, and for good; a pending question gets an error."""
+        """Kills the process at once and for good; a pending question raises :class:`ProcessDied`."""
         self._closed = True
         if process := self._process:
             process.kill()
 
     def close(self) -> None:
-        """Stops the process and waits for its end: a busy one is killed, and its question gets an error; an idle one
-        may first store compiled kernels."""
+        """Stops the process for good and waits for its end: a busy one is killed, and its question raises
+        :class:`ProcessDied`; an idle one may first store compiled kernels."""
         self._closed = True
         if self._lock.acquire(blocking=False):
             try:
@@ -145,7 +145,7 @@ class WorkerProcess:
             self._end()
 
     def _end(self) -> str:
-        """Kills the process if it runs; returns how it ended."""
+        """Kills the process if it runs and waits for its end; returns how it ended, as the rest of a sentence."""
         process = self._process
         if process is None:
             return "has not begun"
@@ -163,15 +163,17 @@ class WorkerProcess:
 
 def ask_fresh(work: str, question: Mapping | None = None, environment: Mapping[str, str] | None = None,
               patience: float = 120.0) -> dict:
-    """Returns the only answer of a fresh process. Raises :class:`ProcessDied` after ``patience`` seconds."""
+    """Returns the only answer to a question to a fresh :class:`WorkerProcess`, which is stopped afterwards. Raises
+    :class:`ProcessDied`, also after ``patience`` s."""
     with contextlib.closing(WorkerProcess(work, environment)) as process:
         [answer] = process.ask(question or {}, patience)
         return answer
 
 
 def serve(work: str) -> None:
-    """Runs a worker process: answers questions until its parent is gone, or the work fails. A thread of its own reads:
-    without the parent, results are useless. Compiled kernels are stored on disk."""
+    """Runs a worker process for the function ``work``, "module:function": reads questions from standard input and
+    writes answers to standard output, a line of JSON each, until its parent is gone, or the function raises an
+    exception; then ends the process. A thread of its own reads: without the parent, results are useless."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is for the parent
     output = os.fdopen(os.dup(1), "w")
     os.dup2(2, 1)  # what native code prints is not an answer
@@ -203,20 +205,20 @@ def serve(work: str) -> None:
 
 
 def adopt_orphans() -> None:
-    """Makes this process the parent of orphaned descendants, where that is possible."""
+    """Makes this process the parent of its descendants whose own parent has ended (Linux; otherwise does nothing)."""
     _process_control(SUBREAPER, 1)
 
 
 def exit_after(seconds: float, status: int) -> None:
-    """Ends this process after so many seconds, whatever it does."""
+    """Ends this process, after ``seconds`` s, with an exit status and without clean-up; meant for a thread."""
     time.sleep(seconds)
     sys.stderr.flush()
     os._exit(status)
 
 
-def die_with_parent(wanted: bool) -> None:
-    """Sets whether this process is killed when its parent ends, where that is possible."""
-    _process_control(PARENT_DEATH_SIGNAL, KILL_SIGNAL if wanted else 0)
+def die_with_parent(enabled: bool) -> None:
+    """Sets whether this process is killed when its parent ends (Linux; otherwise does nothing)."""
+    _process_control(PARENT_DEATH_SIGNAL, KILL_SIGNAL if enabled else 0)
 
 
 def _process_control(option: int, value: int) -> None:
@@ -225,7 +227,7 @@ def _process_control(option: int, value: int) -> None:
 
 
 def descendants(process: int) -> list[int]:
-    """Returns the ids of the processes that a process has started, recursively (Linux)."""
+    """Returns the ids of all running descendants of the process with this id (Linux)."""
     below: dict[int, list[int]] = {}
     for status in Path("/proc").glob("[0-9]*/stat"):
         with contextlib.suppress(FileNotFoundError, ProcessLookupError):  # it has ended
@@ -238,7 +240,7 @@ def descendants(process: int) -> list[int]:
 
 
 def proportional_bytes(process: int) -> int:
-    """Returns the memory of a process, with its part of shared memory (Linux); 0 if it has ended."""
+    """Returns the memory in bytes of the process with this id, with its part of shared memory (Linux); 0 if ended."""
     with contextlib.suppress(FileNotFoundError, ProcessLookupError):
         for line in Path(f"/proc/{process}/smaps_rollup").read_text().splitlines():
             if line.startswith("Pss:"):
@@ -247,7 +249,7 @@ def proportional_bytes(process: int) -> int:
 
 
 def processor_seconds(process: int) -> float | None:
-    """Returns the CPU time of a process so far, without its children (Linux); None if unknown."""
+    """Returns the CPU time in s of the process with this id so far, without its children (Linux); None if unknown."""
     with contextlib.suppress(OSError):
         ticks = Path(f"/proc/{process}/stat").read_text().rpartition(")")[2].split()[11:13]
         return sum(map(int, ticks)) / float(os.sysconf("SC_CLK_TCK"))
@@ -255,7 +257,7 @@ def processor_seconds(process: int) -> float | None:
 
 
 def free_port() -> int:
-    """Returns a port of this machine that is not in use."""
+    """Returns a TCP port of this machine that is not in use."""
     with socket.socket() as trial:
         trial.bind(("127.0.0.1", 0))
         return trial.getsockname()[1]

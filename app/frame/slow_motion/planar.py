@@ -16,12 +16,12 @@ POINTS = 121  # of a curve
 
 
 class PlanarSlowMotionStage(SlowMotionStage):
-    """Slow-motion stage of a plane problem."""
+    """Slow-motion stage of a plane problem: cells and particles in the plane beside the captions."""
 
     _above, _aside = 0.02, np.array([0.0, 0.0])
 
-    def _split_text_and_picture(self, room: StageMetrics) -> tuple[float, Rectangle]:
-        return BESIDE, (BESIDE + 0.03, 1.0, 0.0, room.high)
+    def _split_text_and_picture(self, metrics: StageMetrics) -> tuple[float, Rectangle]:
+        return BESIDE, (BESIDE + 0.03, 1.0, 0.0, metrics.high)
 
     def _fit_step_in_picture(self, a: StepBreakdown) -> None:
         x = np.concatenate([a.nodes, a.place[:1]])
@@ -54,7 +54,8 @@ class PlanarSlowMotionStage(SlowMotionStage):
             self._sketch.line(starts, stops, DOMAINS)
 
     def _draw_shape_functions(self, scene: Scene, a: StepBreakdown, s: float) -> None:
-        """Draws a weight as the product of a function of x and one of y; CPDI's at the corners of the domain."""
+        """Draws a node's weight as the product of a function of x and one of y, ``s`` times as high as its value; for
+        CPDI read at the corners of the particle's domain, otherwise at the particle."""
         cpdi = scene.method == "cpdi"
         feet = a.place[0] + 2 * np.array(CORNERS) @ a.edges[0] if cpdi else a.place[:1]
         for axis in range(2):
@@ -63,7 +64,7 @@ class PlanarSlowMotionStage(SlowMotionStage):
             base = self._to_stage(self._low)[1 - axis]
 
             def graph_points(along: np.ndarray, value: np.ndarray, axis: int = axis, base: float = base) -> np.ndarray:
-                """Returns points of the stage for a function's values at positions along the axis."""
+                """Returns stage points (n, 2) for a function's values (n,) at positions (n,) in m along the axis."""
                 out = np.empty((len(along), 2))
                 out[:, axis] = self._to_stage(np.stack([along, along], axis=1))[:, axis]
                 out[:, 1 - axis] = base + s * HEIGHT * (self._picture[3] - self._picture[2]) * value

@@ -12,7 +12,7 @@ LAYER = 1e-3  # z step: later marks are on top
 
 
 class Sketch:
-    """Collects marks until :meth:`marks` returns them; points are (m, 2) on the stage."""
+    """Collection of marks until :meth:`marks` returns them; points are (m, 2) in stage coordinates."""
 
     def __init__(self) -> None:
         self._most = 0  # labels so far
@@ -26,7 +26,7 @@ class Sketch:
         self._depth = 0.0
 
     def line(self, starts: np.ndarray, ends: np.ndarray, colour: Colour, thickness: float | np.ndarray = 1.0) -> None:
-        """Draws lines from starts to ends (m, 2), in the nearest available thickness in pixels."""
+        """Draws lines from starts to ends (m, 2), as thick as the available one nearest to a thickness in pixels."""
         self._depth += LAYER
         kind = np.abs(np.subtract.outer(np.broadcast_to(thickness, len(starts)), THICKNESSES)).argmin(axis=1)
         segments = join_points(*(in_plane(at[:, 0], at[:, 1], self._depth) for at in (starts, ends)))
@@ -35,11 +35,12 @@ class Sketch:
             drawn.append((chosen, np.broadcast_to(np.array(colour, np.uint8), chosen.shape)))
 
     def outline(self, corners: np.ndarray, colour: Colour, thickness: float = 1.0) -> None:
-        """Draws closed outlines through corners (m, c, 2)."""
+        """Draws m closed outlines through c corners each, (m, c, 2), with a thickness in pixels."""
         self.line(corners.reshape(-1, 2), np.roll(corners, -1, axis=1).reshape(-1, 2), colour, thickness)
 
     def arrow(self, starts: np.ndarray, along: np.ndarray, colour: Colour, thickness: float = 2.0) -> None:
-        """Draws arrows from starts along vectors (m, 2), with heads proportional to the length up to a limit."""
+        """Draws arrows from starts (m, 2) with the vectors ``along`` (m, 2), both in stage coordinates, with heads
+        proportional to the length up to a limit and a thickness in pixels."""
         ends, length = starts + along, np.hypot(*along.T)[:, None]
         head = np.minimum(0.35, 0.022 / np.maximum(length, 1e-12)) * along
         side = 0.55 * np.stack([-head[:, 1], head[:, 0]], axis=1)
@@ -47,16 +48,17 @@ class Sketch:
                   colour, thickness)
 
     def dots(self, at: np.ndarray, colour: Colour, size: int = 1) -> None:
-        """Draws dots at points (m, 2); ``size`` is an index into ``SIZES``."""
+        """Draws dots at points ``at`` (m, 2) of the stage; ``size`` is an index into ``SIZES``, their diameters."""
         self._depth += LAYER
         self._points[size].append((in_plane(at[:, 0], at[:, 1], self._depth),
                                    np.tile(np.array(colour, np.uint8), (len(at), 1))))
 
     def text(self, x: float, y: float, text: str, anchor: Anchor, size: float = 0.85) -> None:
+        """Writes a text at the point (x, y) of the stage, ``size`` times as large as usual letters."""
         self._texts.append(Label(f"label{len(self._texts)}", text, float(x), float(y), anchor, "step", size))
 
     def marks(self) -> Iterator[Mark]:
-        """Yields all marks, and clears the sketch."""
+        """Yields all marks, with empty labels in place of former ones, and clears the sketch."""
         for k, drawn in enumerate(self._segments):
             segments, colours = (np.concatenate(part) for part in zip(*drawn, strict=True))
             yield Lines(f"lines{k}", segments, colours, THICKNESSES[k])

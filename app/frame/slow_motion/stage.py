@@ -29,7 +29,9 @@ MAGNIFIED = 0.3  # approximate drawn displacement of particles in cells
 
 
 class SlowMotionStage(ABC):
-    """Draws the phases of one step on a surface; subclasses define where things are drawn."""
+    """Stage that draws the phases of one step around a selected particle on the surface ``sheet``; subclasses define
+    where particles and nodes are drawn. Common arguments: ``a`` is the breakdown of the step, ``s`` the progress of the
+    phase from 0 to 1."""
 
     def __init__(self, sheet: Surface):
         self.sheet, self._sketch = sheet, Sketch()
@@ -37,17 +39,18 @@ class SlowMotionStage(ABC):
 
     @property
     def rectangle(self) -> Rectangle:
-        """The rectangle of everything drawn."""
+        """Rectangle of everything drawn: x0, x1, y0, y1 in stage coordinates."""
         return drawing_rectangle(self._stage_metrics.high)
 
     def _lay_out(self) -> None:
-        """Divides the present bounds between text and picture."""
-        room = self.sheet.stage_metrics.rounded()
-        self._stage_metrics = replace(room, high=min(max(room.high, HIGH[0]), HIGH[1]))
+        """Divides the surface's present bounds between text and picture."""
+        metrics = self.sheet.stage_metrics.rounded()
+        self._stage_metrics = replace(metrics, high=min(max(metrics.high, HIGH[0]), HIGH[1]))
         self._words, self._picture = self._split_text_and_picture(self._stage_metrics)
 
     def draw(self, scene: Scene, a: StepBreakdown, phase: int, s: float) -> None:
-        """Draws a phase at ``s``, from 0 at its beginning to 1 at its end."""
+        """Draws one phase, with an index into ``PHASES``, of the step ``a`` of a scene's run, at the progress ``s``
+        from 0 at the beginning of the phase to 1 at its end."""
         self._lay_out()
         self._fit_step_in_picture(a)
         self._nodes = self._node_spots(a.nodes)
@@ -73,9 +76,8 @@ class SlowMotionStage(ABC):
         self._sketch.dots(self._nodes, NODE, 0)
         self._write_node_numbers(a, phase)
         which = tr("Particle {particle} in step {step}", particle=a.particle, step=a.step)
-        caption = "\n".join(
-            wrap_text(line, self.letters_per_caption_line) for line in [which, *PHASES[phase].front(scene, a)]
-        )
+        caption = "\n".join(wrap_text(line, self.letters_per_caption_line)
+                            for line in [which, *PHASES[phase].front(scene, a)])
         self._sketch.text(0.0, self._stage_metrics.high,
                           wrap_text("; ".join(self._legend), self.letters_per_caption_line), "top-left", CAPTION)
         self._sketch.text(0.0, 0.0, caption, "bottom-left", CAPTION)
@@ -87,7 +89,7 @@ class SlowMotionStage(ABC):
         self._legend.append(tr("green: the particle; its lines to nodes are as thick as the weight"))
 
     def _draw_particles_to_nodes(self, _: Scene, a: StepBreakdown, s: float) -> None:
-        """Moves parcels from particles to nodes, whose squares grow; the selected particle's share is green."""
+        """Draws parcels on their way from particles to nodes, whose squares grow; the selected particle's are green."""
         self._draw_weight_lines(a, FRONT, 1.0)
         self._draw_parcels(a, s, slice(None))
         most = a.node_mass.max()
@@ -118,7 +120,7 @@ class SlowMotionStage(ABC):
         self._legend.append(tr("grey: old v; black: new v; orange: what is gained, drawn × {factor:g}", factor=factor))
 
     def _draw_nodes_to_particles(self, _: Scene, a: StepBreakdown, s: float) -> None:
-        """Moves parcels back in the first half, the particles in the second."""
+        """Draws parcels on their way back in the first half of the phase, moving particles in the second."""
         self._draw_weight_lines(a, FRONT, 1.0)
         self._draw_arrows(self._nodes, a.velocity, NODE)
         if s < 0.5:
@@ -144,12 +146,12 @@ class SlowMotionStage(ABC):
                                "{factor:g}", factor=factor))
 
     def _draw_weight_lines(self, a: StepBreakdown, colour: Colour, s: float) -> None:
-        """Draws lines from the selected particle to its nodes, as thick as the weights."""
+        """Draws lines, as thick as the weights, from the selected particle along ``s`` of the way to its nodes."""
         start = np.broadcast_to(self._spots[:1], self._nodes.shape)
         self._sketch.line(start, start + s * (self._nodes - start), colour, THICKEST * a.links.weight[0])
 
     def _draw_parcels(self, a: StepBreakdown, s: float, members: slice) -> None:
-        """Draws parcels between particles and nodes with a nonzero weight."""
+        """Draws parcels, ``s`` of their way from the particles ``members`` to nodes with a nonzero weight."""
         k, n = np.nonzero(a.links.weight[members])
         start, end = self._picture_entry_points(self._spots[k], self._nodes[n]), self._nodes[n]
         if len(self._spots[members]) > 1:
@@ -161,13 +163,14 @@ class SlowMotionStage(ABC):
 
     def _draw_arrows(self, at: np.ndarray, vectors: np.ndarray, colour: Colour,
                      among: np.ndarray | None = None, thickness: float = 2.0) -> None:
-        """Draws arrows; the longest of ``among``, by default of all, has the length ``LONGEST``."""
+        """Draws arrows at points (m, 2) of the stage for vectors (m, D) in any unit; the longest of ``among``, by
+        default of the vectors, is drawn ``LONGEST`` cells long."""
         most = np.hypot.reduce(vectors if among is None else among, axis=1).max()
         if most > 0:
             self._sketch.arrow(at, LONGEST * self._scale / most * self._stage_vectors(vectors), colour, thickness)
 
     def _write_node_numbers(self, a: StepBreakdown, phase: int) -> None:
-        """Writes the solver's numbers beside each node, on the side away from its arrows."""
+        """Writes the solver's numbers of a phase (its index) beside each node, on the side away from its arrows."""
         shown = PHASES[phase].columns[:PHASES[phase].drawn]
         digits = DIGITS[a.nodes.shape[1]]
         texts, units = zip(*(format_scaled(c.scale * c.values(a), c.unit, digits) for c in shown), strict=True)
@@ -189,9 +192,9 @@ class SlowMotionStage(ABC):
 
     def _free_side(self, spot: np.ndarray, away: float, text: str, taken: np.ndarray,
                    written: list[tuple[np.ndarray, np.ndarray]]) -> int:
-        """Returns the index in ``SIDES`` for a node's numbers: never over the selected particle, away from arrows,
-        which extend by ``taken`` to each side, and off labels ``written`` so far (middles and half sizes; adds this
-        one)."""
+        """Returns the index in ``SIDES`` of the side of a node for the ``text`` of its numbers, ``away`` from its
+        ``spot`` (2,): never over the selected particle, not along arrows, which extend by ``taken`` (4,) to the sides,
+        and off the labels ``written`` so far (middles and half sizes; the new one is appended)."""
         half = 0.5 * self._stage_metrics.text_extent(text, NUMBERS)
         middles = spot + np.array([side for _, side in SIDES]) * (away + half)
         front = np.all(np.abs(self._spots[0] - middles) < half + 0.5 * SIZES[2], axis=1)
@@ -202,16 +205,17 @@ class SlowMotionStage(ABC):
 
     @property
     def letters_per_caption_line(self) -> int:
-        """Number of letters in a line of the captions."""
+        """Number of letters that fit into a line of the captions."""
         return self._stage_metrics.letters_per_line(self._words, CAPTION)
 
     def _is_inside(self, spots: np.ndarray, reach: float = 0.0) -> np.ndarray:
-        """Returns which points (m, 2) of the stage lie in the picture, with a margin of ``reach``."""
+        """Returns which points (m, 2) of the stage are in the picture and at least ``reach`` off its edges, (m,)."""
         x0, x1, y0, y1 = self._picture
         return np.all((spots - reach >= (x0, y0)) & (spots + reach <= (x1, y1)), axis=1)
 
     def _picture_entry_points(self, starts: np.ndarray, ends: np.ndarray) -> np.ndarray:
-        """Returns the points (m, 2) where lines from starts to ends, which lie in the picture, enter it."""
+        """Returns the points (m, 2) where lines from starts (m, 2) to ends (m, 2), which lie in the picture, enter it;
+        starts within it are returned as they are."""
         x0, x1, y0, y1 = self._picture
         with np.errstate(divide="ignore", invalid="ignore"):
             share = np.where(starts < (x0, y0), ((x0, y0) - starts) / (ends - starts),
@@ -224,12 +228,13 @@ class SlowMotionStage(ABC):
     _per_metre: float
 
     @abstractmethod
-    def _split_text_and_picture(self, room: StageMetrics) -> tuple[float, Rectangle]:
-        """Returns the width of lines of text, beside or around the picture, and the picture's x0, x1, y0, y1."""
+    def _split_text_and_picture(self, metrics: StageMetrics) -> tuple[float, Rectangle]:
+        """Returns the width of lines of text, beside or around the picture, and the picture's x0, x1, y0, y1, all in
+        stage coordinates."""
 
     @abstractmethod
     def _fit_step_in_picture(self, a: StepBreakdown) -> None:
-        """Sets ``_per_metre`` and the picture's position so that the whole step is visible."""
+        """Sets ``_per_metre``, the stage length of a metre, and the picture's position so that all of it is visible."""
 
     @abstractmethod
     def _particle_spots(self, x: np.ndarray) -> np.ndarray:
@@ -241,35 +246,37 @@ class SlowMotionStage(ABC):
 
     @abstractmethod
     def _stage_vectors(self, vectors: np.ndarray) -> np.ndarray:
-        """Returns vectors (m, D) as vectors (m, 2) on the stage, of the same length."""
+        """Returns vectors (m, D), in any unit, as vectors (m, 2) in the directions of the stage, of the same length."""
 
     @abstractmethod
     def _draw_domains(self, x: np.ndarray, edges: np.ndarray, colour: Colour, thickness: float) -> None:
-        """Draws the domains of particles at x (k, D) with half edge vectors (k, D, D)."""
+        """Draws the domains of particles at x (k, D) in m with half edge vectors ``edges`` (k, D, D) in m; the
+        thickness is in pixels."""
 
     @abstractmethod
     def _draw_cells(self, a: StepBreakdown) -> None:
-        """Draws the cells."""
+        """Draws the edges of the cells around the selected particle."""
 
     @abstractmethod
     def _draw_shape_functions(self, scene: Scene, a: StepBreakdown, s: float) -> None:
-        """Draws the shape functions; they grow with ``s``."""
+        """Draws the shape functions of the selected particle's nodes, ``s`` times as high as their values."""
 
 
-def averaged_hat(distance: np.ndarray, reach: float) -> np.ndarray:
-    """Returns the hat function averaged over ``reach`` to either side, in cells; with 1/2 it is the B-spline."""
-    if reach < 1e-9:
+def averaged_hat(distance: np.ndarray, half_width: float) -> np.ndarray:
+    """Returns the hat function at a distance (n,) from its node, both in cells, averaged over ``half_width`` cells to
+    either side; with 1/2 the average is the quadratic B-spline."""
+    if half_width < 1e-9:
         return np.maximum(0.0, 1 - np.abs(distance))
 
     def integral(x: np.ndarray) -> np.ndarray:
         x = np.clip(x, -1, 1)
         return x - 0.5 * x * np.abs(x)
 
-    return (integral(distance + reach) - integral(distance - reach)) / (2 * reach)
+    return (integral(distance + half_width) - integral(distance - half_width)) / (2 * half_width)
 
 
 def _round(factor: float) -> float:
-    """Rounds ``factor`` down to 1, 2, 5, 10, 20, ..., at least 1."""
+    """Returns ``factor`` rounded down to 1, 2, 5, 10, 20, ...; 1 for smaller and for huge or non-finite ones."""
     if not 1 < factor < 1e15:
         return 1.0
     power = 10.0 ** np.floor(np.log10(factor))

@@ -42,7 +42,8 @@ MOTION = {
 
 @dataclass(frozen=True)
 class NodalQuantity:
-    """Number (n,) or vector (n, D) of each node, with its unit after ``scale`` and a translatable ``name``."""
+    """Quantity of the n nodes around a particle: its translatable ``name``, a function that returns its ``values``
+    (n,) or (n, D) from a step's breakdown, and the ``unit`` of these values times ``scale``."""
 
     name: str
     unit: str
@@ -63,8 +64,9 @@ ACCELERATION = NodalQuantity(lazy("acceleration a"), "m/s²", lambda a: a.accele
 
 @dataclass(frozen=True)
 class Phase:
-    """One phase of a step: its equation in words, the nodes' numbers, of which the first ``drawn`` are written beside
-    them, and lines about the selected particle; the ``title`` is translatable."""
+    """One phase of a step: a translatable ``title``; ``words`` returns its equation in words for a scene; ``columns``
+    are the nodes' quantities, of which the first ``drawn`` are written beside the nodes; ``front`` returns lines of
+    text about the selected particle for a scene and a step's breakdown."""
 
     title: str
     words: Callable[[Scene], str]
@@ -146,7 +148,8 @@ PHASES = (
 
 
 def format_scaled(values: np.ndarray, unit: str, digits: int) -> tuple[list[str], str]:
-    """Formats numbers (n,) or vectors (n, D) with a common prefix; returns the texts and the unit with the prefix."""
+    """Formats numbers (n,) or vectors (n, D) in ``unit`` (without prefix: "Pa") with so many significant digits and a
+    common prefix; returns the n texts, components with commas between, and the unit with its prefix."""
     largest = np.abs(values[np.isfinite(values)]).max(initial=0.0)
     power = math.floor(math.log10(largest) / 3) if largest > 0 and unit not in ("", "1/m") else 0
     power = power if power in PREFIXES else 0
@@ -157,19 +160,21 @@ def format_scaled(values: np.ndarray, unit: str, digits: int) -> tuple[list[str]
 
 
 def format_amount(values: np.ndarray, unit: str, digits: int = 4) -> str:
-    """Formats a number or the components (D,) of a vector, with the unit."""
+    """Formats a number (1,) or the components (D,) of a vector in ``unit``, with prefix and significant digits."""
     return format_change(values, None, unit, digits)
 
 
 def format_change(before: np.ndarray, after: np.ndarray | None, unit: str, digits: int = 6) -> str:
-    """Formats a value before and after, with an arrow between."""
+    """Formats a number (1,) or vector (D,) in ``unit`` before and after a step, with an arrow between; without an arrow
+    if ``after`` is None."""
     both = before[None] if after is None else np.stack([before, after])
     texts, unit = format_scaled(both, unit, digits)
     return " → ".join(f"({text})" if len(before) > 1 else text for text in texts) + f" {unit}".rstrip()
 
 
 def _format_tensor(values: np.ndarray, unit: str = "Pa", full: bool = False, after: np.ndarray | None = None) -> str:
-    """Formats a number or a tensor (D, D), with all components if ``full``; with ``after``, as a change."""
+    """Formats a number or a tensor (D, D) in ``unit``, a symmetric one by three components unless ``full``; with
+    ``after``, as a change to it."""
     which = [0] if values.size == 1 else [0, 1, 2, 3] if full else [0, 1, 3]
     name = {1: "", 3: "(xx, xy, yy) ", 4: "(xx, xy, yx, yy) "}[len(which)]
     parts = values.ravel()[which]

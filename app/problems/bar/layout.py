@@ -14,7 +14,8 @@ LANE, MOST_LANE, GAP = 0.155, 96.0, 0.62  # of the height below the numbers; in 
 
 @dataclass(frozen=True)
 class BarLayout(StageLayout):
-    """Layout of the bar: middles and height of both lanes, heights of crossings, if any, and of a heading."""
+    """Layout of the bar: the heights on the stage of the middles of the lanes of ``estimate`` and ``truth``, of
+    ``crossings`` (None if they are not drawn) and of a ``heading``; a ``lane`` is so high."""
 
     estimate: float
     truth: float
@@ -23,44 +24,44 @@ class BarLayout(StageLayout):
     heading: float
 
 
-def make_bar_layout(room: StageMetrics, seat: RunSlot) -> BarLayout:
-    """Returns the layout in settled bounds."""
-    return _single_run_layout(room) if seat == RunSlot.ALONE else _paired_run_layout(room, seat)
+def make_bar_layout(metrics: StageMetrics, slot: RunSlot) -> BarLayout:
+    """Returns the layout of the bar in a slot of a stage with these (rounded) metrics."""
+    return _single_run_layout(metrics) if slot == RunSlot.ALONE else _paired_run_layout(metrics, slot)
 
 
-def _single_run_layout(room: StageMetrics) -> BarLayout:
-    pixel, end = room.pixel, colour_bar_box(room, room.high).end
+def _single_run_layout(metrics: StageMetrics) -> BarLayout:
+    pixel, end = metrics.pixel, colour_bar_box(metrics, metrics.high).end
     lane = min(max(LANE * end, LEAST_LANE * pixel), MOST_LANE * pixel)
     gap = max(GAP * lane, LEAST_GAP * pixel)
     estimate = end - BRACKET * pixel - 0.5 * lane
     truth = estimate - lane - gap
-    low = 1.3 * room.line_height  # for the numbers below the plot
-    high = truth - 0.5 * lane - BRACKET * pixel - 0.4 * room.line_height
+    low = 1.3 * metrics.line_height  # for the numbers below the plot
+    high = truth - 0.5 * lane - BRACKET * pixel - 0.4 * metrics.line_height
     half = 0.5 * (high - low) / ROOM
     middle = 0.5 * (high + low)
     keys = half > KEYS * pixel  # below its name; beside the axis's numbers, wherever it is
-    at = (-room.gutter, middle + 1.55 * room.line_height * keys) if room.gutter else None
+    at = (-metrics.gutter, middle + 1.55 * metrics.line_height * keys) if metrics.gutter else None
     below = low - 2 * pixel
-    remark: Spot = (0.78, below, "top-center") if room.gutter else (1 - END * pixel, below, "top-right")
+    remark: Spot = (0.78, below, "top-center") if metrics.gutter else (1 - END * pixel, below, "top-right")
     box = PlotBox(0.0, 1.0, middle, half, below, (0.5, below, "top-center"), remark, at, keys)
-    return BarLayout(room, RunSlot.ALONE, drawing_rectangle(room.high), box, estimate, truth, lane,
-                     0.5 * (estimate + truth), end - room.line_height)
+    return BarLayout(metrics, RunSlot.ALONE, drawing_rectangle(metrics.high), box, estimate, truth, lane,
+                     0.5 * (estimate + truth), end - metrics.line_height)
 
 
-def _paired_run_layout(room: StageMetrics, seat: RunSlot) -> BarLayout:
-    """Returns the layout of one of two runs, half as high: a heading, its plot, and two adjacent strips."""
-    pixel, end, second = room.pixel, colour_bar_box(room, room.high).end, seat == RunSlot.SECOND
-    low = 1.2 * room.line_height  # for the numbers below both
+def _paired_run_layout(metrics: StageMetrics, slot: RunSlot) -> BarLayout:
+    """Returns the layout of one of two bars, half as high: a heading, the field plot, and two adjacent strips."""
+    pixel, end, second = metrics.pixel, colour_bar_box(metrics, metrics.high).end, slot == RunSlot.SECOND
+    low = 1.2 * metrics.line_height  # for the numbers below both
     each = 0.5 * (end - low - APART * pixel)
     start = end - (each + APART * pixel) * second
-    heading = start - 1.2 * room.line_height
+    heading = start - 1.2 * metrics.line_height
     strip = max(STRIP * pixel, 0.1 * each)
     lowest = start - each
     truth, estimate = lowest + 0.5 * strip, lowest + 1.5 * strip
     half = 0.5 * (heading - estimate - 0.5 * strip - 6 * pixel) / ROOM
     middle = heading - ROOM * half - 2 * pixel
-    at = -room.gutter, middle + 0.5 * half
+    at = -metrics.gutter, middle + 0.5 * half
     below = low - 6 * pixel if second else None
     box = PlotBox(0.0, 1.0, middle, half, below, (0.5, below, "top-center") if below else None,
-                  (1.0, middle + ROOM * half, "top-right"), at if room.gutter else None)
-    return BarLayout(room, seat, drawing_rectangle(room.high), box, estimate, truth, strip, None, heading)
+                  (1.0, middle + ROOM * half, "top-right"), at if metrics.gutter else None)
+    return BarLayout(metrics, slot, drawing_rectangle(metrics.high), box, estimate, truth, strip, None, heading)

@@ -18,12 +18,13 @@ from solvers.running.result import Result
 
 
 def draw_picture(figure: Figure, space: Axes, particles: SubplotSpec, result: Result) -> None:
+    """Draws a bar's displacement into the axes ``space``, and lanes of errors into the subplot ``particles``."""
     _draw_displacement(space, result)
     _draw_error_lanes(figure, figure.add_subplot(particles), result)
 
 
 def _draw_displacement(axes: Axes, result: Result) -> None:
-    """Draws the particles' displacements and the exact curve."""
+    """Draws the particles' displacements in m, at the moment of a result's picture, and the exact curve."""
     shown, scene = result.picture_snapshot, cast(BarScene, result.scene)
     fine = np.linspace(0, 1, 801)
     even = scene.initial_velocity * shown.time if scene.is_patch else 0.0  # which would hide the rest
@@ -42,7 +43,7 @@ def _draw_displacement(axes: Axes, result: Result) -> None:
 
 
 def _draw_error_lanes(figure: Figure, axes: Axes, result: Result) -> None:
-    """Draws a lane for each estimate and one for the truth, on one colour scale."""
+    """Draws a lane of particles for the truth and one for each estimator, with errors of x on one colour scale."""
     shown, cells = result.picture_snapshot, result.scene.cells
     position = cast(BarScene, result.scene).wrap_into_period(shown.position)
     lanes = [("truth", None if shown.error is None else np.abs(shown.error[:, 0]), TRUTH_INK)]

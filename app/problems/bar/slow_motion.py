@@ -15,18 +15,17 @@ POINTS = 201  # of a curve
 
 
 class BarSlowMotionStage(SlowMotionStage):
-    """Slow-motion stage of the bar."""
+    """Slow-motion stage of the bar: nodes with their shape functions above, particles below, captions around them."""
 
     _above, _aside = 0.03, np.array([0.0, 1.0])
 
-    def _split_text_and_picture(self, room: StageMetrics) -> tuple[float, Rectangle]:
-        above, below = (
-            CAPTION * room.line_height * (1 + letters // room.letters_per_line(1.0, CAPTION)) for letters in LETTERS
-        )
-        return 1.0, (0.0, 1.0, below + room.line_height, room.high - above)
+    def _split_text_and_picture(self, metrics: StageMetrics) -> tuple[float, Rectangle]:
+        line, letters_per_line = CAPTION * metrics.line_height, metrics.letters_per_line(1.0, CAPTION)
+        above, below = (line * (1 + letters // letters_per_line) for letters in LETTERS)
+        return 1.0, (0.0, 1.0, below + metrics.line_height, metrics.high - above)
 
     def _row_height(self, share: float) -> float:
-        """Returns a height on the stage from a share of the picture's."""
+        """Returns the height on the stage at a share, 0 to 1, of the picture's height."""
         return self._picture[2] + share * (self._picture[3] - self._picture[2])
 
     def _fit_step_in_picture(self, a: StepBreakdown) -> None:
@@ -66,7 +65,8 @@ class BarSlowMotionStage(SlowMotionStage):
                               self._stage_points(ends[1:], self._row_height(y)), OTHERS)
 
     def _draw_shape_functions(self, scene: Scene, a: StepBreakdown, s: float) -> None:
-        """Draws a curve per node: the weight of a particle like the selected one, at any position."""
+        """Draws a curve per node, ``s`` times as high as its values: the weight of a particle at any position with a
+        domain like the selected one's."""
         h, place, high = a.spacing, a.place[0, 0], self._row_height(HEIGHT) - self._row_height(0.0)
         reach = 0.5 if scene.method == "bspline" else float(a.edges[0, 0, 0]) / h
         x = np.linspace(self._left, self._right, POINTS)

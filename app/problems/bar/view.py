@@ -11,15 +11,7 @@ from app.problems import suggestion
 from app.problems.bar.slow_motion import BarSlowMotionStage
 from app.problems.bar.stage import BarStage
 from app.problems.interface import MaterialRegions, MotionChoice, ProblemView, SliderRanges
-from app.problems.suggestion import (
-    Answer,
-    ComparedRuns,
-    Offer,
-    Suggestion,
-    SuggestionNotApplicable,
-    changed_state,
-    suggest_breaking,
-)
+from app.problems.suggestion import Answer, ComparedRuns, Offer, Suggestion, SuggestionNotApplicable, changed_state
 from app.state import State
 from app.words import format_factor, per_cent
 from solvers.problems.bar.patch_test import PATCH
@@ -39,23 +31,23 @@ def _crossing_offer(state: State) -> Offer:
                  changed_state(state, {"method": "mpm"}, quantity="sigma"))
 
 
-def _crossing_answer(ran: ComparedRuns) -> Answer:
+def _crossing_answer(runs: ComparedRuns) -> Answer:
     own, other = (series["crossings"][-1] if len(series.get("crossings", ())) else math.nan
-                  for series in (ran.series, ran.pinned))
-    if ran.ratio >= 1:
-        return tr("The error of the {noun} is {factor} times as "
-                  "large.", noun=ran.quantity_noun, factor=format_factor(ran.ratio)), \
+                  for series in (runs.series, runs.pinned))
+    if runs.ratio >= 1:
+        return tr("The error of the {noun} is {factor} times as large.", noun=runs.quantity_noun,
+                  factor=format_factor(runs.ratio)), \
             tr("{own:,.0f} crossings, {other:,.0f} in the pinned run. It is the functions, not the crossing.", own=own,
                other=other)
-    return tr("The error of the {noun} is {factor} times the previous "
-              "one.", noun=ran.quantity_noun, factor=format_factor(ran.ratio)), \
+    return tr("The error of the {noun} is {factor} times the previous one.", noun=runs.quantity_noun,
+              factor=format_factor(runs.ratio)), \
         tr("{own:,.0f} crossings, {other:,.0f} in the pinned run.", own=own, other=other)
 
 
 VIBRATING = (suggestion.suggest_halving_cells(MOST_CELLS),
              Suggestion("cross", "cross", lazy("Let particles cross"), _crossing_offer, _crossing_answer),
-             suggest_breaking(lazy("A = 100 mm: which method fails first?"),
-                              {"method": "mpm", "amplitude": BREAKING, "displacement": ""}, 1.5))
+             suggestion.suggest_breaking(lazy("A = 100 mm: which method fails first?"),
+                                         {"method": "mpm", "amplitude": BREAKING, "displacement": ""}, 1.5))
 
 
 def _suggest_patch_test(title: str, hint: str, method: str) -> Suggestion:
@@ -69,9 +61,9 @@ def _suggest_patch_test(title: str, hint: str, method: str) -> Suggestion:
     return Suggestion(f"misfit-{method}", icon, title, offer, _patch_test_answer, 0.5)
 
 
-def _patch_test_answer(ran: ComparedRuns) -> Answer:
-    values = ran.series.get("error_sigma", ())
-    wrong = float(sum(values) / len(values)) / ran.state.scene.size_of("sigma") if len(values) else math.nan
+def _patch_test_answer(runs: ComparedRuns) -> Answer:
+    values = runs.series.get("error_sigma", ())
+    wrong = float(sum(values) / len(values)) / runs.state.scene.size_of("sigma") if len(values) else math.nan
     if wrong < PASSED:
         return tr("Nothing happens, as expected."), \
             tr("The stress is exact up to round-off: the patch test passes.")
@@ -85,7 +77,7 @@ PATCH_TEST = (_suggest_patch_test(lazy("Particles that do not fit"), lazy("2.5 a
 
 
 def bar_suggestions(state: State) -> tuple[Suggestion, ...]:
-    """Returns the three suggestions for the bar's present motion."""
+    """Returns the suggestions for the bar in a state of the page: other ones for a patch test than for vibration."""
     return VIBRATING if state.scene.swings else PATCH_TEST
 
 
@@ -96,12 +88,14 @@ LENGTHS = 20  # regions of the bar, of 0.05 m
 
 
 def regions(X: np.ndarray) -> MaterialRegions:
+    """Returns the bar's 20 regions, equal lengths, for particles at X (P, 1) in m at rest."""
     number = np.clip((X[:, 0] * LENGTHS).astype(int), 0, LENGTHS - 1)
     return MaterialRegions(tuple(f"X = {k / LENGTHS:.2f}–{(k + 1) / LENGTHS:.2f} m" for k in range(LENGTHS)), number)
 
 
 def change_motion(scene: BarScene, motion: str, usual: tuple[str, ...]) -> BarScene:
-    """Returns a scene with another motion; fields without meaning there get their defaults."""
+    """Returns the scene with another ``motion``, by its key; fields without meaning in it get their defaults. A patch
+    test gets the companion alone, another motion the estimators ``usual``, by name."""
     plain = BarScene()
     if motion == PATCH:
         return replace(scene, motion=motion, amplitude=plain.amplitude, body_force=plain.body_force, displacement="",
@@ -120,10 +114,11 @@ MOTION = MotionChoice(
                           lazy("at which the whole bar moves through the grid"))}, speed=1.0, quantity="sigma")
 
 
-def draw_picture(*places: Any) -> None:
+def draw_picture(*arguments: Any) -> None:
+    """Draws a result (:func:`app.problems.bar.pictures.draw_picture`); imports the slow matplotlib only when called."""
     from app.problems.bar import pictures
 
-    pictures.draw_picture(*places)
+    pictures.draw_picture(*arguments)
 
 
 BAR = ProblemView(
