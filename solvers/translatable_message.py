@@ -52,7 +52,8 @@ class Message(str):
 
 
 def join_messages(joint: str, parts: Iterable[str]) -> str:
-    """Returns the parts with ``joint`` between them, as :meth:`str.join` does; "" if there are none."""
+    """Returns the ``parts`` with ``joint`` between them, as :meth:`str.join` does, but translatable; "" without
+    parts."""
     text, *others = tuple(parts) or ("",)
     for part in others:
         text = Message("{text}{joint}{part}", text, Message(joint), part)
@@ -60,7 +61,8 @@ def join_messages(joint: str, parts: Iterable[str]) -> str:
 
 
 def messages_to_json(value: Any) -> Any:
-    """Returns a value for :func:`json.dumps`, with each message as an object of its template and values."""
+    """Returns ``value``, nested as it is, for :func:`json.dumps`, each message as {"template": ..., "values":
+    {...}}."""
     if isinstance(value, Message):
         return {"template": value.template, "values": messages_to_json(value.values)}
     if isinstance(value, dict):
@@ -68,6 +70,7 @@ def messages_to_json(value: Any) -> Any:
     return [messages_to_json(one) for one in value] if isinstance(value, (list, tuple)) else value
 
 
-def message_from_json(read: dict[str, Any]) -> Any:
-    """Returns a message for such an object, others as they are: the ``object_hook`` of :func:`json.loads`."""
-    return Message(read["template"], **read["values"]) if read.keys() == {"template", "values"} else read
+def message_from_json(decoded: dict[str, Any]) -> Any:
+    """Returns the message of an object by :func:`messages_to_json`, others as they are: an ``object_hook`` of
+    ``json``."""
+    return Message(decoded["template"], **decoded["values"]) if decoded.keys() == {"template", "values"} else decoded

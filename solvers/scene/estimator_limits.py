@@ -40,7 +40,8 @@ class Limit:
     why: str
 
     def reason(self, scene: Any) -> str | None:
-        """Returns why the estimator does not hold in a scene; None where this limit is satisfied."""
+        """Returns why the estimator does not hold in a scene, as end of a sentence; None where this limit is
+        satisfied."""
         def at(what: Any) -> Any:
             return what(scene) if callable(what) else getattr(scene, what) if isinstance(what, str) else what
 
@@ -57,7 +58,8 @@ class Limit:
 
 
 def reason(limits: Iterable[Limit], estimator: str, scene: Any) -> str | None:
-    """Returns why an estimator does not hold in a scene, from the first violated limit; None where it holds."""
+    """Returns why an estimator does not hold in a scene, by the first violated of the ``limits``; None where it
+    holds."""
     return next(filter(None, (limit.reason(scene) for limit in limits if limit.estimator == estimator)), None)
 
 

@@ -38,5 +38,5 @@ class DisplacementMoments(NamedTuple):
         return np.where(self.trusted, np.sqrt((within + outside**2) / self.particles), np.nan)
 
     def _squared_norm_in_span(self, sums: np.ndarray) -> np.ndarray:
-        """Returns sum_p |u|^2 (T,) of the part within the span."""
+        """Returns sum_p |u|^2 (T,) in m^2 of the part of u within the span of the phi_m, from its ``sums`` (T, M)."""
         return np.maximum(0.0, np.einsum("tm,mn,tn->t", sums, self.inverse, sums))

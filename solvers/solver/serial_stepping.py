@@ -17,7 +17,7 @@ NAN_JACOBIAN = -1e300  # stands for a det F that is NaN: smaller than any other
 
 
 class StepFunctions(NamedTuple):
-    """The parts of a problem's step, and what is evaluated beside it, as Taichi functions."""
+    """Parts of a problem's step and of what is evaluated beside it, as Taichi functions of the problem's state."""
 
     one_step: Callable  # (state, step, on)
     check: Callable  # (state, step): stops an unstable run
@@ -36,7 +36,7 @@ class SerialKernels(NamedTuple):
 
 
 def serial_kernels(State: Any, phases: StepFunctions) -> SerialKernels:
-    """Returns the kernels of a problem whose state has the type ``State``."""
+    """Returns the kernels of a problem whose state has the Taichi type ``State``, from the parts of its step."""
     @ti.kernel
     def advance(start: ti.i32, turns: ti.i32, purpose: ti.i32, state: State, on: ti.template()):
         """Runs ``turns`` iterations from step ``start`` on, for ``purpose``: see :func:`step_or_sample`."""
@@ -62,12 +62,12 @@ def serial_kernels(State: Any, phases: StepFunctions) -> SerialKernels:
 
 
 class SerialStepper:
-    """Steps the arrays of a ``pack`` in place, on one thread."""
+    """Stepper of the arrays of a ``pack``, the kernels' argument, in place, on one thread, with the options ``on``."""
 
     def __init__(self, kernels: SerialKernels, pack: Any, on: KernelOptions):
         self.pack = pack
-        self._advance, self.compute_step_margin = (Launch(one, pack,
-                                                          on) for one in (kernels.advance, kernels.compute_step_margin))
+        self._advance, self.compute_step_margin = (
+            Launch(kernel, pack, on) for kernel in (kernels.advance, kernels.compute_step_margin))
         if on.frozen:
             kernels.freeze(pack, on)
 
@@ -75,11 +75,12 @@ class SerialStepper:
         """Does nothing: all kernels are compiled by :meth:`run`."""
 
     def run(self, before: int, steps: int) -> None:
-        """Takes steps after ``before`` of them, or until a check finds the run unstable."""
+        """Takes ``steps`` steps after the first ``before``, or fewer if a check finds the run unstable."""
         self._advance(before, steps, STEP)
 
     def inspect_state(self, step: int, purpose: int) -> None:
-        """Samples the state after ``step`` steps into row 0, or only updates the estimates."""
+        """Samples the state after ``step`` steps into row 0 (``MEASURE``), or only updates the estimates
+        (``REPORT``)."""
         self._advance(step, 1, purpose)
 
     def fetch(self) -> None:
@@ -115,7 +116,7 @@ def step_or_sample(state: ti.template(), turn, start, purpose, phases: ti.templa
 
 @ti.func
 def sample_effects(state: ti.template(), row, step, samplers: ti.template(), on: ti.template()):
-    """Calls the samplers of all active effects, as in ``solvers.scene.effects.samplers``."""
+    """Calls the samplers of all active effects (``solvers.scene.effects.samplers``) for a row of ``state.samples``."""
     for e in ti.static(range(len(on.effects))):
         if ti.static(on.effects[e] in samplers):
             samplers[on.effects[e]](state, row, step, on)
@@ -123,8 +124,8 @@ def sample_effects(state: ti.template(), row, step, samplers: ti.template(), on:
 
 @ti.func
 def check_particles(state: ti.template(), step, jacobian: ti.template(), has_escaped: ti.template()):
-    """Stops a run with a particle whose det F, which ``jacobian(state, p)`` returns, is <= 0, tiny or NaN, the smallest
-    of them, or else the first for which ``has_escaped(state, p, step)`` is true.
+    """Stops a run, by ``state.verdict``, with a particle whose det F, which ``jacobian(state, p)`` returns, is <= 0,
+    tiny or NaN, the smallest of them, or else the first for which ``has_escaped(state, p, step)`` is true.
 
     Without the limit on tiny ones, a run that collapses into a few clusters of particles would never stop.
     """

@@ -8,7 +8,8 @@ import numpy as np
 
 @dataclass(frozen=True)
 class NodeImage:
-    """A node that is summed with another: its number, and its positions as seen there, ``signs`` x + ``shift``.
+    """A node that is summed with another: its number, and how its positions are seen there, ``signs`` x + ``shift`` in
+    m.
 
     The bar's period has images one length away, the ring's symmetry planes have mirror images; a node is its own, too.
     """
@@ -68,7 +69,7 @@ class ParticleState:
     stress: np.ndarray
 
     def mirror(self, links: ParticleNodeLinks) -> "ParticleState":
-        """Returns the state of the links' members, as seen from the first."""
+        """Returns the state of the k members of the links, each as seen from the particle that the links are about."""
         p, signs = links.members, links.signs
         return ParticleState(signs * self.position[p] + links.shift, signs * self.velocity[p],
                              mirror_tensors(self.deformation_gradient[p], signs), mirror_tensors(self.stress[p], signs))

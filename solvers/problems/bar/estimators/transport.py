@@ -21,7 +21,8 @@ MOST_INTERVAL = 10  # steps of the run between two of the estimator's
 
 @ti.func
 def in_step(bar: ti.template(), base, on: ti.template()):
-    """Advances Ex, Ev, Esigma by H = k dt and reports Ea, between the node update and the particle update.
+    """Advances Ex, Ev, Esigma by H = k dt and reports Ea, between the node update and the particle update; particle p's
+    are in ``bar.estimate[base + p]``.
 
     The error varies over the time a wave takes through a cell, not over a step, so it is advanced every k steps
     (``interval``) with that step's own weights.
@@ -44,7 +45,7 @@ def in_step(bar: ti.template(), base, on: ti.template()):
 
 @ti.func
 def sum_errors_at_nodes(bar: ti.template(), base, on: ti.template()):
-    """Computes nodal sums of S Ev, D* source, S source and D* r^2; source = Esigma + sigma EF/F.
+    """Computes ``bar.transport_nodes``: sums of S Ev, D* source, S source and D* r^2; source = Esigma + sigma EF/F.
 
     Also S r^2 for a mapping that preserves linearity, whose step has gathered its other moments; otherwise the moments
     D*, D* r, S sigma and S F V0, the last for V_i.
@@ -74,7 +75,7 @@ def sum_errors_at_nodes(bar: ti.template(), base, on: ti.template()):
 
 @ti.func
 def current_node_volume(bar: ti.template(), i, on: ti.template()):
-    """Returns V_i, the node's share of the current volume."""
+    """Returns V_i, node i's share of the current volume, in m (per unit of cross-section)."""
     volume = 0.0
     if ti.static(on.linearity_preserving):
         volume = bar.node_volume[i]
@@ -85,17 +86,17 @@ def current_node_volume(bar: ti.template(), i, on: ti.template()):
 
 @ti.func
 def compute_nodal_stress_slopes(bar: ti.template(), on: ti.template()):
-    """Computes sigma_x at the nodes, from the force that the step used."""
+    """Computes d(sigma)/dx at the nodes in Pa/m, from the step's force, in ``bar.transport_slope``."""
     for i in range(1, bar.cells + 1):
-        bar.transport_slope[i] = periodic_nodes.node_internal_force(bar, i, on) / ti.max(
-            current_node_volume(bar, i, on), periodic_nodes.EMPTY * bar.spacing
-        )
+        volume = ti.max(current_node_volume(bar, i, on), periodic_nodes.EMPTY * bar.spacing)
+        bar.transport_slope[i] = periodic_nodes.node_internal_force(bar, i, on) / volume
     periodic_nodes.copy_to_periodic_images(bar.transport_slope, bar.cells)
 
 
 @ti.func
 def compute_node_errors(bar: ti.template(), on: ti.template()):
-    """Computes Ea_i and the nodal velocity error after the step, Ev_i = sum S Ev/sum S + dt Ea_i."""
+    """Stores in ``bar.transport_errors`` Ea_i and the velocity error after the step, Ev_i = sum S Ev/sum S + dt
+    Ea_i."""
     for i in range(1, bar.cells + 1):
         weight = bar.node_sums[i][0]
         Ea, Ev = 0.0, 0.0
@@ -111,9 +112,8 @@ def compute_node_errors(bar: ti.template(), on: ti.template()):
                 mean, scale = periodic_nodes.divergence_mapping_factors(bar, i, on)
                 moments, spread = bar.node_moments[i], sums[4]
             constant = (moments[0] - mean * weight) * moments[3] / weight  # (sum D) f_i of eq 46
-            linear = (
-                (moments[1] - mean * moments[2]) * scale - current_node_volume(bar, i, on)
-            ) * sigma_x  # (sum D r - 1) a_i
+            first = (moments[1] - mean * moments[2]) * scale
+            linear = (first - current_node_volume(bar, i, on)) * sigma_x  # (sum D r - 1) a_i
             quadratic = (sums[3] - mean * spread) * 0.5 * sigma_xx  # C h^k of eq 12
             fed_back = sums[1] - mean * sums[2]  # sum D (Esigma F + sigma EF) V0 of eq 12
             mass = bar.density * bar.volume * weight
@@ -125,7 +125,7 @@ def compute_node_errors(bar: ti.template(), on: ti.template()):
 
 @ti.func
 def advance_particle_errors(bar: ti.template(), base, on: ti.template()):
-    """Advances Ev, Ex and Esigma with the step's own weights, and stores Ea for the report."""
+    """Advances Ex, Ev and Esigma in ``bar.estimate[base:]`` with the step's own weights, and stores Ea there."""
     for p in range(bar.particles):
         S, dS = periodic_nodes.stencil_of(bar, p)
         i = bar.first_node[p]
@@ -150,15 +150,15 @@ def advance_particle_errors(bar: ti.template(), base, on: ti.template()):
 
 
 def interval(scene):
-    """Returns the steps per turn: as many as keep the feedback stable, which is a wave like the motion's own and no
-    faster than c in the most stretched cell; only numbers that divide the sample interval."""
+    """Returns the run's steps per step of the estimator: as many as keep the feedback stable, which is a wave like the
+    motion's own and no faster than c in the most stretched cell; only numbers that divide the sample interval."""
     fastest = scene.courant_number * (1 + scene.size_of("sigma") / scene.modulus)
     most = max(1, min(MOST_INTERVAL, int(WAVE_CFL / fastest)))
     return max(k for k in range(1, most + 1) if scene.sample_interval % k == 0)
 
 
 def allocate(scene):
-    """Returns nodal arrays, with the periodic images."""
+    """Returns the estimator's nodal arrays at the start, by name, with room for the periodic images."""
     N = scene.cells + periodic_nodes.GHOSTS
     return {"transport_dt": interval(scene) * scene.time_step, "transport_nodes": np.zeros((N, 8)),
             "transport_slope": np.zeros(N), "transport_errors": np.zeros((N, 4))}

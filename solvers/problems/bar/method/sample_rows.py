@@ -14,7 +14,8 @@ from solvers.solver.separable_field_tables import MODES, MOTION, PRESENT, RANK, 
 
 @ti.func
 def true_error(bar: ti.template(), p, now, on: ti.template()):
-    """Returns the errors of x, v, sigma = E(F - 1) and a at particle p; ``now`` is from :func:`exact_time_factors`."""
+    """Returns the errors (4,) of x, v, sigma = E(F - 1) and a of particle p in SI; ``now``:
+    :func:`exact_time_factors`."""
     moved, v, a = now[3], bar.drift_velocity, 0.0
     strain = bar.deformation_gradient[p] - 1
     if ti.static(on.acceleration):
@@ -35,7 +36,7 @@ def true_error(bar: ti.template(), p, now, on: ti.template()):
 
 @ti.func
 def logarithmic_stress_error(bar: ti.template(), p, now, on: ti.template()):
-    """Returns the error of the stress by the rate form sigma' = E L, which is E ln F (Table 1); NaN where F <= 0."""
+    """Returns particle p's error in Pa of the stress by sigma' = E L, E ln F (Table 1); NaN where F <= 0."""
     error = ti.log(bar.deformation_gradient[p])
     if ti.static(on.motion == "patch"):
         error *= bar.unstretched  # E L since the start, of which the modulus here is the stretched one
@@ -48,10 +49,10 @@ def logarithmic_stress_error(bar: ti.template(), p, now, on: ti.template()):
 
 @ti.func
 def typed_motion_at(bar: ti.template(), p):
-    """Returns u, v, a of the step before and F - 1 of a typed motion at particle p, or their means for p = P."""
-    rank, modes, out = table_size_entry(bar, MOTION,
-                                        RANK), table_size_entry(bar, MOTION,
-                                                                MODES), table_size_entry(bar, MOTION, PRESENT)
+    """Returns u, v, a of the step before and F - 1 (4,), in SI, of a typed motion at particle p, or their means for p =
+    P."""
+    rank, modes = table_size_entry(bar, MOTION, RANK), table_size_entry(bar, MOTION, MODES)
+    out = table_size_entry(bar, MOTION, PRESENT)
     known = ti.Vector([0.0, 0.0, 0.0, 0.0])
     for k in range(rank):
         T, M = bar.tables[out + k], bar.tables[modes + p * rank + k]
@@ -61,8 +62,8 @@ def typed_motion_at(bar: ti.template(), p):
 
 @ti.func
 def exact_time_factors(bar: ti.template(), step, on: ti.template()):
-    """Returns sin w t and cos w t at a step, sin w t one step before, and the displacement of the whole bar. For a
-    typed motion the third is 1, but 0 at the start, when no acceleration has been computed."""
+    """Returns (4,) sin w t and cos w t after ``step`` steps, sin w t one before, and the whole bar's displacement in m.
+    For a typed motion the third is 1, but 0 at the start, when no acceleration has been computed."""
     angle = bar.angular_frequency * bar.dt * step
     before = ti.max(0.0, angle - bar.angular_frequency * bar.dt)  # at the start both a are 0
     moved, used = bar.drift_velocity * bar.dt * step, ti.sin(before)
@@ -74,7 +75,8 @@ def exact_time_factors(bar: ti.template(), step, on: ti.template()):
 
 @ti.func
 def write_sample_row(bar: ti.template(), row, step, looks, on: ti.template()):
-    """Writes one row of sums; with ``looks`` also contradictions, which are sampled more rarely."""
+    """Writes sums after ``step`` steps to a row of ``bar.samples``; with ``looks`` also the rarer checks for
+    contradictions."""
     out = ti.static(bar.samples)
     out[row, ti.static(column_index("step"))] = step
     out[row, ti.static(column_index("work"))] = bar.totals[1]
