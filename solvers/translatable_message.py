@@ -52,8 +52,7 @@ class Message(str):
 
 
 def join_messages(joint: str, parts: Iterable[str]) -> str:
-    """Returns the ``parts`` with ``joint`` between them, as :meth:`str.join` does, but translatable; "" without
-    parts."""
+    """Returns the parts with ``joint`` between them, still translatable, as :meth:`str.join` does; "" without parts."""
     text, *others = tuple(parts) or ("",)
     for part in others:
         text = Message("{text}{joint}{part}", text, Message(joint), part)
@@ -61,8 +60,7 @@ def join_messages(joint: str, parts: Iterable[str]) -> str:
 
 
 def messages_to_json(value: Any) -> Any:
-    """Returns ``value``, nested as it is, for :func:`json.dumps`, each message as {"template": ..., "values":
-    {...}}."""
+    """Returns a nested value for :func:`json.dumps`: each message is an object of its ``template`` and ``values``."""
     if isinstance(value, Message):
         return {"template": value.template, "values": messages_to_json(value.values)}
     if isinstance(value, dict):
@@ -71,6 +69,5 @@ def messages_to_json(value: Any) -> Any:
 
 
 def message_from_json(decoded: dict[str, Any]) -> Any:
-    """Returns the message of an object by :func:`messages_to_json`, others as they are: an ``object_hook`` of
-    ``json``."""
+    """Returns the message of such an object by :func:`messages_to_json`, others as they are: a ``json`` object_hook."""
     return Message(decoded["template"], **decoded["values"]) if decoded.keys() == {"template", "values"} else decoded

@@ -14,7 +14,7 @@ MOST_PER_CELL = 64  # particles, along each direction
 
 
 class DerivedSceneQuantities:
-    """Properties of a scene whose motion oscillates at a wave's speed and whose cells contain whole numbers of
+    """Properties of a scene whose motion oscillates at a wave's speed and whose cells hold whole numbers of
     particles."""
 
     #: Fields that only single runs and sweeps have, each with the reason why no other command has them.
@@ -45,8 +45,8 @@ class DerivedSceneQuantities:
         return self.amplitude
 
     def size_of(self, quantity: str) -> float:
-        """Returns the scale in SI for errors of a quantity: A for "x", A w for "v", E times the largest strain, A w^2
-        for "a"."""
+        """Returns the scale, in SI, of errors of "x", "v", "sigma" or "a": A, A w, E times the largest strain, A
+        w^2."""
         A, w = self.motion_amplitude, self.angular_frequency
         return {"x": A, "v": A * w, "sigma": self.modulus * A * self.STRAIN_PER_AMPLITUDE, "a": A * w * w}[quantity]
 
@@ -104,8 +104,7 @@ class DerivedSceneQuantities:
 
     @property
     def loss_limits(self) -> Mapping[str, float]:
-        """Errors from which on a run counts as lost, of "v", "sigma" or "a" in units of ``size_of``; that of x is
-        fixed."""
+        """Errors, in units of ``size_of``, from which on a run counts as lost: by quantity, without that of x."""
         return {}
 
     def _check_per_cell(self) -> None:

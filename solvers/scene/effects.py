@@ -127,8 +127,8 @@ def _total_energy(series: Series) -> np.ndarray:
 
 
 def _energy_drift(series: Series) -> float:
-    """Returns (E - W - E0)/E0 at the end: E is kinetic plus strain energy, W the work of the body force, E0 E at
-    first."""
+    """Returns (E - W - E0)/E0 at the end: E is kinetic plus strain energy, E0 the first, W the work of the body
+    force."""
     total = _total_energy(series)
     return (total[-1] - series["work"][-1] - total[0]) / total[0]
 
@@ -196,8 +196,8 @@ def effects_of(problem: str, own: tuple[str, ...]) -> tuple[str, ...]:
 
 
 def require_offered(chosen: object, problem: str, offered: tuple[str, ...]) -> None:
-    """Raises :class:`SceneError` for a ``chosen`` effect that other problems have and this one, by ``offered``, has
-    not."""
+    """Raises :class:`SceneError` for a ``chosen`` effect of other problems that is not one of those ``offered``
+    here."""
     for name in chosen if isinstance(chosen, tuple) else ():
         effect = ALL.get(name) if isinstance(name, str) else None
         if effect and name not in offered:
@@ -216,7 +216,7 @@ def samplers(problem: str, own: Mapping[str, Callable]) -> dict[str, Callable]:
 
 
 def output_lines_by_effect(line_of: Callable[[Effect], OutputLine | None]) -> dict[str, OutputLine]:
-    """Returns the line of output of each effect that has numbers, by its name: that of ``line_of``, or if None the
-    usual."""
+    """Returns the line of output of each effect that has numbers, by name: what ``line_of`` returns, or the usual
+    one."""
     lines = {name: line_of(effect) or effect.default_output_line for name, effect in ALL.items() if effect.numbers}
     return {name: line for name, line in lines.items() if line.name}

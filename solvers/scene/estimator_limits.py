@@ -40,8 +40,7 @@ class Limit:
     why: str
 
     def reason(self, scene: Any) -> str | None:
-        """Returns why the estimator does not hold in a scene, as end of a sentence; None where this limit is
-        satisfied."""
+        """Returns why the estimator does not hold in a scene, the end of a sentence; None where it meets this limit."""
         def at(what: Any) -> Any:
             return what(scene) if callable(what) else getattr(scene, what) if isinstance(what, str) else what
 
@@ -58,8 +57,8 @@ class Limit:
 
 
 def reason(limits: Iterable[Limit], estimator: str, scene: Any) -> str | None:
-    """Returns why an estimator does not hold in a scene, by the first violated of the ``limits``; None where it
-    holds."""
+    """Returns why an estimator does not hold in a scene, by the first of the ``limits`` that is violated; None if
+    none."""
     return next(filter(None, (limit.reason(scene) for limit in limits if limit.estimator == estimator)), None)
 
 

@@ -99,8 +99,8 @@ def names(problem: str, own: tuple[str, ...]) -> tuple[str, ...]:
 
 
 def require_offered(chosen: object, problem: str, offered: tuple[str, ...]) -> None:
-    """Raises :class:`SceneError`, with the reason, for a ``chosen`` estimator that the problem refuses; lists
-    ``offered``."""
+    """Raises :class:`SceneError`, with the estimator's own reason, for a ``chosen`` one that the problem refuses; the
+    sentence lists those ``offered``."""
     for name in chosen if isinstance(chosen, tuple) else ():
         estimator = ESTIMATORS.get(name) if isinstance(name, str) else None
         if estimator and name not in offered and problem in estimator.refusals:

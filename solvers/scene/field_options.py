@@ -16,7 +16,7 @@ LINE_WIDTH = 100  # characters
 def option(default: Any, help: str = "", unit: str = "", choices: tuple[str, ...] = (), hint: str = "") -> Any:
     """Returns a dataclass field of a scene, from which its flag and its widget are generated. ``help`` is its meaning,
     beginning with a capital; after a semicolon comes the part that the flag's help puts behind the unit. ``unit`` is in
-    SI, "" for none; ``choices`` are the allowed names, if there are only a few; ``hint`` stands for a default that is
+    SI, "" for none; ``choices`` are allowed names, if only a few are; ``hint`` is a text in place of a default that is
     None."""
     return field(default=default, metadata={"help": help, "unit": unit, "choices": choices, "hint": hint})
 

@@ -32,9 +32,9 @@ Fields = Sequence[np.ndarray]  # the components of a vector or tensor, each an a
 
 @dataclass(frozen=True)
 class NodeLinks:
-    """Links between P particles and K nodes each at n moments, in D directions: ``where`` (D arrays (n, P, K)) is the
-    index of each component of a node's velocity among the unknowns, ``sign`` (same shapes) its sign there, -1 in mirror
-    images."""
+    """Links of P particles to K nodes each at n moments, in D dimensions: ``where`` (D arrays (n, P, K)) is the index
+    of each component of a node's velocity among the unknowns of its moment, ``sign`` (same shapes) its sign there, -1
+    in mirror images."""
 
     where: Fields
     sign: Fields
@@ -161,7 +161,7 @@ class _StepOperators:
 
 
 def _largest_tridiagonal_eigenvalues(diagonal: list[np.ndarray], beside: list[np.ndarray]) -> np.ndarray:
-    """Returns the largest eigenvalues (n,) of n tridiagonal matrices, from arrays (n,) along and ``beside`` the
+    """Returns the largest eigenvalue of each of n tridiagonal matrices, by entries (n,) along and ``beside`` the
     diagonal."""
     k = len(diagonal)
     T = np.zeros((len(diagonal[0]), k, k))

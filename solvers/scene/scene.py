@@ -237,8 +237,7 @@ class Scene(DerivedSceneQuantities, ABC):
         return tuple(e for e in self.choices("estimators") if e in self.estimators and e not in self.not_valid)
 
     def has(self, effect: str) -> bool:
-        """Returns whether the effect of this name is on and has what it needs, such as an estimator for
-        ``estimate``."""
+        """Returns whether the effect of this name is on and has what it needs, as ``estimate`` needs an estimator."""
         if effect not in self.effects:
             return False
         if effect == "estimate":

@@ -58,8 +58,7 @@ class StepBound(NamedTuple):
 
 
 def motion_fractions(scene: Any) -> np.ndarray:
-    """Returns the moments (n,) of a motion at which steps are bounded, as fractions from one extreme, 0, to the other,
-    1."""
+    """Returns the moments (n,) of the motion that are evaluated, as fractions: 0 is one extreme, 1 the other."""
     momentary = scene.method == "mpm" and scene.DIMENSIONS > 1 and not scene.frozen
     return np.linspace(0, 1, MOMENTS_OF_HATS if momentary else MOMENTS)
 
@@ -67,7 +66,7 @@ def motion_fractions(scene: Any) -> np.ndarray:
 def combine_instant_bounds(scene: Any, limits: np.ndarray, seconds: float, stretch: float, circles: float,
                            crossed: bool = False) -> StepBound:
     """Returns the bound of a motion that takes ``seconds`` from one extreme to the other, from its longest steps
-    ``limits`` in s at the ``motion_fractions``, its largest ``stretch`` and in s the bound by Gershgorin's ``circles``
+    ``limits`` (n,) in s at the ``motion_fractions``, its largest ``stretch`` and the Gershgorin bound ``circles`` in s
     at its hardest moment; ``crossed`` is whether, in the plane, a particle is in different cells at different
     moments."""
     if scene.frozen or PIECES in scene.remedies:  # nothing crosses a cell
@@ -119,7 +118,7 @@ def _hat_integral(s: np.ndarray) -> np.ndarray:
 
 @functools.lru_cache(maxsize=256)  # a live run needs it in each loop, for the automatic step
 def scene_step_bound(scene: Any) -> StepBound:
-    """Returns the longest stable steps for the motion of a scene, whatever its own step, end, estimators and effects
+    """Returns the longest stable steps in s for a scene's motion, whatever its own step, end, estimators, effects
     are."""
     return _motion_step_bound(replace(scene, dt=None, cfl=None, t_end=AT_ONCE, periods=None, sample_every=None,
                                       estimators=(), effects=()))

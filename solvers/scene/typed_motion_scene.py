@@ -54,8 +54,7 @@ class TypedMotionScene(Scene):
         return () if self.displacement and "A" not in self.displacement else super().motion_fields
 
     def _normalized_inputs(self) -> dict[str, Any]:
-        """Returns by field name inputs in their normal form, ``displacement`` as in links. Raises SceneError for no
-        formula."""
+        """Returns inputs by field name in their normal form, the formula as in links; SceneError if it is none."""
         if not isinstance(self.displacement, str):
             raise SceneError("displacement", self.displacement, "is no text; give formulas such as "
                                                                 "0.02*sin(2*pi*X)*sin(w*t)")

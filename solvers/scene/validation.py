@@ -17,8 +17,8 @@ SYNONYMS = {"estimate": "estimators", "effect": "effects", "diagnostic": "effect
 
 
 class SceneError(ValueError):
-    """Error for an input that no run can have: ``field`` is the input's name, ``value`` what was given, and
-    ``sentence``, with the further ``values`` in its places, says what is wrong and allowed."""
+    """Error for an input that no run can have: its name, ``field``, the ``value``, and a ``sentence`` that says what is
+    wrong and what is allowed, a template with places for the further values."""
 
     def __init__(self, field: str, value: object, sentence: str, /, *values: object):
         message = Message(sentence, *values)

@@ -98,8 +98,7 @@ class Solver(ABC):
         return self._with_margin(rows) if self.step % self.scene.margin_interval == 0 else rows
 
     def break_down(self, particle: int) -> tuple[np.ndarray, StepBreakdown]:
-        """Takes one step; returns its rows of samples (0 or 1, columns) and its details around the particle of this
-        number."""
+        """Takes one step; returns its rows of samples (0 or 1, columns), and its details around a particle's number."""
         self._stepping.fetch()
         before = self.STEP_BREAKDOWN.particle_state(self.scene, self._arrays)
         rows = self.advance(1)
@@ -112,16 +111,14 @@ class Solver(ABC):
         return self._with_margin(self._arrays.samples[:1].copy())
 
     def _with_margin(self, rows: np.ndarray) -> np.ndarray:
-        """Returns the rows of samples (n, columns), with the step margin written into the last one if it is
-        requested."""
+        """Returns rows of samples (n, columns) after writing the step margin, if requested, into the last of them."""
         if len(rows) and self.scene.has("margin"):
             self._stepping.compute_step_margin()
             rows[-1, MARGIN] = self._arrays.step_margin[0]
         return rows
 
     def not_valid(self) -> dict[str, str]:
-        """Returns the estimators that do not hold in this run, by name, each with a sentence: known before or by the
-        run."""
+        """Returns the estimators that do not hold here, by name, with a sentence why: known before, or by the run."""
         found = {name: self.HOOKS[name].verdict(self.scene, self._estimator_arrays)
                  for name in self.scene.active_estimators}
         return {**self.scene.not_valid, **{name: reason for name, reason in found.items() if reason}}
@@ -137,19 +134,16 @@ class Solver(ABC):
         return tuple(int(n) for n in self._arrays.estimate_intervals[:len(self.scene.active_estimators)])
 
     def bookmark(self) -> Callable[[], None]:
-        """Saves the present state; returns a function without arguments that restores it to the bit, any number of
-        times."""
+        """Saves the present state; returns a function () that restores it to the bit, any number of times."""
         return functools.partial(self.restore, *self.state())
 
     def state(self) -> tuple[int, dict[str, np.ndarray]]:
-        """Returns the step and copies of all arrays by name, with which another solver of the same scene can
-        continue."""
+        """Returns the step number and copies of all arrays by name, from which a solver of the same scene can go on."""
         self._stepping.fetch()
         return self.step, {name: a.copy() for name, a in self._arrays.members().items() if isinstance(a, np.ndarray)}
 
     def restore(self, step: int, arrays: Mapping[str, np.ndarray]) -> None:
-        """Restores the ``step`` and ``arrays`` that :meth:`state` of a solver of the same scene returned, to the
-        bit."""
+        """Restores, to the bit, a step number and arrays that :meth:`state` of a solver of the same scene returned."""
         members = self._arrays.members()
         for name, values in arrays.items():
             members[name][...] = values
@@ -194,8 +188,7 @@ class Solver(ABC):
         return LOST, self.loss_sentence(finding), since
 
     def loss_sentence(self, finding: Finding) -> str:
-        """Returns in one sentence when the run was lost according to the ``finding``, where most, why, and what to
-        change."""
+        """Returns a sentence when, by the ``finding``, the run was lost, where most, why, and what to change."""
         where = "" if finding.particle is None else \
             Message(", most at particle {particle} (X = {place})", finding.particle,
                     self._position_text(finding.particle))
@@ -242,5 +235,4 @@ class Solver(ABC):
 
     @abstractmethod
     def _fallback_advice(self) -> str:
-        """Returns what to change, as part of a sentence, when the cause is neither a long step nor another of the
-        usual."""
+        """Returns what to change, as part of a sentence, when the step is short enough and no usual cause applies."""

@@ -47,8 +47,7 @@ def rms_error_over_run(series: Mapping[str, np.ndarray], field: str, without: st
 
 @IGNORE_OVERFLOW
 def cancellation(series: Mapping[str, np.ndarray], field: str) -> float:
-    """Returns the sum of all causes' RMS errors over the run, over the RMS error of the field: 1 where nothing
-    cancels."""
+    """Returns the sum of the causes' RMS errors of a field over the run, over its own RMS error: 1 if none cancel."""
     error = np.sqrt(np.mean(series[f"budget/error_{field}"] ** 2))
     causes = sum(np.sqrt(np.mean(series[f"budget/size_{field}_{cause}"] ** 2)) for cause in CAUSES)
     return 0.0 if error == 0 else float(causes / error)

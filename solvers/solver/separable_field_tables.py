@@ -36,8 +36,7 @@ def pack_tables(*tables: tuple[SeparableField | None, np.ndarray | None]) -> tup
 
 
 def paired_mode_entries(table: SeparableField | None) -> tuple[SeparableField | None, np.ndarray | None]:
-    """Returns a field of vectors, padded to an even rank, and its modes (n, 4), two to an entry; None, None without
-    one."""
+    """Returns a field of vectors, padded to an even rank, and its modes (n, 4), two in each entry; None for None."""
     if table is None:
         return None, None
     modes, series = table.modes, table.series
@@ -48,7 +47,7 @@ def paired_mode_entries(table: SeparableField | None) -> tuple[SeparableField | 
 
 
 def vector_mode_entries(table: SeparableField | None) -> tuple[SeparableField | None, np.ndarray | None]:
-    """Returns a field of vectors and its modes (n, 4), one to an entry: (x, y, 0, 0); None, None without one."""
+    """Returns a field of vectors and its modes (n, 4), one in each entry: (x, y, 0, 0); None for None."""
     if table is None:
         return None, None
     return table, np.pad(table.modes.reshape(-1, 2), ((0, 0), (0, 2)))
@@ -63,8 +62,7 @@ def motion_mode_entries(table: SeparableField | None) -> tuple[SeparableField | 
 
 @ti.func
 def table_size_entry(body: ti.template(), number: ti.template(), which: ti.template()):
-    """Returns an entry, such as :data:`RANK`, of the sizes of a body's table with this ``number``, such as
-    ``MOTION``."""
+    """Returns an entry, such as :data:`RANK`, of the sizes of a body's table with the number :data:`MOTION` or so."""
     return body.table_sizes[ti.static(SIZES_PER_TABLE * number + which)]
 
 
@@ -111,8 +109,7 @@ def compute_paired_time_functions(tables: ti.template(), sizes: ti.template(), n
 
 @ti.func
 def paired_field_at(tables: ti.template(), sizes: ti.template(), number: ti.template(), place):
-    """Returns the vector (2,) of table ``number``, of pairs, at a place, an index, with the functions of time stored
-    last."""
+    """Returns the vector (2,) of a table of pairs at a place, an index, for the functions of time stored last."""
     base = ti.static(SIZES_PER_TABLE * number)
     pairs, modes, now = sizes[base + RANK] // 2, sizes[base + MODES], sizes[base + PRESENT]
     total = ti.Vector([0.0, 0.0, 0.0, 0.0])

@@ -79,8 +79,7 @@ class SerialStepper:
         self._advance(before, steps, STEP)
 
     def inspect_state(self, step: int, purpose: int) -> None:
-        """Samples the state after ``step`` steps into row 0 (``MEASURE``), or only updates the estimates
-        (``REPORT``)."""
+        """Samples the state after ``step`` steps into row 0, or, for the purpose ``REPORT``, only updates estimates."""
         self._advance(step, 1, purpose)
 
     def fetch(self) -> None:

@@ -55,8 +55,8 @@ CONTRADICTIONS: dict[str, ContradictionRule] = {rule.name: rule for rule in (
 
 @dataclass(frozen=True)
 class Finding:
-    """First sample at which a run is found lost: its time in s, a sentence what was found, and its size, mostly in
-    amplitudes of the motion."""
+    """First sample at which a run is found lost: its ``time`` in s, a ``sentence`` that says why, and the ``size`` of
+    what is wrong, mostly in amplitudes."""
 
     time: float
     sentence: str

@@ -83,8 +83,7 @@ def remedy_rates(scene: Scene) -> dict[str, float]:
 
 
 def zeros(length: int, width: int | None = None, *, when: bool = True, kind: type = np.float64) -> np.ndarray:
-    """Returns an array of zeros (length,) or (length, width), of length one unless ``when``, for kernels that use
-    it."""
+    """Returns an array of zeros (length,) or (length, width), of length one unless ``when``, because it is used."""
     length = length if when else 1
     return np.zeros(length if width is None else (length, width), kind)
 

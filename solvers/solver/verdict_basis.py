@@ -35,9 +35,8 @@ class LargeRelativeError:
 @IGNORE_OVERFLOW
 def large_errors(scene: Scene, series: Mapping[str, np.ndarray],
                  not_valid: Collection[str] = ()) -> dict[str, LargeRelativeError]:
-    """Returns by quantity those errors of v, sigma and a that were once as large as the quantity itself in the
-    ``series`` of samples, by the truth where it is on, else by a judging estimator that is not one of the
-    ``not_valid``."""
+    """Returns those of v, sigma and a whose error was once as large as themselves in ``series`` of samples, by the
+    truth where it is on, else by a judging estimator that is not one of those ``not_valid``."""
     judges, found = _judging_estimators(scene, not_valid), {}
     for quantity in NOUNS:
         unit = scene.rms_of(quantity)
@@ -104,8 +103,7 @@ def missing_checks_sentence(scene: Scene, checks: Mapping[str, list[str]]) -> st
 
 
 def is_balance_motion_known(scene: Scene, series: Mapping[str, np.ndarray]) -> bool:
-    """Returns whether the motion by the balance of momentum was known at the last check for contradictions in a
-    ``series``."""
+    """Returns whether the motion by the balance of momentum was known at the last check for contradictions in a run."""
     looked = np.flatnonzero(~np.isnan(series["motion_square"]))[-1:]
     last = {name: series[name][looked] for name in series if name == "time" or name.startswith("motion_")}
     return bool(np.isfinite(momentum_balance_distance(scene, last)).any())

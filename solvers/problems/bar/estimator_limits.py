@@ -34,13 +34,13 @@ def displacement_per_cell_squared(scene: Any) -> float:
 
 
 def noise_removing_remedies(scene: Any) -> tuple[str, ...]:
-    """Returns the remedies beside which two-grid holds, as they only remove noise; the coupling of F only in small
-    motions."""
+    """Returns the remedies that only remove noise, so that two-grid holds beside them: the null-space filter, and where
+    particles move little the coupling of F."""
     return (FILTER, COUPLED) if scene.motion_amplitude / scene.spacing < MOST_COUPLED else (FILTER,)
 
 
 def is_too_noisy_for_two_grid(scene: Any) -> bool:
-    """Returns whether two-grid cannot estimate the acceleration: noise of particles that cross cells differs by
+    """Returns whether two-grid cannot estimate a: particles that cross cells fill it with noise, which differs by
     grid."""
     return scene.motion_amplitude > QUIET.get(scene.method, QUIET_HATS) * scene.spacing
 

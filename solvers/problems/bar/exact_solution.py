@@ -63,9 +63,9 @@ def stress(scene: Any, X: np.ndarray, t: float) -> np.ndarray:
 
 
 def field_as_sampled(scene: Any, quantity: str, X: np.ndarray, t: float) -> np.ndarray:
-    """Returns the exact displacement ("x"), "v", "sigma" or "a" (P,) in SI at material coordinates X (P,) in m, as a
-    run has it at time t in s: "a" is that of its last step, one step before. For a patch test "x" is u - v0 t: v0 t
-    hides all else."""
+    """Returns an exact field (P,) in SI, the displacement for "x", or "v", "sigma", "a", at material coordinates X (P,)
+    in m, as a run has it at time t in s: the acceleration is that of its last step, one step before. For a patch test
+    "x" is 0, without the drift v0 t, which would hide all else."""
     if scene.is_patch and quantity == "x":
         return np.zeros_like(X)
     if quantity == "a":

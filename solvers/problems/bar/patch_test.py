@@ -48,8 +48,7 @@ def normalise_inputs(cells: object, ppc: object, body_force: object) -> dict[str
 
 
 def check_particles_per_cell(cells: int, ppc: object) -> None:
-    """Raises :class:`SceneError` unless ``ppc``, which need not be whole, is 1 to 64 and ``cells`` times it is
-    whole."""
+    """Raises :class:`SceneError` unless ``ppc`` is from 1 to 64, perhaps a fraction, and ``cells`` times it whole."""
     allowed = Message("give a number from 1 to {most}", MOST_PER_CELL)
     require_number("ppc", ppc, 0, math.inf, allowed)
     assert isinstance(ppc, (int, float))
@@ -102,8 +101,8 @@ def repeating_unit(scene: Scene) -> tuple[int, int]:
 @functools.lru_cache(maxsize=64)  # used by the page repeatedly
 def first_edge_step(scene: Scene, velocity: float) -> int | None:
     """Returns the number of the first step after which a particle that moves at ``velocity`` in m/s lies on a cell
-    boundary up to rounding, which then decides on its cell (hat functions may count its force twice or not); None if
-    none does."""
+    boundary up to rounding, which then decides on its cell: with hat functions its force may be counted twice or not at
+    all. None where that never happens."""
     a_step = velocity * scene.time_step / scene.spacing  # in cells
     places = repeating_unit(scene)[1]  # in a cell, at which particles begin
     held = scene.linearity_preserving or scene.frozen or PIECES in scene.remedies

@@ -69,8 +69,8 @@ class BarScene(TypedMotionScene, Scene):
 
     @classmethod
     def candidates(cls) -> tuple[tuple[str, bool], ...]:
-        """Returns the pairs (method, linearity preserving) that an advisor tries: uGIMP with it too, the others
-        without."""
+        """Returns pairs (method, linearity preserving) that an advisor tries: each method without, uGIMP also with
+        it."""
         return (*super().candidates(), ("ugimp", True))
 
     @property
@@ -102,8 +102,7 @@ class BarScene(TypedMotionScene, Scene):
 
     @property
     def compiled_motion(self) -> str:
-        """Motion as a compile-time option of kernels: "vibrate", "patch", or "typed" for a displacement given as
-        formula."""
+        """Motion as a compile-time option of kernels: "vibrate", "patch", or "typed" for a displacement as formula."""
         return TYPED if self.displacement else self.motion
 
     @property
@@ -166,16 +165,16 @@ class BarScene(TypedMotionScene, Scene):
         return self._sizes.largest[quantity] if self.displacement else super().size_of(quantity)
 
     def rms_of(self, quantity: str) -> float:
-        """Returns the RMS in SI of x, v, sigma or a: half the largest value, as for sines; in a uniform patch test,
-        all."""
+        """Returns the RMS of x, v, sigma or a in SI: half the largest value, as for sines; in a patch test that
+        value."""
         if self.displacement:
             return self._sizes.rms[quantity]
         return self.size_of(quantity) * (1.0 if self.is_patch else 0.5)
 
     @property
     def loss_limits(self) -> dict[str, float]:
-        """Relative errors from which on a run is lost: of a patch test that of "sigma", which is all that can be
-        wrong."""
+        """Relative errors from which on a run is lost: in a patch test of "sigma", as only stress can be wrong
+        there."""
         return {"sigma": patch_test.FAILED_FROM} if self.is_patch else {}
 
     @property
@@ -192,8 +191,7 @@ class BarScene(TypedMotionScene, Scene):
         return exact_solution.displacement_moments(self, times)
 
     def to_dict(self) -> dict:
-        """Returns every input by its JSON key, defaults filled in, and None for those without meaning in this
-        motion."""
+        """Returns every input by JSON key with defaults filled in, None for those without meaning in this motion."""
         idle = ("amplitude",) if self.is_patch else ("stretch", "initial_velocity")
         return {**super().to_dict(), **dict.fromkeys(idle)}
 

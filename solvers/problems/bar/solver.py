@@ -20,8 +20,7 @@ HATS_LIMIT = 0.14  # amplitude from which on no rate of a remedy holds hat funct
 
 
 class BarSolver(Solver):
-    """Solver of one bar, with its arrays. The whole step loop runs in one serial kernel, whatever threads the scene
-    allows."""
+    """Solver of a bar, which owns its arrays. All steps run in one serial kernel, whatever threads the scene allows."""
 
     HOOKS, PHASES, STATE, STEP_BREAKDOWN = HOOKS, PHASES, InstrumentedBar, step_breakdown
     scene: BarScene
@@ -89,8 +88,7 @@ class BarSolver(Solver):
         return super()._advice()
 
     def _fallback_advice(self) -> str:
-        """Returns a sentence that names remedies that the scene does not use yet; measured in
-        ``assets/stability.md``."""
+        """Returns a sentence with remedies that the scene does not use yet; measured in ``assets/stability.md``."""
         scene = self.scene
         whole = scene.method == "mpm" and not scene.frozen and PIECES not in scene.remedies
         if whole and (scene.ppc == 2 or scene.amplitude >= HATS_LIMIT):

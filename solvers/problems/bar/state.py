@@ -25,7 +25,7 @@ class InstrumentedBar(Diagnostics, BarBody):
 
     @property
     def cause_errors(self) -> np.ndarray:
-        """Errors of x (m), v (m/s) and F of P particles by cause (3, P, causes), a view; only with the effect
+        """Errors of x (m), v (m/s) and F of P particles by cause (3, P, causes), a view; needs the effect
         ``budget``."""
         return BUDGET.unpack(self.memory)["cause_errors"][:3 * self.particles].reshape(3, self.particles, -1)
 
@@ -43,6 +43,5 @@ def allocate_state(scene: BarScene) -> InstrumentedBar:
 
 
 def escape_distance(scene: BarScene) -> float:
-    """Returns the displacement in m from which on a run is unstable: half the bar, or 20 times the exact one if
-    less."""
+    """Returns the displacement in m from which on a run is unstable: half the bar, or twenty times the exact one."""
     return min(0.5, 20 * scene.motion_amplitude)

@@ -24,8 +24,7 @@ def jacobian(bar: ti.template(), p):
 
 @ti.func
 def has_escaped(bar: ti.template(), p, step):
-    """Returns whether particle p is ``bar.farthest`` (m) or more from its start, beyond a patch test's drift, after
-    ``step`` steps."""
+    """Returns whether particle p is ``bar.farthest`` m or more from its start after ``step`` steps, less any drift."""
     moved = bar.drift_velocity * bar.dt * step
     return not abs(bar.position[p] - bar.material_position[p] - moved) < bar.farthest
 

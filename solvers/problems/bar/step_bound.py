@@ -21,9 +21,8 @@ INSTANTS_PER_PERIOD = 33  # moments of a typed motion
 
 @dataclass(frozen=True)
 class BarConfiguration:
-    """P particles of the bar at one moment, on ``cells`` cells: their weights (P, 3) at their ``nodes``, the gradients
-    (P, K) in 1/m of their forces at the ``force_nodes``, their stiffness E F^2 V0 (P,) in J, and the ``mass`` of one in
-    kg."""
+    """Bar on ``cells`` cells at one moment: the weights (P, 3) of P particles at their ``nodes``, the gradients (P, K)
+    in 1/m of their forces at the ``force_nodes``, their stiffness E F^2 V0 (P,) in J, and their ``mass`` each in kg."""
 
     cells: int
     nodes: np.ndarray
@@ -63,8 +62,8 @@ def critical_time_step(scene: Any, stretch: float, velocity: float) -> StepBound
 
 
 def _patch_time_step(scene: Scene, stretch: float, velocity: float) -> StepBound:
-    """Returns the longest stable steps in s of a patch test with this stretch, while particles pass a cell at
-    ``velocity``."""
+    """Returns the longest stable steps in s of a patch test, stretched by ``stretch``, while its particles pass through
+    a cell at ``velocity`` in m/s; their spacing never changes."""
     cells, particles = patch_test.repeating_unit(scene)
     times = max(1, min(scene.cells // cells, MOST_PARTICLES // particles))
     cells, particles = times * cells, times * particles
@@ -77,8 +76,8 @@ def _patch_time_step(scene: Scene, stretch: float, velocity: float) -> StepBound
 
 
 def configuration_at(scene: Scene, cells: int, x: np.ndarray, F: np.ndarray, stretch: float = 1.0) -> BarConfiguration:
-    """Returns the bar on ``cells`` cells with particles at x (P,) in m, deformed by F (P,) since a start at
-    ``stretch``."""
+    """Returns the bar on ``cells`` cells with particles at x (P,) in m, deformed by F (P,) since it began at
+    ``stretch``; the scene has the method and the material."""
     volume = 1 / len(x)
     half_width = np.full_like(x, 0.5 / scene.ppc)
     if scene.method == "cpgimp" and not scene.frozen:

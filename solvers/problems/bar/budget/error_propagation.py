@@ -120,8 +120,8 @@ def nodes_to_particles(bar: ti.template(), now, on: ti.template()):
 
 @ti.func
 def corner_velocities(bar: ti.template(), p, on: ti.template()):
-    """Returns the mean velocity in m/s at both ends of particle p's domain: of each cause's error (4,), of the
-    reference."""
+    """Returns the mean velocity in m/s at the two ends of particle p's domain: the error of it by cause (4,), and the
+    reference's."""
     reach, M = half_width(bar, bar.deformation_gradient[p], on) * bar.spacing, bar.cells + GHOSTS
     velocity, reference = ti.Vector([0.0, 0.0, 0.0, 0.0]), 0.0
     for side in ti.static((-1, 1)):
@@ -149,8 +149,8 @@ def subtract_mean_velocity(bar: ti.template()):
 
 @ti.func
 def filter_null_space(bar: ti.template(), now, on: ti.template()):
-    """Filters each cause's velocity errors: e_v -= rate (I - S S^+)^2 (e_v + v), v the reference's for the coarse
-    grid."""
+    """Filters velocity errors of each cause: e_v -= rate (I - S S^+)^2 (e_v + v), v the reference's for the coarse
+    grid; else 0. ``now`` are the :func:`reference_time_factors` of the step."""
     P = bar.particles
     for p in range(P):
         m = reference_motion_at(bar, p, now, on)
@@ -168,8 +168,8 @@ def filter_null_space(bar: ti.template(), now, on: ti.template()):
 
 @ti.func
 def couple_deformation_to_positions(bar: ti.template(), now, on: ti.template()):
-    """Couples each cause's errors of F: e_F += rate (G_c/((1 - G)(1 - G0)) - e_F), G the run's gradient, G0 = G - sum
-    G_c the reference's; the coarse grid adds rate (1/(1 - G0) - F0)."""
+    """Couples each cause's errors of F to those of x: e_F += rate (G_c/((1 - G)(1 - G0)) - e_F), G the run's gradient
+    du/dx, G0 = G - sum G_c the reference's; the coarse grid adds rate (1/(1 - G0) - F0)."""
     P, M = bar.particles, bar.cells + GHOSTS
     for i in range(M):
         bar.budget_nodes[STRESS * M + i] = ti.Vector([0.0, 0.0, 0.0, 0.0])
@@ -199,8 +199,7 @@ def couple_deformation_to_positions(bar: ti.template(), now, on: ti.template()):
 
 @ti.func
 def scratch_to_nodes(bar: ti.template()):
-    """Maps the scratch layer of ``bar.cause_errors`` to nodes by S^+, into the layer ``PIECES`` of
-    ``bar.budget_nodes``."""
+    """Maps the scratch layer of ``bar.cause_errors`` by S^+ to nodes, the layer ``PIECES`` of ``bar.budget_nodes``."""
     P, M = bar.particles, bar.cells + GHOSTS
     for i in range(M):
         bar.budget_nodes[PIECES * M + i] = ti.Vector([0.0, 0.0, 0.0, 0.0])

@@ -43,7 +43,8 @@ def particles_to_nodes(bar: ti.template(), t, now, on: ti.template()):
 
 @ti.func
 def corner_to_nodes(bar: ti.template(), p, jump, length, on: ti.template()):
-    """Adds particle p's left corner to nodes: the ``jump`` of stress there in Pa, and the ``length`` before it in m."""
+    """Adds particle p's left corner to nodes: the ``jump`` of stress there in Pa, and the ``length`` in m from the
+    particle before it, for linearity preservation."""
     i, B, _ = gapless_pieces.stored_corner_stencil(bar, p)
     given = ti.Vector([jump, length, 0.0, 0.0])
     M, P = bar.cells + GHOSTS, bar.particles
@@ -56,8 +57,8 @@ def corner_to_nodes(bar: ti.template(), p, jump, length, on: ti.template()):
 
 @ti.func
 def particle_to_nodes(bar: ti.template(), p, stress, size, now, on: ti.template()):
-    """Adds particle p to nodes: S (v + dt a, a, b), the force of the reference's ``stress``, errors' velocity and
-    force.
+    """Adds particle p to nodes: S (v + dt a, a, b) and the force of the reference, whose ``stress`` is in Pa, and the
+    velocity and force of each cause's errors; ``size`` are amplitudes of the body force's tones.
 
     F P is quadratic: F P - F0 P0 = E (F + F0 - F_rest) e_F exactly. Linearity preservation divides by sums of F, which
     so belong to the weights: there the run's own F is the geometry of either.

@@ -19,8 +19,8 @@ TIME_STEP = list(CAUSES).index("time_step")  # its lane
 
 @ti.func
 def reference_time_factors(bar: ti.template(), t):
-    """Returns time factors (5,) in a step from t on, in s: of u; v + dt a; a; and symplectic Euler's errors of u and
-    v."""
+    """Returns factors of the reference in a step from time t in s on (5,): of u; v + dt a; a; and of symplectic Euler's
+    errors of u and v, to be multiplied by the amplitude of u at a particle."""
     w, dt = bar.angular_frequency, bar.dt
     s0, c0, s1, c1 = ti.sin(w * t), ti.cos(w * t), ti.sin(w * (t + dt)), ti.cos(w * (t + dt))
     fast, bend = w * c0 - dt * w * w * s0, -w * w * s0
@@ -42,7 +42,7 @@ def reference_motion_at(bar: ti.template(), p, now, on: ti.template()):
 
 @ti.func
 def reference_gradients_at(bar: ti.template(), p, now, on: ti.template()):
-    """Returns particle p's reference (3,): F, the slope of v + dt a along X in 1/s, and the step's error of F."""
+    """Returns particle p's reference (3,): F, the slope of v + dt a along X in 1/s, and the error of F in the step."""
     known = ti.Vector([1.0, 0.0, 0.0])
     if ti.static(stores_reference(on)):
         kept = bar.reference_slopes[p]
@@ -55,8 +55,7 @@ def reference_gradients_at(bar: ti.template(), p, now, on: ti.template()):
 
 @ti.func
 def add_companion_time_step_error(bar: ti.template(), step):
-    """Adds symplectic Euler's errors in step number ``step`` to ``bar.cause_errors``, once the companion is at its
-    end."""
+    """Adds symplectic Euler's errors in step ``step`` to ``bar.cause_errors``, with the companion at the step's end."""
     _evaluate_at_element_points(bar, step)
     n = bar.companion_counts[companion.ORDER] + 1
     for p in range(bar.particles):

@@ -29,8 +29,8 @@ PER_WAVE = 5  # elements of a typed motion's shortest wave that matters
 
 @ti.func
 def accelerate(bar: ti.template(), t, on: ti.template()):
-    """Computes the nodes' accelerations in ``bar.companion_nodes`` at their trial displacement and time t in s, from
-    zeros."""
+    """Computes the nodes' accelerations in m/s^2, in ``bar.companion_nodes``, at their trial displacements and the time
+    t in s; they must be zero before."""
     N = bar.companion_counts[shared.NODES]
     for e in range(bar.companion_counts[shared.ACROSS]):
         element_forces(bar, shared.WORK * N + e * bar.companion_counts[shared.ORDER])
@@ -45,7 +45,7 @@ def accelerate(bar: ti.template(), t, on: ti.template()):
 
 @ti.func
 def element_forces(bar: ti.template(), first):
-    """Subtracts an element's internal forces in N from its nodes, which are in ``bar.companion_nodes`` from ``first``
+    """Subtracts an element's internal forces in N from its nodes, entries of ``bar.companion_nodes`` from ``first``
     on."""
     n = bar.companion_counts[shared.ORDER] + 1
     for q in range(n):
@@ -59,8 +59,8 @@ def element_forces(bar: ti.template(), first):
 
 @ti.func
 def report(bar: ti.template(), base, step, on: ti.template()):
-    """Reports all particles' errors after ``step`` steps, computed minus the companion's, to
-    ``bar.estimate[base:]``."""
+    """Stores the particles' errors after ``step`` steps, computed minus the companion's, in ``bar.estimate`` from entry
+    ``base`` on: x, v, sigma, a in SI."""
     shared.interpolate_nodes_in_time(bar, step)
     evaluate_at_element_points(bar)
     n = bar.companion_counts[shared.ORDER] + 1
@@ -144,8 +144,7 @@ def highest_unit_frequency(elements: Elements) -> float:
 
 
 def verdict(scene, memory) -> str | None:
-    """Returns why the companion's last report is not to be trusted, as a sentence, or None; ``memory`` are its
-    arrays."""
+    """Returns a sentence why the companion's last report is not to be trusted, or None; ``memory`` has its arrays."""
     elements = mesh(scene)
     u = memory["companion_nodes"].reshape(-1, len(elements.node_coordinates), 8)[shared.NOW, :, :2]
     return shared.why_not_trusted(u[elements.node_of_point], (1,), memory["companion_numbers"][shared.SQUARE])

@@ -57,8 +57,7 @@ MOTION, PROJECTED, ERRORS, FORCE = range(4)
 
 @ti.func
 def nodal_entry_index(bar: ti.template(), kind: ti.template(), i):
-    """Returns the index in ``bar.recovered_nodes`` of node i in the block ``kind``, such as ``MOTION`` or
-    ``ERRORS``."""
+    """Returns the index in ``bar.recovered_nodes`` of node i in the block ``kind``, such as ``MOTION``."""
     return kind * bar.recovered_stride + i
 
 
@@ -78,8 +77,8 @@ def extend_nodal_block_periodically(bar: ti.template(), kind: ti.template()):
 
 @ti.func
 def row_sums(bar: ti.template(), table: ti.template(), row, field: ti.template(), start):
-    """Returns the sums (4,) of a field, which begins at ``start``, with three rows of a table from ``row`` on, alike
-    but for their places."""
+    """Returns the sums (4,) of a field that begins at ``start`` by three rows of a table, alike but for their
+    places."""
     one, two, three = ti.Vector([0.0] * 4), ti.Vector([0.0] * 4), ti.Vector([0.0] * 4)
     first = start + prefix_view(bar, table).first[row]
     second, third = start + prefix_view(bar, table).first[row + 1], start + prefix_view(bar, table).first[row + 2]
@@ -93,8 +92,8 @@ def row_sums(bar: ti.template(), table: ti.template(), row, field: ti.template()
 
 @ti.func
 def apply_table(bar: ti.template(), table: ti.template(), count, field: ti.template(), start, into: ti.template(), at):
-    """Applies all ``count`` rows of a table to a field that begins at ``start``; stores the sums in ``into`` from
-    ``at`` on."""
+    """Applies a table's ``count`` rows to a field that begins at ``start``; stores the sums in ``into`` from ``at``
+    on."""
     for group in range(recovered.group_count(count)):
         row = recovered.first_in_group(group, count)
         recovered.store_sums(into, at + row, 1, row_sums(bar, table, row, field, start))
@@ -108,16 +107,14 @@ def particles_to_nodes(bar: ti.template(), table: ti.template(), kind: ti.templa
 
 @ti.func
 def nodes_to_nodes(bar: ti.template(), table: ti.template(), kind: ti.template(), into: ti.template()):
-    """Applies a table to the block ``kind`` of nodal values, periodically extended, and stores the sums in block
-    ``into``."""
+    """Applies a table to the extended block ``kind`` of nodal values; stores the sums in the block ``into``."""
     apply_table(bar, table, bar.cells, bar.recovered_nodes, nodal_entry_index(bar, kind, 0), bar.recovered_nodes,
                 nodal_entry_index(bar, into, 0))
 
 
 @ti.func
 def interpolate_nodal_errors(bar: ti.template(), p, pattern):
-    """Returns the nodal errors of u, v and a at particle p, number ``pattern`` in its cell, and fourth the slope of the
-    first."""
+    """Returns nodal errors at particle p, of row ``pattern``: of u, v and a, and fourth the slope of the first."""
     total = ti.Vector([0.0] * 4)
     first, begin, _ = recovered.table_row_range(bar, INTERPOLATION, p, pattern)
     for k in ti.static(range(3)):
@@ -128,8 +125,7 @@ def interpolate_nodal_errors(bar: ti.template(), p, pattern):
 
 @ti.func
 def nodal_body_force(bar: ti.template(), i, shape, size, on: ti.template()):
-    """Returns the body force per mass of node i, smoothed by M, from M of each tone's ``shape`` and the tones'
-    ``size``."""
+    """Returns M b of node i in m/s^2, from M of each tone's ``shape`` and its amplitude, ``size``."""
     b = size[0] * shape[0] + size[1] * shape[1]
     if ti.static(on.motion == TYPED):
         b = paired_field_at(bar.recovered_force, bar.recovered_force_sizes, 0, i)[0]
@@ -233,8 +229,8 @@ def advance_reference_motion(bar: ti.template(), t, on: ti.template()):
 
 @ti.func
 def report(bar: ti.template(), base, step, on: ti.template()):
-    """Reports to ``bar.estimate[base:]`` all particles' errors of x, v, sigma after ``step`` steps, and of the last
-    step's a."""
+    """Stores the errors of x, v, sigma after ``step`` steps, and of the last a, in ``bar.estimate`` from ``base``
+    on."""
     for p in range(bar.particles):
         S, _ = stencil_of(bar, p)
         i = bar.first_node[p]
@@ -268,8 +264,7 @@ def report(bar: ti.template(), base, step, on: ti.template()):
 
 @ti.func
 def compute_nodal_errors(bar: ti.template(), length, since):
-    """Computes the nodal errors of the fields, unsmoothed, ``since`` (s) after the reference's last step of ``length``
-    (s)."""
+    """Computes the fields' nodal errors ``since`` s after the reference's last step, of ``length`` s, unsmoothed."""
     particles_to_nodes(bar, PROJECTION, PROJECTED)
     for i in range(bar.cells):
         before = bar.recovered_nodes[nodal_entry_index(bar, FORCE, i)][3]
@@ -293,8 +288,7 @@ def interval(scene):
 
 
 def allocate(scene):
-    """Returns the estimator's arrays at the start, by name: operators of the material line, and the reference at
-    rest."""
+    """Returns the estimator's arrays at the start by name: operators of the material line, and the reference."""
     cells, per_cell = scene.cells, scene.ppc
     tables = recovered_tables.operators(scene)
     X = (np.arange(scene.particles) + 0.5) * (scene.spacing / per_cell)

@@ -23,8 +23,8 @@ MOST_MISSED, MOST_ADDED = 0.09, 0.3
 
 
 def operators(scene: BarScene) -> dict[str, Rows]:
-    """Returns the operators by the names ``TABLES``; cells are alike, and so are particles to a fit: most have one
-    row."""
+    """Returns the operators as tables of rows, by the names ``TABLES``. Cells are alike, and so are particles to a fit:
+    most have one row of weights."""
     cells, per_cell = scene.cells, int(scene.ppc)
     few = min(cells, PATTERN_CELLS)
     line = Line(few * per_cell, few, few * scene.spacing, "periodic")
@@ -45,14 +45,13 @@ def operators(scene: BarScene) -> dict[str, Rows]:
 
 
 def estimated_components(rows: Rows, last: int) -> Rows:
-    """Returns rows with four weights: of the value for u, v and a, and for u again the value (``last`` 0) or slope
-    (1)."""
+    """Returns rows of four weights from rows of a value and a slope: the value for u, v and a, and fourth, for u, the
+    one numbered ``last``, 0 or 1."""
     return Rows(rows.first, rows.weights[:, :, 0][:, :, [0, 0, 0, last]])
 
 
 def periodic_map(weights: np.ndarray, cells: int) -> Rows:
-    """Returns the map to all ``cells`` nodes from that to node 0, whose ``weights`` (n, 4) are of all n places of the
-    line."""
+    """Returns the map to ``cells`` nodes from that to node 0, with ``weights`` (n, 4) for the n places of the line."""
     middle = len(weights) // 2
     weights = np.roll(weights, middle, axis=0)
     used = np.flatnonzero(weights.any(axis=1))

@@ -95,8 +95,8 @@ def compute_nodal_stress_slopes(bar: ti.template(), on: ti.template()):
 
 @ti.func
 def compute_node_errors(bar: ti.template(), on: ti.template()):
-    """Stores in ``bar.transport_errors`` Ea_i and the velocity error after the step, Ev_i = sum S Ev/sum S + dt
-    Ea_i."""
+    """Stores Ea_i, and the velocity error after the step Ev_i = sum S Ev/sum S + dt Ea_i, in ``bar.transport_errors``,
+    in SI."""
     for i in range(1, bar.cells + 1):
         weight = bar.node_sums[i][0]
         Ea, Ev = 0.0, 0.0
@@ -158,7 +158,7 @@ def interval(scene):
 
 
 def allocate(scene):
-    """Returns the estimator's nodal arrays at the start, by name, with room for the periodic images."""
+    """Returns the estimator's nodal arrays at the start, by name, with entries for the periodic images."""
     N = scene.cells + periodic_nodes.GHOSTS
     return {"transport_dt": interval(scene) * scene.time_step, "transport_nodes": np.zeros((N, 8)),
             "transport_slope": np.zeros(N), "transport_errors": np.zeros((N, 4))}

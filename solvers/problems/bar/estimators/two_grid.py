@@ -31,8 +31,8 @@ MEMORY = {
 
 @ti.func
 def after_step(bar: ti.template(), base, step, on: ti.template()):
-    """Takes one step of the second bar, of ``coarse_dt``, up to the run's ``step``; stores F and a before it, for their
-    rates."""
+    """Takes one step of the second bar, ``coarse_dt`` in s long and ending at the run's ``step``; stores its F and a
+    before the step, for their rates."""
     coarse, bare = ti.static([prefix_view(bar, "coarse_"), two_grid.coarse_run_options(on)])
     for q in range(coarse.particles):
         bar.two_grid_before[q] = ti.Vector([
@@ -43,8 +43,8 @@ def after_step(bar: ti.template(), base, step, on: ti.template()):
 
 @ti.func
 def report(bar: ti.template(), base, step, on: ti.template()):
-    """Reports e = q_h - I q* of all particles after ``step`` steps to ``bar.estimate[base:]``; 0 for a until the second
-    bar has more than that of its start."""
+    """Stores e = q_h - I q* of all particles after ``step`` steps (x, v, sigma, a in SI) in ``bar.estimate`` from
+    ``base`` on; 0 for a as long as the second bar has only that of the start."""
     own, coarse = ti.static([prefix_view(bar, "two_grid_"), prefix_view(bar, "coarse_")])
     two_grid.clear_common_lattice(own)
     store_run_fields(bar, own, on)
@@ -78,8 +78,8 @@ def store_run_fields(bar: ti.template(), own: ti.template(), on: ti.template()):
 
 @ti.func
 def store_coarse_fields(bar: ti.template(), own: ti.template(), coarse: ti.template(), step):
-    """Stores u, v, sigma and a of the second bar, ``coarse``, in ``own.fields``, extrapolated from its last step to
-    ``step``.
+    """Stores u, v, sigma and a of the second bar, ``coarse``, in ``own.fields``, extrapolated by ``late`` seconds from
+    its last step to the run's ``step``.
 
     Its v belongs to half a step before, the run's to dt/2 before now, and the extrapolated one shall belong to now: the
     v taken here is early by r^2 dt/2 on purpose, which cancels what (r^2 S v_h) lacks. Its a belongs to a step before,
@@ -121,8 +121,7 @@ def allocate(scene):
 
 
 def verdict(scene, memory):
-    """Returns why the second bar cannot be used, as a sentence, or None; ``memory`` are the estimator's arrays by
-    name."""
+    """Returns a sentence why the second bar cannot be used, or None; ``memory`` has the estimator's arrays by name."""
     moved = memory["coarse_position"] - memory["coarse_material_position"]
     return two_grid.coarse_run_verdict(scene, memory["coarse_deformation_gradient"], moved,
                                        min(0.5, 20 * scene.motion_amplitude), memory["two_grid_largest"])

@@ -37,8 +37,8 @@ def mapping_position(bar: ti.template(), p, on: ti.template()):
 
 @ti.func
 def periodically_extended_position(bar: ti.template(), p, on: ti.template()):
-    """Returns the position in m at which weights are evaluated, of an image one period away for p = -2, -1, P and P +
-    1."""
+    """Returns the position in m at which weights are evaluated of particle p; for p = -2, -1, P and P + 1, beyond the
+    ends, of that particle's image one period away."""
     P = bar.particles
     turn = ti.select(p < 0, -1, ti.select(p < P, 0, 1))
     return mapping_position(bar, p - turn * P, on) + turn
@@ -46,8 +46,7 @@ def periodically_extended_position(bar: ti.template(), p, on: ti.template()):
 
 @ti.func
 def corner_between_particles(before_last, last, this, after):
-    """Returns the corner between the particles ``last`` and ``this``, from the positions of four neighbours, all in
-    m."""
+    """Returns the corner between the particles ``last`` and ``this`` from the positions of four neighbours, in m."""
     return (9 * (last + this) - before_last - after) / 16
 
 
@@ -129,8 +128,8 @@ def sum_piece_lengths_at_nodes(bar: ti.template(), on: ti.template()):
 
 @ti.func
 def interpolate_at_corner(bar: ti.template(), values: ti.template(), first, p, on: ti.template()):
-    """Returns ``values``, vectors at nodes whose layer begins at ``first``, interpolated at the left corner of piece p;
-    p = P is the end of the last piece."""
+    """Returns nodal ``values``, vectors whose layer begins at ``first``, interpolated at the left corner of piece p;
+    the corner p = P is the first again."""
     i, B, _ = stored_corner_stencil(bar, ti.select(p < bar.particles, p, 0))
     seen = B[0] * values[first + i]
     for k in ti.static(range(1, nodes_per_corner(on))):

@@ -23,7 +23,7 @@ def stencil_of(bar: ti.template(), p):
 
 @ti.func
 def offset_from_first_node(bar: ti.template(), p):
-    """Returns r = x_p - x_i in m for particle p and the first node of its stencil; for the next nodes it is h and 2h
+    """Returns r = x_p - x_i in m of particle p from the first node of its stencil; from the next nodes it is h and 2h
     less."""
     x = bar.position[p]
     return x - ti.floor(x) - (bar.first_node[p] - 1) * bar.spacing
@@ -31,8 +31,8 @@ def offset_from_first_node(bar: ti.template(), p):
 
 @ti.func
 def add_periodic_images(values: ti.template(), cells, first=0):
-    """Adds to ``cells`` nodes the sums at their periodic images, in an array ``values`` whose layer begins at
-    ``first``."""
+    """Adds to each node the sums at its periodic images, in place; ``values`` has entries for ``cells`` nodes, and for
+    the images before and behind them, from ``first`` on."""
     values[first + cells] += values[first]
     for k in ti.static(range(1, 4)):
         values[first + k] += values[first + cells + k]
@@ -40,8 +40,8 @@ def add_periodic_images(values: ti.template(), cells, first=0):
 
 @ti.func
 def copy_to_periodic_images(values: ti.template(), cells, first=0):
-    """Copies ``cells`` nodes' entries to their periodic images, in an array ``values`` whose layer begins at
-    ``first``."""
+    """Copies each node's value to its periodic images, in place; ``values`` has entries for ``cells`` nodes, and for
+    the images before and behind them, from ``first`` on."""
     values[first] = values[first + cells]
     for k in ti.static(range(1, 4)):
         values[first + cells + k] = values[first + k]
@@ -68,8 +68,8 @@ def divergence_mapping_factors(bar: ti.template(), i, on: ti.template()):
 
 @ti.func
 def sum_moments_at_nodes(bar: ti.template(), on: ti.template()):
-    """Computes ``bar.node_moments``, sums of D*, D* r, S r and S sigma with r = x_p - x_i, and ``bar.node_volume``, S F
-    V0."""
+    """Computes the nodal sums of D*, D* r (m), S r (m) and S sigma (Pa) with r = x_p - x_i, in ``bar.node_moments``,
+    and V_i = sum S F V0 in ``bar.node_volume``."""
     for i in range(bar.cells + GHOSTS):
         bar.node_moments[i] = ti.Vector([0.0, 0.0, 0.0, 0.0])
         bar.node_volume[i] = 0.0

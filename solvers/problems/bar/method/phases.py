@@ -15,8 +15,7 @@ from solvers.problems.bar.method.periodic_nodes import EMPTY, GHOSTS, MOST_HALF_
 
 @ti.func
 def update_grid(bar: ti.template(), t, on: ti.template()):
-    """Runs the first half of a step, from time t in s: weights, particles to nodes, and ``bar.node_motion`` after
-    it."""
+    """Runs the first half of a step, from time t in s: weights, particles to nodes, and the nodes' new motion."""
     if ti.static(not on.frozen):
         find_weights(bar, on)
     if ti.static(on.pieces):
@@ -27,7 +26,7 @@ def update_grid(bar: ti.template(), t, on: ti.template()):
 
 @ti.func
 def half_width(bar: ti.template(), F, on: ti.template()):
-    """Returns half the domain, in cells, of particles with this F: constant for uGIMP, stretched for cpGIMP."""
+    """Returns half the domain, in cells, of particles with deformation F: constant for uGIMP, stretched for cpGIMP."""
     width = bar.half_width + ti.zero(F)
     if ti.static(on.method == "cpgimp" and not on.frozen):
         width = ti.min(ti.max(bar.half_width * F, 1e-6), MOST_HALF_WIDTH)
@@ -36,8 +35,8 @@ def half_width(bar: ti.template(), F, on: ti.template()):
 
 @ti.func
 def find_weights(bar: ti.template(), on: ti.template()):
-    """Stores each particle's stencil in ``bar.first_node`` and ``bar.weights``, ``LANES`` at a time; the last perhaps
-    twice."""
+    """Stores each particle's stencil in ``bar.first_node`` and ``bar.weights``, for both mappings of the step,
+    ``LANES`` particles at a time; the last perhaps twice."""
     per = bar.cells_per_length
     for block in range((bar.particles + LANES - 1) // LANES):
         p = ti.min(block * LANES, bar.particles - LANES)
@@ -103,8 +102,7 @@ def contribution_of(bar: ti.template(), p, size, on: ti.template()):
 
 @ti.func
 def update_nodes(bar: ti.template(), t, on: ti.template()):
-    """Stores v_i + dt a_i and a_i in ``bar.node_motion``, a_i by the internal force and the body force at time t in
-    s."""
+    """Stores each node's v_i + dt a_i and a_i in ``bar.node_motion``, a_i by internal and body force at time t in s."""
     size = tone_amplitudes(bar, t, on)
     for i in range(1, bar.cells + 1):
         sums = bar.node_sums[i]
@@ -135,8 +133,8 @@ def hat_velocity(bar: ti.template(), x):
 
 @ti.func
 def nodes_to_particles(bar: ti.template(), step, on: ti.template()):
-    """Sets v += dt sum S a; x += dt sum S v_i (not the printed eq 24); F <- (1 + dt L) F, L = sum dS v_i, in step
-    ``step``."""
+    """Updates particles in step ``step``: v += dt sum S a; x += dt sum S v_i (not the printed eq 24); F <- (1 + dt L)
+    F, L = sum dS v_i; with the effects on also ``bar.last_crossing`` and ``bar.acceleration``."""
     jumps = 0.0
     for p in range(bar.particles):
         S, dS = stencil_of(bar, p)

@@ -14,7 +14,7 @@ from solvers.solver.separable_field_tables import MODES, MOTION, PRESENT, RANK, 
 
 @ti.func
 def true_error(bar: ti.template(), p, now, on: ti.template()):
-    """Returns the errors (4,) of x, v, sigma = E(F - 1) and a of particle p in SI; ``now``:
+    """Returns particle p's errors (4,), computed minus exact, of x, v, sigma = E(F - 1) and a in SI; ``now`` is from
     :func:`exact_time_factors`."""
     moved, v, a = now[3], bar.drift_velocity, 0.0
     strain = bar.deformation_gradient[p] - 1
@@ -49,8 +49,8 @@ def logarithmic_stress_error(bar: ti.template(), p, now, on: ti.template()):
 
 @ti.func
 def typed_motion_at(bar: ti.template(), p):
-    """Returns u, v, a of the step before and F - 1 (4,), in SI, of a typed motion at particle p, or their means for p =
-    P."""
+    """Returns u, v, a of the step before, and F - 1 (4,) in SI of a typed motion at particle p; for p = P their
+    means."""
     rank, modes = table_size_entry(bar, MOTION, RANK), table_size_entry(bar, MOTION, MODES)
     out = table_size_entry(bar, MOTION, PRESENT)
     known = ti.Vector([0.0, 0.0, 0.0, 0.0])
@@ -75,7 +75,7 @@ def exact_time_factors(bar: ti.template(), step, on: ti.template()):
 
 @ti.func
 def write_sample_row(bar: ti.template(), row, step, looks, on: ti.template()):
-    """Writes sums after ``step`` steps to a row of ``bar.samples``; with ``looks`` also the rarer checks for
+    """Writes sums over particles after ``step`` steps to a row of ``bar.samples``; if ``looks``, also
     contradictions."""
     out = ti.static(bar.samples)
     out[row, ti.static(column_index("step"))] = step

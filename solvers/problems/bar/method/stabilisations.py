@@ -17,8 +17,8 @@ MOST_GRADIENT = 0.9  # du/dx beyond which F = 1/(1 - du/dx) is meaningless
 
 @ti.func
 def in_step(bar: ti.template(), step, on: ti.template()):
-    """Applies the remedies that are due between nodes and particles in step number ``step``: null-space filter,
-    coupling."""
+    """Applies the null-space filter and the coupling of F, if on and due, between nodes and particles of step
+    ``step``."""
     if ti.static(on.filtered or on.coupled):
         if step % bar.remedy_interval == 0:
             if ti.static(on.filtered):
@@ -41,8 +41,8 @@ def subtract_mean_velocity(bar: ti.template(), on: ti.template()):
 
 @ti.func
 def filter_null_space(bar: ti.template()):
-    """Applies v_p -= rate (I - S S^+)^2 v: mapping to the nodes by the mass-weighted S^+ and back omits the unseen
-    part."""
+    """Applies v_p -= rate (I - S S^+)^2 v: mapping to nodes by the mass-weighted S^+ and back omits what they do not
+    see."""
     for p in range(bar.particles):
         S, _ = stencil_of(bar, p)
         i = bar.first_node[p]
@@ -57,8 +57,7 @@ def filter_null_space(bar: ti.template()):
 
 @ti.func
 def couple_deformation_to_positions(bar: ti.template()):
-    """Draws F towards positions: F += rate (1/(1 - du/dx) - F), u the grid's best copy of x - X, sharpened by
-    passes."""
+    """Applies F += rate (1/(1 - du/dx) - F) to particles, u the grid's best copy of x - X, sharpened by ``PASSES``."""
     for i in range(bar.cells + GHOSTS):
         bar.node_displacement[i] = 0.0
     for p in range(bar.particles):

@@ -49,8 +49,8 @@ def add_particle_rows(bar: ti.template()):
 
 @ti.func
 def add_piece_rows(bar: ti.template(), on: ti.template()):
-    """Adds the same of pieces, whose force is the difference of base functions at their corners, to
-    ``bar.node_stiffness``."""
+    """Adds rows of Gershgorin's circles in 1/s^2 to ``bar.node_stiffness``, with the remedy of pieces: a piece's force
+    is the difference of the base functions at its corners, over V0."""
     for p in range(bar.particles):
         following = ti.select(p + 1 < bar.particles, p + 1, 0)
         i, left, _ = stored_corner_stencil(bar, p)
