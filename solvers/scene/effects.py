@@ -71,7 +71,7 @@ class Effect:
         Whether a study can time it by itself.
     columns
         Columns of its own in the samples, there only where it is on: a kernel finds one by
-        ``ti.static(column("spin/torque", on))`` (of ``solvers.solver.samples``), a number's ``of`` in
+        ``ti.static(column_index("spin/torque", on))`` (``solvers.solver.samples``), a number's ``of`` in
         ``series["spin/torque"]``.
     numbers
         Its results.

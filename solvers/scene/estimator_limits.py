@@ -15,7 +15,8 @@ Quantity = str | Callable[[Any], Any]  # an attribute of the scene, or a functio
 
 @dataclass(frozen=True)
 class Limit:
-    """Row of the table: an ``estimator`` holds only while a ``quantity`` of the scene stays within these limits.
+    """Row of a problem's ``LIMITS``: an ``estimator`` holds only while a ``quantity`` of the scene stays within these
+    limits.
 
     A limit is a value, or a quantity as well: ``least`` and ``most`` may be reached, ``below`` may not, all in units
     ``of`` another quantity. If some values are ``allowed``, the quantity must be one of them, or consist of them. The

@@ -14,7 +14,7 @@ MODES = 10  # sums that a sample can hold
 
 
 class DisplacementMoments(NamedTuple):
-    """Moments of the displacements u at T times: sums over P particles with M functions phi_m of the material position.
+    """Moments of displacements u at T times: sums over P ``particles`` with M functions phi_m of the material position.
 
     ``sums`` (T, M) are sum_p u . phi_m in m and ``squares`` (T,) sum_p |u|^2 in m^2; ``inverse`` (M, M) is the
     (pseudo-)inverse of sum_p phi_m . phi_n. ``trusted`` (T,) is False from where the motion is no longer resolved.

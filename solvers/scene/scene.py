@@ -140,7 +140,7 @@ class Scene(DerivedSceneQuantities, ABC):
 
     @abstractmethod
     def critical_time_step(self) -> StepBound:
-        """Computes the longest stable step of the motion ahead by linear theory: see :attr:`step_bound`."""
+        """Returns the longest stable steps of the motion ahead by linear theory, in s: see :attr:`step_bound`."""
 
     @abstractmethod
     def _check_amplitude(self) -> None:
@@ -161,7 +161,7 @@ class Scene(DerivedSceneQuantities, ABC):
 
     @functools.cached_property
     def time_step(self) -> float:
-        """Time step in s, from ``dt`` or ``cfl``."""
+        """Time step in s, from ``dt`` or ``cfl``; for ``dt`` "auto" a share of :attr:`step_bound`."""
         if self.dt == AUTO:
             return SAFE * self.step_bound
         return float(self.dt) if self.dt is not None else self.courant_number * self.spacing / self.wave_speed
@@ -211,7 +211,7 @@ class Scene(DerivedSceneQuantities, ABC):
 
     @functools.cached_property
     def margin_interval(self) -> int:
-        """Steps between two evaluations of the step margin: each costs a launch, so that long runs have fewer."""
+        """Number of steps between evaluations of the step margin: each costs a launch, so that long runs have fewer."""
         return self.look_interval * max(1, self.steps // (MOST_MARGINS * self.look_interval))
 
     @property

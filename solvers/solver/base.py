@@ -27,7 +27,8 @@ SOUND, INVERTED, CRUSHED, ESCAPED = 0, 1, 2, 3  # first number of a verdict
 
 
 class Solver(ABC):
-    """Owns the arrays of one run. All calls must come from the thread that started Taichi.
+    """Owner of the arrays of one run, which it steps and samples. All calls must come from the thread that started
+    Taichi.
 
     A problem's solver sets ``_arrays`` (a state with a member ``material_position``), ``arch`` and ``threads``, and
     supplies the kernels and the estimators.
@@ -151,7 +152,7 @@ class Solver(ABC):
         self.step = step
 
     def without_estimators(self) -> "Solver":
-        """Returns another solver for the same scene without estimators, in the present state."""
+        """Returns another solver for the same scene without estimators, in the same state, at the same step."""
         self._stepping.fetch()
         other = type(self)(replace(self.scene, estimators=(), sample_every=self.scene.sample_interval))
         own, theirs = self._arrays.members(), other._arrays.members()
@@ -178,8 +179,9 @@ class Solver(ABC):
 
     def status(self, finding: Finding | None,
                as_large: Mapping[str, LargeRelativeError] = NO_LARGE_ERRORS) -> tuple[str, str | None, float | None]:
-        """Returns "ok", "unstable" or, with a ``finding``, "lost"; a sentence or None; and the time in s since when. A
-        run that is ok has a sentence where some errors are ``as_large`` as their quantities, which are its keys."""
+        """Returns "ok", "unstable" or, with a ``finding``, "lost"; a sentence that explains it, or None; and the time
+        in s since when, or None. A run that is ok has a sentence where errors, by quantity, are ``as_large`` as the
+        quantities."""
         since = None if finding is None else finding.time
         if not self.sound:
             return UNSTABLE, self.reason(), self.time if since is None else since
@@ -223,7 +225,7 @@ class Solver(ABC):
 
     @abstractmethod
     def fields(self) -> ParticleFields:
-        """Returns all present fields of the particles, and their known or estimated signed errors."""
+        """Returns all present fields of the particles, in SI, and their known or estimated signed errors."""
 
     def _run(self, steps: int) -> None:
         """Launches the kernels for ``steps`` steps from ``self.step``."""

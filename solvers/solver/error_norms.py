@@ -36,8 +36,8 @@ def largest_finite_or_none(values: np.ndarray) -> float | None:
 
 @IGNORE_OVERFLOW
 def error_index(norms: np.ndarray, true: np.ndarray, rounding: float = 0.0) -> float | None:
-    """Returns the ratio of eq 35: the sum over time of ``norms`` (T,), of an estimate or its difference from the truth
-    (:data:`RATIOS`), over that of the true error's norms ``true`` (T,), in the same unit. None where the true error is
+    """Returns the ratio of eq 35: the sum over time of ``norms`` (T,), of an estimate or of its difference from the
+    truth (:data:`RATIOS`), over that of the ``true`` error's norms (T,), in the same unit. None where the true error is
     unknown or never exceeds ``rounding``, in that unit (``solvers.solver.rounding``)."""
     if is_only_rounding(true, rounding):
         return None

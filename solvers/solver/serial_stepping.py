@@ -39,21 +39,23 @@ def serial_kernels(State: Any, phases: StepFunctions) -> SerialKernels:
     """Returns the kernels of a problem whose state has the Taichi type ``State``, from the parts of its step."""
     @ti.kernel
     def advance(start: ti.i32, turns: ti.i32, purpose: ti.i32, state: State, on: ti.template()):
-        """Runs ``turns`` iterations from step ``start`` on, for ``purpose``: see :func:`step_or_sample`."""
+        """Runs ``turns`` iterations from step ``start`` on, for ``purpose``: see :func:`step_or_sample`. ``on``:
+        compile-time options."""
         ti.loop_config(serialize=True)
         for turn in range(turns):
             step_or_sample(hoist_scalars(state), turn, start, purpose, phases, on)
 
     @ti.kernel
     def freeze(state: State, on: ti.template()):
-        """Computes the weights of a body with frozen weights."""
+        """Computes the weights of a body with frozen weights. ``on``: compile-time options."""
         ti.loop_config(serialize=True)
         for _ in range(1):
             phases.find_weights(state, on)
 
     @ti.kernel
     def compute_step_margin(state: State, on: ti.template()):
-        """Computes the step margin, in a kernel of its own because its code is long and its calls are rare."""
+        """Computes the step margin, in a kernel of its own because its code is long and its calls are rare. ``on``:
+        compile-time options."""
         ti.loop_config(serialize=True)
         for _ in range(1):
             phases.compute_step_margin(state, on)
@@ -93,7 +95,7 @@ class SerialStepper:
 def step_or_sample(state: ti.template(), turn, start, purpose, phases: ti.template(), on: ti.template()):
     """Runs iteration ``turn``, from zero, of a launch at step ``start``: takes one step and samples the norms if it is
     a multiple of ``sample_interval`` (``STEP``); or checks the present state and samples it into row 0 (``MEASURE``),
-    or only updates the estimates (``REPORT``).
+    or only updates the estimates (``REPORT``). ``on``: compile-time options.
 
     One function serves all three: sampling is most of the code, and compile time grows with the code.
     """
@@ -115,7 +117,8 @@ def step_or_sample(state: ti.template(), turn, start, purpose, phases: ti.templa
 
 @ti.func
 def sample_effects(state: ti.template(), row, step, samplers: ti.template(), on: ti.template()):
-    """Calls the samplers of all active effects (``solvers.scene.effects.samplers``) for a row of ``state.samples``."""
+    """Calls the samplers of all active effects (``solvers.scene.effects.samplers``) for a row of ``state.samples``.
+    ``on``: compile-time options."""
     for e in ti.static(range(len(on.effects))):
         if ti.static(on.effects[e] in samplers):
             samplers[on.effects[e]](state, row, step, on)

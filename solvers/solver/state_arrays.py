@@ -65,7 +65,7 @@ class Diagnostics(Members):
 def initial_diagnostics(scene: Scene, on: KernelOptions, particles: int, farthest: float,
                         hooks: dict[str, EstimatorHooks]) -> dict:
     """Returns the members of a :class:`Diagnostics` by name, at the start of a run with ``particles`` particles;
-    ``farthest`` is in m, ``hooks`` are of the problem's estimators."""
+    ``farthest`` is in m, ``hooks`` are of the problem's estimators. ``on``: compile-time options."""
     intervals = [hooks[name].interval(scene) for name in scene.active_estimators]
     return {"sample_interval": scene.sample_interval, "look_interval": scene.look_interval,
             "step_margin": np.full(1, np.nan), "farthest": farthest,
@@ -83,7 +83,8 @@ def remedy_rates(scene: Scene) -> dict[str, float]:
 
 
 def zeros(length: int, width: int | None = None, *, when: bool = True, kind: type = np.float64) -> np.ndarray:
-    """Returns an array of zeros (length,) or (length, width), of length one unless ``when``, because it is used."""
+    """Returns an array of zeros (length,) or (length, width) of this ``kind``; unless ``when``, which says that a
+    kernel uses it, its length is one."""
     length = length if when else 1
     return np.zeros(length if width is None else (length, width), kind)
 

@@ -35,8 +35,8 @@ class LargeRelativeError:
 @IGNORE_OVERFLOW
 def large_errors(scene: Scene, series: Mapping[str, np.ndarray],
                  not_valid: Collection[str] = ()) -> dict[str, LargeRelativeError]:
-    """Returns those of v, sigma and a whose error was once as large as themselves in ``series`` of samples, by the
-    truth where it is on, else by a judging estimator that is not one of those ``not_valid``."""
+    """Returns, by quantity, errors of v, sigma and a that were once as large as the quantity itself in a ``series`` of
+    samples, by the truth where it is on, else by a judging estimator that is not one of those ``not_valid``."""
     judges, found = _judging_estimators(scene, not_valid), {}
     for quantity in NOUNS:
         unit = scene.rms_of(quantity)
@@ -58,7 +58,7 @@ def _judging_estimators(scene: Scene, not_valid: Collection[str]) -> list[str]:
 
 def merge_large_errors(before: Mapping[str, LargeRelativeError],
                        now: Mapping[str, LargeRelativeError]) -> dict[str, LargeRelativeError]:
-    """Returns the :func:`large_errors` of earlier and of later samples, as if all samples had been judged together."""
+    """Returns, by quantity, the :func:`large_errors` of earlier and later samples as if all were judged together."""
     return {**now, **{quantity: replace(one, size=max(one.size, now[quantity].size if quantity in now else 0.0))
                       for quantity, one in before.items()}}
 

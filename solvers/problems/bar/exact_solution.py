@@ -89,8 +89,8 @@ def body_force(scene: Any, X: np.ndarray, t: float) -> np.ndarray:
 
 
 def displacement_moments(scene: Any, times: np.ndarray) -> DisplacementMoments:
-    """Returns the moments (sums over particles of displacement times mode) at the times (T,) in s of the motion by the
-    balance of momentum (``solvers.scene.momentum_balance_moments``), with which those of a run are compared.
+    """Returns the moments, sums over particles of displacement times mode, at the times (T,) in s of the motion by the
+    balance of momentum (``solvers.scene.momentum_balance_moments``), for comparison with those of a run.
 
     P = E(F - 1) is linear, so that the modes sin(2 pi X) and sin(4 pi X), which start and body force feed, swing each
     for itself: q'' = -(n w0)^2 q + b_n(t), w0 = 2 pi c, n = 1 and 2. With w the frequency of the force,

@@ -31,12 +31,14 @@ def has_escaped(bar: ti.template(), p, step):
 
 @ti.func
 def check_state(bar: ti.template(), step):
+    """Stops an unstable run after ``step`` steps, by ``bar.verdict`` (:func:`check_particles`)."""
     check_particles(bar, step, jacobian, has_escaped)
 
 
 @ti.func
 def one_step(bar: ti.template(), step, on: ti.template()):
-    """Takes step number ``step``, counted from one, on the bar's arrays: method, estimators, remedies and budget."""
+    """Takes step number ``step``, counted from one, on the bar's arrays: method, estimators, remedies and budget.
+    ``on``: compile-time options."""
     update_grid(bar, (step - 1) * bar.dt, on)
     estimator_loop.in_step(bar, step, HOOKS, on)
     if ti.static(on.budget):
@@ -58,7 +60,8 @@ def one_step(bar: ti.template(), step, on: ti.template()):
 
 @ti.func
 def sample_all(bar: ti.template(), row, step, looks, on: ti.template()):
-    """Writes a row of ``bar.samples`` after ``step`` steps; with ``looks`` it has the checks for contradictions too."""
+    """Writes a row of ``bar.samples`` after ``step`` steps; with ``looks`` it has the checks for contradictions too.
+    ``on``: compile-time options."""
     write_sample_row(bar, row, step, looks, on)
     sample_effects(bar, row, step, SAMPLERS, on)
     if ti.static(on.budget):

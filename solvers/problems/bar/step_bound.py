@@ -33,7 +33,7 @@ class BarConfiguration:
     mass: float
 
     def gershgorin_bound(self) -> float:
-        """Returns the longest stable step in s by Gershgorin's circles, which is below that of linear theory."""
+        """Returns the longest stable step in s by Gershgorin's circles."""
         mass = np.bincount(self.nodes.ravel(), (self.mass * self.weights).ravel(), self.cells)
         return gershgorin_step_bound(self.force_nodes, np.abs(self.gradients), self.stiffness, mass)
 

@@ -9,7 +9,7 @@ from solvers.solver.step_breakdown import NodeImage, ParticleState, StepBreakdow
 
 
 def particle_state(scene: BarScene, a: InstrumentedBar) -> ParticleState:
-    """Returns a copy of the present state of all particles, from the solver's arrays ``a``."""
+    """Returns a copy of the present x, v, F and stress of all particles, in SI, from the solver's arrays ``a``."""
     x, v, F = (values[:, None].copy() for values in (a.position, a.velocity, a.deformation_gradient))
     return ParticleState(x, v, F[:, None] / a.unstretched, a.modulus * (F[:, None] - a.unstretched))
 

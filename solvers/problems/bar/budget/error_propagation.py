@@ -31,7 +31,7 @@ COLUMNS_PER_FIELD = len(BUDGET) // len(FIELDS)  # columns
 @ti.func
 def update_grid(bar: ti.template(), t, on: ti.template()):
     """Runs the first half of the budget's step, from time t in s, when the run's nodes have their new motion: the
-    errors of each cause at the nodes, in ``bar.budget_nodes``."""
+    errors of each cause at the nodes, in ``bar.budget_nodes``. ``on``: compile-time options."""
     particles_to_nodes(bar, t, reference_time_factors(bar, t), on)
     update_nodes(bar, t, on)
     if bar.taken_away >= 0:
@@ -40,7 +40,8 @@ def update_grid(bar: ti.template(), t, on: ti.template()):
 
 @ti.func
 def in_step(bar: ti.template(), step, on: ti.template()):
-    """Runs the second half of the budget's step number ``step``, after the remedies and before particles move."""
+    """Runs the second half of the budget's step number ``step``, after the remedies and before particles move. ``on``:
+    compile-time options."""
     now = reference_time_factors(bar, (step - 1) * bar.dt)
     if ti.static(on.filtered or on.coupled):  # after their own turn, of which the coupling takes the displacement
         if step % bar.remedy_interval == 0:
@@ -53,7 +54,8 @@ def in_step(bar: ti.template(), step, on: ti.template()):
 
 @ti.func
 def correct_particles_after_step(bar: ti.template(), on: ti.template()):
-    """Subtracts what a removed cause has added to the particles in the step, beside what it added at the nodes."""
+    """Subtracts from the particles' x, v and F what the removed cause, if any, contributed to them in this step.
+    ``on``: compile-time options."""
     if ti.static(on.centred):
         subtract_mean_velocity(bar)
     if bar.taken_away >= 0:
@@ -65,7 +67,8 @@ def correct_particles_after_step(bar: ti.template(), on: ti.template()):
 
 @ti.func
 def nodes_to_particles(bar: ti.template(), now, on: ti.template()):
-    """Updates ``bar.cause_errors`` after the step, with sources at particles; ``now``: :func:`reference_time_factors`.
+    """Updates each cause's errors in ``bar.cause_errors`` by the step, with the sources at the particles; ``now`` are
+    the :func:`reference_time_factors`. ``on``: compile-time options.
 
     Coarse grid: the transfer of v + dt a and a to the nodes and back, and the slope of hats in a piece; crossings: the
     slope at a particle, minus that in its piece; time step: the error of symplectic Euler.
@@ -121,7 +124,7 @@ def nodes_to_particles(bar: ti.template(), now, on: ti.template()):
 @ti.func
 def corner_velocities(bar: ti.template(), p, on: ti.template()):
     """Returns the mean velocity in m/s at the two ends of particle p's domain: the error of it by cause (4,), and the
-    reference's."""
+    reference's. ``on``: compile-time options."""
     reach, M = half_width(bar, bar.deformation_gradient[p], on) * bar.spacing, bar.cells + GHOSTS
     velocity, reference = ti.Vector([0.0, 0.0, 0.0, 0.0]), 0.0
     for side in ti.static((-1, 1)):
@@ -150,7 +153,7 @@ def subtract_mean_velocity(bar: ti.template()):
 @ti.func
 def filter_null_space(bar: ti.template(), now, on: ti.template()):
     """Filters velocity errors of each cause: e_v -= rate (I - S S^+)^2 (e_v + v), v the reference's for the coarse
-    grid; else 0. ``now`` are the :func:`reference_time_factors` of the step."""
+    grid; else 0. ``now`` are the :func:`reference_time_factors` of the step. ``on``: compile-time options."""
     P = bar.particles
     for p in range(P):
         m = reference_motion_at(bar, p, now, on)
@@ -169,7 +172,8 @@ def filter_null_space(bar: ti.template(), now, on: ti.template()):
 @ti.func
 def couple_deformation_to_positions(bar: ti.template(), now, on: ti.template()):
     """Couples each cause's errors of F to those of x: e_F += rate (G_c/((1 - G)(1 - G0)) - e_F), G the run's gradient
-    du/dx, G0 = G - sum G_c the reference's; the coarse grid adds rate (1/(1 - G0) - F0)."""
+    du/dx, G0 = G - sum G_c the reference's; the coarse grid adds rate (1/(1 - G0) - F0). ``on``: compile-time
+    options."""
     P, M = bar.particles, bar.cells + GHOSTS
     for i in range(M):
         bar.budget_nodes[STRESS * M + i] = ti.Vector([0.0, 0.0, 0.0, 0.0])
@@ -230,7 +234,8 @@ def subtract_nodal_part(bar: ti.template()):
 
 @ti.func
 def sample_budget_sums(bar: ti.template(), row, step, on: ti.template()):
-    """Writes the budget's sums over particles to a row of ``bar.samples``; F is relative to the bar at rest."""
+    """Writes sums over particles of e^2, e_c e and e_c^2, e the error of x, v or F and e_c that of a cause, to a row of
+    ``bar.samples`` after ``step`` steps; F is relative to the bar at rest. ``on``: compile-time options."""
     out = ti.static(bar.samples)
     P = bar.particles
     now = exact_time_factors(bar, step, on)

@@ -21,7 +21,7 @@ from solvers.problems.bar.method.periodic_nodes import DEGENERATE, EMPTY, GHOSTS
 @ti.func
 def particles_to_nodes(bar: ti.template(), t, now, on: ti.template()):
     """Sums the reference, its stress in pieces, and each cause's errors at the nodes, into ``bar.budget_nodes``; t is
-    the time in s, ``now`` are the :func:`reference_time_factors` from it on."""
+    the time in s, ``now`` are the :func:`reference_time_factors` from it on. ``on``: compile-time options."""
     M, P = bar.cells + GHOSTS, bar.particles
     for i in range(5 * M):
         bar.budget_nodes[i] = ti.Vector([0.0, 0.0, 0.0, 0.0])
@@ -44,7 +44,7 @@ def particles_to_nodes(bar: ti.template(), t, now, on: ti.template()):
 @ti.func
 def corner_to_nodes(bar: ti.template(), p, jump, length, on: ti.template()):
     """Adds particle p's left corner to nodes: the ``jump`` of stress there in Pa, and the ``length`` in m from the
-    particle before it, for linearity preservation."""
+    particle before it, for linearity preservation. ``on``: compile-time options."""
     i, B, _ = gapless_pieces.stored_corner_stencil(bar, p)
     given = ti.Vector([jump, length, 0.0, 0.0])
     M, P = bar.cells + GHOSTS, bar.particles
@@ -58,7 +58,8 @@ def corner_to_nodes(bar: ti.template(), p, jump, length, on: ti.template()):
 @ti.func
 def particle_to_nodes(bar: ti.template(), p, stress, size, now, on: ti.template()):
     """Adds particle p to nodes: S (v + dt a, a, b) and the force of the reference, whose ``stress`` is in Pa, and the
-    velocity and force of each cause's errors; ``size`` are amplitudes of the body force's tones.
+    velocity and force of each cause's errors; ``size`` are amplitudes of the body force's tones. ``on``: compile-time
+    options.
 
     F P is quadratic: F P - F0 P0 = E (F + F0 - F_rest) e_F exactly. Linearity preservation divides by sums of F, which
     so belong to the weights: there the run's own F is the geometry of either.
@@ -92,7 +93,8 @@ def particle_to_nodes(bar: ti.template(), p, stress, size, now, on: ti.template(
 @ti.func
 def update_nodes(bar: ti.template(), t, on: ti.template()):
     """Computes at nodes, in a step from time t in s, each cause's velocity after it and its acceleration, with sources,
-    and the reference's. A removed cause is subtracted from the run's own nodes here, and adds to no error."""
+    and the reference's. A removed cause is subtracted from the run's own nodes here, and adds to no error. ``on``:
+    compile-time options."""
     M, size = bar.cells + GHOSTS, tone_amplitudes(bar, t, on)
     for i in range(1, bar.cells + 1):
         reference, pieces = bar.budget_nodes[i], bar.budget_nodes[PIECES * M + i]

@@ -30,7 +30,7 @@ def reference_time_factors(bar: ti.template(), t):
 @ti.func
 def reference_motion_at(bar: ti.template(), p, now, on: ti.template()):
     """Returns particle p's reference (4,): v + dt a, a, and symplectic Euler's errors of u and v in the step, 0 if
-    added after it; ``now`` are the :func:`reference_time_factors`."""
+    added after it; ``now`` are the :func:`reference_time_factors`. ``on``: compile-time options."""
     known = ti.Vector([bar.drift_velocity, 0.0, 0.0, 0.0])
     if ti.static(stores_reference(on)):
         known = bar.reference_motion[p]
@@ -42,7 +42,8 @@ def reference_motion_at(bar: ti.template(), p, now, on: ti.template()):
 
 @ti.func
 def reference_gradients_at(bar: ti.template(), p, now, on: ti.template()):
-    """Returns particle p's reference (3,): F, the slope of v + dt a along X in 1/s, and the error of F in the step."""
+    """Returns particle p's reference (3,): F, the slope of v + dt a along X in 1/s, and symplectic Euler's error of F
+    in the step, 0 if added after it; ``now`` are the :func:`reference_time_factors`. ``on``: compile-time options."""
     known = ti.Vector([1.0, 0.0, 0.0])
     if ti.static(stores_reference(on)):
         kept = bar.reference_slopes[p]
@@ -85,7 +86,8 @@ def add_typed_time_step_error(bar: ti.template(), step):
 
 @ti.func
 def _store_reference(bar: ti.template(), p, u, v, a, F, rate):
-    """Stores particle p's reference for the next step (``rate``: slope of v + dt a), and adds this one's time error."""
+    """Stores particle p's reference u, v, a, F and ``rate``, the slope of v + dt a along X in 1/s, for the next step,
+    and adds the time step's error in this one."""
     dt, P = bar.dt, bar.particles
     was, slope = bar.reference_motion[p], bar.reference_slopes[p]
     missed = ti.Vector([dt * was[0] - (u - slope[2]), dt * was[1] - (v - (was[0] - dt * was[1])),
@@ -103,8 +105,9 @@ def _store_reference(bar: ti.template(), p, u, v, a, F, rate):
 
 @ti.func
 def _evaluate_at_element_points(bar: ti.template(), step):
-    """Computes u, v, a and u_X at the points of each element after ``step`` steps, and the slope of v + dt a: cubic
-    Hermite polynomials of (u, v) and of (v, a) in the companion's last interval."""
+    """Computes the companion's u, v, a and u_X at each element's points after ``step`` steps, in
+    ``bar.reference_elements``, and the slope of v + dt a, in ``bar.reference_rates``: cubic Hermite polynomials of (u,
+    v) and of (v, a) in its last interval."""
     n, N, k = bar.companion_counts[companion.ORDER] + 1, bar.companion_counts[companion.NODES], \
         bar.companion_counts[companion.INTERVAL]
     H = k * bar.dt

@@ -30,7 +30,7 @@ PER_WAVE = 5  # elements of a typed motion's shortest wave that matters
 @ti.func
 def accelerate(bar: ti.template(), t, on: ti.template()):
     """Computes the nodes' accelerations in m/s^2, in ``bar.companion_nodes``, at their trial displacements and the time
-    t in s; they must be zero before."""
+    t in s; they must be zero before. ``on``: compile-time options."""
     N = bar.companion_counts[shared.NODES]
     for e in range(bar.companion_counts[shared.ACROSS]):
         element_forces(bar, shared.WORK * N + e * bar.companion_counts[shared.ORDER])
@@ -60,7 +60,7 @@ def element_forces(bar: ti.template(), first):
 @ti.func
 def report(bar: ti.template(), base, step, on: ti.template()):
     """Stores the particles' errors after ``step`` steps, computed minus the companion's, in ``bar.estimate`` from entry
-    ``base`` on: x, v, sigma, a in SI."""
+    ``base`` on: x, v, sigma, a in SI. ``on``: compile-time options."""
     shared.interpolate_nodes_in_time(bar, step)
     evaluate_at_element_points(bar)
     n = bar.companion_counts[shared.ORDER] + 1

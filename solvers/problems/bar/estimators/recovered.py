@@ -77,8 +77,7 @@ def extend_nodal_block_periodically(bar: ti.template(), kind: ti.template()):
 
 @ti.func
 def row_sums(bar: ti.template(), table: ti.template(), row, field: ti.template(), start):
-    """Returns the sums (4,) of a field that begins at ``start`` by three rows of a table, alike but for their
-    places."""
+    """Returns three sums (4,) of a field from ``start`` on, by a table's rows ``row`` and two more of equal weights."""
     one, two, three = ti.Vector([0.0] * 4), ti.Vector([0.0] * 4), ti.Vector([0.0] * 4)
     first = start + prefix_view(bar, table).first[row]
     second, third = start + prefix_view(bar, table).first[row + 1], start + prefix_view(bar, table).first[row + 2]
@@ -114,7 +113,7 @@ def nodes_to_nodes(bar: ti.template(), table: ti.template(), kind: ti.template()
 
 @ti.func
 def interpolate_nodal_errors(bar: ti.template(), p, pattern):
-    """Returns nodal errors at particle p, of row ``pattern``: of u, v and a, and fourth the slope of the first."""
+    """Returns nodal errors of u, v, a at particle p, number ``pattern`` of its cell, and fourth the slope of u's."""
     total = ti.Vector([0.0] * 4)
     first, begin, _ = recovered.table_row_range(bar, INTERPOLATION, p, pattern)
     for k in ti.static(range(3)):
@@ -229,8 +228,8 @@ def advance_reference_motion(bar: ti.template(), t, on: ti.template()):
 
 @ti.func
 def report(bar: ti.template(), base, step, on: ti.template()):
-    """Stores the errors of x, v, sigma after ``step`` steps, and of the last a, in ``bar.estimate`` from ``base``
-    on."""
+    """Stores errors of x, v, sigma after ``step`` steps and of the last a in ``bar.estimate`` from ``base`` on, in
+    SI."""
     for p in range(bar.particles):
         S, _ = stencil_of(bar, p)
         i = bar.first_node[p]
@@ -277,13 +276,13 @@ def compute_nodal_errors(bar: ti.template(), length, since):
     extend_nodal_block_periodically(bar, PROJECTED)
     nodes_to_nodes(bar, SMOOTHING, PROJECTED, ERRORS)
     for i in range(bar.cells):
-        at = nodal_entry_index(bar, ERRORS, i)
-        bar.recovered_nodes[at] = \
-            2 * bar.recovered_nodes[nodal_entry_index(bar, PROJECTED, i)] - bar.recovered_nodes[at]
+        e, at = bar.recovered_nodes[nodal_entry_index(bar, PROJECTED, i)], nodal_entry_index(bar, ERRORS, i)
+        bar.recovered_nodes[at] = 2 * e - bar.recovered_nodes[at]
     extend_nodal_block_periodically(bar, ERRORS)
 
 
 def interval(scene):
+    """Returns the number of run steps in one of the estimator's."""
     return recovered.wave_travel_steps(scene, WAVE_CFL * scene.spacing)
 
 

@@ -21,8 +21,8 @@ MOST_INTERVAL = 10  # steps of the run between two of the estimator's
 
 @ti.func
 def in_step(bar: ti.template(), base, on: ti.template()):
-    """Advances Ex, Ev, Esigma by H = k dt and reports Ea, between the node update and the particle update; particle p's
-    are in ``bar.estimate[base + p]``.
+    """Advances the estimated errors Ex, Ev, Esigma by H = k dt and reports Ea, between the node update and the particle
+    update, in ``bar.estimate`` from entry ``base`` on. ``on``: compile-time options.
 
     The error varies over the time a wave takes through a cell, not over a step, so it is advanced every k steps
     (``interval``) with that step's own weights.
@@ -45,7 +45,8 @@ def in_step(bar: ti.template(), base, on: ti.template()):
 
 @ti.func
 def sum_errors_at_nodes(bar: ti.template(), base, on: ti.template()):
-    """Computes ``bar.transport_nodes``: sums of S Ev, D* source, S source and D* r^2; source = Esigma + sigma EF/F.
+    """Computes sums over particles of S Ev, D* source, S source and D* r^2 in ``bar.transport_nodes``, from
+    ``bar.estimate`` at ``base``; source = Esigma + sigma EF/F. ``on``: compile-time options.
 
     Also S r^2 for a mapping that preserves linearity, whose step has gathered its other moments; otherwise the moments
     D*, D* r, S sigma and S F V0, the last for V_i.
@@ -75,7 +76,8 @@ def sum_errors_at_nodes(bar: ti.template(), base, on: ti.template()):
 
 @ti.func
 def current_node_volume(bar: ti.template(), i, on: ti.template()):
-    """Returns V_i, node i's share of the current volume, in m (per unit of cross-section)."""
+    """Returns V_i, node i's share of the current volume, in m (per unit of cross-section). ``on``: compile-time
+    options."""
     volume = 0.0
     if ti.static(on.linearity_preserving):
         volume = bar.node_volume[i]
@@ -86,7 +88,8 @@ def current_node_volume(bar: ti.template(), i, on: ti.template()):
 
 @ti.func
 def compute_nodal_stress_slopes(bar: ti.template(), on: ti.template()):
-    """Computes d(sigma)/dx at the nodes in Pa/m, from the step's force, in ``bar.transport_slope``."""
+    """Computes d(sigma)/dx at the nodes in Pa/m, from the step's force, in ``bar.transport_slope``. ``on``:
+    compile-time options."""
     for i in range(1, bar.cells + 1):
         volume = ti.max(current_node_volume(bar, i, on), periodic_nodes.EMPTY * bar.spacing)
         bar.transport_slope[i] = periodic_nodes.node_internal_force(bar, i, on) / volume
@@ -95,8 +98,8 @@ def compute_nodal_stress_slopes(bar: ti.template(), on: ti.template()):
 
 @ti.func
 def compute_node_errors(bar: ti.template(), on: ti.template()):
-    """Stores Ea_i, and the velocity error after the step Ev_i = sum S Ev/sum S + dt Ea_i, in ``bar.transport_errors``,
-    in SI."""
+    """Stores the errors Ea_i of acceleration, and of velocity after the step, Ev_i = sum S Ev/sum S + dt Ea_i, at nodes
+    in ``bar.transport_errors``, in SI. ``on``: compile-time options."""
     for i in range(1, bar.cells + 1):
         weight = bar.node_sums[i][0]
         Ea, Ev = 0.0, 0.0
@@ -125,7 +128,8 @@ def compute_node_errors(bar: ti.template(), on: ti.template()):
 
 @ti.func
 def advance_particle_errors(bar: ti.template(), base, on: ti.template()):
-    """Advances Ex, Ev and Esigma in ``bar.estimate[base:]`` with the step's own weights, and stores Ea there."""
+    """Advances Ex, Ev, Esigma in ``bar.estimate`` from ``base`` on with the step's weights, and stores Ea with them.
+    ``on``: compile-time options."""
     for p in range(bar.particles):
         S, dS = periodic_nodes.stencil_of(bar, p)
         i = bar.first_node[p]
@@ -165,6 +169,7 @@ def allocate(scene):
 
 
 def verdict(scene, memory):
+    """Returns a sentence why the last report is not to be trusted, or None; ``memory`` has the estimator's arrays."""
     a = memory["transport_errors"][:, 1]
     return why_not_trusted(np.abs(a).max(), memory["transport_nodes"].any(), scene.size_of("a"))
 

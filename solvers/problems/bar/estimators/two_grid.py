@@ -32,7 +32,7 @@ MEMORY = {
 @ti.func
 def after_step(bar: ti.template(), base, step, on: ti.template()):
     """Takes one step of the second bar, ``coarse_dt`` in s long and ending at the run's ``step``; stores its F and a
-    before the step, for their rates."""
+    before the step, for their rates. ``on``: compile-time options."""
     coarse, bare = ti.static([prefix_view(bar, "coarse_"), two_grid.coarse_run_options(on)])
     for q in range(coarse.particles):
         bar.two_grid_before[q] = ti.Vector([
@@ -44,7 +44,7 @@ def after_step(bar: ti.template(), base, step, on: ti.template()):
 @ti.func
 def report(bar: ti.template(), base, step, on: ti.template()):
     """Stores e = q_h - I q* of all particles after ``step`` steps (x, v, sigma, a in SI) in ``bar.estimate`` from
-    ``base`` on; 0 for a as long as the second bar has only that of the start."""
+    ``base`` on; 0 for a as long as the second bar has only that of the start. ``on``: compile-time options."""
     own, coarse = ti.static([prefix_view(bar, "two_grid_"), prefix_view(bar, "coarse_")])
     two_grid.clear_common_lattice(own)
     store_run_fields(bar, own, on)
@@ -67,7 +67,8 @@ def report(bar: ti.template(), base, step, on: ti.template()):
 
 @ti.func
 def store_run_fields(bar: ti.template(), own: ti.template(), on: ti.template()):
-    """Stores u, v, sigma and a of the run's particles, in SI, in ``own.fields``, an array of the estimator."""
+    """Stores u, v, sigma and a of the run's particles, in SI, in ``own.fields``, an array of the estimator. ``on``:
+    compile-time options."""
     for p in range(bar.particles):
         a = 0.0
         if ti.static(on.acceleration):

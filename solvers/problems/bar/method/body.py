@@ -61,7 +61,8 @@ class BarBody(Members):
 
 def initial_body(scene: BarScene, on: KernelOptions) -> dict:
     """Returns the members of a :class:`BarBody` at the start, by name: particles at (p + 1/2) h/ppc, F = 1, and the
-    exact velocity. F of a patch test is relative to its stretch (``solvers.problems.bar.patch_test``)."""
+    exact velocity. F of a patch test is relative to its stretch (``solvers.problems.bar.patch_test``). ``on``:
+    compile-time options."""
     P, nodes, w = scene.particles, scene.cells + GHOSTS, scene.angular_frequency
     X = (np.arange(P) + 0.5) * (scene.spacing / scene.ppc)
     swings, stretch = not scene.is_patch, scene.initial_stretch

@@ -12,8 +12,8 @@ from solvers.solver.samples import column_index
 
 @ti.func
 def record_contradictions(bar: ti.template(), row, drift):
-    """Writes to a row of ``bar.samples``, in m, the gaps between neighbours, the drift of the body beyond ``drift``,
-    which is expected, and the mismatch of displacement and deformation; and sums of displacements."""
+    """Writes to a row of ``bar.samples`` the contradictions in m (the gaps between neighbours, the drift of the body
+    beyond the expected ``drift``, the mismatch of displacement and deformation) and sums of displacements."""
     P, dX = bar.particles, bar.volume  # a particle's volume at rest is its length
     squares, worst, place = 0.0, -1.0, 0
     moved = 0.0  # sum of x - X

@@ -49,7 +49,8 @@ def copy_to_periodic_images(values: ti.template(), cells, first=0):
 
 @ti.func
 def divergence_mapping_factors(bar: ti.template(), i, on: ti.template()):
-    """Returns ``(mean, scale)`` such that V_i d(sigma)/dx at node i is (sum D* sigma - mean sum S sigma) scale.
+    """Returns ``(mean, scale)`` such that V_i d(sigma)/dx at node i is (sum D* sigma - mean sum S sigma) scale. ``on``:
+    compile-time options.
 
     Plain (eq 8): 0 and 1. Linearity preserving: D = (D* - S sum D*/sum S)/den with sum D x = 1 (eq 17, normalised);
     V_i, the node's share of the *current* volume, keeps the density current. Where the domains leave too little to
@@ -69,7 +70,7 @@ def divergence_mapping_factors(bar: ti.template(), i, on: ti.template()):
 @ti.func
 def sum_moments_at_nodes(bar: ti.template(), on: ti.template()):
     """Computes the nodal sums of D*, D* r (m), S r (m) and S sigma (Pa) with r = x_p - x_i, in ``bar.node_moments``,
-    and V_i = sum S F V0 in ``bar.node_volume``."""
+    and V_i = sum S F V0 in ``bar.node_volume``. ``on``: compile-time options."""
     for i in range(bar.cells + GHOSTS):
         bar.node_moments[i] = ti.Vector([0.0, 0.0, 0.0, 0.0])
         bar.node_volume[i] = 0.0
@@ -94,7 +95,8 @@ def sum_moments_at_nodes(bar: ti.template(), on: ti.template()):
 
 @ti.func
 def node_internal_force(bar: ti.template(), i, on: ti.template()):
-    """Returns the internal force at node i in N: V_i d(sigma)/dx as the method sees it."""
+    """Returns the internal force at node i in N: V_i d(sigma)/dx as the method sees it. ``on``: compile-time
+    options."""
     force = bar.node_sums[i][2]
     if ti.static(on.linearity_preserving):
         mean, scale = divergence_mapping_factors(bar, i, on)

@@ -15,7 +15,8 @@ from solvers.problems.bar.method.periodic_nodes import EMPTY, GHOSTS, MOST_HALF_
 
 @ti.func
 def update_grid(bar: ti.template(), t, on: ti.template()):
-    """Runs the first half of a step, from time t in s: weights, particles to nodes, and the nodes' new motion."""
+    """Runs the first half of a step, from time t in s: weights, particles to nodes, and the nodes' new motion. ``on``:
+    compile-time options."""
     if ti.static(not on.frozen):
         find_weights(bar, on)
     if ti.static(on.pieces):
@@ -26,7 +27,8 @@ def update_grid(bar: ti.template(), t, on: ti.template()):
 
 @ti.func
 def half_width(bar: ti.template(), F, on: ti.template()):
-    """Returns half the domain, in cells, of particles with deformation F: constant for uGIMP, stretched for cpGIMP."""
+    """Returns half the domain, in cells, of particles with deformation F: constant for uGIMP, stretched for cpGIMP.
+    ``on``: compile-time options."""
     width = bar.half_width + ti.zero(F)
     if ti.static(on.method == "cpgimp" and not on.frozen):
         width = ti.min(ti.max(bar.half_width * F, 1e-6), MOST_HALF_WIDTH)
@@ -36,7 +38,7 @@ def half_width(bar: ti.template(), F, on: ti.template()):
 @ti.func
 def find_weights(bar: ti.template(), on: ti.template()):
     """Stores each particle's stencil in ``bar.first_node`` and ``bar.weights``, for both mappings of the step,
-    ``LANES`` particles at a time; the last perhaps twice."""
+    ``LANES`` particles at a time; the last perhaps twice. ``on``: compile-time options."""
     per = bar.cells_per_length
     for block in range((bar.particles + LANES - 1) // LANES):
         p = ti.min(block * LANES, bar.particles - LANES)
@@ -55,7 +57,8 @@ def find_weights(bar: ti.template(), on: ti.template()):
 
 @ti.func
 def particles_to_nodes(bar: ti.template(), t, on: ti.template()):
-    """Computes ``bar.node_sums``: S, S v, D* sigma with D* = -dS F V0, and S b with the body force at time t in s.
+    """Computes ``bar.node_sums``, at each node the sums over particles of S, S v, D* sigma with D* = -dS F V0, and S b
+    with the body force b at time t in s; S are weights, dS their slopes. ``on``: compile-time options.
 
     The sums of three nodes stay in registers until a particle has others: in memory, each particle would wait for the
     one before it.
@@ -87,7 +90,7 @@ def particles_to_nodes(bar: ti.template(), t, on: ti.template()):
 @ti.func
 def contribution_of(bar: ti.template(), p, size, on: ti.template()):
     """Returns what particle p adds to nodes (4,): 1, v and b, to be multiplied by its weight, and third -sigma F V0, by
-    the weight's slope; ``size`` are the amplitudes of the body force's tones."""
+    the weight's slope; ``size`` are the amplitudes of the body force's tones. ``on``: compile-time options."""
     carried = ti.Vector([1.0, bar.velocity[p], 0.0, 0.0])
     if ti.static(not on.pieces):
         volume = bar.volume  # frozen weights: the force at rest is -sum dS P V0
@@ -102,7 +105,8 @@ def contribution_of(bar: ti.template(), p, size, on: ti.template()):
 
 @ti.func
 def update_nodes(bar: ti.template(), t, on: ti.template()):
-    """Stores each node's v_i + dt a_i and a_i in ``bar.node_motion``, a_i by internal and body force at time t in s."""
+    """Stores each node's v_i + dt a_i and a_i in ``bar.node_motion``, a_i by internal and body force at time t in s.
+    ``on``: compile-time options."""
     size = tone_amplitudes(bar, t, on)
     for i in range(1, bar.cells + 1):
         sums = bar.node_sums[i]
@@ -133,8 +137,9 @@ def hat_velocity(bar: ti.template(), x):
 
 @ti.func
 def nodes_to_particles(bar: ti.template(), step, on: ti.template()):
-    """Updates particles in step ``step``: v += dt sum S a; x += dt sum S v_i (not the printed eq 24); F <- (1 + dt L)
-    F, L = sum dS v_i; with the effects on also ``bar.last_crossing`` and ``bar.acceleration``."""
+    """Updates particles in step number ``step``: v += dt sum S a; x += dt sum S v_i (not the printed eq 24); F <- (1 +
+    dt L) F, L = sum dS v_i; for diagnostics also ``bar.last_crossing``, ``bar.acceleration`` and crossings. ``on``:
+    compile-time options."""
     jumps = 0.0
     for p in range(bar.particles):
         S, dS = stencil_of(bar, p)

@@ -18,7 +18,7 @@ MOST_GRADIENT = 0.9  # du/dx beyond which F = 1/(1 - du/dx) is meaningless
 @ti.func
 def in_step(bar: ti.template(), step, on: ti.template()):
     """Applies the null-space filter and the coupling of F, if on and due, between nodes and particles of step
-    ``step``."""
+    ``step``. ``on``: compile-time options."""
     if ti.static(on.filtered or on.coupled):
         if step % bar.remedy_interval == 0:
             if ti.static(on.filtered):
@@ -29,7 +29,8 @@ def in_step(bar: ti.template(), step, on: ti.template()):
 
 @ti.func
 def subtract_mean_velocity(bar: ti.template(), on: ti.template()):
-    """Subtracts the particles' mean velocity from each, except a patch test's, with the remedy zero-drift."""
+    """Subtracts the particles' mean velocity from each, except a patch test's, with the remedy zero-drift. ``on``:
+    compile-time options."""
     if ti.static(on.centred):
         mean = 0.0
         for p in range(bar.particles):
@@ -41,8 +42,8 @@ def subtract_mean_velocity(bar: ti.template(), on: ti.template()):
 
 @ti.func
 def filter_null_space(bar: ti.template()):
-    """Applies v_p -= rate (I - S S^+)^2 v: mapping to nodes by the mass-weighted S^+ and back omits what they do not
-    see."""
+    """Applies the null-space filter v_p -= rate (I - S S^+)^2 v to the particles' velocities: mapping to nodes by S^+,
+    the mass-weighted mean, and back by S omits the part that no node sees."""
     for p in range(bar.particles):
         S, _ = stencil_of(bar, p)
         i = bar.first_node[p]
@@ -57,7 +58,8 @@ def filter_null_space(bar: ti.template()):
 
 @ti.func
 def couple_deformation_to_positions(bar: ti.template()):
-    """Applies F += rate (1/(1 - du/dx) - F) to particles, u the grid's best copy of x - X, sharpened by ``PASSES``."""
+    """Draws the particles' F towards that of their positions, F += rate (1/(1 - du/dx) - F), with u the grid's best
+    copy of x - X, sharpened by ``PASSES``."""
     for i in range(bar.cells + GHOSTS):
         bar.node_displacement[i] = 0.0
     for p in range(bar.particles):

@@ -11,7 +11,8 @@ NODES_PER_PIECE = 5  # nodes that the two corners of a piece meet, up to two cel
 
 @ti.func
 def step_margin(bar: ti.template(), on: ti.template()):
-    """Stores dt over Gershgorin's bound of the stable step in ``bar.step_margin[0]``; NaN before the first step."""
+    """Stores dt over Gershgorin's bound of the stable step in ``bar.step_margin[0]``; NaN before the first step.
+    ``on``: compile-time options."""
     for i in range(bar.node_stiffness.shape[0]):
         bar.node_stiffness[i] = 0.0
     if ti.static(on.pieces):
@@ -34,7 +35,8 @@ def inverse_sqrt_mass(bar: ti.template(), node):
 
 @ti.func
 def add_particle_rows(bar: ti.template()):
-    """Adds E F^2 V0 |dS_i|/sqrt(m_i) sum_j |dS_j|/sqrt(m_j), in 1/s^2, of every particle to ``bar.node_stiffness``."""
+    """Adds rows of Gershgorin's circles in 1/s^2 to ``bar.node_stiffness``: for every particle the product of E F^2 V0,
+    |dS_i|/sqrt(m_i) and sum_j |dS_j|/sqrt(m_j), with masses of nodes."""
     for p in range(bar.particles):
         _, dS = stencil_of(bar, p)
         i = bar.first_node[p]
@@ -50,7 +52,7 @@ def add_particle_rows(bar: ti.template()):
 @ti.func
 def add_piece_rows(bar: ti.template(), on: ti.template()):
     """Adds rows of Gershgorin's circles in 1/s^2 to ``bar.node_stiffness``, with the remedy of pieces: a piece's force
-    is the difference of the base functions at its corners, over V0."""
+    is the difference of the base functions at its corners, over V0. ``on``: compile-time options."""
     for p in range(bar.particles):
         following = ti.select(p + 1 < bar.particles, p + 1, 0)
         i, left, _ = stored_corner_stencil(bar, p)
