@@ -52,7 +52,7 @@ class Message(str):
 
 
 def join_messages(joint: str, parts: Iterable[str]) -> str:
-    """Returns the parts with ``joint`` between them, as :meth:`str.join` does; "" if there are none."""
+    """Returns the parts with ``joint`` between them, still translatable, as :meth:`str.join` does; "" without parts."""
     text, *others = tuple(parts) or ("",)
     for part in others:
         text = Message("{text}{joint}{part}", text, Message(joint), part)
@@ -60,7 +60,7 @@ def join_messages(joint: str, parts: Iterable[str]) -> str:
 
 
 def messages_to_json(value: Any) -> Any:
-    """Returns a value for :func:`json.dumps`, with each message as an object of its template and values."""
+    """Returns a nested value for :func:`json.dumps`: each message is an object of its ``template`` and ``values``."""
     if isinstance(value, Message):
         return {"template": value.template, "values": messages_to_json(value.values)}
     if isinstance(value, dict):
@@ -68,6 +68,6 @@ def messages_to_json(value: Any) -> Any:
     return [messages_to_json(one) for one in value] if isinstance(value, (list, tuple)) else value
 
 
-def message_from_json(read: dict[str, Any]) -> Any:
-    """Returns a message for such an object, others as they are: the ``object_hook`` of :func:`json.loads`."""
-    return Message(read["template"], **read["values"]) if read.keys() == {"template", "values"} else read
+def message_from_json(decoded: dict[str, Any]) -> Any:
+    """Returns the message of such an object by :func:`messages_to_json`, others as they are: a ``json`` object_hook."""
+    return Message(decoded["template"], **decoded["values"]) if decoded.keys() == {"template", "values"} else decoded

@@ -14,7 +14,8 @@ MOST_PER_CELL = 64  # particles, along each direction
 
 
 class DerivedSceneQuantities:
-    """Rules of a scene whose motion oscillates at a wave's speed and whose cells contain whole numbers of particles."""
+    """Properties of a scene whose motion oscillates at a wave's speed and whose cells hold whole numbers of
+    particles."""
 
     #: Fields that only single runs and sweeps have, each with the reason why no other command has them.
     RUN_ONLY: ClassVar[Mapping[str, str]] = {}
@@ -44,19 +45,20 @@ class DerivedSceneQuantities:
         return self.amplitude
 
     def size_of(self, quantity: str) -> float:
-        """Returns the scale of errors of x, v, sigma or a: A, A w, E times the largest strain, A w^2 (SI)."""
+        """Returns the scale, in SI, of errors of "x", "v", "sigma" or "a": A, A w, E times the largest strain, A
+        w^2."""
         A, w = self.motion_amplitude, self.angular_frequency
         return {"x": A, "v": A * w, "sigma": self.modulus * A * self.STRAIN_PER_AMPLITUDE, "a": A * w * w}[quantity]
 
     @abstractmethod
     def rms_of(self, quantity: str) -> float:
-        """Returns the RMS over body and period of x (its displacement), v, sigma or a of the exact motion, in SI;
-        without a built-in solution, of the motion under the built-in force."""
+        """Returns the RMS over body and period of "x" (the displacement), "v", "sigma" or "a" of the exact motion, in
+        SI; without a built-in solution, of the motion under the built-in force."""
 
     @abstractmethod
     def momentum_balance_moments(self, times: np.ndarray) -> DisplacementMoments:
-        """Returns the moments of the motion that follows from the balance of momentum at the times (T,) in s, for
-        comparison with the samples of a run."""
+        """Returns sums of displacements, at the times (T,) in s, of the motion that follows from the balance of
+        momentum, for comparison with the samples of a run."""
 
     @property
     def neighbour_mismatch(self) -> float:
@@ -71,7 +73,7 @@ class DerivedSceneQuantities:
 
     @property
     def initial_stretch(self) -> float:
-        """Stretch F at the start."""
+        """Stretch F at the start, no unit."""
         return 1.0
 
     @property
@@ -102,7 +104,7 @@ class DerivedSceneQuantities:
 
     @property
     def loss_limits(self) -> Mapping[str, float]:
-        """Errors other than that of x, in units of ``size_of``, from which on a run counts as lost, by quantity."""
+        """Errors, in units of ``size_of``, from which on a run counts as lost: by quantity, without that of x."""
         return {}
 
     def _check_per_cell(self) -> None:

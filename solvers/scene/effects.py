@@ -47,8 +47,8 @@ class Number:
 
 @dataclass(frozen=True)
 class OutputLine:
-    """Line of output: its name, and a template with a place for each number, ``{drift}``, or ``{0}`` for the first.
-    ``hint`` explains the numbers. A line without a name is left out."""
+    """Line of output about an effect: its ``name``, and a template, ``words``, with places for the effect's numbers,
+    ``{drift}``, or ``{0}`` for the first. ``hint`` explains the numbers. A line without a name is left out."""
 
     name: str
     words: str = "{0}"
@@ -71,7 +71,7 @@ class Effect:
         Whether a study can time it by itself.
     columns
         Columns of its own in the samples, there only where it is on: a kernel finds one by
-        ``ti.static(column("spin/torque", on))`` (of ``solvers.solver.samples``), a number's ``of`` in
+        ``ti.static(column_index("spin/torque", on))`` (``solvers.solver.samples``), a number's ``of`` in
         ``series["spin/torque"]``.
     numbers
         Its results.
@@ -106,18 +106,18 @@ class Effect:
 
     @property
     def default_output_line(self) -> OutputLine:
-        """Line with all its numbers behind its label."""
+        """Line with the effect's label and all its numbers, each behind its key."""
         words = ", ".join(f"{number.key} {{{at}}}".strip() for at, number in enumerate(self.numbers))
         return OutputLine(self.label, words, self.explanation)
 
     @np.errstate(over="ignore", invalid="ignore", divide="ignore")  # for unstable runs
     def values(self, series: Series) -> dict[str, Any]:
-        """Returns its numbers by key, None for unknown ones; for a run that had the effect switched on."""
+        """Returns the effect's numbers by key, None for unknown ones, from the ``series`` of a run that had it on."""
         made = {number.key: (number.kind, number.of(series)) for number in self.numbers}
         return {key: kind(value) if math.isfinite(value) else None for key, (kind, value) in made.items()}
 
     def json_value(self, series: Series) -> Any:
-        """Returns its numbers as in JSON objects: a mapping by key, or the only number itself."""
+        """Returns the effect's numbers as in JSON objects: a mapping by key, or the only number itself."""
         values = self.values(series)
         return values.get("", values)
 
@@ -127,13 +127,14 @@ def _total_energy(series: Series) -> np.ndarray:
 
 
 def _energy_drift(series: Series) -> float:
-    """Returns (E - W - E0)/E0 at the end: E is kinetic plus strain energy, W the work of the body force."""
+    """Returns (E - W - E0)/E0 at the end: E is kinetic plus strain energy, E0 the first, W the work of the body
+    force."""
     total = _total_energy(series)
     return (total[-1] - series["work"][-1] - total[0]) / total[0]
 
 
 def _relative_angular_momentum_gain(series: Series, against: str) -> float:
-    """Returns the gain of angular momentum at the end minus that of another column, over the initial momentum."""
+    """Returns the run's gain of angular momentum minus that of the column ``against``, over the initial momentum."""
     momentum, known = series["spin/momentum"], series[against]
     return ((momentum[-1] - momentum[0]) - (known[-1] - known[0])) / momentum[0]
 
@@ -179,8 +180,8 @@ ALL = {**EFFECTS, **OWN}
 
 
 def register(effect: Effect) -> None:
-    """Makes an effect known to scenes, solvers, page and tables. Raises RuntimeError where a solver that it is for has
-    been imported already."""
+    """Makes an effect known to scenes, solvers, page and tables. Raises RuntimeError where the solver of a problem in
+    its ``samplers`` has been imported already."""
     extension_modules.require_before_solver_import(effect.name, effect.samplers)
     ALL[effect.name] = effect
     effects_of.cache_clear()
@@ -188,14 +189,15 @@ def register(effect: Effect) -> None:
 
 @functools.cache  # used by every scene
 def effects_of(problem: str, own: tuple[str, ...]) -> tuple[str, ...]:
-    """Returns the effects of a problem: those of every problem, its ``own``, and registered ones. Raises
+    """Returns the names of the effects of a problem: those of every problem, its ``own``, and registered ones. Raises
     :class:`~solvers.scene.extension_modules.ExtensionError` where an extension cannot be imported."""
     extension_modules.load_extensions()
     return tuple(name for name, effect in ALL.items() if name in EFFECTS or name in own or problem in effect.samplers)
 
 
 def require_offered(chosen: object, problem: str, offered: tuple[str, ...]) -> None:
-    """Raises :class:`SceneError` for an effect that other problems have and this one has not."""
+    """Raises :class:`SceneError` for a ``chosen`` effect of other problems that is not one of those ``offered``
+    here."""
     for name in chosen if isinstance(chosen, tuple) else ():
         effect = ALL.get(name) if isinstance(name, str) else None
         if effect and name not in offered:
@@ -213,7 +215,8 @@ def samplers(problem: str, own: Mapping[str, Callable]) -> dict[str, Callable]:
     return {**own, **{name: effect.samplers[problem] for name, effect in ALL.items() if problem in effect.samplers}}
 
 
-def output_lines_by_effect(wanted: Callable[[Effect], OutputLine | None]) -> dict[str, OutputLine]:
-    """Returns the line of each effect that has numbers, by its name: that of ``wanted``, or the usual one."""
-    lines = {name: wanted(effect) or effect.default_output_line for name, effect in ALL.items() if effect.numbers}
+def output_lines_by_effect(line_of: Callable[[Effect], OutputLine | None]) -> dict[str, OutputLine]:
+    """Returns the line of output of each effect that has numbers, by name: what ``line_of`` returns, or the usual
+    one."""
+    lines = {name: line_of(effect) or effect.default_output_line for name, effect in ALL.items() if effect.numbers}
     return {name: line for name, line in lines.items() if line.name}

@@ -15,16 +15,17 @@ NEVER = 2**31 - 1  # an interval that no step is a multiple of: the estimator is
 
 @dataclass(frozen=True)
 class EstimatorHooks:
-    """The hooks of one estimator for one problem.
+    """Hooks of one estimator for one problem. ``state`` are the arrays of a run, ``base`` is the estimator's first
+    entry in ``state.estimate``, ``on`` are the compile-time options.
 
     Parameters
     ----------
     memory
         Names of its numbers and arrays, each with the estimator's name in front, with their Taichi types.
     allocate : scene -> dict
-        Their values at the start.
+        Their values at the start, by name.
     interval : scene -> int
-        Steps between two of its own.
+        Steps of the run between two of its own.
     in_step(state, base, on) : Taichi function or None
         In every step that is a multiple of the interval, between the update of the nodes and that of the particles,
         when the step's weights and the nodes' new motion are known.

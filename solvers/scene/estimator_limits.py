@@ -15,7 +15,8 @@ Quantity = str | Callable[[Any], Any]  # an attribute of the scene, or a functio
 
 @dataclass(frozen=True)
 class Limit:
-    """Row of the table: an ``estimator`` holds only while a ``quantity`` of the scene stays within these limits.
+    """Row of a problem's ``LIMITS``: an ``estimator`` holds only while a ``quantity`` of the scene stays within these
+    limits.
 
     A limit is a value, or a quantity as well: ``least`` and ``most`` may be reached, ``below`` may not, all in units
     ``of`` another quantity. If some values are ``allowed``, the quantity must be one of them, or consist of them. The
@@ -40,7 +41,7 @@ class Limit:
     why: str
 
     def reason(self, scene: Any) -> str | None:
-        """Returns why the estimator does not hold in a scene; None where this limit is satisfied."""
+        """Returns why the estimator does not hold in a scene, the end of a sentence; None where it meets this limit."""
         def at(what: Any) -> Any:
             return what(scene) if callable(what) else getattr(scene, what) if isinstance(what, str) else what
 
@@ -57,7 +58,8 @@ class Limit:
 
 
 def reason(limits: Iterable[Limit], estimator: str, scene: Any) -> str | None:
-    """Returns why an estimator does not hold in a scene, from the first violated limit; None where it holds."""
+    """Returns why an estimator does not hold in a scene, by the first of the ``limits`` that is violated; None if
+    none."""
     return next(filter(None, (limit.reason(scene) for limit in limits if limit.estimator == estimator)), None)
 
 

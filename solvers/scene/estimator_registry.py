@@ -83,13 +83,8 @@ ESTIMATORS: dict[str, Estimator] = {estimator.name: estimator for estimator in (
 
 
 def register(estimator: Estimator) -> None:
-    """Makes an estimator known to scenes, solvers, page and pictures.
-
-    Raises
-    ------
-    RuntimeError
-        Where a solver that it is for has been imported: its kernels name what estimators keep. Register first.
-    """
+    """Makes an estimator known to scenes, solvers, page and pictures. Raises RuntimeError where the solver of a problem
+    in its ``hooks`` has been imported: its kernels name what estimators keep. Register first."""
     extension_modules.require_before_solver_import(estimator.name, estimator.hooks)
     ESTIMATORS[estimator.name] = estimator
     names.cache_clear()
@@ -97,14 +92,15 @@ def register(estimator: Estimator) -> None:
 
 @functools.cache  # used by every scene
 def names(problem: str, own: tuple[str, ...]) -> tuple[str, ...]:
-    """Returns the estimators of a problem: its ``own`` and registered ones. Raises
+    """Returns the names of a problem's estimators: its ``own`` and registered ones. Raises
     :class:`~solvers.scene.extension_modules.ExtensionError` where an extension cannot be imported."""
     extension_modules.load_extensions()
     return tuple(name for name, estimator in ESTIMATORS.items() if name in own or problem in estimator.hooks)
 
 
 def require_offered(chosen: object, problem: str, offered: tuple[str, ...]) -> None:
-    """Raises :class:`SceneError`, with the estimator's own reason, for one that the problem does not support."""
+    """Raises :class:`SceneError`, with the estimator's own reason, for a ``chosen`` one that the problem refuses; the
+    sentence lists those ``offered``."""
     for name in chosen if isinstance(chosen, tuple) else ():
         estimator = ESTIMATORS.get(name) if isinstance(name, str) else None
         if estimator and name not in offered and problem in estimator.refusals:
@@ -113,7 +109,7 @@ def require_offered(chosen: object, problem: str, offered: tuple[str, ...]) -> N
 
 
 def hooks_of(problem: str, own: Mapping[str, EstimatorHooks]) -> dict[str, EstimatorHooks]:
-    """Returns the hooks of all estimators of a problem, by name: its ``own`` and registered ones."""
+    """Returns the hooks of all estimators of a problem, by estimator: its ``own`` and registered ones."""
     found = names(problem, tuple(own))  # loads the extensions
     extension_modules.COMPILED_PROBLEMS.add(problem)
     return {name: ESTIMATORS[name].hooks.get(problem) or own[name] for name in found}

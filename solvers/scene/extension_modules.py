@@ -18,7 +18,7 @@ class ExtensionError(Exception):
 
 @functools.cache
 def load_extensions() -> None:
-    """Imports the modules that the environment names. Raises :class:`ExtensionError` where that fails."""
+    """Imports the modules that ``MPM_LAB_EXTENSIONS`` names. Raises :class:`ExtensionError` where that fails."""
     for module in filter(None, os.environ.get(EXTENSIONS, "").replace(",", " ").split()):
         try:
             importlib.import_module(module)
@@ -30,7 +30,7 @@ def load_extensions() -> None:
 
 
 def require_before_solver_import(name: str, problems: Iterable[str]) -> None:
-    """Raises RuntimeError where the solver of one of the ``problems`` that ``name`` is for is already imported, because
-    its kernels are fixed by then."""
+    """Raises RuntimeError where the solver of one of the ``problems`` has been imported: it is too late to register the
+    estimator or effect ``name`` for them, because the solver's kernels are fixed."""
     if late := [problem for problem in problems if problem in COMPILED_PROBLEMS]:
         raise RuntimeError(f"register {name} before the solver of the {' and '.join(late)} is imported")

@@ -14,20 +14,10 @@ LINE_WIDTH = 100  # characters
 
 
 def option(default: Any, help: str = "", unit: str = "", choices: tuple[str, ...] = (), hint: str = "") -> Any:
-    """Returns a field of a scene, from which its flag and its widget are generated.
-
-    Parameters
-    ----------
-    default
-    help
-        Its meaning, beginning with a capital; after a semicolon the part that the flag's help puts behind the unit.
-    unit
-        SI unit, "" for none.
-    choices
-        Allowed names, if there are only a few.
-    hint
-        Text in place of a default that is None.
-    """
+    """Returns a dataclass field of a scene, from which its flag and its widget are generated. ``help`` is its meaning,
+    beginning with a capital; after a semicolon comes the part that the flag's help puts behind the unit. ``unit`` is in
+    SI, "" for none; ``choices`` are allowed names, if only a few are; ``hint`` is a text in place of a default that is
+    None."""
     return field(default=default, metadata={"help": help, "unit": unit, "choices": choices, "hint": hint})
 
 

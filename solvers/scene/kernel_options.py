@@ -9,9 +9,9 @@ from solvers.scene.stabilisations import SWITCHES
 
 
 class KernelOptions(NamedTuple):
-    """Compile-time options of kernels, passed as ``on``. Scenes with equal options share one compiled kernel. Each
-    effect and remedy is an attribute too: ``on.truth`` is whether "truth" is one of ``effects``, ``on.frozen`` whether
-    frozen weights are one of ``remedies``."""
+    """Compile-time options of kernels, passed as ``on``, as in the scene. Scenes with equal options share one compiled
+    kernel. Each effect and remedy is an attribute too: ``on.truth`` is whether "truth" is one of ``effects``,
+    ``on.frozen`` whether frozen weights are one of ``remedies``."""
 
     method: str
     linearity_preserving: bool
@@ -39,12 +39,12 @@ def kernel_options_of(scene: Scene) -> KernelOptions:
 
 
 def method_options(on: KernelOptions) -> KernelOptions:
-    """Returns the same options with nothing computed beside the method."""
+    """Returns the options ``on`` without effects and estimators, so that kernels compute the method alone."""
     return on._replace(effects=(), estimators=())
 
 
 @lru_cache(maxsize=256)  # used repeatedly while a visitor waits for the compiler
 def kernel_key(scene: Scene) -> tuple:
-    """Returns the key of the compiled code: scenes with equal keys run the same kernels on the same processor."""
+    """Returns the key of a scene's compiled code: scenes with equal keys run the same kernels on the same processor."""
     plan = getattr(scene, "plan", None)  # of a problem that has several
     return scene.problem, scene.arch, scene.threads, plan, kernel_options_of(scene)

@@ -32,8 +32,9 @@ Fields = Sequence[np.ndarray]  # the components of a vector or tensor, each an a
 
 @dataclass(frozen=True)
 class NodeLinks:
-    """Links between particles and nodes at n moments: ``where`` (D arrays (n, P, K)) is the index of each component of
-    a node's velocity among the unknowns of its moment, ``sign`` (same shapes) its sign there, -1 in mirror images."""
+    """Links of P particles to K nodes each at n moments, in D dimensions: ``where`` (D arrays (n, P, K)) is the index
+    of each component of a node's velocity among the unknowns of its moment, ``sign`` (same shapes) its sign there, -1
+    in mirror images."""
 
     where: Fields
     sign: Fields
@@ -70,19 +71,19 @@ class Configurations:
     held: np.ndarray | None = None
 
 
-def longest_step_per_instant(of: Configurations) -> np.ndarray:
-    """Returns the longest stable step at each moment (n,), in s."""
-    return 2 / np.sqrt(_StepOperators(of).largest_eigenvalues())
+def longest_step_per_instant(configurations: Configurations) -> np.ndarray:
+    """Returns the longest stable step at each of the configurations' moments (n,), in s."""
+    return 2 / np.sqrt(_StepOperators(configurations).largest_eigenvalues())
 
 
-def longest_step_of_motion(found: np.ndarray, seconds: float) -> float:
+def longest_step_of_motion(limits: np.ndarray, seconds: float) -> float:
     """Returns the longest stable step, in s, of a motion that takes ``seconds`` from one extreme to the other and the
-    same time back; ``found`` (n,) are its ``longest_step_per_instant`` at moments evenly spaced in time."""
-    low, high = float(found.min()), 2 * float(found.max())
+    same time back; ``limits`` (n,) are its ``longest_step_per_instant`` at moments evenly spaced in time."""
+    low, high = float(limits.min()), 2 * float(limits.max())
     while high > (1 + 1e-9) * low:
         dt = math.sqrt(low * high)
-        growing = np.log(np.maximum(2 * (dt / found) ** 2 - 1, 1.0))
-        growth = 2 * np.trapezoid(growing, dx=seconds / (len(found) - 1)) / dt
+        growing = np.log(np.maximum(2 * (dt / limits) ** 2 - 1, 1.0))
+        growth = 2 * np.trapezoid(growing, dx=seconds / (len(limits) - 1)) / dt
         low, high = (low, dt) if growth > math.log(GROWTH) else (dt, high)
     return low
 
@@ -116,28 +117,28 @@ class _StepOperators:
         return [sign * values.take(where) for where, sign in links]
 
     def apply_stiffness(self, field: np.ndarray) -> np.ndarray:
-        """Returns M^-1/2 K M^-1/2 applied to a field."""
+        """Returns M^-1/2 K M^-1/2 applied to a field (n, N)."""
         gradients = self._of.gradients
-        rates = [np.einsum("npk,npk->np", v,
-                           g) for v in self._gather_at_particles(self._force_links, field) for g in gradients]
+        rates = [np.einsum("npk,npk->np", v, g) for v in self._gather_at_particles(self._force_links, field)
+                 for g in gradients]
         stress, D = self._of.stress(rates), len(gradients)
         force = [np.sum([stress[D * i + j][..., None] * gradients[j] for j in range(D)], axis=0) for i in range(D)]
         return self._sum_at_unknowns(self._force_links, force) * self._scale
 
     def apply_smoothing(self, field: np.ndarray) -> np.ndarray:
-        """Returns M^-1/2 S^T m S M^-1/2 applied to a field."""
+        """Returns M^-1/2 S^T m S M^-1/2, which is B, applied to a field (n, N)."""
         S, mass = self._of.weights, self._of.mass
         given = [(mass * np.einsum("npk,npk->np", v, S))[..., None] * S
                  for v in self._gather_at_particles(self._mass_links, field)]
         return self._sum_at_unknowns(self._mass_links, given) * self._scale
 
     def apply_two_minus_b(self, field: np.ndarray) -> np.ndarray:
-        """Returns 2 - B applied to a field."""
+        """Returns 2 - B applied to a field (n, N)."""
         return 2 * field - self.apply_smoothing(field)
 
     def largest_eigenvalues(self) -> np.ndarray:
-        """Returns the largest eigenvalue of M^-1 K (2 - B) at each moment (n,), by Lanczos's method in the inner
-        product of 2 - B, which is positive definite for any K."""
+        """Returns the largest eigenvalue of M^-1 K (2 - B) at each moment (n,), in 1/s^2, by Lanczos's method in the
+        inner product of 2 - B, which is positive definite for any K."""
         start = np.random.default_rng(0).normal(size=self._scale.shape) * (self._scale > 0)
         diagonal, beside = list[np.ndarray](), list[np.ndarray]()
         found = np.zeros(self._n)
@@ -160,7 +161,8 @@ class _StepOperators:
 
 
 def _largest_tridiagonal_eigenvalues(diagonal: list[np.ndarray], beside: list[np.ndarray]) -> np.ndarray:
-    """Returns the largest eigenvalues (n,) of tridiagonal matrices."""
+    """Returns the largest eigenvalue of each of n tridiagonal matrices, by entries (n,) along and ``beside`` the
+    diagonal."""
     k = len(diagonal)
     T = np.zeros((len(diagonal[0]), k, k))
     T[:, np.arange(k), np.arange(k)] = np.stack(diagonal, axis=1)

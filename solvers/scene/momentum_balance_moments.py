@@ -14,7 +14,7 @@ MODES = 10  # sums that a sample can hold
 
 
 class DisplacementMoments(NamedTuple):
-    """Moments of the displacements u at T times: sums over P particles with M functions phi_m of the material position.
+    """Moments of displacements u at T times: sums over P ``particles`` with M functions phi_m of the material position.
 
     ``sums`` (T, M) are sum_p u . phi_m in m and ``squares`` (T,) sum_p |u|^2 in m^2; ``inverse`` (M, M) is the
     (pseudo-)inverse of sum_p phi_m . phi_n. ``trusted`` (T,) is False from where the motion is no longer resolved.
@@ -38,5 +38,5 @@ class DisplacementMoments(NamedTuple):
         return np.where(self.trusted, np.sqrt((within + outside**2) / self.particles), np.nan)
 
     def _squared_norm_in_span(self, sums: np.ndarray) -> np.ndarray:
-        """Returns sum_p |u|^2 (T,) of the part within the span."""
+        """Returns sum_p |u|^2 (T,) in m^2 of the part of u within the span of the phi_m, from its ``sums`` (T, M)."""
         return np.maximum(0.0, np.einsum("tm,mn,tn->t", sums, self.inverse, sums))

@@ -109,7 +109,7 @@ class Scene(DerivedSceneQuantities, ABC):
 
     @classmethod
     def candidates(cls) -> tuple[tuple[str, bool], ...]:
-        """Returns the methods that an advisor tries, each without or with linearity preservation."""
+        """Returns the pairs (method, linearity preserving) that an advisor tries."""
         return tuple((method, False) for method in cls.choices("method"))
 
     def __reduce__(self) -> tuple[Callable[..., Any], tuple]:
@@ -140,14 +140,14 @@ class Scene(DerivedSceneQuantities, ABC):
 
     @abstractmethod
     def critical_time_step(self) -> StepBound:
-        """Computes the longest stable step of the motion ahead by linear theory: see :attr:`step_bound`."""
+        """Returns the longest stable steps of the motion ahead by linear theory, in s: see :attr:`step_bound`."""
 
     @abstractmethod
     def _check_amplitude(self) -> None:
         """Raises :class:`SceneError` for an amplitude without an exact solution."""
 
     def warnings(self) -> list[str]:
-        """Returns sentences about inputs that are valid but surprising."""
+        """Returns sentences for the user about inputs that are valid but surprising."""
         sentences = step_warnings(self)
         if "truth" in self.effects and not self.solution_known:
             sentences.append(Message("body force {body_force}: no exact solution is built in, so the true error is "
@@ -161,7 +161,7 @@ class Scene(DerivedSceneQuantities, ABC):
 
     @functools.cached_property
     def time_step(self) -> float:
-        """Time step in s, from ``dt`` or ``cfl``."""
+        """Time step in s, from ``dt`` or ``cfl``; for ``dt`` "auto" a share of :attr:`step_bound`."""
         if self.dt == AUTO:
             return SAFE * self.step_bound
         return float(self.dt) if self.dt is not None else self.courant_number * self.spacing / self.wave_speed
@@ -196,7 +196,7 @@ class Scene(DerivedSceneQuantities, ABC):
 
     @functools.cached_property
     def sample_interval(self) -> int:
-        """Steps between two samples of the norms."""
+        """Number of steps from one sample of the errors' norms to the next."""
         if self.sample_every is not None:
             return self.sample_every
         a_period = int(min(self.period / self.time_step, MOST_STEPS))
@@ -206,22 +206,22 @@ class Scene(DerivedSceneQuantities, ABC):
 
     @functools.cached_property
     def look_interval(self) -> int:
-        """Steps between two checks for contradictions, a multiple of the sample interval."""
+        """Number of steps from one check for contradictions to the next, a multiple of the sample interval."""
         return self.sample_interval * max(1, int(self.period / self.time_step / LOOKS_A_PERIOD / self.sample_interval))
 
     @functools.cached_property
     def margin_interval(self) -> int:
-        """Steps between two evaluations of the step margin: each costs a launch, so that long runs have fewer."""
+        """Number of steps between evaluations of the step margin: each costs a launch, so that long runs have fewer."""
         return self.look_interval * max(1, self.steps // (MOST_MARGINS * self.look_interval))
 
     @property
     def estimate_interval(self) -> int:
-        """Steps between two steps of an estimator: half the time a wave takes through a cell, at most 10."""
+        """Number of run steps in one of an estimator: half the time a wave takes through a cell, at most 10."""
         return max(1, min(10, int(0.5 / self.courant_number)))
 
     @functools.cached_property
     def not_valid(self) -> dict[str, str]:
-        """Requested estimators that are known not to hold here and do not run, each with a sentence."""
+        """Requested estimators that are known not to hold here and do not run, by name, each with a sentence why."""
         reasons = {name: estimator_limits.reason(self.LIMITS, name, self) for name in self.estimators}
         if self.prefers_gpu:
             reasons |= {name: Message(estimator_registry.PROCESSOR_REASON, name=name) for name in self.estimators
@@ -230,14 +230,14 @@ class Scene(DerivedSceneQuantities, ABC):
 
     @functools.cached_property
     def active_estimators(self) -> tuple[str, ...]:
-        """Names of the estimators that run: those requested that are valid here, if the effect is on. Their order does
-        not depend on the request, so that their kernels are compiled once."""
+        """Names of the estimators that run: those requested that are valid here, if the effect ``estimate`` is on.
+        Their order does not depend on the request, so that their kernels are compiled once."""
         if "estimate" not in self.effects:
             return ()
         return tuple(e for e in self.choices("estimators") if e in self.estimators and e not in self.not_valid)
 
     def has(self, effect: str) -> bool:
-        """Returns whether the effect is on and has what it needs, such as an estimator for ``estimate``."""
+        """Returns whether the effect of this name is on and has what it needs, as ``estimate`` needs an estimator."""
         if effect not in self.effects:
             return False
         if effect == "estimate":
@@ -251,14 +251,14 @@ class Scene(DerivedSceneQuantities, ABC):
         return tuple(filter(self.has, ALL))
 
     def to_dict(self) -> dict:
-        """Returns every input with defaults filled in, keyed as in JSON."""
+        """Returns every input with defaults filled in, by its key in JSON objects."""
         values = {field_key(f.name): getattr(self, f.name) for f in fields(self)}
         filled = {"dt": self.time_step, "cfl": self.courant_number, "t_end": self.end_time,
                   "periods": self.end_time / self.period, "sample_every": self.sample_interval}
         return {**values, **filled, **{field_key(name): list(getattr(self, name)) for name in LISTS}}
 
     def _normalized_inputs(self) -> dict[str, Any]:
-        """Returns inputs that are replaced by their normal form."""
+        """Returns by field name those inputs that are replaced by their normal form."""
         return validation.normalized_inputs(self, LISTS)
 
     def _check_choices(self) -> None:

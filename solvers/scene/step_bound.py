@@ -52,22 +52,23 @@ class StepBound(NamedTuple):
     circles: float
     certain: bool = True
 
-    def scaled_by_cell_size(self, size: float) -> "StepBound":
-        """Returns the same bound for cells ``size`` times as large."""
-        return StepBound(size * self.longest, size * self.linear, size * self.circles, self.certain)
+    def scaled_by_cell_size(self, factor: float) -> "StepBound":
+        """Returns the same bound for cells ``factor`` times as large."""
+        return StepBound(factor * self.longest, factor * self.linear, factor * self.circles, self.certain)
 
 
 def motion_fractions(scene: Any) -> np.ndarray:
-    """Returns the moments (n,) of the motion that are evaluated, from one extreme, 0, to the other, 1."""
+    """Returns the moments (n,) of the motion that are evaluated, as fractions: 0 is one extreme, 1 the other."""
     momentary = scene.method == "mpm" and scene.DIMENSIONS > 1 and not scene.frozen
     return np.linspace(0, 1, MOMENTS_OF_HATS if momentary else MOMENTS)
 
 
 def combine_instant_bounds(scene: Any, limits: np.ndarray, seconds: float, stretch: float, circles: float,
                            crossed: bool = False) -> StepBound:
-    """Returns the bound of a motion that takes ``seconds`` from one extreme to the other, from its ``limits`` in s at
-    the ``motion_fractions``, its largest ``stretch`` and the bound of the ``circles`` at its hardest moment;
-    ``crossed`` is whether, in the plane, a particle is in different cells at different moments."""
+    """Returns the bound of a motion that takes ``seconds`` from one extreme to the other, from its longest steps
+    ``limits`` (n,) in s at the ``motion_fractions``, its largest ``stretch`` and the Gershgorin bound ``circles`` in s
+    at its hardest moment; ``crossed`` is whether, in the plane, a particle is in different cells at different
+    moments."""
     if scene.frozen or PIECES in scene.remedies:  # nothing crosses a cell
         found = longest_step_of_motion(limits, seconds)
         excess = FROZEN_EXCESS.get(scene.method, OTHER_FROZEN_EXCESS) * max(0.0, stretch - FROZEN_FROM)
@@ -79,8 +80,8 @@ def combine_instant_bounds(scene: Any, limits: np.ndarray, seconds: float, stret
 
 
 def gershgorin_step_bound(nodes: np.ndarray, gradients: np.ndarray, stiffness: np.ndarray, mass: np.ndarray) -> float:
-    """Returns the bound in s. ``nodes`` and ``gradients`` |grad S| are (P, K), ``stiffness`` k V of each particle (P,),
-    ``mass`` of the nodes (N,)."""
+    """Returns the longest stable step in s by Gershgorin's circles. ``nodes`` and ``gradients`` |grad S| in 1/m are (P,
+    K), ``stiffness`` k V of each particle in J (P,), ``mass`` of the nodes in kg (N,)."""
     carries = mass > MIN_MASS_SHARE * mass.max()
     scaled = np.where(carries[nodes], gradients / np.sqrt(np.where(carries, mass, 1.0))[nodes], 0.0)
     rows = np.bincount(nodes.ravel(), (stiffness[:, None] * scaled.sum(axis=1)[:, None] * scaled).ravel(), len(mass))
@@ -88,11 +89,10 @@ def gershgorin_step_bound(nodes: np.ndarray, gradients: np.ndarray, stiffness: n
 
 
 def stencil(method: str, position: np.ndarray, half_width: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Returns the first of three nodes (P,), their weights and slopes in 1/cell (P, 3), as
-    ``solvers.kernels.shape_functions`` in numpy.
+    """Returns the first of three nodes (P,), their weights and slopes in 1/cell (P, 3), of particles at ``position``
+    (P,) with domains of ``half_width`` (P,), in cells: ``solvers.kernels.shape_functions`` in numpy.
 
-    Positions and half widths (P,) in cells. A weight is the mean of the hat over the domain, its slope the hat's
-    difference over the domain.
+    A weight is the mean of the hat over the domain, its slope the hat's difference over the domain.
     """
     if method == "mpm":
         first = np.floor(position)
@@ -111,14 +111,15 @@ def _hat(s: np.ndarray) -> np.ndarray:
 
 
 def _hat_integral(s: np.ndarray) -> np.ndarray:
-    """Returns the integral of the hat from minus infinity to s."""
+    """Returns the integral of the hat function, which is 1 at 0 and 0 beyond -1 and 1, from minus infinity to s."""
     s = np.clip(s, -1.0, 1.0)
     return np.where(s < 0, 0.5 * (1 + s) ** 2, 1 - 0.5 * (1 - s) ** 2)
 
 
 @functools.lru_cache(maxsize=256)  # a live run needs it in each loop, for the automatic step
 def scene_step_bound(scene: Any) -> StepBound:
-    """Returns the bound for the motion of a scene, whatever its own step, end, estimators and effects are."""
+    """Returns the longest stable steps in s for a scene's motion, whatever its own step, end, estimators, effects
+    are."""
     return _motion_step_bound(replace(scene, dt=None, cfl=None, t_end=AT_ONCE, periods=None, sample_every=None,
                                       estimators=(), effects=()))
 
@@ -129,7 +130,7 @@ def _motion_step_bound(scene: Any) -> StepBound:
 
 
 def step_warnings(scene: Any) -> list[str]:
-    """Returns sentences about a scene's own step that may surprise."""
+    """Returns sentences for the user about a scene's own time step: unstable, or with hat functions uncertain."""
     bound, dt = scene_step_bound(scene), scene.time_step
     if dt > bound.longest:
         return [Message("time step {dt:.3g} s (cfl {courant_number:.2g}): above the stability bound of {most:.3g} s "
@@ -143,8 +144,8 @@ def step_warnings(scene: Any) -> list[str]:
 
 
 def gershgorin_to_linear_factor(scene: Any) -> float:
-    """Returns the factor from step over circles to step over the linear-theory bound, at the hardest moment of the
-    motion ahead; 1 where no margin is requested."""
+    """Returns the factor by which margins with Gershgorin's bound become margins with that of linear theory, at the
+    hardest moment of the motion ahead; 1 where no margin is requested."""
     if not scene.has("margin"):
         return 1.0
     bound = scene_step_bound(scene)

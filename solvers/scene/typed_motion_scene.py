@@ -20,7 +20,7 @@ else:
 
 
 class TypedMotionScene(Scene):
-    """Scene with a field ``displacement``, "" for the built-in one."""
+    """Scene with a field ``displacement``: formulas in place of the built-in displacement, or ""."""
 
     TYPED_TITLE: ClassVar[str]
     displacement: Any
@@ -28,7 +28,7 @@ class TypedMotionScene(Scene):
     @property
     @abstractmethod
     def motion_inputs(self) -> MotionInputs2D | MotionInputs1D:
-        """Parameters of its typed motion."""
+        """Parameters, such as w and A, that the formulas of its displacement may use."""
 
     @property
     def base_frequency(self) -> float:
@@ -37,7 +37,7 @@ class TypedMotionScene(Scene):
 
     @property
     def typed_solution(self) -> Any:
-        """Exact solution of the typed motion."""
+        """Exact solution that follows from the formulas of its displacement."""
         return self.motion_inputs.solution(self.displacement)
 
     @functools.cached_property
@@ -54,7 +54,7 @@ class TypedMotionScene(Scene):
         return () if self.displacement and "A" not in self.displacement else super().motion_fields
 
     def _normalized_inputs(self) -> dict[str, Any]:
-        """Returns inputs in their normal form, the formula as in links."""
+        """Returns inputs by field name in their normal form, the formula as in links; SceneError if it is none."""
         if not isinstance(self.displacement, str):
             raise SceneError("displacement", self.displacement, "is no text; give formulas such as "
                                                                 "0.02*sin(2*pi*X)*sin(w*t)")

@@ -17,7 +17,8 @@ SYNONYMS = {"estimate": "estimators", "effect": "effects", "diagnostic": "effect
 
 
 class SceneError(ValueError):
-    """Error for an input that no run can have. ``field`` names the input, ``sentence`` describes it."""
+    """Error for an input that no run can have: its name, ``field``, the ``value``, and a ``sentence`` that says what is
+    wrong and what is allowed, a template with places for the further values."""
 
     def __init__(self, field: str, value: object, sentence: str, /, *values: object):
         message = Message(sentence, *values)
@@ -29,17 +30,17 @@ class SceneError(ValueError):
 
 
 def field_key(field: str) -> str:
-    """Returns the key of a field in the JSON object: ``estimators`` is ``estimator``."""
+    """Returns the key of a scene's field in the JSON object: ``estimators`` is ``estimator``."""
     return KEYS.get(field, field)
 
 
 def key_field(key: str) -> str:
-    """Returns the field that a key of the JSON object, or one of its synonyms, stands for."""
+    """Returns the name of the scene's field that a key of the JSON object, or one of its synonyms, stands for."""
     return SYNONYMS.get(key, key)
 
 
 def field_flag(field: str) -> str:
-    """Returns the name of a field's flag: ``body_force`` is ``body-force``."""
+    """Returns the name of a field's flag, without the dashes in front: ``body_force`` is ``body-force``."""
     return field_key(field).replace("_", "-")
 
 
@@ -49,7 +50,7 @@ def field_label(field: str) -> str:
 
 
 def require_choice(field: str, value: object, allowed: tuple[str, ...], also: str = "") -> None:
-    """Raises :class:`SceneError` for anything but an allowed name; its sentence lists ``also`` too."""
+    """Raises :class:`SceneError` for a field's value that is no allowed name; its sentence lists ``also`` too."""
     if value not in allowed:
         names = ", ".join((*allowed, also) if also else allowed)
         near = quoting.suggest_word(value, allowed) if isinstance(value, str) else ""
@@ -58,8 +59,8 @@ def require_choice(field: str, value: object, allowed: tuple[str, ...], also: st
 
 
 def normalized_inputs(scene: Any, lists: tuple[str, ...]) -> dict[str, Any]:
-    """Returns the inputs of a scene that are replaced: NumPy scalars become Python numbers, and in the fields called
-    ``lists`` a text becomes a tuple of names; names that begin with + are added to the default."""
+    """Returns by field name the inputs of a scene that are replaced: NumPy scalars become Python numbers, and in the
+    fields called ``lists`` a text becomes a tuple of names; names that begin with + are added to the default."""
     given = {name: getattr(scene, name) for name in scene.__dataclass_fields__}
     return {name: value.item() for name, value in given.items() if isinstance(value, np.generic)} | {
         name: _names_in_order(name, given[name], scene.__dataclass_fields__[name].default) for name in lists}
@@ -77,7 +78,7 @@ def _names_in_order(field: str, given: Any, default: tuple[str, ...]) -> Any:
 
 
 def require_names(field: str, chosen: object, allowed: tuple[str, ...]) -> None:
-    """Raises :class:`SceneError` for anything but a tuple of allowed names, each once."""
+    """Raises :class:`SceneError` for a field's value that is no tuple of allowed names, each once."""
     if not isinstance(chosen, tuple):
         raise SceneError(field, chosen, "give a list of names out of {allowed}", ", ".join((*allowed, "none")))
     for item in chosen:
@@ -87,14 +88,14 @@ def require_names(field: str, chosen: object, allowed: tuple[str, ...]) -> None:
 
 
 def require_whole(field: str, value: object, least: int, most: int) -> None:
-    """Raises :class:`SceneError` for anything but a whole number from ``least`` to ``most``."""
+    """Raises :class:`SceneError` for a field's value that is no whole number from ``least`` to ``most``."""
     if isinstance(value, bool) or not isinstance(value, int) or not least <= value <= most:
         raise SceneError(field, value, "give a whole number from {least:,} to {most:,}", least, most)
 
 
 def require_number(field: str, value: object, above: float, most: float, allowed: str = "") -> None:
-    """Raises :class:`SceneError` for anything but a number above ``above`` and up to ``most``; ``allowed`` is the
-    hint."""
+    """Raises :class:`SceneError` for a field's value that is no number above ``above`` and up to ``most``; its sentence
+    then says what is ``allowed``, by default these limits."""
     if isinstance(value, bool) or not isinstance(value, (int, float)) or not abs(value) <= sys.float_info.max \
             or not above < value <= most:  # also NaN, infinity, and integers beyond all floats
         upper = "" if math.isinf(most) else Message(" and up to {most:g}", most)

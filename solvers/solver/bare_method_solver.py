@@ -18,7 +18,7 @@ from solvers.solver.state_arrays import Diagnostics
 
 @functools.cache
 def bare_method_solver_class(Own: type[Solver]) -> type[Solver]:
-    """Returns a subclass of a problem's solver with the baseline step; its rows of samples are empty."""
+    """Returns a subclass of a problem's solver class ``Own`` with the baseline step; its rows of samples are empty."""
     phases, watching = Own.PHASES, Diagnostics.types().keys() - {"farthest", "verdict"}
     types = {name: kind for name, kind in Own.STATE.types().items() if name not in watching}
     State = ti.types.argpack(**types)

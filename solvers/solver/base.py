@@ -27,7 +27,8 @@ SOUND, INVERTED, CRUSHED, ESCAPED = 0, 1, 2, 3  # first number of a verdict
 
 
 class Solver(ABC):
-    """Owns the arrays of one run. All calls must come from the thread that started Taichi.
+    """Owner of the arrays of one run, which it steps and samples. All calls must come from the thread that started
+    Taichi.
 
     A problem's solver sets ``_arrays`` (a state with a member ``material_position``), ``arch`` and ``threads``, and
     supplies the kernels and the estimators.
@@ -60,7 +61,7 @@ class Solver(ABC):
 
     @property
     def sound(self) -> bool:
-        """Whether no check has found the run unstable."""
+        """Whether no check has found the run unstable so far."""
         return self._arrays.verdict[0] == SOUND
 
     @property
@@ -76,20 +77,11 @@ class Solver(ABC):
             self._stepping.compute_step_margin()
 
     def advance(self, steps: int) -> np.ndarray:
-        """Takes steps.
+        """Takes steps, 0 to :attr:`longest_advance`; returns the rows of samples on the way (n, columns), as in
+        ``solvers.solver.samples``.
 
         An unstable run stops where it was noticed; see :attr:`sound` and :meth:`reason`. If the step margin is
         requested, launches end at the steps where it is evaluated, so that calls of any length give the same run.
-
-        Parameters
-        ----------
-        steps
-            0 to :attr:`longest_advance`.
-
-        Returns
-        -------
-        (n, columns) array
-            Rows of samples (``solvers.solver.samples``) taken on the way.
         """
         interval, end, rows = self.scene.margin_interval, self.step + steps, []
         while True:
@@ -99,7 +91,7 @@ class Solver(ABC):
                 return np.concatenate(rows) if len(rows) > 1 else rows[0]
 
     def _launch(self, steps: int) -> np.ndarray:
-        """Takes steps in one launch, or in as many as the plan needs; returns the rows of samples."""
+        """Takes steps in one launch, or in as many as the plan needs; returns the rows of samples (n, columns)."""
         interval, before = self.scene.sample_interval, self.step
         self._run(steps)
         self.step = self.step + steps if self.sound else int(self._arrays.verdict[1])
@@ -107,7 +99,7 @@ class Solver(ABC):
         return self._with_margin(rows) if self.step % self.scene.margin_interval == 0 else rows
 
     def break_down(self, particle: int) -> tuple[np.ndarray, StepBreakdown]:
-        """Takes one ordinary step; returns its rows of samples and its details around the particle with this number."""
+        """Takes one step; returns its rows of samples (0 or 1, columns), and its details around a particle's number."""
         self._stepping.fetch()
         before = self.STEP_BREAKDOWN.particle_state(self.scene, self._arrays)
         rows = self.advance(1)
@@ -115,21 +107,21 @@ class Solver(ABC):
         return rows, self.STEP_BREAKDOWN.breakdown(self.scene, self._arrays, particle, self.step, before)
 
     def measure(self) -> np.ndarray:
-        """Checks and samples the state: returns one row (1, columns)."""
+        """Checks the present state and returns its sample, one row (1, columns) as in ``solvers.solver.samples``."""
         self._stepping.inspect_state(self.step, MEASURE)
         return self._with_margin(self._arrays.samples[:1].copy())
 
     def _with_margin(self, rows: np.ndarray) -> np.ndarray:
-        """Returns the rows of samples, with the step margin in the last one if it is requested."""
+        """Returns rows of samples (n, columns) after writing the step margin, if requested, into the last of them."""
         if len(rows) and self.scene.has("margin"):
             self._stepping.compute_step_margin()
             rows[-1, MARGIN] = self._arrays.step_margin[0]
         return rows
 
     def not_valid(self) -> dict[str, str]:
-        """Returns the estimators that do not hold in this run, each with a sentence: known before or by the run."""
-        found = {name: self.HOOKS[name].verdict(self.scene,
-                                                self._estimator_arrays) for name in self.scene.active_estimators}
+        """Returns the estimators that do not hold here, by name, with a sentence why: known before, or by the run."""
+        found = {name: self.HOOKS[name].verdict(self.scene, self._estimator_arrays)
+                 for name in self.scene.active_estimators}
         return {**self.scene.not_valid, **{name: reason for name, reason in found.items() if reason}}
 
     @functools.cached_property
@@ -143,16 +135,16 @@ class Solver(ABC):
         return tuple(int(n) for n in self._arrays.estimate_intervals[:len(self.scene.active_estimators)])
 
     def bookmark(self) -> Callable[[], None]:
-        """Saves the present state; returns a function that restores it, to the bit, any number of times."""
+        """Saves the present state; returns a function () that restores it to the bit, any number of times."""
         return functools.partial(self.restore, *self.state())
 
     def state(self) -> tuple[int, dict[str, np.ndarray]]:
-        """Returns the step and copies of all arrays, with which another solver of the same scene can continue."""
+        """Returns the step number and copies of all arrays by name, from which a solver of the same scene can go on."""
         self._stepping.fetch()
         return self.step, {name: a.copy() for name, a in self._arrays.members().items() if isinstance(a, np.ndarray)}
 
     def restore(self, step: int, arrays: Mapping[str, np.ndarray]) -> None:
-        """Restores the :meth:`state` of a solver of the same scene, to the bit."""
+        """Restores, to the bit, a step number and arrays that :meth:`state` of a solver of the same scene returned."""
         members = self._arrays.members()
         for name, values in arrays.items():
             members[name][...] = values
@@ -160,7 +152,7 @@ class Solver(ABC):
         self.step = step
 
     def without_estimators(self) -> "Solver":
-        """Returns another solver for the same scene without estimators, in the present state."""
+        """Returns another solver for the same scene without estimators, in the same state, at the same step."""
         self._stepping.fetch()
         other = type(self)(replace(self.scene, estimators=(), sample_every=self.scene.sample_interval))
         own, theirs = self._arrays.members(), other._arrays.members()
@@ -173,11 +165,11 @@ class Solver(ABC):
         return other
 
     def disable_estimator(self, estimator: str) -> None:
-        """Stops an active estimator, for timings; restoring a bookmarked state starts it again."""
+        """Stops the active estimator of this name, for timings; restoring a bookmarked state starts it again."""
         self._arrays.estimate_intervals[self.scene.active_estimators.index(estimator)] = NEVER
 
     def reason(self) -> str:
-        """Returns in one sentence why the run stopped, and what to change."""
+        """Returns in one sentence why an unstable run stopped, and what to change."""
         kind, step, p = (int(n) for n in self._arrays.verdict)
         what = {INVERTED: Message("turned inside out (its deformation gradient fell to zero or is not a number)"),
                 CRUSHED: Message("was crushed to less than a thousandth of its size"),
@@ -187,16 +179,18 @@ class Solver(ABC):
 
     def status(self, finding: Finding | None,
                as_large: Mapping[str, LargeRelativeError] = NO_LARGE_ERRORS) -> tuple[str, str | None, float | None]:
-        """Returns "ok", "unstable" or "lost" for this ``finding``, a sentence or None, and the time in s since when. A
-        run that is ok has a sentence too where errors are ``as_large`` as their quantities."""
+        """Returns "ok", "unstable" or, with a ``finding``, "lost"; a sentence that explains it, or None; and the time
+        in s since when, or None. A run that is ok has a sentence where errors, by quantity, are ``as_large`` as the
+        quantities."""
         since = None if finding is None else finding.time
         if not self.sound:
             return UNSTABLE, self.reason(), self.time if since is None else since
-        return (OK, large_error_warning(as_large),
-                None) if finding is None else (LOST, self.loss_sentence(finding), since)
+        if finding is None:
+            return OK, large_error_warning(as_large), None
+        return LOST, self.loss_sentence(finding), since
 
     def loss_sentence(self, finding: Finding) -> str:
-        """Returns in one sentence when the run was lost, where most, why, and what to change."""
+        """Returns a sentence when, by the ``finding``, the run was lost, where most, why, and what to change."""
         where = "" if finding.particle is None else \
             Message(", most at particle {particle} (X = {place})", finding.particle,
                     self._position_text(finding.particle))
@@ -207,7 +201,7 @@ class Solver(ABC):
         return ", ".join(f"{x:.4f}" for x in np.atleast_1d(self._arrays.members()["material_position"][particle]))
 
     def _advice(self) -> str:
-        """Returns what to change, for the likeliest cause."""
+        """Returns what to change in an unstable or lost run, as part of a sentence, for the likeliest cause."""
         scene = self.scene
         lonely = scene.ppc == 1 and not scene.linearity_preserving and not scene.frozen
         if scene.time_step > SAFE * scene.step_bound:
@@ -222,23 +216,16 @@ class Solver(ABC):
 
     @abstractmethod
     def snapshot(self, differences: bool = False, plotted: str | None = None) -> Snapshot:
-        """Returns the particles as they are now, with their true and estimated errors.
-
-        Parameters
-        ----------
-        differences
-            Whether to include the differences between these.
-        plotted
-            Key of the quantity (``samples.QUANTITIES``) whose field is included.
-        """
+        """Returns the particles as they are now, with their true and estimated errors; with ``differences`` also those
+        between the two, with ``plotted``, a key of ``samples.QUANTITIES``, also this quantity's field."""
 
     @abstractmethod
     def plotted(self, quantity: str) -> np.ndarray:
-        """Returns the present field of one quantity (its key), as in ``Snapshot.plotted`` (P, 2)."""
+        """Returns the present field of "x", "v", "sigma" or "a" and its deviation from the exact one (P, 2), in SI."""
 
     @abstractmethod
     def fields(self) -> ParticleFields:
-        """Returns all present fields of the particles, and their known or estimated signed errors."""
+        """Returns all present fields of the particles, in SI, and their known or estimated signed errors."""
 
     def _run(self, steps: int) -> None:
         """Launches the kernels for ``steps`` steps from ``self.step``."""
@@ -246,8 +233,8 @@ class Solver(ABC):
 
     @abstractmethod
     def _escape_sentence(self) -> str:
-        """Returns the description of a particle outside the allowed region, as part of a sentence."""
+        """Returns how a particle outside the allowed region has moved, as part of a sentence."""
 
     @abstractmethod
     def _fallback_advice(self) -> str:
-        """Returns what to change when the step is short enough and the cause is none of the usual ones."""
+        """Returns what to change, as part of a sentence, when the step is short enough and no usual cause applies."""

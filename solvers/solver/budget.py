@@ -18,8 +18,8 @@ ROUND_OFF = 1e-12  # m: an error of x up to this size may be round-off
 
 @IGNORE_OVERFLOW
 def shares(series: Mapping[str, np.ndarray], field: str) -> dict[str, float | None]:
-    """Returns for each cause the sum over samples of mean(e_c e) over that of mean(e^2). They add up to 1; a negative
-    share reduces the error. None without error."""
+    """Returns each cause's share of the error of "x", "v" or "F" (``field``): the sum over samples of mean(e_c e) over
+    that of mean(e^2). They add up to 1; a negative share reduces the error. None without error."""
     error = series[f"budget/error_{field}"]
     known = np.isfinite(error)
     total = float(np.sum(error[known] ** 2))
@@ -29,14 +29,14 @@ def shares(series: Mapping[str, np.ndarray], field: str) -> dict[str, float | No
 
 @IGNORE_OVERFLOW
 def final_parts(series: Mapping[str, np.ndarray], field: str) -> dict[str, float | None]:
-    """Returns each cause's part of the RMS error at the end, in the field's unit; they add up to it."""
+    """Returns each cause's part of the RMS error of "x" (m), "v" (m/s) or "F" at the end; they add up to it."""
     return {cause: finite_or_none(series[f"budget/part_{field}_{cause}"][-1]) for cause in CAUSES}
 
 
 @IGNORE_OVERFLOW
 def rms_error_over_run(series: Mapping[str, np.ndarray], field: str, without: str | None = None) -> float | None:
-    """Returns the RMS over particles and samples of a field's error; with ``without``, what the budget predicts for a
-    run without that cause: e - e_c, with the mean square e^2 - 2 e_c e + e_c^2."""
+    """Returns the RMS over particles and samples of the error of "x" (m), "v" (m/s) or "F"; with ``without`` what the
+    budget predicts for a run without that cause: e - e_c, with the mean square e^2 - 2 e_c e + e_c^2."""
     error = series[f"budget/error_{field}"]
     squares = error**2
     if without is not None:
@@ -47,7 +47,7 @@ def rms_error_over_run(series: Mapping[str, np.ndarray], field: str, without: st
 
 @IGNORE_OVERFLOW
 def cancellation(series: Mapping[str, np.ndarray], field: str) -> float:
-    """Returns the RMS over the run of all causes' errors, over that of the error itself: 1 where nothing cancels."""
+    """Returns the sum of the causes' RMS errors of a field over the run, over its own RMS error: 1 if none cancel."""
     error = np.sqrt(np.mean(series[f"budget/error_{field}"] ** 2))
     causes = sum(np.sqrt(np.mean(series[f"budget/size_{field}_{cause}"] ** 2)) for cause in CAUSES)
     return 0.0 if error == 0 else float(causes / error)
@@ -76,6 +76,6 @@ def summary(series: Mapping[str, np.ndarray], reference: str) -> dict:
     return {**{field: shares(series, field) for field in FIELDS},
             "at_end": {field: final_parts(series, field) for field in FIELDS},
             "rms": {field: rms_error_over_run(series, field) for field in FIELDS},
-            "predicted": {field: {cause: rms_error_over_run(series, field,
-                                                            without=cause) for cause in CAUSES} for field in FIELDS},
+            "predicted": {field: {cause: rms_error_over_run(series, field, cause) for cause in CAUSES}
+                          for field in FIELDS},
             "reference": reference, "not_valid": why_not_valid(series)}

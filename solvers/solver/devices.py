@@ -30,8 +30,8 @@ ROUNDING = 1e-12  # tolerance of the sum: TERMS roundings of numbers below 8, at
 
 
 def resolve_arch(arch: str) -> str:
-    """Returns where a run with this ``arch`` takes place: "cpu", "cuda" or "vulkan". ``gpu`` is the first of these GPUs
-    that exists, or else the CPU. Raises :class:`SceneError` for a GPU that is named and does not exist."""
+    """Returns where a run with a scene's ``arch`` takes place: "cpu", "cuda" or "vulkan". "gpu" is the first of these
+    GPUs that exists, or else the CPU. Raises :class:`SceneError` for a GPU that is named and does not exist."""
     if arch == CPU:
         return CPU
     if arch == GPU:
@@ -45,8 +45,8 @@ def resolve_arch(arch: str) -> str:
 
 @functools.cache
 def probe_device(kind: str) -> dict:
-    """Returns for a kind of device its ``name``, if known, whether it is ``software`` on the CPU, and why it is
-    ``missing``, or None."""
+    """Returns for "cuda" or "vulkan" the device's ``name``, if known, whether it is ``software`` on the CPU, and why it
+    is ``missing``, or None."""
     try:
         return ask_fresh(f"{__name__}:probe_in_process", {"kind": kind}, patience=TIMEOUT)
     except ProcessDied as error:
@@ -55,13 +55,14 @@ def probe_device(kind: str) -> dict:
 
 @ti.kernel
 def run_test_sum(terms: ti.i32, total: reals):
-    """Adds 1, 1/2, 1/3, ... to the total, in parallel."""
+    """Adds the ``terms`` numbers 1, 1/2, 1/3, ... to ``total[0]``, in parallel."""
     for k in range(terms):
         ti.atomic_add(total[0], 1.0 / (k + 1))
 
 
 def probe_in_process(question: dict, answer: Callable[[dict], None]) -> None:
-    """Probes a kind of device, in a process of its own, and answers with the result."""
+    """Probes the device ``question["kind"]`` in a process of its own; calls ``answer`` with :func:`probe_device`'s
+    dict."""
     kind, total = question["kind"], np.zeros(1)
     with _capture_stderr() as told:  # where Taichi's native code writes which device it uses
         ti.init(arch=getattr(ti, kind), default_fp=ti.f64, verbose=False, log_level=ti.TRACE)
@@ -77,7 +78,8 @@ def probe_in_process(question: dict, answer: Callable[[dict], None]) -> None:
 
 @contextlib.contextmanager
 def _capture_stderr() -> Iterator[Callable[[], str]]:
-    """Captures what is written to standard error in the block, by native code too."""
+    """Captures standard error in the block, of native code too; yields a function () that returns it after the
+    block."""
     with tempfile.TemporaryFile() as file:
         before = os.dup(2)
         os.dup2(file.fileno(), 2)

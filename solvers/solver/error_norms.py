@@ -19,18 +19,8 @@ IGNORE_OVERFLOW = np.errstate(over="ignore", invalid="ignore", divide="ignore")
 
 @IGNORE_OVERFLOW
 def summary(series: np.ndarray) -> dict[str, float | None]:
-    """Summarises a series.
-
-    Parameters
-    ----------
-    series : (T,) array
-
-    Returns
-    -------
-    dict
-        ``final``, ``max`` and ``mean`` over the times after the start, in the series' unit; None where there is none.
-        The last two ignore what is not finite in an unstable run.
-    """
+    """Returns ``final``, ``max`` and ``mean`` of a series (T,) over the times after the start, in its unit, None where
+    there is none; the last two ignore what is not finite in an unstable run."""
     values = series[1:]
     known = values[np.isfinite(values)]
     if not len(known):
@@ -39,35 +29,23 @@ def summary(series: np.ndarray) -> dict[str, float | None]:
 
 
 def largest_finite_or_none(values: np.ndarray) -> float | None:
-    """Returns the largest finite value; None if there is none."""
+    """Returns the largest finite value of an array; None if there is none."""
     known = values[np.isfinite(values)]
     return float(known.max()) if len(known) else None
 
 
 @IGNORE_OVERFLOW
 def error_index(norms: np.ndarray, true: np.ndarray, rounding: float = 0.0) -> float | None:
-    """Returns the ratio of eq 35: the sum over time of norms over that of the true error's norms.
-
-    Parameters
-    ----------
-    norms : (T,) array
-        One of :data:`RATIOS`.
-    true : (T,) array, in the same unit
-    rounding
-        Size that the true error must exceed at least once (``solvers.solver.rounding``).
-
-    Returns
-    -------
-    float or None
-        None where the true error is only rounding, or unknown.
-    """
+    """Returns the ratio of eq 35: the sum over time of ``norms`` (T,), of an estimate or of its difference from the
+    truth (:data:`RATIOS`), over that of the ``true`` error's norms (T,), in the same unit. None where the true error is
+    unknown or never exceeds ``rounding``, in that unit (``solvers.solver.rounding``)."""
     if is_only_rounding(true, rounding):
         return None
     return finite_or_none(float(_sum_ratio(np.sum(norms), np.sum(true))))
 
 
 def is_only_rounding(true: np.ndarray, rounding: float) -> bool:
-    """Returns whether a true error (T,) is known and never exceeds ``rounding``."""
+    """Returns whether a true error (T,) is known and never exceeds ``rounding``, both in the same unit."""
     return bool(np.isfinite(true).any()) and not (np.isnan(true) | (true > rounding)).any()
 
 
@@ -79,8 +57,8 @@ class RunningEffectivityIndex:
 
     @IGNORE_OVERFLOW
     def extend(self, norms: np.ndarray, true: np.ndarray, rounding: np.ndarray | float = 0.0) -> np.ndarray:
-        """Returns the index at each of these further times (T,), from the norms at them; NaN as long as no true error
-        has exceeded the ``rounding`` at its time."""
+        """Returns the index at each of these further times (T,), from the norms at them of the estimate and of the
+        ``true`` error; NaN as long as no true error has exceeded the ``rounding`` at its time."""
         sums, true_sums = np.cumsum(norms) + self._norms, np.cumsum(true) + self._true
         self._norms, self._true = float(sums[-1]), float(true_sums[-1])
         excess = np.maximum(self._excess, np.maximum.accumulate(true - rounding))

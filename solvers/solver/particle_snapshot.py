@@ -11,14 +11,14 @@ TRUTH = "truth"  # the name of the true errors among those of estimators
 
 @dataclass(frozen=True)
 class Snapshot:
-    """Particles at one time. P particles; columns of errors are x, v, sigma, a.
+    """P particles of a run at one time, in SI; columns of errors are x, v, sigma, a.
 
     Positions are (P,) for the bar and (P, 2) in the plane, F (P,) and (P, 2, 2). ``error`` (P, 4) is computed minus
-    exact for the bar, the size of that in the plane, or None without the truth; ``estimate`` maps an estimator to
-    (P, 4), and ``difference`` to the sizes of estimate minus truth (P, 4), only where they were asked for and the truth
-    is known; ``last_crossing`` (P,) is the step of each particle's last cell change (-1: never), or None.
-    ``plotted`` (P, 2) is the field that was asked for and its deviation from the exact one, NaN where it is not known:
-    along the bar, along e_R for the ring, along e_theta for the vortex.
+    exact for the bar, the size of that in the plane, or None without the truth; ``estimate`` maps an estimator to (P,
+    4), and ``difference`` to the sizes of estimate minus truth (P, 4), only where they were asked for and the truth is
+    known; ``last_crossing`` (P,) is the step of each particle's last cell change (-1: never), or None. ``plotted`` (P,
+    2) is the field that was asked for and its deviation from the exact one, NaN where it is not known: along the bar,
+    along e_R for the ring, along e_theta for the vortex.
     """
 
     step: int
@@ -43,7 +43,7 @@ class ParticleValues(NamedTuple):
     stress: np.ndarray
 
     def minus_errors(self, errors: "ParticleValues") -> "ParticleValues":
-        """Returns the values minus these errors."""
+        """Returns the values corrected by their ``errors``, computed minus exact."""
         return ParticleValues(*(mine - theirs for mine, theirs in zip(self, errors, strict=True)))
 
 

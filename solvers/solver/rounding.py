@@ -19,8 +19,8 @@ LARGEST_COORDINATE = 1.0  # m: no coordinate is much larger while a body does no
 
 
 def largest_rounding_error(scene: Scene, quantity: str, steps: Any) -> Any:
-    """Returns the largest RMS error of x, v, sigma or a, in SI, that rounding alone may cause in ``steps`` steps, a
-    number or an array."""
+    """Returns the largest RMS error of "x", "v", "sigma" or "a", in SI, that rounding alone may cause in ``steps``
+    steps, a number or an array, in the form of ``steps``."""
     # Numbers that a step adds up: for x coordinates; for v speeds of waves and drift; for sigma E, and the effect
     # of rounded velocities on F; for a the forces at a node before they cancel.
     drift, stretch = scene.drift_speed, max(1.0, scene.initial_stretch)
@@ -31,5 +31,5 @@ def largest_rounding_error(scene: Scene, quantity: str, steps: Any) -> Any:
 
 
 def rounding_sentence(limit: float) -> str:
-    """Returns why there is no index, where rounding may cause errors up to ``limit``."""
+    """Returns a sentence why there is no error index, where rounding may cause errors up to ``limit`` in SI."""
     return Message("nothing but rounding: the true error never exceeds {max:.2g}, which rounding alone may make", limit)

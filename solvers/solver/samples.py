@@ -31,39 +31,28 @@ MAX_ROWS = 512  # capacity, after which the host has to collect the rows
 
 
 def column_names(estimators: tuple[str, ...], effects: tuple[str, ...]) -> list[str]:
-    """Returns the names of the columns of a row, in order, for a run with these estimators and effects; columns of an
-    effect are prefixed with its name."""
+    """Returns the names of the columns of a row of samples, in order, for a run with these estimators and effects;
+    columns of an effect are prefixed with its name."""
     return [*BASE_COLUMNS, *(f"{estimator}/{name}" for estimator in estimators for name in ESTIMATOR_COLUMNS),
             *(f"{effect}/{name}" for effect in effects for name in ALL[effect].columns)]
 
 
 def column_index(name: str, on: KernelOptions | None = None) -> int:
-    """Returns the index of a base column, for kernels (use inside ``ti.static``); with ``on`` that of any column of the
-    run, such as ``spin/torque``."""
+    """Returns the index of a column of samples in kernels, in ``ti.static``: of a base column, or with ``on`` of any
+    column of the run, such as ``spin/torque``."""
     return BASE_COLUMNS.index(name) if on is None else column_names(on.estimators, on.effects).index(name)
 
 
 def read_rows(rows: np.ndarray, scene: Scene, particles: int, margin_unit: float = 1.0) -> dict[str, np.ndarray]:
-    """Returns rows of samples as named series.
+    """Returns rows of samples (T, C), with the C columns of the scene's run, as named series (T,).
 
-    Parameters
-    ----------
-    rows : (T, C) array
-        With the C columns of the scene's run.
-    scene
-    particles
-        Number of particles in the sums.
-    margin_unit
-        Factor of the margins, which kernels compute from Gershgorin's circles: see ``solvers.scene.step_bound``.
-
-    Returns
-    -------
-    dict of (T,) arrays
-        ``time`` in s, ``error_x`` ... (RMS over particles, SI), ``kinetic``, ``strain``, ``work`` (J), ``crossings``
-        and, for each estimator, ``transport/estimate_x``, ``transport/difference_x`` and so on (RMS too). Of the
-        budget, for each of ``FIELDS`` and ``CAUSES``, ``budget/error_x`` (RMS), ``budget/part_x_crossings``, the signed
-        part of it that the cause has made, mean(e_c e)/RMS(e), and ``budget/size_x_crossings``, the RMS of e_c. Columns
-        of other effects as they are: ``spin/torque``.
+    ``particles`` is their number in the sums, ``margin_unit`` the factor of margins, which kernels compute from
+    Gershgorin's circles (``solvers.scene.step_bound``). The series are ``time`` in s, ``error_x`` ... (RMS over
+    particles, SI), ``kinetic``, ``strain``, ``work`` (J), ``crossings`` and, for each estimator,
+    ``transport/estimate_x``, ``transport/difference_x`` and so on (RMS too). Of the budget, for each of ``FIELDS`` and
+    ``CAUSES``, ``budget/error_x`` (RMS), ``budget/part_x_crossings``, the signed part of it that the cause has made,
+    mean(e_c e)/RMS(e), and ``budget/size_x_crossings``, the RMS of e_c. Columns of other effects as they are:
+    ``spin/torque``.
     """
     names = column_names(scene.active_estimators, scene.active_effects)
     as_they_are = {*column_names((), scene.active_effects)} - {*BASE_COLUMNS, *BUDGET}

@@ -18,8 +18,8 @@ FORCE, TONE, MOTION, GRID = range(4)  # tables of a body: its force, the force's
 
 
 def pack_tables(*tables: tuple[SeparableField | None, np.ndarray | None]) -> tuple[np.ndarray, np.ndarray]:
-    """Returns sizes (5 n,) and entries (N, 4) of n tables, each given with its modes as entries; a missing one has rank
-    0. The first entry is not used."""
+    """Returns sizes (5 n,) and entries (N, 4), for kernels, of n tables, each a field and its modes as one of the
+    functions ``..._mode_entries`` returns them; a missing one has rank 0. The first entry is not used."""
     sizes, parts, entries = [], [np.zeros((1, 4))], 1
     for table, modes in tables:
         if table is None or modes is None:
@@ -36,7 +36,7 @@ def pack_tables(*tables: tuple[SeparableField | None, np.ndarray | None]) -> tup
 
 
 def paired_mode_entries(table: SeparableField | None) -> tuple[SeparableField | None, np.ndarray | None]:
-    """Returns a field of vectors, padded to an even rank, and its modes, two in each entry."""
+    """Returns a field of vectors, padded to an even rank, and its modes (n, 4), two in each entry; None for None."""
     if table is None:
         return None, None
     modes, series = table.modes, table.series
@@ -47,28 +47,29 @@ def paired_mode_entries(table: SeparableField | None) -> tuple[SeparableField | 
 
 
 def vector_mode_entries(table: SeparableField | None) -> tuple[SeparableField | None, np.ndarray | None]:
-    """Returns a field of vectors and its modes, one in each entry: (x, y, 0, 0)."""
+    """Returns a field of vectors and its modes (n, 4), one in each entry: (x, y, 0, 0); None for None."""
     if table is None:
         return None, None
     return table, np.pad(table.modes.reshape(-1, 2), ((0, 0), (0, 2)))
 
 
 def motion_mode_entries(table: SeparableField | None) -> tuple[SeparableField | None, np.ndarray | None]:
-    """Returns a field of u and Grad u (P, r, 6) and its modes, each in two entries: (u_x, u_y, 0, 0) and Grad u."""
+    """Returns a field of u and Grad u (P, r, 6) and its modes (n, 4), two entries each: (u_x, u_y, 0, 0) and Grad u."""
     if table is None:
         return None, None
     return table, np.insert(table.modes.reshape(-1, 6), [2, 2], 0.0, axis=1).reshape(-1, 4)
 
 
 @ti.func
-def table_size(body: ti.template(), number: ti.template(), which: ti.template()):
-    """Returns an entry of the sizes of a body's table ``number``, such as :data:`RANK`."""
+def table_size_entry(body: ti.template(), number: ti.template(), which: ti.template()):
+    """Returns the size ``which``, such as :data:`RANK`, of table ``number``, such as ``MOTION``, of a body."""
     return body.table_sizes[ti.static(SIZES_PER_TABLE * number + which)]
 
 
 @ti.func
 def compute_force_time_functions(tables: ti.template(), sizes: ti.template(), angle, on: ti.template()):
-    """Computes the functions of time of a body force at an angle w t, for the first two tables."""
+    """Stores in ``tables`` the functions of time of a body force and its second tone at an angle w t in rad. ``on``:
+    compile-time options."""
     if ti.static(on.body_force != "none"):
         compute_paired_time_functions(tables, sizes, FORCE, angle, 1.0)
     if ti.static(on.body_force == "two-tone"):
@@ -77,7 +78,8 @@ def compute_force_time_functions(tables: ti.template(), sizes: ti.template(), an
 
 @ti.func
 def body_force_at(tables: ti.template(), sizes: ti.template(), place, on: ti.template()):
-    """Returns the body force per mass at a place, with the functions of time computed last."""
+    """Returns the body force per mass (2,) in m/s^2 at the index ``place`` of ``tables``, for the functions of time
+    stored last by :func:`compute_force_time_functions`. ``on``: compile-time options."""
     force = ti.Vector([0.0, 0.0])
     if ti.static(on.body_force != "none"):
         force = paired_field_at(tables, sizes, FORCE, place)
@@ -88,7 +90,7 @@ def body_force_at(tables: ti.template(), sizes: ti.template(), place, on: ti.tem
 
 @ti.func
 def compute_paired_time_functions(tables: ti.template(), sizes: ti.template(), number: ti.template(), angle, scale):
-    """Computes ``scale`` T_k at an angle of the first harmonic, for a table of pairs: entries (T_2k, T_2k, T_2k+1,
+    """Stores ``scale`` T_k at an angle w t of the first harmonic in table ``number`` of pairs, as (T_2k, T_2k, T_2k+1,
     T_2k+1).
 
     The functions are independent, harmonics by recurrence: on a GPU the outermost loop is spread over threads.
@@ -109,7 +111,8 @@ def compute_paired_time_functions(tables: ti.template(), sizes: ti.template(), n
 
 @ti.func
 def paired_field_at(tables: ti.template(), sizes: ti.template(), number: ti.template(), place):
-    """Returns the vector of a field of pairs at a place, with the functions of time computed last."""
+    """Returns the vector (2,) of table ``number``, of pairs, at the index ``place``, for the functions of time stored
+    last by :func:`compute_paired_time_functions`."""
     base = ti.static(SIZES_PER_TABLE * number)
     pairs, modes, now = sizes[base + RANK] // 2, sizes[base + MODES], sizes[base + PRESENT]
     total = ti.Vector([0.0, 0.0, 0.0, 0.0])
@@ -120,8 +123,8 @@ def paired_field_at(tables: ti.template(), sizes: ti.template(), number: ti.temp
 
 @ti.func
 def compute_time_functions(tables: ti.template(), sizes: ti.template(), number, frequency, now, before):
-    """Computes (T_k, T_k' at the angle ``now``, T_k'' and T_k at ``before``) of a table, with harmonics of a
-    ``frequency`` in 1/s: a method's acceleration is that of its last step."""
+    """Stores in table ``number`` (T_k, T_k' at the angle ``now`` in rad, T_k'' and T_k at ``before``), with harmonics
+    of an angular ``frequency`` in 1/s: a method's acceleration is that of its last step."""
     base = SIZES_PER_TABLE * number
     rank, at, out = sizes[base + RANK], sizes[base + SERIES], sizes[base + PRESENT]
     for k in range(rank):

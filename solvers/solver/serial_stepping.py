@@ -17,7 +17,7 @@ NAN_JACOBIAN = -1e300  # stands for a det F that is NaN: smaller than any other
 
 
 class StepFunctions(NamedTuple):
-    """The parts of a problem's step, and what is evaluated beside it, as Taichi functions."""
+    """Parts of a problem's step and of what is evaluated beside it, as Taichi functions of the problem's state."""
 
     one_step: Callable  # (state, step, on)
     check: Callable  # (state, step): stops an unstable run
@@ -36,24 +36,26 @@ class SerialKernels(NamedTuple):
 
 
 def serial_kernels(State: Any, phases: StepFunctions) -> SerialKernels:
-    """Returns the kernels of a problem whose state has the type ``State``."""
+    """Returns the kernels of a problem whose state has the Taichi type ``State``, from the parts of its step."""
     @ti.kernel
     def advance(start: ti.i32, turns: ti.i32, purpose: ti.i32, state: State, on: ti.template()):
-        """Runs ``turns`` iterations from step ``start`` on, for ``purpose``: see :func:`step_or_sample`."""
+        """Runs ``turns`` iterations from step ``start`` on, for ``purpose``: see :func:`step_or_sample`. ``on``:
+        compile-time options."""
         ti.loop_config(serialize=True)
         for turn in range(turns):
             step_or_sample(hoist_scalars(state), turn, start, purpose, phases, on)
 
     @ti.kernel
     def freeze(state: State, on: ti.template()):
-        """Computes the weights of a body with frozen weights."""
+        """Computes the weights of a body with frozen weights. ``on``: compile-time options."""
         ti.loop_config(serialize=True)
         for _ in range(1):
             phases.find_weights(state, on)
 
     @ti.kernel
     def compute_step_margin(state: State, on: ti.template()):
-        """Computes the step margin, in a kernel of its own because its code is long and its calls are rare."""
+        """Computes the step margin, in a kernel of its own because its code is long and its calls are rare. ``on``:
+        compile-time options."""
         ti.loop_config(serialize=True)
         for _ in range(1):
             phases.compute_step_margin(state, on)
@@ -62,12 +64,12 @@ def serial_kernels(State: Any, phases: StepFunctions) -> SerialKernels:
 
 
 class SerialStepper:
-    """Steps the arrays of a ``pack`` in place, on one thread."""
+    """Stepper of the arrays of a ``pack``, the kernels' argument, in place, on one thread, with the options ``on``."""
 
     def __init__(self, kernels: SerialKernels, pack: Any, on: KernelOptions):
         self.pack = pack
-        self._advance, self.compute_step_margin = (Launch(one, pack,
-                                                          on) for one in (kernels.advance, kernels.compute_step_margin))
+        self._advance, self.compute_step_margin = (
+            Launch(kernel, pack, on) for kernel in (kernels.advance, kernels.compute_step_margin))
         if on.frozen:
             kernels.freeze(pack, on)
 
@@ -75,11 +77,11 @@ class SerialStepper:
         """Does nothing: all kernels are compiled by :meth:`run`."""
 
     def run(self, before: int, steps: int) -> None:
-        """Takes steps after ``before`` of them, or until a check finds the run unstable."""
+        """Takes ``steps`` steps after the first ``before``, or fewer if a check finds the run unstable."""
         self._advance(before, steps, STEP)
 
     def inspect_state(self, step: int, purpose: int) -> None:
-        """Samples the state after ``step`` steps into row 0, or only updates the estimates."""
+        """Samples the state after ``step`` steps into row 0, or, for the purpose ``REPORT``, only updates estimates."""
         self._advance(step, 1, purpose)
 
     def fetch(self) -> None:
@@ -93,7 +95,7 @@ class SerialStepper:
 def step_or_sample(state: ti.template(), turn, start, purpose, phases: ti.template(), on: ti.template()):
     """Runs iteration ``turn``, from zero, of a launch at step ``start``: takes one step and samples the norms if it is
     a multiple of ``sample_interval`` (``STEP``); or checks the present state and samples it into row 0 (``MEASURE``),
-    or only updates the estimates (``REPORT``).
+    or only updates the estimates (``REPORT``). ``on``: compile-time options.
 
     One function serves all three: sampling is most of the code, and compile time grows with the code.
     """
@@ -115,7 +117,8 @@ def step_or_sample(state: ti.template(), turn, start, purpose, phases: ti.templa
 
 @ti.func
 def sample_effects(state: ti.template(), row, step, samplers: ti.template(), on: ti.template()):
-    """Calls the samplers of all active effects, as in ``solvers.scene.effects.samplers``."""
+    """Calls the samplers of all active effects (``solvers.scene.effects.samplers``) for a row of ``state.samples``.
+    ``on``: compile-time options."""
     for e in ti.static(range(len(on.effects))):
         if ti.static(on.effects[e] in samplers):
             samplers[on.effects[e]](state, row, step, on)
@@ -123,8 +126,8 @@ def sample_effects(state: ti.template(), row, step, samplers: ti.template(), on:
 
 @ti.func
 def check_particles(state: ti.template(), step, jacobian: ti.template(), has_escaped: ti.template()):
-    """Stops a run with a particle whose det F, which ``jacobian(state, p)`` returns, is <= 0, tiny or NaN, the smallest
-    of them, or else the first for which ``has_escaped(state, p, step)`` is true.
+    """Stops a run, by ``state.verdict``, with a particle whose det F, which ``jacobian(state, p)`` returns, is <= 0,
+    tiny or NaN, the smallest of them, or else the first for which ``has_escaped(state, p, step)`` is true.
 
     Without the limit on tiny ones, a run that collapses into a few clusters of particles would never stop.
     """

@@ -27,49 +27,36 @@ LOST_FROM = 0.5  # error of x, in amplitudes of the motion, from which on a run 
 
 @dataclass(frozen=True)
 class ContradictionRule:
-    """Kind of evidence against a run: a column of the samples, in m, and the share of the motion's amplitude that no
-    sound run reaches. ``sentence`` explains it; {size} is the share found."""
+    """Kind of evidence against a run: ``name``, that of a column of the samples, in m, and ``most``, the share of the
+    motion's amplitude that no sound run reaches. ``sentence`` explains it; {size} is the share found."""
 
     name: str
     most: float
     sentence: str
 
 
-CONTRADICTIONS: dict[str, ContradictionRule] = {
-    rule.name: rule
-    for rule in (
-        # D <= 2 rms(e_x) and what F adds, beside what few particles do (``scene.lattice_gap``): derived, not fitted.
-        ContradictionRule(
-            "neighbour_gap",
-            0.2,
-            "neighbouring particles are not where their deformation implies (off by {size} of the amplitude); do "
-            "not trust positions or stress",
-        ),
-        # The forces sum to zero: a strict lower bound of the error.
-        ContradictionRule(
-            "mean_drift",
-            0.1,
-            "the body as a whole has moved by {size} of the amplitude though no net force acts; its shape may "
-            "still be right",
-        ),
-        # Motion around the centre, and differences along a material circle: a strict lower bound of the error.
-        ContradictionRule("out_of_shape", 0.1, "the ring is no longer round (by {size} of the amplitude)"),
-        # Occurs on fine grids, where neighbours are too close to have large gaps; sound runs reach 0.3.
-        ContradictionRule("displacement_mismatch", 0.4,
-                          "displacements and deformation contradict each other (off by {size} of the amplitude)"),
-        # A lower bound of the error, up to the error of the balance itself, a hundredth or less.
-        ContradictionRule(
-            "balance_gap",
-            LOST_FROM,
-            "the particles are not where the balance of momentum requires (off by {size} of the amplitude)",
-        ),
-    )
-}
+CONTRADICTIONS: dict[str, ContradictionRule] = {rule.name: rule for rule in (
+    # D <= 2 rms(e_x) and what F adds, beside what few particles do (``scene.neighbour_mismatch``): derived, not fitted.
+    ContradictionRule("neighbour_gap", 0.2, "neighbouring particles are not where their deformation implies (off by "
+                      "{size} of the amplitude); do not trust positions or stress"),
+    # The forces sum to zero: a strict lower bound of the error.
+    ContradictionRule("mean_drift", 0.1, "the body as a whole has moved by {size} of the amplitude though no net force "
+                      "acts; its shape may still be right"),
+    # Motion around the centre, and differences along a material circle: a strict lower bound of the error.
+    ContradictionRule("out_of_shape", 0.1, "the ring is no longer round (by {size} of the amplitude)"),
+    # Occurs on fine grids, where neighbours are too close to have large gaps; sound runs reach 0.3.
+    ContradictionRule("displacement_mismatch", 0.4, "displacements and deformation contradict each other (off by "
+                      "{size} of the amplitude)"),
+    # A lower bound of the error, up to the error of the balance itself, a hundredth or less.
+    ContradictionRule("balance_gap", LOST_FROM, "the particles are not where the balance of momentum requires (off by "
+                      "{size} of the amplitude)"),
+)}
 
 
 @dataclass(frozen=True)
 class Finding:
-    """First sample at which a run is found lost: its time in s, what was found, and its size, mostly in amplitudes."""
+    """First sample at which a run is found lost: its ``time`` in s, a ``sentence`` that says why, and the ``size`` of
+    what is wrong, mostly in amplitudes."""
 
     time: float
     sentence: str
@@ -79,7 +66,7 @@ class Finding:
 
 def findings(scene: Scene, series: Mapping[str, np.ndarray]) -> dict[str, Finding]:
     """Returns the first finding of each rule, of the truth and of each judging estimator in the ``series`` of a run
-    (:func:`solvers.solver.samples.read_rows`), by their names.
+    (:func:`solvers.solver.samples.read_rows`), by their names; those without are left out.
 
     The truth, where it is on, and the estimators count from an error of half the motion's amplitude on.
     """
@@ -106,8 +93,8 @@ def findings(scene: Scene, series: Mapping[str, np.ndarray]) -> dict[str, Findin
 
 
 def earliest_finding(found: Mapping[str, Finding], not_valid: Collection[str]) -> Finding | None:
-    """Returns the first of several findings, without those of estimators that do not hold: the run is lost from then
-    on. None where nothing was found, which is no proof."""
+    """Returns the first of several :func:`findings`, without those of estimators that are ``not_valid``: the run is
+    lost from then on. None where nothing was found, which is no proof."""
     return min((finding for name, finding in found.items() if name.partition("/")[0] not in not_valid),
                key=lambda one: one.time, default=None)
 
@@ -138,7 +125,7 @@ def momentum_balance_distance(scene: Scene, series: Mapping[str, np.ndarray]) ->
 
 @IGNORE_OVERFLOW
 def evidence(scene: Scene, series: Mapping[str, np.ndarray]) -> dict[str, float | None]:
-    """Returns the largest share of the motion's amplitude that each kind of evidence reached, None where it was not
-    evaluated; for the JSON object."""
+    """Returns by rule the largest share of the motion's amplitude that its evidence reached, for the JSON object; None
+    where it was not evaluated."""
     A, series = scene.motion_amplitude, {**series, "balance_gap": momentum_balance_distance(scene, series)}
     return {name: largest_finite_or_none(series[name] / A) for name in CONTRADICTIONS}

@@ -25,7 +25,7 @@ REMEDY_INTERVAL = 4  # steps between two applications; the effect per time does 
 
 @dataclass
 class Members:
-    """Numbers and arrays by name; arrays are replaced by aligned copies on construction."""
+    """Base of dataclasses of numbers and arrays for kernels; arrays are replaced by aligned copies on construction."""
 
     def __post_init__(self) -> None:
         for field in fields(self):
@@ -34,7 +34,7 @@ class Members:
     @classmethod
     @functools.cache
     def types(cls) -> dict[str, object]:
-        """Returns the Taichi type of each member, in order."""
+        """Returns the Taichi type of each member by name, in order."""
         hints = get_type_hints(cls, include_extras=True)
         return {f.name: hints[f.name].__metadata__[0] for f in fields(cls) if hasattr(hints[f.name], "__metadata__")}
 
@@ -64,7 +64,8 @@ class Diagnostics(Members):
 
 def initial_diagnostics(scene: Scene, on: KernelOptions, particles: int, farthest: float,
                         hooks: dict[str, EstimatorHooks]) -> dict:
-    """Returns the members of a :class:`Diagnostics` at the start of a run with ``particles`` particles."""
+    """Returns the members of a :class:`Diagnostics` by name, at the start of a run with ``particles`` particles;
+    ``farthest`` is in m, ``hooks`` are of the problem's estimators. ``on``: compile-time options."""
     intervals = [hooks[name].interval(scene) for name in scene.active_estimators]
     return {"sample_interval": scene.sample_interval, "look_interval": scene.look_interval,
             "step_margin": np.full(1, np.nan), "farthest": farthest,
@@ -76,13 +77,14 @@ def initial_diagnostics(scene: Scene, on: KernelOptions, particles: int, farthes
 
 
 def remedy_rates(scene: Scene) -> dict[str, float]:
-    """Returns the interval of filter and coupling in steps, and their rate min(1, dt/tau) per application."""
+    """Returns the members ``remedy_interval``, of filter and coupling in steps, and ``remedy_rate``, min(1, dt/tau)."""
     rate = min(1.0, REMEDY_INTERVAL * scene.time_step * scene.wave_speed / (REMEDY_TIME * scene.spacing))
     return {"remedy_interval": REMEDY_INTERVAL, "remedy_rate": rate}
 
 
 def zeros(length: int, width: int | None = None, *, when: bool = True, kind: type = np.float64) -> np.ndarray:
-    """Returns zeros, of length one unless ``when``."""
+    """Returns an array of zeros (length,) or (length, width) of this ``kind``; unless ``when``, which says that a
+    kernel uses it, its length is one."""
     length = length if when else 1
     return np.zeros(length if width is None else (length, width), kind)
 

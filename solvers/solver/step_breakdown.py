@@ -8,7 +8,8 @@ import numpy as np
 
 @dataclass(frozen=True)
 class NodeImage:
-    """A node that is summed with another: its number, and its positions as seen there, ``signs`` x + ``shift``.
+    """A node that is summed with another: its number, and how its positions are seen there, ``signs`` x + ``shift`` in
+    m.
 
     The bar's period has images one length away, the ring's symmetry planes have mirror images; a node is its own, too.
     """
@@ -20,9 +21,10 @@ class NodeImage:
 
 @dataclass(frozen=True)
 class ParticleNodeLinks:
-    """Links of the n nodes of one particle with k ``members``: numbers of particles, itself first, each as seen from
-    there (``signs`` and ``shift`` (k, D) as in :class:`NodeImage`). ``nodes`` (n,) are indices in the solver's arrays,
-    ``weight`` (k, n) is S and ``slope`` (k, n, D) its gradient in 1/m; 0 where there is no link."""
+    """Links of the n nodes of one particle with k ``members``: numbers of the particles that reach them, the particle
+    itself first, each as seen from it (``signs`` and ``shift`` (k, D) as in :class:`NodeImage`). ``nodes`` (n,) are
+    indices in the solver's arrays, ``weight`` (k, n) is S and ``slope`` (k, n, D) its gradient in 1/m; 0 where there is
+    no link."""
 
     members: np.ndarray
     signs: np.ndarray
@@ -34,9 +36,9 @@ class ParticleNodeLinks:
 
 def find_links(particle: int, nodes: np.ndarray, weights: Callable[[np.ndarray], tuple[np.ndarray, np.ndarray]],
                images: Callable[[int], Iterable[NodeImage]]) -> ParticleNodeLinks:
-    """Returns the links of a particle. ``nodes`` (P, M) are those of each particle, possibly repeated, ``weights``
-    returns S (c, M) and its gradient (c, M, D) for particles (c,), and ``images`` all nodes that are summed with
-    one."""
+    """Returns the links of the particle with this number. ``nodes`` (P, M) are those of each particle, possibly
+    repeated; ``weights`` returns S (c, M) and its gradient (c, M, D) in 1/m for particles (c,), and ``images`` for a
+    node all that are summed with it."""
     S, dS = weights(np.array([particle]))
     own = np.unique(nodes[particle][(S[0] != 0) | (dS[0] != 0).any(axis=1)])
     n, D = len(own), dS.shape[2]
@@ -68,7 +70,7 @@ class ParticleState:
     stress: np.ndarray
 
     def mirror(self, links: ParticleNodeLinks) -> "ParticleState":
-        """Returns the state of the links' members, as seen from the first."""
+        """Returns the state of the k members of the links, each as seen from the particle that the links are about."""
         p, signs = links.members, links.signs
         return ParticleState(signs * self.position[p] + links.shift, signs * self.velocity[p],
                              mirror_tensors(self.deformation_gradient[p], signs), mirror_tensors(self.stress[p], signs))
@@ -81,14 +83,15 @@ def mirror_tensors(tensors: np.ndarray, signs: np.ndarray) -> np.ndarray:
 
 @dataclass(frozen=True)
 class StepBreakdown:
-    """Step number ``step``, from ``time`` on in s, around the first of k members; n nodes, D directions.
+    """Step number ``step``, from ``time`` on in s, around the first of k members, with their states ``before`` and
+    ``after``; n nodes, D directions.
 
     ``place`` (k, D) is where the weights see the particles: at x, or at X with frozen weights. ``edges`` (k, D, D) has
     half the edge vectors of their domains as the method sees them, in m, 0 for hat functions. ``tension`` (k, D, D) is
     what the slopes are multiplied with, V sigma, or V0 P with frozen weights, in N m. Of the nodes (n, D): place in m,
     ``momentum`` in N s, forces in N, ``acceleration`` and ``velocity`` after the step; ``node_mass`` (n,) in kg; of the
     bar all for a cross-section of 1 m2, of the ring for a thickness of 1 m. At a symmetry plane the solver sums one
-    side only. ``left_over`` (D,) is what the particle's new velocity has that is not from the nodes: of remedies.
+    side only.
     """
 
     step: int
@@ -123,5 +126,6 @@ class StepBreakdown:
 
     @property
     def velocity_change_by_remedies(self) -> np.ndarray:
+        """Velocity (D,) in m/s that the particle has gained in the step beside what the nodes gave it."""
         gained = self.time_step * self.links.weight[0] @ self.acceleration
         return self.after.velocity[0] - self.before.velocity[0] - gained

@@ -24,8 +24,8 @@ LONG_SAMPLE_INTERVAL = 0.2  # periods from one sample to the next, beyond which 
 
 @dataclass(frozen=True)
 class LargeRelativeError:
-    """Error of a quantity that has been as large as the quantity itself: since when in s, the largest error so far over
-    the quantity's own RMS (``scene.rms_of``), and its source, "truth" or an estimator."""
+    """Error of a quantity that has been as large as the quantity itself: ``since`` when in s, ``size`` the largest
+    error so far over the quantity's own RMS (``scene.rms_of``), and its source ``by``, "truth" or an estimator."""
 
     since: float
     size: float
@@ -35,8 +35,8 @@ class LargeRelativeError:
 @IGNORE_OVERFLOW
 def large_errors(scene: Scene, series: Mapping[str, np.ndarray],
                  not_valid: Collection[str] = ()) -> dict[str, LargeRelativeError]:
-    """Returns those of v, sigma and a whose error was once as large as themselves, by the truth where it is on, else by
-    a judging estimator that holds."""
+    """Returns, by quantity, errors of v, sigma and a that were once as large as the quantity itself in a ``series`` of
+    samples, by the truth where it is on, else by a judging estimator that is not one of those ``not_valid``."""
     judges, found = _judging_estimators(scene, not_valid), {}
     for quantity in NOUNS:
         unit = scene.rms_of(quantity)
@@ -58,16 +58,16 @@ def _judging_estimators(scene: Scene, not_valid: Collection[str]) -> list[str]:
 
 def merge_large_errors(before: Mapping[str, LargeRelativeError],
                        now: Mapping[str, LargeRelativeError]) -> dict[str, LargeRelativeError]:
-    """Returns the findings of earlier and of later samples combined, as if all had been judged together."""
+    """Returns, by quantity, the :func:`large_errors` of earlier and later samples as if all were judged together."""
     return {**now, **{quantity: replace(one, size=max(one.size, now[quantity].size if quantity in now else 0.0))
                       for quantity, one in before.items()}}
 
 
-def large_error_warning(found: Mapping[str, LargeRelativeError]) -> str | None:
-    """Returns the warning about other quantities in a verdict that is ok for positions; None without any."""
+def large_error_warning(errors: Mapping[str, LargeRelativeError]) -> str | None:
+    """Returns a sentence about :func:`large_errors` in a run that is ok for positions; None without any."""
     parts = [Message("the {quantity} is off by up to {size:.2g} times its own size, from t = {since:.4g} s on",
                      NOUNS[quantity], one.size, one.since)
-             + Message(" (according to {by})", one.by) * (one.by != "truth") for quantity, one in found.items()]
+             + Message(" (according to {by})", one.by) * (one.by != "truth") for quantity, one in errors.items()]
     return POSITIONS_HOLD + join_messages("; ", parts) if parts else None
 
 
@@ -82,16 +82,16 @@ def checks_by_quantity(scene: Scene, not_valid: Collection[str], balance: bool) 
     return held
 
 
-def missing_checks_sentence(scene: Scene, held: Mapping[str, list[str]]) -> str | None:
-    """Returns which checks of :func:`checks_by_quantity` are missing, in one sentence; None if none is."""
-    if not held["x"]:
+def missing_checks_sentence(scene: Scene, checks: Mapping[str, list[str]]) -> str | None:
+    """Returns which of the ``checks`` (:func:`checks_by_quantity`) are missing, in one sentence; None if none is."""
+    if not checks["x"]:
         return Message("only two checks were made: numbers stay finite, and no particle turns inside out; switch on "
                        "the effect soundness or truth, or the estimator companion")
     parts = []
-    if held["x"] == ["contradictions"]:
+    if checks["x"] == ["contradictions"]:
         parts.append(Message("positions were compared only with each other, not with the reduced model, which could "
                              "not be computed to the end"))
-    alone = [NOUNS[q] for q in ("v", "sigma", "a") if not held[q] and (q != "a" or scene.has("acceleration"))]
+    alone = [NOUNS[q] for q in ("v", "sigma", "a") if not checks[q] and (q != "a" or scene.has("acceleration"))]
     if alone:
         parts.append(Message("{alone} were not checked: switch on the effect truth or the estimator companion",
                              join_messages(" and ", filter(None, (join_messages(", ", alone[:-1]), alone[-1])))))
@@ -103,7 +103,7 @@ def missing_checks_sentence(scene: Scene, held: Mapping[str, list[str]]) -> str 
 
 
 def is_balance_motion_known(scene: Scene, series: Mapping[str, np.ndarray]) -> bool:
-    """Returns whether the motion by the balance of momentum was known at the last check for contradictions."""
+    """Returns whether the motion by the balance of momentum was known at the last check for contradictions in a run."""
     looked = np.flatnonzero(~np.isnan(series["motion_square"]))[-1:]
     last = {name: series[name][looked] for name in series if name == "time" or name.startswith("motion_")}
     return bool(np.isfinite(momentum_balance_distance(scene, last)).any())

@@ -29,17 +29,19 @@ NOT_FOLLOWING = ("the domains do not follow the material, which leaves an error 
 
 
 def displacement_per_cell_squared(scene: Any) -> float:
-    """Returns the largest displacement over h^2, per unit length."""
+    """Returns the largest displacement of a bar's exact motion over the square of its cell size, A/h^2 in 1/m."""
     return scene.motion_amplitude / scene.spacing**2
 
 
 def noise_removing_remedies(scene: Any) -> tuple[str, ...]:
-    """Returns the remedies that only remove noise."""
+    """Returns the remedies that only remove noise, so that two-grid holds beside them: the null-space filter, and where
+    particles move little the coupling of F."""
     return (FILTER, COUPLED) if scene.motion_amplitude / scene.spacing < MOST_COUPLED else (FILTER,)
 
 
 def is_too_noisy_for_two_grid(scene: Any) -> bool:
-    """Returns whether two-grid cannot estimate a: crossings fill it with noise, at other places on each grid."""
+    """Returns whether two-grid cannot estimate a: particles that cross cells fill it with noise, which differs by
+    grid."""
     return scene.motion_amplitude > QUIET.get(scene.method, QUIET_HATS) * scene.spacing
 
 

@@ -21,7 +21,7 @@ SECOND_RATIO = 0.5  # of the force's second tone, of the first
 
 
 def displacement(scene: Any, X: np.ndarray, t: float) -> np.ndarray:
-    """Returns u(X, t) in m."""
+    """Returns the exact displacement u (P,) in m at material coordinates X (P,) in m and the time t in s."""
     if scene.is_patch:
         return np.full_like(X, scene.initial_velocity * t)
     if scene.displacement:
@@ -30,7 +30,7 @@ def displacement(scene: Any, X: np.ndarray, t: float) -> np.ndarray:
 
 
 def velocity(scene: Any, X: np.ndarray, t: float) -> np.ndarray:
-    """Returns v = u_t in m/s."""
+    """Returns the exact velocity v = u_t (P,) in m/s at material coordinates X (P,) in m and the time t in s."""
     if scene.is_patch:
         return np.full_like(X, scene.initial_velocity)
     if scene.displacement:
@@ -40,7 +40,7 @@ def velocity(scene: Any, X: np.ndarray, t: float) -> np.ndarray:
 
 
 def acceleration(scene: Any, X: np.ndarray, t: float) -> np.ndarray:
-    """Returns a = u_tt = -w^2 u in m/s^2."""
+    """Returns the exact acceleration a = u_tt (P,) in m/s^2 at material coordinates X (P,) in m and the time t in s."""
     if scene.is_patch:
         return np.zeros_like(X)
     if scene.displacement:
@@ -49,7 +49,7 @@ def acceleration(scene: Any, X: np.ndarray, t: float) -> np.ndarray:
 
 
 def deformation_gradient(scene: Any, X: np.ndarray, t: float) -> np.ndarray:
-    """Returns F = 1 + u_X."""
+    """Returns the exact F = 1 + u_X (P,), no unit, at material coordinates X (P,) in m and the time t in s."""
     if scene.is_patch:
         return np.full_like(X, scene.stretch)
     if scene.displacement:
@@ -58,13 +58,14 @@ def deformation_gradient(scene: Any, X: np.ndarray, t: float) -> np.ndarray:
 
 
 def stress(scene: Any, X: np.ndarray, t: float) -> np.ndarray:
-    """Returns P = E(F - 1) in Pa (eq 29)."""
+    """Returns the exact stress E(F - 1) (P,) in Pa (eq 29) at material coordinates X (P,) in m and the time t in s."""
     return scene.modulus * (deformation_gradient(scene, X, t) - 1)
 
 
 def field_as_sampled(scene: Any, quantity: str, X: np.ndarray, t: float) -> np.ndarray:
-    """Returns a quantity (a key of ``samples.QUANTITIES``), u for x, as a method has it at the time t: the acceleration
-    is that of its last step, one step before. For a patch test it is u - v0 t, because v0 t would hide all else."""
+    """Returns an exact field (P,) in SI, the displacement for "x", or "v", "sigma", "a", at material coordinates X (P,)
+    in m, as a run has it at time t in s: the acceleration is that of its last step, one step before. For a patch test
+    "x" is 0, without the drift v0 t, which would hide all else."""
     if scene.is_patch and quantity == "x":
         return np.zeros_like(X)
     if quantity == "a":
@@ -73,8 +74,8 @@ def field_as_sampled(scene: Any, quantity: str, X: np.ndarray, t: float) -> np.n
 
 
 def body_force(scene: Any, X: np.ndarray, t: float) -> np.ndarray:
-    """Returns b per mass in m/s^2: 3 w^2 u (eq 34, corrected); with two tones 1.5 w^2 A sin(4 pi X) sin(1.7 wt) beside
-    it; zero for the free bar."""
+    """Returns the body force per mass (P,) in m/s^2 at material coordinates X (P,) in m and the time t in s: 3 w^2 u
+    (eq 34, corrected); with two tones 1.5 w^2 A sin(4 pi X) sin(1.7 wt) beside it; zero for the free bar."""
     if scene.body_force == "none":
         return np.zeros_like(X)
     if scene.displacement:
@@ -88,8 +89,8 @@ def body_force(scene: Any, X: np.ndarray, t: float) -> np.ndarray:
 
 
 def displacement_moments(scene: Any, times: np.ndarray) -> DisplacementMoments:
-    """Returns the moments (see ``solvers.problems.bar.method.contradictions``) at the times (T,) in s of the motion by
-    the balance of momentum (see ``solvers.scene.momentum_balance_moments``).
+    """Returns the moments, sums over particles of displacement times mode, at the times (T,) in s of the motion by the
+    balance of momentum (``solvers.scene.momentum_balance_moments``), for comparison with those of a run.
 
     P = E(F - 1) is linear, so that the modes sin(2 pi X) and sin(4 pi X), which start and body force feed, swing each
     for itself: q'' = -(n w0)^2 q + b_n(t), w0 = 2 pi c, n = 1 and 2. With w the frequency of the force,

@@ -37,8 +37,8 @@ FAILED_FROM = 0.1  # of the stress: an error beyond which a patch test counts as
 
 
 def normalise_inputs(cells: object, ppc: object, body_force: object) -> dict[str, Any]:
-    """Returns those inputs of a patch test that change in normal form: no body force by default; 2.3333333 particles in
-    each of 30 cells become 70/30, and 4.0 becomes 4."""
+    """Returns by field name those inputs of a patch test that its normal form changes: body_force is "none" for the
+    default; a float ppc is a fraction with a whole total (2.3333333 in each of 30 cells: 70/30), or an int (4.0: 4)."""
     meant: dict[str, Any] = {"body_force": "none"} if body_force == "material" else {}
     if isinstance(ppc, float) and math.isfinite(ppc) and type(cells) is int and cells > 0:
         count = round(cells * ppc)
@@ -48,7 +48,7 @@ def normalise_inputs(cells: object, ppc: object, body_force: object) -> dict[str
 
 
 def check_particles_per_cell(cells: int, ppc: object) -> None:
-    """Raises :class:`SceneError` unless all cells together contain a whole number of particles, 1 to 64 each."""
+    """Raises :class:`SceneError` unless ``ppc`` is from 1 to 64, perhaps a fraction, and ``cells`` times it whole."""
     allowed = Message("give a number from 1 to {most}", MOST_PER_CELL)
     require_number("ppc", ppc, 0, math.inf, allowed)
     assert isinstance(ppc, (int, float))
@@ -64,7 +64,7 @@ def check_particles_per_cell(cells: int, ppc: object) -> None:
 
 
 def check_stretch_and_velocity(stretch: float, velocity: float) -> None:
-    """Raises :class:`SceneError` for a stretch or a velocity that no patch test can have."""
+    """Raises :class:`SceneError` for a stretch (no unit) or a velocity in m/s that no patch test can have."""
     least, most = STRETCHES
     allowed = Message("give a number from {least:g} to {most:g}, but not 1", least, most)
     require_number("stretch", stretch, 0, math.inf, allowed)
@@ -80,7 +80,7 @@ def check_stretch_and_velocity(stretch: float, velocity: float) -> None:
 
 
 def check_inputs_fit_motion(scene: Any) -> None:
-    """Raises :class:`SceneError` for inputs that have no meaning in this motion, patch test or vibration."""
+    """Raises :class:`SceneError` for inputs of a bar's scene without meaning in its motion, patch test or vibration."""
     names: tuple[str, ...] = ("stretch", "initial_velocity")
     why = Message("is for the patch test; give motion patch, or leave it out")
     if scene.is_patch:
@@ -93,15 +93,16 @@ def check_inputs_fit_motion(scene: Any) -> None:
 
 
 def repeating_unit(scene: Scene) -> tuple[int, int]:
-    """Returns the smallest number of cells after which the pattern of particles repeats, and their particles."""
+    """Returns the smallest number of cells after which the pattern of particles repeats, and the particles in them."""
     times = math.gcd(scene.cells, scene.particles)
     return scene.cells // times, scene.particles // times
 
 
 @functools.lru_cache(maxsize=64)  # used by the page repeatedly
 def first_edge_step(scene: Scene, velocity: float) -> int | None:
-    """Returns the first step after which a particle lies on a cell boundary up to rounding, which then decides on its
-    cell: with hat functions its force may be counted twice or not at all. None where that never happens."""
+    """Returns the number of the first step after which a particle that moves at ``velocity`` in m/s lies on a cell
+    boundary up to rounding, which then decides on its cell: with hat functions its force may be counted twice or not at
+    all. None where that never happens."""
     a_step = velocity * scene.time_step / scene.spacing  # in cells
     places = repeating_unit(scene)[1]  # in a cell, at which particles begin
     held = scene.linearity_preserving or scene.frozen or PIECES in scene.remedies

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 
 class BarProblem(Problem):
-    """The vibrating bar."""
+    """Descriptor of the vibrating bar and its patch test: scene, solver, reference and predicted life."""
 
     scene = BarScene
 

@@ -17,7 +17,7 @@ ELEMENT_ORDER = 6
 
 
 class BarReference(ProblemReference):
-    """Reference of the vibrating bar."""
+    """Reference of the vibrating bar and its patch test for other codes: start, texts, exact fields and companion."""
 
     EXACT = exact_solution
 
@@ -55,20 +55,19 @@ class BarReference(ProblemReference):
         return np.full((len(X), 1, 1), scene.initial_stretch)
 
     def unwrap_positions(self, scene: BarScene, X: np.ndarray, x: np.ndarray, t: np.ndarray) -> np.ndarray:
-        """Returns positions in m without jumps: a periodic code may move particles by the length of the bar, the exact
-        motion moves none that far beyond a patch test's drift."""
+        """Returns positions (T, P) in m without jumps: a periodic code may move particles by the length of the bar, the
+        exact motion moves none that far beyond a patch test's drift."""
         drift = scene.initial_velocity * t[:, None] if scene.is_patch else 0.0
         turns = np.round(x - X - drift)
         return np.where(np.isfinite(turns) & (turns != 0), x - turns, x)
 
     def companion(self, scene: BarScene, fine: bool) -> ElasticBody:
-        return BarCompanionBody(scene,
-                                max(FINE,
-                                    4 * scene.highest_harmonic) if fine else max(COARSE, 3 * scene.highest_harmonic))
+        waves = scene.highest_harmonic
+        return BarCompanionBody(scene, max(FINE, 4 * waves) if fine else max(COARSE, 3 * waves))
 
 
 class BarCompanionBody(ElasticBody):
-    """Companion's elements around the period, in a fixed number, without a run.
+    """Elastic body of ``count`` spectral elements around the period, for a companion that is solved without a run.
 
     A bar that begins stretched by F counts X from there: its density is rho/F, and its stress E F (1 + u_X) - E.
     """
@@ -93,8 +92,8 @@ class BarCompanionBody(ElasticBody):
         return pull
 
     def accelerations(self, u: np.ndarray, t: float) -> np.ndarray:
-        return (exact_solution.body_force(self._scene, self._X,
-                                          t) - self._inverse_mass * self._internal_forces(u[:, 0]))[:, None]
+        pull = self._inverse_mass * self._internal_forces(u[:, 0])
+        return (exact_solution.body_force(self._scene, self._X, t) - pull)[:, None]
 
     def values_and_gradients(self, u: np.ndarray, X: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         element, values, slopes = self._elements.evaluate_basis(X[:, 0])

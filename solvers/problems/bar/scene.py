@@ -69,7 +69,8 @@ class BarScene(TypedMotionScene, Scene):
 
     @classmethod
     def candidates(cls) -> tuple[tuple[str, bool], ...]:
-        """Returns the methods that an advisor tries, uGIMP also with linearity preservation."""
+        """Returns pairs (method, linearity preserving) that an advisor tries: each method without, uGIMP also with
+        it."""
         return (*super().candidates(), ("ugimp", True))
 
     @property
@@ -92,7 +93,7 @@ class BarScene(TypedMotionScene, Scene):
 
     @property
     def highest_harmonic(self) -> int:
-        """Number of waves in the bar, of the shortest that matters."""
+        """Number of wavelengths in the bar's length, of the shortest wave of its motion and body force that matters."""
         return self._sizes.waves if self.displacement else 1 + (self.body_force == "two-tone")
 
     @property
@@ -101,7 +102,7 @@ class BarScene(TypedMotionScene, Scene):
 
     @property
     def compiled_motion(self) -> str:
-        """Motion as a compile-time option (``solvers.scene.kernel_options``)."""
+        """Motion as a compile-time option of kernels: "vibrate", "patch", or "typed" for a displacement as formula."""
         return TYPED if self.displacement else self.motion
 
     @property
@@ -114,9 +115,9 @@ class BarScene(TypedMotionScene, Scene):
 
     @property
     def neighbour_mismatch(self) -> float:
-        """Mismatch of neighbours in the exact motion, in amplitudes. The sine moves neighbours dX apart by 2 A sin(pi
-        dX) cos(2 pi X_m), X_m their middle, and their mean F implies 2 pi dX A cos(pi dX) cos(2 pi X_m): 0.21 with four
-        particles, 0.03 with eight. An F - 1 that is half wrong adds dX times that, 0.56 and 0.28."""
+        """RMS mismatch of neighbours in the exact motion, in amplitudes. The sine moves neighbours dX apart by 2 A
+        sin(pi dX) cos(2 pi X_m), X_m their middle, and their mean F implies 2 pi dX A cos(pi dX) cos(2 pi X_m): 0.21
+        with four particles, 0.03 with eight. An F - 1 that is half wrong adds dX times that, 0.56 and 0.28."""
         half = math.pi / self.particles
         if self.is_patch:
             return 0.0
@@ -164,23 +165,25 @@ class BarScene(TypedMotionScene, Scene):
         return self._sizes.largest[quantity] if self.displacement else super().size_of(quantity)
 
     def rms_of(self, quantity: str) -> float:
-        """Returns half the largest value, as for sines in space and time; for a uniform patch test, that value."""
+        """Returns the RMS of x, v, sigma or a in SI: half the largest value, as for sines; in a patch test that
+        value."""
         if self.displacement:
             return self._sizes.rms[quantity]
         return self.size_of(quantity) * (1.0 if self.is_patch else 0.5)
 
     @property
     def loss_limits(self) -> dict[str, float]:
-        """Limit of the relative stress error in a patch test, whose stress is all that can be wrong."""
+        """Relative errors from which on a run is lost: in a patch test of "sigma", as only stress can be wrong
+        there."""
         return {"sigma": patch_test.FAILED_FROM} if self.is_patch else {}
 
     @property
     def budget_reference(self) -> str:
-        """Reference of the effect ``budget``: "exact" or "companion"."""
+        """Solution against which the effect ``budget`` divides the error: "exact" or "companion"."""
         return "exact" if self.has("truth") else "companion"
 
     def has(self, effect: str) -> bool:
-        """Returns whether the effect is on and possible; a budget needs the truth or the companion."""
+        """Returns whether the effect of this name is on and possible; a budget needs the truth or the companion."""
         known = effect != "budget" or super().has("truth") or "companion" in self.active_estimators
         return known and super().has(effect)
 
@@ -188,13 +191,13 @@ class BarScene(TypedMotionScene, Scene):
         return exact_solution.displacement_moments(self, times)
 
     def to_dict(self) -> dict:
-        """Returns every input with defaults filled in, None for those without meaning in this motion."""
+        """Returns every input by JSON key with defaults filled in, None for those without meaning in this motion."""
         idle = ("amplitude",) if self.is_patch else ("stretch", "initial_velocity")
         return {**super().to_dict(), **dict.fromkeys(idle)}
 
     def wrap_into_period(self, position: np.ndarray) -> np.ndarray:
-        """Returns the positions (P,) in m at which particles are drawn: for a patch test, which drifts, the images in
-        the first metre."""
+        """Returns the positions (P,) in m at which particles at ``position`` (P,) are drawn: for a patch test, which
+        drifts, the images in the first metre."""
         if not self.is_patch:
             return position
         with np.errstate(invalid="ignore"):  # for unstable runs

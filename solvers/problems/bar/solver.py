@@ -20,7 +20,7 @@ HATS_LIMIT = 0.14  # amplitude from which on no rate of a remedy holds hat funct
 
 
 class BarSolver(Solver):
-    """Owns the arrays of one bar. The whole step loop runs in one serial kernel, whatever threads the scene allows."""
+    """Solver of a bar, which owns its arrays. All steps run in one serial kernel, whatever threads the scene allows."""
 
     HOOKS, PHASES, STATE, STEP_BREAKDOWN = HOOKS, PHASES, InstrumentedBar, step_breakdown
     scene: BarScene
@@ -88,7 +88,7 @@ class BarSolver(Solver):
         return super()._advice()
 
     def _fallback_advice(self) -> str:
-        """Returns the remedies that the scene does not use yet; measured in ``assets/stability.md``."""
+        """Returns a sentence with remedies that the scene does not use yet; measured in ``assets/stability.md``."""
         scene = self.scene
         whole = scene.method == "mpm" and not scene.frozen and PIECES not in scene.remedies
         if whole and (scene.ppc == 2 or scene.amplitude >= HATS_LIMIT):
@@ -102,5 +102,5 @@ class BarSolver(Solver):
 
 
 def _without_acceleration(values: np.ndarray) -> ParticleValues:
-    """Returns the first three of four columns (P, 4): x, v and sigma."""
+    """Returns the values or errors of x, v and sigma, which are the first three of four columns (P, 4)."""
     return ParticleValues(values[:, :1], values[:, 1:2], values[:, 2:3])

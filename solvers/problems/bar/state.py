@@ -21,11 +21,12 @@ HOOKS = estimator_registry.hooks_of("bar", {"companion": companion.HOOKS, "recov
 
 @dataclass
 class InstrumentedBar(Diagnostics, BarBody):
-    """A bar with its diagnostics."""
+    """State of a run of the bar: the members of its body (the method) and of its diagnostics, in SI."""
 
     @property
     def cause_errors(self) -> np.ndarray:
-        """Errors of x, v and F of the P particles by cause (3, P, causes), a view; only with the effect ``budget``."""
+        """Errors of x (m), v (m/s) and F of P particles by cause (3, P, causes), a view; needs the effect
+        ``budget``."""
         return BUDGET.unpack(self.memory)["cause_errors"][:3 * self.particles].reshape(3, self.particles, -1)
 
 
@@ -34,7 +35,7 @@ BarState = ti.types.argpack(**InstrumentedBar.types(), **packing(HOOKS).types, *
 
 
 def allocate_state(scene: BarScene) -> InstrumentedBar:
-    """Returns the initial state."""
+    """Returns all arrays of a run of the scene, with their values before its first step."""
     on = kernel_options_of(scene)
     watched = initial_diagnostics(scene, on, scene.particles, escape_distance(scene), HOOKS)
     watched["memory"] |= initial_budget_arrays(scene, on)

@@ -24,19 +24,21 @@ def jacobian(bar: ti.template(), p):
 
 @ti.func
 def has_escaped(bar: ti.template(), p, step):
-    """Returns whether a particle is far outside the possible range."""
+    """Returns whether particle p is ``bar.farthest`` m or more from its start after ``step`` steps, less any drift."""
     moved = bar.drift_velocity * bar.dt * step
     return not abs(bar.position[p] - bar.material_position[p] - moved) < bar.farthest
 
 
 @ti.func
 def check_state(bar: ti.template(), step):
+    """Stops an unstable run after ``step`` steps, by ``bar.verdict`` (:func:`check_particles`)."""
     check_particles(bar, step, jacobian, has_escaped)
 
 
 @ti.func
 def one_step(bar: ti.template(), step, on: ti.template()):
-    """Takes step number ``step``, counted from one."""
+    """Takes step number ``step``, counted from one, on the bar's arrays: method, estimators, remedies and budget.
+    ``on``: compile-time options."""
     update_grid(bar, (step - 1) * bar.dt, on)
     estimator_loop.in_step(bar, step, HOOKS, on)
     if ti.static(on.budget):
@@ -53,13 +55,13 @@ def one_step(bar: ti.template(), step, on: ti.template()):
         reference_motion.add_typed_time_step_error(state_with_budget_arrays(bar), step)
     elif ti.static(on.budget and not on.truth):
         reference_motion.add_companion_time_step_error(
-            estimator_loop.with_memory(state_with_budget_arrays(bar), HOOKS, "companion"), step
-        )
+            estimator_loop.with_memory(state_with_budget_arrays(bar), HOOKS, "companion"), step)
 
 
 @ti.func
 def sample_all(bar: ti.template(), row, step, looks, on: ti.template()):
-    """Writes one row of samples: the method's, the effects', and the budget's."""
+    """Writes a row of ``bar.samples`` after ``step`` steps; with ``looks`` it has the checks for contradictions too.
+    ``on``: compile-time options."""
     write_sample_row(bar, row, step, looks, on)
     sample_effects(bar, row, step, SAMPLERS, on)
     if ti.static(on.budget):

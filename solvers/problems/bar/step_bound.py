@@ -21,8 +21,8 @@ INSTANTS_PER_PERIOD = 33  # moments of a typed motion
 
 @dataclass(frozen=True)
 class BarConfiguration:
-    """The bar on ``cells`` cells: its particles' weights (P, 3) at their nodes, the gradients (P, K) in 1/m of their
-    forces at the ``force_nodes``, and their stiffness E F^2 V0 (P,)."""
+    """Bar on ``cells`` cells at one moment: the weights (P, 3) of P particles at their ``nodes``, the gradients (P, K)
+    in 1/m of their forces at the ``force_nodes``, their stiffness E F^2 V0 (P,) in J, and their ``mass`` each in kg."""
 
     cells: int
     nodes: np.ndarray
@@ -33,14 +33,14 @@ class BarConfiguration:
     mass: float
 
     def gershgorin_bound(self) -> float:
-        """Returns the bound by Gershgorin's circles, in s."""
+        """Returns the longest stable step in s by Gershgorin's circles."""
         mass = np.bincount(self.nodes.ravel(), (self.mass * self.weights).ravel(), self.cells)
         return gershgorin_step_bound(self.force_nodes, np.abs(self.gradients), self.stiffness, mass)
 
 
 def critical_time_step(scene: Any, stretch: float, velocity: float) -> StepBound:
-    """Returns the longest stable step along the bar's motion from one extreme to the other, or over a typed motion's
-    period. A patch test starts with this ``stretch`` (no unit) and this ``velocity`` in m/s."""
+    """Returns the longest stable steps, in s, along the bar's motion from one extreme to the other, or over a typed
+    motion's period. A patch test starts with this ``stretch`` (no unit) and this ``velocity`` in m/s."""
     if not scene.swings:
         return _patch_time_step(scene, stretch, velocity)
     ppc = int(scene.ppc)
@@ -57,13 +57,13 @@ def critical_time_step(scene: Any, stretch: float, velocity: float) -> StepBound
     each = longest_step_per_instant(stack_configurations(found))
     seconds = part * scene.period * scene.cells / cells  # as many steps as on the cells that the scene has
     stretch = 1 + scene.size_of("sigma") / scene.modulus
-    return combine_instant_bounds(
-        scene, each, seconds, stretch, found[int(np.argmin(each))].gershgorin_bound()
-    ).scaled_by_cell_size(cells / scene.cells)
+    circles = found[int(np.argmin(each))].gershgorin_bound()
+    return combine_instant_bounds(scene, each, seconds, stretch, circles).scaled_by_cell_size(cells / scene.cells)
 
 
 def _patch_time_step(scene: Scene, stretch: float, velocity: float) -> StepBound:
-    """Returns the bound of a patch test while its particles pass through a cell; their spacing never changes."""
+    """Returns the longest stable steps in s of a patch test, stretched by ``stretch``, while its particles pass through
+    a cell at ``velocity`` in m/s; their spacing never changes."""
     cells, particles = patch_test.repeating_unit(scene)
     times = max(1, min(scene.cells // cells, MOST_PARTICLES // particles))
     cells, particles = times * cells, times * particles
@@ -71,13 +71,13 @@ def _patch_time_step(scene: Scene, stretch: float, velocity: float) -> StepBound
     shifts = np.linspace(0, 1, PATCH_POSITIONS) / cells if velocity and not scene.frozen else [0.0]
     found = [configuration_at(scene, cells, X + shift, np.ones_like(X), stretch) for shift in shifts]
     each = longest_step_per_instant(stack_configurations(found))
-    least = float(each.min())
-    return StepBound(least, least,
-                     found[int(np.argmin(each))].gershgorin_bound()).scaled_by_cell_size(cells / scene.cells)
+    least, circles = float(each.min()), found[int(np.argmin(each))].gershgorin_bound()
+    return StepBound(least, least, circles).scaled_by_cell_size(cells / scene.cells)
 
 
 def configuration_at(scene: Scene, cells: int, x: np.ndarray, F: np.ndarray, stretch: float = 1.0) -> BarConfiguration:
-    """Returns the bar with particles at x (P,) in m, deformed by F (P,) since the start."""
+    """Returns the bar on ``cells`` cells with particles at x (P,) in m, deformed by F (P,) since it began at
+    ``stretch``; the scene has the method and the material."""
     volume = 1 / len(x)
     half_width = np.full_like(x, 0.5 / scene.ppc)
     if scene.method == "cpgimp" and not scene.frozen:
@@ -92,19 +92,19 @@ def configuration_at(scene: Scene, cells: int, x: np.ndarray, F: np.ndarray, str
     return BarConfiguration(cells, nodes, S, nodes, dS * cells, scene.modulus * stretch * tangent * volume, mass)
 
 
-def stack_configurations(found: Sequence[BarConfiguration]) -> Configurations:
-    """Returns several moments of one bar as one object."""
+def stack_configurations(configurations: Sequence[BarConfiguration]) -> Configurations:
+    """Returns one bar's configurations at n moments as one object, whose arrays have the moments as first axis."""
     nodes, S, pulling, gradients, stiffness = (
-        np.stack([getattr(one, name) for one in found])
+        np.stack([getattr(one, name) for one in configurations])
         for name in ("nodes", "weights", "force_nodes", "gradients", "stiffness"))
-    return Configurations(found[0].cells, NodeLinks([nodes], [np.ones_like(S)]), S,
+    return Configurations(configurations[0].cells, NodeLinks([nodes], [np.ones_like(S)]), S,
                           NodeLinks([pulling], [np.ones_like(gradients)]), [gradients],
-                          np.full(S.shape[1], found[0].mass), lambda rates: [stiffness * rates[0]])
+                          np.full(S.shape[1], configurations[0].mass), lambda rates: [stiffness * rates[0]])
 
 
 def _piece_stencils(method: str, cells: int, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Returns the nodes (P, 5) of the pieces around particles at x, and the force of each piece at them per unit of
-    stress: the difference of the base functions at its corners (see ``method.pieces``)."""
+    """Returns the nodes (P, 5) of the pieces around particles at x (P,) in m, and the force of each piece at them per
+    unit of stress (P, 5): the difference of the base functions at its corners (see ``method.gapless_pieces``)."""
     P = len(x)
     around = np.concatenate([x[-2:] - 1, x, x[:2] + 1])
     corners = (9 * (around[1:P + 2] + around[2:P + 3]) - around[:P + 1] - around[3:]) / 16
@@ -140,8 +140,8 @@ def null_space_drift(scene: Scene) -> float:
 
 
 def predicted_life_in_periods(scene: Any) -> float | None:
-    """Returns the periods until the drift reaches A w; None where a remedy corrects it or something else comes first,
-    and for a typed motion."""
+    """Returns the number of periods until the drift of the velocity reaches A w and the run fails; None where a remedy
+    corrects it or something else comes first, and for a typed motion."""
     if scene.remedies or scene.linearity_preserving or scene.velocity != "grid" or scene.method == "mpm" \
             or scene.displacement:
         return None

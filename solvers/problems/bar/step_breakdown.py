@@ -9,13 +9,14 @@ from solvers.solver.step_breakdown import NodeImage, ParticleState, StepBreakdow
 
 
 def particle_state(scene: BarScene, a: InstrumentedBar) -> ParticleState:
-    """Returns a copy of the particles' present state."""
+    """Returns a copy of the present x, v, F and stress of all particles, in SI, from the solver's arrays ``a``."""
     x, v, F = (values[:, None].copy() for values in (a.position, a.velocity, a.deformation_gradient))
     return ParticleState(x, v, F[:, None] / a.unstretched, a.modulus * (F[:, None] - a.unstretched))
 
 
 def breakdown(scene: BarScene, a: InstrumentedBar, particle: int, step: int, before: ParticleState) -> StepBreakdown:
-    """Returns the breakdown of the last step, number ``step``, around a particle; ``before`` is the state before."""
+    """Returns the breakdown of the last step, number ``step``, around the particle of this number, from the arrays
+    ``a`` after it and the state of all particles ``before`` it (:func:`particle_state`)."""
     N, h, time = scene.cells, scene.spacing, (step - 1) * scene.time_step
     links = find_links(particle, a.first_node[:, None] + np.arange(3), lambda some: _weights(a, some),
                        lambda node: _images(node, N, h))

@@ -39,18 +39,20 @@ BUDGET = ArrayPacking(MEMBERS, "budget_")
 
 
 def stores_reference(on: KernelOptions) -> bool:
-    """Returns whether the reference is stored from step to step: for the companion, or a typed motion."""
+    """Returns whether the budget's reference is stored from step to step: for the companion, or a typed motion. ``on``:
+    compile-time options."""
     return not on.truth or on.motion == TYPED
 
 
 @mark_untranslated_by_taichi
 def state_with_budget_arrays(state: Any) -> PackedMembersView:
-    """Returns the state with the budget's members as attributes, for kernels."""
+    """Returns a view of the bar's state, for kernels, with the budget's arrays (``MEMBERS``) as attributes too."""
     return PackedMembersView(state, BUDGET, MEMBERS)
 
 
 def initial_budget_arrays(scene: BarScene, on: KernelOptions) -> dict:
-    """Returns the packed members at the start."""
+    """Returns the budget's arrays at the start, packed into one for each type (``BUDGET``), by name. ``on``:
+    compile-time options."""
     P, nodes = scene.particles, scene.cells + GHOSTS
     taken = on.budget and scene.take_away in CAUSES
     layers = 4 if on.filtered or on.coupled else 3  # those remedies need room to work
@@ -63,7 +65,8 @@ def initial_budget_arrays(scene: BarScene, on: KernelOptions) -> dict:
 
 
 def _initial_reference(scene: BarScene, on: KernelOptions) -> dict:
-    """Returns a stored reference at the start: the run's own initial data."""
+    """Returns the budget's reference at the start by member: the run's own initial data, zeros where none is stored.
+    ``on``: compile-time options."""
     P, elements = scene.particles, mesh(scene)
     used = on.budget and stores_reference(on)
     points = elements.count * (elements.order + 1)

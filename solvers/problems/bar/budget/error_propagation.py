@@ -13,14 +13,9 @@ from solvers.problems.bar.budget.reference_motion import (
     reference_motion_at,
     reference_time_factors,
 )
+from solvers.problems.bar.method import periodic_nodes
 from solvers.problems.bar.method.gapless_pieces import interpolate_at_corner, piece_length
-from solvers.problems.bar.method.periodic_nodes import (
-    EMPTY,
-    GHOSTS,
-    add_periodic_images,
-    copy_to_periodic_images,
-    stencil_of,
-)
+from solvers.problems.bar.method.periodic_nodes import EMPTY, GHOSTS, stencil_of
 from solvers.problems.bar.method.phases import half_width
 from solvers.problems.bar.method.sample_rows import exact_time_factors, true_error
 from solvers.problems.bar.method.stabilisations import MOST_GRADIENT, PASSES
@@ -35,16 +30,18 @@ COLUMNS_PER_FIELD = len(BUDGET) // len(FIELDS)  # columns
 
 @ti.func
 def update_grid(bar: ti.template(), t, on: ti.template()):
-    """Runs the first half of the budget's step, from time t, when the run's nodes have their new motion."""
+    """Runs the first half of the budget's step, from time t in s, when the run's nodes have their new motion: the
+    errors of each cause at the nodes, in ``bar.budget_nodes``. ``on``: compile-time options."""
     particles_to_nodes(bar, t, reference_time_factors(bar, t), on)
     update_nodes(bar, t, on)
     if bar.taken_away >= 0:
-        copy_to_periodic_images(bar.node_motion, bar.cells)
+        periodic_nodes.copy_to_periodic_images(bar.node_motion, bar.cells)
 
 
 @ti.func
 def in_step(bar: ti.template(), step, on: ti.template()):
-    """Runs the second half, of step number ``step``, after the remedies and before particles move."""
+    """Runs the second half of the budget's step number ``step``, after the remedies and before particles move. ``on``:
+    compile-time options."""
     now = reference_time_factors(bar, (step - 1) * bar.dt)
     if ti.static(on.filtered or on.coupled):  # after their own turn, of which the coupling takes the displacement
         if step % bar.remedy_interval == 0:
@@ -57,7 +54,8 @@ def in_step(bar: ti.template(), step, on: ti.template()):
 
 @ti.func
 def correct_particles_after_step(bar: ti.template(), on: ti.template()):
-    """Subtracts the removed cause's contribution from the particles, beside that at the nodes."""
+    """Subtracts from the particles' x, v and F what the removed cause, if any, contributed to them in this step.
+    ``on``: compile-time options."""
     if ti.static(on.centred):
         subtract_mean_velocity(bar)
     if bar.taken_away >= 0:
@@ -69,9 +67,10 @@ def correct_particles_after_step(bar: ti.template(), on: ti.template()):
 
 @ti.func
 def nodes_to_particles(bar: ti.template(), now, on: ti.template()):
-    """Updates each cause's errors after the step, with its sources at the particles:
+    """Updates each cause's errors in ``bar.cause_errors`` by the step, with the sources at the particles; ``now`` are
+    the :func:`reference_time_factors`. ``on``: compile-time options.
 
-    coarse grid: the transfer of v + dt a and a to the nodes and back, and the slope of hats in a piece; crossings: the
+    Coarse grid: the transfer of v + dt a and a to the nodes and back, and the slope of hats in a piece; crossings: the
     slope at a particle, minus that in its piece; time step: the error of symplectic Euler.
     """
     P, M, dt = bar.particles, bar.cells + GHOSTS, bar.dt
@@ -124,7 +123,8 @@ def nodes_to_particles(bar: ti.template(), now, on: ti.template()):
 
 @ti.func
 def corner_velocities(bar: ti.template(), p, on: ti.template()):
-    """Returns the velocities at the corners of particle p's domain, averaged: of the causes, and of the reference."""
+    """Returns the mean velocity in m/s at the two ends of particle p's domain: the error of it by cause (4,), and the
+    reference's. ``on``: compile-time options."""
     reach, M = half_width(bar, bar.deformation_gradient[p], on) * bar.spacing, bar.cells + GHOSTS
     velocity, reference = ti.Vector([0.0, 0.0, 0.0, 0.0]), 0.0
     for side in ti.static((-1, 1)):
@@ -140,7 +140,7 @@ def corner_velocities(bar: ti.template(), p, on: ti.template()):
 
 @ti.func
 def subtract_mean_velocity(bar: ti.template()):
-    """Subtracts the mean velocity of each cause, at the end of every step."""
+    """Subtracts from each cause's velocity errors their mean, at the end of every step."""
     P = bar.particles
     mean = ti.Vector([0.0, 0.0, 0.0, 0.0])
     for p in range(P):
@@ -152,7 +152,8 @@ def subtract_mean_velocity(bar: ti.template()):
 
 @ti.func
 def filter_null_space(bar: ti.template(), now, on: ti.template()):
-    """Applies e_v -= rate (I - S S^+)^2 (e_v + v), v the reference's for the coarse grid."""
+    """Filters velocity errors of each cause: e_v -= rate (I - S S^+)^2 (e_v + v), v the reference's for the coarse
+    grid; else 0. ``now`` are the :func:`reference_time_factors` of the step. ``on``: compile-time options."""
     P = bar.particles
     for p in range(P):
         m = reference_motion_at(bar, p, now, on)
@@ -170,8 +171,9 @@ def filter_null_space(bar: ti.template(), now, on: ti.template()):
 
 @ti.func
 def couple_deformation_to_positions(bar: ti.template(), now, on: ti.template()):
-    """Applies e_F += rate (G_c/((1 - G)(1 - G0)) - e_F), G the run's gradient, G0 = G - sum G_c the reference's; the
-    coarse grid adds rate (1/(1 - G0) - F0)."""
+    """Couples each cause's errors of F to those of x: e_F += rate (G_c/((1 - G)(1 - G0)) - e_F), G the run's gradient
+    du/dx, G0 = G - sum G_c the reference's; the coarse grid adds rate (1/(1 - G0) - F0). ``on``: compile-time
+    options."""
     P, M = bar.particles, bar.cells + GHOSTS
     for i in range(M):
         bar.budget_nodes[STRESS * M + i] = ti.Vector([0.0, 0.0, 0.0, 0.0])
@@ -201,7 +203,7 @@ def couple_deformation_to_positions(bar: ti.template(), now, on: ti.template()):
 
 @ti.func
 def scratch_to_nodes(bar: ti.template()):
-    """Maps the scratch to nodes by S^+, into the layer of the pieces."""
+    """Maps the scratch layer of ``bar.cause_errors`` by S^+ to nodes, the layer ``PIECES`` of ``bar.budget_nodes``."""
     P, M = bar.particles, bar.cells + GHOSTS
     for i in range(M):
         bar.budget_nodes[PIECES * M + i] = ti.Vector([0.0, 0.0, 0.0, 0.0])
@@ -210,17 +212,17 @@ def scratch_to_nodes(bar: ti.template()):
         i = bar.first_node[p]
         for k in ti.static(range(3)):
             bar.budget_nodes[PIECES * M + i + k] += S[k] * bar.cause_errors[SCRATCH * P + p]
-    add_periodic_images(bar.budget_nodes, bar.cells, PIECES * M)
+    periodic_nodes.add_periodic_images(bar.budget_nodes, bar.cells, PIECES * M)
     for i in range(1, bar.cells + 1):
         weight = bar.node_sums[i][0]
         share = 1 / weight if weight > EMPTY else 0.0
         bar.budget_nodes[PIECES * M + i] = share * bar.budget_nodes[PIECES * M + i]
-    copy_to_periodic_images(bar.budget_nodes, bar.cells, PIECES * M)
+    periodic_nodes.copy_to_periodic_images(bar.budget_nodes, bar.cells, PIECES * M)
 
 
 @ti.func
 def subtract_nodal_part(bar: ti.template()):
-    """Subtracts from the scratch its part at the nodes."""
+    """Subtracts from the scratch layer of ``bar.cause_errors`` its part at the nodes (:func:`scratch_to_nodes`)."""
     P, M = bar.particles, bar.cells + GHOSTS
     for p in range(P):
         S, _ = stencil_of(bar, p)
@@ -232,7 +234,8 @@ def subtract_nodal_part(bar: ti.template()):
 
 @ti.func
 def sample_budget_sums(bar: ti.template(), row, step, on: ti.template()):
-    """Samples the budget's errors; F is relative to the bar at rest."""
+    """Writes sums over particles of e^2, e_c e and e_c^2, e the error of x, v or F and e_c that of a cause, to a row of
+    ``bar.samples`` after ``step`` steps; F is relative to the bar at rest. ``on``: compile-time options."""
     out = ti.static(bar.samples)
     P = bar.particles
     now = exact_time_factors(bar, step, on)

@@ -13,53 +13,42 @@ import taichi as ti
 
 from solvers.problems.bar.budget.budget_arrays import FORCE, PIECES, REFERENCE, STRESS, VELOCITY
 from solvers.problems.bar.budget.reference_motion import reference_gradients_at, reference_motion_at
+from solvers.problems.bar.method import gapless_pieces, periodic_nodes
 from solvers.problems.bar.method.body_force import body_force_on_particle, tone_amplitudes
-from solvers.problems.bar.method.gapless_pieces import (
-    nodes_per_corner,
-    periodically_extended_position,
-    store_piece_corners,
-    stored_corner_stencil,
-)
-from solvers.problems.bar.method.periodic_nodes import (
-    DEGENERATE,
-    EMPTY,
-    GHOSTS,
-    add_periodic_images,
-    copy_to_periodic_images,
-    divergence_mapping_factors,
-    stencil_of,
-)
+from solvers.problems.bar.method.periodic_nodes import DEGENERATE, EMPTY, GHOSTS, stencil_of
 
 
 @ti.func
 def particles_to_nodes(bar: ti.template(), t, now, on: ti.template()):
-    """Sums the reference, the stress in pieces, and the errors of each cause at the nodes."""
+    """Sums the reference, its stress in pieces, and each cause's errors at the nodes, into ``bar.budget_nodes``; t is
+    the time in s, ``now`` are the :func:`reference_time_factors` from it on. ``on``: compile-time options."""
     M, P = bar.cells + GHOSTS, bar.particles
     for i in range(5 * M):
         bar.budget_nodes[i] = ti.Vector([0.0, 0.0, 0.0, 0.0])
     size = tone_amplitudes(bar, t, on)
     if ti.static(not on.pieces):
-        store_piece_corners(bar, on)
-    last = periodically_extended_position(bar, -1, on)
+        gapless_pieces.store_piece_corners(bar, on)
+    last = gapless_pieces.periodically_extended_position(bar, -1, on)
     stress_before = bar.modulus * (reference_gradients_at(bar, P - 1, now, on)[0] - bar.unstretched)
     for p in range(P):
-        this = periodically_extended_position(bar, p, on)
+        this = gapless_pieces.periodically_extended_position(bar, p, on)
         stress = bar.modulus * (reference_gradients_at(bar, p, now, on)[0] - bar.unstretched)
         corner_to_nodes(bar, p, stress - stress_before, this - last, on)
         particle_to_nodes(bar, p, stress, size, now, on)
         last, stress_before = this, stress
     for layer in ti.static((REFERENCE, PIECES, VELOCITY, FORCE, STRESS)):
         if ti.static(layer != STRESS or on.linearity_preserving):
-            add_periodic_images(bar.budget_nodes, bar.cells, layer * M)
+            periodic_nodes.add_periodic_images(bar.budget_nodes, bar.cells, layer * M)
 
 
 @ti.func
 def corner_to_nodes(bar: ti.template(), p, jump, length, on: ti.template()):
-    """Adds the left corner of particle p: the jump of stress, and its length in linearity preservation."""
-    i, B, _ = stored_corner_stencil(bar, p)
+    """Adds particle p's left corner to nodes: the ``jump`` of stress there in Pa, and the ``length`` in m from the
+    particle before it, for linearity preservation. ``on``: compile-time options."""
+    i, B, _ = gapless_pieces.stored_corner_stencil(bar, p)
     given = ti.Vector([jump, length, 0.0, 0.0])
     M, P = bar.cells + GHOSTS, bar.particles
-    for k in ti.static(range(nodes_per_corner(on))):
+    for k in ti.static(range(gapless_pieces.nodes_per_corner(on))):
         bar.budget_nodes[PIECES * M + i + k] += B[k] * given
         if ti.static(on.pieces):  # the errors' own stress pulls as the run's does
             before = bar.cause_errors[2 * P + (p + P - 1) % P]
@@ -68,7 +57,9 @@ def corner_to_nodes(bar: ti.template(), p, jump, length, on: ti.template()):
 
 @ti.func
 def particle_to_nodes(bar: ti.template(), p, stress, size, now, on: ti.template()):
-    """Adds particle p's part: S (v + dt a, a, b) and the force of the reference's stress; velocity and force of errors.
+    """Adds particle p to nodes: S (v + dt a, a, b) and the force of the reference, whose ``stress`` is in Pa, and the
+    velocity and force of each cause's errors; ``size`` are amplitudes of the body force's tones. ``on``: compile-time
+    options.
 
     F P is quadratic: F P - F0 P0 = E (F + F0 - F_rest) e_F exactly. Linearity preservation divides by sums of F, which
     so belong to the weights: there the run's own F is the geometry of either.
@@ -101,10 +92,9 @@ def particle_to_nodes(bar: ti.template(), p, stress, size, now, on: ti.template(
 
 @ti.func
 def update_nodes(bar: ti.template(), t, on: ti.template()):
-    """Computes each cause's velocity after the step and its acceleration, sources included; the reference's too.
-
-    A removed cause is subtracted from the run's own nodes here, and adds to no error.
-    """
+    """Computes at nodes, in a step from time t in s, each cause's velocity after it and its acceleration, with sources,
+    and the reference's. A removed cause is subtracted from the run's own nodes here, and adds to no error. ``on``:
+    compile-time options."""
     M, size = bar.cells + GHOSTS, tone_amplitudes(bar, t, on)
     for i in range(1, bar.cells + 1):
         reference, pieces = bar.budget_nodes[i], bar.budget_nodes[PIECES * M + i]
@@ -114,7 +104,7 @@ def update_nodes(bar: ti.template(), t, on: ti.template()):
             mass = bar.density * bar.volume * sums[0]
             method, whole = reference[3], pieces[0]
             if ti.static(on.linearity_preserving):
-                mean, scale = divergence_mapping_factors(bar, i, on)
+                mean, scale = periodic_nodes.divergence_mapping_factors(bar, i, on)
                 method = (method - mean * pieces[2]) * scale
                 force = (force - mean * bar.budget_nodes[STRESS * M + i]) * scale
                 volume = bar.node_volume[i]
@@ -143,4 +133,4 @@ def update_nodes(bar: ti.template(), t, on: ti.template()):
         bar.budget_nodes[i] = reference
         bar.budget_nodes[VELOCITY * M + i], bar.budget_nodes[FORCE * M + i] = velocity, force
     for layer in ti.static((REFERENCE, VELOCITY, FORCE)):
-        copy_to_periodic_images(bar.budget_nodes, bar.cells, layer * M)
+        periodic_nodes.copy_to_periodic_images(bar.budget_nodes, bar.cells, layer * M)

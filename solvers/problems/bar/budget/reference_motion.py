@@ -19,7 +19,8 @@ TIME_STEP = list(CAUSES).index("time_step")  # its lane
 
 @ti.func
 def reference_time_factors(bar: ti.template(), t):
-    """Returns time factors in a step from t on: of u; v + dt a; a; and symplectic Euler's errors of u and v."""
+    """Returns factors of the reference in a step from time t in s on (5,): of u; v + dt a; a; and of symplectic Euler's
+    errors of u and v, to be multiplied by the amplitude of u at a particle."""
     w, dt = bar.angular_frequency, bar.dt
     s0, c0, s1, c1 = ti.sin(w * t), ti.cos(w * t), ti.sin(w * (t + dt)), ti.cos(w * (t + dt))
     fast, bend = w * c0 - dt * w * w * s0, -w * w * s0
@@ -28,7 +29,8 @@ def reference_time_factors(bar: ti.template(), t):
 
 @ti.func
 def reference_motion_at(bar: ti.template(), p, now, on: ti.template()):
-    """Returns v + dt a, a, and symplectic Euler's errors of u and v in a step, 0 if added later."""
+    """Returns particle p's reference (4,): v + dt a, a, and symplectic Euler's errors of u and v in the step, 0 if
+    added after it; ``now`` are the :func:`reference_time_factors`. ``on``: compile-time options."""
     known = ti.Vector([bar.drift_velocity, 0.0, 0.0, 0.0])
     if ti.static(stores_reference(on)):
         known = bar.reference_motion[p]
@@ -40,7 +42,8 @@ def reference_motion_at(bar: ti.template(), p, now, on: ti.template()):
 
 @ti.func
 def reference_gradients_at(bar: ti.template(), p, now, on: ti.template()):
-    """Returns F, the slope of v + dt a along X, and the error of F in a step."""
+    """Returns particle p's reference (3,): F, the slope of v + dt a along X in 1/s, and symplectic Euler's error of F
+    in the step, 0 if added after it; ``now`` are the :func:`reference_time_factors`. ``on``: compile-time options."""
     known = ti.Vector([1.0, 0.0, 0.0])
     if ti.static(stores_reference(on)):
         kept = bar.reference_slopes[p]
@@ -53,7 +56,7 @@ def reference_gradients_at(bar: ti.template(), p, now, on: ti.template()):
 
 @ti.func
 def add_companion_time_step_error(bar: ti.template(), step):
-    """Adds symplectic Euler's errors at the end of step number ``step``, to which the companion has advanced."""
+    """Adds symplectic Euler's errors in step ``step`` to ``bar.cause_errors``, with the companion at the step's end."""
     _evaluate_at_element_points(bar, step)
     n = bar.companion_counts[companion.ORDER] + 1
     for p in range(bar.particles):
@@ -68,10 +71,11 @@ def add_companion_time_step_error(bar: ti.template(), step):
 
 @ti.func
 def add_typed_time_step_error(bar: ti.template(), step):
-    """Adds symplectic Euler's errors at the end of step number ``step``, for a typed motion."""
+    """Adds symplectic Euler's errors in step number ``step`` to ``bar.cause_errors``, for a typed motion."""
     angle = bar.angular_frequency * bar.dt * step
     compute_time_functions(bar.tables, bar.table_sizes, MOTION, bar.angular_frequency, angle, angle)
-    rank, modes, out = table_size(bar, MOTION, RANK), table_size(bar, MOTION, MODES), table_size(bar, MOTION, PRESENT)
+    rank, modes = table_size_entry(bar, MOTION, RANK), table_size_entry(bar, MOTION, MODES)
+    out = table_size_entry(bar, MOTION, PRESENT)
     for p in range(bar.particles):
         known, rate = typed_motion_at(bar, p), 0.0
         for k in range(rank):
@@ -82,7 +86,8 @@ def add_typed_time_step_error(bar: ti.template(), step):
 
 @ti.func
 def _store_reference(bar: ti.template(), p, u, v, a, F, rate):
-    """Stores the reference of particle p for the next step, and adds the time step's error in this one."""
+    """Stores particle p's reference u, v, a, F and ``rate``, the slope of v + dt a along X in 1/s, for the next step,
+    and adds the time step's error in this one."""
     dt, P = bar.dt, bar.particles
     was, slope = bar.reference_motion[p], bar.reference_slopes[p]
     missed = ti.Vector([dt * was[0] - (u - slope[2]), dt * was[1] - (v - (was[0] - dt * was[1])),
@@ -100,8 +105,9 @@ def _store_reference(bar: ti.template(), p, u, v, a, F, rate):
 
 @ti.func
 def _evaluate_at_element_points(bar: ti.template(), step):
-    """Computes u, v, a and u_X at the points of each element after ``step`` steps, and the slope of v + dt a: cubic
-    Hermite polynomials of (u, v) and of (v, a) in the companion's last interval."""
+    """Computes the companion's u, v, a and u_X at each element's points after ``step`` steps, in
+    ``bar.reference_elements``, and the slope of v + dt a, in ``bar.reference_rates``: cubic Hermite polynomials of (u,
+    v) and of (v, a) in its last interval."""
     n, N, k = bar.companion_counts[companion.ORDER] + 1, bar.companion_counts[companion.NODES], \
         bar.companion_counts[companion.INTERVAL]
     H = k * bar.dt

@@ -29,7 +29,8 @@ PER_WAVE = 5  # elements of a typed motion's shortest wave that matters
 
 @ti.func
 def accelerate(bar: ti.template(), t, on: ti.template()):
-    """Computes the nodes' accelerations at the trial displacement and time t; they must be zero before."""
+    """Computes the nodes' accelerations in m/s^2, in ``bar.companion_nodes``, at their trial displacements and the time
+    t in s; they must be zero before. ``on``: compile-time options."""
     N = bar.companion_counts[shared.NODES]
     for e in range(bar.companion_counts[shared.ACROSS]):
         element_forces(bar, shared.WORK * N + e * bar.companion_counts[shared.ORDER])
@@ -44,7 +45,8 @@ def accelerate(bar: ti.template(), t, on: ti.template()):
 
 @ti.func
 def element_forces(bar: ti.template(), first):
-    """Subtracts an element's internal forces from its nodes, which are in ``companion_nodes`` from ``first`` on."""
+    """Subtracts an element's internal forces in N from its nodes, entries of ``bar.companion_nodes`` from ``first``
+    on."""
     n = bar.companion_counts[shared.ORDER] + 1
     for q in range(n):
         stretch = 0.0
@@ -57,7 +59,8 @@ def element_forces(bar: ti.template(), first):
 
 @ti.func
 def report(bar: ti.template(), base, step, on: ti.template()):
-    """Reports every particle's error at ``step``: computed minus the companion's, at its material point."""
+    """Stores the particles' errors after ``step`` steps, computed minus the companion's, in ``bar.estimate`` from entry
+    ``base`` on: x, v, sigma, a in SI. ``on``: compile-time options."""
     shared.interpolate_nodes_in_time(bar, step)
     evaluate_at_element_points(bar)
     n = bar.companion_counts[shared.ORDER] + 1
@@ -79,7 +82,7 @@ def report(bar: ti.template(), base, step, on: ti.template()):
 
 @ti.func
 def evaluate_at_element_points(bar: ti.template()):
-    """Computes u, v, u_X and a at the points of each element; u_X jumps between elements."""
+    """Computes u, v, u_X and a at each element's points in ``bar.companion_elements``; u_X jumps between elements."""
     n, N = bar.companion_counts[shared.ORDER] + 1, bar.companion_counts[shared.NODES]
     for e in range(bar.companion_counts[shared.ACROSS]):
         first = shared.NOW * N + e * (n - 1)
@@ -93,15 +96,15 @@ def evaluate_at_element_points(bar: ti.template()):
 
 
 def mesh(scene) -> Elements:
-    """Returns elements of three cells on coarse bars and of up to 16 on fine ones, where the companion gains by its
-    order, and enough of them for the waves of a typed motion."""
+    """Returns the companion's elements along the bar: of three cells on coarse bars and up to 16 on fine ones, where it
+    gains by its order, and enough of them for the waves of a typed motion."""
     count = max(3, min(1 + scene.cells // 3, 6 + scene.cells // 16))
     return Elements(0.0, 1.0, max(count, PER_WAVE * scene.highest_harmonic) if scene.displacement else count,
                     POLYNOMIALS)
 
 
 def allocate(scene) -> dict[str, np.ndarray]:
-    """Returns the companion's arrays, undeformed and with the initial velocity."""
+    """Returns the companion's arrays by name, for a bar at its start: undeformed, with the initial velocity."""
     elements = mesh(scene)
     n, X = elements.order + 1, elements.node_coordinates
     inverse_mass = np.zeros((len(X), 2))
@@ -120,7 +123,7 @@ def allocate(scene) -> dict[str, np.ndarray]:
 
 
 def nodal_masses(elements: Elements) -> np.ndarray:
-    """Returns masses of the nodes for a density of 1; the first and the last node are one."""
+    """Returns the masses of nodes (n,) for a density of 1; the first and the last node are one, of the sum of both."""
     m = elements.assembled_weights
     m[0] = m[-1] = m[0] + m[-1]
     return m
@@ -128,7 +131,7 @@ def nodal_masses(elements: Elements) -> np.ndarray:
 
 @functools.cache
 def highest_unit_frequency(elements: Elements) -> float:
-    """Returns the highest frequency of the bar for a wave speed of 1 m/s, in 1/s."""
+    """Returns the highest angular frequency of the elements for a wave speed of 1 m/s, in 1/s."""
     stiffness = elements.derivative.T @ (elements.weights[:, None] * elements.derivative)
     inverse_mass = 1 / nodal_masses(elements)
 
@@ -141,7 +144,7 @@ def highest_unit_frequency(elements: Elements) -> float:
 
 
 def verdict(scene, memory) -> str | None:
-    """Returns why not to trust the last report, or None."""
+    """Returns a sentence why the companion's last report is not to be trusted, or None; ``memory`` has its arrays."""
     elements = mesh(scene)
     u = memory["companion_nodes"].reshape(-1, len(elements.node_coordinates), 8)[shared.NOW, :, :2]
     return shared.why_not_trusted(u[elements.node_of_point], (1,), memory["companion_numbers"][shared.SQUARE])

@@ -42,15 +42,7 @@ from solvers.kernels.packing import prefix_view
 from solvers.motion.exact_solution_1d import force_table
 from solvers.problems.bar import exact_solution
 from solvers.problems.bar.estimators import recovered_tables
-from solvers.problems.bar.estimators.recovered_tables import (
-    DRIVE,
-    FIT,
-    INTERPOLATION,
-    PROJECTION,
-    SMOOTHING,
-    STIFFNESS,
-    TABLES,
-)
+from solvers.problems.bar.estimators.recovered_tables import DRIVE, FIT, INTERPOLATION, PROJECTION, SMOOTHING, STIFFNESS
 from solvers.problems.bar.method.body_force import tabulated_tone_amplitudes
 from solvers.problems.bar.method.periodic_nodes import stencil_of
 from solvers.scene.estimator_hooks import EstimatorHooks
@@ -65,27 +57,27 @@ MOTION, PROJECTED, ERRORS, FORCE = range(4)
 
 @ti.func
 def nodal_entry_index(bar: ti.template(), kind: ti.template(), i):
-    """Index of entry i of a block of the nodal array."""
+    """Returns the index in ``bar.recovered_nodes`` of node i in the block ``kind``, such as ``MOTION``."""
     return kind * bar.recovered_stride + i
 
 
 @ti.func
 def extend_periodically(field: ti.template(), start, count, beyond):
-    """Copies the first ``beyond`` of ``count`` entries behind the last, as far as rows of a table reach."""
+    """Copies the first ``beyond`` of the ``count`` entries of a field from ``start`` on behind the last of them."""
     for k in range(beyond):
         field[start + count + k] = field[start + k]
 
 
 @ti.func
 def extend_nodal_block_periodically(bar: ti.template(), kind: ti.template()):
-    """Extends a block of nodal values periodically."""
+    """Repeats the beginning of the block ``kind`` of ``bar.recovered_nodes`` behind its end, for tables."""
     extend_periodically(bar.recovered_nodes, nodal_entry_index(bar, kind, 0), bar.cells,
                         bar.recovered_stride - bar.cells)
 
 
 @ti.func
 def row_sums(bar: ti.template(), table: ti.template(), row, field: ti.template(), start):
-    """Returns the sums of three rows of a table, from ``row`` on and of equal weights, of a field from ``start`` on."""
+    """Returns three sums (4,) of a field from ``start`` on, by a table's rows ``row`` and two more of equal weights."""
     one, two, three = ti.Vector([0.0] * 4), ti.Vector([0.0] * 4), ti.Vector([0.0] * 4)
     first = start + prefix_view(bar, table).first[row]
     second, third = start + prefix_view(bar, table).first[row + 1], start + prefix_view(bar, table).first[row + 2]
@@ -99,7 +91,8 @@ def row_sums(bar: ti.template(), table: ti.template(), row, field: ti.template()
 
 @ti.func
 def apply_table(bar: ti.template(), table: ti.template(), count, field: ti.template(), start, into: ti.template(), at):
-    """Applies all ``count`` rows of a table to a field that begins at ``start``; stores the result from ``at`` on."""
+    """Applies a table's ``count`` rows to a field that begins at ``start``; stores the sums in ``into`` from ``at``
+    on."""
     for group in range(recovered.group_count(count)):
         row = recovered.first_in_group(group, count)
         recovered.store_sums(into, at + row, 1, row_sums(bar, table, row, field, start))
@@ -107,31 +100,31 @@ def apply_table(bar: ti.template(), table: ti.template(), count, field: ti.templ
 
 @ti.func
 def particles_to_nodes(bar: ti.template(), table: ti.template(), kind: ti.template()):
-    """Applies a table to the fields at particles; stores the result in a block of nodal values."""
+    """Applies a table to the fields at particles; stores the sums in the block ``kind`` of nodal values."""
     apply_table(bar, table, bar.cells, bar.recovered_field, 0, bar.recovered_nodes, nodal_entry_index(bar, kind, 0))
 
 
 @ti.func
 def nodes_to_nodes(bar: ti.template(), table: ti.template(), kind: ti.template(), into: ti.template()):
-    """Applies a table to a periodically extended block of nodal values; stores the result in another block."""
+    """Applies a table to the extended block ``kind`` of nodal values; stores the sums in the block ``into``."""
     apply_table(bar, table, bar.cells, bar.recovered_nodes, nodal_entry_index(bar, kind, 0), bar.recovered_nodes,
                 nodal_entry_index(bar, into, 0))
 
 
 @ti.func
 def interpolate_nodal_errors(bar: ti.template(), p, pattern):
-    """Returns the nodal errors at a particle, and in the last place the slope of the first."""
+    """Returns nodal errors of u, v, a at particle p, number ``pattern`` of its cell, and fourth the slope of u's."""
     total = ti.Vector([0.0] * 4)
     first, begin, _ = recovered.table_row_range(bar, INTERPOLATION, p, pattern)
     for k in ti.static(range(3)):
-        total += (prefix_view(bar, INTERPOLATION).weights[begin + k]
-                  * bar.recovered_nodes[nodal_entry_index(bar, ERRORS, first + k)])
+        total += prefix_view(bar, INTERPOLATION).weights[begin + k] \
+            * bar.recovered_nodes[nodal_entry_index(bar, ERRORS, first + k)]
     return total
 
 
 @ti.func
 def nodal_body_force(bar: ti.template(), i, shape, size, on: ti.template()):
-    """Returns M b of a node, from M of each tone's shape."""
+    """Returns M b of node i in m/s^2, from M of each tone's ``shape`` and its amplitude, ``size``."""
     b = size[0] * shape[0] + size[1] * shape[1]
     if ti.static(on.motion == TYPED):
         b = paired_field_at(bar.recovered_force, bar.recovered_force_sizes, 0, i)[0]
@@ -140,7 +133,7 @@ def nodal_body_force(bar: ti.template(), i, shape, size, on: ti.template()):
 
 @ti.func
 def start_reference(bar: ti.template(), t, on: ti.template()):
-    """Starts the reference, once, with the acceleration at time t, when the bar was undeformed: a = M b."""
+    """Starts the reference, once, with the acceleration M b at time t in s, when the bar was undeformed."""
     if bar.recovered_numbers[TURNS] == NEW:
         size = tabulated_tone_amplitudes(bar, bar.recovered_force, bar.recovered_force_sizes, t, on)
         for i in range(bar.cells):
@@ -154,7 +147,7 @@ def start_reference(bar: ti.template(), t, on: ti.template()):
 
 @ti.func
 def add_verdict_sums(bar: ti.template()):
-    """Adds this turn's fourth differences of U, and e, to the sums for the verdict."""
+    """Adds the present fourth differences of U, and errors e, to the verdict's sums in ``bar.recovered_numbers``."""
     rough, size, along = 0.0, 0.0, 0.0
     for i in range(bar.cells):
         fourth = 0.0
@@ -173,7 +166,7 @@ def add_verdict_sums(bar: ti.template()):
 
 @ti.func
 def after_step(bar: ti.template(), base, step, on: ti.template()):
-    """Advances the reference: U += H w; w += H (a + correction), a = M b - D P/rho.
+    """Advances the reference by H after ``step`` steps: U += H w; w += H (a + correction), a = M b - D P/rho.
 
     P is linear in the slopes and D in P, so D is taken of both slopes at once, and P itself is never needed.
     """
@@ -184,14 +177,14 @@ def after_step(bar: ti.template(), base, step, on: ti.template()):
     extend_periodically(bar.recovered_field, 0, bar.particles, bar.recovered_beyond)
     particles_to_nodes(bar, DRIVE, ERRORS)
     for i in range(bar.cells):
-        motion, drive = (bar.recovered_nodes[nodal_entry_index(bar, MOTION, i)],
-                         bar.recovered_nodes[nodal_entry_index(bar, ERRORS, i)])
+        at, drive = nodal_entry_index(bar, MOTION, i), bar.recovered_nodes[nodal_entry_index(bar, ERRORS, i)]
+        motion = bar.recovered_nodes[at]
         motion[0] += bar.recovered_numbers[H] * motion[1]
-        bar.recovered_nodes[nodal_entry_index(bar, MOTION, i)] = motion
+        bar.recovered_nodes[at] = motion
         shape = bar.recovered_nodes[nodal_entry_index(bar, FORCE, i)]
         bar.recovered_nodes[nodal_entry_index(bar, FORCE, i)] = ti.Vector([shape[0], shape[1], drive[2], shape[3]])
-        bar.recovered_nodes[nodal_entry_index(bar, PROJECTED,
-                                              i)] = ti.Vector([drive[0] - motion[0], drive[1] - motion[1], 0.0, 0.0])
+        bar.recovered_nodes[nodal_entry_index(bar, PROJECTED, i)] = \
+            ti.Vector([drive[0] - motion[0], drive[1] - motion[1], 0.0, 0.0])
     if recovered.is_check_due(step, bar.dt, bar.recovered_numbers[H]):
         add_verdict_sums(bar)
     compute_damped_errors(bar)
@@ -200,7 +193,7 @@ def after_step(bar: ti.template(), base, step, on: ti.template()):
 
 @ti.func
 def compute_damped_errors(bar: ti.template()):
-    """Computes e* = 2 e - C e + tau (1 - C)^2 e' from the gathered errors."""
+    """Computes e* = 2 e - C e + tau (1 - C)^2 e' from the projected errors, in the block ``ERRORS``."""
     extend_nodal_block_periodically(bar, PROJECTED)
     nodes_to_nodes(bar, SMOOTHING, PROJECTED, ERRORS)
     for i in range(bar.cells):
@@ -210,16 +203,15 @@ def compute_damped_errors(bar: ti.template()):
     extend_nodal_block_periodically(bar, PROJECTED)
     nodes_to_nodes(bar, SMOOTHING, PROJECTED, ERRORS)
     for i in range(bar.cells):
-        e, smooth = bar.recovered_nodes[nodal_entry_index(bar, PROJECTED,
-                                                          i)], bar.recovered_nodes[nodal_entry_index(bar, ERRORS, i)]
-        bar.recovered_nodes[nodal_entry_index(bar, ERRORS, i)] = \
-            ti.Vector([e[0] + bar.recovered_numbers[TAU] * (e[1] - smooth[1]), e[1], 0.0, 0.0])
+        e, at = bar.recovered_nodes[nodal_entry_index(bar, PROJECTED, i)], nodal_entry_index(bar, ERRORS, i)
+        smooth = bar.recovered_nodes[at]
+        bar.recovered_nodes[at] = ti.Vector([e[0] + bar.recovered_numbers[TAU] * (e[1] - smooth[1]), e[1], 0.0, 0.0])
     extend_nodal_block_periodically(bar, ERRORS)
 
 
 @ti.func
 def advance_reference_motion(bar: ti.template(), t, on: ti.template()):
-    """Computes the acceleration of every node at time t, and the new rate."""
+    """Computes the reference's acceleration at every node at time t in s, and its new rate w."""
     size = tabulated_tone_amplitudes(bar, bar.recovered_force, bar.recovered_force_sizes, t, on)
     first = bar.recovered_numbers[TURNS] == BEGUN
     bar.recovered_numbers[TURNS] = MOVED
@@ -236,7 +228,8 @@ def advance_reference_motion(bar: ti.template(), t, on: ti.template()):
 
 @ti.func
 def report(bar: ti.template(), base, step, on: ti.template()):
-    """Reports the errors of x, v, sigma at the state's time and of a at the last step's, at the particles."""
+    """Stores errors of x, v, sigma after ``step`` steps and of the last a in ``bar.estimate`` from ``base`` on, in
+    SI."""
     for p in range(bar.particles):
         S, _ = stencil_of(bar, p)
         i = bar.first_node[p]
@@ -258,8 +251,7 @@ def report(bar: ti.template(), base, step, on: ti.template()):
         for q in range(per_cell):
             p = i * per_cell + q
             field = bar.recovered_field[p]
-            less = bar.estimate[base + p] - interpolate_nodal_errors(bar, p,
-                                                                     q)  # last, the slope of u less that of its error
+            less = bar.estimate[base + p] - interpolate_nodal_errors(bar, p, q)  # last: slope of u less its error's
             E = field - less
             E[1] += bar.velocity[p] - field[1]
             if ti.static(not on.acceleration):
@@ -271,7 +263,7 @@ def report(bar: ti.template(), base, step, on: ti.template()):
 
 @ti.func
 def compute_nodal_errors(bar: ti.template(), length, since):
-    """Computes nodal errors of the fields, unsmoothed."""
+    """Computes the fields' nodal errors ``since`` s after the reference's last step, of ``length`` s, unsmoothed."""
     particles_to_nodes(bar, PROJECTION, PROJECTED)
     for i in range(bar.cells):
         before = bar.recovered_nodes[nodal_entry_index(bar, FORCE, i)][3]
@@ -284,19 +276,18 @@ def compute_nodal_errors(bar: ti.template(), length, since):
     extend_nodal_block_periodically(bar, PROJECTED)
     nodes_to_nodes(bar, SMOOTHING, PROJECTED, ERRORS)
     for i in range(bar.cells):
-        smooth = bar.recovered_nodes[nodal_entry_index(bar, ERRORS, i)]
-        bar.recovered_nodes[nodal_entry_index(bar, ERRORS, i)] = (
-            2 * bar.recovered_nodes[nodal_entry_index(bar, PROJECTED, i)] - smooth
-        )
+        e, at = bar.recovered_nodes[nodal_entry_index(bar, PROJECTED, i)], nodal_entry_index(bar, ERRORS, i)
+        bar.recovered_nodes[at] = 2 * e - bar.recovered_nodes[at]
     extend_nodal_block_periodically(bar, ERRORS)
 
 
 def interval(scene):
+    """Returns the number of run steps in one of the estimator's."""
     return recovered.wave_travel_steps(scene, WAVE_CFL * scene.spacing)
 
 
 def allocate(scene):
-    """Returns operators of the material line, and the reference in the initial configuration."""
+    """Returns the estimator's arrays at the start by name: operators of the material line, and the reference."""
     cells, per_cell = scene.cells, scene.ppc
     tables = recovered_tables.operators(scene)
     X = (np.arange(scene.particles) + 0.5) * (scene.spacing / per_cell)
@@ -309,8 +300,8 @@ def allocate(scene):
     table = None
     if scene.displacement:
         force = force_table(scene, X)
-        table = replace(force,
-                        modes=np.stack([tables[PROJECTION](one)[:, :2] for one in force.modes[:, :, 0].T], axis=1))
+        modes = np.stack([tables[PROJECTION](one)[:, :2] for one in force.modes[:, :, 0].T], axis=1)
+        table = replace(force, modes=modes)
     return {**dict(zip(("recovered_force_sizes", "recovered_force"), pack_tables(paired_mode_entries(table)),
                        strict=True)),
             "recovered_numbers": recovered.initial_numbers(scene, interval(scene)), **recovered.table_values(tables),
@@ -320,7 +311,7 @@ def allocate(scene):
 
 HOOKS = EstimatorHooks(memory={
     "recovered_numbers": reals,  # by the names of solvers.estimators.recovered
-    **recovered.table_types(TABLES),
+    **recovered.table_types(recovered_tables.TABLES),
     "recovered_stride": ti.i32, "recovered_beyond": ti.i32,  # nodes of a block; particles repeated behind the last
     "recovered_nodes": quads,  # nodal values, block by block, each closed by a repetition of its beginning
     "recovered_force": quads, "recovered_force_sizes": integers,  # the table of M b of a typed motion

@@ -23,7 +23,8 @@ MOST_MISSED, MOST_ADDED = 0.09, 0.3
 
 
 def operators(scene: BarScene) -> dict[str, Rows]:
-    """Returns the tables by name; cells are alike, and so are particles to a fit: most have one row."""
+    """Returns the operators as tables of rows, by the names ``TABLES``. Cells are alike, and so are particles to a fit:
+    most have one row of weights."""
     cells, per_cell = scene.cells, int(scene.ppc)
     few = min(cells, PATTERN_CELLS)
     line = Line(few * per_cell, few, few * scene.spacing, "periodic")
@@ -44,12 +45,13 @@ def operators(scene: BarScene) -> dict[str, Rows]:
 
 
 def estimated_components(rows: Rows, last: int) -> Rows:
-    """Returns the rows' value for u, v and a, and for u again the value or the slope."""
+    """Returns rows of four weights from rows of a value and a slope: the value for u, v and a, and fourth, for u, the
+    one numbered ``last``, 0 or 1."""
     return Rows(rows.first, rows.weights[:, :, 0][:, :, [0, 0, 0, last]])
 
 
 def periodic_map(weights: np.ndarray, cells: int) -> Rows:
-    """Returns the map of all nodes from that of node 0, with a weight for each column of the whole line."""
+    """Returns the map to ``cells`` nodes from that to node 0, with ``weights`` (n, 4) for the n places of the line."""
     middle = len(weights) // 2
     weights = np.roll(weights, middle, axis=0)
     used = np.flatnonzero(weights.any(axis=1))
@@ -58,7 +60,8 @@ def periodic_map(weights: np.ndarray, cells: int) -> Rows:
 
 
 def verdict(scene: BarScene, memory: Mapping[str, np.ndarray]) -> str | None:
-    """Returns why not to trust the estimate: a bad reference, or motion that the fits count as error; or None."""
+    """Returns why the estimate is not to be trusted, as a sentence: a bad reference, or motion that the fits count as
+    error; or None. ``memory`` are the estimator's arrays by name."""
     U = memory["recovered_nodes"][:scene.cells, 0]
     if reason := recovered.why_not_trusted(memory, np.abs(U).max() / scene.motion_amplitude):
         return reason

@@ -21,7 +21,8 @@ MOST_INTERVAL = 10  # steps of the run between two of the estimator's
 
 @ti.func
 def in_step(bar: ti.template(), base, on: ti.template()):
-    """Advances Ex, Ev, Esigma by H = k dt and reports Ea, between the node update and the particle update.
+    """Advances the estimated errors Ex, Ev, Esigma by H = k dt and reports Ea, between the node update and the particle
+    update, in ``bar.estimate`` from entry ``base`` on. ``on``: compile-time options.
 
     The error varies over the time a wave takes through a cell, not over a step, so it is advanced every k steps
     (``interval``) with that step's own weights.
@@ -44,7 +45,8 @@ def in_step(bar: ti.template(), base, on: ti.template()):
 
 @ti.func
 def sum_errors_at_nodes(bar: ti.template(), base, on: ti.template()):
-    """Computes nodal sums of S Ev, D* source, S source and D* r^2; source = Esigma + sigma EF/F.
+    """Computes sums over particles of S Ev, D* source, S source and D* r^2 in ``bar.transport_nodes``, from
+    ``bar.estimate`` at ``base``; source = Esigma + sigma EF/F. ``on``: compile-time options.
 
     Also S r^2 for a mapping that preserves linearity, whose step has gathered its other moments; otherwise the moments
     D*, D* r, S sigma and S F V0, the last for V_i.
@@ -74,7 +76,8 @@ def sum_errors_at_nodes(bar: ti.template(), base, on: ti.template()):
 
 @ti.func
 def current_node_volume(bar: ti.template(), i, on: ti.template()):
-    """Returns V_i, the node's share of the current volume."""
+    """Returns V_i, node i's share of the current volume, in m (per unit of cross-section). ``on``: compile-time
+    options."""
     volume = 0.0
     if ti.static(on.linearity_preserving):
         volume = bar.node_volume[i]
@@ -85,17 +88,18 @@ def current_node_volume(bar: ti.template(), i, on: ti.template()):
 
 @ti.func
 def compute_nodal_stress_slopes(bar: ti.template(), on: ti.template()):
-    """Computes sigma_x at the nodes, from the force that the step used."""
+    """Computes d(sigma)/dx at the nodes in Pa/m, from the step's force, in ``bar.transport_slope``. ``on``:
+    compile-time options."""
     for i in range(1, bar.cells + 1):
-        bar.transport_slope[i] = periodic_nodes.node_internal_force(bar, i, on) / ti.max(
-            current_node_volume(bar, i, on), periodic_nodes.EMPTY * bar.spacing
-        )
+        volume = ti.max(current_node_volume(bar, i, on), periodic_nodes.EMPTY * bar.spacing)
+        bar.transport_slope[i] = periodic_nodes.node_internal_force(bar, i, on) / volume
     periodic_nodes.copy_to_periodic_images(bar.transport_slope, bar.cells)
 
 
 @ti.func
 def compute_node_errors(bar: ti.template(), on: ti.template()):
-    """Computes Ea_i and the nodal velocity error after the step, Ev_i = sum S Ev/sum S + dt Ea_i."""
+    """Stores the errors Ea_i of acceleration, and of velocity after the step, Ev_i = sum S Ev/sum S + dt Ea_i, at nodes
+    in ``bar.transport_errors``, in SI. ``on``: compile-time options."""
     for i in range(1, bar.cells + 1):
         weight = bar.node_sums[i][0]
         Ea, Ev = 0.0, 0.0
@@ -111,9 +115,8 @@ def compute_node_errors(bar: ti.template(), on: ti.template()):
                 mean, scale = periodic_nodes.divergence_mapping_factors(bar, i, on)
                 moments, spread = bar.node_moments[i], sums[4]
             constant = (moments[0] - mean * weight) * moments[3] / weight  # (sum D) f_i of eq 46
-            linear = (
-                (moments[1] - mean * moments[2]) * scale - current_node_volume(bar, i, on)
-            ) * sigma_x  # (sum D r - 1) a_i
+            first = (moments[1] - mean * moments[2]) * scale
+            linear = (first - current_node_volume(bar, i, on)) * sigma_x  # (sum D r - 1) a_i
             quadratic = (sums[3] - mean * spread) * 0.5 * sigma_xx  # C h^k of eq 12
             fed_back = sums[1] - mean * sums[2]  # sum D (Esigma F + sigma EF) V0 of eq 12
             mass = bar.density * bar.volume * weight
@@ -125,7 +128,8 @@ def compute_node_errors(bar: ti.template(), on: ti.template()):
 
 @ti.func
 def advance_particle_errors(bar: ti.template(), base, on: ti.template()):
-    """Advances Ev, Ex and Esigma with the step's own weights, and stores Ea for the report."""
+    """Advances Ex, Ev, Esigma in ``bar.estimate`` from ``base`` on with the step's weights, and stores Ea with them.
+    ``on``: compile-time options."""
     for p in range(bar.particles):
         S, dS = periodic_nodes.stencil_of(bar, p)
         i = bar.first_node[p]
@@ -150,21 +154,22 @@ def advance_particle_errors(bar: ti.template(), base, on: ti.template()):
 
 
 def interval(scene):
-    """Returns the steps per turn: as many as keep the feedback stable, which is a wave like the motion's own and no
-    faster than c in the most stretched cell; only numbers that divide the sample interval."""
+    """Returns the run's steps per step of the estimator: as many as keep the feedback stable, which is a wave like the
+    motion's own and no faster than c in the most stretched cell; only numbers that divide the sample interval."""
     fastest = scene.courant_number * (1 + scene.size_of("sigma") / scene.modulus)
     most = max(1, min(MOST_INTERVAL, int(WAVE_CFL / fastest)))
     return max(k for k in range(1, most + 1) if scene.sample_interval % k == 0)
 
 
 def allocate(scene):
-    """Returns nodal arrays, with the periodic images."""
+    """Returns the estimator's nodal arrays at the start, by name, with entries for the periodic images."""
     N = scene.cells + periodic_nodes.GHOSTS
     return {"transport_dt": interval(scene) * scene.time_step, "transport_nodes": np.zeros((N, 8)),
             "transport_slope": np.zeros(N), "transport_errors": np.zeros((N, 4))}
 
 
 def verdict(scene, memory):
+    """Returns a sentence why the last report is not to be trusted, or None; ``memory`` has the estimator's arrays."""
     a = memory["transport_errors"][:, 1]
     return why_not_trusted(np.abs(a).max(), memory["transport_nodes"].any(), scene.size_of("a"))
 

@@ -31,7 +31,8 @@ MEMORY = {
 
 @ti.func
 def after_step(bar: ti.template(), base, step, on: ti.template()):
-    """Takes one step of the second bar, over the last ``coarse_dt``; stores F and a before it, for their rates."""
+    """Takes one step of the second bar, ``coarse_dt`` in s long and ending at the run's ``step``; stores its F and a
+    before the step, for their rates. ``on``: compile-time options."""
     coarse, bare = ti.static([prefix_view(bar, "coarse_"), two_grid.coarse_run_options(on)])
     for q in range(coarse.particles):
         bar.two_grid_before[q] = ti.Vector([
@@ -42,7 +43,8 @@ def after_step(bar: ti.template(), base, step, on: ti.template()):
 
 @ti.func
 def report(bar: ti.template(), base, step, on: ti.template()):
-    """Reports e = q_h - I q*; not yet for a as long as the second bar has only that of the start."""
+    """Stores e = q_h - I q* of all particles after ``step`` steps (x, v, sigma, a in SI) in ``bar.estimate`` from
+    ``base`` on; 0 for a as long as the second bar has only that of the start. ``on``: compile-time options."""
     own, coarse = ti.static([prefix_view(bar, "two_grid_"), prefix_view(bar, "coarse_")])
     two_grid.clear_common_lattice(own)
     store_run_fields(bar, own, on)
@@ -65,7 +67,8 @@ def report(bar: ti.template(), base, step, on: ti.template()):
 
 @ti.func
 def store_run_fields(bar: ti.template(), own: ti.template(), on: ti.template()):
-    """Stores u, v, sigma and a of the run."""
+    """Stores u, v, sigma and a of the run's particles, in SI, in ``own.fields``, an array of the estimator. ``on``:
+    compile-time options."""
     for p in range(bar.particles):
         a = 0.0
         if ti.static(on.acceleration):
@@ -76,7 +79,8 @@ def store_run_fields(bar: ti.template(), own: ti.template(), on: ti.template()):
 
 @ti.func
 def store_coarse_fields(bar: ti.template(), own: ti.template(), coarse: ti.template(), step):
-    """Stores the fields of the second bar, extrapolated by ``late`` seconds from its last step to the present.
+    """Stores u, v, sigma and a of the second bar, ``coarse``, in ``own.fields``, extrapolated by ``late`` seconds from
+    its last step to the run's ``step``.
 
     Its v belongs to half a step before, the run's to dt/2 before now, and the extrapolated one shall belong to now: the
     v taken here is early by r^2 dt/2 on purpose, which cancels what (r^2 S v_h) lacks. Its a belongs to a step before,
@@ -100,13 +104,13 @@ def store_coarse_fields(bar: ti.template(), own: ti.template(), coarse: ti.templ
 
 
 def coarse_scene(scene):
-    """Returns the scene of the second run."""
+    """Returns the scene of the second bar: half the cells, a longer step, no estimators or effects."""
     return replace(scene, cells=scene.cells // 2, dt=two_grid.steps_per_coarse_step(scene) * scene.time_step, cfl=None,
                    sample_every=None, estimators=(), effects=())
 
 
 def allocate(scene):
-    """Returns the second bar at its start, and the tables of the comparison."""
+    """Returns the estimator's arrays by name: the second bar at its start, and the tables of the comparison."""
     second = coarse_scene(scene)
     fine, coarse = (scene.particles, 1), (second.particles, 1)
     members = initial_body(second, two_grid.coarse_run_options(kernel_options_of(second)))
@@ -118,7 +122,7 @@ def allocate(scene):
 
 
 def verdict(scene, memory):
-    """Returns why the second bar cannot be used, or None."""
+    """Returns a sentence why the second bar cannot be used, or None; ``memory`` has the estimator's arrays by name."""
     moved = memory["coarse_position"] - memory["coarse_material_position"]
     return two_grid.coarse_run_verdict(scene, memory["coarse_deformation_gradient"], moved,
                                        min(0.5, 20 * scene.motion_amplitude), memory["two_grid_largest"])

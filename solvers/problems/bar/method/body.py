@@ -16,8 +16,8 @@ from solvers.solver.state_arrays import Members, remedy_rates, zeros
 
 @dataclass
 class BarBody(Members):
-    """P particles, N nodes; node arrays have ``GHOSTS`` more entries. Arrays that only an inactive effect would use
-    have length one."""
+    """Numbers and arrays of the method on the bar, in SI: P particles, N nodes; node arrays have ``GHOSTS`` more
+    entries. Arrays that only an inactive effect would use have length one."""
 
     particles: Integer
     cells: Integer
@@ -60,8 +60,9 @@ class BarBody(Members):
 
 
 def initial_body(scene: BarScene, on: KernelOptions) -> dict:
-    """Returns the members of a :class:`BarBody` at the start: particles at (p + 1/2) h/ppc, F = 1, and the velocity of
-    the exact solution. F of a patch test is relative to its stretch (``solvers.problems.bar.patch_test``)."""
+    """Returns the members of a :class:`BarBody` at the start, by name: particles at (p + 1/2) h/ppc, F = 1, and the
+    exact velocity. F of a patch test is relative to its stretch (``solvers.problems.bar.patch_test``). ``on``:
+    compile-time options."""
     P, nodes, w = scene.particles, scene.cells + GHOSTS, scene.angular_frequency
     X = (np.arange(P) + 0.5) * (scene.spacing / scene.ppc)
     swings, stretch = not scene.is_patch, scene.initial_stretch

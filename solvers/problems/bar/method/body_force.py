@@ -16,13 +16,16 @@ from solvers.solver.separable_field_tables import FORCE, compute_paired_time_fun
 
 @ti.func
 def tone_amplitudes(bar: ti.template(), t, on: ti.template()):
-    """Returns the amplitude of each tone at time t, in m/s^2."""
+    """Returns the amplitudes (2,) in m/s^2 of the body force's tones at time t in s; for a typed motion 0, and prepares
+    ``bar.tables`` for :func:`body_force_on_particle` at t. ``on``: compile-time options."""
     return tabulated_tone_amplitudes(bar, bar.tables, bar.table_sizes, t, on)
 
 
 @ti.func
 def tabulated_tone_amplitudes(bar: ti.template(), tables: ti.template(), sizes: ti.template(), t, on: ti.template()):
-    """Returns the amplitude of each tone at time t, in m/s^2, for the places of a table."""
+    """Returns the amplitudes (2,) in m/s^2 of the body force's tones at time t in s; for a typed motion 0, and stores
+    its functions of time at t in ``tables`` with their ``sizes`` (``separable_field_tables.pack_tables``). ``on``:
+    compile-time options."""
     first, second = 0.0, 0.0
     if ti.static(on.motion == TYPED):
         compute_paired_time_functions(tables, sizes, FORCE, bar.angular_frequency * t, 1.0)
@@ -35,8 +38,9 @@ def tabulated_tone_amplitudes(bar: ti.template(), tables: ti.template(), sizes: 
 
 @ti.func
 def body_force_at(tables: ti.template(), sizes: ti.template(), place, sine, cosine, size, on: ti.template()):
-    """Returns the force at a place of a table, where sin 2 pi X and cos 2 pi X are ``sine`` and ``cosine``, with tones
-    of these amplitudes ``size``."""
+    """Returns the body force per mass, in the unit of its tones' amplitudes ``size`` (2,), where sin 2 pi X and cos 2
+    pi X are ``sine`` and ``cosine``; for a typed motion that of entry ``place`` of the ``tables``, in m/s^2. ``on``:
+    compile-time options."""
     force = size[0] * sine
     if ti.static(on.body_force == "two-tone"):
         force += size[1] * 2 * sine * cosine  # sin 4 pi X
@@ -47,7 +51,8 @@ def body_force_at(tables: ti.template(), sizes: ti.template(), place, sine, cosi
 
 @ti.func
 def body_force_on_particle(bar: ti.template(), p, size, on: ti.template()):
-    """Returns the body force at particle p, in the unit of ``size``, the amplitudes of its tones at this time."""
+    """Returns the body force per mass on particle p, in the unit of its tones' ``size`` (:func:`tone_amplitudes`).
+    ``on``: compile-time options."""
     cosine = 0.0
     if ti.static(on.body_force == "two-tone"):
         cosine = bar.cosine[p]

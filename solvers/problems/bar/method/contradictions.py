@@ -12,8 +12,8 @@ from solvers.solver.samples import column_index
 
 @ti.func
 def record_contradictions(bar: ti.template(), row, drift):
-    """Samples, in m, the gaps between neighbours, the drift of the body relative to the expected ``drift``, and the
-    mismatch of its displacement and deformation."""
+    """Writes to a row of ``bar.samples`` the contradictions in m (the gaps between neighbours, the drift of the body
+    beyond the expected ``drift``, the mismatch of displacement and deformation) and sums of displacements."""
     P, dX = bar.particles, bar.volume  # a particle's volume at rest is its length
     squares, worst, place = 0.0, -1.0, 0
     moved = 0.0  # sum of x - X

@@ -26,7 +26,8 @@ from solvers.kernels.shape_functions import bspline, hat
 
 @ti.func
 def mapping_position(bar: ti.template(), p, on: ti.template()):
-    """Returns the position of particle p at which weights are evaluated."""
+    """Returns the position of particle p in m at which weights are evaluated: x, or X with frozen weights. ``on``:
+    compile-time options."""
     x = 0.0
     if ti.static(on.frozen):
         x = bar.material_position[p]
@@ -37,7 +38,8 @@ def mapping_position(bar: ti.template(), p, on: ti.template()):
 
 @ti.func
 def periodically_extended_position(bar: ti.template(), p, on: ti.template()):
-    """Returns the mapping position, for p from two before the first to two behind the last, one period away."""
+    """Returns the position in m at which weights are evaluated of particle p; for p = -2, -1, P and P + 1, beyond the
+    ends, of that particle's image one period away. ``on``: compile-time options."""
     P = bar.particles
     turn = ti.select(p < 0, -1, ti.select(p < P, 0, 1))
     return mapping_position(bar, p - turn * P, on) + turn
@@ -45,17 +47,14 @@ def periodically_extended_position(bar: ti.template(), p, on: ti.template()):
 
 @ti.func
 def corner_between_particles(before_last, last, this, after):
-    """Returns the corner between the particles ``last`` and ``this``, from the places of four neighbours."""
+    """Returns the corner between the particles ``last`` and ``this`` from the positions of four neighbours, in m."""
     return (9 * (last + this) - before_last - after) / 16
 
 
 @ti.func
 def corner_stencil(bar: ti.template(), x, on: ti.template()):
-    """Returns the base functions at a corner: first node, in the padded arrays, and three weights; the third is 0 for
-    hats.
-
-    ``nodes_per_corner`` says how many there are to look at.
-    """
+    """Returns the base functions at a corner x in m: the first node's index in the padded arrays, and three weights, of
+    which :func:`nodes_per_corner` matter; the third is 0 for hats. ``on``: compile-time options."""
     place = (x - ti.floor(x)) * bar.cells_per_length
     first, left, right, _, _ = hat(place)
     if ti.static(on.method == "bspline"):
@@ -66,13 +65,14 @@ def corner_stencil(bar: ti.template(), x, on: ti.template()):
 
 @mark_untranslated_by_taichi
 def nodes_per_corner(on) -> int:
-    """Returns the number of nodes in a corner's stencil."""
+    """Returns the number of nodes whose base functions a corner meets: 3 for B-splines, 2 for hats. ``on``:
+    compile-time options."""
     return 3 if on.method == "bspline" else 2
 
 
 @ti.func
 def store_piece_corners(bar: ti.template(), on: ti.template()):
-    """Stores the left corner of every piece with its base functions.
+    """Stores the left corner of every piece with its base functions in ``bar.corners``. ``on``: compile-time options.
 
     Those near the ends have neighbours a period away and come first, so that the loop over all others has no choices in
     it and several go at once: the remedy then costs a third of what it did.
@@ -90,7 +90,8 @@ def store_piece_corners(bar: ti.template(), on: ti.template()):
 
 @ti.func
 def store_corner_stencil(bar: ti.template(), p, x, on: ti.template()):
-    """Stores x as the left corner of piece p."""
+    """Stores x in m as the left corner of piece p, with its base functions, in ``bar.corners``. ``on``: compile-time
+    options."""
     i, B = corner_stencil(bar, x, on)
     bar.corners[p] = ti.Vector([B[0], B[1], i, x])
 
@@ -98,14 +99,15 @@ def store_corner_stencil(bar: ti.template(), p, x, on: ti.template()):
 @ti.func
 def stored_corner_stencil(bar: ti.template(), p):
     """Returns the stored left corner of piece p: first node, in the padded node arrays, three base functions, of which
-    two are stored because they add up to one, and its place."""
+    two are stored because they add up to one, and its position in m."""
     kept = bar.corners[p]
     return ti.cast(kept[2], ti.i32), ti.Vector([kept[0], kept[1], 1 - kept[0] - kept[1]]), kept[3]
 
 
 @ti.func
 def add_piece_forces_to_nodes(bar: ti.template(), on: ti.template()):
-    """Adds the forces by the stress of pieces to the nodes."""
+    """Adds the forces in N by the stress of the pieces to the nodes, as third component of ``bar.node_sums``. ``on``:
+    compile-time options."""
     before = bar.deformation_gradient[bar.particles - 1]
     for p in range(bar.particles):
         F = bar.deformation_gradient[p]
@@ -117,8 +119,8 @@ def add_piece_forces_to_nodes(bar: ti.template(), on: ti.template()):
 
 @ti.func
 def sum_piece_lengths_at_nodes(bar: ti.template(), on: ti.template()):
-    """Computes nodal sums of B_i(c_p) (x_p - x_{p-1}): linearity preservation's length of pieces, in place of sum D r;
-    the force of a constant stress, sum D, is 0."""
+    """Adds B_i(c_p) (x_p - x_{p-1}) in m to ``bar.node_moments``: linearity preservation's length of pieces, in place
+    of sum D r; the force of a constant stress, sum D, is 0. ``on``: compile-time options."""
     last = periodically_extended_position(bar, -1, on)
     for p in range(bar.particles):
         this = periodically_extended_position(bar, p, on)
@@ -130,8 +132,8 @@ def sum_piece_lengths_at_nodes(bar: ti.template(), on: ti.template()):
 
 @ti.func
 def interpolate_at_corner(bar: ti.template(), values: ti.template(), first, p, on: ti.template()):
-    """Returns the nodes' ``values``, vectors whose layer begins at ``first``, at the left corner of piece p; the last
-    piece is followed by the first."""
+    """Returns nodal ``values``, vectors whose layer begins at ``first``, interpolated at the left corner of piece p;
+    the corner p = P is the first again. ``on``: compile-time options."""
     i, B, _ = stored_corner_stencil(bar, ti.select(p < bar.particles, p, 0))
     seen = B[0] * values[first + i]
     for k in ti.static(range(1, nodes_per_corner(on))):
@@ -141,7 +143,8 @@ def interpolate_at_corner(bar: ti.template(), values: ti.template(), first, p, o
 
 @ti.func
 def update_piece_gradients(bar: ti.template(), on: ti.template()):
-    """Sets F <- (1 + dt L) F for every piece."""
+    """Sets F <- (1 + dt L) F for every piece, L its velocity gradient in 1/s, in ``bar.deformation_gradient``. ``on``:
+    compile-time options."""
     left = interpolate_at_corner(bar, bar.node_motion, 0, 0, on)[0]
     for p in range(bar.particles):
         right = interpolate_at_corner(bar, bar.node_motion, 0, p + 1, on)[0]
@@ -151,7 +154,7 @@ def update_piece_gradients(bar: ti.template(), on: ti.template()):
 
 @ti.func
 def piece_length(bar: ti.template(), p):
-    """Returns c_{p+1} - c_p."""
+    """Returns the length of piece p, c_{p+1} - c_p, in m."""
     end = bar.corners[0][3] + 1
     if p + 1 < bar.particles:
         end = bar.corners[p + 1][3]

@@ -16,21 +16,23 @@ DEGENERATE = 1e-3  # linearity preservation falls back to the plain gradient bel
 
 @ti.func
 def stencil_of(bar: ti.template(), p):
-    """Returns the stored stencil: S (1) and dS (1/length) at three nodes from ``first_node``."""
+    """Returns particle p's stored stencil: S (3,) and dS (3,) in 1/m at the nodes from ``bar.first_node[p]`` on."""
     w = bar.weights[p]
     return complete_stencil(w[0], w[1], w[2], w[3])
 
 
 @ti.func
 def offset_from_first_node(bar: ti.template(), p):
-    """Returns r = x_p - x_i for the first node of the stencil; it is h and 2h less for the next nodes."""
+    """Returns r = x_p - x_i in m of particle p from the first node of its stencil; from the next nodes it is h and 2h
+    less."""
     x = bar.position[p]
     return x - ti.floor(x) - (bar.first_node[p] - 1) * bar.spacing
 
 
 @ti.func
 def add_periodic_images(values: ti.template(), cells, first=0):
-    """Adds the sums at a node's periodic images to the node, for values that begin at ``first``."""
+    """Adds to each node the sums at its periodic images, in place; ``values`` has entries for ``cells`` nodes, and for
+    the images before and behind them, from ``first`` on."""
     values[first + cells] += values[first]
     for k in ti.static(range(1, 4)):
         values[first + k] += values[first + cells + k]
@@ -38,7 +40,8 @@ def add_periodic_images(values: ti.template(), cells, first=0):
 
 @ti.func
 def copy_to_periodic_images(values: ti.template(), cells, first=0):
-    """Copies the nodes' values to their periodic images, for values that begin at ``first``."""
+    """Copies each node's value to its periodic images, in place; ``values`` has entries for ``cells`` nodes, and for
+    the images before and behind them, from ``first`` on."""
     values[first] = values[first + cells]
     for k in ti.static(range(1, 4)):
         values[first + cells + k] = values[first + k]
@@ -46,11 +49,12 @@ def copy_to_periodic_images(values: ti.template(), cells, first=0):
 
 @ti.func
 def divergence_mapping_factors(bar: ti.template(), i, on: ti.template()):
-    """Returns ``(mean, scale)`` such that V_i d(sigma)/dx at node i is (sum D* sigma - mean sum S sigma) scale.
+    """Returns ``(mean, scale)`` such that V_i d(sigma)/dx at node i is (sum D* sigma - mean sum S sigma) scale. ``on``:
+    compile-time options.
 
-    Plain (eq 8): 0 and 1. Linearity preserving: D = (D* - S sum D*/sum S)/den with sum D x = 1 (eq 17,
-    normalised); V_i, the node's share of the *current* volume, keeps the density current. Where the domains
-    leave too little to divide by, the plain form takes over: without this guard long runs divide by zero.
+    Plain (eq 8): 0 and 1. Linearity preserving: D = (D* - S sum D*/sum S)/den with sum D x = 1 (eq 17, normalised);
+    V_i, the node's share of the *current* volume, keeps the density current. Where the domains leave too little to
+    divide by, the plain form takes over: without this guard long runs divide by zero.
     """
     mean, scale = 0.0, 1.0
     if ti.static(on.linearity_preserving):
@@ -65,7 +69,8 @@ def divergence_mapping_factors(bar: ti.template(), i, on: ti.template()):
 
 @ti.func
 def sum_moments_at_nodes(bar: ti.template(), on: ti.template()):
-    """Computes nodal sums of D*, D* r, S r and S sigma with r = x_p - x_i, and V_i = sum S F V0."""
+    """Computes the nodal sums of D*, D* r (m), S r (m) and S sigma (Pa) with r = x_p - x_i, in ``bar.node_moments``,
+    and V_i = sum S F V0 in ``bar.node_volume``. ``on``: compile-time options."""
     for i in range(bar.cells + GHOSTS):
         bar.node_moments[i] = ti.Vector([0.0, 0.0, 0.0, 0.0])
         bar.node_volume[i] = 0.0
@@ -90,7 +95,8 @@ def sum_moments_at_nodes(bar: ti.template(), on: ti.template()):
 
 @ti.func
 def node_internal_force(bar: ti.template(), i, on: ti.template()):
-    """Returns V_i d(sigma)/dx as the method sees it: the internal force at node i."""
+    """Returns the internal force at node i in N: V_i d(sigma)/dx as the method sees it. ``on``: compile-time
+    options."""
     force = bar.node_sums[i][2]
     if ti.static(on.linearity_preserving):
         mean, scale = divergence_mapping_factors(bar, i, on)

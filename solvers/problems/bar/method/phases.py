@@ -10,19 +10,13 @@ from solvers.kernels.shape_functions import outer_weights
 from solvers.kernels.simd import LANES, load
 from solvers.problems.bar.method import gapless_pieces, periodic_nodes
 from solvers.problems.bar.method.body_force import body_force_on_particle, tone_amplitudes
-from solvers.problems.bar.method.periodic_nodes import (
-    EMPTY,
-    GHOSTS,
-    MOST_HALF_WIDTH,
-    add_periodic_images,
-    copy_to_periodic_images,
-    stencil_of,
-)
+from solvers.problems.bar.method.periodic_nodes import EMPTY, GHOSTS, MOST_HALF_WIDTH, stencil_of
 
 
 @ti.func
 def update_grid(bar: ti.template(), t, on: ti.template()):
-    """Runs the first half of a step, from time t: weights, particles to nodes, and the nodes' new motion."""
+    """Runs the first half of a step, from time t in s: weights, particles to nodes, and the nodes' new motion. ``on``:
+    compile-time options."""
     if ti.static(not on.frozen):
         find_weights(bar, on)
     if ti.static(on.pieces):
@@ -33,7 +27,8 @@ def update_grid(bar: ti.template(), t, on: ti.template()):
 
 @ti.func
 def half_width(bar: ti.template(), F, on: ti.template()):
-    """Returns half the domain, in cells, of particles with this F: constant for uGIMP, stretched for cpGIMP."""
+    """Returns half the domain, in cells, of particles with deformation F: constant for uGIMP, stretched for cpGIMP.
+    ``on``: compile-time options."""
     width = bar.half_width + ti.zero(F)
     if ti.static(on.method == "cpgimp" and not on.frozen):
         width = ti.min(ti.max(bar.half_width * F, 1e-6), MOST_HALF_WIDTH)
@@ -42,7 +37,8 @@ def half_width(bar: ti.template(), F, on: ti.template()):
 
 @ti.func
 def find_weights(bar: ti.template(), on: ti.template()):
-    """Stores each particle's stencil for both mappings of the step, ``LANES`` at a time; the last perhaps twice."""
+    """Stores each particle's stencil in ``bar.first_node`` and ``bar.weights``, for both mappings of the step,
+    ``LANES`` particles at a time; the last perhaps twice. ``on``: compile-time options."""
     per = bar.cells_per_length
     for block in range((bar.particles + LANES - 1) // LANES):
         p = ti.min(block * LANES, bar.particles - LANES)
@@ -61,7 +57,8 @@ def find_weights(bar: ti.template(), on: ti.template()):
 
 @ti.func
 def particles_to_nodes(bar: ti.template(), t, on: ti.template()):
-    """Sums S, S v, D* sigma with D* = -dS F V0, and S b with the body force at time t.
+    """Computes ``bar.node_sums``, at each node the sums over particles of S, S v, D* sigma with D* = -dS F V0, and S b
+    with the body force b at time t in s; S are weights, dS their slopes. ``on``: compile-time options.
 
     The sums of three nodes stay in registers until a particle has others: in memory, each particle would wait for the
     one before it.
@@ -85,15 +82,15 @@ def particles_to_nodes(bar: ti.template(), t, on: ti.template()):
     bar.node_sums[at], bar.node_sums[at + 1], bar.node_sums[at + 2] = left, middle, right
     if ti.static(on.pieces):
         gapless_pieces.add_piece_forces_to_nodes(bar, on)
-    add_periodic_images(bar.node_sums, bar.cells)
+    periodic_nodes.add_periodic_images(bar.node_sums, bar.cells)
     if ti.static(on.linearity_preserving):
         periodic_nodes.sum_moments_at_nodes(bar, on)
 
 
 @ti.func
 def contribution_of(bar: ti.template(), p, size, on: ti.template()):
-    """Returns a particle's contribution to nodes, multiplied by its weight: 1, v and b; and by the weight's slope:
-    -sigma F V0 (third)."""
+    """Returns what particle p adds to nodes (4,): 1, v and b, to be multiplied by its weight, and third -sigma F V0, by
+    the weight's slope; ``size`` are the amplitudes of the body force's tones. ``on``: compile-time options."""
     carried = ti.Vector([1.0, bar.velocity[p], 0.0, 0.0])
     if ti.static(not on.pieces):
         volume = bar.volume  # frozen weights: the force at rest is -sum dS P V0
@@ -108,7 +105,8 @@ def contribution_of(bar: ti.template(), p, size, on: ti.template()):
 
 @ti.func
 def update_nodes(bar: ti.template(), t, on: ti.template()):
-    """Sets v_i += dt a_i with a_i = internal + body force at time t."""
+    """Stores each node's v_i + dt a_i and a_i in ``bar.node_motion``, a_i by internal and body force at time t in s.
+    ``on``: compile-time options."""
     size = tone_amplitudes(bar, t, on)
     for i in range(1, bar.cells + 1):
         sums = bar.node_sums[i]
@@ -126,12 +124,12 @@ def update_nodes(bar: ti.template(), t, on: ti.template()):
             if ti.static(on.energy):  # the force's power with the velocity in the middle of the step
                 bar.totals[1] += bar.dt * mass * body * (v - 0.5 * bar.dt * a)
         bar.node_motion[i] = ti.Vector([v, a])
-    copy_to_periodic_images(bar.node_motion, bar.cells)
+    periodic_nodes.copy_to_periodic_images(bar.node_motion, bar.cells)
 
 
 @ti.func
 def hat_velocity(bar: ti.template(), x):
-    """Returns the grid velocity at x with hat functions."""
+    """Returns the grid's velocity in m/s at a position x in m, by hat functions."""
     s = (x - ti.floor(x)) * bar.cells_per_length
     i = ti.cast(ti.min(ti.max(ti.floor(s), 0.0), bar.cells), ti.i32)
     return (1 - (s - i)) * bar.node_motion[i + 1][0] + (s - i) * bar.node_motion[i + 2][0]
@@ -139,7 +137,9 @@ def hat_velocity(bar: ti.template(), x):
 
 @ti.func
 def nodes_to_particles(bar: ti.template(), step, on: ti.template()):
-    """Sets v += dt sum S a; x += dt sum S v_i (not the printed eq 24); F <- (1 + dt L) F, L = sum dS v_i."""
+    """Updates particles in step number ``step``: v += dt sum S a; x += dt sum S v_i (not the printed eq 24); F <- (1 +
+    dt L) F, L = sum dS v_i; for diagnostics also ``bar.last_crossing``, ``bar.acceleration`` and crossings. ``on``:
+    compile-time options."""
     jumps = 0.0
     for p in range(bar.particles):
         S, dS = stencil_of(bar, p)

@@ -14,7 +14,8 @@ from solvers.solver.separable_field_tables import MODES, MOTION, PRESENT, RANK, 
 
 @ti.func
 def true_error(bar: ti.template(), p, now, on: ti.template()):
-    """Returns the errors of x, v, sigma = E(F - 1) and a at particle p; ``now`` is from :func:`exact_time_factors`."""
+    """Returns particle p's errors (4,), computed minus exact, of x, v, sigma = E(F - 1) and a in SI; ``now`` is from
+    :func:`exact_time_factors`. ``on``: compile-time options."""
     moved, v, a = now[3], bar.drift_velocity, 0.0
     strain = bar.deformation_gradient[p] - 1
     if ti.static(on.acceleration):
@@ -35,7 +36,8 @@ def true_error(bar: ti.template(), p, now, on: ti.template()):
 
 @ti.func
 def logarithmic_stress_error(bar: ti.template(), p, now, on: ti.template()):
-    """Returns the error of the stress by the rate form sigma' = E L, which is E ln F (Table 1); NaN where F <= 0."""
+    """Returns particle p's error in Pa of the stress by the rate form sigma' = E L, which is E ln F (Table 1); NaN
+    where F <= 0. ``now`` is from :func:`exact_time_factors`. ``on``: compile-time options."""
     error = ti.log(bar.deformation_gradient[p])
     if ti.static(on.motion == "patch"):
         error *= bar.unstretched  # E L since the start, of which the modulus here is the stretched one
@@ -48,8 +50,10 @@ def logarithmic_stress_error(bar: ti.template(), p, now, on: ti.template()):
 
 @ti.func
 def typed_motion_at(bar: ti.template(), p):
-    """Returns u, v, a of the step before and F - 1 of a typed motion at particle p, or their means for p = P."""
-    rank, modes, out = table_size(bar, MOTION, RANK), table_size(bar, MOTION, MODES), table_size(bar, MOTION, PRESENT)
+    """Returns u, v, a of the step before, and F - 1 (4,) in SI of a typed motion at particle p; for p = P their
+    means."""
+    rank, modes = table_size_entry(bar, MOTION, RANK), table_size_entry(bar, MOTION, MODES)
+    out = table_size_entry(bar, MOTION, PRESENT)
     known = ti.Vector([0.0, 0.0, 0.0, 0.0])
     for k in range(rank):
         T, M = bar.tables[out + k], bar.tables[modes + p * rank + k]
@@ -59,8 +63,9 @@ def typed_motion_at(bar: ti.template(), p):
 
 @ti.func
 def exact_time_factors(bar: ti.template(), step, on: ti.template()):
-    """Returns sin w t and cos w t at a step, sin w t one step before, and the displacement of the whole bar. For a
-    typed motion the third is 1, but 0 at the start, when no acceleration has been computed."""
+    """Returns four factors of the exact solution: sin w t and cos w t after ``step`` steps, sin w t one before, and the
+    displacement of the whole bar in m. For a typed motion the third is 1, but 0 at the start, when no acceleration has
+    been computed. ``on``: compile-time options."""
     angle = bar.angular_frequency * bar.dt * step
     before = ti.max(0.0, angle - bar.angular_frequency * bar.dt)  # at the start both a are 0
     moved, used = bar.drift_velocity * bar.dt * step, ti.sin(before)
@@ -72,7 +77,8 @@ def exact_time_factors(bar: ti.template(), step, on: ti.template()):
 
 @ti.func
 def write_sample_row(bar: ti.template(), row, step, looks, on: ti.template()):
-    """Writes one row of sums; with ``looks`` also contradictions, which are sampled more rarely."""
+    """Writes sums over particles after ``step`` steps to a row of ``bar.samples``; if ``looks``, also
+    contradictions. ``on``: compile-time options."""
     out = ti.static(bar.samples)
     out[row, ti.static(column_index("step"))] = step
     out[row, ti.static(column_index("work"))] = bar.totals[1]

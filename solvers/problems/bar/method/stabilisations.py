@@ -8,13 +8,8 @@ move.
 
 import taichi as ti
 
-from solvers.problems.bar.method.periodic_nodes import (
-    EMPTY,
-    GHOSTS,
-    add_periodic_images,
-    copy_to_periodic_images,
-    stencil_of,
-)
+from solvers.problems.bar.method import periodic_nodes
+from solvers.problems.bar.method.periodic_nodes import EMPTY, GHOSTS, stencil_of
 
 PASSES = 8  # of the coupling: u_i = sum over l < 8 of (I - S^+ S)^l S^+ (x - X)
 MOST_GRADIENT = 0.9  # du/dx beyond which F = 1/(1 - du/dx) is meaningless
@@ -22,7 +17,8 @@ MOST_GRADIENT = 0.9  # du/dx beyond which F = 1/(1 - du/dx) is meaningless
 
 @ti.func
 def in_step(bar: ti.template(), step, on: ti.template()):
-    """Applies the remedies that are due between nodes and particles; ``step`` includes this step."""
+    """Applies the null-space filter and the coupling of F, if on and due, between nodes and particles of step
+    ``step``. ``on``: compile-time options."""
     if ti.static(on.filtered or on.coupled):
         if step % bar.remedy_interval == 0:
             if ti.static(on.filtered):
@@ -33,7 +29,8 @@ def in_step(bar: ti.template(), step, on: ti.template()):
 
 @ti.func
 def subtract_mean_velocity(bar: ti.template(), on: ti.template()):
-    """Subtracts the mean velocity, except that of a patch test, at the end of every step."""
+    """Subtracts the particles' mean velocity from each, except a patch test's, with the remedy zero-drift. ``on``:
+    compile-time options."""
     if ti.static(on.centred):
         mean = 0.0
         for p in range(bar.particles):
@@ -45,8 +42,8 @@ def subtract_mean_velocity(bar: ti.template(), on: ti.template()):
 
 @ti.func
 def filter_null_space(bar: ti.template()):
-    """Applies v_p -= rate (I - S S^+)^2 v: mapping to the nodes by the mass-weighted S^+ and back omits the unseen
-    part."""
+    """Applies the null-space filter v_p -= rate (I - S S^+)^2 v to the particles' velocities: mapping to nodes by S^+,
+    the mass-weighted mean, and back by S omits the part that no node sees."""
     for p in range(bar.particles):
         S, _ = stencil_of(bar, p)
         i = bar.first_node[p]
@@ -61,7 +58,8 @@ def filter_null_space(bar: ti.template()):
 
 @ti.func
 def couple_deformation_to_positions(bar: ti.template()):
-    """Applies F += rate (1/(1 - du/dx) - F), with u the grid's best copy of x - X, sharpened by passes."""
+    """Draws the particles' F towards that of their positions, F += rate (1/(1 - du/dx) - F), with u the grid's best
+    copy of x - X, sharpened by ``PASSES``."""
     for i in range(bar.cells + GHOSTS):
         bar.node_displacement[i] = 0.0
     for p in range(bar.particles):
@@ -86,7 +84,7 @@ def couple_deformation_to_positions(bar: ti.template()):
 
 @ti.func
 def scratch_to_nodes(bar: ti.template()):
-    """Maps the particles' scratch to the nodes' scratch by S^+."""
+    """Maps ``bar.particle_scratch`` to ``bar.node_scratch`` by S^+, the mass-weighted mean of a node's particles."""
     for i in range(bar.cells + GHOSTS):
         bar.node_scratch[i] = 0.0
     for p in range(bar.particles):
@@ -94,16 +92,16 @@ def scratch_to_nodes(bar: ti.template()):
         i = bar.first_node[p]
         for k in ti.static(range(3)):
             bar.node_scratch[i + k] += S[k] * bar.particle_scratch[p]
-    add_periodic_images(bar.node_scratch, bar.cells)
+    periodic_nodes.add_periodic_images(bar.node_scratch, bar.cells)
     for i in range(1, bar.cells + 1):
         weight = bar.node_sums[i][0]
         bar.node_scratch[i] = bar.node_scratch[i] / weight if weight > EMPTY else 0.0
-    copy_to_periodic_images(bar.node_scratch, bar.cells)
+    periodic_nodes.copy_to_periodic_images(bar.node_scratch, bar.cells)
 
 
 @ti.func
 def interpolate_scratch(bar: ti.template(), p):
-    """Returns the nodes' scratch interpolated to particle p."""
+    """Returns ``bar.node_scratch`` interpolated to particle p."""
     S, _ = stencil_of(bar, p)
     i = bar.first_node[p]
     total = 0.0

@@ -11,7 +11,8 @@ NODES_PER_PIECE = 5  # nodes that the two corners of a piece meet, up to two cel
 
 @ti.func
 def step_margin(bar: ti.template(), on: ti.template()):
-    """Stores dt over the bound; NaN before the first step."""
+    """Stores dt over Gershgorin's bound of the stable step in ``bar.step_margin[0]``; NaN before the first step.
+    ``on``: compile-time options."""
     for i in range(bar.node_stiffness.shape[0]):
         bar.node_stiffness[i] = 0.0
     if ti.static(on.pieces):
@@ -27,14 +28,15 @@ def step_margin(bar: ti.template(), on: ti.template()):
 
 @ti.func
 def inverse_sqrt_mass(bar: ti.template(), node):
-    """Returns 1/sqrt(m) of a node, or of the node that it is an image of, whose sums are complete; 0 if empty."""
+    """Returns 1/sqrt(m) of a node, m in kg; of an image that of its node, whose sums are complete; 0 if it is empty."""
     weight = bar.node_sums[(node + bar.cells - 1) % bar.cells + 1][0]
     return 1 / ti.sqrt(weight * bar.density * bar.volume) if weight > EMPTY else 0.0
 
 
 @ti.func
 def add_particle_rows(bar: ti.template()):
-    """Adds rows of Gershgorin's circles: E F^2 V0 |dS_i|/sqrt(m_i) sum_j |dS_j|/sqrt(m_j) of every particle."""
+    """Adds rows of Gershgorin's circles in 1/s^2 to ``bar.node_stiffness``: for every particle the product of E F^2 V0,
+    |dS_i|/sqrt(m_i) and sum_j |dS_j|/sqrt(m_j), with masses of nodes."""
     for p in range(bar.particles):
         _, dS = stencil_of(bar, p)
         i = bar.first_node[p]
@@ -49,7 +51,8 @@ def add_particle_rows(bar: ti.template()):
 
 @ti.func
 def add_piece_rows(bar: ti.template(), on: ti.template()):
-    """Adds the rows of every piece, whose force is the difference of the base functions at its corners, over V0."""
+    """Adds rows of Gershgorin's circles in 1/s^2 to ``bar.node_stiffness``, with the remedy of pieces: a piece's force
+    is the difference of the base functions at its corners, over V0. ``on``: compile-time options."""
     for p in range(bar.particles):
         following = ti.select(p + 1 < bar.particles, p + 1, 0)
         i, left, _ = stored_corner_stencil(bar, p)
