@@ -70,7 +70,8 @@ def _stage_layout(stage: type[Stage], room: StageMetrics) -> dict[str, Any]:
     labels: list[Label] = [*stage.labels(said, places), *field_plot.plot_labels(
         places, stage.PLOT.ends, captions.FieldPlotCaption(LATER, LATER), 1, LATER, True)]
     of = [label for label in layout.colour_bar_labels(top, room.gutter > 0, "x", []) if label.text]
-    own = {name: value for name, value in vars(places).items() if name not in ("stage_metrics", "slot", "rectangle", "field")}
+    left_out = ("stage_metrics", "slot", "rectangle", "field")
+    own = {name: value for name, value in vars(places).items() if name not in left_out}
     return {"pixels": room.pixels, "high": room.high, "gutter": room.gutter, "box": asdict(places.field), **own,
             "bar": asdict(top), "labels": [asdict(label) for label in (*of, *labels)]}
 

@@ -94,8 +94,7 @@ def _check_core_time(plan: ClassPlan, session: str, row: TimetableRow, lessons: 
     if lesson is None:
         return CheckedClaim(plan.name, session, row.line, f"{row.lesson} is a lesson", False, "there is none")
     least = lesson.core_minutes
-    return CheckedClaim(plan.name, session, row.line,
-                        f"the core of {row.lesson} has {least} to {least + TALK} minutes",
+    return CheckedClaim(plan.name, session, row.line, f"the core of {row.lesson} has {least} to {least + TALK} minutes",
                         least <= row.minutes <= least + TALK, f"found {row.minutes}")
 
 

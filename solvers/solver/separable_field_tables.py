@@ -61,7 +61,7 @@ def motion_mode_entries(table: SeparableField | None) -> tuple[SeparableField | 
 
 
 @ti.func
-def table_size_entry(body: ti.template(), number: ti.template(), which: ti.template()):
+def table_size(body: ti.template(), number: ti.template(), which: ti.template()):
     """Returns the size ``which``, such as :data:`RANK`, of table ``number``, such as ``MOTION``, of a body."""
     return body.table_sizes[ti.static(SIZES_PER_TABLE * number + which)]
 

@@ -210,7 +210,8 @@ def test_margin_of_the_step_is_read(margin, shown):
 
 
 def readout_of(scene, margin):
-    session = SimpleNamespace(history=SimpleNamespace(series={}, step_to_bound_ratio=margin), speed=1.0, pinned=None, is_over=False)
+    history = SimpleNamespace(series={}, step_to_bound_ratio=margin)
+    session = SimpleNamespace(history=history, speed=1.0, pinned=None, is_over=False)
     return live_readout(session, session.history, report_of(scene), "x", "transport", None, WorstRegions()).html
 
 

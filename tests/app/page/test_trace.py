@@ -133,7 +133,8 @@ def test_every_image_is_found_by_a_click(run, stage):
             x, y, _ = image[particle]
             assert stage.nearest_particle((x, y), arrays) == particle
     places = stage.layout(stage.sheet.bounds.rounded(), RunSlot.ALONE)
-    assert stage.nearest_particle(places.middle if halves > 2 else (0.5, 1.0), arrays) is None  # the ring's hole, above the bar
+    beside = places.middle if halves > 2 else (0.5, 1.0)  # the ring's hole, above the bar
+    assert stage.nearest_particle(beside, arrays) is None
 
 
 def test_height_in_the_lanes_does_not_count():

@@ -72,7 +72,8 @@ def test_a_pupil_opens_no_step(room):
     wait_until(lambda: pupil.at is None or pupil.set(pupil.find("Close the lesson"), True), "the shelf", pause=1.0)
     pupil.tell(open=LESSON.name)
     pupil.find("Next")
-    assert board.position.turn == board.last_open_step == pupil.at == 0 and pupil.kinds["FileTransferStartDownload"] == 0
+    assert board.position.turn == board.last_open_step == pupil.at == 0
+    assert pupil.kinds["FileTransferStartDownload"] == 0
     press(board)
     pupil.go_on()
     assert pupil.at == 1 and board.tally.answers(STEPS[0].key) == [] and pupil.off("Next")

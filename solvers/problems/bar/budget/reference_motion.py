@@ -74,8 +74,8 @@ def add_typed_time_step_error(bar: ti.template(), step):
     """Adds symplectic Euler's errors in step number ``step`` to ``bar.cause_errors``, for a typed motion."""
     angle = bar.angular_frequency * bar.dt * step
     compute_time_functions(bar.tables, bar.table_sizes, MOTION, bar.angular_frequency, angle, angle)
-    rank, modes = table_size_entry(bar, MOTION, RANK), table_size_entry(bar, MOTION, MODES)
-    out = table_size_entry(bar, MOTION, PRESENT)
+    rank, modes = table_size(bar, MOTION, RANK), table_size(bar, MOTION, MODES)
+    out = table_size(bar, MOTION, PRESENT)
     for p in range(bar.particles):
         known, rate = typed_motion_at(bar, p), 0.0
         for k in range(rank):

@@ -52,8 +52,8 @@ def logarithmic_stress_error(bar: ti.template(), p, now, on: ti.template()):
 def typed_motion_at(bar: ti.template(), p):
     """Returns u, v, a of the step before, and F - 1 (4,) in SI of a typed motion at particle p; for p = P their
     means."""
-    rank, modes = table_size_entry(bar, MOTION, RANK), table_size_entry(bar, MOTION, MODES)
-    out = table_size_entry(bar, MOTION, PRESENT)
+    rank, modes = table_size(bar, MOTION, RANK), table_size(bar, MOTION, MODES)
+    out = table_size(bar, MOTION, PRESENT)
     known = ti.Vector([0.0, 0.0, 0.0, 0.0])
     for k in range(rank):
         T, M = bar.tables[out + k], bar.tables[modes + p * rank + k]
