@@ -25,7 +25,7 @@ NOT_CHECKABLE = (
 
 @dataclass(frozen=True)
 class MotionCheck:
-    """A ``motion`` with its findings, in the order of the report."""
+    """A ``motion`` read from ``files`` with its findings, in the order of the report."""
 
     files: tuple[str, ...]
     motion: RecordedMotion
@@ -38,7 +38,7 @@ class MotionCheck:
 
     @property
     def contradictions(self) -> list[Finding]:
-        """Findings that contradict the motion, those that break it first."""
+        """Findings that contradict the motion, with those of the verdict "broken" first."""
         return sorted((one for one in self.findings if one.is_contradiction), key=lambda one: one.verdict != BROKEN)
 
     def to_dict(self) -> dict[str, Any]:

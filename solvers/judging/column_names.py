@@ -30,7 +30,7 @@ SEPARATORS = ("", "_", ":", ".", "-")
 
 
 def _known_column_names() -> dict[str, tuple[str, tuple[int, ...]]]:
-    """Returns every column name with its quantity and component."""
+    """Returns by column name its quantity and component: ``("v", (0,))`` for ``vx``."""
     found: dict[str, tuple[str, tuple[int, ...]]] = {}
     for key, names in NAMES.items():
         for name, separator in itertools.product(names, SEPARATORS):
@@ -50,17 +50,17 @@ WHOLE = {name: (key, None) for key, names in NAMES.items() for name in names}
 
 
 def parse_name(name: str) -> tuple[str, tuple[int, ...] | None] | None:
-    """Returns the quantity of a column or an array, and its component if it is only one; None for unknown names. A unit
-    in brackets at the end is ignored."""
+    """Returns the quantity of a column or an array, and the indices of its component, None for a whole quantity; None
+    for unknown names. A unit in brackets at the end is ignored."""
     bare = re.sub(r"\s*[\[(][^\])]*[\])]\s*$", "", name.strip().strip('"'))
     tables: tuple[Mapping[str, Any], ...] = (COMPONENTS, WHOLE)
     return next((table[text] for table in tables for text in (bare, bare.lower()) if text in table), None)
 
 
 def describe_columns(key: str, dimensions: int) -> str:
-    """Returns the column names of a quantity in so many ``dimensions``, for a sentence."""
-    return ", ".join(name for name in output_column_names(key,
-                                                          dimensions) if name != "syx")  # one of sxy and syx is enough
+    """Returns the column names of a quantity in so many ``dimensions``, with commas, for a sentence."""
+    names = output_column_names(key, dimensions)
+    return ", ".join(name for name in names if name != "syx")  # one of sxy and syx is enough
 
 
 def output_column_names(key: str, dimensions: int) -> list[str]:
@@ -117,7 +117,7 @@ def build_table(path: str, named: dict[str, np.ndarray], time: float | None, cel
 
 
 def _reshape_array(path: str, key: str, name: str, values: np.ndarray) -> np.ndarray:
-    """Returns an array (n, ...) as (n,), (n, d) or (n, d, d)."""
+    """Returns an array (n, ...) as (n,), (n, d) or (n, d, d), as ``key`` requires. Raises FileError otherwise."""
     if key in SCALARS:
         if values.ndim != 1:
             raise FileError(path, "has {name} of the shape {shape}; give one number for each particle", quote(name),
@@ -138,7 +138,7 @@ def _reshape_array(path: str, key: str, name: str, values: np.ndarray) -> np.nda
 
 
 def _join_components(path: str, key: str, pieces: dict[tuple[int, ...], np.ndarray]) -> np.ndarray:
-    """Returns components (n,) as a vector (n, d) or a tensor (n, d, d); one of xy and yx is enough for a stress."""
+    """Returns components (n,) by indices as a vector (n, d) or tensor (n, d, d); a stress needs one of xy and yx."""
     size = 1 + max(max(where) for where in pieces)
     n = len(next(iter(pieces.values())))
     out, rows = np.full((n, size) if key in VECTORS else (n, size, size), np.nan), cast(Any, (slice(None),))
@@ -161,12 +161,12 @@ def _join_components(path: str, key: str, pieces: dict[tuple[int, ...], np.ndarr
 
 
 def is_known_name(name: str) -> bool:
-    """Returns whether an array of this name is read."""
+    """Returns whether an array of this name is read: particles' quantities, the number of cells, the scene."""
     return bool(parse_name(name)) or name in ("cells", "scene")
 
 
 def table_from_arrays(path: str, arrays: Mapping[str, np.ndarray], limits: Limits = LIMITS) -> RawTable:
-    """Returns the table of named arrays, as in a .npz; ``path`` is its name in messages."""
+    """Returns the table of named arrays of one time or several, as in a .npz; ``path`` is its name in messages."""
     limits.check_columns(path, len(arrays))
     for name, array in arrays.items():
         check_name(path, name)
@@ -188,13 +188,14 @@ def table_from_arrays(path: str, arrays: Mapping[str, np.ndarray], limits: Limit
 
 
 def add_scene(raw: RawTable, line: object) -> RawTable:
-    """Returns the file with the scene in its metadata."""
-    said = parse_scene_line(raw.file, line, raw.cells)
-    return raw if said is None else replace(raw, said=said, cells=said.inputs.get("cells", raw.cells), step=said.step)
+    """Returns the table with the scene, cells and time step of a metadata line; unchanged if it is no scene."""
+    found = parse_scene_line(raw.file, line, raw.cells)
+    return raw if found is None else \
+        replace(raw, metadata=found, cells=found.inputs.get("cells", raw.cells), step=found.step)
 
 
 def _flatten_times(path: str, many: dict[str, np.ndarray], times: np.ndarray, limits: Limits) -> dict[str, np.ndarray]:
-    """Returns arrays (T, P, ...) as rows, one for every time and particle; constant arrays are repeated."""
+    """Returns arrays (T, P, ...) by name as rows (T P, ...), time by time; constant ones (P, ...) are repeated."""
     T = len(times)
     place = next(array for name, array in many.items() if _quantity_of_column(name) == "x")
     P = place.shape[1] if place.ndim > 1 else 0
@@ -224,6 +225,7 @@ def _quantity_of_column(name: str) -> str:
 
 
 def check_cell_count(path: str, value: float | None) -> int | None:
+    """Returns a file's number of cells as an int, or None. Raises FileError if it is not whole."""
     if value is not None and not float(value).is_integer():
         raise FileError(path, "states {value} cells; give a whole number", value)
     return None if value is None else int(value)

@@ -23,13 +23,14 @@ Errors = dict[str, np.ndarray]  # (P, D) or (P, D, D) by quantity, for those tha
 
 
 def true_errors(scene: Scene, frame: Frame) -> Errors:
+    """Returns by quantity the particles' values minus those of the exact solution."""
     reference, X, t = PROBLEMS[scene.problem].reference, frame.material_position, frame.time
     return _errors_against(scene, frame, reference.displacement(scene, X, t), reference.velocity(scene, X, t),
                            reference.exact_stress(scene, X, t))
 
 
 def frame_stress(scene: Scene, frame: Frame) -> np.ndarray | None:
-    """Returns the Cauchy stress: the file's own, or that from F by the material law, or None."""
+    """Returns the Cauchy stress (P, D, D) in Pa: the file's own, or that from F by the material law, or None."""
     if frame.stress is not None or frame.deformation_gradient is None:
         return frame.stress
     with np.errstate(all="ignore"):
@@ -37,17 +38,19 @@ def frame_stress(scene: Scene, frame: Frame) -> np.ndarray | None:
 
 
 def error_magnitudes(error: np.ndarray) -> np.ndarray:
-    """Returns lengths and Frobenius norms (P,) of errors (P, ...)."""
+    """Returns lengths (vectors) or Frobenius norms (tensors) (P,) of errors (P, ...), in their unit."""
     return np.sqrt(np.sum(error.reshape(len(error), -1) ** 2, axis=1))
 
 
 def rms(error: np.ndarray) -> float:
+    """Returns the root mean square over particles of the sizes of errors (P, ...)."""
     return float(np.sqrt(np.sum(error**2) / len(error)))
 
 
 @dataclass(frozen=True)
 class TwoMeshCompanion:
-    """A companion at some times, on two meshes, whose difference estimates its own error."""
+    """A companion (reference solution by spectral elements) at some ``times`` in s, on two meshes, whose difference
+    estimates its own error."""
 
     scene: Scene
     times: tuple[float, ...]
@@ -57,11 +60,11 @@ class TwoMeshCompanion:
         return [solve_companion(self.scene, fine, self.times) for fine in (True, False)]
 
     def errors(self, frame: Frame, fine: bool = True) -> Errors:
-        """Returns the errors of a frame against the companion."""
+        """Returns by quantity a frame's values minus the companion's on its fine or coarse mesh."""
         return _errors_against(self.scene, frame, *self._fields(frame, fine))
 
     def mesh_difference(self, frame: Frame) -> dict[str, float]:
-        """Returns the RMS difference of the companion's two meshes at the frame's particles."""
+        """Returns by quantity the RMS difference of the companion's two meshes at the frame's particles."""
         return {q: rms(one - other) for q, one, other in zip(QUANTITIES, self._fields(frame, True),
                                                              self._fields(frame, False), strict=True)}
 
@@ -73,6 +76,7 @@ class TwoMeshCompanion:
 
 
 def _errors_against(scene: Scene, frame: Frame, u: np.ndarray, v: np.ndarray, sigma: np.ndarray) -> Errors:
+    """Returns by quantity the frame's x, v and sigma minus exact displacement, v and sigma (P, ...)."""
     found = {"x": frame.position - frame.material_position - u}
     if frame.velocity is not None:
         found["v"] = frame.velocity - v
@@ -83,23 +87,23 @@ def _errors_against(scene: Scene, frame: Frame, u: np.ndarray, v: np.ndarray, si
 
 
 def norm_series(errors: Sequence[Errors]) -> dict[str, np.ndarray]:
-    """Returns the norms over time of each quantity, NaN where a file does not have it."""
+    """Returns by quantity the RMS error (T,) over particles in each of T frames, NaN where one does not have it."""
     return {q: np.array([rms(e[q]) if q in e else np.nan for e in errors]) for q in QUANTITIES}
 
 
 def as_json(norms: dict[str, np.ndarray]) -> dict[str, list[float | None]]:
-    """Returns norms over time for JSON, None where one is unknown."""
+    """Returns norms (T,) by quantity as lists for JSON, None where one is unknown."""
     return {q: [finite_or_none(value) for value in values] for q, values in norms.items()}
 
 
 def summarise_norms(times: np.ndarray, norms: dict[str, np.ndarray]) -> dict[str, dict[str, float | None]]:
-    """Returns final, largest and mean norms over the times after the start, as for our runs; None without any."""
+    """Returns by quantity final, largest and mean of norms (T,) after the time 0, as for our runs; None without any."""
     return {q: summary(np.concatenate([[np.nan], values[times > 0]])) for q, values in norms.items()}
 
 
 @dataclass(frozen=True)
 class WorstParticle:
-    """Largest error of a quantity: its size, particle, place, time and file."""
+    """Largest error of a quantity: ``size`` (SI unit), its particle's number, X (``place``, m), time in s, and file."""
 
     size: float
     particle: int
@@ -113,7 +117,7 @@ class WorstParticle:
 
 
 def largest_error(frames: Sequence[Frame], errors: Sequence[Errors], quantity: str) -> WorstParticle | None:
-    """Returns the largest error of all times; None where no file has the quantity."""
+    """Returns the particle with the largest error of all frames; None where no file has the quantity."""
     found = [(float(error_magnitudes(e[quantity]).max()), k) for k, e in enumerate(errors) if quantity in e]
     if not found:
         return None
@@ -146,16 +150,17 @@ def count_crossings(scene: Scene, frames: Sequence[Frame]) -> int:
 
 def effectivity(estimated: dict[str, np.ndarray], true: dict[str, np.ndarray],
                 scene: Scene | None = None) -> dict[str, float | None]:
-    """Returns estimated over true error; with a scene, None where the true one is only rounding."""
+    """Returns by quantity the sum of estimated norms (T,) over that of true ones; with a scene, None where the true
+    error is only rounding."""
     return {q: error_index(estimated[q], true[q], largest_rounding_error(scene, q, scene.steps) if scene else 0.0)
             for q in QUANTITIES}
 
 
 def differences(estimates: Sequence[Errors], errors: Sequence[Errors]) -> list[Errors]:
-    """Returns estimates minus true errors, particle by particle."""
+    """Returns estimates minus true errors (P, ...) by quantity, particle by particle, for each frame."""
     return [{q: mine[q] - theirs[q] for q in mine} for mine, theirs in zip(estimates, errors, strict=True)]
 
 
 def distances(estimates: Sequence[Errors], errors: Sequence[Errors]) -> dict[str, float | None]:
-    """Returns the distance of estimates from the truth particle by particle, over the size of the truth."""
+    """Returns by quantity the norms of estimates minus true errors over those of true errors, summed over frames."""
     return effectivity(norm_series(differences(estimates, errors)), norm_series(errors))

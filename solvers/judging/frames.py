@@ -13,8 +13,8 @@ from solvers.untrusted.quoting import FileError
 
 
 class ParticleMismatch(FileError):
-    """Error for particles of another problem: the ``reason``, what is ``allowed``, and the ``problems`` that they
-    fit."""
+    """Error for particles that do not fit a problem: the ``reason``, what is ``allowed``, and names of ``problems``
+    that they fit."""
 
     def __init__(self, file: str, reason: str, allowed: str, problems: tuple[str, ...] = ()):
         self.reason, self.allowed, self.problems = quoting.one_line(reason), allowed, problems
@@ -25,7 +25,7 @@ class ParticleMismatch(FileError):
 
 @dataclass(frozen=True)
 class SceneMetadata:
-    """Scene in a file's metadata: the problem, and those of its inputs that matter to a judge, by their fields."""
+    """Scene in a file's metadata: the problem, and those of its inputs that matter to a judge, by field names."""
 
     problem: str
     inputs: Mapping[str, Any]
@@ -35,14 +35,14 @@ class SceneMetadata:
 @dataclass(frozen=True)
 class RawTable:
     """A file as it was read: one table of n rows. ``columns`` maps quantities to (n, ...), vectors (n, d) and tensors
-    (n, d, d) with the file's number of dimensions; ``cells`` is its number of grid cells and ``said`` its scene."""
+    (n, d, d) with the file's number of dimensions; ``cells`` is its number of grid cells, ``time`` is in s."""
 
     file: str
     columns: dict[str, np.ndarray]
     names: tuple[str, ...]  # of everything in the file, for messages
     time: float | None = None
     cells: int | None = None
-    said: SceneMetadata | None = None
+    metadata: SceneMetadata | None = None
     step: float | None = None  # of its run in s, if known
 
 
@@ -65,12 +65,12 @@ class Frame:
 
 @dataclass(frozen=True)
 class GridRun:
-    """Frames of one run, sorted by time; ``notes`` are sentences about the files, ``step`` is its time step in s."""
+    """Frames of one run on a grid of ``cells``, sorted by time; ``notes`` are sentences about the files."""
 
     cells: int
     frames: tuple[Frame, ...]
     notes: tuple[str, ...] = ()
-    step: float | None = None
+    step: float | None = None  # of the run, s
 
     @property
     def times(self) -> np.ndarray:
@@ -78,7 +78,8 @@ class GridRun:
 
 
 def row_times(raw: RawTable, given: float | None) -> np.ndarray:
-    """Returns the time of each row, from the column, the file or the flag, which must not contradict each other."""
+    """Returns the time of each row (n,) in s, from the column t, the file itself or ``given`` by a flag. Raises
+    FileError where these contradict each other, or there is none."""
     n = len(next(iter(raw.columns.values())))
     column = raw.columns.get("t")
     said: list[tuple[str, Any]] = [(Message("its column t"), column)] if column is not None else []
@@ -99,7 +100,7 @@ def row_times(raw: RawTable, given: float | None) -> np.ndarray:
 
 
 def group_rows_by_time(times: np.ndarray) -> Iterator[Any]:
-    """Yields the rows of each time, in order: as slices if rows are sorted by time, as usual."""
+    """Yields an index of the rows of each time, in order: a slice if rows are sorted by time, as usual."""
     order = None if (np.diff(times) >= 0).all() else np.argsort(times, kind="stable")
     _, first = np.unique(times if order is None else times[order], return_index=True)
     for start, end in itertools.pairwise([*first.tolist(), len(times)]):

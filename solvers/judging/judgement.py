@@ -34,7 +34,8 @@ Progress = Callable[[float, str], None]
 
 @dataclass(frozen=True)
 class GridJudgement:
-    """Judgement of one grid's particles, computed on first use. Errors are in the order of the frames."""
+    """Judgement of one grid's particles, computed on first use. Errors are by quantity, in the order of the frames;
+    ``ours`` are runs of our own methods on the grid."""
 
     scene: Scene
     grid: GridRun
@@ -43,19 +44,19 @@ class GridJudgement:
 
     @functools.cached_property
     def true_errors(self) -> list[Errors]:
-        """True errors; empty where they are unknown."""
-        return [error_norms.true_errors(self.scene,
-                                        frame) for frame in self.grid.frames] if self.scene.solution_known else []
+        """Values minus the exact solution; empty where that is unknown."""
+        frames = self.grid.frames if self.scene.solution_known else ()
+        return [error_norms.true_errors(self.scene, frame) for frame in frames]
 
     @functools.cached_property
     def companion_errors(self) -> list[Errors]:
-        """Errors against the companion."""
+        """Values minus the companion's, a reference solution."""
         return [self.companions.errors(frame) for frame in self.grid.frames]
 
     @functools.cached_property
     def _findings(self) -> tuple[list[Finding], FrameOutliers | None]:
-        again = functools.partial(error_norms.true_errors, self.scene) if self.true_errors else self.companions.errors
-        return find_in_run(Evidence(self.scene, self.grid.frames, self.best_known_errors, again,
+        errors = functools.partial(error_norms.true_errors, self.scene) if self.true_errors else self.companions.errors
+        return find_in_run(Evidence(self.scene, self.grid.frames, self.best_known_errors, errors,
                                     self.grid.step or self.scene.time_step))
 
     @property
@@ -70,7 +71,7 @@ class GridJudgement:
 
     @property
     def best_known_errors(self) -> list[Errors]:
-        """Errors against the best reference: the truth, or the companion."""
+        """Errors against the best reference: the exact solution, or the companion."""
         return self.true_errors or self.companion_errors
 
     @property
@@ -78,7 +79,7 @@ class GridJudgement:
         return error_norms.norm_series(self.best_known_errors)
 
     def check_coordinate_origin(self) -> None:
-        """Raises FileError for particles that are shifted as a whole."""
+        """Raises FileError for particles that are shifted as a whole, by more than a cell."""
         for frame, error in zip(self.grid.frames, self.best_known_errors, strict=True):
             check_origin(frame, error["x"], self.scene)
 
@@ -139,14 +140,15 @@ class Judgement:
         return [float(t) for t in first if all(np.abs(other - t).min() <= near for other in others)]
 
     def largest_common_norm(self, judged: GridJudgement, quantity: str) -> float:
-        """Returns the largest norm over the times that all grids have, without the start; NaN without any."""
+        """Returns the largest RMS error of a quantity on one grid, over the times in s after 0 that all grids have; NaN
+        without any."""
         common, near = np.array([t for t in self.common_times() if t > 0]), SAME * self.scene.period
         at = [k for k, t in enumerate(judged.grid.times) if (np.abs(common - t) <= near).any()]
         values = judged.norms[quantity][at]
         return float(values.max()) if len(values) and np.isfinite(values).all() else float("nan")
 
     def orders(self) -> dict[str, dict | None] | None:
-        """Returns the order in h of each quantity's largest norm over the common times; None with one grid."""
+        """Returns by quantity the order in h of its largest RMS error over the common times; None with one grid."""
         if len(self.grids) < 2:
             return None
         h = [g.scene.spacing for g in self.grids]
@@ -216,7 +218,7 @@ def judge(scene: Scene, files: Particles | Sequence[Particles], *, cells: Sequen
 
 
 def _run_methods(one: GridJudgement, on_progress: Progress) -> Iterator[ReferenceRun]:
-    """Yields runs of our own methods on a grid, at the same times."""
+    """Yields runs of our own methods on the grid of a judgement, at the same times."""
     from solvers.judging.reference_runs import reference_scenes, run_reference  # here, so that only this needs Taichi
 
     scenes = reference_scenes(one.scene)

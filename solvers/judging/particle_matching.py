@@ -30,15 +30,10 @@ RIGID = 10.0  # times the rest of the error: from there on a shift is that of an
 
 def match_files(files: Sequence[RawTable], asked: Scene, cells: Sequence[int],
                 times: Sequence[float]) -> tuple[Scene, list[GridRun]]:
-    """Returns the scene that files are judged with, and their runs (:func:`match_grids`).
+    """Returns the scene that files are judged with, and their runs; arguments as in :func:`match_grids`.
 
-    Raises
-    ------
-    ParticleMismatch
-        Where the particles are not those of the scene, or the file is of another problem: its ``problems`` are those
-        that the particles fit.
-    FileError
-        Where no scene fits them.
+    Raises :class:`ParticleMismatch` where the particles are not those of the scene, or the file is of another problem
+    (its ``problems`` are those that the particles fit), :class:`FileError` where no scene fits them.
     """
     listed = list(files)
     own, notes = _resolve_scene(listed, asked)
@@ -52,16 +47,16 @@ def match_files(files: Sequence[RawTable], asked: Scene, cells: Sequence[int],
 
 def metadata_scene_or_default(raw: RawTable, asked: Scene) -> Scene:
     """Returns the scene in a file's metadata, or the one asked for where it has none."""
-    return asked if raw.said is None else scene_of_metadata(raw.file, raw.said)
+    return asked if raw.metadata is None else scene_of_metadata(raw.file, raw.metadata)
 
 
 def _resolve_scene(files: list[RawTable], asked: Scene) -> tuple[Scene, list[str]]:
-    """Returns the scene and notes as :func:`resolve_scene`. Raises FileError where particles contradict metadata."""
+    """Returns scene and notes as :func:`resolve_scene`. Raises FileError where particles contradict metadata."""
     try:
         return resolve_scene(files, asked)
     except ParticleMismatch as misfit:
         raw = next(raw for raw in files if raw.file == misfit.file)
-        if _fits_scene(raw, scene_of_metadata(raw.file, raw.said), ()):  # type: ignore[arg-type]  # it says one
+        if _fits_scene(raw, scene_of_metadata(raw.file, raw.metadata), ()):  # type: ignore[arg-type]  # it says one
             raise
         raise FileError(raw.file, "{reason}, and its particles are not; {hint}", misfit.reason, HINT) from None
 
@@ -75,7 +70,7 @@ def _suggest_problems(misfit: ParticleMismatch, raw: RawTable, asked: Scene,
     if not others and "X" not in raw.columns:
         others = tuple(name for name, problem in PROBLEMS.items()
                        if name != asked.problem and len(problem.reference.axes) == count_directions(raw))
-    if raw.said is None:
+    if raw.metadata is None:
         return ParticleMismatch(misfit.file, misfit.reason, misfit.allowed, others)
     return ParticleMismatch(misfit.file, Message("is a file of the {problem}, and {reason}", Message(asked.problem),
                                                  misfit.reason), HINT, others)
@@ -95,11 +90,8 @@ def _fits_scene(raw: RawTable, asked: Scene, times: Sequence[float]) -> bool:
 
 
 def match_grids(files: Sequence[RawTable], scene: Scene, cells: Sequence[int], times: Sequence[float]) -> list[GridRun]:
-    """Returns the runs in the files, coarse ones first.
-
-    ``cells`` is the scene's own number, or one for each file, for files that contain none; ``times`` are those of the
-    files in order, or empty where the files contain them.
-    """
+    """Returns the runs in the files, coarse ones first. ``cells`` is the scene's own number, or one for each file, for
+    files that contain none; ``times`` in s are those of the files in order, or empty where the files contain them."""
     reference = PROBLEMS[scene.problem].reference
     frames: dict[int, list[Frame]] = {}
     notes: dict[int, list[str]] = {}
@@ -125,7 +117,7 @@ def match_grids(files: Sequence[RawTable], scene: Scene, cells: Sequence[int], t
 
 def _match_frames(raw: RawTable, scene: Scene, reference: ProblemReference,
                   given: float | None) -> tuple[list[Frame], list[str]]:
-    """Returns a file's particles as one frame per time, and notes about them."""
+    """Returns a file's particles as one frame per time, and notes; ``given`` is a time in s from a flag."""
     D, columns = len(reference.axes), raw.columns
     if "x" not in columns:
         raise FileError(raw.file, "has no positions ({d} or position); its columns are {name}",
@@ -165,7 +157,7 @@ def _match_frames(raw: RawTable, scene: Scene, reference: ProblemReference,
 
 
 def check_length(file: str, scene: Scene, time: float) -> None:
-    """Raises FileError for a time to which the companion would take too many steps."""
+    """Raises FileError for a ``time`` in s to which the companion (reference solution) would take too many steps."""
     a_step = accurate_time_step(PROBLEMS[scene.problem].reference.companion(scene, True))
     most = MOST_STEPS[scene.DIMENSIONS]
     if not time <= most * a_step:
@@ -175,7 +167,7 @@ def check_length(file: str, scene: Scene, time: float) -> None:
 
 
 def _drop_directions(raw: RawTable, key: str, scene: Scene, D: int) -> np.ndarray:
-    """Returns a quantity (n, D) or (n, D, D) in the problem's directions; others in the file are left out."""
+    """Returns a quantity as (n, D) or (n, D, D), in the problem's D directions; others in the file are left out."""
     values = raw.columns[key]
     size = values.shape[1]
     if size < D:
@@ -197,7 +189,7 @@ def _check_directions(raw: RawTable, scene: Scene, D: int) -> None:
 
 
 def count_directions(raw: RawTable) -> int | None:
-    """Returns in how many directions the positions of a file extend; None where that is unknown."""
+    """Returns the number of directions in which a file's positions extend, 1 to 3; None where that is unknown."""
     x = raw.columns.get("x", np.empty((0, 1)))
     reach = np.ptp(x, axis=0) if len(x) > 1 else np.zeros(1)
     return 1 + int(np.flatnonzero(reach > FLAT * reach.max())[-1]) if 0 < reach.max() < np.inf else None
@@ -220,7 +212,7 @@ def _check_finite(raw: RawTable, key: str, values: np.ndarray, times: np.ndarray
 
 def _material_positions(raw: RawTable, scene: Scene, reference: ProblemReference,
                         X: np.ndarray | None) -> tuple[np.ndarray, np.ndarray]:
-    """Returns material position (n, D) and number (n,) of each row."""
+    """Returns material position (n, D) in m, the file's ``X`` or that of its ids, and number (n,) of each row."""
     ids = raw.columns.get("id")
     if ids is not None and not ((np.abs(ids) < LARGEST_ID).all() and (ids == np.round(ids)).all()):
         raise FileError(raw.file, "has ids that are no whole numbers; give 0, 1, 2 and so on")
@@ -253,7 +245,7 @@ def _material_positions(raw: RawTable, scene: Scene, reference: ProblemReference
 
 
 def _fitting_cells(scene: Scene, number: np.ndarray) -> int:
-    """Returns the other number of cells that has exactly these particles; 0 where none has."""
+    """Returns another number of cells with which the scene has exactly the particles ``number``; 0 if none has."""
     count = int(number.max()) + 1
     if count == scene.particles or len(np.unique(number)) != count:
         return 0
@@ -287,8 +279,8 @@ def _sort_frames_by_time(frames: list[Frame], scene: Scene) -> tuple[Frame, ...]
 
 
 def check_origin(frame: Frame, error: np.ndarray, scene: Scene) -> None:
-    """Raises FileError for particles shifted as a whole: ``error`` (P, D) of x is nearly the same for all of them, and
-    more than a cell."""
+    """Raises FileError for particles shifted as a whole: ``error`` (P, D) of x in m is nearly the same for all of them,
+    and more than a cell."""
     mean = error.mean(axis=0)
     rest = float(np.sqrt(np.mean(np.sum((error - mean) ** 2, axis=1))))
     if np.linalg.norm(mean) > max(scene.spacing, RIGID * rest):

@@ -23,7 +23,7 @@ from solvers.untrusted.size_limits import LIMITS, LONGEST_LINE, Limits, check_na
 
 KINDS = (".csv", ".npz", ".vtk", ".vtu", ".vtp")
 COMMENT = re.compile(r"#\s*([A-Za-z]\w*)\s*[=:]\s*(\S+)\s*$")
-COMMENT_KEYS = ("t", "time", "cells", "scene")  # by comments
+COMMENT_KEYS = ("t", "time", "cells", "scene")
 MOST_REMARKS = 100_000  # lines that are no rows
 LARGEST = 250_000_000  # bytes of a text file, which is in memory together with its numbers
 OF_KIND = {".vtu": "UnstructuredGrid", ".vtp": "PolyData"}
@@ -41,7 +41,7 @@ def as_list(files: Particles | Sequence[Particles]) -> list[Particles]:
 
 
 def read_all(files: Particles | Sequence[Particles]) -> list[RawTable]:
-    """Returns the tables of the files, which must be within the limits all together."""
+    """Returns the tables of the files or arrays. Raises :class:`FileError` beyond the limits for all together."""
     left, found = LIMITS, list[RawTable]()
     for k, source in enumerate(as_list(files)):
         if isinstance(source, Mapping):
@@ -59,20 +59,9 @@ def read_all(files: Particles | Sequence[Particles]) -> list[RawTable]:
 
 
 def read_file(path: str, limits: Limits = LIMITS) -> RawTable:
-    """Reads a file of particles.
-
-    Parameters
-    ----------
-    path
-        .csv, .npz, .vtk, .vtu or .vtp; names of columns as in ``solvers.judging.column_names``.
-    limits
-        Largest allowed sizes.
-
-    Raises
-    ------
-    FileError
-        Where it contains no particles that can be judged.
-    """
+    """Returns the table of a file of particles: .csv, .npz, .vtk, .vtu or .vtp, with names of columns as in
+    ``solvers.judging.column_names``. Raises :class:`FileError` where it contains no particles that can be judged, or
+    more than the ``limits`` allow."""
     kind = Path(path).suffix.lower()
     if kind not in KINDS:
         raise FileError(path, "is of no kind that is known; give a file that ends in {kinds}", ", ".join(KINDS))
@@ -96,20 +85,20 @@ def read_file(path: str, limits: Limits = LIMITS) -> RawTable:
 
 
 def read_csv(path: str, limits: Limits = LIMITS) -> RawTable:
-    """Reads a CSV file: names in the first line, one particle per line, separated by commas, semicolons, tabs or
-    spaces; lines such as ``# t = 0.1`` or ``# cells = 40`` apply to all particles, ``# scene = ...`` has the scene
-    (``solvers.judging.scene_metadata``)."""
-    said: dict[str, str] = {}
+    """Returns the table of a CSV file: names in the first line, one particle per line, separated by commas, semicolons,
+    tabs or spaces; lines such as ``# t = 0.1`` or ``# cells = 40`` apply to all particles, ``# scene = ...`` has the
+    scene (``solvers.judging.scene_metadata``)."""
+    comments: dict[str, str] = {}
     try:
         with open(path, encoding="utf-8-sig") as text:
-            rows = _particle_lines(path, text, said, limits)
+            rows = _particle_lines(path, text, comments, limits)
             head, first = next(rows, ""), next(rows, None)
             if first is None:
                 raise FileError(path, "holds no particles; give names in the first line and a particle in each other")
             mark = next((mark for mark in ",;\t" if mark in head), None)
             names = _parse_header(path, head, mark, limits)
-            if (width := _count_columns(first,
-                                        mark)) != len(names):  # the first line says how many are read of all others
+            width = _count_columns(first, mark)  # the first line says how many are read of all others
+            if width != len(names):
                 raise FileError(path, "has {names} names and {width} numbers in a line; give as many of both",
                                 len(names), width)
             counted = _limit_rows(path, itertools.chain([first], rows), width, limits)
@@ -123,12 +112,12 @@ def read_csv(path: str, limits: Limits = LIMITS) -> RawTable:
         raise FileError(path, "has a line that is no row of {names} numbers ({error}); give a number in every column "
                         "of every line", len(names), quote(error, 100)) from None
     columns = {name: values[:, k] for k, name in enumerate(names)}
-    time, cells = _comment_number(path, said, "t", "time"), _comment_number(path, said, "cells")
-    return add_scene(build_table(path, columns, time, check_cell_count(path, cells), limits), said.get("scene"))
+    time, cells = _comment_number(path, comments, "t", "time"), _comment_number(path, comments, "cells")
+    return add_scene(build_table(path, columns, time, check_cell_count(path, cells), limits), comments.get("scene"))
 
 
-def _particle_lines(path: str, text: TextIO, said: dict[str, str], limits: Limits) -> Iterator[str]:
-    """Yields the lines of names or numbers; values in comments are added to ``said``, the last of each name."""
+def _particle_lines(path: str, text: TextIO, comments: dict[str, str], limits: Limits) -> Iterator[str]:
+    """Yields the lines of names or numbers; adds values in comments to ``comments``, the last of each name."""
     remarks = 0
     while line := text.readline(LONGEST_LINE):
         if len(line) >= LONGEST_LINE:
@@ -139,7 +128,7 @@ def _particle_lines(path: str, text: TextIO, said: dict[str, str], limits: Limit
         if (remarks := remarks + 1) > MOST_REMARKS:
             raise FileError(path, "has more than {most:,} lines that are no particles; leave them out", MOST_REMARKS)
         if (found := COMMENT.match(line)) and found[1].lower() in COMMENT_KEYS:
-            said[found[1].lower()] = found[2]
+            comments[found[1].lower()] = found[2]
 
 
 def _count_columns(line: str, mark: str | None) -> int:
@@ -161,7 +150,7 @@ def _parse_header(path: str, head: str, mark: str | None, limits: Limits) -> lis
 
 
 def _limit_rows(path: str, rows: Iterator[str], width: int, limits: Limits) -> Iterator[str]:
-    """Yields the rows, and raises FileError where there are too many."""
+    """Yields the rows, of ``width`` numbers each, and raises FileError where there are too many."""
     most = min(limits.rows, limits.numbers // width)
     for count, row in enumerate(rows, 1):
         if count > most:
@@ -170,16 +159,16 @@ def _limit_rows(path: str, rows: Iterator[str], width: int, limits: Limits) -> I
         yield row
 
 
-def _comment_number(path: str, said: dict[str, str], *names: str) -> float | None:
-    """Returns the value in a comment, such as the time or the cells; None without one."""
-    text = next((said[name] for name in names if name in said), None)
+def _comment_number(path: str, comments: dict[str, str], *names: str) -> float | None:
+    """Returns the number that comments give for the first known of ``names``, such as t in s; None without one."""
+    text = next((comments[name] for name in names if name in comments), None)
     if text is not None and not number_parsing.is_number(text):
         raise FileError(path, "has {names} = {text}; give a number", names[0], quote(text))
     return None if text is None else number_parsing.parse_float(text)
 
 
 def read_vtk(path: str, limits: Limits = LIMITS) -> RawTable:
-    """Reads a VTK file: points are positions, point data the rest; the time may be in the field data
+    """Returns the table of a VTK file: points are positions, point data the rest; the time may be in the field data
     (``TimeValue``)."""
     kind = Path(path).suffix.lower()
     with open(path, "rb") as file:

@@ -19,7 +19,7 @@ FRAME_FIELDS = {"X": "material_position", "x": "position", "v": "velocity", "F":
 
 
 def frame_columns(frames: Sequence[Frame], more: Mapping[str, np.ndarray] | None = None) -> dict[str, np.ndarray]:
-    """Returns the columns (n,) of frames, concatenated: t, id, and the frames' fields."""
+    """Returns columns (n,) by name, with the rows of all frames: t, id, the frames' fields, and ``more``."""
     columns = {"t": np.concatenate([np.full(len(f.number), f.time) for f in frames]),
                "id": np.concatenate([f.number for f in frames])}
     D = frames[0].position.shape[1]
@@ -31,10 +31,10 @@ def frame_columns(frames: Sequence[Frame], more: Mapping[str, np.ndarray] | None
     return columns | dict(more or {})
 
 
-def csv_text(columns: Mapping[str, np.ndarray], said: Mapping[str, object] | None = None) -> bytes:
-    """Returns columns as text, every number to its last bit, after lines ``# name = value`` from ``said``."""
+def csv_text(columns: Mapping[str, np.ndarray], comments: Mapping[str, object] | None = None) -> bytes:
+    """Returns columns (n,) as a CSV file, numbers to their last bit, after lines ``# name = value`` of ``comments``."""
     out = io.StringIO()
-    out.writelines(f"# {name} = {value}\n" for name, value in (said or {}).items())
+    out.writelines(f"# {name} = {value}\n" for name, value in (comments or {}).items())
     out.write(",".join(columns) + "\n")
     texts = [map(str if values.dtype.kind in "iu" else repr, values.tolist()) for values in columns.values()]
     out.writelines(",".join(row) + "\n" for row in zip(*texts, strict=True))
@@ -42,7 +42,7 @@ def csv_text(columns: Mapping[str, np.ndarray], said: Mapping[str, object] | Non
 
 
 def npz_bytes(frames: Sequence[Frame], scene: Scene, more: Mapping[str, Any] | None = None) -> bytes:
-    """Returns frames of the same particles as arrays (T, P, ...) in a .npz, with their scene, and ``more`` arrays."""
+    """Returns frames of the same particles as a .npz file: arrays (T, P, ...), their scene, and ``more`` arrays."""
     x, v, F = (np.stack([getattr(f, FRAME_FIELDS[key]) for f in frames]) for key in ("x", "v", "F"))
     arrays = particle_arrays(scene, [f.time for f in frames], frames[0].number, frames[0].material_position, x, v, F)
     out = io.BytesIO()
@@ -51,7 +51,7 @@ def npz_bytes(frames: Sequence[Frame], scene: Scene, more: Mapping[str, Any] | N
 
 
 def vtu_bytes(position: np.ndarray, data: Mapping[str, np.ndarray], time: float) -> bytes:
-    """Returns points (P, D) with data (P, ...) and the time as a .vtu file, each array packed in one block."""
+    """Returns points (P, D) in m with data (P, ...) and the time in s as a .vtu file, each array one packed block."""
     P, D = position.shape
     points = np.pad(position, ((0, 0), (0, 3 - D)))
     vertices = {"connectivity": np.arange(P), "offsets": np.arange(1, P + 1), "types": np.ones(P, np.uint8)}

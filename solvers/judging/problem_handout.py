@@ -16,10 +16,12 @@ SCHEMA = "mpm-lab/problem/1"
 
 
 def start(scene: Scene) -> Start:
+    """Returns the problem's particles at t = 0: material positions in m and volumes."""
     return PROBLEMS[scene.problem].reference.start(scene)
 
 
 def initial_frame(scene: Scene) -> Frame:
+    """Returns the problem's particles at t = 0, with their velocity and F."""
     reference, X = PROBLEMS[scene.problem].reference, start(scene).material_position
     return Frame("", 0.0, np.arange(len(X)), X, X.copy(), reference.velocity(scene, X, 0.0),
                  reference.initial_deformation_gradient(scene, X))
@@ -39,7 +41,7 @@ def exact_frame(scene: Scene, t: float) -> Frame:
 
 def companion_frames(scene: Scene, times: Sequence[float]) -> list[Frame]:
     """Returns the companion's particles at increasing times (T,) in s: for problems without an exact solution. Raises
-    :class:`~solvers.scene.validation.SceneError` where it is lost."""
+    :class:`~solvers.scene.validation.SceneError` where it is lost (its numbers are not finite)."""
     X = start(scene).material_position
     body, solved = solve_companion(scene, True, times)
     states = (fields_at_points(scene, body, motion, X) for motion in solved)
@@ -48,7 +50,8 @@ def companion_frames(scene: Scene, times: Sequence[float]) -> list[Frame]:
 
 def fields_at_points(scene: Scene, body: ElasticBody, motion: tuple[np.ndarray, np.ndarray], X: np.ndarray) -> tuple[
         np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-    """Returns displacement and velocity (P, D), F and Cauchy stress (P, D, D) of a moving body at material points."""
+    """Returns displacement and velocity (P, D), F and Cauchy stress (P, D, D) at material points X (P, D) of a
+    companion's ``body`` in the state ``motion`` (:func:`solve_companion`)."""
     (u, gradient), (v, _) = (body.values_and_gradients(field, X) for field in motion)
     reference = PROBLEMS[scene.problem].reference
     F = (np.eye(X.shape[1]) + gradient) @ reference.initial_deformation_gradient(scene, X)
@@ -57,8 +60,8 @@ def fields_at_points(scene: Scene, body: ElasticBody, motion: tuple[np.ndarray, 
 
 def solve_companion(scene: Scene, fine: bool,
                     times: Sequence[float]) -> tuple[ElasticBody, list[tuple[np.ndarray, np.ndarray]]]:
-    """Returns the companion's body and its displacement and velocity at the times. Raises
-    :class:`~solvers.scene.validation.SceneError` where it is lost."""
+    """Returns the companion's body, on the fine or the coarse mesh, and its nodes' displacement and velocity at each of
+    the ``times`` in s. Raises :class:`~solvers.scene.validation.SceneError` where it is lost."""
     body = PROBLEMS[scene.problem].reference.companion(scene, fine)
     try:
         return body, solve(body, times)
@@ -69,8 +72,8 @@ def solve_companion(scene: Scene, fine: bool,
 
 
 def body_force_table(scene: Scene, points: int, times: int) -> dict[str, np.ndarray]:
-    """Returns the body force on a line of material points over the first two periods of its vibration: columns (n,) of
-    t in s, X in m and b in m/s^2, about ``points`` at each of ``times`` times."""
+    """Returns the body force at about ``points`` material points on a line, at ``times`` times in two periods of the
+    vibration: columns (n,) of t in s, X in m and b in m/s^2."""
     reference = PROBLEMS[scene.problem].reference
     X, instants = reference.table_points(scene, points), np.linspace(0, 2 * scene.period, times)
     b = np.concatenate([reference.body_force(scene, X, t) for t in instants])
@@ -79,7 +82,7 @@ def body_force_table(scene: Scene, points: int, times: int) -> dict[str, np.ndar
 
 
 def problem_parameters(scene: Scene) -> dict:
-    """Returns the problem's numbers, for programs."""
+    """Returns the problem's inputs and derived numbers in SI units, by the names of the JSON handout."""
     of_methods = {field_key(name) for name in METHOD_FIELDS}
     fields = {key: value for key, value in scene.to_dict().items() if key not in of_methods and value is not None}
     return {**fields, "h": scene.spacing, "particles": len(start(scene).volume), "period": scene.period,

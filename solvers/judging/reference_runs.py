@@ -19,7 +19,7 @@ LONGEST_STRETCH = 4096  # steps between two looks at the progress
 
 @dataclass(frozen=True)
 class ReferenceRun:
-    """Run of one of our methods: its scene, the norms at the times that it reached, and its status."""
+    """Run of one of our methods: ``norms`` (T,) of its error by quantity at the ``times`` in s that it reached."""
 
     scene: Scene
     times: np.ndarray
@@ -33,14 +33,15 @@ class ReferenceRun:
 
 
 def reference_scenes(scene: Scene) -> list[Scene]:
-    """Returns a scene for each of our methods on the grid of a scene, where that is valid."""
+    """Returns a scene for each of our methods on the grid of a scene, without estimators and diagnostics."""
     return [replace(scene, method=method, linearity_preserving=lp, estimators=(), effects=(), remedies=())
             for method, lp in scene.candidates()]
 
 
 def run_reference(scene: Scene, times: Sequence[float], companions: TwoMeshCompanion | None = None,
                   on_progress: Callable[[float], None] | None = None) -> ReferenceRun:
-    """Runs a scene and computes its norms at the times: against the truth, or a companion where there is none."""
+    """Runs a scene and returns its RMS errors at the times in s, against the truth, or a companion where there is none;
+    ``on_progress`` gets the part done."""
     steps = [round(t / scene.time_step) for t in times]
     if scene.particles * steps[-1] > LONGEST:
         return ReferenceRun(scene, np.array([]), norm_series([]),
@@ -66,8 +67,8 @@ class _InterpolatedRun:
         self._held: dict[int, Snapshot] = {}
 
     def frame_at(self, time: float) -> Frame | None:
-        """Returns the particles at a time: those of a step, or between two by cubic Hermite polynomials in x and linear
-        interpolation of the rest; None where the run did not get there."""
+        """Returns the particles at a time in s: those of a step, or between two by cubic Hermite polynomials in x and
+        linear interpolation of the rest; None where the run did not get there."""
         turns = time / self._scene.time_step
         whole = abs(turns - round(turns)) < ON_A_STEP
         first = round(turns) if whole else math.floor(turns)
@@ -80,6 +81,7 @@ class _InterpolatedRun:
         return _interpolate_frames(frame_of_snapshot(shot, self._scene), frame_of_snapshot(later, self._scene), time)
 
     def _frame_at_step(self, step: int) -> Snapshot | None:
+        """Returns the particles after a step, None if the run broke; only the last two steps can be asked for again."""
         while step not in self._held and self.solver.step < step and self.solver.sound:
             self.solver.advance(min(step - self.solver.step, LONGEST_STRETCH, self.solver.longest_advance))
             self._tell(self.solver.step / self._last)
@@ -91,7 +93,7 @@ class _InterpolatedRun:
 
 
 def _interpolate_frames(one: Frame, other: Frame, time: float) -> Frame:
-    """Returns two frames of a run, one step apart, interpolated to a time between them."""
+    """Returns the particles at a time in s between two frames of a run, one step apart."""
     H = other.time - one.time
     s = (time - one.time) / H
     left = 1 - s
@@ -104,7 +106,7 @@ def _interpolate_frames(one: Frame, other: Frame, time: float) -> Frame:
 
 
 def frame_of_snapshot(shot: Snapshot, scene: Scene, time: float | None = None) -> Frame:
-    """Returns a snapshot of one of our runs as a frame, at its own time or one that differs by rounding."""
+    """Returns a snapshot of a run as a frame at its own time, or at ``time`` in s, which differs by rounding."""
     D, P = scene.DIMENSIONS, len(shot.position)
     return Frame("", shot.time if time is None else time, np.arange(P), shot.material_position.reshape(P, D),
                  shot.position.reshape(P, D), shot.velocity.reshape(P, D), shot.deformation_gradient.reshape(P, D, D))

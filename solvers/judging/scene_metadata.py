@@ -20,8 +20,8 @@ NOT_OF_THE_PROBLEM = METHOD_FIELDS | {"t_end", "periods"}  # what does not matte
 
 
 def parse_scene_line(file: str, text: object, cells: int | None) -> SceneMetadata | None:
-    """Returns the scene in a line; None for other lines. ``cells`` is the number of cells elsewhere in the file. Raises
-    :class:`FileError` where that differs."""
+    """Returns the scene in a file's line of JSON; None for other lines. ``cells`` is the number of cells elsewhere in
+    the file. Raises :class:`FileError` where that differs, or the scene is invalid."""
     if not isinstance(text, str) or FAMILY not in text[:100]:
         return None
     problem, inputs = parse_scene_json_line(file, text)
@@ -30,22 +30,22 @@ def parse_scene_line(file: str, text: object, cells: int | None) -> SceneMetadat
         step = PROBLEMS[problem].scene(**given).time_step
     except (SceneError, TypeError, ValueError, OverflowError):
         step = None
-    said = SceneMetadata(problem, {name: value for name, value in given.items() if name not in NOT_OF_THE_PROBLEM},
-                         step)
-    own = scene_of_metadata(file, said)
-    if "cells" in said.inputs and cells is not None and cells != own.cells:
+    relevant = {name: value for name, value in given.items() if name not in NOT_OF_THE_PROBLEM}
+    metadata = SceneMetadata(problem, relevant, step)
+    own = scene_of_metadata(file, metadata)
+    if "cells" in relevant and cells is not None and cells != own.cells:
         raise FileError(file, "states {cells} cells, but {own_cells} in its scene; {hint}", cells, own.cells, HINT)
-    return said
+    return metadata
 
 
-def scene_of_metadata(file: str, said: SceneMetadata) -> Scene:
-    """Returns the scene of the metadata. Raises :class:`FileError` where it is invalid."""
-    return scene_from_inputs(file, said.problem, dict(said.inputs))
+def scene_of_metadata(file: str, metadata: SceneMetadata) -> Scene:
+    """Returns the scene with the inputs in a file's metadata. Raises :class:`FileError` where it is invalid."""
+    return scene_from_inputs(file, metadata.problem, dict(metadata.inputs))
 
 
 def resolve_scene(files: list[RawTable], asked: Scene) -> tuple[Scene, list[str]]:
-    """Returns the scene to judge files with, and notes about it: metadata of the files replace inputs that have their
-    defaults in ``asked``, except the number of cells, which may differ between files.
+    """Returns the scene to judge files with, and notes (sentences) about it: metadata of the files replace inputs that
+    have their defaults in ``asked``, except the number of cells, which may differ between files.
 
     Raises :class:`ParticleMismatch` for files of another problem, :class:`FileError` where a file contradicts an input
     that was given, or another file.
@@ -54,12 +54,12 @@ def resolve_scene(files: list[RawTable], asked: Scene) -> tuple[Scene, list[str]
     by: dict[str, str] = {}  # the first file with each field
     default, settled_scene = type(asked)(), asked
     for raw in files:
-        if raw.said is None:
+        if raw.metadata is None:
             continue
-        if raw.said.problem != asked.problem:
-            raise ParticleMismatch(raw.file, Message("is a file of the {problem}", Message(raw.said.problem)), HINT,
-                                   (raw.said.problem,))
-        own, taken = scene_of_metadata(raw.file, raw.said), dict[str, Any]()
+        if raw.metadata.problem != asked.problem:
+            raise ParticleMismatch(raw.file, Message("is a file of the {problem}", Message(raw.metadata.problem)), HINT,
+                                   (raw.metadata.problem,))
+        own, taken = scene_of_metadata(raw.file, raw.metadata), dict[str, Any]()
         names = [f.name for f in fields(own) if f.name not in NOT_OF_THE_PROBLEM]
         for name in names:
             value, now = getattr(own, name), getattr(settled_scene, name)

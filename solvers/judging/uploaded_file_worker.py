@@ -21,16 +21,8 @@ from typing import Any
 
 import numpy as np
 
-from solvers.judging.error_norms import (
-    Errors,
-    TwoMeshCompanion,
-    as_json,
-    cell_crossing_masks,
-    differences,
-    error_magnitudes,
-    frame_stress,
-    norm_series,
-)
+from solvers.judging import error_norms
+from solvers.judging.error_norms import Errors, TwoMeshCompanion, as_json, frame_stress, norm_series
 from solvers.judging.frames import Frame, GridRun, ParticleMismatch
 from solvers.judging.judgement import GridJudgement
 from solvers.judging.particle_matching import match_files, metadata_scene_or_default
@@ -53,9 +45,9 @@ TOO_LARGE = Message("needs more memory than a page gives it; give fewer times, o
 
 @dataclass(frozen=True)
 class ShowRequest:
-    """Request to display a ``file`` that its owner calls ``name``: the task of the scene that it is judged with, the
-    path of its ``table``, and the largest number of particles at a time. If its owner has ``chosen`` the scene, that
-    overrides the one in the file."""
+    """Request to display a ``file`` (path) that its owner calls ``name``: the task of the scene that it is judged with,
+    the path of the ``table`` to write, and the largest number of particles at a time. If its owner has ``chosen`` the
+    scene, that overrides the one in the file."""
 
     file: str
     name: str
@@ -82,7 +74,7 @@ class FileSummary:
 def table_columns(dimensions: int) -> dict[str, slice]:
     """Returns the columns of each field in the table (rows, width); the last one ends at its width. ``field`` has two
     per quantity: a component for a plot and its deviation from the exact one; ``crossed`` is 1 where the particle was
-    in another cell at the time before. Sizes of errors have one per quantity."""
+    in another cell at the time before. Errors and estimates have one per quantity, their sizes."""
     widths = {"position": dimensions, "displacement": dimensions, "crossed": 1, "error": len(QUANTITIES),
               "estimate": len(QUANTITIES), "difference": len(QUANTITIES), "field": 2 * len(QUANTITIES)}
     ends = np.cumsum([0, *widths.values()]).tolist()
@@ -90,6 +82,8 @@ def table_columns(dimensions: int) -> dict[str, slice]:
 
 
 def judge_in_worker(question: dict, tell: Callable[[dict], None]) -> None:
+    """Answers a :class:`ShowRequest` (a dict): writes its table, and passes summary and verdict, or an error, to
+    ``tell``."""
     asked = ShowRequest(**question)
     if sys.platform == "linux":  # a file may unpack to a huge size: protect the machine's memory
         import resource
@@ -111,7 +105,7 @@ def judge_in_worker(question: dict, tell: Callable[[dict], None]) -> None:
 
 def _judge_file(asked: ShowRequest, tell: Callable[[dict], None]) -> None:
     raw = replace(read_file(asked.file, LIMITS), file=asked.name)
-    raw = replace(raw, said=None) if asked.chosen else raw
+    raw = replace(raw, metadata=None) if asked.chosen else raw
     scene, [grid] = match_files([raw], metadata_scene_or_default(raw, Task(**asked.task).scene()), [], [])
     del raw
     own = replace(scene, cells=grid.cells)
@@ -135,14 +129,14 @@ def _judge_file(asked: ShowRequest, tell: Callable[[dict], None]) -> None:
     tell({"frames": asdict(FileSummary(task_of(shown).to_dict(), grid.times.tolist(), counts, table.crossed,
                                        as_json(norm_series(true)) if true else None, missing))})
     if true:
-        table.write_errors("difference", differences(judged.companion_errors, true))
+        table.write_errors("difference", error_norms.differences(judged.companion_errors, true))
     table.write_errors("estimate", judged.companion_errors)
     tell({"estimate": as_json(norm_series(judged.companion_errors))})
     tell({"verdict": judged.to_dict()})
 
 
 class _ParticleTableFile:
-    """Rows of all frames, one frame after the other, in single precision, on disk."""
+    """Table of the rows of all frames, one frame after the other, in single precision, in the file ``path``."""
 
     def __init__(self, scene: Scene, grid: GridRun, path: str):
         self._scene, self._grid, self._columns = scene, grid, table_columns(scene.DIMENSIONS)
@@ -155,9 +149,10 @@ class _ParticleTableFile:
             self._values[:, self._columns[name]] = np.nan
 
     def write_frames(self) -> None:
-        """Stores positions, and the plotted component of each quantity."""
+        """Writes positions, cell crossings and the plotted component of each quantity to the table on disk."""
         frames = self._grid.frames
-        for rows, frame, moved in zip(self._rows, frames, cell_crossing_masks(self._scene, frames), strict=True):
+        crossings = error_norms.cell_crossing_masks(self._scene, frames)
+        for rows, frame, moved in zip(self._rows, frames, crossings, strict=True):
             self.crossed.append(int(moved.sum()))
             self._values[rows, self._columns["crossed"]] = moved[:, None]
             self._values[rows, self._columns["position"]] = frame.position
@@ -168,14 +163,15 @@ class _ParticleTableFile:
                 self._values[rows, column], self._values[rows, column + 1] = own, deviation
 
     def write_errors(self, name: str, errors: Sequence[Errors]) -> None:
-        """Stores the sizes of errors."""
+        """Writes the sizes of each frame's errors to the columns ``name``: error, estimate or difference."""
         for rows, error in zip(self._rows, errors, strict=False):  # there may be none
             for q, values in error.items():
-                self._values[rows, self._columns[name].start + QUANTITIES.index(q)] = error_magnitudes(values)
+                column = self._columns[name].start + QUANTITIES.index(q)
+                self._values[rows, column] = error_norms.error_magnitudes(values)
         self._values.flush()
 
     def _components_and_deviations(self, frame: Frame) -> dict[str, tuple[np.ndarray, Any]]:
-        """Returns for each quantity of the frame the component, and its deviation where the exact one is known."""
+        """Returns by quantity the plotted component (P,), and its deviation (P,) from the exact one, NaN if unknown."""
         scene, X, x, t = self._scene, frame.material_position, frame.position, frame.time
         reference = PROBLEMS[scene.problem].reference
         own = {"x": x - X, "v": frame.velocity, "sigma": frame_stress(scene, frame)}
@@ -193,6 +189,6 @@ class _ParticleTableFile:
 
 
 def open_table(path: Path, counts: Sequence[int], dimensions: int) -> np.ndarray:
-    """Opens the table (rows, width) of a file with these ``counts`` of particles at its timesso far."""
+    """Opens the table (rows, width) of a file with these ``counts`` of particles at its times, for reading."""
     width = max(part.stop for part in table_columns(dimensions).values())
     return np.memmap(path, np.float32, "r", shape=(sum(counts), width))

@@ -18,8 +18,8 @@ class NotVTK(ValueError):
 
 
 class PointData:
-    """Data read from a file called ``path``: positions and data of points, piece by piece, and ``fields`` that do not
-    belong to points. Readers announce each array before they read it."""
+    """Data read from a VTK file called ``path``: positions and arrays of points, piece by piece, and ``fields``, the
+    arrays that do not belong to points. Readers announce each array before they read it."""
 
     def __init__(self, path: str, limits: Limits):
         self.path, self.fields = path, dict[str, np.ndarray]()
@@ -52,18 +52,18 @@ class PointData:
         return True
 
     def wants_field_data(self, name: str, numbers: int) -> bool:
-        """Returns whether an array that does not belong to points is needed."""
+        """Returns whether an array of so many numbers that does not belong to points is needed."""
         return self.wants(name, 1, 0 if numbers > MOST_FIELD else numbers) and 0 < numbers <= MOST_FIELD
 
     def add_array(self, name: str, values: np.ndarray, width: int) -> None:
-        """Adds the values of an announced array, in rows of ``width``."""
+        """Adds the values (n,) of an announced array, as rows of ``width`` numbers."""
         rows = values.reshape(-1, width) if width != 1 else values
         if self._pieces[name] and self._pieces[name][0].shape[1:] != rows.shape[1:]:
             raise NotVTK(f"pieces with different components of {quote(name, 20)}")
         self._pieces[name].append(rows)
 
     def concatenated_arrays(self) -> dict[str, np.ndarray]:
-        """Returns all pieces concatenated, by name; arrays that are not needed are empty."""
+        """Returns all pieces concatenated, (n,) or (n, width) by name; arrays that are not needed are empty."""
         if POINTS not in self._pieces:
             raise FileError(self.path, "has no points; write points with data, in text or binary")
         return {name: pieces[0] if len(pieces) == 1 else np.concatenate(pieces) if pieces else np.empty(0)
@@ -71,7 +71,7 @@ class PointData:
 
 
 def parse_numbers(text: bytes, count: int) -> np.ndarray:
-    """Returns ``count`` numbers from text with blanks between."""
+    """Returns ``count`` numbers from text with blanks between. Raises NotVTK for fewer or for other text."""
     if not count:
         return np.empty(0)
     with warnings.catch_warnings():

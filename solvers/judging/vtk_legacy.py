@@ -23,10 +23,10 @@ CELLS = ("CELLS", "VERTICES", "LINES", "POLYGONS", "TRIANGLE_STRIPS")
 
 
 class LegacyReader:
-    """Adds the contents of a file to ``found``."""
+    """Reader that adds the points and arrays of an open .vtk file to ``data``."""
 
-    def __init__(self, file: IO[bytes], found: PointData):
-        self._file, self._found = file, found
+    def __init__(self, file: IO[bytes], data: PointData):
+        self._file, self._data = file, data
         self._size = file.seek(0, 2)
         file.seek(0)
         self._binary, self._old = False, True
@@ -61,42 +61,42 @@ class LegacyReader:
         if word != "DATASET" or kind.strip() not in DATASETS:
             raise NotVTK(f"{quote(dataset.strip(), 40)}, and {' or '.join(DATASETS)} can be read")
 
-    def _read_section(self, name: str, said: Sequence[str]) -> None:
+    def _read_section(self, name: str, words: Sequence[str]) -> None:
         if name == "METADATA":
             while self._read_line().strip():
                 pass
         elif name == POINTS.upper():
-            rows = _parse_count(said, 0)
-            self._found.begin_piece(rows)
-            self._read_array(POINTS, said[1:2], rows, 3, self._found.wants(POINTS, rows, 3))
+            rows = _parse_count(words, 0)
+            self._data.begin_piece(rows)
+            self._read_array(POINTS, words[1:2], rows, 3, self._data.wants(POINTS, rows, 3))
         elif name in CELLS:
-            self._skip_cells(said)
+            self._skip_cells(words)
         elif name == "CELL_TYPES":
-            self._read_numbers("i4", _parse_count(said, 0), False)
+            self._read_numbers("i4", _parse_count(words, 0), False)
         elif name in ("POINT_DATA", "CELL_DATA"):
-            self._rows, self._of_points, self._before_data = _parse_count(said, 0), name == "POINT_DATA", False
+            self._rows, self._of_points, self._before_data = _parse_count(words, 0), name == "POINT_DATA", False
         elif name == "FIELD":
-            self._read_fields(_parse_count(said, 1))
+            self._read_fields(_parse_count(words, 1))
         elif name == "LOOKUP_TABLE":
-            self._read_numbers("u1" if self._binary else "f8", 4 * _parse_count(said, 1), False)
+            self._read_numbers("u1" if self._binary else "f8", 4 * _parse_count(words, 1), False)
         elif name == "COLOR_SCALARS":
-            self._read_numbers("u1" if self._binary else "f8", _parse_count(said, 1) * self._rows, False)
+            self._read_numbers("u1" if self._binary else "f8", _parse_count(words, 1) * self._rows, False)
         else:
-            self._read_attribute(name, said)
+            self._read_attribute(name, words)
 
-    def _read_attribute(self, name: str, said: Sequence[str]) -> None:
-        """Reads an array of the data of points or cells."""
-        if len(said) < 2 or name not in (*WIDTHS, "SCALARS", "TEXTURE_COORDINATES"):
+    def _read_attribute(self, name: str, words: Sequence[str]) -> None:
+        """Reads an array of the data of points or cells: the section ``name``, whose line goes on with ``words``."""
+        if len(words) < 2 or name not in (*WIDTHS, "SCALARS", "TEXTURE_COORDINATES"):
             raise NotVTK(f"the section {quote(name, 40)}")
-        kind = said[2:3] if name == "TEXTURE_COORDINATES" else said[1:2]
-        width = WIDTHS.get(name) or (_parse_count(said, 1) if name == "TEXTURE_COORDINATES"
-                                     else _parse_count(said, 2) if len(said) > 2 else 1)
+        kind = words[2:3] if name == "TEXTURE_COORDINATES" else words[1:2]
+        width = WIDTHS.get(name) or (_parse_count(words, 1) if name == "TEXTURE_COORDINATES"
+                                     else _parse_count(words, 2) if len(words) > 2 else 1)
         if name == "SCALARS":
             here = self._file.tell()
             if not self._read_line().upper().startswith("LOOKUP_TABLE"):
                 self._file.seek(here)
-        wants = self._of_points and self._found.wants(unquote(said[0]), self._rows, width)
-        self._read_array(unquote(said[0]), kind, self._rows, width, wants)
+        wants = self._of_points and self._data.wants(unquote(words[0]), self._rows, width)
+        self._read_array(unquote(words[0]), kind, self._rows, width, wants)
 
     def _read_fields(self, count: int) -> None:
         for _ in range(min(count, MOST_SECTIONS)):
@@ -111,29 +111,29 @@ class LegacyReader:
                 raise NotVTK("a field without its name, sizes and type")
             name, width, rows = unquote(words[0]), _parse_count(words, 1), _parse_count(words, 2)
             if self._before_data:
-                wants = self._found.wants_field_data(name, width * rows)
+                wants = self._data.wants_field_data(name, width * rows)
                 if (values := self._read_numbers(_parse_type(words[3:]), width * rows, wants)) is not None:
-                    self._found.fields[name] = values
+                    self._data.fields[name] = values
             else:
-                self._read_array(name, words[3:], rows, width, self._of_points and self._found.wants(name, rows, width))
+                self._read_array(name, words[3:], rows, width, self._of_points and self._data.wants(name, rows, width))
 
     def _read_array(self, name: str, kind: Sequence[str], rows: int, width: int, wants: bool) -> None:
         if (values := self._read_numbers(_parse_type(kind), rows * width, wants)) is not None:
-            self._found.add_array(name, values, width)
+            self._data.add_array(name, values, width)
 
-    def _skip_cells(self, said: Sequence[str]) -> None:
+    def _skip_cells(self, words: Sequence[str]) -> None:
         """Skips cells, which are not needed: their sizes, and the indices of their points."""
         if self._old:
-            self._read_numbers("i4", _parse_count(said, 1), False)
+            self._read_numbers("i4", _parse_count(words, 1), False)
             return
-        for name, size in (("OFFSETS", _parse_count(said, 0)), ("CONNECTIVITY", _parse_count(said, 1))):
-            words = self._read_line().split() or self._read_line().split()
-            if words[:1] != [name]:
+        for name, size in (("OFFSETS", _parse_count(words, 0)), ("CONNECTIVITY", _parse_count(words, 1))):
+            head = self._read_line().split() or self._read_line().split()
+            if head[:1] != [name]:
                 raise NotVTK(f"cells without {name}")
-            self._read_numbers(_parse_type(words[1:]), size, False)
+            self._read_numbers(_parse_type(head[1:]), size, False)
 
     def _read_numbers(self, kind: str, count: int, wants: bool) -> np.ndarray | None:
-        """Reads the numbers that follow, None if they are not needed. Raises an error for too many."""
+        """Reads ``count`` numbers of a numpy type; None unless ``wants``. Raises NotVTK for more than are there."""
         size = count * np.dtype(kind).itemsize if self._binary else 2 * count - 1
         here = self._file.tell()
         if size > self._size - here:

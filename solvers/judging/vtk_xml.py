@@ -37,10 +37,10 @@ class _AppendedData(Exception):
 
 
 class XmlReader:
-    """Adds the contents of a file of a ``kind``, a VTK type name, to ``found``."""
+    """Reader that adds the points and arrays of an XML file of a ``kind``, a VTK type name, to ``data``."""
 
-    def __init__(self, file: IO[bytes], kind: str, ending: str, found: PointData):
-        self._file, self._kind, self._ending, self._found = file, kind, ending, found
+    def __init__(self, file: IO[bytes], kind: str, ending: str, data: PointData):
+        self._file, self._kind, self._ending, self._data = file, kind, ending, data
         self._parser = expat.ParserCreate("UTF-8")  # whatever encoding the file declares
         self._parser.StartElementHandler, self._parser.EndElementHandler = self._start_element, self._end_element
         self._parser.CharacterDataHandler = self._add_text
@@ -71,54 +71,54 @@ class XmlReader:
             self._read_appended()
 
     def _refuse_doctype(self, *_: object) -> None:
-        raise FileError(self._found.path, f"has a document type or an entity, which no {self._ending} file needs and "
-                                          "which is not read; leave it out")
+        raise FileError(self._data.path, f"has a document type or an entity, which no {self._ending} file needs and "
+                                         "which is not read; leave it out")
 
-    def _start_element(self, tag: str, said: dict[str, str]) -> None:
+    def _start_element(self, tag: str, attributes: dict[str, str]) -> None:
         self._elements += 1
         if self._elements > MOST_ELEMENTS:
             raise NotVTK(f"more than {MOST_ELEMENTS:,} elements")
         if not self._inside:
             if tag != "VTKFile":
                 raise NotVTK("no VTKFile")
-            if said.get("type") != self._kind:
-                raise FileError(self._found.path, f"is no {self._kind}, as a {self._ending} file is; give it the "
-                                                  "ending of what it is")
-            self._encoding = NumberEncoding.from_attributes(said.get("byte_order"),
-                                                            TYPES.get(said.get("header_type", "UInt32")),
-                                                            said.get("compressor"))
+            if attributes.get("type") != self._kind:
+                raise FileError(self._data.path, f"is no {self._kind}, as a {self._ending} file is; give it the "
+                                                 "ending of what it is")
+            self._encoding = NumberEncoding.from_attributes(attributes.get("byte_order"),
+                                                            TYPES.get(attributes.get("header_type", "UInt32")),
+                                                            attributes.get("compressor"))
         self._inside.append(tag)
         if tag == "AppendedData":
-            self._appended = self._parser.CurrentByteIndex, said.get("encoding") != "raw"
+            self._appended = self._parser.CurrentByteIndex, attributes.get("encoding") != "raw"
             raise _AppendedData
         if tag == "Piece":
-            self._rows = _parse_size(said.get("NumberOfPoints"))
-            self._found.begin_piece(self._rows)
+            self._rows = _parse_size(attributes.get("NumberOfPoints"))
+            self._data.begin_piece(self._rows)
         elif tag == "DataArray":
-            self._begin_array(said)
+            self._begin_array(attributes)
 
-    def _begin_array(self, said: dict[str, str]) -> None:
-        """Checks whether an array is needed, and stores the location of its data."""
-        where, name = self._inside[-2], said.get("Name", "")
-        width = _parse_size(said.get("NumberOfComponents") or "1")
+    def _begin_array(self, attributes: dict[str, str]) -> None:
+        """Reads a DataArray's attributes: checks whether it is needed, and stores where its numbers are."""
+        where, name = self._inside[-2], attributes.get("Name", "")
+        width = _parse_size(attributes.get("NumberOfComponents") or "1")
         if where == "Points":
-            name, wants = POINTS, self._found.wants(POINTS, self._rows, width)
+            name, wants = POINTS, self._data.wants(POINTS, self._rows, width)
         elif where == "PointData":
-            wants = self._found.wants(name, self._rows, width)
+            wants = self._data.wants(name, self._rows, width)
         elif where == "FieldData":
-            width = _parse_size(said.get("NumberOfTuples") or "1") * width
-            wants = self._found.wants_field_data(name, width)
+            width = _parse_size(attributes.get("NumberOfTuples") or "1") * width
+            wants = self._data.wants_field_data(name, width)
         else:
             return
         if wants:
-            if said.get("type") not in TYPES:
-                raise NotVTK(f"an array of the type {quote(said.get('type'), 20)}")
+            if attributes.get("type") not in TYPES:
+                raise NotVTK(f"an array of the type {quote(attributes.get('type'), 20)}")
             of_point = where != "FieldData"
             array = {"name": name, "width": width, "count": width * (self._rows if of_point else 1),
-                     "of_point": of_point, "type": TYPES[said["type"]], "format": said.get("format", "ascii"),
-                     "text": io.BytesIO()}
+                     "of_point": of_point, "type": TYPES[attributes["type"]],
+                     "format": attributes.get("format", "ascii"), "text": io.BytesIO()}
             if array["format"] == "appended":
-                self._later.append({**array, "offset": _parse_size(said.get("offset"))})
+                self._later.append({**array, "offset": _parse_size(attributes.get("offset"))})
             else:
                 self._array = array
 
@@ -148,18 +148,18 @@ class XmlReader:
             raise NotVTK("appended data without their beginning")
         source = DataSource(self._file, index + begin.end(), in_letters)
         for array in self._later:
-            self._store_array(array,
-                              self._encoding.read_numbers(source, array["offset"], array["count"], array["type"]))
+            values = self._encoding.read_numbers(source, array["offset"], array["count"], array["type"])
+            self._store_array(array, values)
 
     def _store_array(self, array: dict[str, Any], values: np.ndarray) -> None:
         if array["of_point"]:
-            self._found.add_array(array["name"], values, array["width"])
+            self._data.add_array(array["name"], values, array["width"])
         else:
-            self._found.fields[array["name"]] = values
+            self._data.fields[array["name"]] = values
 
 
 def _parse_size(text: str | None) -> int:
-    """Returns a size from the file. Raises NotVTK for an invalid one."""
+    """Returns a size written in the file, of at most 15 digits. Raises NotVTK for an invalid one."""
     if text is None or not re.fullmatch(r"[0-9]{1,15}", text.strip()):
         raise NotVTK(f"a size that is none: {quote(text or '', 20)}")
     return int(text)
@@ -167,7 +167,7 @@ def _parse_size(text: str | None) -> int:
 
 @dataclass(frozen=True)
 class DataSource:
-    """Location of data in a ``file`` from ``begin`` on, raw or as base64, three bytes in four letters."""
+    """Location of data in a ``file`` from the byte ``begin`` on, raw or as base64, three bytes in four letters."""
 
     file: IO[bytes]
     begin: int
@@ -178,7 +178,7 @@ class DataSource:
         return self.file.read(length)
 
     def read_decoded_bytes(self, place: int, size: int) -> tuple[bytes | bytearray, int]:
-        """Returns the ``size`` bytes that begin at a place, and the place after them."""
+        """Returns the ``size`` bytes, decoded, that begin ``place`` bytes after ``begin``, and the place after them."""
         length = -(-size // 3) * 4 if self.in_letters else size
         content = bytearray()
         for begin in range(0, length, AT_ONCE):
@@ -197,7 +197,8 @@ class DataSource:
 
 @dataclass(frozen=True)
 class NumberEncoding:
-    """Encoding of numbers: the ``order`` of their bytes, the type of sizes before them, and the ``packing``."""
+    """Encoding of numbers: the ``order`` of their bytes (< or >), the type of sizes before them, and the ``packing``, a
+    VTK compressor or None."""
 
     order: str
     size: np.dtype
@@ -213,23 +214,23 @@ class NumberEncoding:
         return cls(order, np.dtype(order + header), packing)
 
     def read_numbers(self, source: DataSource, place: int, count: int, kind: str) -> np.ndarray:
-        """Returns ``count`` numbers of a type from a place."""
+        """Returns ``count`` numbers of a numpy type (``kind``, such as f8) that begin at a place of a source."""
         dtype = np.dtype(self.order + kind)
         content = (self._read_plain if self.packing is None else self._unpack)(source, place, count * dtype.itemsize)
         return np.frombuffer(content, dtype)
 
     def _read_plain(self, source: DataSource, place: int, size: int) -> bytes | bytearray:
         head, after = source.read_decoded_bytes(place, self.size.itemsize)
-        said = self._parse_sizes(head)[0]
-        if said != size:
-            raise NotVTK(f"{said:,} bytes where {size:,} are announced")
+        stated = self._parse_sizes(head)[0]
+        if stated != size:
+            raise NotVTK(f"{stated:,} bytes where {size:,} are announced")
         if not source.in_letters or source.read(after - 1, 1) == b"=":  # padded: the size stands by itself
             return source.read_decoded_bytes(after, size)[0]
         return source.read_decoded_bytes(place, self.size.itemsize + size)[0][self.size.itemsize:]
 
     def _unpack(self, source: DataSource, place: int, size: int) -> bytearray:
-        """Returns consecutive packed blocks, decompressed. Their header has their number, the size of each and of the
-        last, and their packed sizes."""
+        """Returns the ``size`` bytes of consecutive packed blocks, decompressed. Their header has their number, the
+        size of each and of the last, and their packed sizes."""
         width = self.size.itemsize
         blocks = self._parse_sizes(source.read_decoded_bytes(place, width)[0])[0]
         if blocks > MOST_BLOCKS:

@@ -34,8 +34,8 @@ SCOUTED_SECONDS = 0.2  # longest bare run that is made for a first answer
 
 @dataclass(frozen=True)
 class Goal:
-    """Goal of a search: an RMS error of ``quantity`` over the run of at most ``tolerance`` (in its unit), and a bare
-    run of at most ``budget`` seconds."""
+    """Goal of a search: the largest RMS error of ``quantity`` (x, v, sigma or a) over the run is at most ``tolerance``
+    (in its SI unit), and a bare run, without estimators and diagnostics, takes at most ``budget`` seconds."""
 
     quantity: str
     tolerance: float
@@ -44,7 +44,7 @@ class Goal:
 
 @dataclass(frozen=True)
 class Candidate:
-    """A member of a family with its expected or measured error and time."""
+    """Run with ``cells`` of a family: largest RMS ``error`` and ``seconds`` of a bare run, expected or measured."""
 
     family: RefinementFamily
     cells: int
@@ -62,10 +62,10 @@ class Candidate:
 
 @dataclass(frozen=True)
 class Advice:
-    """Result of a search. ``met`` is whether its own estimate meets the tolerance; if not, it is the best within reach,
-    as expected from coarser runs unless it has been run itself.
+    """Result of a search. ``met`` is whether the estimated error of ``chosen`` meets the tolerance; if not, it is the
+    best within the budget, as expected from coarser runs unless it has been run itself.
 
-    ``runner_up`` is the cheapest of another method and ``why`` the reason why it lost; ``looks`` counts runs.
+    ``runner_up`` is the cheapest of another method and ``why`` a sentence on why it lost; ``looks`` counts runs.
     """
 
     goal: Goal
@@ -79,8 +79,8 @@ class Advice:
 
 def refinement_families(base: Scene, methods: Iterable[tuple[str, bool]], per_cell: Iterable[int],
                         courant_numbers: Iterable[float], quantity: str) -> list[RefinementFamily]:
-    """Returns a family for every combination that makes a valid scene; ``methods`` are names, each with whether it
-    preserves linearity, and ``quantity`` is x, v, sigma or a."""
+    """Returns a family of runs like ``base`` for every combination that makes a valid scene: ``methods`` are names,
+    each with whether it preserves linearity, ``per_cell`` is particles per cell and direction."""
     found = []
     multiple = 6 if base.DIMENSIONS == 2 else 2  # so that the ring's lattice divides evenly
     for (method, preserving), ppc, cfl in product(methods, per_cell, courant_numbers):
@@ -102,11 +102,11 @@ def advise(choices: list[RefinementFamily], goal: Goal,
         Families to choose from (:func:`refinement_families`), at least one.
     goal
     on_look
-        Called before every run: its number, the number of runs that are certain, and its scene.
+        Called before every run with its number (from 1), the least number of runs that there will be, and its scene.
     on_point
-        Called for every measured member: its family and the measurement, new or recalled.
+        Called after every run, new or recalled, with its family and its measurement.
     recall
-        Returns a known measurement of a family's member with so many cells, or None.
+        Returns the measurement of a family's run with so many cells if it is known, or None.
     """
     search = _Search(choices, goal, on_look, on_point, recall)
     search.refine_usual_families()
@@ -121,7 +121,7 @@ def advise(choices: list[RefinementFamily], goal: Goal,
 
 
 class _Search:
-    """State of a search; arguments as in :func:`advise`."""
+    """State of a search for the cheapest run; arguments as in :func:`advise`."""
 
     def __init__(self, choices: list[RefinementFamily], goal: Goal, on_look: Callable, on_point: Callable,
                  recall: Callable):
@@ -132,8 +132,8 @@ class _Search:
         self.predicted: dict[tuple[int, int], float] = {}
 
     def refine_usual_families(self) -> None:
-        """Finds a first answer early: refines one family of each method, refined methods first, as long as it promises
-        to be cheaper than the best so far."""
+        """Finds a first answer early: runs the usual family of each method, later methods first, on finer and finer
+        grids, as long as it promises to be cheaper than the best so far."""
         followed: list[RefinementFamily] = []
         for family in usual_family_per_method(self._choices):
             self._measure_member(family, COARSE[family.scene.DIMENSIONS])
@@ -147,7 +147,7 @@ class _Search:
                 self._measure_member(best.family, _next_cells(best))
 
     def measure_families_coarsely(self) -> None:
-        """Measures every family on one coarse grid, and on a finer one where that was too coarse."""
+        """Runs every family on one coarse grid, and with twice the cells where that run was unstable."""
         for family in self._choices:
             if not family.points:
                 self._measure_member(family, COARSE[family.scene.DIMENSIONS])
@@ -156,7 +156,7 @@ class _Search:
                 self._measure_member(family, 2 * family.points[0].cells)
 
     def measure_until_cheapest(self) -> Candidate:
-        """Measures the candidate with the lowest expected cost, until that is one that has been run; returns it."""
+        """Runs the candidate that is expected to be cheapest, until that one has been run; returns it."""
         goal, coarse, begun = self._goal, self.looks, time.process_time()
         while True:
             ranking, met = _ranking(self._choices, goal)
@@ -174,7 +174,7 @@ class _Search:
             self._measure_member(best.family, _next_cells(best))
 
     def measure_runner_up(self, others: list[RefinementFamily]) -> None:
-        """Measures a second member of the best family of other methods, because one is not enough."""
+        """Runs a second member of the best of the families ``others``, those of other methods than the best one."""
         for _ in range(RUNNER_UP_LOOKS if others else 0):
             (other, *_), others_meet = _ranking(others, self._goal)
             if other.is_measured or len(other.family.points) > 1 or not others_meet or self._is_too_expensive(other):
@@ -195,8 +195,8 @@ class _Search:
 
 
 def usual_family_per_method(choices: Iterable[RefinementFamily]) -> list[RefinementFamily]:
-    """Returns the most usual family of each method, the methods that are listed last first, because each corrects
-    deficiencies of previous ones."""
+    """Returns for each method the family nearest to 2 particles per cell and the Courant number 0.5; methods listed
+    last come first, because each corrects deficiencies of previous ones."""
     found: dict[str, RefinementFamily] = {}
     for family in choices:
         before = found.setdefault(_method_name(family.scene), family)
@@ -207,7 +207,7 @@ def usual_family_per_method(choices: Iterable[RefinementFamily]) -> list[Refinem
 
 def _next_or_final_candidate(ranking: list[Candidate], met: bool, spent: float) -> Candidate:
     """Returns the best candidate that has been run, unless another promises to be clearly better and is worth a try:
-    while the search has taken less time than the run that it may replace."""
+    while the search has ``spent`` less CPU time (s) than the run that it may replace."""
     measured = next((c for c in ranking if c.is_measured), None)
     if measured is None:
         return ranking[0]
@@ -217,7 +217,7 @@ def _next_or_final_candidate(ranking: list[Candidate], met: bool, spent: float) 
 
 
 def _next_cells(candidate: Candidate) -> int:
-    """Returns the candidate's own number of cells, or one on the way where that is too far to extrapolate."""
+    """Returns the cells to run next for a candidate: its own, or fewer where these are too far to extrapolate."""
     finest, multiple = candidate.family.points[-1].cells, candidate.family.multiple
     ratio = candidate.cells / finest
     if ratio <= REACH:
@@ -227,7 +227,7 @@ def _next_cells(candidate: Candidate) -> int:
 
 
 def _ranking(choices: list[RefinementFamily], goal: Goal) -> tuple[list[Candidate], bool]:
-    """Returns candidates, best first, and whether they meet the goal: by cost if some do, else by error."""
+    """Returns candidates, best first, and whether they meet the goal: by seconds if some do, else by error."""
     meeting = [c for c in (_cheapest(family, goal) for family in choices) if c is not None]
     if meeting:
         return sorted(meeting, key=lambda c: c.seconds), True
@@ -238,7 +238,7 @@ def _ranking(choices: list[RefinementFamily], goal: Goal) -> tuple[list[Candidat
 
 
 def _cheapest(family: RefinementFamily, goal: Goal, hoped: float = 0.0) -> Candidate | None:
-    """Returns the family's cheapest member that should meet the goal within its budget, at the order ``hoped``."""
+    """Returns the family's cheapest member that should meet the goal, or None; ``hoped``: least order to assume."""
     met = [point.cells for point in family.points if point.error <= goal.tolerance]
     cells = family.cells_for(MARGIN * goal.tolerance, hoped)
     if met and (cells is None or met[0] <= cells * 1.05):
@@ -250,7 +250,7 @@ def _cheapest(family: RefinementFamily, goal: Goal, hoped: float = 0.0) -> Candi
 
 
 def _runner_up(others: list[RefinementFamily], best: Candidate, goal: Goal, met: bool) -> tuple[Candidate | None, str]:
-    """Returns the best candidate of other methods, and why it lost, in words."""
+    """Returns the best candidate of ``others``, families of other methods, and a sentence on why it lost."""
     if not others:
         return None, Message("no other method was asked for")
     (other, *_), others_meet = _ranking(others, goal)

@@ -31,8 +31,9 @@ NO_CHOICE = Message("no method makes a valid scene with these settings")
 
 @dataclass(frozen=True)
 class SearchJob:
-    """Search for the cheapest run like ``base`` (a task) that meets a tolerance, in the unit of ``quantity``. ``known``
-    are points of other searches for the same quantity, by the keys of their rows; one without a rate is timed again."""
+    """Search for the cheapest run like ``base`` (a task as a dict) with an RMS error of ``quantity`` up to
+    ``tolerance`` (SI unit) in ``budget`` s; other choices as in ``refinement_families``. ``known`` has points of other
+    searches for the quantity, by the keys of their rows; one without a rate is timed again."""
 
     base: dict
     methods: Sequence[tuple[str, bool]]
@@ -45,13 +46,14 @@ class SearchJob:
 
 
 def sweep(tasks: Sequence[dict], tell: Callable[[dict], None]) -> None:
-    """Runs a sweep in a worker process: measures tasks in order."""
+    """Measures tasks (as dicts) in order, in a worker process; passes each ``{"row": row}`` to ``tell``."""
     for task in tasks:
         tell({"row": measure(Task(**task))})
 
 
 def search(fields: dict, tell: Callable[[dict], None]) -> None:
-    """Runs the search of these fields in a worker process; or only compiles for one like it, without messages."""
+    """Runs the search with the fields of a :class:`SearchJob` in a worker process, and passes messages on rows, runs
+    and the result to ``tell``; with the field ``ready`` only compiles for one like it, without messages."""
     ready = fields.pop(READY, False)
     job = SearchJob(**fields)
     base = Task(**job.base).scene()
@@ -96,9 +98,9 @@ def search(fields: dict, tell: Callable[[dict], None]) -> None:
 
 
 def point_row(family: RefinementFamily, point: Point) -> dict:
-    """Returns a row (``solvers.study.row``) with the known data of the run: the estimate of one quantity, and the time
-    of the bare run from its steps, particles and a separately measured rate. It has no true error, which a search does
-    not use. Its task is :func:`task_with_all_effects`."""
+    """Returns a row (dict of ``solvers.study.row``) with what a search knows of a run: the estimate of one quantity,
+    and the seconds of a bare run from its steps, particles and separately measured rate. It has no true error, which a
+    search does not use. Its task is :func:`task_with_all_effects`."""
     scene = family.member(point.cells)
     task, seconds = task_with_all_effects(scene), finite_or_none(family.seconds(point.cells))
     estimate = {ESTIMATOR: {family.quantity: {"max": point.error}}} if math.isfinite(point.error) else {}
@@ -110,5 +112,5 @@ def point_row(family: RefinementFamily, point: Point) -> dict:
 
 
 def task_with_all_effects(scene: Scene) -> Task:
-    """Returns the task of a scene with the estimator that a search uses, and with every effect."""
+    """Returns the task of a scene with the companion alone as estimator, as in a search, and every effect."""
     return task_of(replace(scene, estimators=(ESTIMATOR,), effects=tuple(EFFECTS)))

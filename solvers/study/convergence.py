@@ -19,7 +19,7 @@ STEEP = 1.5  # times the growth of second order, beyond which a step is at the b
 
 @dataclass(frozen=True)
 class Slope:
-    """Straight line through log(error) over log(h): ``order``, its factor, and the orders between neighbours."""
+    """Fit error = ``factor`` h^``order`` to so many ``points``; ``pairwise`` are the orders between neighbouring h."""
 
     order: float
     factor: float
@@ -32,8 +32,8 @@ class Slope:
 
 @IGNORE_OVERFLOW
 def fit_slope(spacings: Sequence[float], errors: Sequence[float]) -> Slope | None:
-    """Returns the least-squares line through the points with a positive error; None with fewer than two different h,
-    and where the line is too steep for floats."""
+    """Returns the least-squares line through log(error) over log(spacing), of pairs with a positive error; None with
+    fewer than two different spacings, and where the line is too steep for floats."""
     h, error = _positive_pairs(spacings, errors)
     if len(np.unique(h)) < 2:
         return None
@@ -45,7 +45,7 @@ def fit_slope(spacings: Sequence[float], errors: Sequence[float]) -> Slope | Non
 
 
 def pareto(seconds: Sequence[float], error: Sequence[float]) -> list[int]:
-    """Returns the indices of the points that no other beats in both time and error, by time."""
+    """Returns the indices of the points that no other beats in both ``seconds`` and ``error``, sorted by time."""
     by_time = sorted(range(len(seconds)), key=lambda k: (seconds[k], error[k]))
     best_before = itertools.accumulate((error[k] for k in by_time), min, initial=np.inf)
     return [k for k, best in zip(by_time, best_before, strict=False) if error[k] < best]
@@ -53,8 +53,8 @@ def pareto(seconds: Sequence[float], error: Sequence[float]) -> list[int]:
 
 @dataclass(frozen=True)
 class SpaceTimeSplit:
-    """Fit error = space + factor dt^power over the steps from ``least`` to ``most``; ``dt`` is where both parts are
-    equal, None if that is not within these steps; ``misfit`` is the RMS of the relative residual."""
+    """Fit error = ``space`` + ``factor`` dt^``power`` over time steps from ``least`` to ``most`` (s); ``dt`` (s) is
+    where both parts are equal, None if not within these; ``misfit`` is the RMS of the relative residual."""
 
     space: float
     factor: float
@@ -117,7 +117,7 @@ def _nonnegative_least_squares(columns: np.ndarray) -> tuple[float, float]:
 
 
 def _positive_pairs(x: Sequence[float], y: Sequence[float]) -> tuple[np.ndarray, np.ndarray]:
-    """Returns finite positive pairs, sorted by x."""
+    """Returns the pairs of finite positive numbers as arrays x (n,) and y (n,), sorted by x."""
     pairs = np.array(sorted((a, b) for a, b in zip(x, y, strict=True)
                             if a and b and np.isfinite(a) and np.isfinite(b) and a > 0 and b > 0)).reshape(-1, 2)
     return pairs[:, 0], pairs[:, 1]
@@ -125,7 +125,7 @@ def _positive_pairs(x: Sequence[float], y: Sequence[float]) -> tuple[np.ndarray,
 
 @dataclass(frozen=True)
 class Series:
-    """Series of ``rows`` that differ in one input, by which they are sorted; ``inputs`` are other varying ones."""
+    """Series of ``rows`` of a study that differ in one input, sorted by it; ``inputs`` has the values of the others."""
 
     rows: tuple[dict, ...]
     inputs: dict
@@ -136,40 +136,40 @@ class Series:
 
     @property
     def variant(self) -> tuple:
-        """Inputs that distinguish it from other series of the same method."""
+        """Inputs as (name, value) that distinguish the series from others of the same method."""
         return tuple((name, value) for name, value in self.inputs.items() if name != "method")
 
     def label(self, names: dict[str, str] | None = None) -> str:
-        """Returns its inputs in words; ``names`` maps methods to full names."""
+        """Returns the inputs as text, such as "mpm, A 0.1"; ``names`` maps methods to full names."""
         method = (names or {}).get(self.method, self.method)
         words = {"amplitude": "A", "modulus": "E"}
         return ", ".join([method, *(f"{words.get(name, name.replace('_', ' '))} {_format_value(value)}"
                                     for name, value in self.variant)])
 
     def fit(self, quantity: str, norm: str = "max") -> Slope | None:
-        """Returns the order of the error in h, over the rows with status "ok"."""
+        """Returns the order in h of a quantity's true error (x, v or sigma), over the rows with status "ok"."""
         rows = [row for row in self.rows if row["status"] == OK]
         return fit_slope([row["h"] for row in rows], [error_of(row, quantity, norm) or 0 for row in rows])
 
 
 def error_of(row: dict, quantity: str, norm: str = "max") -> float | None:
-    """Returns a true error of a row, None where there is none."""
+    """Returns the max, mean or final RMS error of x, v or sigma (SI units) in a row; None if unknown."""
     return ((row.get("error") or {}).get(quantity) or {}).get(norm)
 
 
 def completed_rows(rows: Iterable[dict]) -> list[dict]:
-    """Returns the rows of runs, without refused and failed ones."""
+    """Returns the rows of runs that have been measured, without refused and failed ones."""
     return [row for row in rows if row.get("seconds")]
 
 
 def varying_inputs(rows: Sequence[dict]) -> list[str]:
-    """Returns the names of inputs, as requested, that differ between rows."""
+    """Returns the names of inputs, as requested by the user, that differ between rows."""
     names = dict.fromkeys(name for row in rows for name in row["asked"])
     return [name for name in names if len({json.dumps(row["asked"].get(name)) for row in rows}) > 1]
 
 
 def group_series(rows: Sequence[dict], along: str = "cells") -> list[Series]:
-    """Returns the measured rows as series along one input. With ``along`` = ``dt``, steps given as cfl count too."""
+    """Returns the measured rows as series along the input ``along``. For ``dt``, steps given as cfl count too."""
     rows = completed_rows(rows)
     ignored = TIME_INPUTS if along in TIME_INPUTS else (along,)
     others = [name for name in varying_inputs(rows) if name not in ignored]
@@ -181,7 +181,7 @@ def group_series(rows: Sequence[dict], along: str = "cells") -> list[Series]:
 
 
 def fit_orders(rows: Sequence[dict], norm: str = "max") -> list[dict]:
-    """Returns the order in h of each quantity and each series with two or more h, as plain values."""
+    """Returns a dict for each series with two or more h: method, inputs, and a :class:`Slope` as dict per quantity."""
     found = []
     for line in group_series(rows):
         orders = {quantity: line.fit(quantity, norm) for quantity in QUANTITIES}

@@ -46,10 +46,10 @@ class MeasurementTask(Protocol):
 
     @property
     def kind(self) -> Hashable:
-        """Key of its compiled code: tasks of the same kind are given to the same process."""
+        """Key of the kernels that it needs: tasks of the same kind are given to the same process."""
 
     def remarks(self) -> Sequence[str]:
-        """Returns sentences for the user before it is measured."""
+        """Returns warnings about the task, or why it is refused, as sentences for the user."""
 
     def to_dict(self) -> dict:
         """Returns itself for JSON."""
@@ -62,8 +62,9 @@ def execute(tasks: Iterable[Any], place: "LocalExecutor | DaskExecutor", on_row:
     Parameters
     ----------
     tasks
+        :class:`MeasurementTask` objects.
     place
-        :class:`LocalExecutor` or a :class:`DaskExecutor`.
+        Executor that measures them.
     on_row
         Called with each row (``solvers.study.row``) as it comes, in the caller's thread.
     give_up
@@ -90,7 +91,7 @@ def execute(tasks: Iterable[Any], place: "LocalExecutor | DaskExecutor", on_row:
 
 def _row_of_future(task: MeasurementTask, future: Future[dict], lost: Counter[str],
                    give_up: Callable[[Any, str], dict]) -> dict | None:
-    """Returns the row of a task, or None where it must be measured again."""
+    """Returns the row of a task, or None where it must be measured again; counts lost workers in ``lost``."""
     try:
         error = future.exception()
     except CancelledError:
@@ -106,12 +107,12 @@ def _row_of_future(task: MeasurementTask, future: Future[dict], lost: Counter[st
 
 
 def measure_in_worker(task: dict, answer: Callable[[dict], None]) -> None:
-    """Measures a task in a worker process."""
+    """Measures a task (as a dict) in a worker process, and passes its row to ``answer``."""
     answer(measure(Task(**task)))
 
 
 class LocalExecutor:
-    """Processes on this machine that do this ``work`` (``solvers.workers``). One by default, because rows that run side
+    """Processes on this machine that do this ``work`` ("module:function"). One by default, because rows that run side
     by side disturb each other's timing."""
 
     def __init__(self, workers: int = 1, work: str = MEASURE_ROW):
@@ -133,13 +134,13 @@ def _cached_process(work: str, extensions: str) -> WorkerProcess:
 
 
 def measure_on_cluster(work: str, task: dict, extensions: str) -> dict:
-    """Measures one row on a worker of a cluster, in the worker's own row process with the extensions of the sweep."""
+    """Returns the row of a task, measured on a cluster's worker by that worker's own process for this ``work``."""
     [row] = _cached_process(work, extensions).ask(task)
     return row
 
 
 class DaskExecutor:
-    """Workers of a Dask scheduler at ``address``, such as ``tcp://host:8786``."""
+    """Executor on the workers of a Dask scheduler at ``address``, such as ``tcp://host:8786``."""
 
     def __init__(self, address: str, work: str = MEASURE_ROW):
         try:
@@ -166,6 +167,7 @@ class DaskExecutor:
         return self._executor.submit(measure_on_cluster, self._work, task.to_dict(), os.environ.get(EXTENSIONS, ""))
 
     def check(self) -> None:
+        """Raises :class:`ExecutorLost` if the scheduler is gone, or no worker has been there for a minute."""
         if self._client.status not in ("running", "connecting"):
             raise ExecutorLost(f"the scheduler at {self._address} is gone")
         if self._client.status == "running" and self.worker_count:

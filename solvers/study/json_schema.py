@@ -16,7 +16,7 @@ NUMBER_OR_NONE = (int, float, type(None))
 
 @dataclass(frozen=True)
 class MapOf:
-    """Schema of an object with any keys, whose values all have this schema."""
+    """Schema of an object with any keys, whose values all have the schema ``form``."""
 
     form: Any
 
@@ -33,7 +33,8 @@ def parse_json(text: bytes | str) -> Any:
 
 
 def describe_mismatch(value: Any, form: Any, name: str = "") -> str | None:
-    """Returns what is wrong with a value, ``it has no status`` for example; None where it matches the schema."""
+    """Returns what is wrong with a JSON value called ``name``, ``it has no status`` for example; None where it matches
+    the schema ``form``: a type or several, a dict of required keys with schemas, or :class:`MapOf`."""
     if isinstance(form, (dict, MapOf)):
         if not isinstance(value, dict):
             return f"{name or 'it'} is no object"

@@ -38,7 +38,7 @@ class Task:
         return PROBLEMS[self.problem].scene(**inputs)
 
     def refusal(self) -> SceneError | None:
-        """Returns the error of an invalid combination, or None."""
+        """Returns the error for a combination that makes no valid scene, or None."""
         try:
             self.scene()
         except SceneError as error:
@@ -46,7 +46,7 @@ class Task:
         return None
 
     def remarks(self) -> list[str]:
-        """Returns sentences for the user before it is measured."""
+        """Returns warnings about the scene, or why it is refused, as sentences for the user."""
         try:
             return [f"warning: {sentence}" for sentence in self.scene().warnings()]
         except SceneError as error:
@@ -64,7 +64,7 @@ class Task:
 
     @property
     def kind(self) -> Hashable:
-        """Key of its compiled code, None for an invalid combination."""
+        """Key of the kernels that the scene needs, None for an invalid combination."""
         try:
             return kernel_key(self.scene())
         except SceneError:
@@ -75,31 +75,19 @@ class Task:
 
 
 def task_of(scene: Scene, **options) -> Task:
-    """Returns the task of a scene; ``options`` as in :func:`plan_tasks`."""
+    """Returns the task that measures a scene; ``options`` are other fields of :class:`Task`."""
     return Task(scene.problem, scene_json_line.scene_inputs(scene), **options)
 
 
 def combinations(axes: Mapping[str, Sequence]) -> list[dict]:
-    """Returns every combination of one value from each axis, the last varying fastest."""
+    """Returns a dict for every combination of one value from each axis, the last varying fastest."""
     return [dict(zip(axes, values, strict=True)) for values in itertools.product(*axes.values())]
 
 
 def plan_tasks(problem: str, axes: Mapping[str, Sequence], **options) -> list[Task]:
-    """Returns a task for every combination, each scene once.
-
-    Parameters
-    ----------
-    problem : "bar", "ring", "vortex" or "square"
-    axes
-        The values of each input by the name of its flag; those of the last vary fastest.
-    options
-        The other fields of :class:`Task`.
-
-    Raises
-    ------
-    SceneError
-        Where no combination is valid.
-    """
+    """Returns a task for every combination, each scene once. ``axes`` has the values of each input by the name of its
+    flag; those of the last vary fastest. ``options`` are the other fields of :class:`Task`. Raises :class:`SceneError`
+    where no combination is valid."""
     tasks: dict[str, Task] = {}
     for given in combinations(axes):
         task = Task(problem, {name: scene_json_line.to_json_value(value) for name, value in given.items()}, **options)

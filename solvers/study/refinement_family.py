@@ -27,8 +27,8 @@ TIMED_TURNS = 4
 
 @dataclass(frozen=True, order=True)
 class Point:
-    """Measured member of a family: the largest RMS error over the run (infinite for an unstable one) and its seconds
-    per particle-step, NaN until measured; how the run ended, and why not well."""
+    """Measured run of a family: cells, the largest RMS ``error`` over the run (infinite for an unstable one), the CPU
+    seconds per particle-step of a bare run, NaN until measured; how the run ended, and why not well."""
 
     cells: int
     error: float
@@ -39,7 +39,8 @@ class Point:
 
 @dataclass
 class RefinementFamily:
-    """Family of ``scene`` with any multiple of ``multiple`` cells; ``quantity`` is x, v, sigma or a."""
+    """Runs of ``scene`` with any multiple of ``multiple`` cells, and the measured ``points``; ``quantity`` is x, v,
+    sigma or a."""
 
     scene: Scene
     quantity: str
@@ -47,11 +48,11 @@ class RefinementFamily:
     points: list[Point] = field(default_factory=list)
 
     def member(self, cells: int) -> Scene:
-        """Returns the scene with so many cells, and only the effects that an advisor needs."""
+        """Returns the scene with so many cells, the companion estimator and only the effects that it needs."""
         return replace(self.scene, cells=cells, estimators=(ESTIMATOR,), effects=("estimate", "acceleration"))
 
     def measure(self, cells: int) -> Point:
-        """Runs a member and returns its error and its rate, which are stored."""
+        """Runs the scene with so many cells; returns its error and time, and stores them in ``points``."""
         from solvers.running.run import run  # here: what has been measured before needs no Taichi
 
         result = run(self.member(cells), prices=False, mid_run=False)
@@ -60,18 +61,18 @@ class RefinementFamily:
         return self.add_and_time_point(Point(cells, error, math.nan, result.status, result.reason))
 
     def compile(self, cells: int) -> None:
-        """Compiles everything for :meth:`measure`; stores nothing of the run."""
+        """Compiles all kernels of :meth:`measure` for so many cells; stores nothing of the run."""
         from solvers.running.run import build, run
 
         run(self.member(cells), prices=False, mid_run=False)
         build(self._bare_scene(cells)).compile()
 
     def _bare_scene(self, cells: int) -> Scene:
-        """Returns the scene for the timing of a member: the time for a step does not depend on its length."""
+        """Returns the timed scene: without estimators and effects, with short steps, each of which takes as long."""
         return replace(self.member(cells), estimators=(), effects=(), cfl=GENTLE_CFL)
 
     def add_and_time_point(self, point: Point) -> Point:
-        """Adds a measured member, whose rate is measured now if it is unknown."""
+        """Stores a measured run in ``points``, and returns it; its time is measured now if it is unknown."""
         if math.isnan(point.seconds_per_particle_step):
             rate = _seconds_per_particle_step(self._bare_scene(point.cells))
             point = replace(point, seconds_per_particle_step=rate)
@@ -79,7 +80,7 @@ class RefinementFamily:
         return point
 
     def error(self, cells: float) -> float:
-        """Returns the expected error with so many cells; infinite where no sound run is known."""
+        """Returns the expected largest RMS error with so many cells; infinite where no sound run is known."""
         last = self.points[-1]
         if cells >= last.cells:
             return last.error * (last.cells / cells) ** self.order()
@@ -93,8 +94,8 @@ class RefinementFamily:
         return coarse.error * (fine.error / coarse.error) ** part if fine.error > 0 else coarse.error
 
     def order(self) -> float:
-        """Returns the order between the two finest members, within plausible limits; with one member an optimistic
-        order, so that no family is given up after one run."""
+        """Returns the order in h between the two finest runs, within plausible limits; with one run an optimistic
+        order, so that no family is given up after one."""
         if not all(0 < point.error < math.inf for point in self.points[-2:]):
             return 0.0
         if len(self.points) < 2:
@@ -104,8 +105,8 @@ class RefinementFamily:
         return 0.0 if order < LEAST_ORDER else min(order, HIGHEST_ORDER)
 
     def cells_for(self, tolerance: float, hoped: float = 0.0) -> int | None:
-        """Returns the fewest cells that should meet a tolerance, or None; at the order ``hoped``, if the error
-        decreases at all and more slowly."""
+        """Returns the fewest cells whose error should be at most ``tolerance``, or None; ``hoped`` is an order to
+        assume where the error decreases, but more slowly."""
         met = [point.cells for point in self.points if point.error <= tolerance]
         if met:
             start = max((point.cells for point in self.points if point.cells < met[0]), default=met[0])
@@ -119,13 +120,13 @@ class RefinementFamily:
         return None if cells > 1e6 else max(self._round_up(cells), last.cells + self.multiple)
 
     def cells_within(self, seconds: float) -> int:
-        """Returns the most cells whose run should take no longer."""
+        """Returns the most cells whose bare run is expected to take at most so many seconds."""
         low, high = self.points[0].cells // self.multiple, 1_000_000 // self.multiple
         more = bisect_right(range(low + 1, high + 1), seconds, key=lambda n: self.seconds(n * self.multiple))
         return (low + more) * self.multiple
 
     def seconds(self, cells: int) -> float:
-        """Returns the expected time of a bare run; infinite beyond a scene's limits."""
+        """Returns the expected seconds of a bare run with so many cells; infinite beyond a scene's limits."""
         nearest = max((p for p in self.points if p.cells <= cells), default=self.points[0])
         return _particle_steps(self.scene, cells) * nearest.seconds_per_particle_step
 
@@ -135,7 +136,7 @@ class RefinementFamily:
 
 @lru_cache(maxsize=4096)  # used with every run of a search
 def _particle_steps(scene: Scene, cells: int) -> float:
-    """Returns particles times steps of the scene with so many cells; infinite where that is invalid."""
+    """Returns particles times steps of the scene with so many cells; infinite where that scene is invalid."""
     try:
         scene = replace(scene, cells=cells)
     except SceneError:
@@ -145,7 +146,7 @@ def _particle_steps(scene: Scene, cells: int) -> float:
 
 @lru_cache(maxsize=4096)
 def _seconds_per_particle_step(scene: Scene) -> float:
-    """Returns the CPU time per particle-step of the bare method, warmed up, in s; infinite for an unstable run."""
+    """Returns the CPU seconds per particle-step of a scene, warmed up; infinite for an unstable run."""
     from solvers.running.run import build
     from solvers.running.timing import particle_step_rate
 
@@ -154,5 +155,5 @@ def _seconds_per_particle_step(scene: Scene) -> float:
 
 
 def forget_rates() -> None:
-    """Clears all measured times."""
+    """Clears the measured seconds per particle-step of all scenes, so that they are measured anew."""
     _seconds_per_particle_step.cache_clear()

@@ -55,13 +55,13 @@ SCENE = {"method": str, "cells": int, "ppc": NUMBER, "amplitude": NUMBER_OR_NONE
 BLANK = dict.fromkeys(("scene", "h", "status", "reason", "t", "steps", "particles", "particle_steps"))
 
 
-def measure(task: Task, of: Callable[[Task, Scene], dict] | None = None) -> dict:
-    """Returns the row of a task, with the keys above, or with the result of ``of`` for its scene. An error becomes a
-    row too, and is never raised."""
+def measure(task: Task, measurement: Callable[[Task, Scene], dict] | None = None) -> dict:
+    """Returns the row of a task, with the keys of this module, or the result of ``measurement`` for its scene. An error
+    becomes a row with status "failed" or "refused", and is never raised."""
     if refusal := task.refusal():
         return refused_row(task, refusal)
     try:
-        return (of or _measure_scene)(task, task.scene())
+        return (measurement or _measure_scene)(task, task.scene())
     except Exception as error:
         return failed_row(task, f"{type(error).__name__}: {error}")
 
@@ -95,8 +95,8 @@ def _measure_scene(task: Task, scene: Scene) -> dict:
 
 
 def price_effects(scene: Scene, repeats: int) -> dict[str, float]:
-    """Returns the seconds that each effect of the scene adds to the bare run when it is on alone; an effect that needs
-    another is compared with that one alone. An estimator's price is in the result."""
+    """Returns by effect the seconds that it adds to the bare run when it is on alone, the shortest of ``repeats`` runs
+    each; an effect that needs another is compared with that one alone. Estimators' prices are in the result."""
     wanted = [name for name in PRICED if scene.has(name)]
     sets = {name: (*PRICED[name], name) for name in wanted}
     least = {effects: min(time_bare(scene, repeats, effects)[0]) for effects in dict.fromkeys([(), *sets.values()])}
@@ -104,8 +104,8 @@ def price_effects(scene: Scene, repeats: int) -> dict[str, float]:
 
 
 def time_bare(scene: Scene, repeats: int, effects: tuple[str, ...] = ()) -> tuple[list[float], Result]:
-    """Returns the seconds of the runs of a warmed-up scene with these effects alone, the shortest of which is the most
-    reliable; and the last run. There are ``repeats``, and more if a run is short, until their sum is long enough."""
+    """Returns the seconds of each run of a warmed-up scene with these effects alone, the shortest of which is the most
+    reliable, and the last run. There are ``repeats`` runs, and more of short ones, until they take 0.05 s."""
     from solvers.running.run import run
 
     scene = replace(scene, effects=effects, estimators=())
@@ -119,32 +119,32 @@ def time_bare(scene: Scene, repeats: int, effects: tuple[str, ...] = ()) -> tupl
 
 
 def unmeasured_row(task: Task, scene: Scene) -> dict:
-    """Returns the row of a scene whose results are known from elsewhere than :func:`measure`."""
+    """Returns a row with a scene's inputs, and None for the results, which the caller knows from elsewhere."""
     return {**BLANK, "schema": SCHEMA, "key": task.key, "problem": task.problem, "asked": task.inputs,
             "scene": scene.to_dict(), "h": scene.spacing}
 
 
 def refused_row(task: Task, error: SceneError) -> dict:
-    """Returns the row of an invalid combination."""
+    """Returns the row of an invalid combination: status "refused", with the error as its reason."""
     return {**identity_columns(task), "status": REFUSED, "reason": str(error), "version": task.version}
 
 
 def failed_row(task: Task, reason: str) -> dict:
-    """Returns the row of a run that failed."""
+    """Returns the row of a run that failed: status "failed", with this reason."""
     scene = None if task.refusal() else task.scene().to_dict()
     return {**identity_columns(task), "scene": scene, "status": FAILED, "reason": " ".join(reason.split()),
             "version": task.version}
 
 
 def identity_columns(task: Task) -> dict:
-    """Returns the columns that identify a row, and None for all others."""
+    """Returns the columns of a row that identify its task, and None for its scene and results."""
     return {"schema": SCHEMA, "key": task.key, "problem": task.problem, "asked": task.inputs, **BLANK,
             "solvers": solver_source_hash()}
 
 
 @functools.cache
 def solver_source_hash() -> str:
-    """Returns a hash of the source of all computations: a changed solver makes stored results outdated."""
+    """Returns the SHA-256 of all files of ``solvers/``: a changed solver makes stored results outdated."""
     root = Path(__file__).parents[1]
     digest = hashlib.sha256()
     for path in sorted(root.rglob("*.py")):
@@ -153,8 +153,8 @@ def solver_source_hash() -> str:
 
 
 def find_fault(row: Any, measured: dict = MEASURED, identity: dict = IDENTITY) -> str | None:
-    """Returns what is wrong with a stored row, in words: its identity must match the schema, with a known problem and
-    status, and measured data must match the schema ``measured``; None where it is valid."""
+    """Returns what is wrong with a stored row, in words: it must match the schema ``identity``, with a known problem
+    and status, and a run the schema ``measured``; None where it is valid."""
     if found := describe_mismatch(row, identity):
         return found
     named: dict[str, Collection[str]] = {"problem": PROBLEMS, "status": STATUSES}

@@ -31,7 +31,7 @@ class RowStore:
         Created if missing; must be empty, or with ``resume`` contain rows of the ``problem``, if one is given. If
         ``resume`` is None, it may contain rows and anything else.
     fault
-        Returns what is wrong with a stored row, in words, or None.
+        Function that returns what is wrong with a stored row, in words, or None.
 
     Raises
     ------
@@ -57,18 +57,18 @@ class RowStore:
             raise
 
     def append(self, row: dict) -> None:
-        """Stores a row; it is on the disk when this returns."""
+        """Stores a row in ``rows`` and at the end of the file; it is on the disk when this returns."""
         self._file.write(json.dumps(row, allow_nan=False).encode() + b"\n")
         self._file.flush()
         os.fsync(self._file.fileno())
         self.rows[row["key"]] = row
 
     def is_finished(self, key: str) -> bool:
-        """Returns whether nothing is left to do for a key; failed rows and those of other source are measured again."""
+        """Returns whether a task's key has a row; failed rows and those of other source are measured again."""
         return key in self.rows and self.rows[key]["status"] != FAILED and not self.is_outdated(key)
 
     def is_outdated(self, key: str) -> bool:
-        """Returns whether the row of a key exists and was measured by other source than the present one."""
+        """Returns whether a task's key has a row that was measured by other source than the present one."""
         return key in self.rows and self.rows[key].get("solvers") != solver_source_hash()
 
     def close(self) -> None:
@@ -103,7 +103,7 @@ class RowStore:
             return "it is not JSON"
 
     def _add_line(self, number: int, line: bytes, problem: str | None) -> None:
-        """Adds a line. Raises :class:`StoreError`, with the disk unchanged, where it is not a row of the problem."""
+        """Adds the row of a line. Raises :class:`StoreError`, with the disk unchanged, if it is none of the problem."""
         if wrong := self._fault_of_line(line):
             raise StoreError(f"holds a {NAME} whose line {number} is not a whole row ({wrong}); take that line out, "
                              "and it is measured again, or give another directory")
@@ -114,7 +114,7 @@ class RowStore:
 
 
 def _prepare_directory(directory: Path, resume: bool | None) -> None:
-    """Creates the directory, or checks that it may be used."""
+    """Creates the directory, or raises :class:`StoreError` where it must not be used (see :class:`RowStore`)."""
     try:
         directory.mkdir(parents=True, exist_ok=True)
         names = {entry.name for entry in directory.iterdir()}

@@ -42,13 +42,13 @@ TREATMENTS: dict[str, dict[str, Any]] = {
 
 
 def offered_treatments(scene: type[Scene]) -> tuple[str, ...]:
-    """Returns the treatments that a problem supports for at least one of its methods."""
+    """Returns the treatments (names of combinations of stabilisations) that work with any of a problem's methods."""
     return tuple(name for name in TREATMENTS
                  if any(_scene_with_treatment(scene, {"method": method}, name) for method in scene.choices("method")))
 
 
 def map_tasks(problem: str, inputs: Sequence[Mapping[str, Any]], treatments: Iterable[str], version: str) -> list[Task]:
-    """Returns a task for every combination that the problem supports."""
+    """Returns a task for every combination of scene ``inputs`` and treatment that the problem supports."""
     kind = PROBLEMS[problem].scene
     tasks: dict[str, Task] = {}
     for treatment in treatments:
@@ -62,6 +62,7 @@ def map_tasks(problem: str, inputs: Sequence[Mapping[str, Any]], treatments: Ite
 
 
 def _scene_with_treatment(kind: type[Scene], inputs: Mapping[str, Any], treatment: str) -> Scene | None:
+    """Returns the scene with a treatment, or None where the method does not support it."""
     changes = TREATMENTS[treatment]
     try:
         return kind(**{**inputs, **changes})
@@ -72,7 +73,7 @@ def _scene_with_treatment(kind: type[Scene], inputs: Mapping[str, Any], treatmen
 
 
 def treatment_of(row: Mapping) -> str:
-    """Returns the name of a row's treatment."""
+    """Returns the name of the treatment (combination of stabilisations) in a row's scene, or "other"."""
     scene = row["scene"]
     had = {"remedies": sorted(scene["remedies"]), "linearity_preserving": scene["linearity_preserving"],
            "velocity": scene["velocity"]}
@@ -85,7 +86,8 @@ def treatment_of(row: Mapping) -> str:
 
 
 def gentle_scene_for_timing(kind: type[Scene], row: Mapping, treatment: str) -> Scene:
-    """Returns a gentle scene with the row's method and grid and a treatment, to time a stable step."""
+    """Returns a scene with the row's method and grid and a treatment, gentle (cfl 0.1), so that timed steps are
+    stable."""
     scene = row["scene"]
     gentle = {"method": scene["method"], "cells": scene["cells"], "ppc": scene["ppc"], "cfl": PRICE_CFL,
               "amplitude": kind.GENTLE_AMPLITUDE}
@@ -95,19 +97,18 @@ def gentle_scene_for_timing(kind: type[Scene], row: Mapping, treatment: str) -> 
 
 
 def survived_periods(row: Mapping) -> float:
-    """Returns the periods until the error of x exceeded a tenth of the amplitude, or until the run was lost; all of
-    them where neither happened."""
+    """Returns for how many periods a run stayed sound and its error of x below a tenth of the amplitude."""
     ends = [row["life"][name] for name in ("accurate", "sound") if row["life"][name] is not None]
     return min(ends, default=row["scene"]["periods"])
 
 
 def stayed_accurate(row: Mapping) -> bool:
-    """Returns whether the run was accurate to its end."""
+    """Returns whether a run stayed sound to its end, its error of x below a tenth of the amplitude."""
     return row["status"] not in BROKEN and row["life"]["accurate"] is None
 
 
 def measure_prices(kind: type[Scene], rows: Iterable[dict]) -> dict[tuple[str, str], float]:
-    """Measures the time per step of each treatment of each method, over that of the plain method."""
+    """Measures the seconds per step over those of the plain method; returns them by (method, treatment)."""
     from solvers.running.timing import time_ratios
 
     pairs: dict[tuple[str, str], tuple[Scene, Scene]] = {}
@@ -120,7 +121,7 @@ def measure_prices(kind: type[Scene], rows: Iterable[dict]) -> dict[tuple[str, s
 
 
 def as_dict(problem: str, rows: Sequence[dict], prices: Mapping[tuple[str, str], float]) -> dict:
-    """Returns the map: a line for every method and treatment, with the lives at each amplitude and step."""
+    """Returns the map for JSON: for every method and treatment the survived periods at each amplitude and step."""
     kind = PROBLEMS[problem].scene
     lines: dict[tuple[str, str], dict[str, Any]] = {}
     for row in completed_rows(rows):
@@ -143,7 +144,7 @@ def as_dict(problem: str, rows: Sequence[dict], prices: Mapping[tuple[str, str],
 
 
 def as_markdown(values: dict) -> str:
-    """Returns the map as text: lives at each amplitude, from the shortest step to the longest."""
+    """Returns the map of :func:`as_dict` in Markdown: survived periods by amplitude, shortest step first."""
     lives = [life for line in values["lines"] for life in line["lives"]]
     if not lives:
         return "# Stability: no run was possible\n"

@@ -18,7 +18,7 @@ NOTHING = "–"
 
 
 def flatten_row(row: Mapping, before: str = "") -> dict:
-    """Returns a row without levels: ``error.x.max`` for ``row["error"]["x"]["max"]``; lists become words."""
+    """Returns a row without levels: ``error.x.max`` for ``row["error"]["x"]["max"]``; lists become texts."""
     values: dict[str, Any] = {}
     for name, value in row.items():
         if isinstance(value, Mapping):
@@ -46,12 +46,13 @@ def csv_text(rows: Iterable[Mapping]) -> str:
 
 
 def study_to_dict(problem: str, rows: Sequence[dict]) -> dict:
-    """Returns the whole study as one JSON object."""
+    """Returns the whole study as one object for JSON: its rows, and the fitted orders of convergence."""
     return {"schema": "mpm-lab/sweep/1", "problem": problem, "rows": list(rows), "fits": fit_orders(rows)}
 
 
 def summarise_study(problem: str, rows: Sequence[dict], pictures: Sequence[str] = ()) -> str:
-    """Returns the study in Markdown: every row in short, orders of convergence, the best for its time, and failures."""
+    """Returns the study in Markdown: every row in short, orders of convergence, the rows that are best for their time,
+    failures, and links to ``pictures`` (file names)."""
     counts = {status: sum(row["status"] == status for row in rows) for status in (OK, *BROKEN, FAILED, REFUSED)}
     parts = [f"# Sweep of the {problem}",
              f"{len(rows)} rows: " + ", ".join(f"{count} {status}" for status, count in counts.items() if count) + "."]
@@ -113,7 +114,7 @@ def _pareto_table(rows: Sequence[dict], names: Sequence[str]) -> str:
 
 
 def _reasons_list(rows: Sequence[dict], names: Sequence[str]) -> str:
-    """Returns a list of runs that are not ok, or only for positions, once for each reason."""
+    """Returns a list in Markdown of runs that are not ok, or only for positions, once for each reason."""
     reasons: dict[tuple[str, str], list[dict]] = {}
     for row in rows:
         if row["reason"]:

@@ -30,14 +30,14 @@ class _NotPlainArrays(ValueError):
     """Error for a file that is not a .npz of plain numbers; the message says why."""
 
 
-def read_arrays(path: str, wanted: Callable[[str], bool], limits: Limits) -> dict[str, np.ndarray]:
-    """Returns the arrays whose names are ``wanted``, each of numbers or one text, by name; others are not read, and
-    empty here. Raises :class:`FileError` for an invalid file."""
+def read_arrays(path: str, is_wanted: Callable[[str], bool], limits: Limits) -> dict[str, np.ndarray]:
+    """Returns the arrays of a .npz file by name, each of numbers or one text; those for whose name ``is_wanted`` is
+    false are not read, and empty here. Raises :class:`FileError` for an invalid or too large file."""
     try:
         with open(path, "rb", buffering=0) as raw, _ChunkedFile(raw) as measured, \
                 zipfile.ZipFile(cast(IO[bytes], measured)) as packed:
             members = dict(_read_members(path, packed, limits))
-            return {name: _read_array(path, name, packed, member, limits) if wanted(name) else np.empty(0)
+            return {name: _read_array(path, name, packed, member, limits) if is_wanted(name) else np.empty(0)
                     for name, member in members.items()}
     except (FileError, OSError):
         raise
@@ -49,7 +49,7 @@ def read_arrays(path: str, wanted: Callable[[str], bool], limits: Limits) -> dic
 
 
 class _ChunkedFile(io.BufferedReader):
-    """File of which no large piece is read at once: the size of a zip's directory is untrusted."""
+    """File that refuses to read more than a million bytes at once: the size of a zip's directory is untrusted."""
 
     def read(self, size: int | None = -1, /) -> bytes:
         content = super().read(LONGEST_READ + 1 if size is None or not 0 <= size <= LONGEST_READ else size)
@@ -59,7 +59,7 @@ class _ChunkedFile(io.BufferedReader):
 
 
 def _read_members(path: str, packed: zipfile.ZipFile, limits: Limits) -> Iterator[tuple[str, zipfile.ZipInfo]]:
-    """Yields arrays by name, checked for duplicates, their number and their sizes."""
+    """Yields name and zip entry of each array, checked for duplicates, their number and their unpacked sizes."""
     listed = packed.infolist()
     limits.check_columns(path, len(listed))
     limits.check_unpacked(path, sum(member.file_size for member in listed))
@@ -91,7 +91,7 @@ def _read_array(path: str, name: str, packed: zipfile.ZipFile, member: zipfile.Z
 
 
 def _read_header(path: str, name: str, content: IO[bytes]) -> tuple[tuple[int, ...], bool, Any]:
-    """Returns shape, order and type of an array. Raises an error for those that are not allowed."""
+    """Returns shape, whether in Fortran order, and dtype from a .npy header; raises for other than numbers."""
     version = np.lib.format.read_magic(content)
     if version not in HEADS:
         raise _NotPlainArrays(Message("{name} is of another version", quote(name)))

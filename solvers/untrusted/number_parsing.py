@@ -14,7 +14,7 @@ LARGEST_EXACT = 1e15  # "1e3" is a fine way to write 1000, but a float this larg
 
 
 def parse_float(text: str) -> float:
-    """Returns the finite number in a text. Raises :class:`ValueError` where there is none."""
+    """Returns the finite number that a text is, "-1.5e3" for example. Raises :class:`ValueError` for other texts."""
     bare = text.strip(" ") if len(text) <= LONGEST else ""
     if not NUMERAL.fullmatch(bare) or not math.isfinite(value := float(bare)):
         raise ValueError("is no number")
@@ -22,8 +22,8 @@ def parse_float(text: str) -> float:
 
 
 def parse_number(text: str) -> int | float:
-    """Returns the finite number in a text, as an int if it is whole, with an exponent too. Raises
-    :class:`ValueError`."""
+    """Returns the finite number that a text is: an int for "12" and "1e3", otherwise a float, for "1.0" too. Raises
+    :class:`ValueError` for other texts."""
     value = parse_float(text)
     if WHOLE.fullmatch(text.strip(" ")):
         return int(text)
@@ -31,12 +31,12 @@ def parse_number(text: str) -> int | float:
 
 
 def parse_count(text: str) -> int | None:
-    """Returns a whole number from 0 on, of at most nine digits and nothing else; None for other texts."""
+    """Returns the whole number that a text of one to nine ASCII digits is; None for other texts."""
     return int(text) if re.fullmatch("[0-9]{1,9}", text) else None
 
 
 def is_number(text: str) -> bool:
-    """Returns whether a text is a finite number."""
+    """Returns whether a text is a finite number that :func:`parse_float` takes."""
     try:
         parse_float(text)
     except ValueError:

@@ -24,40 +24,41 @@ MARKDOWN_SIGNS = re.compile(r"([\\`*_\[\]<>$#~])")  # that mean something within
 
 
 class FileError(ValueError):
-    """Error for a file that cannot be read or judged: ``file`` is its name, ``sentence`` says why."""
+    """Error for a file that cannot be read or judged: ``file`` is its name, ``sentence`` says why, made of a
+    ``template`` with {places} for ``values``."""
 
-    def __init__(self, file: str, said: str, /, *values: object):
-        message = Message(said, *values)
+    def __init__(self, file: str, template: str, /, *values: object):
+        message = Message(template, *values)
         self.file, self.sentence = file, one_line(message)
         super().__init__(one_line(Message("{file}: {message}", quote(file), message)))
 
 
 def quote(value: object, most: int = QUOTE) -> str:
-    """Returns a value for a sentence, on one line; of a long one the middle is left out, because the end of a name
-    shows its type."""
+    """Returns a value for a sentence, on one line of at most ``most`` characters; of a longer one the middle is left
+    out, because the end of a name shows its type. An empty one is "(no value)"."""
     text = _to_text(value)
     return _cut_middle(text, most) if text.strip() else NOTHING
 
 
 def one_line(value: object, most: int = SENTENCE) -> str:
-    """Returns a whole sentence, including its quotes, on one line."""
+    """Returns a sentence on one line, cut after ``most`` characters, with escapes for invisible characters."""
     text = _to_text(value)
     shown = _cut_end(_escape_invisible(" ".join(text[:4 * most].split())), most)
     return text if text == shown else shown  # a message stays one
 
 
 def file_name(path: object, most: int = NAME) -> str:
-    """Returns the last part of a path of any system."""
+    """Returns the file name at the end of a path of any system, "the file" if it is empty."""
     return _cut_middle(PurePath(_to_text(path)[-LONGEST_PATH:].replace("\\", "/")).name, most) or Message("the file")
 
 
 def escape_markdown(value: object, most: int = SENTENCE) -> str:
-    """Returns a text for a line of Markdown in which nothing is markup."""
+    """Returns a text on one line, cut after ``most`` characters, with Markdown's signs escaped by backslashes."""
     return MARKDOWN_SIGNS.sub(r"\\\1", one_line(value, most))
 
 
 def code_span(value: object, most: int = NAME) -> str:
-    """Returns a text as code for a line of Markdown."""
+    """Returns a text as inline code of Markdown, in backticks; beyond ``most`` characters its middle is left out."""
     text = _cut_middle(_to_text(value), most)
     fence = "`" * (1 + max(map(len, re.findall("`+", text)), default=0))
     pad = " " if "`" in text or not text.strip() else ""
@@ -65,13 +66,13 @@ def code_span(value: object, most: int = NAME) -> str:
 
 
 def escape_html(value: object, most: int = SENTENCE) -> str:
-    """Returns a text for HTML, also for the value of an attribute."""
+    """Returns a text on one line, cut after ``most`` characters, with the signs of HTML and quotes escaped."""
     return html.escape(one_line(value, most), quote=True)
 
 
 def csv_cell(value: object) -> object:
-    """Returns a cell of a CSV that no spreadsheet takes for a formula: texts that begin like one get a ' in front, and
-    numbers are unchanged."""
+    """Returns a value for a cell of a CSV that no spreadsheet takes for a formula: texts that begin like one get a ' in
+    front and are cut after 1000 characters, other types are unchanged."""
     if not isinstance(value, str):
         return value
     text = _cut_end(_escape_invisible(value[:CELL + 1]), CELL)
@@ -80,13 +81,13 @@ def csv_cell(value: object) -> object:
 
 
 def suggest_word(word: str, known: Iterable[str]) -> str:
-    """Returns the nearest known word, as an addition to a sentence; "" where none is near."""
+    """Returns " (did you mean WORD?)" with the nearest of the known words, for a sentence; "" where none is near."""
     close = get_close_matches(word[:QUOTE], list(known), n=1)
     return Message(" (did you mean {close}?)", close[0]) if close else ""
 
 
 def _to_text(value: object) -> str:
-    """Returns a value as text; for numbers of thousands of digits, which cannot be converted, their kind."""
+    """Returns a value as text; for an int of more digits than Python converts, a description instead."""
     try:
         return f"{value:.12g}" if isinstance(value, float) else str(value)
     except ValueError:

@@ -18,8 +18,8 @@ FEWER = Message(", fewer times for example")
 
 @dataclass(frozen=True)
 class Limits:
-    """Limits of a file, or of several that are judged together: ``bytes`` on disk and unpacked, ``columns`` or arrays,
-    ``rows``, which are particles of all times, ``numbers`` and ``times``."""
+    """Upper limits of a file, or of several judged together: ``bytes`` on disk and unpacked, ``columns`` or arrays,
+    ``rows`` (particles of all times), ``numbers`` and ``times``. Each check raises FileError for more."""
 
     bytes: int
     columns: int
@@ -46,7 +46,7 @@ class Limits:
                                 f"{self.rows:,}")
 
     def check_numbers(self, file: str, *counts: int) -> None:
-        """Raises FileError for too many numbers; ``counts`` are the factors of their number, as a file claims them."""
+        """Raises FileError for too many numbers: the product of ``counts``, which are as the file claims them."""
         total = math.prod(counts)
         if min(counts, default=0) < 0 or total > self.numbers:
             told = f"{total:,}" if abs(total) < 10**15 else Message("10¹⁵ or more")
@@ -57,7 +57,7 @@ class Limits:
             raise self._refusal(file, Message("has {times:,} times", times), f"{self.times:,}")
 
     def remaining_after(self, columns: Mapping[str, np.ndarray]) -> "Limits":
-        """Returns the limits for further files beside one with these columns."""
+        """Returns the limits with the rows and numbers of these columns (n, ...), by name, subtracted."""
         rows = len(next(iter(columns.values())))
         numbers = sum(column.size for column in columns.values())
         return replace(self, rows=max(0, self.rows - rows), numbers=max(0, self.numbers - numbers))
@@ -72,7 +72,7 @@ LONGEST_LINE = 250_000  # letters of a line of text
 
 
 def check_name(file: str, name: str) -> None:
-    """Raises FileError for an unreasonably long name of a column, which would take long to parse."""
+    """Raises FileError for a column's name of more than 200 letters, which would take long to parse."""
     if len(name) > LONGEST_NAME:
         raise FileError(file, "has a column or an array with a name of {count:,} letters ({name}); give at most {most}",
                         len(name), quote(name, 30), LONGEST_NAME)

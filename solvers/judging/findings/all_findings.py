@@ -18,14 +18,15 @@ ROUNDED = 0.1  # of the error, from which on rounding is significant
 
 @dataclass(frozen=True)
 class FindingGroup:
-    """Findings by name that are computed together from the motion of any particles, where the files have the quantity
-    ``needs`` beside positions."""
+    """Group of findings, by name, that are computed together from the motion of any particles by ``check``, where the
+    files have the quantity ``needs`` beside positions."""
 
     names: tuple[str, ...]
     check: Callable[[RecordedMotion], list[Finding]]
     needs: str = "x"
 
     def find_in(self, motion: RecordedMotion) -> list[Finding]:
+        """Returns the findings in a motion; "cannot be told" for each where the files lack the quantity."""
         if motion.get(self.needs) is None:
             what = "F" if self.needs == "gradient" else self.needs
             return [unknown(name, f"no {what} in the files (or not always a number)") for name in self.names]
@@ -71,7 +72,7 @@ def find_in_run(evidence: Evidence) -> tuple[list[Finding], FrameOutliers | None
 
 
 def _check_precision(evidence: Evidence) -> Finding:
-    """Compares rounding in the file with the error of x: errors smaller than the stored precision cannot be seen."""
+    """Compares rounding in the file with the error of x: errors below the stored precision cannot be seen."""
     places = sample_numbers([f.position for f in evidence.frames])
     figures = detect_precision(places)
     size = max(float(rms(error["x"])) for error in evidence.errors)

@@ -29,7 +29,7 @@ POINTS = 4000  # of the body, about, at which holes are searched
 
 @dataclass(frozen=True)
 class BodyShare:
-    """Covered ``share`` of the body and ``how`` it was determined; ``least`` is the limit for a complete body."""
+    """Covered ``share`` (0 to 1) of the body and ``how`` it was determined; ``least`` is the limit of a whole body."""
 
     share: float
     least: float
@@ -42,7 +42,7 @@ class BodyShare:
 
 
 def check_completeness(scene: Scene, frame: Frame) -> Finding:
-    """Checks the frame with the fewest particles."""
+    """Checks that a frame, the one with the fewest particles, covers the scene's whole body."""
     reference, count = PROBLEMS[scene.problem].reference, len(frame.number)
     found = _share_by_mass(scene, reference, frame) or _share_by_lattice(scene, reference, frame.material_position) \
         or _share_by_holes(scene, reference, frame.material_position)
@@ -51,7 +51,7 @@ def check_completeness(scene: Scene, frame: Frame) -> Finding:
 
 
 def _share_by_mass(scene: Scene, reference: ProblemReference, frame: Frame) -> BodyShare | None:
-    """Returns the covered share by masses or volumes in the file, None without these."""
+    """Returns the covered share (0 to 1) of the body by masses or volumes in the file, None without these."""
     weights, word = (frame.volume, Message("volumes")) if frame.mass is None else (frame.mass, Message("masses"))
     if weights is None:
         return None
@@ -67,8 +67,8 @@ def _share_by_mass(scene: Scene, reference: ProblemReference, frame: Frame) -> B
 
 
 def _share_by_lattice(scene: Scene, reference: ProblemReference, X: np.ndarray) -> BodyShare | None:
-    """Returns the covered share by occupied places, where all particles lie on one of our layouts; of several that with
-    the fewest particles. None without one."""
+    """Returns the covered share of the body by occupied places, where all particles at X (P, D) lie on one of our
+    layouts; of several that with the fewest particles. None without one."""
     fitting: list[tuple[np.ndarray, np.ndarray, Scene]] = []
     few = X[::-(-len(X) // FEW)]
     for candidate in _lattices(scene):
@@ -97,6 +97,7 @@ def _share_by_lattice(scene: Scene, reference: ProblemReference, X: np.ndarray) 
 
 
 def _lattices(scene: Scene) -> list[Scene]:
+    """Returns the scene, and those like it with other numbers of particles per cell and other layouts."""
     tried = [scene]
     layouts = type(scene).choices("layout") if "layout" in type(scene).__dataclass_fields__ else (None,)
     for ppc in dict.fromkeys((scene.ppc, *range(1, MOST_EACH_WAY + 1))):
@@ -110,8 +111,8 @@ def _lattices(scene: Scene) -> list[Scene]:
 
 
 def _share_by_holes(scene: Scene, reference: ProblemReference, X: np.ndarray) -> BodyShare | None:
-    """Returns the covered share by empty places between particles, and by parts of the body without particles nearby;
-    None for too few particles."""
+    """Returns the covered share of the body by empty places between particles at X (P, D), and by parts of the body
+    without particles nearby; None for too few particles."""
     P, D = X.shape
     if P < 8 * D:
         return None

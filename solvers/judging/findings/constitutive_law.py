@@ -24,6 +24,7 @@ RATIOS = np.linspace(0.0, 0.49, 50)  # candidates of Poisson's ratio
 
 
 def check_constitutive_law(evidence: Evidence) -> Finding:
+    """Checks the stress of all frames against the problem's law for their F, relative to the run's RMS stress."""
     scene, frames = evidence.scene, evidence.frames
     both = [(f.deformation_gradient, f.stress) for f in frames
             if f.stress is not None and f.deformation_gradient is not None]
@@ -55,7 +56,8 @@ def check_constitutive_law(evidence: Evidence) -> Finding:
 
 
 def _explain_stress(evidence: Evidence, size: float) -> str | None:
-    """Returns what the stress is, where something fits it far better than the law of the problem; otherwise None."""
+    """Returns in words what the stress is, where that fits far better than the problem's law; otherwise None. ``size``
+    is the run's RMS stress in Pa."""
     tracks = evidence.tracks
     if tracks is None or "stress" not in tracks.own or "F" not in tracks.own:
         return None
@@ -72,7 +74,7 @@ def _explain_stress(evidence: Evidence, size: float) -> str | None:
 
 def _candidates(scene: Scene, tracks: Tracks, sigma: np.ndarray, law: np.ndarray,
                 step: float) -> Iterator[tuple[np.ndarray, str]]:
-    """Yields explanations of the stress, each as residual and words."""
+    """Yields explanations of the stress ``sigma`` (T, P, D, D) in Pa: what each leaves of it, and words."""
     if len(tracks.time) >= 3:
         late = fit_time_lag(tracks.time, sigma, law)
         when = Message("earlier" if late > 0 else "later")
@@ -82,8 +84,8 @@ def _candidates(scene: Scene, tracks: Tracks, sigma: np.ndarray, law: np.ndarray
                Message("it fits the F of {late:.3g} s {when} better (a step is {step:.3g} s), so stress and F belong "
                        "to different moments", abs(late), when, step))
     if tracks.material_position.shape[1] > 1:
-        yield sigma - _stress_of_law(scene, tracks, np.swapaxes(tracks.own["F"], -1, -2)), Message("it fits the "
-                                                                                                   "transpose of F")
+        transposed = _stress_of_law(scene, tracks, np.swapaxes(tracks.own["F"], -1, -2))
+        yield sigma - transposed, Message("it fits the transpose of F")
     if (np.linalg.det(tracks.own["F"]) != 0).all():
         for words, other in MEASURES.items():
             yield sigma - other(tracks.own["F"], law), Message("it fits as {words}", Message(words))
@@ -99,7 +101,7 @@ def _candidates(scene: Scene, tracks: Tracks, sigma: np.ndarray, law: np.ndarray
 
 
 def _fit_moduli(scene: Scene, tracks: Tracks, sigma: np.ndarray) -> Iterator[tuple[np.ndarray, str]]:
-    """Yields residual and words for fits of E at each Poisson's ratio."""
+    """Yields residual (T, P, D, D) in Pa and words for fits of E to the stress at each Poisson's ratio."""
     for ratio in RATIOS:
         try:
             law = _stress_of_law(replace(scene, poisson_ratio=float(ratio)), tracks)  # type: ignore[call-arg]
@@ -112,7 +114,7 @@ def _fit_moduli(scene: Scene, tracks: Tracks, sigma: np.ndarray) -> Iterator[tup
 
 
 def fit_time_lag(times: np.ndarray, sigma: np.ndarray, law: np.ndarray) -> float:
-    """Returns the lag of the stress behind the law's in s, by least squares."""
+    """Returns the lag in s of the stress (T, P, D, D) behind ``law``'s at ``times`` (T,), by least squares."""
     slope = time_derivative(times, law)
     late = -float(np.sum((sigma - law) * slope)) / max(float(np.sum(slope * slope)), 1e-300)
     steps = float(np.median(np.diff(times)))
@@ -132,11 +134,13 @@ def fit_time_lag(times: np.ndarray, sigma: np.ndarray, law: np.ndarray) -> float
 
 
 def _stress_of_law(scene: Scene, tracks: Tracks, F: np.ndarray | None = None) -> np.ndarray:
+    """Returns the Cauchy stress (T, P, D, D) in Pa by the scene's law, of the tracks' F or another."""
     F = tracks.own["F"] if F is None else F
     return PROBLEMS[scene.problem].reference.stress(scene, F.reshape(-1, *F.shape[2:])).reshape(F.shape)
 
 
 def _conversion_from_cauchy_stress(measure: Callable[[np.ndarray, np.ndarray, np.ndarray], np.ndarray]) -> Callable:
+    """Returns a function of F and Cauchy stress (..., D, D) for a ``measure`` of J, the inverse of F, and stress."""
     def other(F: np.ndarray, sigma: np.ndarray) -> np.ndarray:
         return measure(np.linalg.det(F)[..., None, None], np.linalg.inv(F), sigma)
     return other
@@ -146,8 +150,7 @@ def _conversion_from_cauchy_stress(measure: Callable[[np.ndarray, np.ndarray, np
 MEASURES: dict[str, Callable[[np.ndarray, np.ndarray], np.ndarray]] = {
     "the stress with the other sign": lambda F, sigma: -sigma,
     "the Kirchhoff stress": _conversion_from_cauchy_stress(lambda J, G, sigma: J * sigma),
-    "the first Piola-Kirchhoff stress": _conversion_from_cauchy_stress(lambda J, G,
-                                                                       sigma: J * sigma @ np.swapaxes(G, -1, -2)),
-    "the second Piola-Kirchhoff stress": _conversion_from_cauchy_stress(lambda J, G,
-                                                                        sigma: J * G @ sigma @ np.swapaxes(G, -1, -2)),
-}
+    "the first Piola-Kirchhoff stress":
+        _conversion_from_cauchy_stress(lambda J, G, sigma: J * sigma @ np.swapaxes(G, -1, -2)),
+    "the second Piola-Kirchhoff stress":
+        _conversion_from_cauchy_stress(lambda J, G, sigma: J * G @ sigma @ np.swapaxes(G, -1, -2))}

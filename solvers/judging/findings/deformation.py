@@ -32,8 +32,8 @@ DEEP = 0.7  # of their distance in the reference: where a body is crushed, a few
 
 @dataclass(frozen=True)
 class NeighbourPairMismatch:
-    """At one time, for each pair of neighbours: ``actual_vectors`` (n, D) the distance vector, ``implied_vectors`` (n,
-    D) the one by F, in m, and ``size`` (n,) of the difference."""
+    """Comparison at one time, for each pair of neighbours, of the distance vectors ``actual_vectors`` (n, D) with those
+    that F implies, ``implied_vectors`` (n, D), in m."""
 
     edges: NeighbourPairs
     actual_vectors: np.ndarray
@@ -63,19 +63,21 @@ class NeighbourPairMismatch:
 
 
 def neighbour_pair_mismatch(motion: RecordedMotion, moment: int, F: np.ndarray) -> NeighbourPairMismatch:
+    """Returns pairs' distance vectors at the time of index ``moment``, and those implied by F (P, D, D) then."""
     edges, x = motion.neighbour_pairs, motion.x[moment]
     assert edges is not None
     return NeighbourPairMismatch(edges, x[edges.other] - x[edges.one], edges.deformed_vectors(F))
 
 
 def strain_rms(F: np.ndarray) -> float:
-    """Returns the RMS of the components of F - 1."""
+    """Returns the root of the mean of |F - 1|², the Frobenius norm, over F (..., D, D)."""
     return float(np.sqrt(np.mean(np.sum((F - np.eye(F.shape[-1])) ** 2, axis=(-2, -1)))))
 
 
 def integrate_pair_differences(edges: NeighbourPairs, values: np.ndarray, count: int, rounds: int = 300) -> np.ndarray:
-    """Returns the field (P, D) with mean 0 whose differences between neighbours are nearest to ``values`` (n, D), by
-    least squares: conjugate gradients, preconditioned by the numbers of neighbours."""
+    """Returns the field (P, D) of ``count`` particles with mean 0 whose differences between neighbours are nearest to
+    ``values`` (n, D) of the pairs: by least squares, with conjugate gradients preconditioned by the numbers of
+    neighbours."""
     one, other = edges.one, edges.other
     degree = np.maximum(np.bincount(one, minlength=count) + np.bincount(other, minlength=count), 1)[:, None]
 
@@ -99,70 +101,52 @@ def integrate_pair_differences(edges: NeighbourPairs, values: np.ndarray, count:
 
 
 def check_f(motion: RecordedMotion) -> list[Finding]:
-    """Checks whether neighbours are where the F of both imply."""
+    """Returns three findings on whether neighbours are where the F of both imply."""
     F, few = motion.deformation_gradient, FEWEST[motion.dimensions]
     assert F is not None
     if motion.neighbour_pairs is None or len(motion.reference) < few:
         return [unknown(name, f"fewer than {few} particles lie so that they have neighbours") for name in NAMES_OF_F]
     if not motion.amplitude > 0:
         return [unknown(name, "nothing moves") for name in NAMES_OF_F]
-    every = [(moment, neighbour_pair_mismatch(motion, moment, F[moment])) for moment in motion.checked_time_indices]
-    follows = _explain_mismatch(motion, F, every)
+    mismatches = [(k, neighbour_pair_mismatch(motion, k, F[k])) for k in motion.checked_time_indices]
+    follows = _explain_mismatch(motion, F, mismatches)
     if follows is None:
-        moment, worst = max(every, key=lambda pair: pair[1].relative_rms)
-        follows = _finding_from_limits(
-            FOLLOWS,
-            worst.relative_rms,
-            MOST_OFF,
-            NO_F,
-            "of F",
-            f"what parts neighbours differs from what F says by {{share}} of what parted them, RMS, at "
-            f"t = {motion.times[moment]:.4g} s",
-            motion.finding_location(moment, worst.worst_particle),
-        )
-    return [_check_neighbour_gap(motion, F, every), follows, _check_integrated_mismatch(motion, every)]
+        moment, worst = max(mismatches, key=lambda pair: pair[1].relative_rms)
+        says = f"what parts neighbours differs from what F says by {{share}} of what parted them, RMS, at " \
+               f"t = {motion.times[moment]:.4g} s"
+        follows = _finding_from_limits(FOLLOWS, worst.relative_rms, MOST_OFF, NO_F, "of F", says,
+                                       motion.finding_location(moment, worst.worst_particle))
+    return [_check_neighbour_gap(motion, F, mismatches), follows, _check_integrated_mismatch(motion, mismatches)]
 
 
 def _check_neighbour_gap(motion: RecordedMotion, F: np.ndarray,
-                         every: list[tuple[int, NeighbourPairMismatch]]) -> Finding:
-    """Checks the largest RMS mismatch over the pairs, relative to the motion's amplitude."""
-    moment, worst = max(every, key=lambda pair: pair[1].rms)
+                         mismatches: list[tuple[int, NeighbourPairMismatch]]) -> Finding:
+    """Checks the largest RMS mismatch of pairs over time, relative to the motion's amplitude."""
+    moment, worst = max(mismatches, key=lambda pair: pair[1].rms)
     assert motion.neighbourhood is not None
     rough = float(np.sqrt(np.mean(departures(motion.neighbourhood, F[moment].reshape(len(F[moment]), -1)) ** 2)))
     excuse = TRAPEZOID * rough * motion.spacing / motion.amplitude
-    return _finding_from_limits(
-        GAP,
-        worst.rms / motion.amplitude,
-        MOST_GAP + excuse,
-        NO_GAP + excuse,
-        "of the motion",
-        f"neighbours are not where their F says, by {worst.rms:.3g} m (RMS), {{share}} of the motion, "
-        f"at t = {motion.times[moment]:.4g} s",
-        motion.finding_location(moment, worst.worst_particle),
-    )
+    says = f"neighbours are not where their F says, by {worst.rms:.3g} m (RMS), {{share}} of the motion, at " \
+           f"t = {motion.times[moment]:.4g} s"
+    return _finding_from_limits(GAP, worst.rms / motion.amplitude, MOST_GAP + excuse, NO_GAP + excuse, "of the motion",
+                                says, motion.finding_location(moment, worst.worst_particle))
 
 
-def _check_integrated_mismatch(motion: RecordedMotion, every: list[tuple[int, NeighbourPairMismatch]]) -> Finding:
+def _check_integrated_mismatch(motion: RecordedMotion, mismatches: list[tuple[int, NeighbourPairMismatch]]) -> Finding:
     """Checks mismatches integrated over the body: late waves, of which each pair shows little."""
-    fields = ((moment,
-               integrate_pair_differences(pairs.edges, pairs.difference_vectors, len(motion.reference))) for moment,
-              pairs in every)
-    squares = ((moment, np.sum(field**2, axis=1)) for moment, field in fields)
+    count = len(motion.reference)
+    squares = ((moment, np.sum(integrate_pair_differences(one.edges, one.difference_vectors, count)**2, axis=1))
+               for moment, one in mismatches)
     size, moment, p = max((float(np.sqrt(np.mean(one))), moment, int(np.argmax(one))) for moment, one in squares)
-    return _finding_from_limits(
-        TORN,
-        size / motion.amplitude,
-        MOST_TORN,
-        NO_SUM,
-        "of the motion",
-        f"the displacements are not the sum of what F says, by {size:.3g} m (RMS), {{share}} of the motion, "
-        f"at t = {motion.times[moment]:.4g} s",
-        motion.finding_location(moment, p),
-    )
+    says = f"the displacements are not the sum of what F says, by {size:.3g} m (RMS), {{share}} of the motion, at " \
+           f"t = {motion.times[moment]:.4g} s"
+    return _finding_from_limits(TORN, size / motion.amplitude, MOST_TORN, NO_SUM, "of the motion", says,
+                                motion.finding_location(moment, p))
 
 
 def _finding_from_limits(name: str, measured: float, most: float, nothing_left: float, unit: str, says: str,
                          at: dict) -> Finding:
+    """Returns a finding that holds up to ``most``, and is broken beyond ``nothing_left``; ``at`` is its location."""
     if measured <= most:
         return Finding(name, HOLDS, measured, most, unit)
     verdict = BROKEN if not measured <= nothing_left else SUSPICIOUS
@@ -170,9 +154,10 @@ def _finding_from_limits(name: str, measured: float, most: float, nothing_left: 
 
 
 def _explain_mismatch(motion: RecordedMotion, F: np.ndarray,
-                      every: list[tuple[int, NeighbourPairMismatch]]) -> Finding | None:
-    """Returns a finding on the meaning of F or x where another one fits far better; otherwise None."""
-    moment, now = max(every, key=lambda pair: strain_rms(F[pair[0]]))
+                      mismatches: list[tuple[int, NeighbourPairMismatch]]) -> Finding | None:
+    """Returns a finding that F or x mean something else, where that fits far better; otherwise None. ``mismatches`` has
+    time indices and comparisons."""
+    moment, now = max(mismatches, key=lambda pair: strain_rms(F[pair[0]]))
     edges, told = now.edges, strain_rms(F[moment])
     if not told > 0 or now.rms <= 0.1 * told * motion.spacing:
         return None
@@ -203,6 +188,7 @@ def _readings(motion: RecordedMotion, F: np.ndarray, now: NeighbourPairMismatch)
 
 
 def check_inverted(motion: RecordedMotion) -> Finding:
+    """Checks that det F is positive for all particles at all times, and not nearly 0."""
     J = np.linalg.det(motion.fields["F"])
     flat = J < FLATTEST
     if not flat.any():
@@ -247,7 +233,7 @@ def check_overtaken(motion: RecordedMotion) -> Finding:
 
 
 def neighbour_gradients(motion: RecordedMotion, values: np.ndarray) -> np.ndarray:
-    """Returns the gradients (P, C, D), in the reference configuration, of planes through the values (P, C) of each
+    """Returns the gradients (P, C, D), in the reference configuration, of planes fitted to the values (P, C) of each
     particle's neighbours."""
     near = motion.neighbourhood
     assert near is not None

@@ -21,29 +21,29 @@ SINGLE, DOUBLE = 2.0**-24, 2.0**-53  # of a number: half its last bit
 
 @dataclass(frozen=True)
 class Tracks:
-    """Trajectories of the same P particles at T times in s: their quantities in the file, (T, P, D) and (T, P, D, D),
-    and the best known exact values."""
+    """Trajectories of the same P particles at T times in s: by quantity their values in the file (``own``) and the best
+    known exact ones, (T, P, D) or (T, P, D, D)."""
 
     time: np.ndarray
     material_position: np.ndarray  # (P, D)
-    own: dict[str, np.ndarray]  # by quantity, x, v and sigma, and F and stress if in the files
-    exact: dict[str, np.ndarray]  # by quantity: x, v and sigma
+    own: dict[str, np.ndarray]  # x, v and sigma (from F if need be), and F and stress if in the files
+    exact: dict[str, np.ndarray]  # x, v and sigma
 
 
 @dataclass(frozen=True)
 class Evidence:
-    """A run in files, with its errors against the best reference, in the order of the frames; ``again`` returns the
-    errors of a modified frame at the same time, ``step`` is the time step in s of the run, or of the scene."""
+    """A run in files, with its errors by quantity against the best reference for each frame; ``recompute_errors``
+    returns those of a modified frame, ``step`` is the time step in s of the run, or of the scene."""
 
     scene: Scene
     frames: Sequence[Frame]
     errors: Sequence[Errors]
-    again: Callable[[Frame], Errors]
+    recompute_errors: Callable[[Frame], Errors]
     step: float
 
     @functools.cached_property
     def tracks(self) -> Tracks | None:
-        """A sample of the particles at some of the times; None where particles differ between these."""
+        """Trajectories of some particles at some times; None where particles differ between these."""
         every = -(-len(self.frames) // MOST_TIMES)
         frames, errors = self.frames[::every], self.errors[::every]
         orders = [np.lexsort(frame.material_position.T) for frame in frames]
@@ -67,14 +67,14 @@ class Evidence:
 
 @dataclass(frozen=True)
 class StoredPrecision:
-    """Precision of numbers: ``relative`` to each, or ``absolute`` where that is larger; ``words`` describes it."""
+    """Precision of stored numbers: ``relative``, or ``absolute`` where that is larger; ``words`` describes it."""
 
     relative: float
     absolute: float
     words: str
 
     def rounding(self, values: np.ndarray) -> np.ndarray:
-        """Returns the largest rounding error of each stored value."""
+        """Returns the largest rounding error of each stored value, in the values' unit and shape."""
         return np.maximum(self.relative * np.abs(values), self.absolute)
 
 
@@ -82,12 +82,12 @@ EXACT = StoredPrecision(DOUBLE, 0.0, "double precision")
 
 
 def sample_numbers(arrays: Sequence[np.ndarray]) -> np.ndarray:
-    """Returns numbers from all arrays (P, ...), spread over each."""
+    """Returns numbers (n,) from all arrays (P, ...), spread evenly over the particles of each."""
     return np.concatenate([values[:: max(1, len(values) // OF_EACH)].ravel() for values in arrays])
 
 
 def detect_precision(values: np.ndarray) -> StoredPrecision:
-    """Returns the precision with which numbers (...) of a quantity were written; exact for too few distinct numbers."""
+    """Returns the precision with which numbers of any shape were written; exact for too few distinct numbers."""
     known = values.ravel()
     known = known[np.isfinite(known) & (known != 0)]
     known = np.unique(known[:: max(1, len(known) // LOOKED_AT)])

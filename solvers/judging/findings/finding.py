@@ -29,6 +29,7 @@ class Finding:
 
     @property
     def is_contradiction(self) -> bool:
+        """Whether the check failed; false where it holds or is impossible."""
         return self.verdict in (OFF, BROKEN, SUSPICIOUS)
 
     def to_dict(self) -> dict[str, Any]:
@@ -46,10 +47,11 @@ class Finding:
 
 
 def unknown(name: str, why: str, measured: float | None = None, unit: str = "") -> Finding:
+    """Returns the finding of an impossible check; ``why`` is a sentence without its full stop."""
     return Finding(name, UNKNOWN, measured, unit=unit, says=why)
 
 
 def compare(name: str, measured: float, limit: float, unit: str, wrong: str, right: str = "") -> Finding:
-    """Returns a finding that fails where ``measured`` exceeds ``limit``, with the words ``wrong``, else ``right``."""
+    """Returns a finding that holds up to the ``limit``, with the remark ``right``, and fails beyond, with ``wrong``."""
     holds = measured <= limit
     return Finding(name, HOLDS if holds else OFF, measured, limit, unit, right if holds else wrong)

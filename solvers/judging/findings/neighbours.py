@@ -18,7 +18,7 @@ TINY = 1e-300
 
 
 class NeighbourSearch:
-    """Search for the nearest of points (P, D), in m, within at least ``width``."""
+    """Search for the nearest of ``points`` (P, D), in m, within at least ``width``, the side of its bins."""
 
     def __init__(self, points: np.ndarray, width: float | None = None):
         self._points, D = points, points.shape[1]
@@ -45,7 +45,7 @@ class NeighbourSearch:
         return np.concatenate([far for far, _ in parts]), np.concatenate([who for _, who in parts])
 
     def nearest_distances(self, asked: np.ndarray) -> np.ndarray:
-        """Returns distances (n,) to the nearest point, for at most ``MOST_ASKED`` of ``asked``, evenly chosen."""
+        """Returns distances (n,) to the nearest point from at most ``MOST_ASKED`` of ``asked``, evenly chosen."""
         return self.nearest(asked[::-(-len(asked) // MOST_ASKED)], 1)[0][:, 0]
 
     def _nearest_in_batch(self, asked: np.ndarray, count: int, first: int | None,
@@ -79,8 +79,9 @@ class NeighbourSearch:
 
 @dataclass(frozen=True)
 class Neighbourhood:
-    """Nearest neighbours of P particles: indices ``who`` (P, K), relative positions ``around`` (P, K, 1 + D), with a
-    first column of ones, whether each is ``there`` (P, K), and ``weights`` (P, K) of their values in a plane."""
+    """Nearest neighbours of P particles: indices ``who`` (P, K), relative positions ``around`` (P, K, 1 + D) over the
+    farthest's distance, with a first column of ones, whether each is ``there`` (P, K), and ``weights`` (P, K) with
+    which their values give that of a fitted plane at the particle."""
 
     who: np.ndarray
     around: np.ndarray
@@ -89,7 +90,7 @@ class Neighbourhood:
 
 
 def find_neighbours(X: np.ndarray) -> Neighbourhood | None:
-    """Returns the neighbourhoods of particles at X (P, D); None for too few particles, or more than ``MOST``."""
+    """Returns the neighbourhoods of particles at X (P, D) in m; None for too few particles, or more than ``MOST``."""
     P, D = X.shape
     count = min(NEIGHBOURS[D], P - 1)
     if count < D + 2 or P > MOST:
@@ -105,7 +106,7 @@ def find_neighbours(X: np.ndarray) -> Neighbourhood | None:
 def departures(near: Neighbourhood, values: np.ndarray, which: np.ndarray | None = None,
                bad: np.ndarray | None = None) -> np.ndarray:
     """Returns the distances (n,) of values (P, C), of all particles or ``which`` (n,), from planes through those of
-    their neighbours that are not ``bad`` (P,), over the expected distance for noise; 0 where too few are left."""
+    their neighbours that are not ``bad`` (P,), scaled so that noise keeps its size; 0 where too few are left."""
     at = slice(None) if which is None else which
     who, used, weights = near.who[at], near.there[at], near.weights[at]
     if bad is not None and (used & bad[who]).any():
@@ -117,14 +118,15 @@ def departures(near: Neighbourhood, values: np.ndarray, which: np.ndarray | None
 
 
 def _plane_weights(around: np.ndarray, used: np.ndarray) -> np.ndarray:
+    """Returns the weights (P, K) with which the ``used`` neighbours' values give that of a plane at a particle."""
     At = np.where(used[:, :, None], around, 0.0).transpose(0, 2, 1)
     return (np.linalg.pinv(At @ around, hermitian=True)[:, :1, :] @ At)[:, 0]
 
 
 def find_outliers(near: Neighbourhood, values: np.ndarray, times: float,
                   least: float) -> tuple[np.ndarray, np.ndarray, float]:
-    """Returns the outliers (n,), the departure (P,) of each particle from the others, and the limit: ``times`` the
-    usual departure, at least ``least``.
+    """Returns the indices (n,) of outliers, the departure (P,) of each particle's values (P, C) from the others', and
+    the limit: ``times`` the usual departure, at least ``least``, in the values' unit.
 
     A far outlier distorts the planes of all particles around it: the worst of a neighbourhood is removed first, and the
     others are compared with those that remain.

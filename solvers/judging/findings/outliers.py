@@ -42,7 +42,8 @@ SMOOTH_START = 0.3  # of the size: a field that is rougher at the start already 
 
 @dataclass(frozen=True)
 class FrameOutliers:
-    """Particles that are not where their neighbours are: indices ``which`` (n,) in a frame, and distances (n,) in m."""
+    """Particles that differ from their neighbours: indices ``which`` (n,) in a frame, and by how much ``far`` (n,), in
+    m for positions."""
 
     frame: Frame
     which: np.ndarray
@@ -60,8 +61,8 @@ class FrameOutliers:
 
 @dataclass(frozen=True)
 class Outliers:
-    """Outliers of a quantity: the frame with the most, if any, the departure closest to the limit or farthest beyond
-    it, and that limit."""
+    """Outliers of a quantity: the frame with the ``most``, if any, the departure closest to the limit or farthest
+    beyond it, and that limit, both in the quantity's unit."""
 
     most: FrameOutliers | None
     largest: float
@@ -69,7 +70,7 @@ class Outliers:
 
 
 def position_outliers(evidence: Evidence) -> Outliers | None:
-    """Returns the outliers of x, found in each frame alone, for the frame with the most. None for too few particles."""
+    """Returns the outliers of x, found in each frame alone, in the frame with the most. None for too few particles."""
     scene, found = evidence.scene, []
     for frame, error, near in _with_neighbours(evidence, "x", len(evidence.frames)):
         which, far, limit = find_outliers(near, error, TIMES["x"], LEAST_APART * scene.spacing)
@@ -106,8 +107,8 @@ def value_outliers(evidence: Evidence, quantity: str) -> Outliers | None:
 
 def _lasting_outliers(score: np.ndarray, longer: int, passes: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Returns, for scores (T, P), by how much each particle exceeds 1 at ``longer`` times and one more, or by a factor
-    ``passes`` at any; the time that shows it, and that factor, 1 where it lasts: (P,) each. Cell crossings do not
-    last."""
+    ``passes`` at any; the index of the time that shows it, and that factor, 1 where it lasts: (P,) each. Cell crossings
+    do not last."""
     order, every = np.argsort(-score, axis=0), np.arange(score.shape[1])
     lasting, passing = score[order[longer], every], score[order[0], every] / passes
     lasts = lasting >= passing
@@ -126,16 +127,17 @@ def _with_neighbours(evidence: Evidence, quantity: str, most: int) -> Iterator[t
             yield frame, error.reshape(len(error), -1), near
 
 
-def outliers_finding(quantity: str, found: Outliers | None) -> Finding:
-    if found is None:
+def outliers_finding(quantity: str, outliers: Outliers | None) -> Finding:
+    """Returns the finding on the outliers of x, v or sigma, or on None that they are unknown."""
+    if outliers is None:
         return unknown(NAMES[quantity], f"not of the same 5 to {MOST:,} particles at all times")
-    if found.most is None:
-        return Finding(NAMES[quantity], HOLDS, found.largest, found.limit, UNITS[quantity])
-    most = found.most
+    if outliers.most is None:
+        return Finding(NAMES[quantity], HOLDS, outliers.largest, outliers.limit, UNITS[quantity])
+    most = outliers.most
     worst = int(np.argmax(most.far))
     X = ", ".join(f"{c:.4g}" for c in most.frame.material_position[most.which[worst]])
     whose = {"x": Message("position"), "v": Message("velocity"), "sigma": Message("stress (or F)")}[quantity]
-    return Finding(NAMES[quantity], OFF, found.largest, found.limit, UNITS[quantity],
+    return Finding(NAMES[quantity], OFF, outliers.largest, outliers.limit, UNITS[quantity],
                    Message("the {whose} of {count:,} particle{plural} differs from the neighbours by up to {far:.3g} "
                            "{quantity} at t = {time:.4g} s, most at particle {number} at X = {x}", whose,
                            len(most.which), "s" * (len(most.which) != 1), most.far[worst], UNITS[quantity],
@@ -143,6 +145,7 @@ def outliers_finding(quantity: str, found: Outliers | None) -> Finding:
 
 
 def check_masses(frame: Frame) -> Finding:
+    """Checks each particle's mass in a frame against a plane through those of its neighbours."""
     if frame.mass is None:
         return unknown(MASSES, "no masses in the files; a wrong one shows in the motion alone, or not at all")
     near, usual = find_neighbours(frame.material_position), float(np.median(np.abs(frame.mass)))
@@ -159,7 +162,7 @@ def check_masses(frame: Frame) -> Finding:
 
 
 def check_outliers(motion: RecordedMotion, key: str) -> Finding:
-    """Checks each particle against a plane through those around it, without other outliers."""
+    """Checks each particle's x, v, F or sigma against a plane through those around it, without other outliers."""
     name, near = NAMES_OF_MOTION[key], motion.neighbourhood
     if near is None or len(motion.reference) < FEWEST:
         return unknown(name, f"not of {FEWEST} particles and more")
@@ -193,8 +196,7 @@ def check_outliers(motion: RecordedMotion, key: str) -> Finding:
 
 
 def check_roughness(motion: RecordedMotion, key: str) -> Finding:
-    """Checks how much v or the stress jumps from one particle to the next, relative to its own size, where it was
-    smooth at first."""
+    """Checks how much v or sigma jumps between neighbouring particles, relative to its size, if smooth at first."""
     name = f"{key} is smooth from particle to particle"
     near = motion.neighbourhood
     if key not in motion.fields or near is None or len(motion.reference) < FEWEST:
@@ -219,6 +221,6 @@ def check_roughness(motion: RecordedMotion, key: str) -> Finding:
 
 
 def _largest_rms(motion: RecordedMotion, key: str) -> float:
-    """Returns the largest RMS of a quantity, for F that of F - 1."""
+    """Returns the largest RMS over particles of a quantity at any time, for F that of F - 1; SI units."""
     values = motion.fields[key] - (np.eye(motion.dimensions) if key == "F" else 0.0)
     return float(np.sqrt(np.max(np.mean(np.sum(values.reshape(*values.shape[:2], -1) ** 2, axis=2), axis=1))))

@@ -36,7 +36,7 @@ NONE = "no data at t = 0 in the files"
 
 
 def check_initial_positions(evidence: Evidence) -> Finding:
-    """Checks positions against those of the problem's particles at the start."""
+    """Checks positions at t = 0 against those of the problem's particles, within 5 % of a cell."""
     found = _start_frame(evidence, "x")
     if found is None:
         return unknown(PLACES, NONE)
@@ -53,7 +53,7 @@ def check_initial_positions(evidence: Evidence) -> Finding:
 
 
 def check_initial_velocities(evidence: Evidence) -> Finding:
-    """Checks velocities against the problem's initial ones."""
+    """Checks velocities at t = 0 against the problem's, relative to their RMS."""
     found = _start_frame(evidence, "v")
     if found is None:
         return unknown(SPEEDS, NONE if _start_frame(evidence, "x") is None else "no velocities in the files")
@@ -76,14 +76,14 @@ def check_initial_velocities(evidence: Evidence) -> Finding:
 
 
 def _start_frame(evidence: Evidence, quantity: str) -> tuple[Frame, np.ndarray] | None:
-    """Returns the frame at t = 0 with its error; None without such a frame, or where it lacks the quantity."""
+    """Returns the frame at t = 0 with its error (P, ...); None without such a frame, or if it lacks the quantity."""
     return next(((frame, error[quantity]) for frame, error in zip(evidence.frames, evidence.errors, strict=True)
                  if frame.time == 0 and quantity in error), None)
 
 
 def _readings_of_start(scene: Scene, frame: Frame, error: np.ndarray) -> Iterator[tuple[str, Callable[[], float]]]:
-    """Yields possible meanings of the positions, each with a function for the remaining RMS error, for a periodic body
-    within its period."""
+    """Yields possible meanings of the positions in words, each with a function for the RMS error in m that it leaves,
+    for a periodic body within its period. ``error`` (P, D) is in m."""
     right, x, X = frame.position - error, frame.position, frame.material_position
 
     def within(places: np.ndarray, near: np.ndarray) -> np.ndarray:
@@ -125,7 +125,7 @@ def check_order(evidence: Evidence) -> Finding:
 
 
 def check_mean_error(evidence: Evidence) -> Finding:
-    """Checks the mean error, which is 0 over particles that are symmetric about the middle of a body with such a
+    """Checks the mean error of x, which is 0 over particles that are symmetric about the middle of a body with such a
     motion; if they are symmetric under exchange of x and y, its part across the diagonal is 0."""
     frame = evidence.frames[0]
     across = _forbidden_mean(evidence, frame.material_position)
@@ -148,7 +148,7 @@ def check_mean_error(evidence: Evidence) -> Finding:
 
 
 def _forbidden_mean(evidence: Evidence, X: np.ndarray) -> Callable[[np.ndarray], np.ndarray] | None:
-    """Returns the function that gives the part of a mean (D,) that symmetry forbids; None without symmetry."""
+    """Returns a function for the part of a mean error (D,) that symmetry of X (P, D) forbids; None without symmetry."""
     start = PROBLEMS[evidence.scene.problem].reference.start(evidence.scene).material_position
     middle = 0.5 * (start.min(axis=0) + start.max(axis=0))
     near = NeighbourSearch(X)
@@ -165,7 +165,7 @@ def _forbidden_mean(evidence: Evidence, X: np.ndarray) -> Callable[[np.ndarray],
 
 
 def _spacing(X: np.ndarray) -> float:
-    """Returns the median distance of particles from their nearest neighbours."""
+    """Returns the median distance in m of particles at X (P, D) from their nearest neighbours."""
     if len(X) < 2:
         return np.inf
     return float(np.median(NeighbourSearch(X).nearest(X[::-(-len(X) // MOST_ASKED)], 2)[0][:, 1]))
@@ -178,8 +178,8 @@ def check_alternative_readings(evidence: Evidence) -> Finding:
                                    for field in fields(frame)
                                    if isinstance(value := getattr(frame, field.name), np.ndarray)} for frame in frames]
     frames = [replace(frame, **chosen) for frame, chosen in zip(frames, some, strict=True)]
-    now = _rms_errors([evidence.again(frame) for frame in frames])
-    left, words = min(((_rms_errors([evidence.again(other(f)) for f in frames])[q] / now[q], words)
+    now = _rms_errors([evidence.recompute_errors(frame) for frame in frames])
+    left, words = min(((_rms_errors([evidence.recompute_errors(other(f)) for f in frames])[q] / now[q], words)
                        for words, q, other in _readings(frames[0]) if now.get(q, 0.0) > 0), default=(None, ""))
     if left is None or not 0 < left < np.inf:
         return unknown(AXES, "nothing to exchange, or no errors that could tell")
@@ -192,7 +192,7 @@ def _rms_errors(errors: list[Errors]) -> dict[str, float]:
 
 
 def _readings(frame: Frame) -> Iterator[tuple[str, str, Callable[[Frame], Frame]]]:
-    """Yields possible mistakes in words, the quantity whose error shows each, and a function that undoes it."""
+    """Yields possible mistakes in words, the quantity whose error shows each, and a function that corrects a frame."""
     F, plane = frame.deformation_gradient, frame.position.shape[1] == 2
     yield (Message("the positions seem to be displacements"), "x",
            lambda f: replace(f, position=f.position + f.material_position))
@@ -217,5 +217,5 @@ def _readings(frame: Frame) -> Iterator[tuple[str, str, Callable[[Frame], Frame]
 
 
 def _with_array(name: str, change: Callable[[Any], Any]) -> Callable[[Frame], Frame]:
-    """Returns a function from a frame to one with a changed array of that name."""
+    """Returns a function that returns a frame with its array called ``name`` changed by ``change``."""
     return lambda f: replace(f, **{name: change(getattr(f, name))})

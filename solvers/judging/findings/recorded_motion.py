@@ -26,8 +26,8 @@ FEWEST = 3  # particles
 
 @dataclass(frozen=True)
 class NeighbourPairs:
-    """Pairs (n,) of neighbours in the reference configuration: ``one`` and ``other``, and their distance vectors
-    ``apart`` (n, D) and ``length`` (n,) in m."""
+    """Pairs (n,) of neighbours in the reference configuration: indices ``one`` and ``other``, distance vectors
+    ``apart`` (n, D) from one to other and their ``length`` (n,) in m."""
 
     one: np.ndarray
     other: np.ndarray
@@ -35,7 +35,7 @@ class NeighbourPairs:
     length: np.ndarray
 
     def deformed_vectors(self, F: np.ndarray) -> np.ndarray:
-        """Returns the distance vectors (n, D) by the mean F (P, D, D) of each pair: the trapezoidal rule, with a
+        """Returns the distance vectors (n, D) in m by the mean F (P, D, D) of each pair: the trapezoidal rule, with a
         third-order error."""
         return np.einsum("nij,nj->ni", 0.5 * (F[self.one] + F[self.other]), self.apart)
 
@@ -74,7 +74,7 @@ class RecordedMotion:
         return F @ np.linalg.inv(F[0]) if (np.abs(np.linalg.det(F[0])) > TINY).all() else None
 
     def get(self, needed: str) -> np.ndarray | None:
-        """Returns a quantity by its key, or F relative to the reference for ``gradient``; None where there is none."""
+        """Returns a quantity's field by its key, or F relative to the reference for ``gradient``; None without one."""
         return self.deformation_gradient if needed == "gradient" else self.fields.get(needed)
 
     @functools.cached_property
@@ -90,7 +90,7 @@ class RecordedMotion:
 
     @functools.cached_property
     def neighbour_pairs(self) -> NeighbourPairs | None:
-        """Pairs of each particle with its nearest neighbours, two per direction."""
+        """Pairs of each particle with its nearest neighbours, two per dimension; None without any."""
         if self.neighbourhood is None:
             return None
         count = 2 * self.dimensions
@@ -120,7 +120,7 @@ class RecordedMotion:
 
     @functools.cached_property
     def representative_part(self) -> "RecordedMotion":
-        """Particles in some boxes spread over the body, where there are too many for a search for neighbours."""
+        """Motion of the particles in some boxes spread over the body, where all are too many to find neighbours."""
         P, D = self.reference.shape
         if P <= MOST:
             return self
@@ -134,14 +134,14 @@ class RecordedMotion:
                        fields={key: values[:, which] for key, values in self.fields.items()})
 
     def finding_location(self, moment: int, p: int) -> dict:
-        """Returns time, particle and place of a ``Finding``."""
+        """Returns the fields time, particle and place of a ``Finding``, from indices of time and particle."""
         return {"time": float(self.times[moment]), "particle": int(self.number[p]),
                 "place": tuple(map(float, self.reference[p]))}
 
 
 @dataclass(frozen=True)
 class _RowsAtTime:
-    """Rows of one file at one time, by key."""
+    """Rows of one file at one time in s, (n, ...) by quantity."""
 
     file: str
     time: float
@@ -150,13 +150,8 @@ class _RowsAtTime:
 
 def read_motion(files: Sequence[RawTable], times: Sequence[float]) -> tuple[RecordedMotion, list[Finding]]:
     """Returns the motion in the files, and findings about invalid numbers and missing particles. The motion ends before
-    the first time with positions that are not finite.
-
-    Raises
-    ------
-    FileError
-        Where there are no two times with the same particles to compare.
-    """
+    the first time with positions that are not finite. ``times`` in s are those of the files, if they contain none.
+    Raises :class:`FileError` where there are no two times with the same particles to compare."""
     moments = sorted(_read_rows_by_time(files, times), key=lambda one: one.time)
     _check_distinct_times(moments)
     findings = [_check_finite_numbers(moments)]
@@ -219,7 +214,7 @@ def _check_finite_numbers(moments: list[_RowsAtTime]) -> Finding:
 
 
 def _identify_rows(moments: list[_RowsAtTime]) -> list[np.ndarray]:
-    """Returns the identity of each row at each time: its id, or the number of its reference position, or of its row."""
+    """Returns a number for the particle of each row, (n,) at each time, from its id, reference position or row."""
     if all("id" in one.rows for one in moments):
         for one in moments:
             ids = one.rows["id"]
@@ -243,7 +238,8 @@ def _identify_rows(moments: list[_RowsAtTime]) -> list[np.ndarray]:
 
 
 def _check_identities(moments: list[_RowsAtTime], who: list[np.ndarray]) -> tuple[Finding, np.ndarray]:
-    """Checks for duplicate and missing particles; returns the finding and the particles that always exist."""
+    """Checks for duplicate and missing particles, by their numbers ``who`` (n,) at each time; returns the finding and
+    the numbers of those that always exist."""
     common = np.unique(who[0])
     for one, now in zip(moments, who, strict=True):
         number, counts = np.unique(now, return_counts=True)
@@ -270,7 +266,7 @@ def _always_present(who: list[np.ndarray]) -> np.ndarray:
 
 def _assemble_motion(files: Sequence[RawTable], moments: list[_RowsAtTime], who: list[np.ndarray],
                      common: np.ndarray) -> RecordedMotion:
-    """Returns the motion of the particles that always exist, in order, in the directions in which they extend."""
+    """Returns the motion of the particles ``common``, in order, in the directions in which they extend."""
     rows: list[Any] = []
     for now in who:
         if len(now) == len(common) and np.array_equal(now, common):

@@ -61,7 +61,7 @@ def check_velocity_time(evidence: Evidence) -> Finding:
 
 
 def check_stress_time(evidence: Evidence) -> Finding:
-    """Checks the lag of the stress behind x, from the errors of both."""
+    """Checks the lag in time of the stress behind x, from the errors of both, in steps."""
     tracks, step = evidence.tracks, evidence.step
     if tracks is None or len(tracks.time) < FEWEST_TIMES or "sigma" not in tracks.exact:
         return unknown(STRESS, FEW if "sigma" in evidence.errors[0] else "no F and no stress in the files")
@@ -82,7 +82,7 @@ def check_stress_time(evidence: Evidence) -> Finding:
 
 
 def check_clock_rate(evidence: Evidence) -> Finding:
-    """Checks for a fast or slow clock, whose error grows with time in proportion to the motion's rate."""
+    """Checks for times that run too fast or too slow: the error of x grows with time in proportion to the velocity."""
     tracks = evidence.tracks
     if tracks is None or len(tracks.time) < FEWEST_TIMES:
         return unknown(CLOCK, FEW)
@@ -110,12 +110,14 @@ def check_clock_rate(evidence: Evidence) -> Finding:
 
 
 def _apparent_lag_by_smoothing(part: float, error: np.ndarray, slope: np.ndarray) -> float:
-    """Returns the apparent lag in s by a grid that smooths the motion by a ``part``, and its errors similarly."""
+    """Returns the lag in s that a grid pretends by smoothing the motion by a ``part``, with the ``error`` of a field
+    and its rate ``slope``."""
     return SMOOTHED * abs(part) * rms(error) / max(rms(slope), 1e-300)
 
 
 def _lag_finding(name: str, steps: float, slack: float, allowed: tuple[float, float], step: float, who: str) -> Finding:
-    """Returns the finding for a lag of ``steps``, where ``allowed`` is the range and ``slack`` the uncertainty."""
+    """Returns the finding for a lag of ``steps``: ``allowed`` is its range and ``slack`` the uncertainty, in steps of
+    ``step`` s; ``who`` begins the sentence."""
     if not np.isfinite(steps + slack):
         return unknown(name, TOO_LARGE)
     least, most = allowed
@@ -129,7 +131,7 @@ def _lag_finding(name: str, steps: float, slack: float, allowed: tuple[float, fl
 
 
 def check_velocity(motion: RecordedMotion) -> list[Finding]:
-    """Checks that a particle's displacement between two times is its mean velocity times the interval."""
+    """Returns three findings on whether displacements between times are the mean velocity times the interval."""
     if len(motion.times) < 3 or not motion.speed > 0:
         why = "fewer than three moments" if len(motion.times) < 3 else "v is zero"
         return [unknown(name, why) for name in NAMES_OF_V]
@@ -145,12 +147,14 @@ def check_velocity(motion: RecordedMotion) -> list[Finding]:
 
 
 def _interval_rms(values: np.ndarray, interval: np.ndarray) -> np.ndarray:
-    """Returns the RMS over particles (T - 1,) of the displacement in each interval, as a velocity."""
+    """Returns the RMS over particles (T - 1,) of displacements (T - 1, P, D) over their intervals, in m/s."""
     return np.sqrt(np.mean(np.sum(values**2, axis=2), axis=1)) / interval[:, 0, 0]
 
 
-def _check_speed(motion: RecordedMotion, gap: np.ndarray, bend: np.ndarray, interval: np.ndarray, told: np.ndarray,
-                 moved: np.ndarray) -> Finding:
+def _check_speed(motion: RecordedMotion, mismatch: np.ndarray, bend: np.ndarray, interval: np.ndarray,
+                 expected: np.ndarray, moved: np.ndarray) -> Finding:
+    """Checks the ``mismatch`` of displacements, ``expected`` from v minus ``moved`` (T - 1, P, D), relative to v;
+    ``bend`` is the possible error of the trapezoidal rule, both in m, ``interval`` in s."""
     doubt = RULE * _interval_rms(bend, interval) / motion.speed
     wide = np.pad(doubt, AROUND, mode="edge")
     near = np.max([wide[k:k + len(doubt)] for k in range(2 * AROUND + 1)], axis=0)
@@ -163,10 +167,10 @@ def _check_speed(motion: RecordedMotion, gap: np.ndarray, bend: np.ndarray, inte
     if not sure.any():
         return unknown(SPEED, "between two moments v would carry the particles farther than they ever are: the moments "
                               "are too far apart, or v is in another unit")
-    off = np.where(sure, _interval_rms(gap, interval) / motion.speed - doubt, -1.0)
+    off = np.where(sure, _interval_rms(mismatch, interval) / motion.speed - doubt, -1.0)
     k = int(np.argmax(off))
-    size = float(np.sum(told[sure] * moved[sure]) / max(float(np.sum(told[sure] ** 2)), 1e-300))
-    at = motion.finding_location(k + 1, int(np.argmax(np.sum(gap[k] ** 2, axis=1))))
+    size = float(np.sum(expected[sure] * moved[sure]) / max(float(np.sum(expected[sure] ** 2)), 1e-300))
+    at = motion.finding_location(k + 1, int(np.argmax(np.sum(mismatch[k] ** 2, axis=1))))
     when = f"between t = {motion.times[k]:.4g} and {motion.times[k + 1]:.4g} s"
     if size > 0 and abs(np.log10(size)) > OTHER_UNIT:
         return Finding(SPEED, BROKEN, float(off[k]), MOST, "of v",
@@ -177,14 +181,14 @@ def _check_speed(motion: RecordedMotion, gap: np.ndarray, bend: np.ndarray, inte
                    f"the particles do not move as their v says {when}: what is left is {off[k]:.2g} of v (RMS)", **at)
 
 
-def _check_lag(motion: RecordedMotion, gap: np.ndarray, moved: np.ndarray, gained: np.ndarray) -> Finding:
-    """Checks the lag of v, in proportion to which the mismatch grows with the change of v. The trapezoidal rule's own
-    error is proportional to the displacement, and fitted as well."""
+def _check_lag(motion: RecordedMotion, mismatch: np.ndarray, moved: np.ndarray, gained: np.ndarray) -> Finding:
+    """Checks the lag of v, in proportion to which the mismatch grows with the change of v (``gained``). The trapezoidal
+    rule's own error is proportional to the displacement (``moved``), and fitted as well."""
     if len(motion.times) < FEWEST:
         return unknown(MOMENT, f"fewer than {FEWEST} moments")
-    found, sure = jackknife_least_squares(gap, [-gained, moved])
+    found, sure = jackknife_least_squares(mismatch, [-gained, moved])
     late, doubt = float(found[0, 0]), SURE * float(sure[0])
-    left = rms(gap + late * gained - found[0, 1] * moved) / max(rms(gap), 1e-300)
+    left = rms(mismatch + late * gained - found[0, 1] * moved) / max(rms(mismatch), 1e-300)
     if not np.isfinite(late + doubt):
         return unknown(MOMENT, "v or x are too large")
     if motion.step is None:

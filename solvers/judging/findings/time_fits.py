@@ -8,6 +8,7 @@ GROUPS = 10  # of times, each left out once to see how sure a number is
 
 
 def rms(values: np.ndarray) -> float:
+    """Returns the root mean square of all numbers."""
     return float(np.sqrt(np.mean(values**2)))
 
 
@@ -17,8 +18,8 @@ def time_derivative(times: np.ndarray, values: np.ndarray) -> np.ndarray:
 
 
 def interpolate_before(times: np.ndarray, values: np.ndarray, late: float) -> tuple[np.ndarray, np.ndarray]:
-    """Returns which of the times (T,) are known ``late`` s before, and the values (n, ...) then, by Hermite
-    polynomials."""
+    """Returns which of the times (T,) are known ``late`` s before (a mask), and the values (n, ...) then, from those
+    (T, ...) at the times, by Hermite polynomials."""
     before = times - late
     slack = 1e-9 * float(np.ptp(times))
     inside = (before >= times[0] - slack) & (before <= times[-1] + slack)
@@ -54,7 +55,7 @@ def jackknife_least_squares(target: np.ndarray, parts: Sequence[np.ndarray]) -> 
     return found, np.array([jackknife_error(column) for column in found.T])
 
 
-def jackknife_error(found: np.ndarray) -> float:
-    """Returns the standard error of a number, of which the first value uses all groups and each other omits one."""
-    others = found[1:]
+def jackknife_error(estimates: np.ndarray) -> float:
+    """Returns the standard error of a number, whose first estimate uses all groups of data and each other omits one."""
+    others = estimates[1:]
     return float(np.sqrt((len(others) - 1) / len(others) * np.sum((others - others.mean()) ** 2)))

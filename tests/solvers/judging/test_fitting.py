@@ -187,7 +187,7 @@ def test_a_scene_that_is_none_is_refused_in_one_sentence(text, why, tmp_path):
 def test_what_others_call_a_scene_is_theirs(other, tmp_path):
     frame = frames_of("bar")[1]
     np.savez(tmp_path / "a.npz", t=frame.time, x=frame.position, id=frame.number, scene=other)
-    assert read_file(str(tmp_path / "a.npz")).said is None
+    assert read_file(str(tmp_path / "a.npz")).metadata is None
 
 
 def test_a_file_of_ours_is_judged_with_the_scene_that_it_says(tmp_path):
