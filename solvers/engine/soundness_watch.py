@@ -6,8 +6,14 @@ from solvers.scene.scene import Scene
 from solvers.solver import samples
 from solvers.solver.base import Solver
 from solvers.solver.soundness import Finding, earliest_finding, findings
-from solvers.solver.verdict_basis import (LargeRelativeError, checks_by_quantity, is_balance_motion_known, large_errors,
-                                          merge_large_errors, missing_checks_sentence)
+from solvers.solver.verdict_basis import (
+    LargeRelativeError,
+    checks_by_quantity,
+    is_balance_motion_known,
+    large_errors,
+    merge_large_errors,
+    missing_checks_sentence,
+)
 
 MOST_WAITING = 20  # samples
 DOUBT_PERIODS = 0.5  # periods

@@ -22,8 +22,12 @@ from solvers.solver.rounding import largest_rounding_error
 from solvers.solver.rounding import rounding_sentence as nothing_but
 from solvers.solver.samples import QUANTITIES
 from solvers.solver.soundness import evidence
-from solvers.solver.verdict_basis import (checks_by_quantity, is_balance_motion_known, large_errors,
-                                          missing_checks_sentence)
+from solvers.solver.verdict_basis import (
+    checks_by_quantity,
+    is_balance_motion_known,
+    large_errors,
+    missing_checks_sentence,
+)
 
 SCHEMA = "mpm-lab/run/1"
 VIEW_ENTRY_POINTS = "mpm_lab.result"  # where the installed package registers ``app``'s picture and table of a run

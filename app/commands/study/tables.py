@@ -18,8 +18,14 @@ from solvers.study.parameter_grid import Task
 from solvers.study.row import FAILED
 from solvers.study.tables import paper_tables
 from solvers.study.tables.paper_tables import PaperTable, format_digits
-from solvers.study.tables.table_runs import (MEASURED, PAPERS_ESTIMATOR, all_runs, results_by_row, rows_by_part,
-                                             table_to_dict)
+from solvers.study.tables.table_runs import (
+    MEASURED,
+    PAPERS_ESTIMATOR,
+    all_runs,
+    results_by_row,
+    rows_by_part,
+    table_to_dict,
+)
 
 UNSTABLE = 3
 KINDS = ("json", "md", "png")  # suffixes of a table's files

@@ -11,8 +11,14 @@ from app.language.translation import ENGLISH, use_language
 from app.lessons import catalogue
 from app.lessons.lesson import draw_numbers, fill_numbers
 from app.page.features.lesson import action_buttons
-from app.page.features.lesson.action_buttons import (Instruction, budget_button_html, find_instructions,
-                                                     perform_instruction, run_on_stage_button_html, with_buttons)
+from app.page.features.lesson.action_buttons import (
+    Instruction,
+    budget_button_html,
+    find_instructions,
+    perform_instruction,
+    run_on_stage_button_html,
+    with_buttons,
+)
 from app.page.features.lesson.step_html import choices_html, lesson_list_html, step_html, text_html
 
 SAID = "\n\n".join(("Words.", "- Press **On the stage**.", "- Set **Cells** to `80`.\n- Choose **Method** `B-spline`.",

@@ -2,8 +2,15 @@
 
 import pytest
 
-from app.lessons.claims import (ClaimError, ClaimScope, RunOutcome, check_claim, decide_claim, evaluate_expression,
-                                runs_needed)
+from app.lessons.claims import (
+    ClaimError,
+    ClaimScope,
+    RunOutcome,
+    check_claim,
+    decide_claim,
+    evaluate_expression,
+    runs_needed,
+)
 
 FINE = {"scene": {"estimator": ["recovered"], "cells": 40, "amplitude": 0.1}, "not_valid": {}, "status": "ok",
         "error": {"x": {"final": 1e-4, "max": 2e-4, "mean": None}}, "index": {"x": 0.98}, "grid_crossings": 12,

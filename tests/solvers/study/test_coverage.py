@@ -13,8 +13,15 @@ from solvers.running.quantities_of_interest import ENERGY
 from solvers.solver.soundness import OK
 from solvers.study.coverage import coverage_counts as bars
 from solvers.study.coverage import random_runs, track_record
-from solvers.study.coverage.coverage_counts import (CENTRAL, IN_CELL, NORMAL, TWO_GRIDS, motion_regime, tally,
-                                                    wilson_interval)
+from solvers.study.coverage.coverage_counts import (
+    CENTRAL,
+    IN_CELL,
+    NORMAL,
+    TWO_GRIDS,
+    motion_regime,
+    tally,
+    wilson_interval,
+)
 from solvers.study.coverage.coverage_tables import coverage_summary
 from solvers.study.coverage.random_runs import BEFORE, DRAW_RANGES, IDENTITY, MEASURED, RandomRun, coarsen, measure
 from solvers.study.coverage.track_record import JUDGES, bet_by_grid_index, bet_by_record, bets

@@ -8,8 +8,15 @@ from html import escape
 import numpy as np
 
 from app.colours import cause_css_variable
-from app.frame.budget_chart import (CAPTION, MEANINGS, UNITS, error_rms, estimated_error_note, format_percent,
-                                    stack_layers)
+from app.frame.budget_chart import (
+    CAPTION,
+    MEANINGS,
+    UNITS,
+    error_rms,
+    estimated_error_note,
+    format_percent,
+    stack_layers,
+)
 from app.frame.colour_scale import round_up
 from app.language.translation import lazy, tr, translate_message
 from app.page.visit.history import series_until

@@ -8,8 +8,16 @@ from html import escape
 from app.language.translation import lazy, tr, translate_message, trn
 from app.page.features.cost.jobs import CostJobStatus
 from app.page.features.cost.visitor_runs import MOST_RUNS, SEARCH, SWEEP, NumberedRun
-from app.words import (NOTHING, format_power_of_ten, method_name, motion_text, particles_per_cell, per_cell,
-                       reword_for_page, with_unit)
+from app.words import (
+    NOTHING,
+    format_power_of_ten,
+    method_name,
+    motion_text,
+    particles_per_cell,
+    per_cell,
+    reword_for_page,
+    with_unit,
+)
 from solvers.problems import PROBLEMS
 from solvers.scene.scene import Scene
 from solvers.scene.stabilisations import REMEDIES

@@ -8,8 +8,11 @@ import taichi as ti
 
 from solvers.problems.bar.budget.budget_arrays import FORCE, PIECES, STRESS, VELOCITY
 from solvers.problems.bar.budget.error_sources import particles_to_nodes, update_nodes
-from solvers.problems.bar.budget.reference_motion import (reference_gradients_at, reference_motion_at,
-                                                          reference_time_factors)
+from solvers.problems.bar.budget.reference_motion import (
+    reference_gradients_at,
+    reference_motion_at,
+    reference_time_factors,
+)
 from solvers.problems.bar.method import periodic_nodes
 from solvers.problems.bar.method.gapless_pieces import interpolate_at_corner, piece_length
 from solvers.problems.bar.method.periodic_nodes import EMPTY, GHOSTS, stencil_of

@@ -8,8 +8,13 @@ import numpy as np
 
 from solvers.motion.laws.stress_difference import StressDifference
 from solvers.problems.planar.budget.body_pieces import MovedBodyPieces, PieceLattice
-from solvers.problems.planar.budget.cause_errors import (LOCAL_CAUSES, TIME_STEP, CauseErrors, StepErrorSources,
-                                                         step_error_sources)
+from solvers.problems.planar.budget.cause_errors import (
+    LOCAL_CAUSES,
+    TIME_STEP,
+    CauseErrors,
+    StepErrorSources,
+    step_error_sources,
+)
 from solvers.problems.planar.budget.exact_state import ExactState, exact_state_at
 from solvers.problems.planar.solver import PlanarSolver
 from solvers.problems.planar.weights import MirroredNodeGrid, StepWeights

@@ -32,8 +32,12 @@ from solvers.problems.planar.estimators.companion import store_errors
 from solvers.problems.planar.layout import particle_layout
 from solvers.problems.planar.method.material import cauchy_stress_of, coefficients, piola, wave_stiffness
 from solvers.problems.planar.method.tensor_rotation import rotate_tensor, rotate_vector
-from solvers.solver.separable_field_tables import (body_force_at, compute_force_time_functions, pack_tables,
-                                                   paired_mode_entries)
+from solvers.solver.separable_field_tables import (
+    body_force_at,
+    compute_force_time_functions,
+    pack_tables,
+    paired_mode_entries,
+)
 
 
 @ti.func

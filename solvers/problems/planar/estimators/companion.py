@@ -20,8 +20,12 @@ from solvers.kernels.dtypes import integers, pairs, quads
 from solvers.problems.planar.estimators.companion_patch import CompanionPatch
 from solvers.problems.planar.layout import particle_layout
 from solvers.problems.planar.method.material import cauchy_stress, cauchy_stress_of, coefficients, piola, wave_stiffness
-from solvers.solver.separable_field_tables import (body_force_at, compute_force_time_functions, pack_tables,
-                                                   paired_mode_entries)
+from solvers.solver.separable_field_tables import (
+    body_force_at,
+    compute_force_time_functions,
+    pack_tables,
+    paired_mode_entries,
+)
 
 
 @ti.func

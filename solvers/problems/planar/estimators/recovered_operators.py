@@ -9,8 +9,15 @@ from typing import NamedTuple
 
 import taichi as ti
 
-from solvers.estimators.recovered import (ROUGH, SIZE, first_in_group, fourth_difference_weight, group_count,
-                                          store_sums, table_row_range)
+from solvers.estimators.recovered import (
+    ROUGH,
+    SIZE,
+    first_in_group,
+    fourth_difference_weight,
+    group_count,
+    store_sums,
+    table_row_range,
+)
 from solvers.kernels.packing import prefix_view
 from solvers.solver.separable_field_tables import body_force_at, compute_force_time_functions
 

@@ -16,8 +16,12 @@ from solvers.problems.planar.scene import PlanarScene, motion_table
 from solvers.scene.estimator_hooks import EstimatorHooks
 from solvers.scene.kernel_options import KernelOptions
 from solvers.scene.scene import Scene
-from solvers.solver.separable_field_tables import (motion_mode_entries, pack_tables, paired_mode_entries,
-                                                   vector_mode_entries)
+from solvers.solver.separable_field_tables import (
+    motion_mode_entries,
+    pack_tables,
+    paired_mode_entries,
+    vector_mode_entries,
+)
 from solvers.solver.state_arrays import Diagnostics, Members, initial_diagnostics, remedy_rates, zeros
 
 

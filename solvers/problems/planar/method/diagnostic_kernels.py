@@ -5,8 +5,10 @@ import taichi as ti
 from solvers.problems.planar.kernel_parts import DiagnosticKernels
 from solvers.problems.planar.method.contradictions import make_circle_contradiction_kernel, record_mode_moments
 from solvers.problems.planar.method.material import cauchy_stress, cauchy_stress_of, strain_energy
-from solvers.problems.planar.method.node_acceleration_errors import (make_circular_acceleration_error,
-                                                                     make_node_acceleration_error)
+from solvers.problems.planar.method.node_acceleration_errors import (
+    make_circular_acceleration_error,
+    make_node_acceleration_error,
+)
 from solvers.problems.planar.method.phases import TOTALS
 from solvers.problems.planar.method.tensor_rotation import rotate_tensor, rotate_vector
 from solvers.problems.planar.scene import PlanarScene

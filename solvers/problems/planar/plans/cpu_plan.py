@@ -20,8 +20,14 @@ from solvers.problems.planar.plans.gpu_kernels import GpuKernels, make_gpu_kerne
 from solvers.scene.kernel_options import KernelOptions
 from solvers.scene.scene import Scene
 from solvers.solver.base import MEASURE, REPORT, SOUND, STEP
-from solvers.solver.serial_stepping import (CHECK_EVERY, SerialKernels, SerialStepper, StepFunctions, check_particles,
-                                            serial_kernels)
+from solvers.solver.serial_stepping import (
+    CHECK_EVERY,
+    SerialKernels,
+    SerialStepper,
+    StepFunctions,
+    check_particles,
+    serial_kernels,
+)
 
 INDICES_PER_TASK = 512  # indices that a parallel loop never splits between threads
 
