@@ -11,7 +11,7 @@ import importlib
 import os
 from typing import TYPE_CHECKING
 
-from solvers.kernels import kernel_cache
+from solvers.kernels import kernel_cache_folder
 
 if TYPE_CHECKING:
     from solvers.judging.check import check
@@ -52,5 +52,5 @@ os.environ.setdefault("TI_ENABLE_PYBUF", "0")
 # For numpy, unless it is imported already: matrices here are small, and a second thread would wait more than it
 # computes, on busy CPUs for seconds.
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
-kernel_cache.raise_cache_size()
-kernel_cache.ensure_writable_cache_folder()
+kernel_cache_folder.raise_cache_size()
+kernel_cache_folder.ensure_writable_cache_folder()

@@ -55,7 +55,7 @@ class ClassBoard:
         self._seats: list[BoardSeat] = []
 
     @property
-    def position(self) -> BoardPosition:
+    def shown_step(self) -> BoardPosition:
         with self._lock:
             return BoardPosition(self._turn, self._at, self._opened, self._stages.get(self._at, COUNTED))
 
@@ -95,14 +95,14 @@ class ClassBoard:
     def press_button(self, button: str, turn: int) -> None:
         """Goes on (``NEXT``) or ``BACK``, unless the board has changed since ``turn``, at which it was pressed."""
         with self._lock:
-            before = self.position
+            before = self.shown_step
             if turn != before.turn:
                 return
             if button == NEXT:
                 self._advance()
             elif button == BACK:
                 self._at = self.lesson.neighbour_step(self._at, -1, self.core)
-            if self.position == before:
+            if self.shown_step == before:
                 return
             self._turn += 1
             seats = list(self._seats) if self._opened != before.last_open_step else []

@@ -27,7 +27,7 @@ from solvers.scene.scene import Scene
 from solvers.scene.step_bound import gershgorin_to_linear_factor
 from solvers.solver import budget, samples
 from solvers.solver.base import Solver
-from solvers.solver.error_norms import RATIOS
+from solvers.solver.error_series import RATIOS
 from solvers.solver.particle_snapshot import Snapshot
 from solvers.solver.rounding import largest_rounding_error
 from solvers.solver.soundness import earliest_finding, findings

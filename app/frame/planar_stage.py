@@ -12,7 +12,7 @@ from app.frame.primitives import Dots, Label, Lines, Mark, in_plane, join_points
 from app.frame.stage import Stage, WorstRegionMark
 from app.language.translation import lazy, tr
 from solvers.engine.shared_frames import FrameArrays
-from solvers.problems.planar.layout import half_edges, particle_layout
+from solvers.problems.planar.particle_layout import half_edges, particle_layout
 from solvers.problems.planar.scene import PlanarScene
 
 FARTHEST = 2.0  # metres from the middle, out of view: clip for particles of a broken run
@@ -112,7 +112,7 @@ class PlanarStage(Stage[PlaneScene]):
         pixel *= min(1.0, self._layout.radius / (ROOMY * pixel))
         yield Dots("around", marks - BELOW, self._ink[0], HALO * pixel)
         yield Dots("crossings", marks, self._ink[1], CROSSED * pixel)
-        yield self._domain_outlines(scene, arrays, x)
+        yield self._particle_domain_outlines(scene, arrays, x)
 
     def _worst_region_marks(self, worst: tuple[WorstRegionMark | None, WorstRegionMark | None],
                             arrays: FrameArrays) -> Iterator[Mark]:
@@ -145,7 +145,7 @@ class PlanarStage(Stage[PlaneScene]):
         for half, mirrors, shades in (("truth", self.MIRRORS[:2], true), ("estimate", self.MIRRORS[2:], estimated)):
             yield Dots(half, self._mirror_images(x, mirrors), np.tile(shades, (2, 1)), self._width, self._shape)
 
-    def _domain_outlines(self, scene: PlaneScene, arrays: FrameArrays, x: np.ndarray) -> Lines:
+    def _particle_domain_outlines(self, scene: PlaneScene, arrays: FrameArrays, x: np.ndarray) -> Lines:
         """Returns outlines of the domains of particles at ``x`` (P, 2) in m: boxes for GIMP, parallelograms for CPDI;
         no segments unless ``domains`` is set."""
         outlines = np.empty((0, 2, 3), np.float32)

@@ -18,7 +18,7 @@ from solvers.judging.error_norms import QUANTITIES as JUDGED
 from solvers.judging.error_norms import error_magnitudes, norm_series
 from solvers.judging.findings.neighbours import departures
 from solvers.judging.judgement import GridJudgement, Judgement
-from solvers.solver.error_norms import largest_finite_or_none
+from solvers.solver.error_series import largest_finite_or_none
 
 THEIRS = INK
 MARKS = "os^Dv"

@@ -21,7 +21,7 @@ from app.words import QUANTITIES, method_name, motion_text, particles_per_cell, 
 from solvers.running.result import Result
 from solvers.scene.error_causes import FIELDS
 from solvers.solver import budget
-from solvers.solver.error_norms import RunningEffectivityIndex
+from solvers.solver.error_series import RunningEffectivityIndex
 from solvers.solver.rounding import largest_rounding_error
 
 DOTS_PER_INCH = 110

@@ -11,7 +11,7 @@ from app.frame.primitives import Mark
 from app.language.translation import lazy, tr
 from app.problems.interface import BodyKindView, MaterialRegions
 from solvers.problems.planar.box import BoxScene
-from solvers.problems.planar.layout import particle_layout
+from solvers.problems.planar.particle_layout import particle_layout
 
 REGIONS = 4  # a side
 HEIGHT = 0.3  # height of the plotted row of particles over that of the square

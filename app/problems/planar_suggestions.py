@@ -19,7 +19,7 @@ def planar_suggestions(settings: ViewSettings) -> tuple[Suggestion, ...]:
     return tuple(by_key[key] for key in settings.sparks)
 
 
-def _transport_offer(state: State) -> Offer:
+def _transport_estimator_offer(state: State) -> Offer:
     judges = state.scene.estimators
     if (state.estimator or next(iter(judges), None)) == "transport":
         raise SuggestionNotApplicable(tr("it is on the stage"))
@@ -27,7 +27,7 @@ def _transport_offer(state: State) -> Offer:
     return Offer(tr("Ask transport, too"), tr("the method's own equations"), replace(changed, estimator="transport"))
 
 
-def _transport_answer(runs: ComparedRuns) -> Answer:
+def _transport_estimator_answer(runs: ComparedRuns) -> Answer:
     if "transport" in runs.not_valid:
         return tr("Transport: {reason}.", reason=translate_message(runs.not_valid["transport"])), \
             tr("It is not valid here and reports this.")
@@ -43,7 +43,8 @@ def _transport_answer(runs: ComparedRuns) -> Answer:
     return said, tr("Which one would you trust without the true error?")
 
 
-TRANSPORT = Suggestion("transport", "judge", lazy("Ask transport, too"), _transport_offer, _transport_answer, 0.5)
+TRANSPORT = Suggestion("transport", "judge", lazy("Ask transport, too"), _transport_estimator_offer,
+                       _transport_estimator_answer, 0.5)
 
 
 def _suggest_doubling_cells(fewest: int) -> Suggestion:

@@ -12,8 +12,8 @@ import numpy as np
 
 from solvers.bench.solver_benchmarks import bare_scene
 from solvers.problems import PROBLEMS
+from solvers.running.repeated_step_timing import RepeatedSteps
 from solvers.running.run import build
-from solvers.running.timing import RepeatedSteps
 
 CPP_SOURCES = Path(__file__).parent / "cpp"
 FLAGS = ("-O3", "-march=native", "-ffast-math", "-fopenmp-simd", "-std=c++17")

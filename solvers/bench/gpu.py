@@ -21,7 +21,7 @@ from solvers.running.run import build
 from solvers.scene.scene import MOST_PARTICLES, Scene
 from solvers.solver import devices
 from solvers.solver.base import Solver
-from solvers.solver.error_norms import finite_or_none
+from solvers.solver.error_series import finite_or_none
 from solvers.workers.worker_process import ProcessDied, ask_fresh
 
 #: Cells that make about 1e4, 1e5, 1e6 and 1e7 particles, of which a quick bench takes the first two.

@@ -13,12 +13,12 @@ from typing import Any
 import numpy as np
 
 from solvers.problems import PROBLEMS
+from solvers.running.repeated_step_timing import RepeatedSteps, particle_step_rate, time_interleaved, time_ratios
 from solvers.running.run import build
-from solvers.running.timing import RepeatedSteps, particle_step_rate, time_interleaved, time_ratios
 from solvers.scene.scene import Scene
 from solvers.scene.validation import SceneError
 from solvers.solver.base import Solver
-from solvers.solver.error_norms import finite_or_none
+from solvers.solver.error_series import finite_or_none
 from solvers.study.row import PRICED
 
 

@@ -22,7 +22,7 @@ def start_times(command: Sequence[str], problems: Sequence[str]) -> dict:
         ready = min(time_command(command) for _ in range(TURNS))
         with tempfile.TemporaryDirectory(prefix="mpm-lab-bench-", ignore_cleanup_errors=True) as cache:
             question, environment = {"problems": list(problems)}, {CACHE_VARIABLE: cache}
-            cold, warm = (ask_fresh(f"{__name__}:measure_in_worker", question, environment) for _ in range(2))
+            cold, warm = (ask_fresh(f"{__name__}:measure_own_start", question, environment) for _ in range(2))
     except ProcessDied as error:
         return dict.fromkeys(("command", "import", "taichi", "cold", "warm")) | {"failed": str(error)}
     return {"command": ready, "import": warm["import"], "taichi": warm["taichi"], "cold": cold["compile"],
@@ -39,7 +39,7 @@ def time_command(command: Sequence[str]) -> float:
     return time.perf_counter() - begun
 
 
-def measure_in_worker(question: dict, answer: Callable[[dict], None]) -> None:
+def measure_own_start(question: dict, answer: Callable[[dict], None]) -> None:
     begun = time.perf_counter()
     from solvers.kernels import runtime
     from solvers.problems import PROBLEMS

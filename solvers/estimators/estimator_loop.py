@@ -3,7 +3,7 @@
 import taichi as ti
 
 from solvers.estimators.estimator_memory import packing
-from solvers.kernels.packing import PackedMembersView
+from solvers.kernels.packing import PackedAttributesView
 from solvers.kernels.scalar_hoisting import mark_untranslated_by_taichi
 from solvers.scene.estimator_hooks import NEVER
 
@@ -12,7 +12,7 @@ from solvers.scene.estimator_hooks import NEVER
 def with_memory(state, estimators, name):
     """Returns ``state`` with the memory of estimator ``name`` as further attributes, while a kernel is compiled;
     ``estimators`` are all hooks by name, as their memory is packed together."""
-    return PackedMembersView(state, packing(estimators), estimators[name].memory)
+    return PackedAttributesView(state, packing(estimators), estimators[name].memory)
 
 
 @ti.func

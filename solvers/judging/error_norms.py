@@ -15,7 +15,7 @@ from solvers.judging.frames import Frame
 from solvers.judging.problem_handout import fields_at_points, solve_companion
 from solvers.problems import PROBLEMS
 from solvers.scene.scene import Scene
-from solvers.solver.error_norms import error_index, finite_or_none, summary
+from solvers.solver.error_series import error_index, finite_or_none, summary
 from solvers.solver.rounding import largest_rounding_error
 
 QUANTITIES = ("x", "v", "sigma")

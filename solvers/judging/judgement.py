@@ -13,15 +13,15 @@ from solvers.judging import error_norms
 from solvers.judging.error_norms import QUANTITIES, Errors, TwoMeshCompanion, WorstParticle
 from solvers.judging.findings import outliers
 from solvers.judging.findings.all_findings import find_in_run
-from solvers.judging.findings.evidence import Evidence
 from solvers.judging.findings.finding import Finding
+from solvers.judging.findings.findings_input import FindingsInput
 from solvers.judging.findings.outliers import FrameOutliers
 from solvers.judging.frames import GridRun
 from solvers.judging.particle_matching import SAME, check_origin, match_files
 from solvers.judging.particle_readers import Particles, as_list, read_all
 from solvers.scene.scene import Scene
 from solvers.scene.validation import SceneError
-from solvers.solver.error_norms import finite_or_none
+from solvers.solver.error_series import finite_or_none
 from solvers.study.convergence import fit_slope
 from solvers.translatable_message import Message
 
@@ -56,8 +56,8 @@ class GridJudgement:
     @functools.cached_property
     def _findings(self) -> tuple[list[Finding], FrameOutliers | None]:
         errors = functools.partial(error_norms.true_errors, self.scene) if self.true_errors else self.companions.errors
-        return find_in_run(Evidence(self.scene, self.grid.frames, self.best_known_errors, errors,
-                                    self.grid.step or self.scene.time_step))
+        return find_in_run(FindingsInput(self.scene, self.grid.frames, self.best_known_errors, errors,
+                                         self.grid.step or self.scene.time_step))
 
     @property
     def checks(self) -> list[Finding]:

@@ -25,7 +25,7 @@ def swirl_slopes(scene: Any) -> tuple[np.ndarray, np.ndarray]:
     return R, (1024 * (R - 1) ** 2 - 64) * (R - 1)
 
 
-def relative_wave_rate(scene: Any) -> float:
+def wave_angle_per_metre(scene: Any) -> float:
     """Returns the angle in radians that a wave runs along the fastest circle while a wave at rest runs a metre.
 
     With F = [[1, 0], [g, 1]] the stiffest tangent along e_Theta, at rest, is mu + (lambda + mu) (1 + g^2), and there
@@ -61,7 +61,7 @@ LIMITS = (
           "cells can follow {most:g}; give {cells} cells or a smaller amplitude"),
     # As the way of a wave over an element, a cell wide at the inner rim. From 0.8 on its method may be unstable, which
     # the run shows.
-    Limit("recovered", "courant_number", most=lambda scene: 0.9 / (scene.INNER * relative_wave_rate(scene)),
+    Limit("recovered", "courant_number", most=lambda scene: 0.9 / (scene.INNER * wave_angle_per_metre(scene)),
           why="recovered "
           "has its own equation of motion, which is unstable with such steps in such a shear; give a cfl of {most:.2g} "
           "or less"))

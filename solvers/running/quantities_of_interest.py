@@ -14,7 +14,7 @@ import numpy as np
 from solvers.problems import PROBLEMS
 from solvers.scene.scene import Scene
 from solvers.scene.validation import SceneError
-from solvers.solver.error_norms import IGNORE_OVERFLOW, finite_or_none
+from solvers.solver.error_series import IGNORE_OVERFLOW, finite_or_none
 from solvers.solver.particle_snapshot import TRUTH, ParticleFields, ParticleValues
 from solvers.solver.rounding import largest_rounding_error
 

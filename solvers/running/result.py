@@ -15,8 +15,8 @@ from solvers.running import result_file
 from solvers.scene.effects import ALL
 from solvers.scene.scene import Scene
 from solvers.scene.validation import SceneError
-from solvers.solver import budget, error_norms
-from solvers.solver.error_norms import IGNORE_OVERFLOW, finite_or_none, largest_finite_or_none, summary
+from solvers.solver import budget, error_series
+from solvers.solver.error_series import IGNORE_OVERFLOW, finite_or_none, largest_finite_or_none, summary
 from solvers.solver.particle_snapshot import Snapshot, WallTimes
 from solvers.solver.rounding import largest_rounding_error
 from solvers.solver.rounding import rounding_sentence as nothing_but
@@ -161,7 +161,7 @@ class Result:
     @property
     def error(self) -> ByQuantity:
         """True errors over the run: ``error["x"]["max"]`` and so on, RMS over particles of x (m), v (m/s), sigma (Pa),
-        a (m/s^2) and the problem's own norm, each as in :func:`solvers.solver.error_norms.summary`; None without
+        a (m/s^2) and the problem's own norm, each as in :func:`solvers.solver.error_series.summary`; None without
         truth."""
         extra = {self.scene.EXTRA_ERROR: summary(self.series["error_extra"])}
         return ByQuantity({q: summary(self.series[f"error_{q}"]) for q in QUANTITIES} | extra)
@@ -185,8 +185,8 @@ class Result:
         return self._by_estimator(functools.partial(self._ratio, "distance"), None)
 
     def _ratio(self, ratio: str, estimator: str) -> dict[str, float | None]:
-        norm = f"{estimator}/{error_norms.RATIOS[ratio]}"
-        return {q: error_norms.error_index(self.series[f"{norm}_{q}"], self.series[f"error_{q}"],
+        norm = f"{estimator}/{error_series.RATIOS[ratio]}"
+        return {q: error_series.error_index(self.series[f"{norm}_{q}"], self.series[f"error_{q}"],
                                            largest_rounding_error(self.scene, q, self.steps)) for q in QUANTITIES}
 
     def _by_estimator(self, what: Callable[[str], dict], missing: object) -> ByEstimator:
@@ -200,7 +200,7 @@ class Result:
         """Sentences, by quantity, why one has no index: its true error is only rounding."""
         limits = {q: float(largest_rounding_error(self.scene, q, self.steps)) for q in QUANTITIES}
         return {q: nothing_but(limit) for q, limit in limits.items()
-                if error_norms.is_only_rounding(self.series[f"error_{q}"], limit)}
+                if error_series.is_only_rounding(self.series[f"error_{q}"], limit)}
 
     def effect_numbers(self, effect: str) -> Any:
         """Returns the numbers of an effect of ``solvers.scene.effects``, by name, as in JSON; None where it is off."""

@@ -9,8 +9,8 @@ import numpy as np
 
 from solvers.problems import PROBLEMS
 from solvers.running.quantities_of_interest import evaluate_goal, mask_refused, parse_goals
+from solvers.running.repeated_step_timing import estimator_shares
 from solvers.running.result import Result
-from solvers.running.timing import estimator_shares
 from solvers.scene.scene import Scene
 from solvers.scene.step_bound import gershgorin_to_linear_factor
 from solvers.scene.validation import SceneError, require_choice

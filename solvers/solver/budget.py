@@ -5,7 +5,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from solvers.scene.error_causes import CAUSES, FIELDS
-from solvers.solver.error_norms import IGNORE_OVERFLOW, finite_or_none
+from solvers.solver.error_series import IGNORE_OVERFLOW, finite_or_none
 from solvers.translatable_message import Message
 
 #: The largest :func:`cancellation` at which shares are meaningful. In 600 random runs, each with three causes removed

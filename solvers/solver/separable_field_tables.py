@@ -35,7 +35,7 @@ def pack_tables(*tables: tuple[SeparableField | None, np.ndarray | None]) -> tup
     return np.array(sizes, np.int32), np.concatenate(parts)
 
 
-def paired_mode_entries(table: SeparableField | None) -> tuple[SeparableField | None, np.ndarray | None]:
+def pad_to_mode_pairs(table: SeparableField | None) -> tuple[SeparableField | None, np.ndarray | None]:
     """Returns a field of vectors, padded to an even rank, and its modes (n, 4), two in each entry; None for None."""
     if table is None:
         return None, None

@@ -16,7 +16,7 @@ import numpy as np
 
 from solvers.scene import estimator_registry
 from solvers.scene.scene import Scene
-from solvers.solver.error_norms import IGNORE_OVERFLOW, largest_finite_or_none
+from solvers.solver.error_series import IGNORE_OVERFLOW, largest_finite_or_none
 from solvers.translatable_message import Message
 
 OK, UNSTABLE, LOST = "ok", "unstable", "lost"

@@ -14,7 +14,7 @@ from dataclasses import dataclass, field, replace
 
 from solvers.scene.effects import EFFECTS
 from solvers.scene.scene import Scene
-from solvers.solver.error_norms import finite_or_none
+from solvers.solver.error_series import finite_or_none
 from solvers.solver.soundness import OK
 from solvers.study.advise import COARSE, Goal, advise, refinement_families, usual_family_per_method
 from solvers.study.parameter_grid import Task, task_of

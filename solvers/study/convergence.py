@@ -8,7 +8,7 @@ from dataclasses import asdict, dataclass
 
 import numpy as np
 
-from solvers.solver.error_norms import IGNORE_OVERFLOW
+from solvers.solver.error_series import IGNORE_OVERFLOW
 from solvers.solver.samples import QUANTITIES
 from solvers.solver.soundness import OK
 

@@ -147,8 +147,8 @@ def _particle_steps(scene: Scene, cells: int) -> float:
 @lru_cache(maxsize=4096)
 def _seconds_per_particle_step(scene: Scene) -> float:
     """Returns the CPU seconds per particle-step of a scene, warmed up; infinite for an unstable run."""
+    from solvers.running.repeated_step_timing import particle_step_rate
     from solvers.running.run import build
-    from solvers.running.timing import particle_step_rate
 
     seconds = 1e-6 / particle_step_rate(build(scene), TIMED_TURNS, TIMED_SECONDS)
     return seconds if math.isfinite(seconds) else math.inf

@@ -109,7 +109,7 @@ def stayed_accurate(row: Mapping) -> bool:
 
 def measure_prices(kind: type[Scene], rows: Iterable[dict]) -> dict[tuple[str, str], float]:
     """Measures the seconds per step over those of the plain method; returns them by (method, treatment)."""
-    from solvers.running.timing import time_ratios
+    from solvers.running.repeated_step_timing import time_ratios
 
     pairs: dict[tuple[str, str], tuple[Scene, Scene]] = {}
     for row in completed_rows(rows):

@@ -7,7 +7,7 @@ import pytest
 
 from app import words
 from solvers.problems import PROBLEMS
-from solvers.problems.bar.patch_test import PATCH
+from solvers.problems.bar.patch_test_inputs import PATCH
 from solvers.problems.bar.scene import BarScene
 from solvers.scene.validation import SceneError
 

@@ -14,7 +14,7 @@ from app.commands.progress import record_interrupts, stdout_to_stderr
 from app.words import command_line, per_cell
 from solvers.scene.scene import Scene
 from solvers.scene.validation import require_choice, require_number
-from solvers.solver.error_norms import finite_or_none
+from solvers.solver.error_series import finite_or_none
 from solvers.solver.samples import QUANTITIES
 from solvers.study.background_jobs import COURANT_NUMBERS, PARTICLES_PER_CELL
 

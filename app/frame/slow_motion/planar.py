@@ -5,7 +5,7 @@ import numpy as np
 from app.frame.layout import Rectangle
 from app.frame.primitives import Colour, StageMetrics
 from app.frame.slow_motion.stage import DOMAINS, FRONT, OTHERS, SlowMotionStage, averaged_hat
-from solvers.problems.planar.layout import CORNERS
+from solvers.problems.planar.particle_layout import CORNERS
 from solvers.scene.scene import Scene
 from solvers.solver.step_breakdown import StepBreakdown
 

@@ -50,7 +50,7 @@ class BrowserAddress:
         """Stores the present state in the browser's address, and a lesson's answers in the browser."""
         with self._keeping:  # otherwise a refresh could overwrite a newer state
             lesson = self._page.lesson
-            name, answers = (lesson.name, lesson.answers) if lesson else ("", "")
+            name, answers = (lesson.name, lesson.stored_progress) if lesson else ("", "")
             self._page.store.store(state_link(self._page.controls.state, name), name, answers)
 
     def _follow(self, link: str) -> None:

@@ -20,7 +20,7 @@ from solvers.engine.engine_messages import FrameReport
 from solvers.running.quantities_of_interest import ENERGY, STRESS
 from solvers.scene.effects import ALL, PER_CENT, Number, OutputLine, output_lines_by_effect
 from solvers.scene.estimator_registry import ESTIMATORS
-from solvers.solver.error_norms import is_only_rounding
+from solvers.solver.error_series import is_only_rounding
 from solvers.solver.rounding import largest_rounding_error
 from solvers.solver.soundness import OK, UNSTABLE
 from solvers.study.coverage import track_record

@@ -12,7 +12,7 @@ from app.frame.recent_crossings import WINDOW
 from solvers.scene.scene import Scene
 from solvers.scene.step_bound import gershgorin_to_linear_factor
 from solvers.solver import samples
-from solvers.solver.error_norms import RATIOS, RunningEffectivityIndex
+from solvers.solver.error_series import RATIOS, RunningEffectivityIndex
 from solvers.solver.rounding import largest_rounding_error
 from solvers.solver.samples import QUANTITIES
 

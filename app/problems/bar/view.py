@@ -14,7 +14,7 @@ from app.problems.interface import MaterialRegions, MotionChoice, ProblemView, S
 from app.problems.suggestion import Answer, ComparedRuns, Offer, Suggestion, SuggestionNotApplicable, changed_state
 from app.state import State
 from app.words import format_factor, per_cent
-from solvers.problems.bar.patch_test import PATCH
+from solvers.problems.bar.patch_test_inputs import PATCH
 from solvers.problems.bar.scene import BarScene
 
 MOST_CELLS = 160

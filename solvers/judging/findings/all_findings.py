@@ -5,9 +5,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from solvers.judging.findings import completeness, constitutive_law, deformation, outliers, placement, time_consistency
-from solvers.judging.findings.evidence import Evidence, detect_precision, sample_numbers
+from solvers.judging.findings import body_coverage, constitutive_law, deformation, outliers, placement, time_consistency
 from solvers.judging.findings.finding import HOLDS, OFF, Finding, unknown
+from solvers.judging.findings.findings_input import FindingsInput, detect_precision, sample_numbers
 from solvers.judging.findings.outliers import FrameOutliers
 from solvers.judging.findings.recorded_motion import RecordedMotion
 from solvers.judging.findings.time_fits import rms
@@ -49,7 +49,7 @@ MOTION_FINDINGS = (
     *(FindingGroup((), _for_quantity(outliers.check_roughness, key)) for key in ("v", "sigma")))
 
 
-def find_in_run(evidence: Evidence) -> tuple[list[Finding], FrameOutliers | None]:
+def find_in_run(evidence: FindingsInput) -> tuple[list[Finding], FrameOutliers | None]:
     """Returns the findings of a run against its problem, and the frame in which most particles are not where their
     neighbours are, with these. Means over particles with many outliers are not evaluated."""
     with np.errstate(all="ignore"):  # files may have any numbers, and what is made of the largest may be none
@@ -62,7 +62,7 @@ def find_in_run(evidence: Evidence) -> tuple[list[Finding], FrameOutliers | None
         if order.verdict == HOLDS and not (beside and beside.most):
             drift = placement.check_mean_error(evidence)
         fewest = min(evidence.frames, key=lambda frame: len(frame.number))
-        return [completeness.check_completeness(evidence.scene, fewest), _check_precision(evidence), places,
+        return [body_coverage.check_body_is_covered(evidence.scene, fewest), _check_precision(evidence), places,
                 placement.check_initial_velocities(evidence), axes, order, drift,
                 outliers.outliers_finding("x", beside),
                 *(outliers.outliers_finding(q, outliers.value_outliers(evidence, q)) for q in ("v", "sigma")),
@@ -71,7 +71,7 @@ def find_in_run(evidence: Evidence) -> tuple[list[Finding], FrameOutliers | None
                 constitutive_law.check_constitutive_law(evidence)], beside.most if beside else None
 
 
-def _check_precision(evidence: Evidence) -> Finding:
+def _check_precision(evidence: FindingsInput) -> Finding:
     """Compares rounding in the file with the error of x: errors below the stored precision cannot be seen."""
     places = sample_numbers([f.position for f in evidence.frames])
     figures = detect_precision(places)

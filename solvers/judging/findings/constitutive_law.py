@@ -7,8 +7,8 @@ import numpy as np
 
 from solvers.judging.error_norms import rms
 from solvers.judging.findings import time_fits
-from solvers.judging.findings.evidence import Evidence, Tracks, detect_precision, sample_numbers
 from solvers.judging.findings.finding import HOLDS, OFF, Finding, unknown
+from solvers.judging.findings.findings_input import FindingsInput, Tracks, detect_precision, sample_numbers
 from solvers.judging.findings.time_fits import interpolate_before, time_derivative
 from solvers.problems import PROBLEMS
 from solvers.scene.scene import Scene
@@ -23,7 +23,7 @@ EXPLAINS = 0.3  # of the difference, at most, is left by what explains it
 RATIOS = np.linspace(0.0, 0.49, 50)  # candidates of Poisson's ratio
 
 
-def check_constitutive_law(evidence: Evidence) -> Finding:
+def check_constitutive_law(evidence: FindingsInput) -> Finding:
     """Checks the stress of all frames against the problem's law for their F, relative to the run's RMS stress."""
     scene, frames = evidence.scene, evidence.frames
     both = [(f.deformation_gradient, f.stress) for f in frames
@@ -55,7 +55,7 @@ def check_constitutive_law(evidence: Evidence) -> Finding:
                            "by the problem's law: {told}", measured, told))
 
 
-def _explain_stress(evidence: Evidence, size: float) -> str | None:
+def _explain_stress(evidence: FindingsInput, size: float) -> str | None:
     """Returns in words what the stress is, where that fits far better than the problem's law; otherwise None. ``size``
     is the run's RMS stress in Pa."""
     tracks = evidence.tracks

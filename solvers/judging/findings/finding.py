@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 from typing import Any
 
-from solvers.solver.error_norms import finite_or_none
+from solvers.solver.error_series import finite_or_none
 
 HOLDS, UNKNOWN = "holds", "cannot be told"
 OFF = "does not hold"  # against what a problem's particles should be

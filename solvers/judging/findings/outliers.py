@@ -6,8 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from solvers.judging.findings.evidence import Evidence
 from solvers.judging.findings.finding import BROKEN, HOLDS, OFF, SUSPICIOUS, Finding, unknown
+from solvers.judging.findings.findings_input import FindingsInput
 from solvers.judging.findings.neighbours import MOST, USUAL, Neighbourhood, departures, find_neighbours, find_outliers
 from solvers.judging.findings.recorded_motion import RecordedMotion
 from solvers.judging.frames import Frame
@@ -69,7 +69,7 @@ class Outliers:
     limit: float
 
 
-def position_outliers(evidence: Evidence) -> Outliers | None:
+def position_outliers(evidence: FindingsInput) -> Outliers | None:
     """Returns the outliers of x, found in each frame alone, in the frame with the most. None for too few particles."""
     scene, found = evidence.scene, []
     for frame, error, near in _with_neighbours(evidence, "x", len(evidence.frames)):
@@ -82,7 +82,7 @@ def position_outliers(evidence: Evidence) -> Outliers | None:
     return Outliers(most if len(most.which) else None, largest, limit)
 
 
-def value_outliers(evidence: Evidence, quantity: str) -> Outliers | None:
+def value_outliers(evidence: FindingsInput, quantity: str) -> Outliers | None:
     """Returns the outliers of v or the stress: particles that are outliers in a third of the frames, or by far in one.
     None where the files do not have the quantity, or not always of the same particles."""
     least = LEAST[quantity] * evidence.scene.size_of(quantity)
@@ -115,7 +115,8 @@ def _lasting_outliers(score: np.ndarray, longer: int, passes: float) -> tuple[np
     return np.where(lasts, order[longer], order[0]), np.maximum(lasting, passing), np.where(lasts, 1.0, passes)
 
 
-def _with_neighbours(evidence: Evidence, quantity: str, most: int) -> Iterator[tuple[Frame, np.ndarray, Neighbourhood]]:
+def _with_neighbours(evidence: FindingsInput, quantity: str,
+                     most: int) -> Iterator[tuple[Frame, np.ndarray, Neighbourhood]]:
     """Yields at most ``most`` frames with their errors (P, C) and neighbourhoods, computed once if constant."""
     pairs = [(f, e[quantity]) for f, e in zip(evidence.frames, evidence.errors, strict=True) if quantity in e]
     before: np.ndarray | None = None

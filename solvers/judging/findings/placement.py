@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 
 from solvers.judging.error_norms import Errors
-from solvers.judging.findings.evidence import MOST_FOLLOWED, Evidence, detect_precision, sample_numbers
 from solvers.judging.findings.finding import HOLDS, OFF, Finding, compare, unknown
+from solvers.judging.findings.findings_input import MOST_FOLLOWED, FindingsInput, detect_precision, sample_numbers
 from solvers.judging.findings.neighbours import MOST_ASKED, NeighbourSearch, departures, find_neighbours
 from solvers.judging.findings.time_fits import rms
 from solvers.judging.frames import Frame
@@ -35,7 +35,7 @@ POWERS = 7.0  # powers of ten that one unit may be of another
 NONE = "no data at t = 0 in the files"
 
 
-def check_initial_positions(evidence: Evidence) -> Finding:
+def check_initial_positions(evidence: FindingsInput) -> Finding:
     """Checks positions at t = 0 against those of the problem's particles, within 5 % of a cell."""
     found = _start_frame(evidence, "x")
     if found is None:
@@ -52,7 +52,7 @@ def check_initial_positions(evidence: Evidence) -> Finding:
                            size, Message(evidence.scene.problem), told))
 
 
-def check_initial_velocities(evidence: Evidence) -> Finding:
+def check_initial_velocities(evidence: FindingsInput) -> Finding:
     """Checks velocities at t = 0 against the problem's, relative to their RMS."""
     found = _start_frame(evidence, "v")
     if found is None:
@@ -75,7 +75,7 @@ def check_initial_velocities(evidence: Evidence) -> Finding:
                            "it: {told}", Message(evidence.scene.problem), off, told))
 
 
-def _start_frame(evidence: Evidence, quantity: str) -> tuple[Frame, np.ndarray] | None:
+def _start_frame(evidence: FindingsInput, quantity: str) -> tuple[Frame, np.ndarray] | None:
     """Returns the frame at t = 0 with its error (P, ...); None without such a frame, or if it lacks the quantity."""
     return next(((frame, error[quantity]) for frame, error in zip(evidence.frames, evidence.errors, strict=True)
                  if frame.time == 0 and quantity in error), None)
@@ -102,7 +102,7 @@ def _readings_of_start(scene: Scene, frame: Frame, error: np.ndarray) -> Iterato
                    lambda: float(np.sqrt(np.mean(np.minimum(far, rms(error)) ** 2))))
 
 
-def check_order(evidence: Evidence) -> Finding:
+def check_order(evidence: FindingsInput) -> Finding:
     """Checks for particles in another order, whose positions are right but belong to other particles."""
     frame, error = max(zip(evidence.frames, evidence.errors, strict=True), key=lambda pair: rms(pair[1]["x"]))
     apart = _spacing(frame.material_position)
@@ -124,7 +124,7 @@ def check_order(evidence: Evidence) -> Finding:
                 "in another order", frame.time, off))
 
 
-def check_mean_error(evidence: Evidence) -> Finding:
+def check_mean_error(evidence: FindingsInput) -> Finding:
     """Checks the mean error of x, which is 0 over particles that are symmetric about the middle of a body with such a
     motion; if they are symmetric under exchange of x and y, its part across the diagonal is 0."""
     frame = evidence.frames[0]
@@ -147,7 +147,7 @@ def check_mean_error(evidence: Evidence) -> Finding:
                            evidence.frames[k].time, place))
 
 
-def _forbidden_mean(evidence: Evidence, X: np.ndarray) -> Callable[[np.ndarray], np.ndarray] | None:
+def _forbidden_mean(evidence: FindingsInput, X: np.ndarray) -> Callable[[np.ndarray], np.ndarray] | None:
     """Returns a function for the part of a mean error (D,) that symmetry of X (P, D) forbids; None without symmetry."""
     start = PROBLEMS[evidence.scene.problem].reference.start(evidence.scene).material_position
     middle = 0.5 * (start.min(axis=0) + start.max(axis=0))
@@ -171,7 +171,7 @@ def _spacing(X: np.ndarray) -> float:
     return float(np.median(NeighbourSearch(X).nearest(X[::-(-len(X) // MOST_ASKED)], 2)[0][:, 1]))
 
 
-def check_alternative_readings(evidence: Evidence) -> Finding:
+def check_alternative_readings(evidence: FindingsInput) -> Finding:
     """Checks whether the error would be far smaller if the file were interpreted differently."""
     frames = sorted(evidence.frames, key=lambda f: -float(np.sum((f.position - f.material_position)**2)))[:LOOKED_AT]
     some: list[dict[str, Any]] = [{field.name: value[::-(-len(frame.number) // MOST_FOLLOWED)]

@@ -6,8 +6,8 @@ times, beside the effects of the grid's smoothing and of a wrong amplitude; with
 
 import numpy as np
 
-from solvers.judging.findings.evidence import Evidence
 from solvers.judging.findings.finding import BROKEN, HOLDS, OFF, SUSPICIOUS, Finding, unknown
+from solvers.judging.findings.findings_input import FindingsInput
 from solvers.judging.findings.recorded_motion import RecordedMotion
 from solvers.judging.findings.time_fits import jackknife_error, jackknife_least_squares, rms, time_derivative
 from solvers.translatable_message import Message
@@ -45,7 +45,7 @@ EXPLAINS = 0.5  # of what v and dx/dt differ by, at most, is left by a lag
 FEWEST = 6  # moments, for what is fitted within a motion
 
 
-def check_velocity_time(evidence: Evidence) -> Finding:
+def check_velocity_time(evidence: FindingsInput) -> Finding:
     """Checks that positions grow by the velocities: over each interval the trapezoidal rule for the errors of v is
     compared with the growth of the error of x. Both are small and smooth in time, so that few times are enough."""
     tracks, step = evidence.tracks, evidence.step
@@ -60,7 +60,7 @@ def check_velocity_time(evidence: Evidence) -> Finding:
     return _lag_finding(VELOCITY, late[0, 0] / step, slack, (-SLACK, HALF + SLACK), step, Message("the velocities are"))
 
 
-def check_stress_time(evidence: Evidence) -> Finding:
+def check_stress_time(evidence: FindingsInput) -> Finding:
     """Checks the lag in time of the stress behind x, from the errors of both, in steps."""
     tracks, step = evidence.tracks, evidence.step
     if tracks is None or len(tracks.time) < FEWEST_TIMES or "sigma" not in tracks.exact:
@@ -81,7 +81,7 @@ def check_stress_time(evidence: Evidence) -> Finding:
     return _lag_finding(STRESS, float(late[0][0]), slack, (-HALF, HALF), step, Message("F or the stress is"))
 
 
-def check_clock_rate(evidence: Evidence) -> Finding:
+def check_clock_rate(evidence: FindingsInput) -> Finding:
     """Checks for times that run too fast or too slow: the error of x grows with time in proportion to the velocity."""
     tracks = evidence.tracks
     if tracks is None or len(tracks.time) < FEWEST_TIMES:

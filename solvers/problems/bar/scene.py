@@ -11,8 +11,8 @@ import numpy as np
 
 from solvers.motion.exact_solution_1d import HALF_ERROR, MotionMagnitudes, motion_magnitudes
 from solvers.motion.typed_motion import MotionInputs1D
-from solvers.problems.bar import estimator_limits, exact_solution, patch_test, step_bound
-from solvers.problems.bar.patch_test import PATCH, VIBRATE
+from solvers.problems.bar import estimator_limits, exact_solution, patch_test_inputs, step_bound
+from solvers.problems.bar.patch_test_inputs import PATCH, VIBRATE
 from solvers.scene.derived_quantities import MOST_PER_CELL
 from solvers.scene.error_causes import CAUSES, NOTHING
 from solvers.scene.field_options import document_fields, option
@@ -47,8 +47,8 @@ class BarScene(TypedMotionScene, Scene):
                            choices=("grid", "particle", "corners"))
     motion: str = option(VIBRATE, "What the bar does: vibrate, or begin evenly stretched and moving, so that exactly "
                          "nothing should happen (patch test)", choices=(VIBRATE, PATCH))
-    stretch: float = option(patch_test.STRETCH, "Stretch F of a patch test, no unit; not 1")
-    initial_velocity: float = option(patch_test.VELOCITY, "Velocity of a patch test", "m/s")
+    stretch: float = option(patch_test_inputs.STRETCH, "Stretch F of a patch test, no unit; not 1")
+    initial_velocity: float = option(patch_test_inputs.VELOCITY, "Velocity of a patch test", "m/s")
     displacement: str = option("", "Displacement u in m, a formula of X, t, A and w, in place of the built-in one",
                                hint="A*sin(2*pi*X)*sin(w*t)")
 
@@ -62,7 +62,7 @@ class BarScene(TypedMotionScene, Scene):
     LIMITS = estimator_limits.LIMITS
     OWN_EFFECTS = ("budget",)
     REMEDIES = (FILTER, COUPLED, CENTRED, FROZEN, PIECES)
-    RUN_ONLY = dict.fromkeys(("motion", "stretch", "initial_velocity"), patch_test.NOTHING_TO_SEARCH)
+    RUN_ONLY = dict.fromkeys(("motion", "stretch", "initial_velocity"), patch_test_inputs.NOTHING_TO_SEARCH)
     STRAIN_PER_AMPLITUDE = 1 / BAR_AMPLITUDE_LIMIT
     GENTLE_AMPLITUDE = 1e-3
     HARD_AMPLITUDES = (0.025, 0.05, 0.1, 0.14)
@@ -175,7 +175,7 @@ class BarScene(TypedMotionScene, Scene):
     def loss_limits(self) -> dict[str, float]:
         """Relative errors from which on a run is lost: in a patch test of "sigma", as only stress can be wrong
         there."""
-        return {"sigma": patch_test.FAILED_FROM} if self.is_patch else {}
+        return {"sigma": patch_test_inputs.FAILED_FROM} if self.is_patch else {}
 
     @property
     def budget_reference(self) -> str:
@@ -214,7 +214,7 @@ class BarScene(TypedMotionScene, Scene):
         if self.take_away != NOTHING and not self.has("budget"):
             sentences.append(Message("take away {take_away}: nothing is taken away without the effect budget",
                                      self.take_away))
-        if self.is_patch and (step := patch_test.first_edge_step(self, self.initial_velocity)):
+        if self.is_patch and (step := patch_test_inputs.first_edge_step(self, self.initial_velocity)):
             sentences.append(Message("after {step} steps particles are exactly on cell boundaries, and rounding "
                                      "decides in which cell they are: with hat functions this causes errors even with "
                                      "whole particles per cell; another velocity avoids it, such as "
@@ -225,12 +225,13 @@ class BarScene(TypedMotionScene, Scene):
         return step_bound.critical_time_step(self, self.initial_stretch, self.initial_velocity)
 
     def _normalized_inputs(self) -> dict[str, Any]:
-        meant = patch_test.normalise_inputs(self.cells, self.ppc, self.body_force) if self.motion == PATCH else {}
+        meant = patch_test_inputs.normalise_inputs(self.cells, self.ppc,
+                                                   self.body_force) if self.motion == PATCH else {}
         return {**super()._normalized_inputs(), **meant}
 
     def _check_per_cell(self) -> None:
         if self.is_patch:
-            return patch_test.check_particles_per_cell(self.cells, self.ppc)
+            return patch_test_inputs.check_particles_per_cell(self.cells, self.ppc)
         if isinstance(self.ppc, float) and 1 <= self.ppc <= MOST_PER_CELL:
             raise SceneError("ppc", self.ppc, "give a whole number from 1 to {most}; only a patch test (motion patch) "
                              "may have a part of one", MOST_PER_CELL)
@@ -247,10 +248,10 @@ class BarScene(TypedMotionScene, Scene):
 
     def _check_numbers(self) -> None:
         super()._check_numbers()
-        patch_test.check_stretch_and_velocity(self.stretch, self.initial_velocity)
+        patch_test_inputs.check_stretch_and_velocity(self.stretch, self.initial_velocity)
 
     def _check_combinations(self) -> None:
-        patch_test.check_inputs_fit_motion(self)
+        patch_test_inputs.check_inputs_fit_motion(self)
         if self.displacement and self.body_force != "material":
             raise SceneError("body_force", self.body_force, "does not go with a typed displacement, which is the "
                              "solution with a force at material points alone; give material")

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from solvers.problems.bar import patch_test
+from solvers.problems.bar import patch_test_inputs
 from solvers.scene.linear_stability import Configurations, NodeLinks, longest_step_per_instant
 from solvers.scene.scene import Scene
 from solvers.scene.stabilisations import PIECES
@@ -64,7 +64,7 @@ def critical_time_step(scene: Any, stretch: float, velocity: float) -> StepBound
 def _patch_time_step(scene: Scene, stretch: float, velocity: float) -> StepBound:
     """Returns the longest stable steps in s of a patch test, stretched by ``stretch``, while its particles pass through
     a cell at ``velocity`` in m/s; their spacing never changes."""
-    cells, particles = patch_test.repeating_unit(scene)
+    cells, particles = patch_test_inputs.repeating_unit(scene)
     times = max(1, min(scene.cells // cells, MOST_PARTICLES // particles))
     cells, particles = times * cells, times * particles
     X = (np.arange(particles) + 0.5) / particles

@@ -102,7 +102,7 @@ class BoxScene(PlanarScene):
         return self.SIDE + self.spacing
 
     @functools.cached_property
-    def relative_wave_rate(self) -> float:
+    def wave_angle_per_metre(self) -> float:
         """Largest speed of waves along x or y in the material frame, anywhere in the motion, over that at rest."""
         rate = 1.0
         for t in (np.arange(INSTANTS) + 0.5) / INSTANTS * self.period:

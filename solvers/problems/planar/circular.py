@@ -16,7 +16,7 @@ from numpy.polynomial import chebyshev
 from solvers.motion.separable_field import SeparableField, separate
 from solvers.problems.planar import circular_diagnostics
 from solvers.problems.planar.estimators.circular_companion_body import CircularBody
-from solvers.problems.planar.layout import points_on_x_axis
+from solvers.problems.planar.particle_layout import points_on_x_axis
 from solvers.problems.planar.scene import GHOSTS, PlanarScene
 from solvers.scene.field_options import option
 from solvers.scene.momentum_balance_moments import DisplacementMoments
@@ -65,7 +65,7 @@ class CircularScene(PlanarScene):
                    for part in self.EXTREMES)
 
     @property
-    def relative_wave_rate(self) -> float:
+    def wave_angle_per_metre(self) -> float:
         """Angle in radians that a wave runs along the fastest circle while a wave at rest runs a metre."""
         return 1 / self.INNER
 

@@ -16,7 +16,7 @@ from numpy.polynomial import legendre
 
 from solvers.estimators.spectral_elements import unresolved_size
 from solvers.problems.planar.estimators.circular_companion_body import CircularBody
-from solvers.problems.planar.layout import circle_counts
+from solvers.problems.planar.particle_layout import circle_counts
 from solvers.scene.momentum_balance_moments import MODES, DisplacementMoments
 
 #: Orders of the element, up to an amplitude: of 500 random motions with an exact solution they missed at most 0.03 of

@@ -9,7 +9,7 @@ import numpy as np
 from solvers.estimators.standalone_companion import ElasticBody
 from solvers.problems.planar.body_force import body_force_at
 from solvers.problems.planar.circular import plot_direction, polar_component
-from solvers.problems.planar.layout import particle_layout, points_on_x_axis
+from solvers.problems.planar.particle_layout import particle_layout, points_on_x_axis
 from solvers.problems.planar.scene import PlanarScene
 from solvers.problems.reference import ProblemReference, Start, Texts, read_texts
 

@@ -16,7 +16,7 @@ from solvers.motion.exact_solution import ExactSolution, stack_components
 from solvers.motion.laws.material import LAWS, NEO_HOOKEAN, Material
 from solvers.motion.separable_field import SeparableField, separate
 from solvers.problems.planar import step_bound
-from solvers.problems.planar.layout import particle_layout
+from solvers.problems.planar.particle_layout import particle_layout
 from solvers.scene.scene import Scene
 from solvers.scene.stabilisations import COUPLED
 from solvers.scene.step_bound import StepBound

@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from solvers.motion.laws.law import determinant, reference_stiffness_metric, stiffness_metric, stress_increment
-from solvers.problems.planar.layout import CORNERS, MOST_HALF_WIDTH, box_stretch, particle_layout
+from solvers.problems.planar.particle_layout import CORNERS, MOST_HALF_WIDTH, box_stretch, particle_layout
 from solvers.scene.linear_stability import Configurations, Fields, NodeLinks, longest_step_per_instant
 from solvers.scene.scene import Scene
 from solvers.scene.step_bound import StepBound, combine_instant_bounds, gershgorin_step_bound, motion_fractions, stencil

@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from solvers.problems.planar.layout import half_edges
 from solvers.problems.planar.method.body import InstrumentedBody
+from solvers.problems.planar.particle_layout import half_edges
 from solvers.problems.planar.scene import GHOSTS, PlanarScene
 from solvers.problems.planar.snapshot_errors import body_force, cauchy_stress_of
 from solvers.problems.planar.weights import MirroredNodeGrid, particle_node_numbers, shape_function_values

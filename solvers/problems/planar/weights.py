@@ -7,11 +7,11 @@ causes are (C, P, 2) at particles and (C, N, 2) at nodes.
 
 import numpy as np
 
-from solvers.problems.planar.layout import CORNERS, half_edges
 from solvers.problems.planar.method.body import InstrumentedBody
 from solvers.problems.planar.method.cpdi import NODES
 from solvers.problems.planar.method.phases import EMPTY
 from solvers.problems.planar.method.stored_weights import weights_by_particle
+from solvers.problems.planar.particle_layout import CORNERS, half_edges
 from solvers.scene.scene import Scene
 
 

@@ -163,7 +163,7 @@ def three_grid_gci(values: Sequence[float]) -> float | None:
     return None if order is None else THREE_GRIDS * abs(values[1] - values[0]) / (RATIO**min(order, MOST_ORDER) - 1)
 
 
-def xing_stern_uncertainty(values: Sequence[float]) -> float | None:
+def xing_stern_grid_uncertainty(values: Sequence[float]) -> float | None:
     """Returns Xing and Stern's uncertainty from values on h, 2h and 4h; None where no order is observed. Its factor
     grows with the order's deviation from the formal one."""
     order = observed_order(values)
@@ -176,4 +176,4 @@ def xing_stern_uncertainty(values: Sequence[float]) -> float | None:
 
 #: The half width of an interval around the number on the finest grid, by what it is called.
 INTERVALS: Mapping[str, Callable[[Sequence[float]], float | None]] = {
-    "GCI, 2 grids": two_grid_gci, "GCI, 3 grids": three_grid_gci, "Xing and Stern": xing_stern_uncertainty}
+    "GCI, 2 grids": two_grid_gci, "GCI, 3 grids": three_grid_gci, "Xing and Stern": xing_stern_grid_uncertainty}

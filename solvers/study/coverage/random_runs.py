@@ -31,8 +31,8 @@ from solvers.scene.estimator_limits import reason
 from solvers.scene.kernel_options import kernel_key
 from solvers.scene.scene import Scene
 from solvers.scene.validation import SceneError
-from solvers.solver import error_norms
-from solvers.solver.error_norms import finite_or_none
+from solvers.solver import error_series
+from solvers.solver.error_series import finite_or_none
 from solvers.solver.rounding import largest_rounding_error
 from solvers.solver.soundness import OK
 from solvers.study.json_schema import NUMBER, NUMBER_OR_NONE, MapOf
@@ -225,7 +225,7 @@ def _ratios(result: Result, estimator: str) -> dict[str, dict[str, float | None]
             found["index"][q] = found["end"][q] = None
             continue
         least = float(largest_rounding_error(result.scene, q, result.steps))
-        found["index"][q] = error_norms.error_index(said, true, least)
+        found["index"][q] = error_series.error_index(said, true, least)
         found["end"][q] = finite_or_none(float(said[-1] / true[-1])) if true[-1] > least else None
     return found
 

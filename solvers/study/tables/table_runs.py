@@ -5,7 +5,7 @@ this."""
 from collections.abc import Callable, Iterable, Mapping
 
 from solvers.scene.scene import Scene
-from solvers.solver.error_norms import finite_or_none
+from solvers.solver.error_series import finite_or_none
 from solvers.solver.samples import QUANTITIES
 from solvers.study.json_schema import NUMBER, MapOf
 from solvers.study.parameter_grid import Task, task_of

@@ -19,9 +19,9 @@ from solvers.kernels import runtime
 from solvers.problems import PROBLEMS
 from solvers.problems.bar.scene import BarScene
 from solvers.problems.ring import RingScene
-from solvers.running import timing
+from solvers.running import repeated_step_timing
+from solvers.running.repeated_step_timing import RepeatedSteps, particle_step_rate, time_interleaved
 from solvers.running.run import build
-from solvers.running.timing import RepeatedSteps, particle_step_rate, time_interleaved
 from solvers.workers.worker_process import ProcessDied, ask_fresh
 
 #: What an effect that is off may cost in a quick run beside other work; the bench itself, at rest, shows 0 to 3 %.
@@ -83,12 +83,14 @@ def test_every_problem_method_and_size_has_a_rate_and_all_that_is_optional_a_pri
 def test_a_ratio_is_the_median_over_turns_and_each_scene_is_measured_once(monkeypatch):
     runtime.start()
     measured = []
-    monkeypatch.setattr(timing, "RepeatedSteps", lambda solver: solver.scene)
-    monkeypatch.setattr(timing, "time_interleaved", lambda scenes, turns: measured.append((scenes, turns)) or np.array(
-        [[2.0, 1.0], [6.0, 2.0], [5.0, 1.0]]))
+    monkeypatch.setattr(repeated_step_timing, "RepeatedSteps", lambda solver: solver.scene)
+    monkeypatch.setattr(repeated_step_timing, "time_interleaved",
+                        lambda scenes, turns: measured.append((scenes, turns)) or np.array([[2.0, 1.0], [6.0, 2.0],
+                                                                                            [5.0, 1.0]]))
     one, other = BarScene(cells=8), BarScene(cells=16)
-    assert timing.time_ratios({"dear": (one, other), "same": (other, other)}, 3) == {"dear": 3.0, "same": 1.0}
-    assert measured == [([one, other], 3)] and timing.time_ratios({}, 3) == {}
+    assert repeated_step_timing.time_ratios({"dear": (one, other), "same": (other, other)},
+                                            3) == {"dear": 3.0, "same": 1.0}
+    assert measured == [([one, other], 3)] and repeated_step_timing.time_ratios({}, 3) == {}
 
 
 def test_table_has_every_part(printed):
@@ -168,7 +170,7 @@ def test_a_process_that_fails_or_hangs_is_one_line(monkeypatch):
     with pytest.raises(ProcessDied, match="timed out"):
         start_up.time_command([sys.executable, "-c", "import time; time.sleep(60)"])
     with pytest.raises(ProcessDied, match="no answer within"):
-        ask_fresh("solvers.bench.start_up:measure_in_worker", patience=0.2)
+        ask_fresh("solvers.bench.start_up:measure_own_start", patience=0.2)
 
 
 @pytest.mark.parametrize("problem", PROBLEMS)

@@ -25,7 +25,7 @@ from app.export.recording import RecordingRequest, record_scene
 from app.frame.stage import marking_stride
 from app.lessons.lesson_parser import parse_lesson
 from app.problems.views import VIEWS
-from solvers.problems.planar.layout import particle_layout
+from solvers.problems.planar.particle_layout import particle_layout
 from solvers.scene.error_causes import FIELDS
 from tests.app.lessons.test_lesson_format import TEXT
 

@@ -12,7 +12,7 @@ from app.frame.primitives import StageMetrics
 from app.problems.bar.stage import BarStage
 from app.problems.views import VIEWS
 from solvers.problems.bar.scene import BarScene
-from solvers.problems.planar.layout import particle_layout
+from solvers.problems.planar.particle_layout import particle_layout
 from solvers.problems.ring import RingScene
 from solvers.running.run import build
 from solvers.solver.samples import QUANTITIES

@@ -23,7 +23,7 @@ from solvers.engine.engine_messages import FrameReport
 from solvers.engine.shared_frames import FrameArrays, FrameOptions
 from solvers.problems import PROBLEMS
 from solvers.problems.bar.scene import BarScene
-from solvers.problems.planar.layout import particle_layout
+from solvers.problems.planar.particle_layout import particle_layout
 from solvers.problems.ring import RingScene
 from solvers.problems.vortex import VortexScene
 from solvers.scene.estimator_registry import ESTIMATORS

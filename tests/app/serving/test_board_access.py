@@ -47,7 +47,7 @@ def room():
 
 def press(board, times=1):
     for _ in range(times):
-        board.press_button(NEXT, board.position.turn)
+        board.press_button(NEXT, board.shown_step.turn)
 
 
 def boards(page):
@@ -72,7 +72,7 @@ def test_a_pupil_opens_no_step(room):
     wait_until(lambda: pupil.at is None or pupil.set(pupil.find("Close the lesson"), True), "the shelf", pause=1.0)
     pupil.tell(open=LESSON.name)
     pupil.find("Next")
-    assert board.position.turn == board.last_open_step == pupil.at == 0
+    assert board.shown_step.turn == board.last_open_step == pupil.at == 0
     assert pupil.kinds["FileTransferStartDownload"] == 0
     press(board)
     pupil.go_on()
@@ -117,6 +117,6 @@ def test_the_lecturer_has_a_place_when_all_are_taken(room):
     lecturer = come(cookie_of(address, OWN))
     wait_until(lambda: any("step 1 of" in told and "3 are here" in told for told in boards(lecturer)), "the board")
     another = come(cookie_of(address, OWN))
-    another.tell(board=["next", board.position.turn])
+    another.tell(board=["next", board.shown_step.turn])
     wait_until(lambda: any("Reveal what came out" in told for told in boards(lecturer)), "the same on both")
     assert boards(teacher) == [] and board.tally.present_count == 3

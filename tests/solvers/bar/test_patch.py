@@ -8,7 +8,7 @@ import pytest
 from app import state
 from app.export.recording import RecordingRequest, record_scene
 from app.problems.bar.view import change_motion
-from solvers.problems.bar import exact_solution, patch_test
+from solvers.problems.bar import exact_solution, patch_test_inputs
 from solvers.problems.bar.scene import BarScene
 from solvers.running.run import build, picture_step, run
 from solvers.scene.validation import SceneError
@@ -126,14 +126,14 @@ def test_the_first_step_onto_a_boundary_is_known(ppc, cells_a_step, step):
     """Of particles at odd parts of a cell too, which no decimal number is: 5/6 + 2/12 = 1; 1/8 + n/12 is never whole.
     """
     scene = replace(PATCH, method="mpm", ppc=ppc)
-    assert patch_test.first_edge_step(scene, cells_a_step * scene.spacing / scene.time_step) == step
+    assert patch_test_inputs.first_edge_step(scene, cells_a_step * scene.spacing / scene.time_step) == step
 
 
 def test_a_bar_of_many_cells_is_looked_at_in_few():
     """A million particles or ten thousand stand alike in their cells, and so bear the same step, in cells."""
     few, many = (replace(PATCH, method="ugimp", cells=cells, ppc=10) for cells in (1000, 100_000))
     assert many.step_bound == pytest.approx(few.step_bound / 100, rel=1e-9)  # places are known to 1e5 epsilon = 2e-11
-    assert patch_test.repeating_unit(replace(PATCH, cells=1000, ppc=2.5)) == (2, 5)
+    assert patch_test_inputs.repeating_unit(replace(PATCH, cells=1000, ppc=2.5)) == (2, 5)
 
 
 def test_a_third_is_a_number_of_particles_too():

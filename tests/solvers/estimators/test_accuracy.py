@@ -20,7 +20,7 @@ from solvers.problems.vortex import VortexScene
 from solvers.running.result import Result
 from solvers.running.run import run
 from solvers.scene.scene import Scene
-from solvers.solver.error_norms import RATIOS, error_index
+from solvers.solver.error_series import RATIOS, error_index
 from solvers.solver.rounding import largest_rounding_error
 from solvers.solver.samples import QUANTITIES
 from tests.support.paths import ASSETS

@@ -15,8 +15,8 @@ from solvers.problems.bar.scene import BarScene
 from solvers.problems.planar.estimators import circular_companion, circular_companion_body
 from solvers.problems.ring import RingScene
 from solvers.problems.vortex import VortexScene
+from solvers.running.repeated_step_timing import estimator_shares
 from solvers.running.run import build
-from solvers.running.timing import estimator_shares
 from solvers.scene.scene import Scene
 from solvers.solver.samples import QUANTITIES
 

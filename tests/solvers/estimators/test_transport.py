@@ -13,7 +13,7 @@ from solvers.problems.bar.solver import BarSolver
 from solvers.problems.bar.state import HOOKS
 from solvers.problems.vortex import VortexScene
 from solvers.running.run import build
-from solvers.solver import error_norms, samples
+from solvers.solver import error_series, samples
 from tests.support.reference_bar import NUMBERS
 
 SMALL = NUMBERS["table1"]["small"]
@@ -23,11 +23,11 @@ TABLE_SCENE = BarScene(linearity_preserving=True, body_force="node", dt=2.5e-5, 
 
 def test_error_index_is_a_ratio_of_sums():
     """Eq 35: sum over time of the estimated norms over that of the true ones; none where there is no truth."""
-    assert error_norms.error_index(np.array([0.0, 1.0, 2.0]), np.array([0.0, 2.0, 4.0])) == 0.5
-    assert error_norms.error_index(np.array([1.0, 3.0]), np.array([2.0, 2.0])) == 1.0  # not the mean of the ratios
-    assert error_norms.error_index(np.ones(3), np.zeros(3)) is None
-    assert error_norms.error_index(np.array([1.0, math.nan]), np.ones(2)) is None
-    assert error_norms.error_index(np.ones(2), np.array([1.0, math.nan])) is None
+    assert error_series.error_index(np.array([0.0, 1.0, 2.0]), np.array([0.0, 2.0, 4.0])) == 0.5
+    assert error_series.error_index(np.array([1.0, 3.0]), np.array([2.0, 2.0])) == 1.0  # not the mean of the ratios
+    assert error_series.error_index(np.ones(3), np.zeros(3)) is None
+    assert error_series.error_index(np.array([1.0, math.nan]), np.ones(2)) is None
+    assert error_series.error_index(np.ones(2), np.array([1.0, math.nan])) is None
 
 
 def test_distance_sees_what_an_index_cannot():
@@ -35,15 +35,15 @@ def test_distance_sees_what_an_index_cannot():
     truth = np.array([[1.0, -1.0], [2.0, 2.0]])
     for estimate, index, distance in ((truth, 1, 0), (-truth, 1, 2), (0 * truth, 0, 1)):
         sizes = [np.linalg.norm(field, axis=1) for field in (estimate, truth, estimate - truth)]
-        assert error_norms.error_index(sizes[0], sizes[1]) == index
-        assert error_norms.error_index(sizes[2], sizes[1]) == pytest.approx(distance)
+        assert error_series.error_index(sizes[0], sizes[1]) == index
+        assert error_series.error_index(sizes[2], sizes[1]) == pytest.approx(distance)
 
 
 def test_summary_leaves_out_the_start():
     """The error at t = 0 is zero by definition and would only dilute the mean."""
-    assert error_norms.summary(np.array([0.0, 1.0, 3.0, 2.0])) == {"final": 2.0, "max": 3.0, "mean": 2.0}
+    assert error_series.summary(np.array([0.0, 1.0, 3.0, 2.0])) == {"final": 2.0, "max": 3.0, "mean": 2.0}
     nothing = {"final": None, "max": None, "mean": None}
-    assert error_norms.summary(np.array([0.0])) == error_norms.summary(np.array([0.0, math.nan])) == nothing
+    assert error_series.summary(np.array([0.0])) == error_series.summary(np.array([0.0, math.nan])) == nothing
 
 
 @pytest.mark.parametrize("linear", [False, True], ids=["plain", "linear"])

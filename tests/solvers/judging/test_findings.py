@@ -10,8 +10,8 @@ import pytest
 from app.cli import main
 from solvers.judging import problem_handout
 from solvers.judging.error_norms import summarise_norms
-from solvers.judging.findings.evidence import DOUBLE, SINGLE, detect_precision
 from solvers.judging.findings.finding import HOLDS, OFF, UNKNOWN
+from solvers.judging.findings.findings_input import DOUBLE, SINGLE, detect_precision
 from solvers.judging.findings.neighbours import find_neighbours, find_outliers
 from solvers.judging.findings.outliers import NAMES
 from solvers.judging.findings.time_fits import interpolate_before, jackknife_least_squares, time_derivative

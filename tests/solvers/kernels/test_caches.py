@@ -7,7 +7,7 @@ import sys
 
 import pytest
 
-from solvers.kernels import kernel_cache
+from solvers.kernels import kernel_cache_folder
 from tests.support.paths import ROOT
 from tests.support.processes import HANG
 
@@ -30,7 +30,8 @@ def test_a_run_ends_well_and_leaves_nothing(kind, tmp_path):
     room = tmp_path / "room"
     room.mkdir()
     kept = {name: value for name, value in os.environ.items()
-            if name not in ("HOME", kernel_cache.HOME, kernel_cache.KERNELS, kernel_cache.PICTURES)}
+            if name not in ("HOME", kernel_cache_folder.HOME, kernel_cache_folder.KERNELS,
+                            kernel_cache_folder.PICTURES)}
     picture = ["--plot", str(tmp_path / "x.png")] if kind == "read only" else []
     done = subprocess.run([sys.executable, "-m", "app", "run", "bar", "--cells", "8", "--periods", "0.1", "--json", "-",
                            *picture], cwd=ROOT, capture_output=True, text=True, timeout=HANG,
@@ -41,8 +42,8 @@ def test_a_run_ends_well_and_leaves_nothing(kind, tmp_path):
 
 
 def test_where_all_is_well_nothing_changes(tmp_path, monkeypatch):
-    monkeypatch.setenv(kernel_cache.HOME, str(tmp_path / "new"))
-    monkeypatch.delenv(kernel_cache.KERNELS, raising=False)
+    monkeypatch.setenv(kernel_cache_folder.HOME, str(tmp_path / "new"))
+    monkeypatch.delenv(kernel_cache_folder.KERNELS, raising=False)
     before = dict(os.environ)
-    kernel_cache.ensure_writable_cache_folder()
+    kernel_cache_folder.ensure_writable_cache_folder()
     assert dict(os.environ) == before and not (tmp_path / "new").exists()

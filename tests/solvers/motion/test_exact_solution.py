@@ -12,7 +12,7 @@ from solvers.motion.laws.law import determinant, stress_increment
 from solvers.motion.laws.material import LAWS, Material
 from solvers.motion.separable_field import NotPeriodic, separate
 from solvers.problems.planar.body_force import body_force_at
-from solvers.problems.planar.layout import particle_layout
+from solvers.problems.planar.particle_layout import particle_layout
 from solvers.problems.ring import RingScene
 from solvers.problems.vortex import VortexScene
 from tests.closed_forms import ring, vortex

@@ -11,7 +11,7 @@ from solvers import run
 from solvers.motion import typed_motion
 from solvers.motion.formula import FormulaError, parse_formula
 from solvers.problems.bar.scene import BarScene
-from solvers.problems.planar.layout import particle_layout
+from solvers.problems.planar.particle_layout import particle_layout
 from solvers.problems.planar.scene import motion_table
 from solvers.problems.square import SquareScene
 from solvers.scene.validation import SceneError

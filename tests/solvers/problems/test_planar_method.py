@@ -10,10 +10,10 @@ import taichi as ti
 from solvers.estimators.estimator_memory import unpack_arrays
 from solvers.kernels.dtypes import quads
 from solvers.problems import PROBLEMS
-from solvers.problems.planar.layout import half_edges
 from solvers.problems.planar.method import phases
 from solvers.problems.planar.method.cpdi import NODES
 from solvers.problems.planar.method.stored_weights import weights_by_particle
+from solvers.problems.planar.particle_layout import half_edges
 from solvers.problems.planar.scene import GHOSTS
 from solvers.problems.planar.snapshot_errors import body_force
 from solvers.problems.planar.solver import PlanarSolver

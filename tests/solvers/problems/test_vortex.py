@@ -11,8 +11,8 @@ import taichi as ti
 from solvers.kernels import runtime
 from solvers.kernels.dtypes import reals
 from solvers.problems.planar import step_bound
-from solvers.problems.planar.layout import CORNERS, box_stretch, particle_layout
 from solvers.problems.planar.method.neo_hookean_logarithms import FAR, logarithms
+from solvers.problems.planar.particle_layout import CORNERS, box_stretch, particle_layout
 from solvers.problems.vortex import VortexScene
 from solvers.running.result import Result
 from solvers.running.run import build, run
@@ -20,7 +20,7 @@ from solvers.scene.linear_stability import longest_step_per_instant
 from solvers.scene.step_bound import motion_fractions
 from solvers.scene.validation import SceneError
 from solvers.solver import samples
-from solvers.solver.error_norms import largest_finite_or_none
+from solvers.solver.error_series import largest_finite_or_none
 from solvers.solver.soundness import BROKEN
 from solvers.solver.state_arrays import aligned_copies
 from tests.closed_forms import vortex as printed

@@ -7,7 +7,7 @@ import pytest
 
 from solvers.problems.bar.scene import BarScene
 from solvers.problems.planar.circular_diagnostics import CircleMotion
-from solvers.problems.planar.layout import particle_layout
+from solvers.problems.planar.particle_layout import particle_layout
 from solvers.problems.ring import RingScene
 from solvers.problems.vortex import VortexScene
 from solvers.scene.momentum_balance_moments import DisplacementMoments

@@ -12,7 +12,7 @@ from app.pictures.run import run_figure
 from solvers.problems.bar.scene import BarScene
 from solvers.problems.vortex import VortexScene
 from solvers.running.run import build
-from solvers.solver.error_norms import RunningEffectivityIndex
+from solvers.solver.error_series import RunningEffectivityIndex
 from solvers.solver.rounding import ROUNDINGS, largest_rounding_error
 
 INDEX = ("truth", "acceleration", "estimate")  # what an index needs

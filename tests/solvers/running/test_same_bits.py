@@ -10,8 +10,8 @@ import pytest
 from solvers.problems.bar.scene import BarScene
 from solvers.problems.ring import RingScene
 from solvers.problems.vortex import VortexScene
+from solvers.running.repeated_step_timing import estimator_shares
 from solvers.running.run import build
-from solvers.running.timing import estimator_shares
 from solvers.scene.scene import Scene
 from solvers.solver import samples
 

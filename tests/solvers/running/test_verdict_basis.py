@@ -9,7 +9,7 @@ from app.commands.run.text import run_table
 from solvers.engine.soundness_watch import SoundnessWatch
 from solvers.problems import PROBLEMS
 from solvers.problems.bar.scene import BarScene
-from solvers.problems.planar.layout import particle_layout
+from solvers.problems.planar.particle_layout import particle_layout
 from solvers.problems.ring import RingScene
 from solvers.problems.vortex import VortexScene
 from solvers.running.run import build

@@ -55,15 +55,15 @@ def test_bars_of_numbers_that_converge():
     and formal order are the same, 2.45 - .85 = 1.6 times that."""
     second = [1 + 0.01 * h**2 for h in (1, 2, 4)]
     assert bars.observed_order(second) == pytest.approx(2)
-    said = [bar(second) for bar in (bars.two_grid_gci, bars.three_grid_gci, bars.xing_stern_uncertainty)]
+    said = [bar(second) for bar in (bars.two_grid_gci, bars.three_grid_gci, bars.xing_stern_grid_uncertainty)]
     assert said == pytest.approx([0.03, 0.0125, 0.016])
     first = [1 + 0.01 * h for h in (1, 2, 4)]
     assert bars.observed_order(first) == pytest.approx(1) and bars.three_grid_gci(first) == pytest.approx(1.25 * 0.01)
-    assert bars.xing_stern_uncertainty(first) == pytest.approx((2.45 - 0.85 / 2) * 0.01)
+    assert bars.xing_stern_grid_uncertainty(first) == pytest.approx((2.45 - 0.85 / 2) * 0.01)
     third = [1 + 0.01 * h**3 for h in (1, 2, 4)]  # taken for the formal order: a wider bar
     assert bars.three_grid_gci(third) == pytest.approx(1.25 * 0.07 / 3)
     for none in ([1, 2, 1], [1, 1, 1], [1.0, 3.0, 4.0]):
-        assert bars.observed_order(none) is bars.three_grid_gci(none) is bars.xing_stern_uncertainty(none) is None
+        assert bars.observed_order(none) is bars.three_grid_gci(none) is bars.xing_stern_grid_uncertainty(none) is None
 
 
 def test_the_interval_of_a_share():

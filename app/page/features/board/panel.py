@@ -22,7 +22,7 @@ STAGE, SAVE = "stage", "save"
 SCHEMA = "mpm-lab/board/1"  # of the file that a lecturer may save
 
 
-class BoardPanel(Feature):
+class LecturerBoardPanel(Feature):
     """Board of a class on its lecturer's page: shows the board's slide, and controls what the class sees."""
 
     def __init__(self, page: PageContext, lecturer: LecturerContext):
@@ -38,7 +38,7 @@ class BoardPanel(Feature):
         threading.Thread(target=with_language(self._draw_loop), name="board", daemon=True).start()
 
     @classmethod
-    def build(cls, page: PageContext) -> "BoardPanel | None":
+    def build(cls, page: PageContext) -> "LecturerBoardPanel | None":
         return cls(page, page.lecturer) if page.lecturer else None
 
     def close(self) -> None:
@@ -50,7 +50,7 @@ class BoardPanel(Feature):
     def draw(self) -> None:
         """Sends the board's present slide to the browser."""
         with self._drawing:
-            place = self._board.position
+            place = self._board.shown_step
             self._says.content = (
                 f"<template class='lab-board' data-turn='{place.turn}' data-covers='{'yes' * self._covers}' "
                 f"data-next='{escape(next_button_label(self._board, place))}' data-back='{'yes' * (place.at > 0)}'>"
@@ -88,7 +88,7 @@ class BoardPanel(Feature):
             self._board.press_button(what, turn)
         elif what == STAGE:
             self._covers = turn == 0
-            self._update_stage_cover(self._board.position.at)
+            self._update_stage_cover(self._board.shown_step.at)
         elif what == SAVE:
             self._page.client.send_file_download(
                 f"{self._board.lesson.name}-class.json", answers_json(self._board).encode(), save_immediately=True)

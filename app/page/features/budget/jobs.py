@@ -18,7 +18,7 @@ from solvers.running.result import Result
 from solvers.scene.error_causes import NOTHING
 from solvers.scene.scene import Scene
 from solvers.scene.validation import SceneError
-from solvers.solver.error_norms import finite_or_none
+from solvers.solver.error_series import finite_or_none
 from solvers.study.parameter_grid import Task, task_of
 from solvers.workers.worker_pool import Slots
 

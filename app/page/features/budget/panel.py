@@ -106,7 +106,7 @@ class BudgetPanel(Feature):
         scene = self._session.scene if numbers.scene is not None else None
         own = scene is not None and EFFECT in scene.OWN_EFFECTS
         on = scene is not None and EFFECT in scene.effects
-        found = self._current_status(scene)
+        found = self._status_after_cancelling_stale(scene)
         _set_visible(scene is not None and (on or not view.in_lesson), self._mark, self._fold)
         if scene is None or not self._fold.visible:
             return
@@ -129,7 +129,7 @@ class BudgetPanel(Feature):
             self._field.value = tr(_NAMES[budget_field(choice.quantity)])  # type: ignore[misc]
         self._draw(runs, self._removed_cause_between(runs) if own else found.cause, on, numbers.now.playing)
 
-    def _current_status(self, scene: Scene | None) -> BudgetJobStatus:
+    def _status_after_cancelling_stale(self, scene: Scene | None) -> BudgetJobStatus:
         """Returns the jobs' status for a scene; if they are about another one, cancels them."""
         status = self.jobs.status
         if status.scene == scene:

@@ -86,8 +86,8 @@ def run_sentence(run: NumberedRun) -> str:
     scene = run.scene
     parts = [tr("run {number}: {run}", number=run.number, run=run_name(run)), run_details(run),
              f"{motion_text(scene)}, E {with_unit(scene.modulus, 'Pa')}"]
-    if run.status in (*BROKEN, FAILED):
-        return "; ".join([*parts, f"{tr(ENDS[run.status])}: {translate_message(run.row['reason'] or '')}"])
+    if run.outcome in (*BROKEN, FAILED):
+        return "; ".join([*parts, f"{tr(ENDS[run.outcome])}: {translate_message(run.row['reason'] or '')}"])
     of = reference_length_name(scene)
     if run.error is not None:
         parts.append(tr("true error of x {share} of {whole}", share=format_percent(run.error), whole=of))
@@ -151,8 +151,8 @@ def runs_table(runs: Sequence[NumberedRun]) -> str:
 
 def _run_row_html(run: NumberedRun) -> str:
     small = [run_details(run)]
-    if run.status in (*BROKEN, FAILED):
-        error = f"<td class='lab-bad'>{tr(ENDS[run.status])}</td>"
+    if run.outcome in (*BROKEN, FAILED):
+        error = f"<td class='lab-bad'>{tr(ENDS[run.outcome])}</td>"
     else:
         estimated = tr("est. {share}", share=format_percent(run.estimate))
         error = f"<td>{estimated if run.error is None else format_percent(run.error)}</td>"

@@ -12,7 +12,7 @@ from app import __version__
 from app.page.visit.history import NormHistory
 from solvers.engine.engine_messages import FrameReport
 from solvers.scene.scene import Scene
-from solvers.solver.error_norms import RATIOS, summary
+from solvers.solver.error_series import RATIOS, summary
 from solvers.solver.samples import QUANTITIES
 from solvers.solver.soundness import BROKEN, LOST, OK, UNSTABLE
 from solvers.study import summary as table
@@ -75,18 +75,18 @@ class NumberedRun:
         return self.row["scene"]["method"]
 
     @property
-    def status(self) -> str:
+    def outcome(self) -> str:
         return self.row["status"]
 
     @property
     def broken(self) -> bool:
         """Whether the run went unstable or was lost, so that its error is meaningless."""
-        return self.status in BROKEN
+        return self.outcome in BROKEN
 
     @property
     def drawable(self) -> bool:
         """Whether the run has a dot on the chart; a broken one has it at the edge."""
-        return 0 < self.seconds < math.inf and (self.broken or (self.status == OK and self.error_or_estimate > 0))
+        return 0 < self.seconds < math.inf and (self.broken or (self.outcome == OK and self.error_or_estimate > 0))
 
     def _relative(self, norms: dict) -> float | None:
         largest = (norms.get("x") or {}).get("max")

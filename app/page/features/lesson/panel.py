@@ -53,7 +53,7 @@ class LessonPlayer(Feature):
         return self._lesson.name if self._lesson else ""
 
     @property
-    def answers(self) -> str:
+    def stored_progress(self) -> str:
         """The progress as text, for the browser to store; "" until the browser has sent what it had stored."""
         with self._lock:
             return self._progress.text() if self._lesson and self._restored else ""

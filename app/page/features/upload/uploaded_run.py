@@ -21,7 +21,7 @@ from solvers.judging.scene_metadata import NOT_OF_THE_PROBLEM
 from solvers.judging.uploaded_file_worker import FileSummary, open_table, table_columns
 from solvers.scene.scene import Scene
 from solvers.scene.validation import SceneError
-from solvers.solver.error_norms import RunningEffectivityIndex
+from solvers.solver.error_series import RunningEffectivityIndex
 from solvers.solver.rounding import largest_rounding_error
 from solvers.solver.samples import QUANTITIES as KEYS
 from solvers.study.parameter_grid import Task

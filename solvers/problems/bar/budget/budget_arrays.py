@@ -6,7 +6,7 @@ import numpy as np
 import taichi as ti
 
 from solvers.kernels.dtypes import quads, reals
-from solvers.kernels.packing import ArrayPacking, PackedMembersView
+from solvers.kernels.packing import ArrayPacking, PackedAttributesView
 from solvers.kernels.scalar_hoisting import mark_untranslated_by_taichi
 from solvers.motion.exact_solution_1d import motion_table
 from solvers.problems.bar import exact_solution
@@ -45,9 +45,9 @@ def stores_reference(on: KernelOptions) -> bool:
 
 
 @mark_untranslated_by_taichi
-def state_with_budget_arrays(state: Any) -> PackedMembersView:
+def state_with_budget_arrays(state: Any) -> PackedAttributesView:
     """Returns a view of the bar's state, for kernels, with the budget's arrays (``MEMBERS``) as attributes too."""
-    return PackedMembersView(state, BUDGET, MEMBERS)
+    return PackedAttributesView(state, BUDGET, MEMBERS)
 
 
 def initial_budget_arrays(scene: BarScene, on: KernelOptions) -> dict:

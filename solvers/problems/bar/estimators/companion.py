@@ -6,8 +6,8 @@ Elements of the material coordinate X around the period, with P = E u_X:
 
 The body force is that of the material points, b(X, t), wherever the method samples it: at nodes it is in the wrong
 place, and that is an error to be seen. The last node is the image of the first. A bar that starts stretched counts X
-and u from there (``solvers.problems.bar.patch_test``); its constant stress has no effect on the periodic bar and is
-left out.
+and u from there (``solvers.problems.bar.patch_test_inputs``); its constant stress has no effect on the periodic bar
+and is left out.
 """
 
 import functools
@@ -21,7 +21,7 @@ from solvers.kernels.dtypes import integers, pairs, quads, reals
 from solvers.motion.exact_solution_1d import force_table
 from solvers.problems.bar import exact_solution
 from solvers.problems.bar.method.body_force import body_force_at, tabulated_tone_amplitudes
-from solvers.solver.separable_field_tables import pack_tables, paired_mode_entries
+from solvers.solver.separable_field_tables import pack_tables, pad_to_mode_pairs
 
 POLYNOMIALS = 4  # order p
 PER_WAVE = 5  # elements of a typed motion's shortest wave that matters
@@ -112,7 +112,7 @@ def allocate(scene) -> dict[str, np.ndarray]:
     velocity = np.stack([exact_solution.velocity(scene, X, 0.0), np.zeros(len(X))], axis=1)
     frequency = scene.wave_speed * scene.initial_stretch * highest_unit_frequency(elements)  # of the bar as it starts
     element, basis, _ = elements.evaluate_basis((np.arange(scene.particles) + 0.5) * (scene.spacing / scene.ppc))
-    sizes, force = pack_tables(paired_mode_entries(force_table(scene, X) if scene.displacement else None))
+    sizes, force = pack_tables(pad_to_mode_pairs(force_table(scene, X) if scene.displacement else None))
     start = shared.initial_companion_arrays((elements.order, elements.count, 1, len(X), len(X), 1), frequency,
                                             scene.time_step, velocity, inverse_mass)
     waves = np.stack([np.sin(exact_solution.WAVENUMBER * X), np.cos(exact_solution.WAVENUMBER * X)], axis=1)

@@ -47,7 +47,7 @@ from solvers.problems.bar.method.body_force import tabulated_tone_amplitudes
 from solvers.problems.bar.method.periodic_nodes import stencil_of
 from solvers.scene.estimator_hooks import EstimatorHooks
 from solvers.scene.typed_motion_scene import TYPED
-from solvers.solver.separable_field_tables import pack_tables, paired_field_at, paired_mode_entries
+from solvers.solver.separable_field_tables import pack_tables, pad_to_mode_pairs, paired_field_at
 
 WAVE_CFL = 0.9  # H c/h; stable to 1.2
 #: Blocks of the nodal array: U, w in the middle of the next H, a and a before; errors as gathered; errors unsmoothed;
@@ -302,7 +302,7 @@ def allocate(scene):
         force = force_table(scene, X)
         modes = np.stack([tables[PROJECTION](one)[:, :2] for one in force.modes[:, :, 0].T], axis=1)
         table = replace(force, modes=modes)
-    return {**dict(zip(("recovered_force_sizes", "recovered_force"), pack_tables(paired_mode_entries(table)),
+    return {**dict(zip(("recovered_force_sizes", "recovered_force"), pack_tables(pad_to_mode_pairs(table)),
                        strict=True)),
             "recovered_numbers": recovered.initial_numbers(scene, interval(scene)), **recovered.table_values(tables),
             "recovered_stride": stride, "recovered_beyond": beyond, "recovered_nodes": nodes.reshape(-1, 4),

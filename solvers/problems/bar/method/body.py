@@ -10,7 +10,7 @@ from solvers.problems.bar import exact_solution
 from solvers.problems.bar.method.periodic_nodes import GHOSTS
 from solvers.problems.bar.scene import BarScene
 from solvers.scene.kernel_options import KernelOptions
-from solvers.solver.separable_field_tables import pack_tables, paired_mode_entries, vector_mode_entries
+from solvers.solver.separable_field_tables import pack_tables, pad_to_mode_pairs, vector_mode_entries
 from solvers.solver.state_arrays import Members, remedy_rates, zeros
 
 
@@ -61,14 +61,14 @@ class BarBody(Members):
 
 def initial_body(scene: BarScene, on: KernelOptions) -> dict:
     """Returns the members of a :class:`BarBody` at the start, by name: particles at (p + 1/2) h/ppc, F = 1, and the
-    exact velocity. F of a patch test is relative to its stretch (``solvers.problems.bar.patch_test``). ``on``:
+    exact velocity. F of a patch test is relative to its stretch (``solvers.problems.bar.patch_test_inputs``). ``on``:
     compile-time options."""
     P, nodes, w = scene.particles, scene.cells + GHOSTS, scene.angular_frequency
     X = (np.arange(P) + 0.5) * (scene.spacing / scene.ppc)
     swings, stretch = not scene.is_patch, scene.initial_stretch
     typed, known = bool(scene.displacement), on.truth or on.soundness
-    sizes, tables = pack_tables(paired_mode_entries(force_table(scene, X) if typed else None),
-                                paired_mode_entries(None),
+    sizes, tables = pack_tables(pad_to_mode_pairs(force_table(scene, X) if typed else None),
+                                pad_to_mode_pairs(None),
                                 vector_mode_entries(motion_table(scene) if typed and known else None))
     material = on.body_force in ("material", "two-tone")
     at_nodes = np.sin(exact_solution.WAVENUMBER * scene.spacing * (np.arange(nodes) - 1))

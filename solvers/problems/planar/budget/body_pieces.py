@@ -7,7 +7,7 @@ are integrals of hat functions along their edges, which are exact: edges are cut
 
 import numpy as np
 
-from solvers.problems.planar.layout import particle_layout
+from solvers.problems.planar.particle_layout import particle_layout
 from solvers.problems.planar.scene import PlanarScene
 from solvers.problems.planar.weights import MirroredNodeGrid
 

@@ -22,7 +22,7 @@ from solvers.scene.error_causes import CAUSES, FIELDS, NOTHING
 from solvers.scene.stabilisations import FROZEN
 from solvers.scene.validation import SceneError, require_choice
 from solvers.solver.base import Solver
-from solvers.solver.error_norms import IGNORE_OVERFLOW
+from solvers.solver.error_series import IGNORE_OVERFLOW
 from solvers.solver.samples import BUDGET
 from solvers.translatable_message import Message
 

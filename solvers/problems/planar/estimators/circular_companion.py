@@ -29,14 +29,14 @@ import taichi as ti
 from solvers.estimators import companion as shared
 from solvers.kernels.dtypes import integers, octets, pairs, quads, reals
 from solvers.problems.planar.estimators.companion import store_errors
-from solvers.problems.planar.layout import particle_layout
 from solvers.problems.planar.method.material import cauchy_stress_of, coefficients, piola, wave_stiffness
 from solvers.problems.planar.method.tensor_rotation import rotate_tensor, rotate_vector
+from solvers.problems.planar.particle_layout import particle_layout
 from solvers.solver.separable_field_tables import (
     body_force_at,
     compute_force_time_functions,
     pack_tables,
-    paired_mode_entries,
+    pad_to_mode_pairs,
 )
 
 
@@ -142,7 +142,7 @@ def allocate(scene) -> dict[str, np.ndarray]:
     elements, layout = solved.elements, particle_layout(scene)
     n, R = elements.order + 1, elements.node_coordinates
     element, *basis = elements.evaluate_basis(layout.orbits[:, 0])
-    sizes, force = pack_tables(*map(paired_mode_entries, solved.force[1:]))
+    sizes, force = pack_tables(*map(pad_to_mode_pairs, solved.force[1:]))
     start = shared.initial_companion_arrays((elements.order, elements.count, 1, len(R), len(R), len(R)),
                                             solved.frequency_at_rest, scene.time_step, solved.velocity,
                                             solved.inverse_mass)

@@ -9,7 +9,7 @@ from solvers.estimators.spectral_elements import Elements, highest_frequency
 from solvers.estimators.standalone_companion import ElasticBody
 from solvers.motion.laws.law import determinant
 from solvers.problems.planar.body_force import tabulate_body_force
-from solvers.problems.planar.layout import points_on_x_axis
+from solvers.problems.planar.particle_layout import points_on_x_axis
 
 INSTANTS = 16  # of a period, at which the stiffest deformation is searched
 

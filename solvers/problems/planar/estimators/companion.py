@@ -18,13 +18,13 @@ from solvers.estimators import companion as shared
 from solvers.kernels import runtime
 from solvers.kernels.dtypes import integers, pairs, quads
 from solvers.problems.planar.estimators.companion_patch import CompanionPatch
-from solvers.problems.planar.layout import particle_layout
 from solvers.problems.planar.method.material import cauchy_stress, cauchy_stress_of, coefficients, piola, wave_stiffness
+from solvers.problems.planar.particle_layout import particle_layout
 from solvers.solver.separable_field_tables import (
     body_force_at,
     compute_force_time_functions,
     pack_tables,
-    paired_mode_entries,
+    pad_to_mode_pairs,
 )
 
 
@@ -226,7 +226,7 @@ def allocate(scene) -> dict[str, np.ndarray]:
     n = first.order + 1
     matrices = np.stack([first.derivative, second.derivative, np.outer(first.weights, second.weights),
                          np.zeros((n, n))], axis=-1)
-    sizes, force = pack_tables(*map(paired_mode_entries, patch.force[1:]))
+    sizes, force = pack_tables(*map(pad_to_mode_pairs, patch.force[1:]))
     row = len(second.node_coordinates)
     return {
         **shared.initial_companion_arrays((first.order, first.count, second.count, row, len(patch.places),

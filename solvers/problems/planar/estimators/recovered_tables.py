@@ -8,7 +8,7 @@ from solvers.estimators import recovered
 from solvers.estimators.lattice_line_operators import Line, Rows
 from solvers.estimators.recovered import SHORT, SHORTEST, SIZE
 from solvers.problems.planar.estimators import recovered_operators as op
-from solvers.problems.planar.layout import particle_layout, points_on_x_axis
+from solvers.problems.planar.particle_layout import particle_layout, points_on_x_axis
 from solvers.problems.planar.scene import PlanarScene
 from solvers.translatable_message import Message
 
@@ -57,7 +57,7 @@ def interval(scene):
     frame, with elements whose sides waves pass at the scene's ``relative_wave_rate``. Under large shear these steps are
     hardly longer than the run's, and the estimator costs more than the run."""
     across, along = lattice_lines(scene)
-    side = 1 / max(across.elements_per_length * scene.relative_wave_rate, along.elements_per_length)
+    side = 1 / max(across.elements_per_length * scene.wave_angle_per_metre, along.elements_per_length)
     return recovered.wave_travel_steps(scene, WAVE_CFL * side)
 
 
@@ -69,7 +69,7 @@ def lattice_lines(scene):
     width = scene.spacing * (SPARSE_WIDTH if scene.ppc == 1 else 1.0)
     counts = scene.lattice_counts(scene.cells, scene.ppc)
     if scene.layout == "box":
-        narrowest = scene.relative_wave_rate * scene.wave_speed * scene.time_step / MOST_CFL["walls"]
+        narrowest = scene.wave_angle_per_metre * scene.wave_speed * scene.time_step / MOST_CFL["walls"]
         line = Line(counts[0], min(round(scene.SIDE / width), int(scene.SIDE / narrowest)), scene.SIDE, "walls")
         return line, line
     turn, across = scene.ANGLE, scene.OUTER - scene.INNER

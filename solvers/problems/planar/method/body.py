@@ -9,9 +9,9 @@ import numpy as np
 
 from solvers.kernels.dtypes import Blocks, Integer, Integers, Octets, Pairs, Quads, Real, Reals
 from solvers.problems.planar.body_force import tabulate_body_force
-from solvers.problems.planar.layout import particle_layout
 from solvers.problems.planar.method.phases import TOTALS
 from solvers.problems.planar.method.stored_weights import allocate_weights
+from solvers.problems.planar.particle_layout import particle_layout
 from solvers.problems.planar.scene import PlanarScene, motion_table
 from solvers.scene.estimator_hooks import EstimatorHooks
 from solvers.scene.kernel_options import KernelOptions
@@ -19,7 +19,7 @@ from solvers.scene.scene import Scene
 from solvers.solver.separable_field_tables import (
     motion_mode_entries,
     pack_tables,
-    paired_mode_entries,
+    pad_to_mode_pairs,
     vector_mode_entries,
 )
 from solvers.solver.state_arrays import Diagnostics, Members, initial_diagnostics, remedy_rates, zeros
@@ -27,9 +27,10 @@ from solvers.solver.state_arrays import Diagnostics, Members, initial_diagnostic
 
 @dataclass
 class PlanarBody(Members):
-    """State of a plane run in SI units: P particles in K orbits (``solvers.problems.planar.layout``), N nodes, T slabs
-    of particles with grids of their own. Arrays that only an inactive diagnostic would use have length one. Tables of
-    the exact motion (``solvers.solver.separable_field_tables``) share one array: a kernel takes 64 arguments at most.
+    """State of a plane run in SI units: P particles in K orbits (``solvers.problems.planar.particle_layout``), N
+    nodes, T slabs of particles with grids of their own. Arrays that only an inactive diagnostic would use have length
+    one. Tables of the exact motion (``solvers.solver.separable_field_tables``) share one array: a kernel takes 64
+    arguments at most.
     """
 
     particles: Integer
@@ -96,7 +97,7 @@ def initial_body(scene: PlanarScene, on: KernelOptions, slabs: int) -> dict:
     lame_modulus, shear_modulus = scene.lame_moduli
     known = on.truth or bool(on.estimators) or on.soundness
     grid = scene.node_acceleration_field() if known and on.acceleration else None
-    sizes, tables = pack_tables(*map(paired_mode_entries, tabulate_body_force(scene, layout.orbits)[1:]),
+    sizes, tables = pack_tables(*map(pad_to_mode_pairs, tabulate_body_force(scene, layout.orbits)[1:]),
                                 motion_mode_entries(motion_table(scene) if known else None), vector_mode_entries(grid))
     v = scene.EXACT.velocity(scene, X, -scene.EARLIER * scene.time_step)
     return {"particles": P, "nodes": N, "row": row, "active": scene.active_rows, "slabs": slabs, "orbits": K,

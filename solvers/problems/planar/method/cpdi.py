@@ -8,9 +8,9 @@ Burghardt 2011). Corners lie at x -+ r1/2 -+ r2/2 with r1, r2 the edges convecte
 import taichi as ti
 
 from solvers.kernels.simd import load_component
-from solvers.problems.planar.layout import CORNERS
 from solvers.problems.planar.method.node_records import force_record, particle_contribution, scatter_add
 from solvers.problems.planar.method.stored_weights import store_weight_part, stored_weight_entries
+from solvers.problems.planar.particle_layout import CORNERS
 
 #: Of what is kept, the first of four: beside those, the places of the corners in x and in y.
 GRADIENTS, NODES = 8, 12

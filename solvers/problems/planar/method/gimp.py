@@ -4,9 +4,9 @@ import taichi as ti
 
 from solvers.kernels.shape_functions import complete_stencil, outer_weights
 from solvers.kernels.simd import load_component
-from solvers.problems.planar.layout import MOST_HALF_WIDTH
 from solvers.problems.planar.method.node_records import force_record, particle_contribution, scatter_add
 from solvers.problems.planar.method.stored_weights import store_weight_part, stored_weight_entries
+from solvers.problems.planar.particle_layout import MOST_HALF_WIDTH
 
 
 @ti.func

@@ -16,19 +16,19 @@ PARTS_PER_PARTICLE = {"cpdi": 2}  # how many times eight numbers there are of a 
 SHIFT = BLOCK.bit_length() - 1  # BLOCK = 2^SHIFT
 
 
-def parts_per_particle(method: str) -> int:
+def weight_octets_per_particle(method: str) -> int:
     """Returns the number of parts, of eight weights each, that are stored per particle with a ``method``: 1 or 2."""
     return PARTS_PER_PARTICLE.get(method, 1)
 
 
 def allocate_weights(method: str, particles: int) -> np.ndarray:
     """Returns zeros for the weights of so many particles: (blocks times parts, eight numbers of four particles)."""
-    return np.zeros((-(-particles // BLOCK) * parts_per_particle(method), NUMBERS * BLOCK))
+    return np.zeros((-(-particles // BLOCK) * weight_octets_per_particle(method), NUMBERS * BLOCK))
 
 
 def weights_by_particle(kept: np.ndarray, method: str, particles: int) -> np.ndarray:
     """Returns the array of :func:`allocate_weights`, ``kept``, with one row per particle (P, 8 parts)."""
-    numbers = NUMBERS * parts_per_particle(method)
+    numbers = NUMBERS * weight_octets_per_particle(method)
     return kept.reshape(-1, numbers, BLOCK).transpose(0, 2, 1).reshape(-1, numbers)[:particles]
 
 
@@ -44,7 +44,7 @@ def concatenate(numbers: Any) -> Any:
 def store_weight_part(body: ti.template(), p, part: ti.template(), numbers: ti.template(), on: ti.template()):
     """Stores ``numbers``, eight vectors, as part number ``part`` of particle p (vectors of one entry) or of a whole
     block from p on (of four)."""
-    entry = (p >> SHIFT) * ti.static(parts_per_particle(on.method)) + part
+    entry = (p >> SHIFT) * ti.static(weight_octets_per_particle(on.method)) + part
     if ti.static(numbers[0].n == BLOCK):
         body.weights[entry] = concatenate(numbers)
     else:
@@ -52,7 +52,7 @@ def store_weight_part(body: ti.template(), p, part: ti.template(), numbers: ti.t
             body.weights[entry][k * BLOCK + (p & (BLOCK - 1))] = numbers[k][0]
 
 
-class _StoredWeightEntries:
+class _ParticleWeightAccessor:
     """Stored weights of one particle by index, while a kernel is compiled; ``array`` has those of all."""
 
     def __init__(self, array: Any, entry: Any, lane: Any):
@@ -64,14 +64,15 @@ class _StoredWeightEntries:
 
 
 @mark_untranslated_by_taichi
-def stored_weight_entries(body: Any, p: Any, on: Any) -> _StoredWeightEntries:
+def stored_weight_entries(body: Any, p: Any, on: Any) -> _ParticleWeightAccessor:
     """Returns the stored weights of particle p, for kernels with constant indices; computes their address once."""
-    return _StoredWeightEntries(body.weights, make_kernel_variable((p >> SHIFT) * parts_per_particle(on.method)),
-                                make_kernel_variable(p & (BLOCK - 1)))
+    return _ParticleWeightAccessor(body.weights,
+                                   make_kernel_variable((p >> SHIFT) * weight_octets_per_particle(on.method)),
+                                   make_kernel_variable(p & (BLOCK - 1)))
 
 
 @ti.func
 def stored_weight_entry(body: ti.template(), p, k, on: ti.template()):
     """Returns number ``k``, which may be a variable, of the stored weights of particle p."""
-    entry = (p >> SHIFT) * ti.static(parts_per_particle(on.method)) + k // NUMBERS
+    entry = (p >> SHIFT) * ti.static(weight_octets_per_particle(on.method)) + k // NUMBERS
     return body.weights[entry][k % NUMBERS * BLOCK + (p & (BLOCK - 1))]

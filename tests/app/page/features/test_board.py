@@ -52,11 +52,11 @@ def board(lesson):
 
 def press(board, *whats):
     for what in whats:
-        board.press_button(what, board.position.turn)
+        board.press_button(what, board.shown_step.turn)
 
 
 def shown(board):
-    return slide_html(board, board.position, DOOR)
+    return slide_html(board, board.shown_step, DOOR)
 
 
 def revealed(board):
@@ -69,17 +69,17 @@ def revealed(board):
 def test_the_one_next_thing_is_what_the_button_says(board):
     """From the beginning to the end, and no further."""
     said = []
-    while following := next_button_label(board, board.position):
-        said.append((following, board.position.at, board.position.question_phase))
+    while following := next_button_label(board, board.shown_step):
+        said.append((following, board.shown_step.at, board.shown_step.question_phase))
         press(board, NEXT)
     assert said == [
         ("Open step 1 for all", 0, COUNTED), ("Show the answers", 1, COUNTED), ("Reveal what came out", 1, SHOWN),
         ("Open step 2 for all", 1, REVEALED), ("Open step 3 for all", 2, COUNTED), ("Show the answers", 3, COUNTED),
         ("Reveal what came out", 3, SHOWN), ("Open step 4 for all", 3, REVEALED), ("Open step 5 for all", 4, COUNTED),
         ("Show the answers", 5, COUNTED), ("Reveal what came out", 5, SHOWN), ("Show how the class did", 5, REVEALED)]
-    end = board.position
+    end = board.shown_step
     press(board, NEXT)
-    assert board.position == end and end.at == board.end_position == board.last_open_step
+    assert board.shown_step == end and end.at == board.end_position == board.last_open_step
 
 
 def test_the_core_alone_is_opened_where_that_is_asked_for(lesson):
@@ -88,34 +88,34 @@ def test_the_core_alone_is_opened_where_that_is_asked_for(lesson):
                                        for step in lesson.steps))
     board = ClassBoard(deep, RunCache(), core=True)
     press(board, *[NEXT] * 4)
-    assert (board.position.at, board.last_open_step, board.step_count) == (3, 3, 3) and "step 2 of 3" in shown(board)
+    assert (board.shown_step.at, board.last_open_step, board.step_count) == (3, 3, 3) and "step 2 of 3" in shown(board)
     assert board.add_seat("a").progress().core
     press(board, BACK)
-    assert board.position.at == 1 and next_button_label(board, board.position) == "Go forward to step 2"
+    assert board.shown_step.at == 1 and next_button_label(board, board.shown_step) == "Go forward to step 2"
     board.stop_computations()
 
 
 def test_looking_back_closes_nothing_and_opens_nothing(board):
     press(board, *[NEXT] * 4, BACK)
-    assert (board.position.at, board.last_open_step, board.position.shows_last_open_step) == (1, 2, False)
+    assert (board.shown_step.at, board.last_open_step, board.shown_step.shows_last_open_step) == (1, 2, False)
     assert (
-        "the class is at step 2" in shown(board) and next_button_label(board, board.position) == "Go forward to step 2"
+        "the class is at step 2" in shown(board) and next_button_label(board, board.shown_step) == "Go forward to step 2"
     )
     press(board, *[BACK] * 5)
-    assert board.position.at == 0 and board.last_open_step == 2
+    assert board.shown_step.at == 0 and board.last_open_step == 2
     press(board, NEXT, NEXT)
-    assert board.position.shows_last_open_step and board.last_open_step == 2
+    assert board.shown_step.shows_last_open_step and board.last_open_step == 2
 
 
 def test_a_press_counts_only_for_the_board_that_it_was_meant_for(board):
     """Two lecturers who press at once, or one press that comes twice."""
-    turn = board.position.turn
+    turn = board.shown_step.turn
     for _ in range(3):
         board.press_button(NEXT, turn)
     assert board.last_open_step == 1
     for what in ("", "reveal", "stage"):
         press(board, what)
-    assert board.position.turn == 1
+    assert board.shown_step.turn == 1
 
 
 def test_seats_are_told_when_a_step_is_open_and_of_nothing_else(board):
@@ -169,16 +169,16 @@ def test_free_texts_are_counted_and_never_shown_or_saved(board):
     seat.report_answer(board.step(4), "my name is Ada")
     assert "1 of 1 has predicted" in shown(board)
     press(board, NEXT)
-    assert "Ada" not in answers_json(board) + shown(board) and board.position.at == 5
+    assert "Ada" not in answers_json(board) + shown(board) and board.shown_step.at == 5
     assert board.tally.answers("why") == [""]
 
 
 def test_the_end_says_how_well_the_class_has_known(board):
     seats = [board.add_seat(key) for key in "abc"]
     given = {CHOICE: (2, 2, 1), "number": (3.125, 3.0, 10.0), INTERVAL: ([3, 4], [1, 2], [0, 9])}
-    while board.position.at < board.end_position:
-        step = board.step(board.position.at)
-        if step and step.question and step.asked_question.kind != TEXT and board.position.question_phase == COUNTED:
+    while board.shown_step.at < board.end_position:
+        step = board.step(board.shown_step.at)
+        if step and step.question and step.asked_question.kind != TEXT and board.shown_step.question_phase == COUNTED:
             for seat, answer in zip(seats, given[step.asked_question.kind], strict=True):
                 seat.report_answer(step, answer)
         press(board, NEXT)
@@ -203,7 +203,7 @@ def test_the_board_shows_the_address_by_which_a_class_comes_in(board, here, link
     assert (door.link, door.warning, door.full_link) == (link, "", f"{link}#code=wave%204711")
     door = LecturerContext(board,
                            JoinInfo("http://127.0.0.1:8080/", "wave-4711")).join_info_for("http://localhost:8080/")
-    assert "Only this computer" in slide_html(board, board.position, door)  # which nobody else can open
+    assert "Only this computer" in slide_html(board, board.shown_step, door)  # which nobody else can open
 
 
 def test_what_cannot_be_worked_out_is_said_and_ends_nothing():

@@ -13,7 +13,7 @@ MOST_HALF_WIDTH = 0.5  # of a box, in cells: it meets at most two cells, so that
 
 
 @dataclass(frozen=True)
-class Layout:
+class ParticleLayout:
     """P particles at rest, in m. ``edges`` are the two edge vectors r1 and r2 of a domain, as (r1x, r1y, r2x, r2y).
 
     Particles that a symmetry of the motion maps onto each other form an orbit: the exact motion is evaluated once per
@@ -30,7 +30,7 @@ class Layout:
     neighbours: np.ndarray  # the next particles on the lattice in its two directions, -1 for none (P, 2)
 
 
-def particle_layout(scene: Any) -> Layout:
+def particle_layout(scene: Any) -> ParticleLayout:
     """Returns the scene's particles at rest: "polar" fills a ring exactly, "cartesian" has staircases at its rims."""
     if scene.layout == "box":
         return square_layout(scene.cells * scene.ppc, scene.SIDE)
@@ -79,7 +79,7 @@ def box_stretch(method: str, F: np.ndarray) -> np.ndarray:
         return (b[:, [0, 1], [0, 1]] + J[:, None]) / np.sqrt(b[:, 0, 0] + b[:, 1, 1] + 2 * J)[:, None]
 
 
-def polar_layout(inner: float, outer: float, angle: float, around: int, across: int) -> Layout:
+def polar_layout(inner: float, outer: float, angle: float, around: int, across: int) -> ParticleLayout:
     """Returns ``around`` x ``across`` particles that exactly fill the region between the radii ``inner`` and ``outer``
     (m), from the x axis to ``angle`` (rad). In a full turn the last row neighbours the first."""
     d_angle, d_radius = angle / around, (outer - inner) / across
@@ -89,22 +89,23 @@ def polar_layout(inner: float, outer: float, angle: float, around: int, across: 
     R, c, s = radii[radius], np.cos(theta), np.sin(theta)
     edges = np.stack([R * d_angle * s, -R * d_angle * c, d_radius * c, d_radius * s], axis=1)
     e = np.stack([c, s], axis=1)
-    return Layout(R[:, None] * e, R * d_radius * d_angle, edges, points_on_x_axis(radii), radius.astype(np.int32), e,
-                  lattice_neighbours(np.arange(around * across).reshape(around, across), angle >= 2 * np.pi))
+    return ParticleLayout(R[:, None] * e, R * d_radius * d_angle, edges, points_on_x_axis(radii),
+                          radius.astype(np.int32), e,
+                          lattice_neighbours(np.arange(around * across).reshape(around, across), angle >= 2 * np.pi))
 
 
-def square_layout(across: int, side: float) -> Layout:
+def square_layout(across: int, side: float) -> ParticleLayout:
     """Returns ``across`` x ``across`` particles that tile a square, ``side`` m wide, with a corner at the origin."""
     width = side / across
     line = (np.arange(across) + 0.5) * width
     y, x = (g.ravel() for g in np.meshgrid(line, line, indexing="ij"))
     P, position = across * across, np.stack([x, y], axis=1)
     number = np.arange(P, dtype=np.int32)
-    return Layout(position, np.full(P, width**2), np.tile([width, 0.0, 0.0, width], (P, 1)), position, number,
-                  np.tile([1.0, 0.0], (P, 1)), lattice_neighbours(number.reshape(across, across)))
+    return ParticleLayout(position, np.full(P, width**2), np.tile([width, 0.0, 0.0, width], (P, 1)), position, number,
+                          np.tile([1.0, 0.0], (P, 1)), lattice_neighbours(number.reshape(across, across)))
 
 
-def cartesian_layout(inner: float, outer: float, side: float, least: float) -> Layout:
+def cartesian_layout(inner: float, outer: float, side: float, least: float) -> ParticleLayout:
     """Returns particles ``side`` m apart whose centres lie between the radii ``inner`` and ``outer`` (m), with both
     coordinates above ``least`` (m): a staircase at the rims."""
     line = (np.arange(int(np.floor(least / side)), int(np.ceil(outer / side))) + 0.5) * side
@@ -115,8 +116,8 @@ def cartesian_layout(inner: float, outer: float, side: float, least: float) -> L
     radii, radius = np.unique(R[kept].round(12), return_inverse=True)
     edges, position = np.tile([side, 0.0, 0.0, side], (len(x), 1)), np.stack([x, y], axis=1)
     number = np.where(kept, np.cumsum(kept) - 1, -1).reshape(len(line), len(line))
-    return Layout(position, np.full(len(x), side**2), edges, points_on_x_axis(radii), radius.astype(np.int32),
-                  position / R[kept][:, None], lattice_neighbours(number))
+    return ParticleLayout(position, np.full(len(x), side**2), edges, points_on_x_axis(radii), radius.astype(np.int32),
+                          position / R[kept][:, None], lattice_neighbours(number))
 
 
 def points_on_x_axis(radii: np.ndarray) -> np.ndarray:

@@ -31,7 +31,7 @@ class Tracks:
 
 
 @dataclass(frozen=True)
-class Evidence:
+class FindingsInput:
     """A run in files, with its errors by quantity against the best reference for each frame; ``recompute_errors``
     returns those of a modified frame, ``step`` is the time step in s of the run, or of the scene."""
 

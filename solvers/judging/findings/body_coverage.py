@@ -41,7 +41,7 @@ class BodyShare:
                                "these alone", count, 100 * self.share, self.how), self.how)
 
 
-def check_completeness(scene: Scene, frame: Frame) -> Finding:
+def check_body_is_covered(scene: Scene, frame: Frame) -> Finding:
     """Checks that a frame, the one with the fewest particles, covers the scene's whole body."""
     reference, count = PROBLEMS[scene.problem].reference, len(frame.number)
     found = _share_by_mass(scene, reference, frame) or _share_by_lattice(scene, reference, frame.material_position) \
