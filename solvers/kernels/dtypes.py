@@ -15,7 +15,7 @@ reals = ti.types.ndarray(dtype=real, ndim=1)
 pairs = ti.types.ndarray(dtype=ti.types.vector(2, real), ndim=1)
 quads = ti.types.ndarray(dtype=ti.types.vector(4, real), ndim=1)
 octets = ti.types.ndarray(dtype=ti.types.vector(8, real), ndim=1)
-rows = ti.types.ndarray(dtype=ti.types.vector(8, real), ndim=1)  # octets that a ``Packing`` leaves as they are
+rows = ti.types.ndarray(dtype=ti.types.vector(8, real), ndim=1)  # octets that a ``ArrayPacking`` leaves as they are
 blocks = ti.types.ndarray(dtype=ti.types.vector(32, real), ndim=1)  # eight numbers of four
 matrix = ti.types.ndarray(dtype=real, ndim=2)
 integers = ti.types.ndarray(dtype=ti.i32, ndim=1)

@@ -24,7 +24,7 @@ class SilentLink:
 
 
 class SilentPool:
-    playing = 0
+    playing_sessions = 0
     process_ids = ()
 
     def set_delivery_context(self, together):
@@ -33,7 +33,7 @@ class SilentPool:
     def wait_ready(self, timeout):
         return True
 
-    def open(self, listener, beside=None):
+    def open_session(self, listener, beside=None):
         return SilentLink()
 
 

@@ -152,7 +152,8 @@ def test_domains_are_kept_where_they_are_asked_for():
                                   domains=True), state.parse_state("ring cells=12").scene
     found = decoded(record_scene(one))
     half = found["edges"][0].reshape(2, 2, -1)
-    edges = VIEWS["ring"].stage.domain_edges(scene, np.tile(np.eye(2), (scene.particles, 1, 1)))  # (P, edge, x or y)
+    undeformed = np.tile(np.eye(2), (scene.particles, 1, 1))
+    edges = VIEWS["ring"].stage.half_edge_vectors(scene, undeformed)  # (P, edge, x or y)
     assert near(half, edges.transpose(1, 2, 0), 0.01) and not near(half, edges.transpose(2, 1, 0), 0.2)
     area = 4 * np.abs(half[0, 0] * half[1, 1] - half[0, 1] * half[1, 0])
     assert near(area, particle_layout(scene).volume, 0.03)

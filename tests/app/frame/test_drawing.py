@@ -87,7 +87,7 @@ def test_labels_are_seen_with_their_sheet_and_those_it_belongs_to():
 def test_the_room_is_what_the_browser_has_free():
     _, lettering = sheet_of(Gui())
     assert lettering.set_pixel_layout(600.0, 300.0, 120.0) and not lettering.set_pixel_layout(600.0, 300.0, 120.0)
-    room = lettering.bounds
+    room = lettering.stage_metrics
     assert (room.pixels, room.high, room.gutter) == (600.0, 0.5, 0.2)
 
 

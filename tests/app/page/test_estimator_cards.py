@@ -137,7 +137,8 @@ def test_an_error_that_is_nothing_but_rounding_has_no_index_on_the_page():
     (BarScene(modulus=64.0), "1.2 of 1.25 periods/s"), (BarScene(modulus=0.25), "0.075 of 1.25 periods/s")])
 def test_the_speed_is_read_in_periods(scene, said):
     """0.3 simulated seconds a second are 1.2 periods of 1/4 s, or 0.075 of 4 s, and only that is too slow."""
-    session = SimpleNamespace(history=SimpleNamespace(series={}, margin=np.nan), speed=1.25, pinned=None, is_over=False)
+    history = SimpleNamespace(series={}, step_to_bound_ratio=np.nan)
+    session = SimpleNamespace(history=history, speed=1.25, pinned=None, is_over=False)
     report = replace(report_of(scene), real_speed=0.3, playing=True)
     html = live_readout(session, session.history, report, "x", "transport", None, WorstRegions()).html
     assert f"<td>speed</td>\n<td>{said}" in html

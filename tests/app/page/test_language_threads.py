@@ -87,7 +87,7 @@ class Pool(page_server.SilentPool):
         self.future, self.tell = Future(), hear
         return self.future
 
-    def open(self, listener, beside=None):
+    def open_session(self, listener, beside=None):
         self.listener = listener
         return page_server.SilentLink()
 

@@ -139,6 +139,6 @@ def test_it_does_not_pause_before_the_pinned_run_is_there():
     visit.at(QUARTER)
     assert visit.asked[2:] == ["no end", "hurry"]
     failed = Visit()
-    failed.compiled, failed.pinned.shortfall = False, lambda: "it could not be compiled"
+    failed.compiled, failed.pinned.stop_reason = False, lambda: "it could not be compiled"
     failed.at(QUARTER)
     assert failed.asked == ["no end", "hurry"]

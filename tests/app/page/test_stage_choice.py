@@ -15,7 +15,7 @@ BAR, RING = BarScene(estimators=("recovered", "transport")), RingScene(estimator
 
 @pytest.fixture
 def choice():
-    session = SimpleNamespace(scene=BAR, show=lambda **_: None)
+    session = SimpleNamespace(scene=BAR, set_frame_options=lambda **_: None)
     made = StageChoice(Gui(), session, SimpleNamespace(reset=lambda: None), lambda: None)
     made.set_estimators(BAR.estimators)
 

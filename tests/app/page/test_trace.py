@@ -132,7 +132,7 @@ def test_every_image_is_found_by_a_click(run, stage):
         for particle in range(0, len(arrays.position), 5):
             x, y, _ = image[particle]
             assert stage.nearest_particle((x, y), arrays) == particle
-    places = stage.layout(stage.sheet.bounds.rounded(), RunSlot.ALONE)
+    places = stage.layout(stage.sheet.stage_metrics.rounded(), RunSlot.ALONE)
     beside = places.middle if halves > 2 else (0.5, 1.0)  # the ring's hole, above the bar
     assert stage.nearest_particle(beside, arrays) is None
 

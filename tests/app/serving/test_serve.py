@@ -32,7 +32,7 @@ class Pool:
     def __init__(self):
         self.links = []
 
-    def open(self, listener, beside=None):
+    def open_session(self, listener, beside=None):
         self.links.append(Link())
         return self.links[-1]
 
@@ -41,7 +41,7 @@ class Page:
     """Opens one session, as the real one."""
 
     def __init__(self, client, pool):
-        self.link = pool.open_session(None)
+        self.link = pool.open(None)
 
     def close(self):
         self.link.close()

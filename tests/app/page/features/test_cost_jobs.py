@@ -226,7 +226,7 @@ def test_few_processes_are_ready_and_none_for_ever(ready, pools):
 
 def test_who_opens_the_tab_has_a_process_made_ready(tab):
     asked = []
-    tab.jobs.prepare = lambda job, quiet: asked.append((job, quiet))
+    tab.jobs.prepare = lambda job, undisturbed: asked.append((job, undisturbed))
     tab.open(True)
     tab.stage.others_playing = True
     tab.open({"what": "ever"})
@@ -325,7 +325,7 @@ FOUND = {"met": True, "task": task_of(SCENE).to_dict(), "error": None, "measured
 
 def test_advice_goes_when_what_was_asked_changes(tab):
     """What the search itself chooses, as when its advice is loaded, changes nothing; a remark goes with its input."""
-    tab.jobs.start_search = lambda job, quiet: None
+    tab.jobs.start_search = lambda job, undisturbed: None
     tab.widgets.by_label[SEARCH].click()
     tab.jobs.status = CostJobStatus("search", advice=FOUND)
     tab.widgets.by_label["Load this scene"].click()

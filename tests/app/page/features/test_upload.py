@@ -165,7 +165,7 @@ def test_particles_that_are_not_ours_and_not_always_the_same(process, tmp_path):
     file = tmp_path / "mine.csv"
     file.write_bytes(particle_writers.csv_text(columns))
     run, _ = run_of(process, file, scene, tmp_path)
-    assert [run.particles(0), run.particles(1)] == [len(frames[0].number), len(few)]
+    assert [run.particle_count(0), run.particle_count(1)] == [len(frames[0].number), len(few)]
     _, arrays = run.frame(1, "x", False)
     assert arrays.position == pytest.approx(moved, abs=1e-6)
     assert arrays.error[:, 0] == pytest.approx(np.full(len(few), 1e-3), rel=1e-4)
