@@ -11,7 +11,7 @@ import viser._viser
 from viser import _messages
 
 from app.page.controls import Controls
-from app.page.visit.engine_links import FASTEST, MOST_WATCHED, scene_size_refusal
+from app.page.visit.engine_links import FASTEST, MOST_WATCHED, PageLinks, scene_size_refusal
 from app.page.visit.session import FIRST_SCENE, Session
 from app.problems.views import VIEWS
 from app.viewer import incoming_messages, web_server, widgets
@@ -253,7 +253,7 @@ def test_what_is_refused_is_wished_no_longer():
     """It is said of which field, until anything else is asked for, which is done with the value that there was. No more
     than one visitor may have is asked for, whatever the widgets let through: particles, and with them memory; and
     periods a second."""
-    session = Session(SilentPool(), FIRST_SCENE, lambda *_: None)
+    session = Session(PageLinks(SilentPool()), FIRST_SCENE, lambda *_: None)
     session.set_scene_fields(amplitude=0.2)
     field, sentence = session.refused
     assert field == "amplitude" and "0.159" in sentence and session.scene == FIRST_SCENE

@@ -48,7 +48,7 @@ class BarBody(Members):
     node_volume: Reals  # V_i = sum of S F V0 (N+4,)
     node_motion: Pairs  # v_i after the step and a_i (N+4, 2)
     node_stiffness: Reals  # Gershgorin's bound of each node, 1/s^2 (N+4,), for the step margin
-    corners: Quads  # of each particle's piece, with pieces or a budget: see ``gapless_pieces.stored_corner_stencil`` (P, 4)
+    corners: Quads  # of each particle's piece, with pieces or a budget: ``stored_corner_stencil`` (P, 4)
     remedy_interval: Integer  # steps between two turns of the remedies
     remedy_rate: Real  # what a turn of the null-space filter takes out, and how far one of the coupling draws F
     particle_scratch: Reals  # of the remedies (P,)

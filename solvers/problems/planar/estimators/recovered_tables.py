@@ -54,8 +54,8 @@ def pad_to_four(rows: Rows) -> Rows:
 
 def interval(scene):
     """Returns the run's steps per step of recovered's reference, which moves by an explicit method in the material
-    frame, with elements whose sides waves pass at the scene's ``wave_angle_per_metre``. Under large shear these steps are
-    hardly longer than the run's, and the estimator costs more than the run."""
+    frame, with elements whose sides waves pass at the scene's ``wave_angle_per_metre``. Under large shear these steps
+    are hardly longer than the run's, and the estimator costs more than the run."""
     across, along = lattice_lines(scene)
     side = 1 / max(across.elements_per_length * scene.wave_angle_per_metre, along.elements_per_length)
     return recovered.wave_travel_steps(scene, WAVE_CFL * side)
