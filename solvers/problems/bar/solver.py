@@ -5,10 +5,10 @@ import time
 import numpy as np
 
 from solvers.kernels import runtime
-from solvers.problems.bar import exact_solution, step_breakdown
+from solvers.problems.bar import exact_solution, particle_step_breakdown
 from solvers.problems.bar.scene import BarScene
+from solvers.problems.bar.serial_step_kernel import KERNELS, PHASES
 from solvers.problems.bar.state import HOOKS, BarState, InstrumentedBar, allocate_state, escape_distance
-from solvers.problems.bar.step import KERNELS, PHASES
 from solvers.scene.kernel_options import kernel_options_of
 from solvers.scene.stabilisations import CENTRED, COUPLED, FILTER, FROZEN, PIECES
 from solvers.solver.base import REPORT, Solver
@@ -22,7 +22,7 @@ HATS_LIMIT = 0.14  # amplitude from which on no rate of a remedy holds hat funct
 class BarSolver(Solver):
     """Solver of a bar, which owns its arrays. All steps run in one serial kernel, whatever threads the scene allows."""
 
-    HOOKS, PHASES, STATE, STEP_BREAKDOWN = HOOKS, PHASES, InstrumentedBar, step_breakdown
+    HOOKS, PHASES, STATE, STEP_BREAKDOWN = HOOKS, PHASES, InstrumentedBar, particle_step_breakdown
     scene: BarScene
     _arrays: InstrumentedBar
 

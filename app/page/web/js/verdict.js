@@ -1,4 +1,4 @@
-// What is said (page/headline.py): the headline in spans that mean something to the eye, and the facts below it. All of it
+// What is said (page/headline_panel.py): the headline in spans that mean something to the eye, and the facts below it. All of it
 // is text. It changes for as long as a run goes on: read aloud is only what is of another moment, or answers a click.
 (() => {
   const summary = document.getElementById("lab-summary"), aloud = document.getElementById("lab-aloud");

@@ -6,7 +6,7 @@ from types import SimpleNamespace
 import pytest
 
 from app.page.panels import scene_widgets
-from app.page.panels.scene_widgets import REST, TO_BE_READ, WidgetMessages
+from app.page.panels.scene_widgets import REST, TO_BE_READ, WidgetStatusMessage
 from tests.support.processes import wait_until
 from tests.support.raw_client import RawClient
 
@@ -21,7 +21,7 @@ def clock():
 def said(clock):
     """The answers, with a page that keeps what it shows."""
     html = SimpleNamespace(content="")
-    told = WidgetMessages(SimpleNamespace(add_html=lambda _: html), lambda: clock.now)
+    told = WidgetStatusMessage(SimpleNamespace(add_html=lambda _: html), lambda: clock.now)
     told.shown = lambda: tuple(re.findall(r"data-(?:of|kind|says)='([^']*)'", html.content))
     return told
 
