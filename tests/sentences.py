@@ -35,7 +35,7 @@ def sentences() -> Iterator[Text]:
 
 
 def _templates() -> Iterator[Text]:
-    for path in (*sorted((ROOT / "solvers").rglob("*.py")), ROOT / "app" / "state.py"):
+    for path in (*sorted((ROOT / "solvers").rglob("*.py")), ROOT / "app" / "shareable_state.py"):
         for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
             match node:
                 case ast.Call(func=ast.Name(id=name), args=args) if len(args) > CALLS.get(name, len(args)):

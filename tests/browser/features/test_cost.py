@@ -10,7 +10,7 @@ from tests.support.processes import children
 
 def job_processes(parent):
     """Ids of the processes that ``parent`` has started for a sweep or a search."""
-    return children(parent, "study.background_jobs")
+    return children(parent, "study.sweep_and_search_worker")
 
 
 def dots(page):
