@@ -109,8 +109,7 @@ def wave_travel_steps(scene, length):
 
 
 def initial_numbers(scene, steps):
-    """Returns the estimator's numbers (8,) at the start, as ``H`` to ``SHORTEST`` index them; its reference's step is
-    ``steps`` of the run's."""
+    """Returns initial numbers (8,), by ``H`` to ``SHORTEST``; the reference's step is ``steps`` of the run's."""
     return np.array([steps * scene.time_step, DAMPING * scene.spacing / scene.wave_speed, NEW, *[0.0] * 5])
 
 
@@ -121,8 +120,7 @@ def fit_width(scene):
 
 @ti.func
 def time_since_reference_step(step, dt, interval):
-    """Returns the time in s since the reference's last step, after ``step`` steps of ``dt`` s of the run; the
-    reference's take ``interval`` s."""
+    """Returns seconds since the reference's last step (each ``interval`` s), after ``step`` steps of ``dt`` s."""
     steps = ti.cast(interval / dt + 0.5, ti.i32)
     return step % steps * dt
 

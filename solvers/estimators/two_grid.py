@@ -219,6 +219,5 @@ def _first_points(places: np.ndarray, points: int, count: int, ends: str) -> np.
 
 
 def target_point_positions(targets: int, count: int) -> np.ndarray:
-    """Returns where ``targets`` even points (targets,) lie, in spacings of ``count`` over the same length, from their
-    first."""
+    """Returns where even points (targets,) lie, in spacings of ``count`` over the same length, from their first."""
     return (np.arange(targets) + 0.5) * (count / targets) - 0.5

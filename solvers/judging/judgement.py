@@ -140,8 +140,7 @@ class Judgement:
         return [float(t) for t in first if all(np.abs(other - t).min() <= near for other in others)]
 
     def largest_common_norm(self, judged: SingleGridJudgement, quantity: str) -> float:
-        """Returns the largest RMS error of a quantity on one grid, over the times in s after 0 that all grids have; NaN
-        without any."""
+        """Returns a quantity's largest RMS error on a grid, over grids' common times in s after 0; NaN if none."""
         common, near = np.array([t for t in self.common_times() if t > 0]), SAME * self.scene.period
         at = [k for k, t in enumerate(judged.grid.times) if (np.abs(common - t) <= near).any()]
         values = judged.norms[quantity][at]
@@ -185,16 +184,9 @@ def judge(scene: Scene, files: Particles | Sequence[Particles], *, cells: Sequen
     on_progress
         Called now and then with the part done (0 to 1) and the name of the present stage.
 
-    Returns
-    -------
-    Judgement
-        Its ``to_dict()`` is the object of ``mpm-lab judge``'s report.json.
-
-    Raises
-    ------
-    FileError
-        For files, or arrays, that cannot be judged; :class:`~solvers.judging.particle_data_types.ProblemMismatch` for
-        those of another problem. SceneError Where ``cells`` or ``times`` do not fit the files, or a companion is lost.
+    The result's ``to_dict()`` is the object of ``mpm-lab judge``'s report.json. Raises :class:`FileError` for files, or
+    arrays, that cannot be judged, :class:`~solvers.judging.particle_data_types.ProblemMismatch` for those of another
+    problem, :class:`SceneError` where ``cells`` or ``times`` do not fit the files, or a companion is lost.
     """
     sources = as_list(files)
     for name, given, counts in (("cells", cells, {1, len(sources)}), ("time", times, {len(sources)})):

@@ -8,15 +8,9 @@ from dataclasses import replace
 import numpy as np
 
 from solvers.estimators.standalone_companion import accurate_time_step
+from solvers.judging import particle_data_types
 from solvers.judging.column_names import describe_columns
-from solvers.judging.particle_data_types import (
-    Frame,
-    ProblemMismatch,
-    RawTable,
-    SingleGridRun,
-    group_rows_by_time,
-    row_times,
-)
+from solvers.judging.particle_data_types import Frame, ProblemMismatch, RawTable, SingleGridRun, row_times
 from solvers.judging.scene_metadata import HINT, resolve_scene, scene_of_metadata
 from solvers.problems import PROBLEMS
 from solvers.problems.judging_reference import JudgingReference
@@ -148,7 +142,7 @@ def _match_frames(raw: RawTable, scene: Scene, reference: JudgingReference,
     if (turned := int((moved != x).any(axis=1).sum())) > 0:
         notes.append(Message("{turned:,} positions were moved back by a period of the grid", turned))
     found = []
-    for at in group_rows_by_time(times):
+    for at in particle_data_types.group_rows_by_time(times):
         part = {key: values[at] for key, values in whole.items()}
         who = number[at] if "id" in columns else np.arange(len(times[at]))
         frame = Frame(raw.file, float(times[at][0]), who, X[at], moved[at], part.get("v"), part.get("F"),
@@ -288,8 +282,7 @@ def _sort_frames_by_time(frames: list[Frame], scene: Scene) -> tuple[Frame, ...]
 
 
 def check_origin(frame: Frame, error: np.ndarray, scene: Scene) -> None:
-    """Raises FileError for particles shifted as a whole: ``error`` (P, D) of x in m is nearly the same for all of them,
-    and more than a cell."""
+    """Raises FileError for particles shifted together: ``error`` (P, D) of x in m is nearly uniform and over a cell."""
     mean = error.mean(axis=0)
     rest = float(np.sqrt(np.mean(np.sum((error - mean) ** 2, axis=1))))
     if np.linalg.norm(mean) > max(scene.spacing, RIGID * rest):

@@ -65,15 +65,8 @@ def run(scene: Scene | type[Scene] | str, on_progress: Callable[[float], None] |
         Quantities of interest at the end, with their estimated errors (``Result.goals``):
         "kinetic-energy", "mean-stress", "displacement@0.25", in the plane "displacement@0.5,0".
 
-    Returns
-    -------
-    Result
-        Errors, estimates, status and times; ``to_dict()`` is the object of ``mpm-lab run --json``.
-
-    Raises
-    ------
-    SceneError
-        For anything but a scene, for a GPU that does not exist, and for an invalid goal.
+    The result has errors, estimates, status and times; its ``to_dict()`` is the object of ``mpm-lab run --json``.
+    Raises :class:`SceneError` for anything but a scene, for a GPU that does not exist, and for an invalid goal.
     """
     scene = as_scene(scene)
     wanted = parse_goals(scene, goals)

@@ -28,14 +28,10 @@ Series = Mapping[str, np.ndarray]
 class Number:
     """A number that an effect computes from the samples of a run.
 
-    Parameters
-    ----------
-    key
-        Its name in JSON objects, behind that of its effect; "" for one that stands there for its effect.
-    of : series -> number
-        Its value after the last sample (``solvers.solver.samples.read_rows``); unknown where not finite. ``unit`` is
-        in SI, "" for none, :data:`PER_CENT` for one that is displayed in per cent; ``kind`` is int for a count;
-        ``bounds`` are the sizes from which the page marks it as noticeable, and as alarming.
+    ``key`` is its name in JSON objects, behind that of its effect; "" for one that stands there for its effect.
+    ``of`` returns from the series its value after the last sample (``solvers.solver.samples.read_rows``); unknown where
+    not finite. ``unit`` is in SI, "" for none, :data:`PER_CENT` for one that is displayed in per cent; ``kind`` is int
+    for a count; ``bounds`` are the sizes from which the page marks it as noticeable, and as alarming.
     """
 
     key: str
@@ -127,8 +123,7 @@ def _total_energy(series: Series) -> np.ndarray:
 
 
 def _energy_drift(series: Series) -> float:
-    """Returns (E - W - E0)/E0 at the end: E is kinetic plus strain energy, E0 the first, W the work of the body
-    force."""
+    """Returns (E - W - E0)/E0 at the end: E is kinetic plus strain energy, E0 the first, W the body force's work."""
     total = _total_energy(series)
     return (total[-1] - series["work"][-1] - total[0]) / total[0]
 
@@ -196,8 +191,7 @@ def effects_of(problem: str, own: tuple[str, ...]) -> tuple[str, ...]:
 
 
 def require_offered(chosen: object, problem: str, offered: tuple[str, ...]) -> None:
-    """Raises :class:`SceneError` for a ``chosen`` effect of other problems that is not one of those ``offered``
-    here."""
+    """Raises :class:`SceneError` for a ``chosen`` effect of other problems that is none of those ``offered`` here."""
     for name in chosen if isinstance(chosen, tuple) else ():
         effect = ALL.get(name) if isinstance(name, str) else None
         if effect and name not in offered:
@@ -216,7 +210,6 @@ def samplers(problem: str, own: Mapping[str, Callable]) -> dict[str, Callable]:
 
 
 def output_lines_by_effect(line_of: Callable[[Effect], OutputLine | None]) -> dict[str, OutputLine]:
-    """Returns the line of output of each effect that has numbers, by name: what ``line_of`` returns, or the usual
-    one."""
+    """Returns the output line of each effect with numbers, by name: what ``line_of`` returns, or the usual one."""
     lines = {name: line_of(effect) or effect.default_output_line for name, effect in ALL.items() if effect.numbers}
     return {name: line for name, line in lines.items() if line.name}

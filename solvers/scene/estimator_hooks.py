@@ -1,9 +1,8 @@
 """Interface of an error estimator: its memory, its hooks in a step, and its report.
 
-An estimator of a problem is one :class:`EstimatorHooks`, called ``HOOKS``, at the end of its file. Several can run in
-one scene; number e reports the estimated errors of particle p in entry ``e * particles + p`` of the state's
-``estimate`` arrays. It may use whatever the method itself computes, the body force and the initial state; never the
-exact solution.
+A problem's estimator is one :class:`EstimatorHooks`, called ``HOOKS``, at the end of its file. Several can run in a
+scene; number e reports particle p's estimated errors in entry ``e * particles + p`` of the state's ``estimate`` arrays.
+It may use whatever the method computes, the body force and the initial state; never the exact solution.
 """
 
 from collections.abc import Callable, Mapping

@@ -33,8 +33,7 @@ Fields = Sequence[np.ndarray]  # the components of a vector or tensor, each an a
 @dataclass(frozen=True)
 class ParticleNodeUnknowns:
     """Links of P particles to K nodes each at n moments, in D dimensions: ``where`` (D arrays (n, P, K)) is the index
-    of each component of a node's velocity among the unknowns of its moment, ``sign`` (same shapes) its sign there, -1
-    in mirror images."""
+    of a node's velocity components among its moment's unknowns, ``sign`` (same shapes) the sign, -1 mirrored."""
 
     where: Fields
     sign: Fields
@@ -161,8 +160,7 @@ class _StepOperators:
 
 
 def _largest_tridiagonal_eigenvalues(diagonal: list[np.ndarray], beside: list[np.ndarray]) -> np.ndarray:
-    """Returns the largest eigenvalue of each of n tridiagonal matrices, by entries (n,) along and ``beside`` the
-    diagonal."""
+    """Returns the largest eigenvalues of n tridiagonal matrices, by entries (n,) along and ``beside`` the diagonal."""
     k = len(diagonal)
     T = np.zeros((len(diagonal[0]), k, k))
     T[:, np.arange(k), np.arange(k)] = np.stack(diagonal, axis=1)

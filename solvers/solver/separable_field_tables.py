@@ -90,8 +90,7 @@ def body_force_at(tables: ti.template(), sizes: ti.template(), place, on: ti.tem
 
 @ti.func
 def compute_paired_time_functions(tables: ti.template(), sizes: ti.template(), number: ti.template(), angle, scale):
-    """Stores ``scale`` T_k at an angle w t of the first harmonic in table ``number`` of pairs, as (T_2k, T_2k, T_2k+1,
-    T_2k+1).
+    """Stores ``scale`` T_k at the first harmonic's angle w t in pair table ``number``, as (T_2k, T_2k, T_2k+1, T_2k+1).
 
     The functions are independent, harmonics by recurrence: on a GPU the outermost loop is spread over threads.
     """

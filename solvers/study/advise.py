@@ -96,17 +96,10 @@ def advise(choices: list[RefinementFamily], goal: SearchGoal,
            recall: Callable[[RefinementFamily, int], RefinementPoint | None] = lambda family, cells: None) -> Advice:
     """Searches for the cheapest run that meets a goal; returns the best within reach if none does.
 
-    Parameters
-    ----------
-    choices
-        Families to choose from (:func:`refinement_families`), at least one.
-    goal
-    on_look
-        Called before every run with its number (from 1), the least number of runs that there will be, and its scene.
-    on_point
-        Called after every run, new or recalled, with its family and its measurement.
-    recall
-        Returns the measurement of a family's run with so many cells if it is known, or None.
+    ``choices`` are families to choose from (:func:`refinement_families`), at least one. ``on_look`` is called before
+    every run with its number (from 1), the least number of runs that there will be, and its scene; ``on_point`` after
+    every run, new or recalled, with its family and its measurement. ``recall`` returns the measurement of a family's
+    run with so many cells if it is known, or None.
     """
     search = _Search(choices, goal, on_look, on_point, recall)
     search.refine_usual_families()

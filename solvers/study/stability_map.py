@@ -86,8 +86,7 @@ def treatment_of(row: Mapping) -> str:
 
 
 def gentle_scene_for_timing(kind: type[Scene], row: Mapping, treatment: str) -> Scene:
-    """Returns a scene with the row's method and grid and a treatment, gentle (cfl 0.1), so that timed steps are
-    stable."""
+    """Returns a scene with the row's method and grid and a treatment, gentle (cfl 0.1), so timed steps are stable."""
     scene = row["scene"]
     gentle = {"method": scene["method"], "cells": scene["cells"], "ppc": scene["ppc"], "cfl": PRICE_CFL,
               "amplitude": kind.GENTLE_AMPLITUDE}

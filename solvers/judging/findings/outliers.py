@@ -6,16 +6,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from solvers.judging.findings import neighbour_comparison
 from solvers.judging.findings.finding import BROKEN, HOLDS, OFF, SUSPICIOUS, Finding, unknown
 from solvers.judging.findings.findings_input import FindingsInput
-from solvers.judging.findings.neighbour_comparison import (
-    MOST,
-    USUAL,
-    NearestNeighbours,
-    departures,
-    find_neighbours,
-    find_outliers,
-)
+from solvers.judging.findings.neighbour_comparison import MOST, USUAL, NearestNeighbours, find_neighbours, find_outliers
 from solvers.judging.findings.recorded_motion_reader import RecordedMotion
 from solvers.judging.particle_data_types import Frame
 from solvers.scene.scene import Scene
@@ -213,7 +207,7 @@ def check_roughness(motion: RecordedMotion, key: str) -> Finding:
     size = _largest_rms(motion, key)
     if not size > 0:
         return unknown(name, "it is zero everywhere")
-    every = [departures(near, motion.fields[key][moment].reshape(len(motion.reference), -1))
+    every = [neighbour_comparison.departures(near, motion.fields[key][moment].reshape(len(motion.reference), -1))
              for moment in motion.checked_time_indices]
     shares = [float(np.sqrt(np.mean(far**2))) / size for far in every]
     k = int(np.argmax(shares))

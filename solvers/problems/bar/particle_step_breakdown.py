@@ -5,12 +5,8 @@ import numpy as np
 from solvers.problems.bar.method.periodic_nodes import MOST_HALF_WIDTH
 from solvers.problems.bar.scene import BarScene
 from solvers.problems.bar.state import InstrumentedBar
-from solvers.solver.particle_step_breakdown import (
-    ParticleState,
-    ParticleStepBreakdown,
-    PeriodicOrMirrorNode,
-    find_links,
-)
+from solvers.solver import particle_step_breakdown
+from solvers.solver.particle_step_breakdown import ParticleState, ParticleStepBreakdown, PeriodicOrMirrorNode
 
 
 def particle_state(scene: BarScene, a: InstrumentedBar) -> ParticleState:
@@ -24,8 +20,8 @@ def breakdown(scene: BarScene, a: InstrumentedBar, particle: int, step: int,
     """Returns the breakdown of the last step, number ``step``, around the particle of this number, from the arrays
     ``a`` after it and the state of all particles ``before`` it (:func:`particle_state`)."""
     N, h, time = scene.cells, scene.spacing, (step - 1) * scene.time_step
-    links = find_links(particle, a.first_node[:, None] + np.arange(3), lambda some: _weights(a, some),
-                       lambda node: _images(node, N, h))
+    links = particle_step_breakdown.find_links(particle, a.first_node[:, None] + np.arange(3),
+                                               lambda some: _weights(a, some), lambda node: _images(node, N, h))
     place = a.material_position[:, None] if scene.frozen else before.position
     period = np.floor(place)  # the solver's nodes are those of the particle's own period
     links.shift[:] += period[particle] - period[links.members]

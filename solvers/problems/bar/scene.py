@@ -69,8 +69,7 @@ class BarScene(TypedMotionScene, Scene):
 
     @classmethod
     def candidates(cls) -> tuple[tuple[str, bool], ...]:
-        """Returns pairs (method, linearity preserving) that an advisor tries: each method without, uGIMP also with
-        it."""
+        """Returns pairs (method, linearity preserving) an advisor tries: each method without, uGIMP also with it."""
         return (*super().candidates(), ("ugimp", True))
 
     @property
@@ -165,16 +164,14 @@ class BarScene(TypedMotionScene, Scene):
         return self._sizes.largest[quantity] if self.displacement else super().size_of(quantity)
 
     def rms_of(self, quantity: str) -> float:
-        """Returns the RMS of x, v, sigma or a in SI: half the largest value, as for sines; in a patch test that
-        value."""
+        """Returns the RMS of x, v, sigma or a in SI: half the maximum, as for sines; in a patch test the maximum."""
         if self.displacement:
             return self._sizes.rms[quantity]
         return self.size_of(quantity) * (1.0 if self.is_patch else 0.5)
 
     @property
     def loss_limits(self) -> dict[str, float]:
-        """Relative errors from which on a run is lost: in a patch test of "sigma", as only stress can be wrong
-        there."""
+        """Relative errors from which a run is lost: in a patch test of "sigma", as only stress can be wrong there."""
         return {"sigma": patch_test_inputs.FAILED_FROM} if self.is_patch else {}
 
     @property

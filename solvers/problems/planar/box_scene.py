@@ -168,8 +168,7 @@ class BoxScene(PlanarScene):
         return self._largest_and_rms[quantity][1]
 
     def exact_plotted_component(self, quantity: str, X: np.ndarray, t: float) -> np.ndarray:
-        """Returns the x or xx component (P,), in SI units, of "x" (u), "v", "sigma" or "a" (a step before) at X (P, 2)
-        at rest."""
+        """Returns component x or xx (P,) in SI of "x" (u), "v", "sigma" or "a" (a step before) at X (P, 2) at rest."""
         exact = self.EXACT
         if quantity == "a":
             return exact.acceleration(self, X, max(0.0, t - self.time_step))[:, 0]

@@ -4,14 +4,8 @@ import math
 from collections.abc import Iterable, Mapping, Sequence
 
 from solvers.running.quantities_of_interest import DISPLACEMENT, ENERGY, SAFETY, STRESS
-from solvers.study.coverage.estimate_coverage_counts import (
-    CENTRAL,
-    FACTORS,
-    INTERVALS,
-    NEEDLESS,
-    REGIMES,
-    wilson_interval,
-)
+from solvers.study.coverage import estimate_coverage_counts
+from solvers.study.coverage.estimate_coverage_counts import FACTORS, INTERVALS, NEEDLESS, REGIMES, wilson_interval
 from solvers.study.coverage.random_runs import AFTER, BEFORE, IMPOSSIBLE, QUANTITIES, draw_ranges_of
 from solvers.study.markdown_tables import markdown_table
 
@@ -54,7 +48,8 @@ def central_ranges_table(counted: Mapping) -> str:
     """Returns Markdown: between which multiples of each estimate the central 80 % of true errors were at the end."""
     lines = [[name, *(_central_range_text(split["all"][q]["at the end"]["middle"]) for q in QUANTITIES)]
              for name, split in counted["estimators"].items()]
-    return f"## Where {100 * CENTRAL:g} of 100 true errors lie\n\nAt the end of the run, in multiples of the " \
+    percent = 100 * estimate_coverage_counts.CENTRAL
+    return f"## Where {percent:g} of 100 true errors lie\n\nAt the end of the run, in multiples of the " \
         "estimate; as many lie below as above. Between these an estimator bets in lesson 10.\n\n" \
         + markdown_table(["estimator", *(PARTS[q] for q in QUANTITIES)], lines)
 

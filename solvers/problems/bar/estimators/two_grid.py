@@ -67,8 +67,7 @@ def report(bar: ti.template(), base, step, on: ti.template()):
 
 @ti.func
 def store_run_fields(bar: ti.template(), own: ti.template(), on: ti.template()):
-    """Stores u, v, sigma and a of the run's particles, in SI, in ``own.fields``, an array of the estimator. ``on``:
-    compile-time options."""
+    """Stores u, v, sigma, a of the run's particles in SI in the estimator's ``own.fields``. ``on``: kernel options."""
     for p in range(bar.particles):
         a = 0.0
         if ti.static(on.acceleration):

@@ -1,9 +1,8 @@
 """The body force of the bar, per unit mass, at a material point.
 
-"material" is eq 34: 3 w^2 A sin(2 pi X) sin(wt), for which the exact solution is known. "two-tone" adds
-1.5 w^2 A sin(4 pi X) sin(1.7 wt), for which none is built in: there an estimate has to stand alone. That of a typed
-motion lies in a table (``solvers.solver.separable_field_tables``), whose functions of time :func:`tone_amplitudes`
-finds.
+"material" is eq 34: 3 w^2 A sin(2 pi X) sin(wt), for which the exact solution is known. "two-tone" adds 1.5 w^2 A sin(4
+pi X) sin(1.7 wt), for which none is built in: there an estimate has to stand alone. That of a typed motion lies in a
+table (``solvers.solver.separable_field_tables``), with functions of time by :func:`tone_amplitudes`.
 """
 
 import taichi as ti

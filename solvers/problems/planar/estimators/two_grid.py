@@ -1,5 +1,4 @@
-"""Richardson's estimate in the plane, between symmetry planes: the same scene on half the cells (see
-``solvers.estimators.two_grid``).
+"""Richardson's estimate between symmetry planes: the scene on half the cells (see ``solvers.estimators.two_grid``).
 
 Fields are compared on the second run's lattice: of a square in x and y, of a ring in polar components (and on four
 radii at least, for cubics). Lattices go on beyond the symmetry planes as mirror images, in which components across the

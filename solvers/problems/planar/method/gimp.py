@@ -42,8 +42,7 @@ def find_weights(body: ti.template(), some: ti.template(), on: ti.template()):
 
 @ti.func
 def stencil_along(body: ti.template(), some: ti.template(), c: ti.template(), on: ti.template()):
-    """Returns first node, two outer weights and their slopes (per m) of the particles ``some`` in x (``c`` = 0) or y
-    (1)."""
+    """Returns first node, two outer weights and slopes (per m) of particles ``some`` in x (``c`` = 0) or y (1)."""
     per = body.cells_per_length
     position = load_component(body.position_velocity, some, c)
     if ti.static(on.frozen):
