@@ -62,8 +62,7 @@ def _resolve_scene(files: list[RawTable], asked: Scene) -> tuple[Scene, list[str
         raise FileError(raw.file, "{reason}, and its particles are not; {hint}", misfit.reason, HINT) from None
 
 
-def _suggest_problems(misfit: ProblemMismatch, raw: RawTable, asked: Scene,
-                      times: Sequence[float]) -> ProblemMismatch:
+def _suggest_problems(misfit: ProblemMismatch, raw: RawTable, asked: Scene, times: Sequence[float]) -> ProblemMismatch:
     """Returns the error with the problems that the file fits: on the usual grid or the one asked for, or, where only
     ids identify its particles, on some grid."""
     others = tuple(name for name in PROBLEMS if name != asked.problem and any(
@@ -114,8 +113,7 @@ def match_grids(files: Sequence[RawTable], scene: Scene, cells: Sequence[int],
         notes.setdefault(count, []).extend(said)
         steps[count] = raw.step if raw.step is not None else steps.get(count)
     return [SingleGridRun(count, _sort_frames_by_time(frames[count], scene), tuple(dict.fromkeys(notes[count])),
-                          steps[count])
-            for count in sorted(frames)]
+                          steps[count]) for count in sorted(frames)]
 
 
 def _match_frames(raw: RawTable, scene: Scene, reference: JudgingReference,

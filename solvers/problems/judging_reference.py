@@ -62,9 +62,8 @@ def read_texts(path: Path, *cases: str, **values: float | str) -> ProblemDescrip
     """Returns the texts in a Markdown file (:func:`read_parts`): for each field of :class:`ProblemDescription` the
     part ``name: case`` of the first of the ``cases`` that has one, or the part ``name``."""
     parts = read_parts(path, **values)
-    return ProblemDescription(*(next(parts[one] for one in (*(f"{text.name}: {case}" for case in cases),
-                                                            text.name) if one in parts)
-                                for text in fields(ProblemDescription)))
+    return ProblemDescription(*(next(parts[one] for one in (*(f"{text.name}: {case}" for case in cases), text.name)
+                                     if one in parts) for text in fields(ProblemDescription)))
 
 
 class JudgingReference(ABC):

@@ -55,30 +55,18 @@ class OutputLine:
 class Effect:
     """Diagnostic that a scene can request.
 
-    Parameters
-    ----------
-    name
-        Name in scenes and, as ``on.NAME``, in kernels.
-    label, explanation
-        Its name on the page, and what it does, in the imperative.
-    needs
-        Effects of which it needs at least one; ``needs_solution``: it needs a built-in exact solution.
-    timed_alone
-        Whether a study can time it by itself.
-    columns
-        Columns of its own in the samples, there only where it is on: a kernel finds one by
-        ``ti.static(column_index("spin/torque", on))`` (``solvers.solver.samples``), a number's ``of`` in
-        ``series["spin/torque"]``.
-    numbers
-        Its results.
-    key
-        Key of its results in JSON objects, by default its name.
-    text, readout
-        Line of ``mpm-lab run`` and of the page, where it is not the label and all numbers.
-    samplers
-        Functions that fill the columns, by problem, for problems without their own: see :func:`samplers`.
-    elsewhere
-        What a problem without it offers instead, with ``{problem}`` for its name.
+    ``name`` is its name in scenes and, as ``on.NAME``, in kernels; ``label`` that on the page, and ``explanation`` what
+    it does, in the imperative. It ``needs`` at least one of these effects; with ``needs_solution`` also a built-in
+    exact solution. ``timed_alone`` is whether a study can time it by itself.
+
+    ``columns`` are its own in the samples, there only where it is on: a kernel finds one by
+    ``ti.static(column_index("spin/torque", on))`` (``solvers.solver.samples``), a number's ``of`` in
+    ``series["spin/torque"]``. ``samplers`` are functions that fill them, by problem, for problems without their own:
+    see :func:`samplers`.
+
+    ``numbers`` are its results, ``key`` is their key in JSON objects, by default its name; ``text`` and ``readout`` are
+    the lines of ``mpm-lab run`` and of the page, where they are not the label and all numbers; ``elsewhere`` is what a
+    problem without it offers instead, with ``{problem}`` for its name.
     """
 
     name: str

@@ -48,9 +48,7 @@ def pad_to_mode_pairs(table: SeparableField | None) -> tuple[SeparableField | No
 
 def vector_mode_entries(table: SeparableField | None) -> tuple[SeparableField | None, np.ndarray | None]:
     """Returns a field of vectors and its modes (n, 4), one in each entry: (x, y, 0, 0); None for None."""
-    if table is None:
-        return None, None
-    return table, np.pad(table.modes.reshape(-1, 2), ((0, 0), (0, 2)))
+    return table, None if table is None else np.pad(table.modes.reshape(-1, 2), ((0, 0), (0, 2)))
 
 
 def motion_mode_entries(table: SeparableField | None) -> tuple[SeparableField | None, np.ndarray | None]:

@@ -113,8 +113,7 @@ def measure_prices(kind: type[Scene], rows: Iterable[dict]) -> dict[tuple[str, s
     pairs: dict[tuple[str, str], tuple[Scene, Scene]] = {}
     for row in completed_rows(rows):
         plain, treated = (replace(gentle_scene_for_timing(kind, row, name), effects=(), estimators=(),
-                                  sample_every=None)
-                          for name in ("plain", treatment_of(row)))
+                                  sample_every=None) for name in ("plain", treatment_of(row)))
         pairs |= {(plain.method, "plain"): (plain, plain), (plain.method, treatment_of(row)): (treated, plain)}
     return time_ratios(pairs, PRICE_TURNS)
 

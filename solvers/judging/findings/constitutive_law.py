@@ -68,9 +68,7 @@ def _explain_stress(evidence: FindingsInput, size: float) -> str | None:
     found = [(time_series_fitting.rms(rest) / before, words)
              for rest, words in _candidates(scene, tracks, sigma, law, evidence.step)]
     left, words = min(found, key=lambda one: one[0])
-    if left < EXPLAINS:
-        return Message("{words}, which leaves {left:.2g}", words, left * before / size)
-    return None
+    return Message("{words}, which leaves {left:.2g}", words, left * before / size) if left < EXPLAINS else None
 
 
 def _candidates(scene: Scene, tracks: ParticleTrajectories, sigma: np.ndarray, law: np.ndarray,

@@ -45,10 +45,9 @@ def breakdown(scene: BarScene, a: InstrumentedBar, particle: int, step: int,
     k = links.members
     return ParticleStepBreakdown(step, time, scene.time_step, h, links, seen, particle_state(scene, a).mirror(links),
                                  np.full(len(k), mass), place[k] + links.shift, column(width[k])[:, None],
-                                 column(tension[k])[:, None],
-                                 column((links.nodes - 1) * h + period[particle]), node_mass,
-                                 column(mass * a.node_sums[g, 1]), column(internal), column(body), column(acceleration),
-                                 column(velocity))
+                                 column(tension[k])[:, None], column((links.nodes - 1) * h + period[particle]),
+                                 node_mass, column(mass * a.node_sums[g, 1]), column(internal), column(body),
+                                 column(acceleration), column(velocity))
 
 
 def _weights(a: InstrumentedBar, some: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -59,6 +58,5 @@ def _weights(a: InstrumentedBar, some: np.ndarray) -> tuple[np.ndarray, np.ndarr
 
 def _images(node: int, cells: int, spacing: float) -> list[PeriodicOrMirrorNode]:
     home = (node - 1) % cells + 1
-    return [PeriodicOrMirrorNode(other, (1.0,),
-                                 ((node - other) * spacing,)) for other in (home - cells, home, home + cells)
-            if 0 <= other <= cells + 3]
+    return [PeriodicOrMirrorNode(other, (1.0,), ((node - other) * spacing,))
+            for other in (home - cells, home, home + cells) if 0 <= other <= cells + 3]

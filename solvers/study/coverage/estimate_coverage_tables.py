@@ -83,9 +83,8 @@ def refusals_table(counted: Mapping) -> str:
 def error_bars_table(counted: Mapping) -> str:
     """Returns Markdown: how often bars around the goals' values at the end contained the truth, and their widths."""
     names = main_bar_names(counted)
-    lines = [[_bar_label(name),
-              *(cell for kind in counted["goals"] for cell in _bar_cells(counted["goals"][kind]["all"][name]))]
-             for name in names]
+    lines = [[_bar_label(name), *(cell for kind in counted["goals"]
+                                  for cell in _bar_cells(counted["goals"][kind]["all"][name]))] for name in names]
     heads = [text for kind in counted["goals"] for text in (GOALS[kind], "given", "width")]
     return ("## Bars around a number: how often they hold the truth\n\nPer cent of the bars that are given, with the "
             "95 % interval; how many per cent of the runs are given one; and the median of the bar over the true "

@@ -151,9 +151,8 @@ def add_verdict_sums(bar: ti.template()):
         fourth = 0.0
         j = ti.select(i < 2, i + bar.cells - 2, i - 2)
         for k in range(5):
-            fourth += (
-                recovered_common.fourth_difference_weight(k) * bar.recovered_nodes[nodal_entry_index(bar, MOTION, j)][0]
-            )
+            fourth += (recovered_common.fourth_difference_weight(k)
+                       * bar.recovered_nodes[nodal_entry_index(bar, MOTION, j)][0])
             j = ti.select(j + 1 < bar.cells, j + 1, 0)
         error = bar.recovered_nodes[nodal_entry_index(bar, PROJECTED, i)][0]
         rough += fourth * fourth
