@@ -159,9 +159,8 @@ def why_not_trusted(memory, growth):
     """Returns why not to trust recovered's estimate, as a sentence, or None: its reference is inverted, diverged, or
     oscillates from node to node. ``memory`` are its arrays by name, ``growth`` the largest U now over the motion's.
 
-    A reference oscillates where it follows uneven particles and where it is unstable: then the estimate is its own
-    error. The measure is the size of the fourth differences of U, with a node spacing of one, over that of the error,
-    in sums over the whole run."""
+    A reference oscillates where it follows uneven particles or is unstable: then the estimate is its own error. The
+    measure is the size of U's fourth differences, at node spacing one, over that of the error, summed over the run."""
     numbers = memory["recovered_numbers"]
     if not (np.isfinite(memory["recovered_nodes"]).all() and np.isfinite(numbers).all()):
         return Message("not valid here: the recovered deformation turned inside out; take shorter steps or a smaller "

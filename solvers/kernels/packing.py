@@ -111,8 +111,7 @@ class _ArraySlice:
 
 @mark_untranslated_by_taichi
 def prefix_view(state: object, prefix: str) -> _PrefixView:
-    """Returns, for use in a kernel, a view of the state's members whose names begin with ``prefix``, as attributes by
-    the rest of their names."""
+    """Returns for kernels a view of members whose names begin with ``prefix``, as attributes by the rest of these."""
     return _PrefixView(state, prefix)
 
 

@@ -251,17 +251,16 @@ class Result:
 
     def to_dict(self) -> dict:
         """Returns the object of ``mpm-lab run --json``: results of effects that were off are None."""
-        return {
-            "schema": SCHEMA, "scene": self.scene.to_dict(), "status": self.status, "reason": self.reason,
-            **self.verdict, "t": self.time, "steps": self.steps, "particles": self.particles,
-            "error": self.error, "estimate": self.estimate, "index": self.index, "rounding": self.rounding,
-            "distance": self.distance, "goals": self.goals,
-            **{effect.json_key: self.effect_numbers(name) for name, effect in ALL.items() if effect.numbers},
-            "budget": self.budget, "soundness": self.soundness, "step": self.step, "life": self.life,
-            "effects": self.effects, "bytes": self.bytes, "not_valid": self.not_valid,
-            "seconds": {"setup": self.seconds.setup, "compile": self.seconds.compile, "run": self.seconds.run,
-                        "estimate": self.seconds.estimate, "estimators": self.seconds.estimators},
-            "rate": finite_or_none(self.rate), "arch": self.arch, "threads": self.threads, "plan": self.plan}
+        return {"schema": SCHEMA, "scene": self.scene.to_dict(), "status": self.status, "reason": self.reason,
+                **self.verdict, "t": self.time, "steps": self.steps, "particles": self.particles, "error": self.error,
+                "estimate": self.estimate, "index": self.index, "rounding": self.rounding, "distance": self.distance,
+                "goals": self.goals,
+                **{effect.json_key: self.effect_numbers(name) for name, effect in ALL.items() if effect.numbers},
+                "budget": self.budget, "soundness": self.soundness, "step": self.step, "life": self.life,
+                "effects": self.effects, "bytes": self.bytes, "not_valid": self.not_valid,
+                "seconds": {"setup": self.seconds.setup, "compile": self.seconds.compile, "run": self.seconds.run,
+                            "estimate": self.seconds.estimate, "estimators": self.seconds.estimators},
+                "rate": finite_or_none(self.rate), "arch": self.arch, "threads": self.threads, "plan": self.plan}
 
 
 def load_view_function(name: str) -> Callable[[Any], Any] | None:

@@ -189,9 +189,8 @@ def require_offered(chosen: object, problem: str, offered: tuple[str, ...]) -> N
 
 
 def samplers(problem: str, own: Mapping[str, Callable]) -> dict[str, Callable]:
-    """Returns the functions that fill the columns of a problem's effects, by the effects' names: its ``own`` and
-    registered ones. They are Taichi functions (state, row, step, on) that write to a row of ``state.samples``; ``step``
-    is the number of steps taken."""
+    """Returns the functions that fill a problem's effects' columns, by name: its ``own`` and registered ones, Taichi
+    functions (state, row, step, on) that write a row of ``state.samples``; ``step`` counts the steps taken."""
     extension_modules.load_extensions()
     extension_modules.COMPILED_PROBLEMS.add(problem)
     return {**own, **{name: effect.samplers[problem] for name, effect in ALL.items() if problem in effect.samplers}}

@@ -43,21 +43,11 @@ class ParticleNodeUnknowns:
 class LinearisedConfigurations:
     """P particles and N unknowns, the components of the nodes' velocities, at n moments.
 
-    Attributes
-    ----------
-    unknowns
-        Number N.
-    mass_links, weights
-        Links of the transfer of mass and velocity to the nodes, and S (n, P, K).
-    force_links, gradients
-        Links of the force, and the components of grad S (D arrays (n, P, K')) in 1/m.
-    mass
-        Masses of the particles (P,), in kg.
-    stress
-        Tangent stiffness: maps the rates L_ij = dv_i/dx_j (D^2 arrays (n, P), row by row) to the change of the stress
-        times the volume, in the same layout.
-    held
-        Indices (m,) of unknowns that are fixed at zero: nothing moves across a symmetry plane.
+    ``unknowns`` is N. ``mass_links`` transfer mass and velocity to the nodes with the ``weights`` S
+    (n, P, K); ``force_links`` the force with the ``gradients``, components of grad S (D arrays (n, P, K')) in 1/m.
+    ``mass`` (P,) is the particles' in kg. ``stress`` is the tangent stiffness: it maps the rates L_ij = dv_i/dx_j (D^2
+    arrays (n, P), row by row) to the change of the stress times the volume, in the same layout. ``held`` are indices
+    (m,) of unknowns that are fixed at zero: nothing moves across a symmetry plane.
     """
 
     unknowns: int

@@ -248,14 +248,13 @@ def _runner_up(others: list[RefinementFamily], best: Candidate, goal: SearchGoal
     if not others:
         return None, Message("no other method was asked for")
     (other, *_), others_meet = _ranking(others, goal)
-    name = _method_name(other.scene)
+    name, scene = _method_name(other.scene), other.scene
     if met and not others_meet:
         return other, Message("{name} does not meet the tolerance: its error is {error:.2g} at {cells} cells and falls "
                               "no further within the budget", name, other.error, other.cells)
     if not met:
         return other, Message("{name} only falls to {error:.2g}", name, other.error)
-    size = Message("{cells} cells with {ppc} particles per cell, cfl {cfl:g}", other.cells, other.scene.ppc,
-                   other.scene.cfl)
+    size = Message("{cells} cells with {ppc} particles per cell, cfl {cfl:g}", other.cells, scene.ppc, scene.cfl)
     return other, Message("{name} needs {size}: {seconds:.2g} times the time", name, size, other.seconds / best.seconds)
 
 

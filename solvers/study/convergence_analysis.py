@@ -180,8 +180,7 @@ def group_series(rows: Sequence[dict], along: str = "cells") -> list[SingleInput
 
 
 def fit_orders(rows: Sequence[dict], norm: str = "max") -> list[dict]:
-    """Returns a dict for each series with two or more h: method, inputs, and a :class:`ConvergenceOrderFit` as dict
-    per quantity."""
+    """Returns a dict per series with several h: method, inputs, and :class:`ConvergenceOrderFit` dicts by quantity."""
     found = []
     for line in group_series(rows):
         orders = {quantity: line.fit(quantity, norm) for quantity in QUANTITIES}

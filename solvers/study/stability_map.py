@@ -1,8 +1,7 @@
 """The stability map: how many periods a method survives, with and without remedies, over amplitude and time step.
 
-A treatment is what a scene uses against breakdown: remedies, linearity preservation, domains whose corners move with
-the grid. A row of the map is a row of a study (``solvers.study.row``) whose run is long and computes only the truth and
-the contradictions.
+A treatment is what a scene uses against breakdown: remedies, linearity preservation, domain corners that move with the
+grid. A map row is a study row (``solvers.study.row``) whose long run computes only truth and contradictions.
 """
 
 from collections.abc import Iterable, Mapping, Sequence

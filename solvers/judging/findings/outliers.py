@@ -43,8 +43,7 @@ SMOOTH_START = 0.3  # of the size: a field that is rougher at the start already 
 
 @dataclass(frozen=True)
 class FrameOutliers:
-    """Particles that differ from their neighbours: indices ``which`` (n,) in a frame, and by how much ``far`` (n,), in
-    m for positions."""
+    """Particles unlike their neighbours: indices ``which`` (n,) in a frame, how ``far`` (n,), m for positions."""
 
     frame: Frame
     which: np.ndarray
@@ -107,9 +106,8 @@ def value_outliers(evidence: FindingsInput, quantity: str) -> OutlierSummary | N
 
 
 def _lasting_outliers(score: np.ndarray, longer: int, passes: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Returns, for scores (T, P), by how much each particle exceeds 1 at ``longer`` times and one more, or by a factor
-    ``passes`` at any; the index of the time that shows it, and that factor, 1 where it lasts: (P,) each. Cell crossings
-    do not last."""
+    """Returns for scores (T, P) by how much each particle exceeds 1 at over ``longer`` times, or by a factor ``passes``
+    at any; the time index that shows it, and that factor, 1 where it lasts: (P,) each. Cell crossings do not last."""
     order, every = np.argsort(-score, axis=0), np.arange(score.shape[1])
     lasting, passing = score[order[longer], every], score[order[0], every] / passes
     lasts = lasting >= passing

@@ -147,9 +147,8 @@ class BarScene(TypedMotionScene, Scene):
 
     @property
     def motion_amplitude(self) -> float:
-        """Largest displacement of the exact solution in m: A; A/2 for the free bar, which starts at the same speed. For
-        a patch test that of a vibration whose largest strain is the test's, |F - 1|: the motion that its stress could
-        cause, as a scale of its errors."""
+        """Largest exact displacement in m: A; A/2 for the free bar, of the same initial speed. For a patch test that of
+        a vibration with its largest strain, |F - 1|: the motion its stress could cause, a scale of its errors."""
         if self.is_patch:
             return abs(self.stretch - 1) / self.STRAIN_PER_AMPLITUDE
         if self.displacement:

@@ -301,8 +301,7 @@ def allocate(scene):
         modes = np.stack([tables[PROJECTION](one)[:, :2] for one in force.modes[:, :, 0].T], axis=1)
         table = replace(force, modes=modes)
     return {**dict(zip(("recovered_force_sizes", "recovered_force"), pack_tables(pad_to_mode_pairs(table)),
-                       strict=True)),
-            "recovered_numbers": recovered_common.initial_numbers(scene, interval(scene)),
+                       strict=True)), "recovered_numbers": recovered_common.initial_numbers(scene, interval(scene)),
             **recovered_common.table_values(tables), "recovered_stride": stride, "recovered_beyond": beyond,
             "recovered_nodes": nodes.reshape(-1, 4), "recovered_field": np.zeros((scene.particles + beyond, 4))}
 

@@ -22,9 +22,8 @@ def tone_amplitudes(bar: ti.template(), t, on: ti.template()):
 
 @ti.func
 def tabulated_tone_amplitudes(bar: ti.template(), tables: ti.template(), sizes: ti.template(), t, on: ti.template()):
-    """Returns the amplitudes (2,) in m/s^2 of the body force's tones at time t in s; for a typed motion 0, and stores
-    its functions of time at t in ``tables`` with their ``sizes`` (``separable_field_tables.pack_tables``). ``on``:
-    compile-time options."""
+    """Returns amplitudes (2,) in m/s^2 of the body force's tones at t in s; for a typed motion 0, and stores its time
+    functions in ``tables`` with ``sizes`` (``separable_field_tables.pack_tables``). ``on``: kernel options."""
     first, second = 0.0, 0.0
     if ti.static(on.motion == TYPED):
         compute_paired_time_functions(tables, sizes, FORCE, bar.angular_frequency * t, 1.0)
@@ -37,9 +36,8 @@ def tabulated_tone_amplitudes(bar: ti.template(), tables: ti.template(), sizes: 
 
 @ti.func
 def body_force_at(tables: ti.template(), sizes: ti.template(), place, sine, cosine, size, on: ti.template()):
-    """Returns the body force per mass, in the unit of its tones' amplitudes ``size`` (2,), where sin 2 pi X and cos 2
-    pi X are ``sine`` and ``cosine``; for a typed motion that of entry ``place`` of the ``tables``, in m/s^2. ``on``:
-    compile-time options."""
+    """Returns body force per mass, in the unit of its tones' ``size`` (2,), with sin 2 pi X, cos 2 pi X as ``sine``,
+    ``cosine``; for a typed motion of entry ``place`` of the ``tables``, in m/s^2. ``on``: kernel options."""
     force = size[0] * sine
     if ti.static(on.body_force == "two-tone"):
         force += size[1] * 2 * sine * cosine  # sin 4 pi X

@@ -225,14 +225,13 @@ def allocate(scene) -> dict[str, np.ndarray]:
                          np.zeros((n, n))], axis=-1)
     sizes, force = pack_tables(*map(pad_to_mode_pairs, patch.force[1:]))
     row = len(second.node_coordinates)
-    return {
-        **shared.initial_companion_arrays((first.order, first.count, second.count, row, len(patch.places),
-                                           seen.columns), patch.frequency_at_rest, scene.time_step, patch.velocity,
-                                          patch.inverse_mass, row),
-        "companion_geometry": patch.geometry, "companion_slopes": seen.coordinate_gradients,
-        "companion_matrices": matrices.reshape(-1, 4), "companion_trial": np.zeros((n * n, 2)),
-        "companion_stresses": np.zeros((n * n, 4)), "companion_basis": seen.basis,
-        "companion_places": seen.places.ravel(), "companion_force": force, "companion_force_sizes": sizes}
+    return {**shared.initial_companion_arrays((first.order, first.count, second.count, row, len(patch.places),
+                                               seen.columns), patch.frequency_at_rest, scene.time_step, patch.velocity,
+                                              patch.inverse_mass, row), "companion_geometry": patch.geometry,
+            "companion_slopes": seen.coordinate_gradients, "companion_matrices": matrices.reshape(-1, 4),
+            "companion_trial": np.zeros((n * n, 2)), "companion_stresses": np.zeros((n * n, 4)),
+            "companion_basis": seen.basis, "companion_places": seen.places.ravel(), "companion_force": force,
+            "companion_force_sizes": sizes}
 
 
 def verdict(scene, memory) -> str | None:

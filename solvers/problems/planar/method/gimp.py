@@ -63,8 +63,7 @@ def stored_stencils(body: ti.template(), p, on: ti.template()):
 
 @ti.func
 def particles_to_nodes(body: ti.template(), start, end, grid, traits: ti.template(), on: ti.template()):
-    """Adds mass, momentum and force of the particles from ``start`` up to ``end`` to ``node_sums``, to the nodes from
-    number ``grid`` on."""
+    """Adds mass, momentum and force of particles ``start`` up to ``end`` to ``node_sums`` of nodes from ``grid`` on."""
     for p in range(start, end):
         S, dS, R, dR = stored_stencils(body, p, on)
         first = grid + body.first_node[p]
