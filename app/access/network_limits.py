@@ -91,8 +91,11 @@ class DiskQuota:
 
     def release(self, address: str, count: int) -> None:
         """Releases so many reserved bytes of an IP address."""
+        network = network_of(address)
         with self._lock:
-            self._used -= Counter({network_of(address): count})  # drops a network without any
+            self._used[network] -= count
+            if not self._used[network]:
+                del self._used[network]
 
 
 class PendingConnections(Generic[Connection]):

@@ -66,9 +66,12 @@ def make_captions(quantity: str, estimator: str | None, difference: bool, no_est
     reasons if either is missing, else ""."""
     by = tr("by {estimator}", estimator=estimator) if estimator else "", tr(EXACT_SOLUTION)
     titles = tr(ESTIMATE[difference]), tr(TRUTH)
-    measures = tr("size of the error, and of estimate − truth, of {quantity}", quantity=QUANTITIES[quantity]) \
-        if difference else tr("size of the error of {quantity}", quantity=QUANTITIES[quantity])
-    return StageHalfCaptions(titles, by, (no_estimate or (no_truth if difference else ""), no_truth), measures)
+    if difference:
+        return StageHalfCaptions(titles, by, (no_estimate or no_truth, no_truth),
+                                 tr("size of the error, and of estimate − truth, of {quantity}",
+                                    quantity=QUANTITIES[quantity]))
+    return StageHalfCaptions(titles, by, (no_estimate, no_truth),
+                             tr("size of the error of {quantity}", quantity=QUANTITIES[quantity]))
 
 
 def field_plot_caption(scene: Scene, component: str, quantity: str) -> FieldPlotCaption:

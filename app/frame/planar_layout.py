@@ -11,7 +11,8 @@ from app.language.translation import tr
 from app.names_and_units import short_reason
 
 AROUND = 1.05  # extent of the cells drawn over that of the body
-WIDEST = {slot: 0.5 if slot == ComparedRunSlot.ALONE else 0.31 for slot in ComparedRunSlot}  # cells' greatest width
+#: Greatest width of the cells.
+WIDEST = {ComparedRunSlot.ALONE: 0.5, ComparedRunSlot.FIRST: 0.31, ComparedRunSlot.SECOND: 0.31}
 FIELD = 0.28  # least width of the plot
 LEAST = 0.3  # least width of the cells with labels beside them
 #: In pixels: gap beside the body, labels there, numbers of the plot, space above it for

@@ -32,7 +32,8 @@ def parse_toml(text: str, line: int) -> dict[str, Any]:
         raise LessonError(line, "this is nested too deep; give lines such as key = 3") from None
     except tomllib.TOMLDecodeError as error:
         where = _AT.search(str(error))
-        at = line + (int(where[1]) if where and where[1] else max(1, len(text.rstrip("\n").splitlines()))) - 1
+        last = max(0, len(text.rstrip("\n").splitlines()) - 1)
+        at = line + (int(where[1]) - 1 if where and where[1] else last)
         raise LessonError(at, f"this is no TOML ({_AT.sub('', str(error)).lower()}); give lines such as "
                               "key = \"text\", key = 3 or key = [\"one\", \"two\"]") from None
     except ValueError:  # of whole numbers that have more digits than Python reads

@@ -205,7 +205,8 @@ def _parse_step_heading(part: LessonSection) -> tuple[str, str, bool]:
 
 def check_unique_names(lesson: Lesson) -> None:
     """Raises :class:`LessonError` if steps share a key, runs a name, or a run's name is a word of claims."""
-    keys, names = dict[str, int](), dict[str, int]()
+    keys: dict[str, int] = {}
+    names: dict[str, int] = {}
     for step in lesson.steps:
         if step.key in keys:
             raise LessonError(step.line, f"this step is called as the one in line {keys[step.key]}; give each a title "

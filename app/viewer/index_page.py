@@ -68,11 +68,14 @@ def make_response(status: HTTPStatus, text: str, kind: str = "text/plain", cooki
                   wait: float = 0) -> Response:
     """Returns an uncached response of a MIME type ``kind``; ``cookie`` is set, ``wait`` in s asks to retry later."""
     body = text.encode() + (b"\n" if kind == "text/plain" and text else b"")
-    further = {POLICY: content_security_policy(text) if kind == "text/html" else "", "Set-Cookie": cookie,
-               "Retry-After": str(max(1, round(wait))) if wait else ""}
     headers = Headers({"Content-Type": f"{kind}; charset=utf-8", "Content-Length": str(len(body)),
-                       "Cache-Control": "no-store", "Connection": "close",
-                       **{name: value for name, value in further.items() if value}})
+                       "Cache-Control": "no-store", "Connection": "close"})
+    if kind == "text/html":
+        headers[POLICY] = content_security_policy(text)
+    if cookie:
+        headers["Set-Cookie"] = cookie
+    if wait:
+        headers["Retry-After"] = str(max(1, round(wait)))
     return Response(status.value, status.phrase, headers, body)
 
 

@@ -142,8 +142,7 @@ def _paper_comparison(number: str, rows: list[dict], notes: Footnotes) -> str:
             if key == "index_x":
                 cells.append(_index_of_x(row, table_runs.PAPERS_ESTIMATOR, notes))
             elif key == "grid_crossings":
-                cells += [NOTHING if count is None else f"{count:,}"
-                          for count in (row["ours"][key], row["ours"]["grid_crossings_short"])]
+                cells += map(_format_count, (row["ours"][key], row["ours"]["grid_crossings_short"]))
             else:
                 cells.append(NOTHING if row["ours"][key] is None else format_digits(row["ours"][key], 3))
             cells += [_format_printed(key, row["paper"][key]), _format_factor(row["ratio"][key])]
@@ -190,10 +189,15 @@ def _format_printed(key: str, value: float | None) -> str:
     if value is None:
         return NOTHING
     if key == "grid_crossings":
-        return f"{round(value):,}"
+        return _format_count(round(value))
     if key.startswith("index"):
         return f"{value:.1f}" if value < 10 and value == round(value, 1) else f"{value:g}"
     return format_digits(value, 2)
+
+
+def _format_count(value: int | None) -> str:
+    """Formats a count with commas between thousands; a dash if it is unknown."""
+    return NOTHING if value is None else f"{value:,}"
 
 
 def _format_factor(value: float | None) -> str:
