@@ -35,8 +35,7 @@ CROWDED_BELOW = 0.8  # of the requested speed, below which a message names other
 def first_scene(problem: str) -> Scene:
     """Returns the scene that the page shows first of a problem ("bar"): its defaults, for one period at most."""
     kind = PROBLEMS[problem].scene
-    scene = kind(periods=min(1, kind.DEFAULT_PERIODS))
-    return replace(scene, estimators=VIEWS[problem].estimators or scene.estimators)
+    return kind(periods=min(1, kind.DEFAULT_PERIODS))
 
 
 FIRST_SCENE = first_scene(next(iter(PROBLEMS)))

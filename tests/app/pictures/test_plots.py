@@ -21,8 +21,8 @@ from solvers.running.run import picture_step, run
 from solvers.scene.error_causes import CAUSES, FIELDS
 from solvers.scene.estimator_registry import ESTIMATORS, Estimator
 
-SCENE = BarScene(cells=8, ppc=2, periods=0.3)
-RING = RingScene(cells=12, periods=0.1)
+SCENE = BarScene(cells=8, ppc=2, periods=0.3, estimators=("transport",))
+RING = RingScene(cells=12, periods=0.1, estimators=("transport",))
 
 
 @pytest.fixture(scope="module")
