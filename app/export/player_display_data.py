@@ -46,7 +46,8 @@ def shared_display_data(problems: Iterable[str]) -> dict[str, Any]:
             "causes": {name: {"words": tr(cause), "meaning": tr(budget_chart.MEANINGS[name]),
                               "colour": CAUSES[name].light} for name, cause in error_causes.CAUSES.items()},
             "fields": error_causes.FIELDS, "units": budget_chart.UNITS, "seen": budget_chart.SEEN,
-            "caption": tr(budget_chart.CAPTION), "question": tr(budget_chart.QUESTION)},
+            "caption": tr(budget_chart.CAPTION), "below": tr(budget_chart.BELOW_ZERO),
+            "question": tr(budget_chart.QUESTION)},
         "magnifications": words.MAGNIFICATIONS,
         "estimators": {name: {"colour": one.colour, "dashes": one.dashes} for name, one in ESTIMATORS.items()},
         "problems": {name: static_stage_data(VIEWS[name].stage) for name in sorted(problems)}}
