@@ -3,7 +3,7 @@
 ``uv run python -m tests.budget`` writes ``assets/budget.md`` of the bar and ``assets/budget-plane.md`` of ring and
 vortex: 30 scenes each, of each of which three causes are taken away, with what the budget foretold beside what came. Of
 the bar also how the miss goes with what the causes cancel in 600 scenes, from which
-``solvers.solver.budget.MOST_CANCELLED`` was chosen; in the plane who made the error of each method.
+``solvers.solver.budget_shares.MOST_CANCELLED`` was chosen; in the plane who made the error of each method.
 """
 
 import math
@@ -18,19 +18,19 @@ import numpy as np
 from solvers.problems.bar.scene import BarScene
 from solvers.problems.bar.solver import BarSolver
 from solvers.problems.planar.budget.cause_errors import LOCAL_CAUSES
-from solvers.problems.planar.budget.on_demand_budget import BudgetRun
+from solvers.problems.planar.budget.on_demand_budget import CauseTrackingRun
 from solvers.problems.ring import RingScene
 from solvers.problems.ring_estimator_limits import RESONANCE
 from solvers.problems.vortex import VortexScene
-from solvers.running.budget import run_budget
+from solvers.running.budget_cause_removal import run_budget
 from solvers.running.run import build
 from solvers.scene.error_causes import CAUSES, FIELDS, NOTHING
 from solvers.scene.scene import Scene
 from solvers.scene.stabilisations import FROZEN, PIECES
 from solvers.scene.validation import SceneError
-from solvers.solver import budget
-from solvers.solver.budget import MOST_CANCELLED, ROUND_OFF
-from solvers.study.markdown import markdown_table
+from solvers.solver import budget_shares
+from solvers.solver.budget_shares import MOST_CANCELLED, ROUND_OFF
+from solvers.study.markdown_tables import markdown_table
 from tests.support.paths import ROOT
 
 SEED = 26
@@ -123,7 +123,7 @@ def _of_bar(scene: BarScene, take_away: str) -> list[np.ndarray] | None:
 
 
 def _in_plane(scene: Any, take_away: str) -> list[list[np.ndarray]] | None:
-    run, kept = BudgetRun(build(scene), take_away), []
+    run, kept = CauseTrackingRun(build(scene), take_away), []
     for step in range(1, scene.steps + 1):
         if not run.step():
             return None
@@ -174,7 +174,7 @@ def words(scene: Any) -> str:
 
 
 def usable(trial: Trial) -> bool:
-    """Whether the budget counts as valid in it (``solvers.solver.budget.why_not_valid``)."""
+    """Whether the budget counts as valid in it (``solvers.solver.budget_shares.why_not_valid``)."""
     return max(trial.cancelled) <= MOST_CANCELLED and trial.before[0] > ROUND_OFF
 
 
@@ -220,7 +220,7 @@ def shares_table(scenes: Sequence[RingScene]) -> str:
     for scene in scenes:
         found = run_budget(scene)
         shares = found.to_dict()["budget"]
-        error = budget.rms_error_over_run(found.result.series, "x")
+        error = budget_shares.rms_error_over_run(found.result.series, "x")
         numbers = [f"{error:.2e}", *(f"{shares[field][cause]:.3f}" for field in FIELDS for cause in LOCAL_CAUSES)] \
             if shares["not_valid"] is None else ["goes bad", *["–"] * len(FIELDS) * len(LOCAL_CAUSES)]
         rows.append([f"{scene.cells}", f"{scene.amplitude:g}", scene.layout, scene.method, *numbers])

@@ -21,14 +21,14 @@ import numpy as np
 from solvers.judging.check import CONSISTENT, check
 from solvers.judging.column_names import table_from_arrays
 from solvers.judging.error_norms import TwoMeshCompanion, summarise_norms
-from solvers.judging.judgement import GridJudgement
-from solvers.judging.particle_matching import match_files
+from solvers.judging.judgement import SingleGridJudgement
+from solvers.judging.particle_scene_matching import match_files
 from solvers.judging.reference_runs import frame_of_snapshot
 from solvers.problems import PROBLEMS
 from solvers.running.run import build
 from solvers.scene.scene import Scene
 from solvers.scene.validation import SceneError
-from solvers.study.markdown import markdown_table
+from solvers.study.markdown_tables import markdown_table
 from solvers.untrusted.quoting import FileError
 from tests.support.faults import ALL, ALTERATIONS, FRAMES, Files, as_files, files, record, rounded, scene_of, single
 from tests.support.known_runs import KnownRun, known_runs
@@ -71,12 +71,12 @@ def judged(scene: Scene, arrays: Files) -> Judged:
                   len(found.position_outliers.which) if found.position_outliers else 0)
 
 
-def judgement(scene: Scene, arrays: Files) -> GridJudgement:
+def judgement(scene: Scene, arrays: Files) -> SingleGridJudgement:
     """What is known of files; the companion is not asked, for it takes longest and the truth is known."""
     settled, [found] = match_files([table_from_arrays("files", arrays)], replace(scene, cells=type(scene)().cells), [],
                                    [])
     own = replace(settled, cells=found.cells)
-    return GridJudgement(own, found, TwoMeshCompanion(own, tuple(found.times.tolist())))
+    return SingleGridJudgement(own, found, TwoMeshCompanion(own, tuple(found.times.tolist())))
 
 
 def drawn(seed: int) -> Iterator[Scene]:

@@ -12,7 +12,7 @@ from urllib.parse import urlsplit
 
 import pytest
 
-from app import state
+from app import shareable_state
 from app.cli import main
 from app.commands import commands
 from solvers.problems import PROBLEMS
@@ -117,7 +117,7 @@ def test_scenes_in_a_line_are_scenes():
     found = [piece for piece in texts.spans() if re.match(problem, piece.text) and "{" not in piece.text]
     assert found
     for piece in found:
-        state.parse_state(piece.text.replace("...", ""))
+        shareable_state.parse_state(piece.text.replace("...", ""))
 
 
 def test_other_tools_and_the_files_that_they_take_are_there():

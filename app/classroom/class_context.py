@@ -4,7 +4,7 @@ from dataclasses import dataclass, field, replace
 from urllib.parse import quote, urlsplit
 
 from app.access.allowed_hosts import is_loopback
-from app.classroom.class_board import BoardSeat, ClassBoard
+from app.classroom.class_board_state import ClassBoardState, VisitorBoardSeat
 from app.language.translation import lazy, tr
 from app.lessons.lesson import Lesson
 from app.lessons.lesson_runs import RunCache
@@ -32,7 +32,7 @@ class JoinInfo:
 class LecturerContext:
     """Data of a lecturer's page: the ``board``, and the ``join_info``, the link and code for the class."""
 
-    board: ClassBoard
+    board: ClassBoardState
     join_info: JoinInfo
 
     def join_info_for(self, opened_at: str) -> JoinInfo:
@@ -43,7 +43,7 @@ class LecturerContext:
 
 
 @dataclass(frozen=True)
-class ClassroomContext:
+class LessonContext:
     """Data shared by a server's visitors: name of the ``lesson`` opened, whether to show the ``teacher``'s notes, cache
     of runs, whether lessons begin with the ``core``; and the visitor's ``seat`` if a board opens the steps."""
 
@@ -51,7 +51,7 @@ class ClassroomContext:
     teacher: bool = False
     outcomes: RunCache = field(default_factory=lambda: RunCache(politeness=POLITE))
     core: bool = False
-    seat: BoardSeat | None = None
+    seat: VisitorBoardSeat | None = None
 
     def start_progress(self, lesson: Lesson) -> StudentProgress:
         """Returns the progress to open a lesson with: an empty one, or the visitor's so far if a board opens steps."""

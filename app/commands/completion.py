@@ -11,8 +11,8 @@ from typing import Annotated, Any, get_type_hints
 import tyro
 
 from app.commands import commands
-from app.commands.flags import BadInput
 from app.commands.help import PROGRAM
+from app.commands.lenient_flag_types import BadInput
 
 SHELLS = ("bash", "zsh", "fish")
 FILES = ("PATH", "FILE ...")  # metavars of flags that take files

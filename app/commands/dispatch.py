@@ -14,8 +14,8 @@ import tyro
 
 from app import __version__
 from app.commands import DEFAULT_COMMAND, commands
-from app.commands.flags import BadInput
 from app.commands.help import PROGRAM, VERBOSE, PrintCapture, commands_overview, help_paragraphs, wrap_help
+from app.commands.lenient_flag_types import BadInput
 from app.commands.output import NotWritten, print_message, put_text, show_tracebacks
 from solvers.scene.extension_modules import ExtensionError
 from solvers.scene.validation import SceneError, field_flag, field_key, key_field

@@ -4,9 +4,9 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from app.commands.flags import BadInput
+from app.commands.lenient_flag_types import BadInput
 from app.commands.output import print_message
-from app.lessons.claims import ClaimError, ClaimScope, RunOutcome, Vocabulary, check_claim, decide_claim
+from app.lessons.claims import ClaimError, ClaimNamespace, RunOutcome, Vocabulary, check_claim, decide_claim
 from solvers.untrusted.quoting import quote
 
 
@@ -29,7 +29,7 @@ class ClaimChecker:
         """Prints whether each claim holds for one report, or several that differ in ``over``; returns the exit status,
         1 if one fails, else 0."""
         missed = 0
-        scope = ClaimScope({self.name: RunOutcome(outcomes, over)}, self.name, self.vocabulary)
+        scope = ClaimNamespace({self.name: RunOutcome(outcomes, over)}, self.name, self.vocabulary)
         for claim in claims:
             try:
                 decided = decide_claim(claim, scope)

@@ -5,14 +5,14 @@ from typing import Annotated, ClassVar
 
 import tyro
 
-from app.commands.flags import BadInput, ProcessesFlag, Switch, TextFlag, default_hint, process_count
+from app.commands.lenient_flag_types import BadInput, ProcessesFlag, Switch, TextFlag, default_hint, process_count
 from app.commands.lesson import full_lesson_name
-from app.commands.output import Target, print_message
+from app.commands.output import OutputTarget, print_message
 from app.commands.progress import show_progress
 from app.export.slider_grid import why_too_long_to_record
 from app.language.translation import ENGLISH, LANGUAGES, use_language
 from app.lessons.lesson import Lesson, LessonError
-from app.state import StateError, looks_like_state, parse_state
+from app.shareable_state import StateError, looks_like_state, parse_state
 from solvers.scene.validation import require_choice
 
 
@@ -48,7 +48,7 @@ class Export:
         processes = process_count(self.processes)
         require_choice("lang", self.lang, tuple(LANGUAGES))
         names = self._lesson_names()
-        target = Target("out", self.out, ending=".zip" if self.scorm else ".html")
+        target = OutputTarget("out", self.out, ending=".zip" if self.scorm else ".html")
         with show_progress(self.quiet) as show, use_language(self.lang):
             from app.export import html_file, lesson_export  # here: bad input and --help must not wait for them
             lessons = [_load_lesson(name) for name in names]

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Annotated, ClassVar, TypeVar
 
 import tyro
 
-from app.commands import flags
-from app.commands.output import Folder, Target, json_target, print_message, put_result, put_text
+from app.commands import lenient_flag_types
+from app.commands.output import OutputFolder, OutputTarget, json_target, print_message, put_result, put_text
 from app.commands.progress import show_progress
 from app.language.translation import ENGLISH, LANGUAGES, use_language
 from app.lessons.lesson import Lesson, LessonError
@@ -58,19 +58,20 @@ class LessonCheck:
 
     EXAMPLE: ClassVar[str] = "mpm-lab lesson check 4 --variants 1"
 
-    names: Annotated[flags.NamesFlag, tyro.conf.Positional, flags.default_hint("all")] = ()
+    names: Annotated[lenient_flag_types.NamesFlag, tyro.conf.Positional, lenient_flag_types.default_hint("all")] = ()
     """Lessons, by name or number, and pages for a class, by name."""
-    variants: Annotated[flags.NumberFlag, flags.default_hint("all")] = None
+    variants: Annotated[lenient_flag_types.NumberFlag, lenient_flag_types.default_hint("all")] = None
     """How many of each lesson's sets of numbers are tried."""
-    processes: flags.ProcessesFlag = None
+    processes: lenient_flag_types.ProcessesFlag = None
     """Processes that run scenes."""
-    json: Annotated[flags.PathFlag, flags.default_hint("failures and a count are printed instead")] = None
+    json: Annotated[lenient_flag_types.PathFlag,
+                    lenient_flag_types.default_hint("failures and a count are printed instead")] = None
     """File for every check as JSON; - is standard output."""
-    quiet: Annotated[flags.Switch, flags.default_hint("off")] = False
+    quiet: Annotated[lenient_flag_types.Switch, lenient_flag_types.default_hint("off")] = False
     """No progress bar."""
 
     def execute(self) -> int:
-        processes = flags.process_count(self.processes)
+        processes = lenient_flag_types.process_count(self.processes)
         if self.variants is not None:
             require_whole("variants", self.variants, 1, 1000)
         target = json_target(self.json)
@@ -105,7 +106,7 @@ class LessonCheck:
 
 
 @dataclass(frozen=True)
-class LessonGuide:
+class LessonTeacherGuide:
     """Write the teacher's guide to a lesson: steps, notes and right answers.
 
     Exit status: 0 ok, 1 could not run or write, 2 bad input, or the lesson's file has a mistake.
@@ -113,15 +114,15 @@ class LessonGuide:
 
     EXAMPLE: ClassVar[str] = "mpm-lab lesson guide 4 --out guide.html"
 
-    name: Annotated[flags.TextFlag, tyro.conf.Positional] = ""
+    name: Annotated[lenient_flag_types.TextFlag, tyro.conf.Positional] = ""
     """Lesson, by name or number."""
-    out: Annotated[flags.PathFlag, flags.default_hint("Markdown on standard output")] = None
+    out: Annotated[lenient_flag_types.PathFlag, lenient_flag_types.default_hint("Markdown on standard output")] = None
     """File for the guide: .md, or .html to read and print."""
-    core: Annotated[flags.Switch, flags.default_hint("off")] = False
+    core: Annotated[lenient_flag_types.Switch, lenient_flag_types.default_hint("off")] = False
     """Of the core alone, without the deeper steps."""
-    lang: flags.TextFlag = ENGLISH
+    lang: lenient_flag_types.TextFlag = ENGLISH
     """Language: en or de; of a lesson that is not in it all but the lesson."""
-    quiet: Annotated[flags.Switch, flags.default_hint("off")] = False
+    quiet: Annotated[lenient_flag_types.Switch, lenient_flag_types.default_hint("off")] = False
     """No progress bar."""
 
     def execute(self) -> int:
@@ -130,8 +131,9 @@ class LessonGuide:
         from app.lessons.lesson_runs import RunCache
         ending = "" if self.out is None else next((kind for kind in teacher_guide.KINDS if self.out.endswith(kind)), "")
         if self.out is not None and not ending:
-            raise flags.BadInput("out", self.out, f"give a file that ends in {' or '.join(teacher_guide.KINDS)}")
-        target = None if self.out is None else Target("out", self.out)
+            raise lenient_flag_types.BadInput("out", self.out,
+                                              f"give a file that ends in {' or '.join(teacher_guide.KINDS)}")
+        target = None if self.out is None else OutputTarget("out", self.out)
         with use_language(self.lang):
             lessons, _ = _read_lessons((self.name,), lambda name: [catalogue.load_lesson(name)])
             if not lessons:
@@ -153,19 +155,19 @@ class LessonGrade:
 
     EXAMPLE: ClassVar[str] = "mpm-lab lesson grade answers-*.json --out marks.csv"
 
-    files: Annotated[flags.FilesFlag, tyro.conf.Positional] = ()
+    files: Annotated[lenient_flag_types.FilesFlag, tyro.conf.Positional] = ()
     """Files that the page has saved."""
-    out: Annotated[flags.PathFlag, flags.default_hint("standard output")] = None
+    out: Annotated[lenient_flag_types.PathFlag, lenient_flag_types.default_hint("standard output")] = None
     """File for the table, .csv."""
-    core: Annotated[flags.Switch, flags.default_hint("off")] = False
+    core: Annotated[lenient_flag_types.Switch, lenient_flag_types.default_hint("off")] = False
     """Count the questions of the core alone, for a class that was asked for no more."""
-    quiet: Annotated[flags.Switch, flags.default_hint("off")] = False
+    quiet: Annotated[lenient_flag_types.Switch, lenient_flag_types.default_hint("off")] = False
     """No progress bar."""
 
     def execute(self) -> int:
         if not self.files:
-            raise flags.BadInput("", "", "give the files that students have handed in")
-        target = None if self.out is None else Target("out", self.out, ending=".csv")
+            raise lenient_flag_types.BadInput("", "", "give the files that students have handed in")
+        target = None if self.out is None else OutputTarget("out", self.out, ending=".csv")
         from app.lessons import catalogue, grading
         from app.lessons.lesson_runs import RunCache
         read = [answers for file in self.files if (answers := _read_answers(file)) is not None]
@@ -182,7 +184,7 @@ class LessonGrade:
 
 
 @dataclass(frozen=True)
-class LessonScripts:
+class LessonScriptsCopy:
     """Copy the scripts and notebooks that go with the lessons into a folder, to run and to change.
 
     Exit status: 0 ok, 1 could not write, 2 bad input.
@@ -190,11 +192,11 @@ class LessonScripts:
 
     EXAMPLE: ClassVar[str] = "mpm-lab lesson scripts --out scripts"
 
-    out: Annotated[flags.PathFlag, flags.default_hint("none, it must be given")] = None
+    out: Annotated[lenient_flag_types.PathFlag, lenient_flag_types.default_hint("none, it must be given")] = None
     """Directory for them, new or empty."""
 
     def execute(self) -> int:
-        folder = Folder(self.out)
+        folder = OutputFolder(self.out)
         from app.lessons import catalogue
         for path in sorted(path for part in ("scripts", "scripts/codes", "notebooks")
                            for path in catalogue.FOLDER.glob(f"{part}/*.py")):
@@ -218,7 +220,7 @@ def _read_answers(file: str) -> "tuple[str, StudentProgress] | None":
     except (OSError, ValueError) as error:  # also NotAnswers, and invalid UTF-8
         said = error.strerror.lower() if isinstance(error, OSError) and error.strerror else \
             "is no text" if isinstance(error, UnicodeDecodeError) else str(error)
-        print_message(flags.BadInput("", file_name(file), said))
+        print_message(lenient_flag_types.BadInput("", file_name(file), said))
         return None
 
 
@@ -255,4 +257,4 @@ def full_lesson_name(name: str, other_names: Sequence[str] = ()) -> str:
     try:
         return catalogue.resolve_lesson_name(name)
     except catalogue.UnknownLesson as error:
-        raise flags.BadInput("", name, ", ".join((str(error), *other_names))) from None
+        raise lenient_flag_types.BadInput("", name, ", ".join((str(error), *other_names))) from None

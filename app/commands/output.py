@@ -11,7 +11,7 @@ from html import escape
 from pathlib import Path
 from typing import Any
 
-from app.commands.flags import BadInput
+from app.commands.lenient_flag_types import BadInput
 from app.lessons.markdown_html import to_html
 from app.templates import render_template
 from solvers.untrusted import quoting
@@ -60,7 +60,7 @@ def json_text(values: dict, lines: bool = False) -> str:
     return json.dumps(values, allow_nan=False, indent=2 if lines else None) + "\n"
 
 
-class Target:
+class OutputTarget:
     """File that a flag names (``text``; "-" is standard output if ``may_be_stdout``), to be written later, checked now.
 
     Raises BadInput, also without the ``ending``. It appears complete or not at all: written beside, then renamed."""
@@ -112,17 +112,17 @@ class Target:
         self._beside.unlink()
 
 
-def json_target(text: str | None) -> Target | None:
+def json_target(text: str | None) -> OutputTarget | None:
     """Returns the target for the value of ``--json``, which may be -, checked now; None if it was not given."""
-    return None if text is None else Target("json", text, may_be_stdout=True)
+    return None if text is None else OutputTarget("json", text, may_be_stdout=True)
 
 
-def put_result(values: dict, target: Target | None, text: Callable[[dict], str]) -> None:
+def put_result(values: dict, target: OutputTarget | None, text: Callable[[dict], str]) -> None:
     """Writes a result as JSON to the target if there is one, else what ``text`` makes of it to standard output."""
     put_text(json_text(values, lines=not target.is_stdout) if target else text(values) + "\n", target)
 
 
-def put_text(text: str, target: Target | None = None, encoding: str = "utf-8") -> None:
+def put_text(text: str, target: OutputTarget | None = None, encoding: str = "utf-8") -> None:
     """Writes a text to the target if there is one, else to standard output; raises :class:`NotWritten`."""
     if target:
         target.write(text.encode(encoding))
@@ -147,7 +147,7 @@ def _is_device(path: str) -> bool:
     return os.path.exists(path) and not os.path.isfile(path) and not os.path.isdir(path)
 
 
-class Folder:
+class OutputFolder:
     """Directory ``text`` of --out, created and checked now (raises BadInput): it must be new or empty."""
 
     def __init__(self, text: str | None):
@@ -164,18 +164,18 @@ class Folder:
                                              "may be written to") from None
         if there:
             raise BadInput("out", self.text, "is not empty; give an empty or a new directory")
-        Target("out", str(self.path / "try"))  # fails now instead of later
+        OutputTarget("out", str(self.path / "try"))  # fails now instead of later
 
     def write_file(self, name: str, content: bytes) -> None:
         """Writes a file into the directory, completely or not at all; raises :class:`NotWritten`."""
-        Target("out", str(self.path / name)).write(content)
+        OutputTarget("out", str(self.path / name)).write(content)
 
 
 def draw_pictures(figures: Mapping[str, Callable[[Any], Any]], values: Any, put: Callable[[str, bytes], None], out: str,
                   rest: str) -> tuple[list[str], int]:
     """Draws ``values`` by every function of ``figures`` and writes NAME.png by ``put(name, bytes)``; returns the names
     of the files and the exit status, 1 if one failed, for which a message names ``out`` and ends in ``rest``."""
-    from app.pictures.run import png_bytes
+    from app.pictures.run_errors import png_bytes
 
     drawn, status = [], 0
     for name, figure in figures.items():
@@ -197,7 +197,7 @@ def as_html(text: str, folder: Path) -> str:
     return render_template(REPORT, title=title, body=body)
 
 
-def put_report(folder: Folder, values: dict, pictured: Any, figures: Mapping[str, Callable[[Any], Any]],
+def put_report(folder: OutputFolder, values: dict, pictured: Any, figures: Mapping[str, Callable[[Any], Any]],
                markdown: Callable[[list[str]], str]) -> int:
     """Writes pictures of ``pictured`` by ``figures`` (:func:`draw_pictures`), and the report: ``values`` as JSON, the
     text that ``markdown`` makes for these pictures' names as Markdown and HTML. Returns the exit status."""

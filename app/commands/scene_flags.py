@@ -5,7 +5,7 @@ from typing import Annotated, Any, ClassVar
 
 import tyro
 
-from app.commands.flags import BadInput, NumberFlag, RealFlag, TextFlag, one_of, several_of
+from app.commands.lenient_flag_types import BadInput, NumberFlag, RealFlag, TextFlag, one_of, several_of
 from solvers.scene.scene import Scene
 from solvers.scene.validation import field_key, key_field
 

@@ -4,8 +4,8 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 from app.access.allowed_hosts import is_host_name, is_ip
-from app.access.class_code import LONGEST, SHORTEST, normalise_code
-from app.commands.flags import BadInput, NamesFlag, NumberFlag, Switch, TextFlag
+from app.access.code_login import LONGEST, SHORTEST, normalise_code
+from app.commands.lenient_flag_types import BadInput, NamesFlag, NumberFlag, Switch, TextFlag
 from app.commands.lesson import full_lesson_name
 from solvers.scene.validation import require_number, require_whole
 

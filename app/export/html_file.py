@@ -6,15 +6,15 @@ from html import escape
 from pathlib import Path
 from typing import Any
 
-from app import __version__, state
-from app.colours import css_variables
-from app.export import export_plan, slider_grid
-from app.export.export_plan import ExportPlan, export_plan_to_json, make_export_plan
+from app import __version__, shareable_state
+from app.colour_palette import css_variables
+from app.export import slider_grid, stage_export_plan
 from app.export.player_display_data import shared_display_data
 from app.export.recording import RecordingRequest, record_scene, record_scenes
+from app.export.stage_export_plan import StageExportPlan, export_plan_to_json, make_export_plan
 from app.language.translation import current_language, load_catalogue, tr
+from app.logo_and_font import ICON, MARK, font_faces_css
 from app.templates import render_template
-from app.visual_identity import ICON, MARK, font_faces_css
 
 PLAYER = Path(__file__).parent / "player"
 #: In order of dependencies.
@@ -32,47 +32,47 @@ def scene_page(text: str, processes: int, on_progress: ProgressCallback,
     """Returns the html of an offline page with a scene and sliders; runs and records all of its scenes.
 
     ``text`` is that of a state, or a problem's name; ``counts`` the most values of each field on its slider."""
-    shown = state.parse_state(text)
+    shown = shareable_state.parse_state(text)
     one = make_export_plan(shown, (), recorded_quantities(shown))
     one = make_export_plan(one.state, slider_grid.axes_around(one.scene, counts), one.quantities)
     recorded = record_plans([one], processes, on_progress)
     return assemble_page(_page_title(one), [one], recorded, None)
 
 
-def recorded_page(shown: state.State) -> str:
+def recorded_page(shown: shareable_state.State) -> str:
     """Returns the html of an offline page with a state's scene and no sliders, run and recorded in this process."""
     one = make_export_plan(shown, (), recorded_quantities(shown))
     recorded = _make_distinct_recordings([one], lambda once: [record_scene(wanted) for wanted in once])
     return assemble_page(_page_title(one), [one], recorded, None)
 
 
-def _page_title(one: ExportPlan) -> str:
+def _page_title(one: StageExportPlan) -> str:
     title = tr(one.scene.title)
     return title[:1].upper() + title[1:]
 
 
-def recorded_quantities(shown: state.State) -> tuple[str, ...]:
+def recorded_quantities(shown: shareable_state.State) -> tuple[str, ...]:
     """Returns the keys of the quantities whose errors are recorded: x, v, sigma, and the one that the state shows."""
     return (*USUAL, *(key for key in (shown.quantity,) if key not in USUAL))
 
 
-def record_plans(plans: Sequence[ExportPlan], processes: int, on_progress: ProgressCallback) -> Recordings:
+def record_plans(plans: Sequence[StageExportPlan], processes: int, on_progress: ProgressCallback) -> Recordings:
     """Runs and records all scenes of plans in so many parallel ``processes``; see ``Recordings`` for the result."""
     return _make_distinct_recordings(plans, lambda once: record_scenes(
         once, processes, lambda done: on_progress(done / len(once), f"run {done} of {len(once)}")))
 
 
-def _make_distinct_recordings(plans: Sequence[ExportPlan],
+def _make_distinct_recordings(plans: Sequence[StageExportPlan],
                               make: Callable[[list[RecordingRequest]], list[dict[str, Any]]]) -> Recordings:
     """Returns the recordings of plans; equal requests are passed to ``make`` once, which returns one for each."""
-    wanted = export_plan.recordings_needed(plans)
+    wanted = stage_export_plan.recordings_needed(plans)
     once = list(dict.fromkeys(wanted.values()))
     found = dict(zip(once, make(once), strict=True))
     return {key: found[one] for key, one in wanted.items()}
 
 
-def assemble_page(heading: str, plans: Sequence[ExportPlan], recorded: Recordings, lesson: Mapping[str, Any] | None,
-                  scripts: Sequence[str] = SCRIPTS) -> str:
+def assemble_page(heading: str, plans: Sequence[StageExportPlan], recorded: Recordings,
+                  lesson: Mapping[str, Any] | None, scripts: Sequence[str] = SCRIPTS) -> str:
     """Returns the html of an offline page: its title, a stage for each plan with its recordings, the JSON object of a
     lesson or None for a scene alone, and the player's scripts (names of files in ``player/``, in this order)."""
     runs = list({id(run): run for run in recorded.values()}.values())

@@ -12,20 +12,20 @@ from typing import Any
 from urllib.parse import quote
 from xml.etree.ElementTree import Element, SubElement, indent, tostring
 
-from app import state
+from app import shareable_state
 from app.export import html_file, slider_grid
-from app.export.export_plan import ExportPlan, make_export_plan
 from app.export.html_file import SCRIPTS, ProgressCallback, assemble_page, record_plans, recorded_quantities
-from app.frame.budget_chart import QUESTION
+from app.export.stage_export_plan import StageExportPlan, make_export_plan
+from app.frame.budget_chart_data import QUESTION
 from app.language.translation import lazy, tr, use_language
-from app.lessons import answer_check, bet_chart, catalogue, student_progress
-from app.lessons.answer_check import BARE, DIGITS, LONGEST, MOST, TOLD_AFTER, judge_ends, right_answer
+from app.lessons import answer_marking, catalogue, interval_bet_chart, student_progress
+from app.lessons.answer_marking import BARE, DIGITS, LONGEST, MOST, TOLD_AFTER, judge_ends, right_answer
 from app.lessons.claims import ClaimError, runs_needed
 from app.lessons.interval_bets import BY_ROUND, OWN, YOURS, earlier_bet_steps
 from app.lessons.lesson import CHOICE, DRAG, NAMES, POWERS, REACH, TEXT, Lesson, Numbers, Question, Step, fill_numbers
 from app.lessons.lesson_runs import RunCache, RunFailed
 from app.lessons.markdown_html import to_html
-from app.words import QUANTITIES, SYMBOLS
+from app.names_and_units import QUANTITIES, SYMBOLS
 
 #: Number of values of each field beside those named in a lesson's text.
 COUNTS = {"cells": 3, "amplitude": 3, "method": 3}
@@ -52,12 +52,12 @@ def lesson_page(lesson: Lesson, processes: int, on_progress: ProgressCallback, c
     return assemble_page(lesson.title, once, recorded, _lesson_to_json(lesson, right, stages, bets, core), scripts)
 
 
-def _step_plan(lesson: Lesson, step: Step, stage: str, text: str, counts: Mapping[str, int]) -> ExportPlan:
+def _step_plan(lesson: Lesson, step: Step, stage: str, text: str, counts: Mapping[str, int]) -> StageExportPlan:
     """Returns the plan of a lesson's step. Its axes have the values in the step's instructions, those around a value to
     find by dragging and, up to ``MOST_RUNS`` runs, those of other controls.
 
     ``stage`` is the text of the step's state, ``text`` its Markdown, both with numbers filled in."""
-    shown = state.parse_state(stage)
+    shown = shareable_state.parse_state(stage)
     kept = recorded_quantities(shown)
     with use_language(lesson.language):
         kept += tuple(key for key, quantity in QUANTITIES.items() if key not in kept and f"`{quantity}`" in text)
@@ -84,7 +84,7 @@ def marking_rules(lesson: Lesson, processes: int,
     found = []  # the scenes of all runs in questions
     for step in lesson.questions.values():
         for numbers in lesson.variants:
-            for expression in answer_check.answer_expressions(step.asked_question, numbers):
+            for expression in answer_marking.answer_expressions(step.asked_question, numbers):
                 names = runs_needed(expression, lesson.runs, lesson.main_run(step)) - {""}
                 found += [fill_numbers(text, numbers) for name in names for text in lesson.runs[name].texts]
     with closing(RunCache(processes)) as outcomes:
@@ -164,10 +164,12 @@ def _question_to_json(lesson: Lesson, asked: Question | None, right: list[Any]) 
 
 def bet_chart_texts() -> dict[str, Any]:
     """Returns texts, names of bettors and the limit in powers of ten of the chart of bets, as a JSON object."""
-    return {"yours": YOURS, "by_round": BY_ROUND, "your_bets": tr(bet_chart.YOUR_BETS), "round": tr(bet_chart.ROUND),
-            "told": tr(bet_chart.TOLD), "some": tr(bet_chart.SOME), "none": tr(bet_chart.NONE),
-            "scored": tr(bet_chart.SCORED), "said": tr(bet_chart.SAID), "truth": tr(bet_chart.TRUTH),
-            "less": bet_chart.LESS, "more": bet_chart.MORE, "most": bet_chart.MOST}
+    return {"yours": YOURS, "by_round": BY_ROUND, "your_bets": tr(interval_bet_chart.YOUR_BETS),
+            "round": tr(interval_bet_chart.ROUND), "told": tr(interval_bet_chart.TOLD),
+            "some": tr(interval_bet_chart.SOME), "none": tr(interval_bet_chart.NONE),
+            "scored": tr(interval_bet_chart.SCORED), "said": tr(interval_bet_chart.SAID),
+            "truth": tr(interval_bet_chart.TRUTH), "less": interval_bet_chart.LESS, "more": interval_bet_chart.MORE,
+            "most": interval_bet_chart.MOST}
 
 
 def bets_by_step(lesson: Lesson, processes: int) -> dict[str, list[dict[str, dict[str, Any]]]]:

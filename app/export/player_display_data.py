@@ -5,11 +5,19 @@ from collections.abc import Collection, Iterable, Mapping
 from dataclasses import asdict
 from typing import Any
 
-from app import words
-from app.colours import CAUSES, PALETTE, PINNED, colour_table
-from app.export import quantise
-from app.frame import budget_chart, captions, colour_scale, field_plot, headline, layout, recent_crossings
-from app.frame.layout import RunSlot
+from app import names_and_units
+from app.colour_palette import CAUSES, PALETTE, PINNED, colour_table
+from app.export import recording_compression
+from app.frame import (
+    budget_chart_data,
+    colour_scale,
+    error_view_captions,
+    field_plot,
+    headline,
+    layout,
+    recent_crossings,
+)
+from app.frame.layout import ComparedRunSlot
 from app.frame.primitives import LIGHT, Label, StageMetrics
 from app.frame.stage import Stage, StageLabels
 from app.language.translation import tr
@@ -25,30 +33,32 @@ LATER = "…"  # placeholder for a text of a run or frame
 
 def shared_display_data(problems: Iterable[str]) -> dict[str, Any]:
     """Returns what the player shares with the live page as a JSON object, with static data of the problems' stages."""
-    formats = {"prefixes": words.PREFIXES, "superscripts": words.SUPERSCRIPTS, "ratios": words.PLAIN_RATIOS,
-               "percents": (*words.PLAIN_PERCENT, words.WHOLE_PERCENT), "powers": words.PLAIN_POWERS,
-               "nothing": words.NOTHING}
+    formats = {"prefixes": names_and_units.PREFIXES, "superscripts": names_and_units.SUPERSCRIPTS,
+               "ratios": names_and_units.PLAIN_RATIOS,
+               "percents": (*names_and_units.PLAIN_PERCENT, names_and_units.WHOLE_PERCENT),
+               "powers": names_and_units.PLAIN_POWERS, "nothing": names_and_units.NOTHING}
     return {
-        "formats": formats, "codes": quantise.CODES,
+        "formats": formats, "codes": recording_compression.CODES,
         "scale": {"tops": list(colour_scale.TOPS.items()), "decades": colour_scale.DECADES,
                   "beyond": colour_scale.BEYOND, "smallest": colour_scale.SMALLEST, "zero": tr(colour_scale.ZERO)},
         "axis": {"steps": field_plot.STEPS, "room": field_plot.ROOM, "stems": field_plot.MOST_STEMS},
         "crossings": {"window": recent_crossings.WINDOW, "seconds": recent_crossings.LEAST_SECONDS},
         "colours": _colour_map_data(), "edge": layout.EDGE,
         "quantities": {key: {"noun": of.noun, "symbol": of.symbol, "unit": of.unit}
-                       for key, of in words.QUANTITIES.items()},
-        "compare": (tr(captions.SIDE_BY_SIDE), tr(captions.DIFFERENCE)),
-        "unknown": captions.add_unknown_count("{remark}", "{unknown}"),
+                       for key, of in names_and_units.QUANTITIES.items()},
+        "compare": (tr(error_view_captions.SIDE_BY_SIDE), tr(error_view_captions.DIFFERENCE)),
+        "unknown": error_view_captions.add_unknown_count("{remark}", "{unknown}"),
         "sentences": {"unstable": tr(headline.UNSTABLE), "last": tr(headline.LAST), "lost": tr(headline.LOST),
                       "now": tr(headline.NOW), "paused": tr(headline.PAUSED), "less": tr(headline.LESS),
-                      "more": tr(headline.MORE), "all": headline.ALL_OF_IT, "not_counted": tr(captions.NOT_COUNTED)},
+                      "more": tr(headline.MORE), "all": headline.ALL_OF_IT,
+                      "not_counted": tr(error_view_captions.NOT_COUNTED)},
         "budget": {
-            "causes": {name: {"words": tr(cause), "meaning": tr(budget_chart.MEANINGS[name]),
+            "causes": {name: {"words": tr(cause), "meaning": tr(budget_chart_data.MEANINGS[name]),
                               "colour": CAUSES[name].light} for name, cause in error_causes.CAUSES.items()},
-            "fields": error_causes.FIELDS, "units": budget_chart.UNITS, "seen": budget_chart.SEEN,
-            "caption": tr(budget_chart.CAPTION), "below": tr(budget_chart.BELOW_ZERO),
-            "question": tr(budget_chart.QUESTION)},
-        "magnifications": words.MAGNIFICATIONS,
+            "fields": error_causes.FIELDS, "units": budget_chart_data.UNITS, "seen": budget_chart_data.SEEN,
+            "caption": tr(budget_chart_data.CAPTION), "below": tr(budget_chart_data.BELOW_ZERO),
+            "question": tr(budget_chart_data.QUESTION)},
+        "magnifications": names_and_units.MAGNIFICATIONS,
         "estimators": {name: {"colour": one.colour, "dashes": one.dashes} for name, one in ESTIMATORS.items()},
         "problems": {name: static_stage_data(VIEWS[name].stage) for name in sorted(problems)}}
 
@@ -58,18 +68,18 @@ def static_stage_data(stage: type[Stage]) -> dict[str, Any]:
     labels in the bounds of a window and of a phone. A label's text is ``LATER`` if a run or frame has it."""
     return {"mirrors": stage.MIRRORS, "outlined": stage.OUTLINED, "lines": stage.LINES,
             "plot": {"start": stage.PLOT.start, "end": stage.PLOT.end, "along": stage.PLOT.where is not None},
-            "alike": tr(captions.ALIKE).format(tr(stage.HALVES)),
+            "alike": tr(error_view_captions.ALIKE).format(tr(stage.HALVES)),
             "rooms": {name: _stage_layout(stage, room.rounded()) for name, room in ROOMS.items()}}
 
 
 def _stage_layout(stage: type[Stage], room: StageMetrics) -> dict[str, Any]:
     """Returns a JSON object with the boxes and labels of a stage with these bounds (stage units, 1 = its width)."""
-    places = stage.layout(room, RunSlot.ALONE)
+    places = stage.layout(room, ComparedRunSlot.ALONE)
     top = layout.colour_bar_box(room, room.high)
-    halves = tr(captions.ESTIMATE[0]), tr(captions.TRUTH)
+    halves = tr(error_view_captions.ESTIMATE[0]), tr(error_view_captions.TRUTH)
     said = StageLabels(halves, (LATER, LATER), (LATER, LATER), "", LATER, LATER, LATER)
     labels: list[Label] = [*stage.labels(said, places), *field_plot.plot_labels(
-        places, stage.PLOT.ends, captions.FieldPlotCaption(LATER, LATER), 1, LATER, True)]
+        places, stage.PLOT.ends, error_view_captions.FieldPlotCaption(LATER, LATER), 1, LATER, True)]
     of = [label for label in layout.colour_bar_labels(top, room.gutter > 0, "x", []) if label.text]
     left_out = ("stage_metrics", "slot", "rectangle", "field")
     own = {name: value for name, value in vars(places).items() if name not in left_out}
@@ -93,8 +103,8 @@ def missing_value_texts(scene: Scene, not_valid: Mapping[str, str], silent: Mapp
     caption, and by estimator ("" if none) captions of both halves and headline templates. ``not_valid`` maps estimators
     to reasons, ``silent`` quantities to estimators without values; ``difference`` adds captions of that view."""
     component = VIEWS[scene.problem].stage.PLOT.component
-    return {key: {"rows": captions.why_no_numbers(scene, not_valid, key, silent[key]),
-                  "field": vars(captions.field_plot_caption(scene, component, key)),
+    return {key: {"rows": error_view_captions.why_no_numbers(scene, not_valid, key, silent[key]),
+                  "field": vars(error_view_captions.field_plot_caption(scene, component, key)),
                   "by": {name: _estimator_texts(scene, not_valid, key, name, silent[key], difference)
                          for name in scene.estimators or ("",)}} for key in silent}
 
@@ -102,15 +112,15 @@ def missing_value_texts(scene: Scene, not_valid: Mapping[str, str], silent: Mapp
 def stage_notes(scene: Scene, stride: int) -> dict[str, str]:
     """Returns a stage's notes: ``note`` on its scale, ``marks`` on crossings, on every ``stride``-th particle."""
     stage = VIEWS[scene.problem].stage
-    return {"note": stage.scale_note(scene), "marks": captions.crossing_marks_legend(stage.MARKED, stride)}
+    return {"note": stage.scale_note(scene), "marks": error_view_captions.crossing_marks_legend(stage.MARKED, stride)}
 
 
 def _estimator_texts(scene: Scene, not_valid: Mapping[str, str], quantity: str, name: str, silent: Collection[str],
                      difference: bool) -> dict[str, Any]:
     """Returns captions and headline templates of one quantity by one estimator, or none if its ``name`` is ""."""
-    estimator, no_truth = name or None, captions.why_no_truth(scene, quantity)
-    no_estimate = captions.why_no_estimate(scene, not_valid, estimator, quantity) \
-        or f"{name} {captions.not_estimated_text(quantity)}" * (name in silent)
-    return {"captions": [vars(captions.make_captions(quantity, estimator, apart, no_estimate, no_truth))
+    estimator, no_truth = name or None, error_view_captions.why_no_truth(scene, quantity)
+    no_estimate = error_view_captions.why_no_estimate(scene, not_valid, estimator, quantity) \
+        or f"{name} {error_view_captions.not_estimated_text(quantity)}" * (name in silent)
+    return {"captions": [vars(error_view_captions.make_captions(quantity, estimator, apart, no_estimate, no_truth))
                          for apart in (False, True)[:1 + difference]],
             "errors": vars(headline.error_headline_templates(scene, quantity, estimator, no_estimate, no_truth))}

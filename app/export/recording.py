@@ -10,12 +10,12 @@ from typing import Any
 
 import numpy as np
 
-from app import state
+from app import shareable_state
 from app.export.player_display_data import missing_value_texts, stage_notes
-from app.export.quantise import NUMBER, PLACE, SIGNED, SIZE, Track, pack_tracks
-from app.frame.budget_chart import estimated_error_note
-from app.frame.captions import why_no_field
+from app.export.recording_compression import NUMBER, PLACE, SIGNED, SIZE, Track, pack_tracks
+from app.frame.budget_chart_data import estimated_error_note
 from app.frame.colour_scale import LEAST_REACH, LEAST_TOP
+from app.frame.error_view_captions import why_no_field
 from app.frame.planar_stage import PlanarStage
 from app.frame.stage import marking_stride
 from app.language.translation import ENGLISH, use_language
@@ -25,7 +25,7 @@ from solvers.scene.error_causes import CAUSES, FIELDS
 from solvers.scene.kernel_options import kernel_key
 from solvers.scene.scene import Scene
 from solvers.scene.step_bound import gershgorin_to_linear_factor
-from solvers.solver import budget, samples
+from solvers.solver import budget_shares, samples
 from solvers.solver.base import Solver
 from solvers.solver.error_series import RATIOS
 from solvers.solver.particle_snapshot import Snapshot
@@ -67,7 +67,7 @@ def record_scenes(wanted: Sequence[RecordingRequest], processes: int,
 
 def _request_kernel_key(wanted: RecordingRequest) -> tuple:
     """Returns the key of the kernels that a request's run needs: equal keys share compiled kernels."""
-    return kernel_key(state.parse_state(wanted.scene).scene)
+    return kernel_key(shareable_state.parse_state(wanted.scene).scene)
 
 
 def record_in_worker(question: Mapping[str, Any], answer: Callable[[dict], None]) -> None:
@@ -85,7 +85,7 @@ def record_scene(wanted: RecordingRequest) -> dict[str, Any]:
 
 
 def _run_and_record(wanted: RecordingRequest) -> dict[str, Any]:
-    scene = state.parse_state(wanted.scene).scene
+    scene = shareable_state.parse_state(wanted.scene).scene
     solver = build(scene)
     solver.compile()
     rows, own, shots = [solver.measure()], list[np.ndarray](), list[dict[str, Snapshot]]()
@@ -265,5 +265,5 @@ def _recording_metadata(wanted: RecordingRequest, scene: Scene, solver: Solver, 
                 key: [share * scene.size_of(key) for share in (LEAST_TOP, LEAST_REACH)] for key in wanted.quantities},
             "estimators": scene.active_estimators, "not_valid": not_valid, "quantities": wanted.quantities,
             "status": status, "reason": reason or "", "since": since, "budget": None if not scene.has("budget") else {
-                "shares": {field: budget.shares(series[0], field) for field in FIELDS},
-                "whose": estimated_error_note(scene), "not_valid": budget.why_not_valid(series[0])}}
+                "shares": {field: budget_shares.shares(series[0], field) for field in FIELDS},
+                "whose": estimated_error_note(scene), "not_valid": budget_shares.why_not_valid(series[0])}}

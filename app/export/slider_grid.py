@@ -7,11 +7,11 @@ from contextlib import suppress
 from dataclasses import dataclass, replace
 from typing import Any
 
-from app import state
+from app import shareable_state
 from app.language.translation import tr
 from app.lessons.markdown_html import FIELDS, SENTENCES
+from app.names_and_units import METHODS as NAMES
 from app.problems.views import VIEWS
-from app.words import METHODS as NAMES
 from solvers.scene.scene import Scene
 from solvers.scene.validation import SceneError
 
@@ -85,7 +85,7 @@ def scene_texts(scene: Scene, axes: Sequence[SliderAxis]) -> Iterator[str]:
     for values in itertools.product(*(axis.values for axis in axes)):
         changes = dict(zip((axis.field for axis in axes), values, strict=True))
         try:
-            yield state.write_state(state.State(_change_scene(scene, changes)))
+            yield shareable_state.write_state(shareable_state.State(_change_scene(scene, changes)))
         except SceneError as error:
             yield f"!{error.sentence}"
 

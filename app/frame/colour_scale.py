@@ -6,9 +6,9 @@ from time import monotonic
 
 import numpy as np
 
-from app.colours import colour_table
+from app.colour_palette import colour_table
 from app.language.translation import lazy, tr
-from app.words import PREFIXES, format_number, with_unit
+from app.names_and_units import PREFIXES, format_number, with_unit
 
 #: Tops between two powers of ten, each with the number of parts into which ticks divide it, so that these are round
 #: too. Neighbours are so close that the largest error reaches three quarters of the scale or more.

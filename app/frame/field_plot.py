@@ -6,12 +6,12 @@ from typing import Any
 
 import numpy as np
 
-from app.frame.captions import CURVE, PARTICLES, FieldPlotCaption, add_unknown_count, field_plot_caption
 from app.frame.colour_scale import LEAST_REACH, SMALLEST, largest_finite, round_up
-from app.frame.layout import RunSlot, StageLayout
+from app.frame.error_view_captions import CURVE, PARTICLES, FieldPlotCaption, add_unknown_count, field_plot_caption
+from app.frame.layout import ComparedRunSlot, StageLayout
 from app.frame.primitives import AWAY, Dots, Label, Lines, Mark, Role, Sign, Tone, in_plane, join_points
 from app.language.translation import tr
-from app.words import QUANTITIES, with_unit
+from app.names_and_units import QUANTITIES, with_unit
 from solvers.scene.scene import Scene
 
 CURVE_POINTS = 121
@@ -219,7 +219,9 @@ def plot_labels(places: StageLayout, ends: tuple[str, str], words: FieldPlotCapt
     larger = tr("error × {magnified}", magnified=magnified) if box.magnified and exact else ""
     yield Label("field/magnified", larger, x, y, anchor, "caption")
     x, y, anchor = box.remark
-    named = words.name if box.at is None and places.slot == RunSlot.ALONE else ""  # beside another run the scale has it
+    named = (
+        words.name if box.at is None and places.slot == ComparedRunSlot.ALONE else ""
+    )  # beside another run the scale has it
     yield Label("field/remark", ": ".join(filter(None, (named, words.remark))), x, y, anchor, "caption")
     x, y = box.at or (0.0, 0.0)
     role: Role = "gutter" if x < 0 else "title"

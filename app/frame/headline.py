@@ -9,7 +9,7 @@ from collections.abc import Hashable, Mapping
 from dataclasses import dataclass
 
 from app.language.translation import lazy, tr
-from app.words import QUANTITIES, format_ratio, per_cent, short_reason, with_unit
+from app.names_and_units import QUANTITIES, format_ratio, per_cent, short_reason, with_unit
 from solvers.scene.scene import Scene
 from solvers.solver.rounding import largest_rounding_error
 
@@ -31,7 +31,7 @@ PLACES = {name: f"{{{name}}}" for name in ("wrong", "off", "by", "found", "true"
 
 
 @dataclass(frozen=True)
-class Headline:
+class HeadlineWithFacts:
     """Headline about a run in spans, (kind, text) each, and facts, each of which becomes a sentence below it."""
 
     headline: tuple[Span, ...] = ()
@@ -39,7 +39,7 @@ class Headline:
     moment: Hashable = None  # identifies the situation: a new one is read aloud
 
     @classmethod
-    def from_template(cls, headline: str, *facts: str, **places: str) -> "Headline":
+    def from_template(cls, headline: str, *facts: str, **places: str) -> "HeadlineWithFacts":
         """Returns a headline from its template and facts; ``places`` has the texts for the template's placeholders by
         their names. Empty facts are dropped."""
         return cls(tuple(to_spans(headline, places)), tuple(filter(None, facts)))
@@ -109,20 +109,21 @@ def error_headline_templates(scene: Scene, quantity: str, estimator: str | None,
 
 
 def format_error_headline(words: ErrorHeadlineTemplates, unit: str, true: float, estimate: float, index: float,
-                          before: str = "") -> Headline:
+                          before: str = "") -> HeadlineWithFacts:
     """Returns the headline with numbers in the templates ``words``: the RMS norms of true error and estimate in
     ``unit`` (without prefix), of one moment or as means over time, and their ratio ``index``, estimate over true error;
     NaN if unknown. ``before`` are the first words of the headline: the moment or time span."""
     if true <= words.least:
-        return Headline.from_template(before + words.still,
-                                      words.trace.format(true=_format_size(true, unit) if true else tr("zero")))
+        return HeadlineWithFacts.from_template(
+            before + words.still, words.trace.format(true=_format_size(true, unit) if true else tr("zero"))
+        )
     norm = true if math.isfinite(true) else estimate
     if "{wrong}" not in words.told:
-        return Headline.from_template(words.told, words.why)
+        return HeadlineWithFacts.from_template(words.told, words.why)
     if not math.isfinite(norm) or ("{found}" in words.told and not math.isfinite(index)):
-        return Headline.from_template(before + words.unmeasured, words.why)
-    return Headline.from_template(before + words.told.replace("{found}", over_or_underestimates(index)),
-                                  words.of.format(true=_format_size(norm, unit)),
+        return HeadlineWithFacts.from_template(before + words.unmeasured, words.why)
+    return HeadlineWithFacts.from_template(before + words.told.replace("{found}", over_or_underestimates(index)),
+                                           words.of.format(true=_format_size(norm, unit)),
                    words.why, wrong=per_cent(norm / words.size), share=per_cent(index), factor=format_ratio(index),
                    **words.names)
 

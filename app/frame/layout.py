@@ -9,7 +9,7 @@ import numpy as np
 from app.frame.colour_scale import MOST_TICKS, ColourScale
 from app.frame.primitives import Anchor, Dots, Label, StageMetrics, Surface, Tone, in_plane
 from app.language.translation import tr
-from app.words import QUANTITIES
+from app.names_and_units import QUANTITIES
 
 Rectangle = tuple[float, float, float, float]  # x0, x1, y0, y1
 HALVES: tuple[Tone, Tone] = ("estimate", "truth")
@@ -19,7 +19,7 @@ BAR, TICK, TICK_LINE, ABOVE = 12.0, 5.0, 17.0, 4.0
 POINTS = 256  # of the colour bar
 
 
-class RunSlot(Enum):
+class ComparedRunSlot(Enum):
     """Slot of a run on the stage: alone, or the first or second of two."""
 
     ALONE, FIRST, SECOND = range(3)
@@ -52,7 +52,7 @@ class StageLayout:
     box of the field plot."""
 
     stage_metrics: StageMetrics
-    slot: RunSlot
+    slot: ComparedRunSlot
     rectangle: Rectangle
     field: PlotBox
 
@@ -87,7 +87,7 @@ def colour_bar_box(metrics: StageMetrics, high: float) -> ColourBarBox:
     return ColourBarBox(middle, BAR * pixel, numbers, title, quantity, numbers - TICK_LINE * pixel)
 
 
-class ColourBar:
+class ColourBarDrawing:
     """Colour bar of a scale, drawn on a surface of its own as square points, which alone show colours unchanged."""
 
     def __init__(self, sheet: Surface, scale: ColourScale):

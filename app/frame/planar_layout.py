@@ -4,14 +4,15 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 from app.frame.field_plot import ROOM
-from app.frame.layout import HALVES, PlotBox, RunSlot, Spot, StageLayout, colour_bar_box, drawing_rectangle
+from app.frame.layout import HALVES, ComparedRunSlot, PlotBox, Spot, StageLayout, colour_bar_box, drawing_rectangle
 from app.frame.primitives import Anchor, Label, Role, StageMetrics, Tone
 from app.frame.stage import StageLabels
 from app.language.translation import tr
-from app.words import short_reason
+from app.names_and_units import short_reason
 
 AROUND = 1.05  # extent of the cells drawn over that of the body
-WIDEST = {RunSlot.ALONE: 0.5, RunSlot.FIRST: 0.31, RunSlot.SECOND: 0.31}  # greatest width of the cells
+WIDEST = {ComparedRunSlot.ALONE: 0.5, ComparedRunSlot.FIRST: 0.31,
+          ComparedRunSlot.SECOND: 0.31}  # greatest width of the cells
 FIELD = 0.28  # least width of the plot
 LEAST = 0.3  # least width of the cells with labels beside them
 #: In pixels: gap beside the body, labels there, numbers of the plot, space above it for
@@ -29,9 +30,9 @@ class PlanarLayout(StageLayout):
     end: float
 
 
-def make_planar_layout(metrics: StageMetrics, slot: RunSlot) -> PlanarLayout:
+def make_planar_layout(metrics: StageMetrics, slot: ComparedRunSlot) -> PlanarLayout:
     """Returns the layout of the run in a slot of a stage with these (rounded) metrics."""
-    pixel, line, alone = metrics.pixel, metrics.line_height, slot == RunSlot.ALONE
+    pixel, line, alone = metrics.pixel, metrics.line_height, slot == ComparedRunSlot.ALONE
     end = colour_bar_box(metrics, metrics.high).end
     if 1 - FIELD - (NUMBERS + NAMES) * pixel < LEAST:  # large letters for a projector: names are above
         metrics = replace(metrics, gutter=0.0)
@@ -41,19 +42,19 @@ def make_planar_layout(metrics: StageMetrics, slot: RunSlot) -> PlanarLayout:
     free = end - above - under - 4 * pixel
     wide = min(free, WIDEST[slot], 1 - FIELD - beside)
     next_one = wide + GAP * pixel
-    middle = 0.5 * wide + next_one * (slot == RunSlot.SECOND), under + 2 * pixel + 0.5 * free
+    middle = 0.5 * wide + next_one * (slot == ComparedRunSlot.SECOND), under + 2 * pixel + 0.5 * free
     left = wide + next_one * (not alone) + beside + GAP * pixel
     low, high = (1.4 if metrics.gutter else 2.8) * line, end - (HEADING * pixel if metrics.gutter else 1.4 * line)
     name = (min(left - 40 * pixel, 1 - NAME * pixel), high + 1.2 * line)
     if not alone:
         share = 0.5 * (end - low)
-        high = end - share * (slot == RunSlot.SECOND) - 1.6 * line
-        low += share * (slot == RunSlot.FIRST)
+        high = end - share * (slot == ComparedRunSlot.SECOND) - 1.6 * line
+        low += share * (slot == ComparedRunSlot.FIRST)
         name = (left - 40 * pixel, high + 0.8 * line)
     half = 0.5 * (high - low) / ROOM
-    below, named = None if slot == RunSlot.FIRST else low - 2 * pixel, metrics.gutter > 0
+    below, named = None if slot == ComparedRunSlot.FIRST else low - 2 * pixel, metrics.gutter > 0
     magnified: Spot = (1.0, name[1], "center-right") if metrics.gutter else (1.0, 0.0, "bottom-right")
-    box = PlotBox(left, 1.0, 0.5 * (high + low), half, below, None if slot == RunSlot.SECOND else magnified,
+    box = PlotBox(left, 1.0, 0.5 * (high + low), half, below, None if slot == ComparedRunSlot.SECOND else magnified,
                   (1.0, high if metrics.gutter else end, "top-right"), name if named else None)
     return PlanarLayout(metrics, slot, drawing_rectangle(metrics.high), box, middle, 0.5 * wide / AROUND, end)
 
@@ -61,7 +62,7 @@ def make_planar_layout(metrics: StageMetrics, slot: RunSlot) -> PlanarLayout:
 def planar_labels(words: StageLabels, places: PlanarLayout) -> Iterator[Label]:
     """Yields the labels of halves, run and marks, with texts from ``words``, at their places in a layout; not the texts
     of the colour bar and the field plot, nor annotations."""
-    if places.slot != RunSlot.ALONE:
+    if places.slot != ComparedRunSlot.ALONE:
         return _paired_run_labels(words, places)
     return _labels_beside_body(words, places) if places.stage_metrics.gutter else _labels_above_body(words, places)
 
@@ -106,7 +107,7 @@ def _labels_above_body(words: StageLabels, places: PlanarLayout) -> Iterator[Lab
 def _paired_run_labels(words: StageLabels, places: PlanarLayout) -> Iterator[Label]:
     """Yields labels for one of two runs: its name above the body, the halves' titles in the corners of its square."""
     metrics, (x, y), reach = places.stage_metrics, places.middle, AROUND * places.radius
-    first = places.slot == RunSlot.FIRST
+    first = places.slot == ComparedRunSlot.FIRST
     for name, title, at, anchor in _corner_titles((tr("estimate"), tr("truth")), x, reach, False):
         yield Label(f"{name}-title", title, at, y + reach, anchor, "title", 0.9, tone=name)
     by, gutter = words.by[0] if first else "", metrics.gutter > 0
@@ -142,7 +143,7 @@ def _empty_half_labels(words: StageLabels, places: PlanarLayout) -> Iterator[Lab
 
 def _crossing_label(words: StageLabels, places: PlanarLayout) -> Label:
     """Returns the legend of the marks at cell crossings, in the gutter or below the body; empty for a second run."""
-    metrics, note = places.stage_metrics, words.crossings if places.slot != RunSlot.SECOND else ""
+    metrics, note = places.stage_metrics, words.crossings if places.slot != ComparedRunSlot.SECOND else ""
     if metrics.gutter:
         return Label("crossings-note", note, -metrics.gutter, 2 * metrics.pixel, "bottom-left", "gutter",
                      width=max(1, metrics.letters_per_line(metrics.gutter) - 2), tone="crossing", sign="dot")

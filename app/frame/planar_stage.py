@@ -6,7 +6,7 @@ from typing import Any, ClassVar, Literal, TypeVar
 
 import numpy as np
 
-from app.frame.layout import EDGE, RunSlot
+from app.frame.layout import EDGE, ComparedRunSlot
 from app.frame.planar_layout import AROUND, make_planar_layout, planar_labels
 from app.frame.primitives import Dots, Label, Lines, Mark, in_plane, join_points
 from app.frame.stage import Stage, WorstRegionMark
@@ -119,7 +119,7 @@ class PlanarStage(Stage[PlaneScene]):
         """Yields a line from the worst region of each half, if any, to a label beside the body."""
         places, segments = self._layout, [np.empty((0, 2, 3), np.float32)]
         metrics, (x, y) = places.stage_metrics, places.middle
-        wanted = places.slot == RunSlot.ALONE and metrics.gutter > 0
+        wanted = places.slot == ComparedRunSlot.ALONE and metrics.gutter > 0
         for found, name, sign in zip(worst, ("estimate", "truth"), (-1, 1), strict=True):
             text, edge = "", x + AROUND * places.radius + 4 * metrics.pixel if sign > 0 else -EDGE
             at = clip_to_view(arrays.position)[found.particles] if found and wanted else np.empty((0, 2))

@@ -11,7 +11,7 @@ from typing import Literal, Protocol
 
 import numpy as np
 
-from app.colours import PALETTE, rgb
+from app.colour_palette import PALETTE, rgb
 from app.frame.colour_scale import ColourScale, any_finite
 
 Colour = tuple[int, int, int]

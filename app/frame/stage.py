@@ -7,14 +7,14 @@ from typing import Any, ClassVar, Generic, Literal, TypeVar
 
 import numpy as np
 
-from app.frame.captions import ALIKE, ALIKE_LOST, StageHalf, crossing_marks_legend
 from app.frame.colour_scale import ColourScale
+from app.frame.error_view_captions import ALIKE, ALIKE_LOST, StageHalfErrors, crossing_marks_legend
 from app.frame.field_plot import FieldPlot, FieldPlotDefinition
-from app.frame.layout import Rectangle, RunSlot
+from app.frame.layout import ComparedRunSlot, Rectangle
 from app.frame.primitives import Label, Mark, StageMetrics, Surface, error_colours
 from app.frame.recent_crossings import crossing_ages, is_recent_crossing
 from app.language.translation import lazy, tr
-from app.words import short_reason
+from app.names_and_units import short_reason
 from solvers.engine.shared_frames import FrameArrays
 from solvers.scene.scene import Scene
 
@@ -47,7 +47,7 @@ class WorstRegionMark:
 
 
 @dataclass(frozen=True, eq=False)
-class Annotations:
+class WorstRegionAnnotations:
     """Notes in a picture: the ``worst`` regions of estimate and truth, None if there is none or it is not wanted,
     whether the run is ``lost``, and whether the estimate is ``right`` nevertheless."""
 
@@ -56,7 +56,7 @@ class Annotations:
     right: bool = False
 
 
-NOTHING = Annotations()
+NOTHING = WorstRegionAnnotations()
 
 
 class Stage(ABC, Generic[AnyScene]):
@@ -83,11 +83,11 @@ class Stage(ABC, Generic[AnyScene]):
         self.magnified = 1
         self._drawn_scene: AnyScene | None = None
         self._foreign = False
-        self._slot = RunSlot.SECOND if beside else RunSlot.ALONE
+        self._slot = ComparedRunSlot.SECOND if beside else ComparedRunSlot.ALONE
         self._second: Stage[AnyScene] | None = None
         self._labels, self._shown = StageLabels(), (StageLabels(), None)
         self._captioned: tuple | None = None  # arguments of the present captions
-        self._remarks: Annotations | None = None
+        self._remarks: WorstRegionAnnotations | None = None
         self._field: FieldPlot = FieldPlot(self.PLOT, beside._field if beside else None)
         self._lay_out()
 
@@ -102,8 +102,8 @@ class Stage(ABC, Generic[AnyScene]):
     def pinned_run_stage(self, wanted: bool) -> "Stage | None":
         """Makes space for a pinned run beside this one and returns that run's stage if ``wanted``; otherwise takes the
         space back, hides that stage and returns None."""
-        if wanted != (self._slot == RunSlot.FIRST):
-            self._slot = RunSlot.FIRST if wanted else RunSlot.ALONE
+        if wanted != (self._slot == ComparedRunSlot.FIRST):
+            self._slot = ComparedRunSlot.FIRST if wanted else ComparedRunSlot.ALONE
             self._lay_out()
             self._second = self._second or type(self)(self.sheet.add_child("pinned"), self._scale, self)
             self._second.sheet.visible = wanted
@@ -126,16 +126,16 @@ class Stage(ABC, Generic[AnyScene]):
         """Shows a text as the run's name; it appears only if there are two runs."""
         self._update_labels(run=text)
 
-    def show_captions(self, estimate: StageHalf, truth: StageHalf) -> None:
+    def show_captions(self, estimate: StageHalfErrors, truth: StageHalfErrors) -> None:
         """Shows titles and sources of both halves, and the reason in an empty one, shortened beside another run."""
         captions = self._slot, estimate.title, estimate.by, estimate.silence, truth.title, truth.by, truth.silence
         if captions == self._captioned:
             return
-        self._captioned, alone = captions, self._slot == RunSlot.ALONE
+        self._captioned, alone = captions, self._slot == ComparedRunSlot.ALONE
         silences = tuple(half.silence if alone else short_reason(half.silence) for half in (estimate, truth))
         self._update_labels(titles=(estimate.title, truth.title), by=(estimate.by, truth.by), silences=silences)
 
-    def annotate(self, remarks: Annotations, arrays: FrameArrays) -> None:
+    def annotate(self, remarks: WorstRegionAnnotations, arrays: FrameArrays) -> None:
         """Shows annotations at the particles of a frame's ``arrays``; the same object a second time changes nothing."""
         if remarks is self._remarks:
             return
@@ -190,7 +190,7 @@ class Stage(ABC, Generic[AnyScene]):
 
     @staticmethod
     @abstractmethod
-    def layout(metrics: StageMetrics, slot: RunSlot) -> Any:
+    def layout(metrics: StageMetrics, slot: ComparedRunSlot) -> Any:
         """Returns the layout (:class:`~app.frame.layout.StageLayout` or a subclass) of the run in a slot of a stage
         with these metrics, which are rounded."""
 

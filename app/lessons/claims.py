@@ -24,7 +24,7 @@ from typing import Any
 import numpy as np
 
 from app.lessons import interval_bets
-from app.words import EXTRA_NORMS, QUANTITIES
+from app.names_and_units import EXTRA_NORMS, QUANTITIES
 from solvers.scene.effects import ALL
 from solvers.scene.error_causes import CAUSES, FIELDS
 from solvers.scene.estimator_registry import ESTIMATORS
@@ -79,7 +79,7 @@ class RunOutcome:
 
 
 @dataclass(frozen=True)
-class ClaimScope:
+class ClaimNamespace:
     """Outcomes by name of the run, that of the ``main`` run, which paths without a name mean, and the allowed paths."""
 
     outcomes: Mapping[str, RunOutcome]
@@ -99,7 +99,7 @@ class ClaimResult:
     text: str
 
 
-def evaluate_expression(text: str, scope: ClaimScope) -> float | str:
+def evaluate_expression(text: str, scope: ClaimNamespace) -> float | str:
     """Returns the number or word that an expression such as "error.x.max / 2" gives; raises :class:`ClaimError`."""
     found = _evaluate_node(_parse_expression(text), scope)
     if isinstance(found, list):
@@ -109,7 +109,7 @@ def evaluate_expression(text: str, scope: ClaimScope) -> float | str:
     return found
 
 
-def decide_claim(claim: str, scope: ClaimScope) -> ClaimResult:
+def decide_claim(claim: str, scope: ClaimNamespace) -> ClaimResult:
     """Decides a claim such as "error.x.max < 1e-5"; if its left side has several values, it must hold for each."""
     parts = _split_claim(claim)
     found = _evaluate_node(_parse_expression(parts[0]), scope)
@@ -118,7 +118,7 @@ def decide_claim(claim: str, scope: ClaimScope) -> ClaimResult:
     return ClaimResult(all(one.holds for one in results), ", ".join(one.text for one in results))
 
 
-def _decide_for_value(claim: str, parts: tuple[str, ...], found: float | str, scope: ClaimScope) -> ClaimResult:
+def _decide_for_value(claim: str, parts: tuple[str, ...], found: float | str, scope: ClaimNamespace) -> ClaimResult:
     """Decides a claim, split into ``parts`` by :func:`_split_claim`, for one value of its left side."""
     if parts[1] in _COMPARISONS:
         other = evaluate_expression(parts[2], scope)
@@ -233,7 +233,7 @@ def _check_path(path: tuple[str, ...], vocabulary: Vocabulary) -> None:
         raise ClaimError(f"{'.'.join(path)}: nothing comes after {'.'.join(path[:len(levels) + 1])}")
 
 
-def _evaluate_node(node: ast.expr, scope: ClaimScope) -> Any:
+def _evaluate_node(node: ast.expr, scope: ClaimNamespace) -> Any:
     if isinstance(node, ast.Constant):
         return node.value
     if isinstance(node, ast.UnaryOp):
@@ -255,7 +255,7 @@ def _evaluate_node(node: ast.expr, scope: ClaimScope) -> Any:
     return values if outcome.varied else values[0]
 
 
-def _evaluate_call(node: ast.Call, scope: ClaimScope) -> float:
+def _evaluate_call(node: ast.Call, scope: ClaimNamespace) -> float:
     name, argument = node.func.id, node.args[0]  # type: ignore[attr-defined]  # has been checked
     values = _evaluate_node(argument, scope)
     if name == "order":

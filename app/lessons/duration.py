@@ -21,10 +21,10 @@ import re
 from collections.abc import Sequence
 from dataclasses import replace
 
-from app import state
+from app import shareable_state
 from app.language.translation import tr
 from app.lessons.lesson import CHOICE, DRAG, EXPLAIN, INTERVAL, NUMBER, PREDICT, RUN, TEXT, Lesson, Step, fill_numbers
-from app.lessons.prediction_rounds import split_rounds
+from app.lessons.prediction_rounds_and_core import split_rounds
 
 WORDS_A_MINUTE = 180
 SPOKEN = 3  # words of a formula within a line
@@ -93,7 +93,7 @@ def _running_seconds(step: Step, lesson: Lesson) -> float:
     seconds = len(acts) * ACT_SECONDS + taken
     if not step.stage or not put:
         return seconds
-    shown = state.parse_state(fill_numbers(step.stage, lesson.variants[0]))
+    shown = shareable_state.parse_state(fill_numbers(step.stage, lesson.variants[0]))
     if not shown.stops:
         return seconds + ENDLESS_SECONDS
     runs, scene = 1 + sum(name in CHANGES for _, name in acts), shown.scene

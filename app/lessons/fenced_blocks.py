@@ -5,7 +5,7 @@ import sys
 from collections.abc import Callable, Mapping
 from typing import Any
 
-from app import state
+from app import shareable_state
 from app.lessons.interval_bets import BETTORS
 from app.lessons.lesson import CHOICE, QUESTIONS, REACH, Claim, LessonError, LessonRun, Numbers, Question, fill_numbers
 from solvers.untrusted import quoting
@@ -107,8 +107,8 @@ def _parse_run(name: str, text: str, line: int, variants: tuple[Numbers, ...]) -
 def _check_state(text: str, line: int, variants: tuple[Numbers, ...]) -> None:
     for numbers in variants:
         try:
-            state.parse_state(fill_numbers(text, numbers))
-        except state.StateError as error:
+            shareable_state.parse_state(fill_numbers(text, numbers))
+        except shareable_state.StateError as error:
             raise LessonError(line, str(error)) from None
 
 

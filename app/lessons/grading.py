@@ -5,9 +5,9 @@ import io
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from app.lessons.answer_check import AnswerMark, format_answer, mark_answer
+from app.lessons.answer_marking import AnswerMark, format_answer, mark_answer
 from app.lessons.claims import ClaimError
-from app.lessons.interval_bets import YOURS, Bet, Bettor
+from app.lessons.interval_bets import YOURS, Bettor, IntervalBet
 from app.lessons.lesson import INTERVAL, PREDICT, TEXT, Lesson, Numbers, Step, draw_numbers, fill_numbers
 from app.lessons.lesson_runs import RunCache, RunFailed
 from app.lessons.student_progress import StudentProgress
@@ -92,7 +92,7 @@ def grades_csv(rows: Sequence[GradedFile]) -> str:
 def interval_coverage(rows: Sequence[GradedFile]) -> list[str]:
     """Returns sentences on how many of a class's intervals contain the true value, and how many should, for each
     question with intervals and, over several questions, for each lesson."""
-    found: dict[tuple[str, str], list[Bet]] = {}
+    found: dict[tuple[str, str], list[IntervalBet]] = {}
     for row in rows:
         for key, (_, answer) in row.answers.items():
             if answer is not None and answer.bet:
@@ -104,7 +104,7 @@ def interval_coverage(rows: Sequence[GradedFile]) -> list[str]:
     return told
 
 
-def _coverage_text(what: str, bets: Sequence[Bet]) -> str:
+def _coverage_text(what: str, bets: Sequence[IntervalBet]) -> str:
     """Returns a sentence about ``what``: how many bets contain the true value, their mean level and score."""
     bettor, said = Bettor(YOURS, tuple(bets)), sum(bet.level for bet in bets) / len(bets)
     return f"{what}: {bettor.hits} of {len(bets)} intervals hold what came out, {bettor.hits / len(bets):.0%} where " \

@@ -14,7 +14,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from app.lessons.lesson import INTERVAL, Lesson, Step
-from solvers.study.coverage.track_record import JUDGES, LEVEL, Ends
+from solvers.study.coverage.track_record_and_bets import JUDGES, LEVEL, Ends
 
 YOURS, BY_ROUND = "yours", "yours by round"
 OWN = (YOURS, BY_ROUND)  # the student's own bets, not a judge's
@@ -33,7 +33,7 @@ def interval_score(low: float, high: float, truth: float, level: float) -> float
 
 
 @dataclass(frozen=True)
-class Bet:
+class IntervalBet:
     """Bet that a size is from ``low`` to ``high`` with probability ``level``; ``truth`` is the true one, same unit."""
 
     low: float
@@ -60,11 +60,11 @@ class Bettor:
     """Bets of a student or judge, None for no bet; of a student perhaps those of one ``round``, counted from 1."""
 
     name: str
-    bets: tuple[Bet | None, ...]
+    bets: tuple[IntervalBet | None, ...]
     round: int = 0
 
     @property
-    def placed_bets(self) -> list[Bet]:
+    def placed_bets(self) -> list[IntervalBet]:
         return [bet for bet in self.bets if bet is not None]
 
     @property

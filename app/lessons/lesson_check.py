@@ -3,7 +3,7 @@
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from app.lessons.answer_check import answer_expressions, right_answer
+from app.lessons.answer_marking import answer_expressions, right_answer
 from app.lessons.claims import ClaimError, decide_claim
 from app.lessons.lesson import CHOICE, Lesson, Numbers, Step, fill_numbers
 from app.lessons.lesson_runs import RunCache, RunFailed

@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, TypeVar
 
-from app.lessons import claims, duration, fenced_blocks, interval_bets, prediction_rounds
+from app.lessons import claims, duration, fenced_blocks, interval_bets, prediction_rounds_and_core
 from app.lessons.lesson import ALLOWED, CONTROLS, KINDS, NEEDED, PLACE, Lesson, LessonError, Numbers, Step, fill_numbers
 from app.lessons.markdown_html import RenderError, to_html
 from solvers.untrusted import quoting
@@ -119,10 +119,11 @@ def parse_lesson(text: str, name: str, folder: Path | None = None) -> Lesson:
                                                "heading such as ## Run: A first look")
     if not parts:
         raise LessonError(first, "no step: give headings such as ## Predict: What will happen?")
-    lesson = replace(lesson, steps=prediction_rounds.mark_core_rounds([_parse_step(part, lesson) for part in parts]))
+    lesson = replace(lesson,
+                     steps=prediction_rounds_and_core.mark_core_rounds([_parse_step(part, lesson) for part in parts]))
     check_unique_names(lesson)
     check_claims(lesson)
-    prediction_rounds.check_core_self_contained(lesson)
+    prediction_rounds_and_core.check_core_self_contained(lesson)
     _check_bets(lesson)
     for part in (opening, *parts):
         _check_text(part, lesson, folder)

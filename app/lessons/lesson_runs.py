@@ -6,8 +6,8 @@ from collections.abc import Callable, Iterable, Mapping
 from concurrent.futures import Future, as_completed
 from typing import Any
 
-from app import state
-from app.lessons.claims import ClaimScope, RunOutcome, runs_needed
+from app import shareable_state
+from app.lessons.claims import ClaimNamespace, RunOutcome, runs_needed
 from app.lessons.interval_bets import ABOUT_BETS, Ends, judge_bets_for_claims
 from app.lessons.lesson import Lesson, Numbers, Step, fill_numbers
 from solvers.scene.kernel_options import kernel_key
@@ -61,15 +61,15 @@ class RunCache:
                     {"scene": scene, "politeness": self._politeness, "judged": judged}, kind=_scene_kernel_key(scene))
             return run
 
-    def scope(self, lesson: Lesson, step: Step, numbers: Numbers, texts: Iterable[str]) -> ClaimScope:
+    def scope(self, lesson: Lesson, step: Step, numbers: Numbers, texts: Iterable[str]) -> ClaimNamespace:
         """Returns the scope to evaluate expressions and claims of a step with a variant's ``numbers``; runs only the
         scenes that these ``texts`` need. Raises :class:`RunFailed`."""
         main, runs = lesson.main_run(step), lesson.runs
         texts = list(texts)
         asked = set().union(*(runs_needed(text, runs, main) for text in texts))
         result = self._result_with_bets if any(map(ABOUT_BETS.search, texts)) else self.result
-        return ClaimScope({name: RunOutcome([result(fill_numbers(text, numbers)) for text in run.texts], run.varied)
-                           for name, run in runs.items() if name in asked}, main)
+        return ClaimNamespace({name: RunOutcome([result(fill_numbers(text, numbers)) for text in run.texts], run.varied)
+                               for name, run in runs.items() if name in asked}, main)
 
     def _result_with_bets(self, text: str) -> dict[str, Any]:
         """Returns the JSON object of a scene's result with the judges' bets, as claims name them, under "bet"."""
@@ -79,7 +79,7 @@ class RunCache:
     def prepare(self, texts: Iterable[str], on_progress: Callable[[int, int], None]) -> None:
         """Runs scenes in parallel; ``on_progress`` receives the numbers done and in all. Failures are raised when a
         result is requested."""
-        scenes = {text: state.parse_state(text).scene for text in texts}
+        scenes = {text: shareable_state.parse_state(text).scene for text in texts}
         longest_first = sorted(scenes, key=lambda text: (-scenes[text].particles * scenes[text].steps, text))
         runs = dict.fromkeys(map(self._submit_run, one_of_each_first(longest_first, _scene_kernel_key)))
         for done, _ in enumerate(as_completed(runs), 1):
@@ -88,12 +88,12 @@ class RunCache:
 
 def _scene_text(text: str) -> str:
     """Returns the text of a state with only its scene, without view and pinned run."""
-    return state.write_state(state.State(state.parse_state(text).scene))
+    return shareable_state.write_state(shareable_state.State(shareable_state.parse_state(text).scene))
 
 
 def _scene_kernel_key(text: str) -> tuple:
     """Returns the key of the kernels that a scene needs: equal keys share compiled kernels."""
-    return kernel_key(state.parse_state(text).scene)
+    return kernel_key(shareable_state.parse_state(text).scene)
 
 
 def scene_texts(lesson: Lesson, numbers: Numbers) -> list[str]:
@@ -104,9 +104,9 @@ def scene_texts(lesson: Lesson, numbers: Numbers) -> list[str]:
 def run_in_worker(question: Mapping[str, Any], answer: Callable[[dict], None]) -> None:
     """Runs the scene in ``question`` in a worker process, or computes the judges' bets; sends the JSON object."""
     from solvers.running.run import run
-    from solvers.study.coverage.track_record import bets
+    from solvers.study.coverage.track_record_and_bets import bets
 
     if nice := getattr(os, "nice", None):  # not on every system
         nice(max(0, question["politeness"] - nice(0)))
-    scene = state.parse_state(question["scene"]).scene
+    scene = shareable_state.parse_state(question["scene"]).scene
     answer(bets(scene) if question["judged"] else run(scene, prices=False, mid_run=False).to_dict())

@@ -6,7 +6,7 @@ from collections.abc import Callable
 from dataclasses import asdict, dataclass, field
 from typing import Any
 
-from app.lessons.answer_check import why_invalid
+from app.lessons.answer_marking import why_invalid
 from app.lessons.lesson import Lesson
 from solvers.study.json_schema import MapOf, describe_mismatch, parse_json
 from solvers.untrusted import quoting

@@ -4,16 +4,16 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 
 from app.language.translation import current_language, tr
-from app.lessons.answer_check import format_in_unit, right_answer
+from app.lessons.answer_marking import format_in_unit, right_answer
 from app.lessons.catalogue import FOLDER
 from app.lessons.claims import ClaimError
 from app.lessons.duration import minutes_text, seconds_of_rounds, whole_minutes
 from app.lessons.lesson import CHOICE, TEXT, TITLES, Lesson, Numbers, Step
 from app.lessons.lesson_runs import RunCache, RunFailed
 from app.lessons.markdown_html import to_html
-from app.lessons.prediction_rounds import split_rounds
+from app.lessons.prediction_rounds_and_core import split_rounds
 from app.templates import render_template
-from solvers.study.markdown import markdown_table
+from solvers.study.markdown_tables import markdown_table
 
 PAGE = Path(__file__).parent / "guide.html"
 

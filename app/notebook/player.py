@@ -12,8 +12,8 @@ from pathlib import Path
 
 from app.export.html_file import recorded_page, scene_page
 from app.export.slider_grid import why_too_long_to_record
-from app.state import State, write_state
-from app.words import QUANTITIES, in_a_line
+from app.names_and_units import QUANTITIES, in_a_line
+from app.shareable_state import State, write_state
 from solvers.running.result import Result
 from solvers.scene.scene import Scene
 from solvers.scene.validation import SceneError, require_choice, require_whole

@@ -8,18 +8,18 @@ import viser
 
 from app.frame.colour_scale import ColourScale
 from app.language.translation import lazy, tr
-from app.page.panels.browser_store import BrowserStore
-from app.page.panels.history_controls import DrawingWidgets, HistoryControls
+from app.names_and_units import choice_labels
+from app.page.panels.browser_store_and_window import BrowserStore
+from app.page.panels.frame_and_drawing_controls import DrawingWidgets, FrameAndTraceControls
 from app.page.panels.page_header import add_widget_marker, widget_marker_html
-from app.page.panels.run_settings import RunSettingsWidgets
-from app.page.panels.scene_widgets import SceneWidgetFactory, WidgetMessages
-from app.page.panels.stage_choice import EstimatorCards, StageChoice
+from app.page.panels.quantity_and_estimator_widgets import EstimatorCards, QuantityAndEstimatorWidgets
+from app.page.panels.scene_widgets import SceneWidgetFactory, WidgetStatusMessage
+from app.page.panels.simulation_parameter_widgets import SimulationParameterWidgets
 from app.page.playback_controls import PlaybackControls
 from app.page.stage_source import ViewChoice
-from app.page.visit.session import Session, first_scene
+from app.page.visit.run_session import RunSession, first_scene
 from app.problems.views import VIEWS
-from app.state import State
-from app.words import choice_labels
+from app.shareable_state import State
 from solvers.engine.engine_messages import FrameReport
 from solvers.engine.shared_frames import FrameArrays
 from solvers.problems import PROBLEMS
@@ -34,25 +34,25 @@ class Controls:
     """Widgets of one visitor for everything in a scene, and the view options read from them. Those outside the tab are
     built at once, the others by :meth:`build`; ``on_view`` redraws the stage."""
 
-    def __init__(self, gui: viser.GuiApi, session: Session, scale: ColourScale, on_view: Callable[[], None],
-                 history: HistoryControls, store: BrowserStore):
+    def __init__(self, gui: viser.GuiApi, session: RunSession, scale: ColourScale, on_view: Callable[[], None],
+                 history: FrameAndTraceControls, store: BrowserStore):
         self._gui, self._session, self._scale, self._on_view = gui, session, scale, on_view
         self._history = history
         self._extensions: dict[str, Callable[[], Any]] = {}
         self._offered: tuple[str, ...] = ()  # the controls that a lesson shows; all if empty
-        self._answers = WidgetMessages(gui)
+        self._answers = WidgetStatusMessage(gui)
         self._turn = threading.RLock()  # widgets must not be removed while others are built or changed
         self._bound, self._lasting = (SceneWidgetFactory(gui, session, self._answers, self._turn) for _ in range(2))
         problem_mark = gui.add_html("<i class='lab-at-problem'></i>")
         self.problem = gui.add_dropdown(tr("Problem"), tuple(tr(problem.scene.TITLE) for problem in PROBLEMS.values()),
                                         initial_value=tr(session.scene.TITLE),
                                         hint=tr("what moves; each has its own scene"))
-        self.stage = StageChoice(gui, session, scale, on_view)
+        self.stage = QuantityAndEstimatorWidgets(gui, session, scale, on_view)
         self._transport = PlaybackControls(gui, session, history, self._lasting, on_view)
         self._parts: dict[str, tuple[Any, ...]] = {
             "problem": (problem_mark, self.problem), **self.stage.parts, **self._transport.parts}
         self._drawing = DrawingWidgets(session, scale, history, on_view)
-        self._run = RunSettingsWidgets(session, self._bound, store)
+        self._run = SimulationParameterWidgets(session, self._bound, store)
         self.estimator_cards = EstimatorCards(gui, session, self.stage, self._bound, store)
         store.heard["entered"] = self._on_entered
 

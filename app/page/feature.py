@@ -6,9 +6,9 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from app.frame.headline import Headline
+from app.frame.headline import HeadlineWithFacts
 from app.page.page_context import PageContext
-from app.page.readout_panel import Numbers
+from app.page.readout_panel import ReadoutContent
 from app.page.stage_source import StageSource, ViewChoice
 from app.page.visit.recent_frames import Frame
 from app.page.visit.status_message import Notice
@@ -16,12 +16,12 @@ from solvers.engine.engine_messages import FrameReport
 
 
 @dataclass(frozen=True)
-class PageView:
+class VisiblePageState:
     """What a visitor sees at a refresh: the view options, the ``numbers`` beside the stage (None if unchanged), whether
     a lesson is open, and whether the run is on the stage without a lesson (``has_stage``)."""
 
     choice: ViewChoice
-    numbers: Numbers | None
+    numbers: ReadoutContent | None
     in_lesson: bool
     has_stage: bool
 
@@ -44,12 +44,12 @@ class Feature:
     def on_frame(self, report: FrameReport) -> None:
         """Handles a new frame of the visitor's run, on the thread that reads frames from the engine."""
 
-    def refresh(self, view: PageView) -> None:
+    def refresh(self, view: VisiblePageState) -> None:
         """Updates the feature's widgets; called a few times a second while the browser shows the page."""
 
-    def headline(self, frame: Frame | None) -> Headline:
+    def headline(self, frame: Frame | None) -> HeadlineWithFacts:
         """Returns a headline to show in place of the run's for the frame on view; an empty one leaves the run's."""
-        return Headline()
+        return HeadlineWithFacts()
 
     def notice(self) -> Notice | None:
         """Returns a message for the visitor about the stage, shown if the session has none; None for no message."""

@@ -6,19 +6,19 @@ from time import thread_time
 
 import viser
 
-from app.access.log_limit import log_failure
-from app.classroom.class_context import ClassroomContext, LecturerContext
-from app.frame.headline import Headline
+from app.access.rate_limited_log import log_failure
+from app.classroom.class_context import LecturerContext, LessonContext
+from app.frame.headline import HeadlineWithFacts
 from app.language.translation import current_language, with_language
-from app.page.feature import Feature, PageView
+from app.page.feature import Feature, VisiblePageState
 from app.page.features import all_features
 from app.page.features.opening_tour import OPENING
 from app.page.features.sharing import BrowserAddress
 from app.page.page_context import PageContext
 from app.page.panels.about_tab import add_about
-from app.page.panels.browser_store import follow_keys
+from app.page.panels.browser_store_and_window import follow_keys
 from app.page.panels.page_header import ProblemButtons, set_up_theme
-from app.page.visit.engine_links import PageLinks
+from app.page.visit.engine_links import PageEngineLinks
 from app.viewer.browser_connection import stalled_seconds
 from app.viewer.viser_patches import set_callback_language
 from solvers.engine.engine_messages import FrameReport
@@ -33,7 +33,7 @@ class Page:
     """Page of one browser (``client``), which requests name by the page's random ``token``. Frames are drawn on the
     thread that reads them from the engine; numbers and texts follow a few times a second."""
 
-    def __init__(self, client: viser.ClientHandle, links: PageLinks, classroom: ClassroomContext,
+    def __init__(self, client: viser.ClientHandle, links: PageEngineLinks, classroom: LessonContext,
                  lecturer: LecturerContext | None = None):
         self.client, self._links, self._features = client, links, tuple[Feature, ...]()
         self.token, self.language = secrets.token_urlsafe(12), current_language()
@@ -119,9 +119,9 @@ class Page:
         if numbers := context.stage.read_numbers(choice):
             controls.estimator_cards.fill_cards(numbers.readout.cards_json)
         headline = next(filter(None, (feature.headline(context.recent.shown_frame) for feature in self._features)),
-                        Headline()) if on_stage else Headline()
+                        HeadlineWithFacts()) if on_stage else HeadlineWithFacts()
         context.stage.refresh(choice, numbers, in_lesson, headline)
-        view = PageView(choice, numbers, in_lesson, on_stage and not in_lesson)
+        view = VisiblePageState(choice, numbers, in_lesson, on_stage and not in_lesson)
         for feature in self._features:
             feature.refresh(view)
         context.refresh_and_pause_when_idle(UNTOUCHED)

@@ -5,27 +5,27 @@ from typing import Protocol
 
 import viser
 
-from app.classroom.class_context import ClassroomContext, LecturerContext
+from app.classroom.class_context import LecturerContext, LessonContext
 from app.frame.colour_scale import ColourScale
 from app.language.translation import tr
 from app.page.controls import Controls
-from app.page.live_run_source import LiveRunSource
-from app.page.panels.browser_store import BrowserStore
-from app.page.panels.history_controls import HistoryControls
+from app.page.panels.browser_store_and_window import BrowserStore
+from app.page.panels.frame_and_drawing_controls import FrameAndTraceControls
 from app.page.panels.page_header import PresentationMode
-from app.page.stage_view import StageView
+from app.page.stage_and_readout_view import StageAndReadoutView
 from app.page.viewer_canvas import ViewerCanvas
-from app.page.visit.engine_links import PageLinks
-from app.page.visit.particle_trace import ParticleTracer
+from app.page.visit.engine_links import PageEngineLinks
 from app.page.visit.recent_frames import RecentFrames
-from app.page.visit.session import Session
+from app.page.visit.run_session import RunSession
 from app.page.visit.status_message import Notice
-from app.state import State
+from app.page.visit.traced_particle_series import ParticleTracer
+from app.page.visitor_run_source import VisitorRunSource
+from app.shareable_state import State
 from solvers.engine.engine_messages import FrameReport
 from solvers.engine.shared_frames import FrameArrays
 
 
-class OpenLesson(Protocol):
+class CurrentLesson(Protocol):
     """The lesson that a visitor has open: its ``name`` in links and its ``answers`` as text for the browser to store,
     both "" if none is open. ``go_to_step`` shows a step by its number, in the core (``only``) or in all."""
 
@@ -50,12 +50,12 @@ class PageContext:
     show_run_on_stage: Callable[[], None]
     store_state: Callable[[], None]
 
-    def __init__(self, client: viser.ClientHandle, links: PageLinks, classroom: ClassroomContext,
+    def __init__(self, client: viser.ClientHandle, links: PageEngineLinks, classroom: LessonContext,
                  lecturer: LecturerContext | None, opening: State,
                  on_frame: Callable[[FrameReport], None], notice: Callable[[], Notice | None]):
         self.client, self.gui, self.links = client, client.gui, links
         self.classroom, self.lecturer = classroom, lecturer
-        self.lesson: OpenLesson | None = None
+        self.lesson: CurrentLesson | None = None
         self.is_touring: Callable[[], bool] = lambda: False
         self._conditions: dict[str, bool] = {}  # for computing frames
         self.recent, self.scale = RecentFrames(), ColourScale()
@@ -63,11 +63,11 @@ class PageContext:
         self.store = BrowserStore(self.gui)
         self.presenter = PresentationMode(self.gui)
         self.canvas = ViewerCanvas(client, self.scale, self.trace, opening.scene.problem)
-        self.stage, self._on_frame = StageView(client, self.canvas), on_frame
-        self.session = Session(links, opening.scene, self._take_frame, opening.speed, opening.stops)
-        self.history = HistoryControls(self.session, self.recent, self.trace, self.stage.draw)
+        self.stage, self._on_frame = StageAndReadoutView(client, self.canvas), on_frame
+        self.session = RunSession(links, opening.scene, self._take_frame, opening.speed, opening.stops)
+        self.history = FrameAndTraceControls(self.session, self.recent, self.trace, self.stage.draw)
         self.controls = Controls(self.gui, self.session, self.scale, self.stage.draw, self.history, self.store)
-        self.run = LiveRunSource(self.session, self.recent, self.trace, notice)
+        self.run = VisitorRunSource(self.session, self.recent, self.trace, notice)
         group = self.gui.add_tab_group()
         self.tabs = {name: group.add_tab(title, icon) for name, title, icon in (
             ("explore", tr("Explore"), viser.Icon.ADJUSTMENTS_HORIZONTAL),

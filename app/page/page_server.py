@@ -16,17 +16,17 @@ from typing import Any
 from urllib.parse import quote
 
 from app.access.allowed_hosts import Addresses
-from app.access.class_code import BOARD, CLASS, TEACHER, ClassCode, CookieIdentity, generate_code
-from app.access.log_limit import RateLimitFilter
-from app.classroom.class_board import ClassBoard
-from app.classroom.class_context import ClassroomContext
+from app.access.code_login import BOARD, CLASS, TEACHER, CodeLogin, CookieIdentity, generate_code
+from app.access.rate_limited_log import RateLimitFilter
+from app.classroom.class_board_state import ClassBoardState
+from app.classroom.class_context import LessonContext
 from app.language.translation import lazy, tr, with_language
 from app.lessons import catalogue
+from app.logo_and_font import ICON
 from app.page.features.opening_tour import OPENING
-from app.page.prewarm import usual_scenes
+from app.page.precompiled_scenes import usual_scenes
 from app.page.shutdown import exit_within, run_in_background
-from app.page.visit.engine_links import EventRateCounter, PageLinks
-from app.visual_identity import ICON
+from app.page.visit.engine_links import EventRateCounter, PageEngineLinks
 from solvers.engine.engine_messages import FRAME_SECONDS
 from solvers.engine.engine_pool import EnginePool
 from solvers.workers.cpu_count import available_cpus
@@ -54,7 +54,7 @@ class Visitors:
     client for which ``expects(client)`` is true needs no free place. Clients differ by ``client_id``. Thread-safe: a
     visitor may leave while the page is being made, or even before :meth:`connect`."""
 
-    def __init__(self, pool: EnginePool, places: int, make_page: Callable[[Any, PageLinks], Any],
+    def __init__(self, pool: EnginePool, places: int, make_page: Callable[[Any, PageEngineLinks], Any],
                  show: Callable[[Any, str], None], expects: Callable[[Any], bool] = lambda client: False):
         self._pool, self._places, self._make_page, self._show = pool, places, make_page, show
         self._expects = expects
@@ -132,7 +132,7 @@ class Visitors:
 
     def _admit(self, client: Any) -> None:
         """Makes the page of a client that has a place; frees the place and shows a message if that fails."""
-        visitor, links, page = client.client_id, PageLinks(self._pool, self._frames), None
+        visitor, links, page = client.client_id, PageEngineLinks(self._pool, self._frames), None
         try:
             page = self._make_page(client, links)
         except Exception:
@@ -171,8 +171,8 @@ def serve(host: str, port: int, max_sessions: int, warm_up: bool = True, code: s
     _require_free(host, port)
     # The engines start before the page's imports: they need longest.
     pool, server = EnginePool(OPENING.scene, _engine_count(), 1 / frames), None
-    classroom = ClassroomContext(lesson, teacher, core=core)
-    shared = ClassBoard(catalogue.load_lesson(lesson), classroom.outcomes, core) if board else None
+    classroom = LessonContext(lesson, teacher, core=core)
+    shared = ClassBoardState(catalogue.load_lesson(lesson), classroom.outcomes, core) if board else None
     signal.signal(signal.SIGTERM, signal.default_int_handler)  # exits as by Ctrl-C
     log = logging.StreamHandler()
     log.addFilter(RateLimitFilter())
@@ -204,7 +204,7 @@ def serve(host: str, port: int, max_sessions: int, warm_up: bool = True, code: s
 
 
 def _start_server(host: str, port: int, pool: EnginePool, max_sessions: int, addresses: Addresses,
-                  codes: Mapping[str, str], classroom: ClassroomContext, board: ClassBoard | None = None) -> Any:
+                  codes: Mapping[str, str], classroom: LessonContext, board: ClassBoardState | None = None) -> Any:
     from app.classroom.class_context import JoinInfo, LecturerContext
     from app.page.page import Page
     from app.page.panels.page_header import initial_page_html, set_up_theme
@@ -219,13 +219,13 @@ def _start_server(host: str, port: int, pool: EnginePool, max_sessions: int, add
     # A frame may be drawn for a visitor who has just left; that is no error.
     warnings.filterwarnings("ignore", message="Queued a .* on a closed connection")
     code = codes[CLASS]
-    doors = AccessControl(addresses, ClassCode(code, port, codes[TEACHER], codes[BOARD]) if code else None)
+    doors = AccessControl(addresses, CodeLogin(code, port, codes[TEACHER], codes[BOARD]) if code else None)
     # The viewer would print its own banner.
     with contextlib.redirect_stdout(io.StringIO()), doors.guard_servers(IndexPage(initial_page_html, ICON)):
         server = LabServer(host=host, port=port, verbose=False)
     set_up_theme(server.gui)
 
-    def make_page(client: Any, links: PageLinks) -> Any:
+    def make_page(client: Any, links: PageEngineLinks) -> Any:
         whose, key = doors.identify(client.client_id) or CookieIdentity(CLASS)
         seat = board.add_seat(key) if board and whose == CLASS else None
         lectern = LecturerContext(board, JoinInfo(f"http://{_network_address(host)}:{port}/", code)) \

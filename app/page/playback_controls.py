@@ -6,10 +6,10 @@ from typing import Any
 import viser
 
 from app.language.translation import lazy, tr
-from app.page.panels.history_controls import HistoryControls
-from app.page.panels.number_slider import NumberSlider, SliderSpec
+from app.page.panels.frame_and_drawing_controls import FrameAndTraceControls
+from app.page.panels.log_number_slider import LogNumberSlider, SliderSpec
 from app.page.panels.scene_widgets import SceneWidgetFactory
-from app.page.visit.session import Session
+from app.page.visit.run_session import RunSession
 from app.problems.views import VIEWS
 from solvers.scene.scene import Scene
 
@@ -20,8 +20,8 @@ PIN, UNPIN = lazy("Pin this run"), lazy("Unpin")
 class PlaybackControls:
     """One visitor's widgets for run, speed, pin and look back, made by ``bound``; ``on_view`` redraws the stage."""
 
-    def __init__(self, gui: viser.GuiApi, session: Session, history: HistoryControls, bound: SceneWidgetFactory,
-                 on_view: Callable[[], None]):
+    def __init__(self, gui: viser.GuiApi, session: RunSession, history: FrameAndTraceControls,
+                 bound: SceneWidgetFactory, on_view: Callable[[], None]):
         self._session, self._on_view = session, on_view
         self.acts = {PLAY: lambda: session.play(True), PAUSE: lambda: session.play(False),
                      STEP: lambda: session.play(False, single_steps=1), RESET: session.reset}
@@ -29,7 +29,7 @@ class PlaybackControls:
         gui.add_html("<i class='lab-at-run'></i>")
         buttons = gui.add_button_group(tr("Run"), tuple(shown))
         buttons.on_click(lambda event: shown[event.target.value]())
-        self._speed = NumberSlider(gui, bound, self._speed_slider_spec, session.speed, session.set_speed)
+        self._speed = LogNumberSlider(gui, bound, self._speed_slider_spec, session.speed, session.set_speed)
         pin_mark = gui.add_html("<i class='lab-at-pin'></i>")
         self._pin = gui.add_button(tr(PIN), hint=tr("keep this run on the stage for comparison: both runs start at t = "
                                                     "0 and advance together, period by period"))

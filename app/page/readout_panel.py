@@ -7,19 +7,19 @@ from html import escape
 import viser
 
 from app.language.translation import tr
-from app.page.panels.error_timeline import Timeline, TimelineState
-from app.page.panels.readout import ReadoutTables
+from app.page.panels.error_timeline import ErrorTimeline, TimelineState
+from app.page.panels.readout_tables import ReadoutTables
 from app.page.panels.time_plots import TimePlots
 from app.page.visit.history import RunSeries
-from app.page.visit.particle_trace import TracedParticle
 from app.page.visit.pinned_run import PinnedRun
+from app.page.visit.traced_particle_series import TracedParticle
 from solvers.scene.scene import Scene
 
 PLOT_HEIGHT = 110  # pixels, of a plot in the fold
 
 
 @dataclass(frozen=True)
-class Numbers:
+class ReadoutContent:
     """Readings of a run: tables (``readout``), and sampled series (``past``) to plot for the ``estimators``, of which
     some are ``valid``.
 
@@ -46,7 +46,7 @@ class ReadoutPanel:
         self._client, gui = client, client.gui
         self._running = gui.add_html("")  # the scene, for programs that read the page
         self._described: Scene | None = None
-        self.timeline = Timeline(gui)
+        self.timeline = ErrorTimeline(gui)
         self.reading = False  # whether the errors stay in view: in a lesson, or for a file
 
     def build(self, gui: viser.GuiApi) -> None:
@@ -59,7 +59,7 @@ class ReadoutPanel:
         gui.add_html("<i class='lab-estimates-foot'></i>")
         self._foot = gui.add_html("")
 
-    def show(self, numbers: Numbers, quantity: str, latest: bool) -> None:
+    def show(self, numbers: ReadoutContent, quantity: str, latest: bool) -> None:
         """Shows numbers, and plots of a quantity's errors ("x") over the run or its ``latest`` periods."""
         past, traced, scene = numbers.past, numbers.traced, numbers.scene
         if scene is not None and scene != self._described:

@@ -6,11 +6,11 @@ from typing import Protocol
 
 import numpy as np
 
-from app.frame.captions import ErrorView
-from app.frame.headline import Headline
+from app.frame.error_view_captions import FrameErrorView
+from app.frame.headline import HeadlineWithFacts
 from app.frame.layout import Rectangle
-from app.frame.stage import NOTHING, Annotations
-from app.page.readout_panel import Numbers
+from app.frame.stage import NOTHING, WorstRegionAnnotations
+from app.page.readout_panel import ReadoutContent
 from app.page.visit.status_message import Notice
 from solvers.engine.engine_messages import FrameReport
 from solvers.engine.shared_frames import FrameArrays
@@ -33,13 +33,13 @@ class ViewChoice:
 
 
 @dataclass(frozen=True)
-class FrameView:
+class StageFrame:
     """A frame to draw: the ``view`` of its errors, the speed in simulated seconds per second, the run's ``name`` where
     two are drawn, and whether its particles are ``foreign``: of a file, without a fixed order or initial positions."""
 
     report: FrameReport
     arrays: FrameArrays
-    view: ErrorView
+    view: FrameErrorView
     speed: float
     name: str = ""
     foreign: bool = False
@@ -52,13 +52,13 @@ class StageContent:
     ``scale_key`` changes and kept for an earlier frame (``is_past``). ``annotations`` are notes in the picture. If
     something else is drawn in a rectangle ``hidden``, the stage itself is hidden."""
 
-    picture: FrameView
+    picture: StageFrame
     sizes: Sizes
     scale_key: Hashable
     least: float = 0.0
     is_past: bool = False
-    beside: FrameView | str | None = None
-    annotations: Annotations = NOTHING
+    beside: StageFrame | str | None = None
+    annotations: WorstRegionAnnotations = NOTHING
     hidden: Rectangle | None = None
 
 
@@ -76,11 +76,11 @@ class StageSource(Protocol):
     def stage_content(self, choice: ViewChoice) -> StageContent | None:
         """Returns what to draw now with these view options; None before there is anything to draw."""
 
-    def numbers(self, choice: ViewChoice, picture: FrameView | None, probed: str | None) -> Numbers | None:
+    def numbers(self, choice: ViewChoice, picture: StageFrame | None, probed: str | None) -> ReadoutContent | None:
         """Returns the numbers for the ``picture`` drawn and for ``probed``, the text of errors in a dragged rectangle;
         None if nothing has changed."""
 
-    def sentence(self, choice: ViewChoice, picture: FrameView) -> Headline:
+    def sentence(self, choice: ViewChoice, picture: StageFrame) -> HeadlineWithFacts:
         """Returns the headline of the picture drawn; an empty one if the picture is about to be replaced."""
 
     def notice(self) -> Notice | None:

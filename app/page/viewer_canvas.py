@@ -5,16 +5,16 @@ from collections.abc import Hashable
 import numpy as np
 import viser
 
-from app.colours import GROUNDS, rgb
+from app.colour_palette import GROUNDS, rgb
 from app.frame.colour_scale import ColourScale
-from app.frame.layout import ColourBar
+from app.frame.layout import ColourBarDrawing
 from app.frame.stage import Stage
-from app.page.stage.error_probe import OrthographicCamera, RegionErrorProbe, TraceRings
-from app.page.stage_source import FrameView, StageContent, ViewChoice
-from app.page.visit.particle_trace import ParticleTracer
+from app.names_and_units import QUANTITIES
+from app.page.stage.pointer_and_camera import FixedRectangleCamera, RectangleErrorProbe, TracedParticleRing
+from app.page.stage_source import StageContent, StageFrame, ViewChoice
+from app.page.visit.traced_particle_series import ParticleTracer
 from app.problems.views import VIEWS
 from app.renderers.viewer_renderer import LabelLayer, ViewerSurface
-from app.words import QUANTITIES
 from solvers.solver.soundness import UNSTABLE
 
 
@@ -23,15 +23,15 @@ class ViewerCanvas:
 
     def __init__(self, client: viser.ClientHandle, scale: ColourScale, trace: ParticleTracer, problem: str):
         self._client, self._scale, self.lettering = client, scale, LabelLayer(client.gui)
-        self.picture: FrameView | None = None  # the frame drawn last
+        self.picture: StageFrame | None = None  # the frame drawn last
         self._coloured: Hashable = None  # what the colour scale belongs to
         self._set_background(False)
-        self._colour_bar = ColourBar(self.add_surface("/colours"), scale)
+        self._colour_bar = ColourBarDrawing(self.add_surface("/colours"), scale)
         self._stages = {problem: view.stage(self.add_surface(f"/{problem}"), scale) for problem, view in VIEWS.items()}
         self._show_stage(problem)
-        self.camera = OrthographicCamera(client, self._stages[problem].rectangle)
-        self.probe = RegionErrorProbe(client, self.add_surface("/probe"), self.camera)
-        self._rings = TraceRings(client, self.add_surface("/trace"), trace)
+        self.camera = FixedRectangleCamera(client, self._stages[problem].rectangle)
+        self.probe = RectangleErrorProbe(client, self.add_surface("/probe"), self.camera)
+        self._rings = TracedParticleRing(client, self.add_surface("/trace"), trace)
 
     def draw(self, content: StageContent, choice: ViewChoice) -> None:
         """Draws a source's content with the visitor's view options: a frame, and perhaps a second run beside it."""
@@ -43,7 +43,7 @@ class ViewerCanvas:
         with self._client.atomic():
             self._show_stage(None if content.hidden else problem)
             _draw(stage, picture, choice)
-            if isinstance(beside, FrameView):
+            if isinstance(beside, StageFrame):
                 assert second is not None
                 _draw(second, beside, choice)
                 if stage.shared_axis_changed:
@@ -82,7 +82,7 @@ class ViewerCanvas:
             self._scale.reset()
             self._coloured = content.scale_key
         if changed or not content.is_past:
-            beside = content.beside.view if isinstance(content.beside, FrameView) else None
+            beside = content.beside.view if isinstance(content.beside, StageFrame) else None
             report = content.picture.report
             self._scale.update(*content.sizes, (report.scene, content.scale_key),
                                (beside.left.sizes, beside.right.sizes) if beside else (None, None), content.least,
@@ -95,7 +95,7 @@ class ViewerCanvas:
             stage.sheet.visible = name == problem
 
 
-def _draw(stage: Stage, picture: FrameView, choice: ViewChoice) -> None:
+def _draw(stage: Stage, picture: StageFrame, choice: ViewChoice) -> None:
     """Draws a frame with its titles on a problem's stage, by the visitor's view options."""
     report, view = picture.report, picture.view
     stage.domains = choice.domains and not picture.foreign

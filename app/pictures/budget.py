@@ -12,22 +12,22 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 from matplotlib.ticker import FuncFormatter, MaxNLocator
 
-from app.colours import CAUSES as COLOURS
-from app.colours import INK, INK2, INK3, PINNED
-from app.frame.budget_chart import CAPTION, UNITS, error_rms, format_percent, largest_share, stack_layers
+from app.colour_palette import CAUSES as COLOURS
+from app.colour_palette import INK, INK2, INK3, PINNED
+from app.frame.budget_chart_data import CAPTION, UNITS, error_rms, format_percent, largest_share, stack_layers
+from app.names_and_units import method_name, motion_text
 from app.renderers.picture_style import FEW, format_size_axis, make_figure
-from app.words import method_name, motion_text
 from solvers.running.result import Result
 from solvers.scene.error_causes import CAUSES, FIELDS
 
 if TYPE_CHECKING:
-    from solvers.running.budget import BudgetResult  # needs Taichi, which a picture need not import
+    from solvers.running.budget_cause_removal import CauseRemovalResult  # needs Taichi, which a picture need not import
 
 WIDTH, HEIGHT, MORE = 12.5, 4.4, 2.6  # inches; the last for the bars of a removed cause
 BARS = {"before": "as it was", "predicted": "predicted by the budget", "again": "run again without it"}
 
 
-def budget_figure(found: BudgetResult) -> Figure:
+def budget_figure(found: CauseRemovalResult) -> Figure:
     """Returns the budget of x, v and F over time; below, for a removed cause, errors before, predicted and after."""
     taken = found.take_away()
     figure = make_figure(WIDTH, HEIGHT + (MORE if taken else 0), _figure_title(found.result))

@@ -8,12 +8,12 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure, SubFigure
 from matplotlib.ticker import FixedFormatter, FixedLocator, LogLocator, NullFormatter, NullLocator
 
-from app.colours import ESTIMATE_INK, INK, INK3, TRUTH
-from app.renderers.panel_style import Look, line_style, write_note
+from app.colour_palette import ESTIMATE_INK, INK, INK3, TRUTH
+from app.names_and_units import EXTRA_NORMS, QUANTITIES, method_name, with_unit
+from app.renderers.picture_panel_style import Look, line_style, write_note
 from app.renderers.picture_style import format_size_axis, make_figure
-from app.words import EXTRA_NORMS, QUANTITIES, method_name, with_unit
 from solvers.scene.estimator_registry import ESTIMATORS
-from solvers.study.tables.paper_tables import format_round_number
+from solvers.study.tables.paper_table_definitions import format_round_number
 from solvers.study.tables.table_runs import rows_by_part
 
 PAPER: Look = dict(color=INK, marker="x", markersize=7, markeredgewidth=1.6, linestyle="none",

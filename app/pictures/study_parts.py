@@ -11,17 +11,17 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import LogFormatterSciNotation, LogLocator, NullFormatter
 
-from app.colours import INK, INK3, LINE, LINE2, METHOD_COLOURS, METHOD_MARKS
-from app.renderers.panel_style import Look, write_note
-from app.renderers.picture_style import SizeFormatter, format_size_axis, make_figure
-from app.words import METHODS, QUANTITIES, method_name, unit_of, with_unit
+from app.colour_palette import INK, INK3, LINE, LINE2, METHOD_COLOURS, METHOD_MARKS
+from app.names_and_units import METHODS, QUANTITIES, method_name, unit_of, with_unit
+from app.renderers.picture_panel_style import Look, write_note
+from app.renderers.picture_style import UnitPrefixTickFormatter, format_size_axis, make_figure
 from solvers.problems import PROBLEMS
 from solvers.running.quantities_of_interest import SAFETY
 from solvers.scene.estimator_registry import ESTIMATORS
 from solvers.solver.soundness import BROKEN
-from solvers.study.convergence import Series, completed_rows, error_of, group_series
-from solvers.study.coverage.coverage_counts import FACTORS, INTERVALS, REGIMES, wilson_interval
-from solvers.study.stability import TREATMENTS, stayed_accurate, survived_periods, treatment_of
+from solvers.study.convergence_analysis import SingleInputSeries, completed_rows, error_of, group_series
+from solvers.study.coverage.estimate_coverage_counts import FACTORS, INTERVALS, REGIMES, wilson_interval
+from solvers.study.stability_map import TREATMENTS, stayed_accurate, survived_periods, treatment_of
 
 LINE_STYLES = ("-", "--", ":", "-.")
 MOST_LEGEND_ENTRIES = 12
@@ -49,7 +49,7 @@ def known_quantities(rows: Sequence[dict], among: Iterable[str] = QUANTITIES) ->
     return [q for q in among if any(error_of(row, q) for row in completed_rows(rows))]
 
 
-def series_styles(rows: Sequence[dict], along: str = "cells") -> list[tuple[Series, Look]]:
+def series_styles(rows: Sequence[dict], along: str = "cells") -> list[tuple[SingleInputSeries, Look]]:
     """Returns the series of rows along one input, each with its style: colour and marker by method, line style and
     filling by other inputs."""
     lines = group_series(rows, along)
@@ -59,8 +59,8 @@ def series_styles(rows: Sequence[dict], along: str = "cells") -> list[tuple[Seri
                     "fillstyle": ("full", "none")[k // len(LINE_STYLES) % 2]}) for line in lines]
 
 
-def draw_errors(axes: Axes, lines: Sequence[tuple[Series, Look]], quantity: str, abscissa: Callable[[dict], float],
-                joined: bool = True) -> None:
+def draw_errors(axes: Axes, lines: Sequence[tuple[SingleInputSeries, Look]], quantity: str,
+                abscissa: Callable[[dict], float], joined: bool = True) -> None:
     """Draws the errors of a quantity of each series over the ``abscissa`` of a row, ``joined`` by lines; unstable runs
     are crosses, at the top edge if their error is too large. Sets the vertical axis."""
     stood: list[float] = []
@@ -83,7 +83,7 @@ def draw_errors(axes: Axes, lines: Sequence[tuple[Series, Look]], quantity: str,
             height, place = error, {}
         axes.plot([x], [height], color=colour, zorder=5, **UNSTABLE_LOOK, **place)
     axes.set_title(f"Error of {QUANTITIES[quantity]}, largest RMS")
-    axes.yaxis.set_major_formatter(SizeFormatter(QUANTITIES[quantity].unit))
+    axes.yaxis.set_major_formatter(UnitPrefixTickFormatter(QUANTITIES[quantity].unit))
 
 
 def method_handles(rows: Iterable[dict]) -> list[Line2D]:
@@ -93,7 +93,8 @@ def method_handles(rows: Iterable[dict]) -> list[Line2D]:
             for m in METHODS if m in there]
 
 
-def add_legend_below(figure: Figure, entries: Sequence[tuple[Series, Look]], extra: Sequence[Line2D] = ()) -> None:
+def add_legend_below(figure: Figure, entries: Sequence[tuple[SingleInputSeries, Look]],
+                     extra: Sequence[Line2D] = ()) -> None:
     """Adds one legend below all panels: the first series with their styles, ``extra`` entries and that of crosses."""
     shown, names = entries[:MOST_LEGEND_ENTRIES], {code: method.name for code, method in METHODS.items()}
     handles = [Line2D([], [], label=line.label(names), **look) for line, look in shown] + list(extra)
@@ -112,11 +113,11 @@ def set_log_axes(axes: Axes, unit: str = "s") -> None:
     across = axes.yaxis.get_major_formatter()
     axes.set(xscale="log", yscale="log")
     axes.grid(axis="both", color=LINE)
-    for axis, sizes in ((axes.xaxis, SizeFormatter(unit)), (axes.yaxis, across)):
+    for axis, sizes in ((axes.xaxis, UnitPrefixTickFormatter(unit)), (axes.yaxis, across)):
         low, high = axis.get_view_interval()
         few = low > 0 and np.floor(np.log10(high)) - np.ceil(np.log10(low)) < 1
         axis.set_major_locator(LogLocator(subs=(1, 2, 5) if few else (1,)))
-        axis.set_major_formatter(sizes if isinstance(sizes, SizeFormatter) else LogFormatterSciNotation())
+        axis.set_major_formatter(sizes if isinstance(sizes, UnitPrefixTickFormatter) else LogFormatterSciNotation())
         axis.set_minor_formatter(NullFormatter())
 
 

@@ -10,9 +10,9 @@ from app.frame.field_plot import FieldPlotDefinition
 from app.frame.planar_stage import WHOLE, PlanarStage
 from app.frame.primitives import Lines, Mark, join_points
 from app.language.translation import lazy, tr
-from app.problems.interface import BodyKindView, MaterialRegions
+from app.problems.interface import BodyRegions, PlanarBodyKindView
 from solvers.engine.shared_frames import FrameArrays
-from solvers.problems.planar.circular import CircularScene
+from solvers.problems.planar.circular_scene import CircularScene
 
 SPOKES, SPOKE_POINTS, RIM_POINTS = 12, 41, 361
 FULL = 2 * np.pi
@@ -47,7 +47,7 @@ LOOKS = {
         (15.0, 1.3), 200.0, "rims and material lines of the exact solution")}
 
 
-class AnnulusStage(PlanarStage[CircularScene]):
+class QuarterAnnulusStage(PlanarStage[CircularScene]):
     """Stage of a quarter ring, drawn with its mirror images."""
 
     @staticmethod
@@ -64,7 +64,7 @@ class AnnulusStage(PlanarStage[CircularScene]):
         return 1 + 0.5 * _outer_rim_displacement(scene) / scene.OUTER
 
 
-class WholeAnnulusStage(AnnulusStage):
+class WholeAnnulusStage(QuarterAnnulusStage):
     """Stage of a whole ring. Its quarters are alike, so half of it is enough for each of estimate and truth."""
 
     MIRRORS = OUTLINED = WHOLE
@@ -91,16 +91,16 @@ class WholeAnnulusStage(AnnulusStage):
                     self._layout.stage_metrics.palette.exact, 1.5)
 
 
-def annulus_body_view(kind: type[Any]) -> BodyKindView:
+def annulus_body_view(kind: type[Any]) -> PlanarBodyKindView:
     """Returns the view of the body of a class of circular scenes: a quarter or whole ring by its ``ANGLE``."""
     whole = kind.ANGLE >= FULL
     look = LOOKS["whole" if whole else "quarter"]
-    base: type[AnnulusStage] = WholeAnnulusStage if whole else AnnulusStage
+    base: type[QuarterAnnulusStage] = WholeAnnulusStage if whole else QuarterAnnulusStage
     plotted = FieldPlotDefinition(kind.INNER, kind.OUTER, (f"R = {kind.INNER:g} m", f"{kind.OUTER:g} m"),
                                   kind.exact_plotted_component, kind.PLOTTED)
     stage = type(base.__name__, (base,), {"PLOT": plotted})
-    return BodyKindView(stage, partial(_draw_picture, stage, look), partial(_regions, kind, look), look.division,
-                        look.picture)
+    return PlanarBodyKindView(stage, partial(_draw_picture, stage, look), partial(_regions, kind, look), look.division,
+                              look.picture)
 
 
 def _outer_rim_displacement(scene: CircularScene) -> float:
@@ -108,7 +108,7 @@ def _outer_rim_displacement(scene: CircularScene) -> float:
     return scene.amplitude if scene.PLOTTED == "radial" else 0.0
 
 
-def _regions(kind: type[Any], look: AnnulusViewSettings, X: np.ndarray) -> MaterialRegions:
+def _regions(kind: type[Any], look: AnnulusViewSettings, X: np.ndarray) -> BodyRegions:
     shells, angles = len(look.shells), look.angles
     share = (np.hypot(X[:, 0], X[:, 1]) - kind.INNER) / (kind.OUTER - kind.INNER)
     shell = np.clip((share * shells).astype(int), 0, shells - 1)
@@ -116,12 +116,12 @@ def _regions(kind: type[Any], look: AnnulusViewSettings, X: np.ndarray) -> Mater
     angle = np.clip(((turn % 1 if kind.ANGLE >= FULL else turn) * angles).astype(int), 0, angles - 1)
     step = round(np.degrees(kind.ANGLE)) // angles
     names = tuple(tr(name, low=k * step, high=(k + 1) * step) for name in look.shells for k in range(angles))
-    return MaterialRegions(names, shell * angles + angle)
+    return BodyRegions(names, shell * angles + angle)
 
 
-def _draw_picture(stage: type[AnnulusStage], look: AnnulusViewSettings, figure: Any, space: Any, particles: Any,
+def _draw_picture(stage: type[QuarterAnnulusStage], look: AnnulusViewSettings, figure: Any, space: Any, particles: Any,
                   result: Any) -> None:
-    from app.renderers.panel_style import drawable_or_gap, robust_size
+    from app.renderers.picture_panel_style import drawable_or_gap, robust_size
     from app.renderers.plane_panels import draw_estimate_and_truth_halves, draw_profile
 
     scene, shown, mirrored = result.scene, result.picture_snapshot, stage.MIRRORS != WHOLE

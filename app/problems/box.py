@@ -9,8 +9,8 @@ from app.frame.field_plot import FieldPlotDefinition
 from app.frame.planar_stage import PlanarStage
 from app.frame.primitives import Mark
 from app.language.translation import lazy, tr
-from app.problems.interface import BodyKindView, MaterialRegions
-from solvers.problems.planar.box import BoxScene
+from app.problems.interface import BodyRegions, PlanarBodyKindView
+from solvers.problems.planar.box_scene import BoxScene
 from solvers.problems.planar.particle_layout import particle_layout
 
 REGIONS = 4  # a side
@@ -50,12 +50,12 @@ class BoxStage(PlanarStage[BoxScene]):
         self._radii = np.where(np.abs(X[:, 1] - plotted_row(scene)) < half, X[:, 0], np.nan)
 
 
-def regions(X: np.ndarray) -> MaterialRegions:
+def regions(X: np.ndarray) -> BodyRegions:
     """Returns the square's 16 regions for particles at X (P, 2) in m at rest."""
     cell = np.clip((X * REGIONS).astype(int), 0, REGIONS - 1)
     names = tuple(tr("column {column}, row {row} from below", column=i + 1, row=j + 1)
                   for j in range(REGIONS) for i in range(REGIONS))
-    return MaterialRegions(names, cell[:, 1] * REGIONS + cell[:, 0])
+    return BodyRegions(names, cell[:, 1] * REGIONS + cell[:, 0])
 
 
 def draw_picture(figure: Any, space: Any, particles: Any, result: Any) -> None:
@@ -67,4 +67,4 @@ def draw_picture(figure: Any, space: Any, particles: Any, result: Any) -> None:
                                    "planes of symmetry", POINTS_PER_METRE)
 
 
-BODY = BodyKindView(BoxStage, draw_picture, regions, lazy("the square into 16 squares"), (13.5, 0.85))
+BODY = PlanarBodyKindView(BoxStage, draw_picture, regions, lazy("the square into 16 squares"), (13.5, 0.85))

@@ -11,8 +11,8 @@ from app.frame.planar_stage import PlanarStage
 from app.frame.slow_motion.stage import SlowMotionStage
 from app.frame.stage import Stage
 from app.language.translation import lazy, localised_path
-from app.problems.suggestion import Suggestion
-from app.state import State
+from app.problems.suggested_experiment import SuggestedExperiment
+from app.shareable_state import State
 
 
 @dataclass(frozen=True)
@@ -33,7 +33,7 @@ LinearSlider = tuple[str, float, float, float, str]
 
 
 @dataclass(frozen=True)
-class MaterialRegions:
+class BodyRegions:
     """Regions into which a body's material is divided: their translated ``names``, and for each particle the ``number``
     (P,) of the region, an index into the names, in which it was at rest."""
 
@@ -48,7 +48,7 @@ class MaterialRegions:
 
 
 @dataclass(frozen=True)
-class MotionChoice:
+class MotionSelector:
     """Choice of a problem's motion: ``hint`` is the widget's; ``change_motion(scene, motion, usual)`` returns the scene
     with that motion, and the ``usual`` estimators unless the motion restricts them. ``sliders`` are those of fields
     that only a motion without oscillation has; ``speed`` (periods per second) and ``quantity`` (key) are the initial
@@ -61,12 +61,12 @@ class MotionChoice:
     quantity: str
 
 
-class BodyKindView(NamedTuple):
+class PlanarBodyKindView(NamedTuple):
     """View common to all plane problems of one kind of body; :class:`ProblemView` has the details."""
 
     stage: type[PlanarStage[Any]]
     draw_picture: Callable[..., None]
-    regions: Callable[[np.ndarray], MaterialRegions]
+    regions: Callable[[np.ndarray], BodyRegions]
     division: str
     picture: tuple[float, float]
 
@@ -90,18 +90,18 @@ class ProblemView:
     stage: type[Stage[Any]]
     slow_motion_stage: type[SlowMotionStage]
     draw_picture: Callable[..., None]
-    regions: Callable[[np.ndarray], MaterialRegions]
+    regions: Callable[[np.ndarray], BodyRegions]
     division: str
     picture: tuple[float, float]
     slider_ranges: SliderRanges
     amplitude_hint: str
     speed: float
     details: Mapping[str, str]
-    motion: MotionChoice | None = None
+    motion: MotionSelector | None = None
     formula: tuple[str, str, str] | None = None
     modulus_hint: str = lazy("Young's modulus: a stiffer body vibrates faster")
     material: Mapping[str, LinearSlider] = field(default_factory=dict)
-    suggestions: Callable[[State], tuple[Suggestion, ...]] = lambda _: ()
+    suggestions: Callable[[State], tuple[SuggestedExperiment, ...]] = lambda _: ()
     prices: Mapping[str, float] = field(default_factory=dict)
 
     @property

@@ -6,7 +6,7 @@ from app.frame.slow_motion.planar import PlanarSlowMotionStage
 from app.language.translation import lazy
 from app.problems import annulus, box
 from app.problems.interface import ProblemView, SliderRanges
-from app.problems.planar_suggestions import planar_suggestions
+from app.problems.planar_suggested_experiments import planar_suggestions
 from solvers.problems.planar.problem import PlanarProblem
 
 FORMULA = ("displacement", lazy("Displacement u_x, u_y"),

@@ -13,9 +13,9 @@ from matplotlib.figure import Figure
 from matplotlib.layout_engine import ConstrainedLayoutEngine
 from matplotlib.ticker import Formatter, LogLocator, MaxNLocator, NullFormatter
 
-from app.colours import INK, INK2, LINE, LINE2
-from app.visual_identity import FONTS
-from app.words import with_unit
+from app.colour_palette import INK, INK2, LINE, LINE2
+from app.logo_and_font import FONTS
+from app.names_and_units import with_unit
 
 FAMILY = "Lab Inter"
 TRUTH_WIDTH, ESTIMATE_WIDTH = 2.6, 1.3  # points: the truth is wide, estimates are drawn on top
@@ -38,7 +38,7 @@ SETTINGS: Any = {
 matplotlib.rcParams.update(SETTINGS)
 
 
-class SizeFormatter(Formatter):
+class UnitPrefixTickFormatter(Formatter):
     """Formats ticks with one prefix, and the unit at the last (0, 100, 200 µm) or, on a logarithmic axis, at each."""
 
     def __init__(self, unit: str):
@@ -64,7 +64,7 @@ class SizeFormatter(Formatter):
 
 def format_size_axis(axis: Axis, unit: str, few: bool = True) -> None:
     """Formats the sizes on an axis with set scale and limits, with about three grid lines, or more unless ``few``."""
-    axis.set_major_formatter(SizeFormatter(unit))
+    axis.set_major_formatter(UnitPrefixTickFormatter(unit))
     axis.set_minor_formatter(NullFormatter())
     if axis.get_scale() == "log":
         low, high = axis.get_view_interval()

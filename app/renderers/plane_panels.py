@@ -9,11 +9,11 @@ from matplotlib.cm import ScalarMappable
 from matplotlib.figure import Figure
 from matplotlib.gridspec import SubplotSpec
 
-from app.colours import COLOUR_MAP, ESTIMATE_INK, INK, INK3, LINE, TRUTH, TRUTH_INK
-from app.frame.captions import EMPTY_HALVES, NOTHING_TO_SHOW
-from app.frame.layout import RunSlot
+from app.colour_palette import COLOUR_MAP, ESTIMATE_INK, INK, INK3, LINE, TRUTH, TRUTH_INK
+from app.frame.error_view_captions import EMPTY_HALVES, NOTHING_TO_SHOW
+from app.frame.layout import ComparedRunSlot
 from app.frame.planar_stage import PlanarStage
-from app.renderers import panel_style
+from app.renderers import picture_panel_style
 from app.renderers.picture_style import ESTIMATE_WIDTH, TRUTH_WIDTH, format_size_axis, label_curve_ends
 from solvers.running.result import Result
 from solvers.scene.scene import Scene
@@ -43,10 +43,10 @@ def draw_profile(axes: Axes, result: Result, stage: type[PlanarStage], over: Pro
     at, inner, outer = result.picture_snapshot, stage.PLOT.start, stage.PLOT.end
     radius = over.coordinate(at.material_position)
     lines = [] if at.error is None else [("true", at.error[:, 0], TRUTH, "-")]
-    lines += [(name, at.estimate[name][:, 0], *look) for name, *look in panel_style.estimator_styles(result)]
-    few, drawn, ends = panel_style.random_subsample_indices(len(radius)), [], []
+    lines += [(name, at.estimate[name][:, 0], *look) for name, *look in picture_panel_style.estimator_styles(result)]
+    few, drawn, ends = picture_panel_style.random_subsample_indices(len(radius)), [], []
     for name, sizes, colour, style in lines:
-        shown = panel_style.positive_or_gap(sizes)
+        shown = picture_panel_style.positive_or_gap(sizes)
         if not np.isfinite(shown).any():
             continue
         size = float(np.clip(2000 / len(few), 1.0, 8.0))
@@ -56,13 +56,13 @@ def draw_profile(axes: Axes, result: Result, stage: type[PlanarStage], over: Pro
                   linewidth=TRUTH_WIDTH if name == "true" else ESTIMATE_WIDTH)
         drawn.append(shown)
         ends.append((name, in_shell, colour))
-    axes.set_title(f"Error of x over {over.across} {panel_style.when_text(result)}: particles, and RMS at "
+    axes.set_title(f"Error of x over {over.across} {picture_panel_style.when_text(result)}: particles, and RMS at "
                    f"{over.symbol}")
     axes.set(xlabel=over.label, xlim=(inner, outer))
     format_size_axis(axes.xaxis, "m", few=False)
     if not drawn:
         axes.set_yticks([])
-        panel_style.write_note(axes, NOTHING_TO_SHOW)
+        picture_panel_style.write_note(axes, NOTHING_TO_SHOW)
         return
     low, high = np.nanpercentile(drawn, 1) / 2, 2 * np.nanmax(drawn)
     axes.set(yscale="log", ylim=(low, high))
@@ -96,12 +96,12 @@ def draw_estimate_and_truth_halves(figure: Figure, place: SubplotSpec, result: R
     For a body mirrored at x = 0 the estimate is the left image and the truth the right one; else each half has its own
     particles. Axes go out to ``half_width`` m. ``lines``, each (n, 2) in m, are exact and named ``line_names``."""
     shown, mirrored = result.picture_snapshot, (-1, 1) in stage.MIRRORS
-    few = panel_style.random_subsample_indices(len(shown.position))
+    few = picture_panel_style.random_subsample_indices(len(shown.position))
     few = few[np.isfinite(shown.position[few]).all(axis=1)]  # an unstable run leaves NaN
-    x, y = panel_style.drawable_or_gap(shown.position[few]).T
+    x, y = picture_panel_style.drawable_or_gap(shown.position[few]).T
     truth = None if shown.error is None else shown.error[few, 0]
     estimates = {name: shown.estimate[name][few, 0] for name in result.scene.active_estimators}
-    scale = panel_style.shared_colour_scale(truth, list(estimates.values()))
+    scale = picture_panel_style.shared_colour_scale(truth, list(estimates.values()))
     names = list(estimates) or [""]
     panels = place.subgridspec(1, len(names)).subplots(squeeze=False)[0]
     # A dot is about as wide as the particles are apart, in points of the picture, not so wide that they merge.
@@ -117,13 +117,13 @@ def draw_estimate_and_truth_halves(figure: Figure, place: SubplotSpec, result: R
             axes.scatter(side * x[own] if mirrored else x[own], y[own], linewidths=0, zorder=2, s=area, **look)
             axes.text(0.5 + 0.485 * side, 0.95 if mirrored else 0.985, silence if sizes is None else title,
                       transform=axes.transAxes, color=INK3 if sizes is None else colour, fontsize=11,
-                      fontweight="bold", va="top", ha="right" if side > 0 else "left", bbox=panel_style.GROUND)
+                      fontweight="bold", va="top", ha="right" if side > 0 else "left", bbox=picture_panel_style.GROUND)
         if not len(few):
-            panel_style.write_note(axes, "no particle is left")
+            picture_panel_style.write_note(axes, "no particle is left")
         coloured = ", coloured by the size of the position's error" if estimates or truth is not None else ""
-        axes.set_title(f"Particles {panel_style.when_text(result)}{coloured}" if axes is panels[0] else "")
+        axes.set_title(f"Particles {picture_panel_style.when_text(result)}{coloured}" if axes is panels[0] else "")
     if len(few) and (estimates or truth is not None):
-        panel_style.add_colour_bar(figure, ScalarMappable(scale, COLOUR_MAP), list(panels),
+        picture_panel_style.add_colour_bar(figure, ScalarMappable(scale, COLOUR_MAP), list(panels),
                                    "error of x, one scale for both halves", "m", aspect=60, shrink=0.75)
 
 
@@ -140,14 +140,14 @@ def _draw_grid_and_exact_lines(axes: Axes, scene: Scene, stage: type[PlanarStage
     axes.grid(visible=False)
     format_size_axis(axes.xaxis, "m", few=False)
     format_size_axis(axes.yaxis, "m")
-    places = stage.layout(panel_style.PAPER, RunSlot.ALONE)
+    places = stage.layout(picture_panel_style.PAPER, ComparedRunSlot.ALONE)
     (x, y), metres = places.middle, stage.max_radius(scene) / places.radius
-    panel_style.write_places(axes, stage, lambda label: (metres * (label.x - x), metres * (label.y - y)))
+    picture_panel_style.write_places(axes, stage, lambda label: (metres * (label.x - x), metres * (label.y - y)))
 
 
 def _draw_cell_lines(axes: Axes, scene: Scene, half_width: float, least: float, start: float) -> str:
     """Draws cell lines, one at x = ``start``, above y = ``least``, out to ``half_width`` m; returns a caption."""
-    if scene.cells > panel_style.MOST_CELL_LINES:
+    if scene.cells > picture_panel_style.MOST_CELL_LINES:
         return ""
     lines = np.arange(-scene.cells, scene.cells + 1) * scene.spacing + start
     lines = lines[np.abs(lines) <= half_width]

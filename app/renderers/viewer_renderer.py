@@ -10,7 +10,7 @@ import viser
 
 from app.frame.layout import EDGE
 from app.frame.primitives import AWAY, Dots, Label, Lines, Mark, StageMetrics, wrap_text
-from app.viewer.widgets import set_node_arrays
+from app.viewer.widget_validation import set_node_arrays
 
 USUAL = (736.0, 358.0, 120.0)  # pixels of the free box and of the gutter left of it, until the browser sends them
 

@@ -12,9 +12,9 @@ import msgspec
 from websockets.exceptions import ConnectionClosed
 from websockets.frames import CloseCode
 
-from app.access.log_limit import RefusalLog
 from app.access.network_limits import TokenBucket
-from app.viewer import upload, widgets
+from app.access.rate_limited_log import RefusalLog
+from app.viewer import upload, widget_validation
 from app.viewer.browser_connection import close_websocket
 
 MOST_BYTES = 32_000  # of a message; usual ones have some hundred
@@ -35,11 +35,11 @@ Rule = Callable[[Any], bool]  # whether a decoded field of a message is valid
 
 def _numbers(count: int, reach: float = FAR) -> Rule:
     return lambda value: (type(value) is list and len(value) == count
-                          and all(widgets.is_number_between(part, -reach, reach) for part in value))
+                          and all(widget_validation.is_number_between(part, -reach, reach) for part in value))
 
 
 def _between(low: float, high: float) -> Rule:
-    return lambda value: widgets.is_number_between(value, low, high)
+    return lambda value: widget_validation.is_number_between(value, low, high)
 
 
 def _whole(low: int, high: int) -> Rule:
@@ -59,7 +59,7 @@ def _is_unit_quaternion(value: Any) -> bool:
     return _numbers(4, 1.01)(value) and abs(math.hypot(*value) - 1) < 0.01
 
 
-_SPACE, _words = _numbers(3), _text(widgets.LONGEST_TEXT)
+_SPACE, _words = _numbers(3), _text(widget_validation.LONGEST_TEXT)
 #: Every kind of message that the page needs, with all of its fields.
 FIELDS: dict[str, dict[str, Rule]] = {
     "GuiUpdateMessage": {  # a visitor may change only the value of a widget
@@ -110,7 +110,7 @@ def why_message_refused(message: bytes | str, find: Callable[[str], Any], who: s
     if kind == "GuiUpdateMessage":
         widget = find(said["uuid"])
         return "a widget that is not there" if widget is None else \
-            widgets.why_value_refused(widget, said["updates"]["value"])
+            widget_validation.why_value_refused(widget, said["updates"]["value"])
     return None
 
 

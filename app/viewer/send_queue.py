@@ -16,7 +16,7 @@ import viser
 from viser.infra import Message, _infra
 from viser.infra._async_message_buffer import AsyncMessageBuffer
 
-from app.viewer import message_encoding, viser_patches
+from app.viewer import message_batch_encoding, viser_patches
 
 PROTOCOL = f"viser-v{viser.__version__}"  # ensures that page and server have the same version
 
@@ -36,7 +36,7 @@ class SendEvent(asyncio.Event):
             super().set()
             self.clear()
 
-    def notify(self, notifier: "SendNotifier") -> None:
+    def notify(self, notifier: "EventLoopNotifier") -> None:
         """Schedules one wake-up on the loop of ``notifier`` for all calls until it is handled."""
         if not self._is_pending:
             self._is_pending = True
@@ -53,7 +53,7 @@ class SendEvent(asyncio.Event):
 class _ThreadNotifiers(threading.local):
     """Thread-local set of notifiers to wake at the end of a batch."""
 
-    notifiers: "set[SendNotifier] | None" = None
+    notifiers: "set[EventLoopNotifier] | None" = None
 
 
 _batch = _ThreadNotifiers()
@@ -71,7 +71,7 @@ def batch_messages() -> Iterator[None]:
             notifier.wake()
 
 
-class SendNotifier:
+class EventLoopNotifier:
     """The pending events of one loop, which is woken once for all of them."""
 
     def __init__(self, loop: asyncio.AbstractEventLoop):
@@ -99,7 +99,7 @@ class SendNotifier:
             self._events.popleft().set()
 
 
-_NOTIFIERS = WeakKeyDictionary[asyncio.AbstractEventLoop, SendNotifier]()
+_NOTIFIERS = WeakKeyDictionary[asyncio.AbstractEventLoop, EventLoopNotifier]()
 
 
 @dataclass
@@ -113,7 +113,7 @@ class SendBuffer(AsyncMessageBuffer):
 
     def __post_init__(self) -> None:
         loop = self.event_loop
-        self._notifier = _NOTIFIERS.get(loop) or _NOTIFIERS.setdefault(loop, SendNotifier(loop))
+        self._notifier = _NOTIFIERS.get(loop) or _NOTIFIERS.setdefault(loop, EventLoopNotifier(loop))
 
     @property
     def all_sent(self) -> bool:
@@ -225,4 +225,4 @@ def patch_viser() -> None:
     """Makes new servers of this process use :class:`SendBuffer` and other faster parts of ``app.viewer``."""
     viser_patches.speed_up_widget_creation()
     _infra.AsyncMessageBuffer = SendBuffer  # type: ignore[assignment, misc]
-    _infra._message_producer = message_encoding.send_messages
+    _infra._message_producer = message_batch_encoding.send_messages

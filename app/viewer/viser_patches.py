@@ -11,7 +11,7 @@ from viser import _gui_api, _gui_handles, _icons, _threadpool_exceptions
 from viser._assignable_props_api import AssignablePropsBase
 from viser.infra._messages import get_type_hints_cached
 
-from app.access.log_limit import log_failure
+from app.access.rate_limited_log import log_failure
 from app.language.translation import current_language, with_language
 
 MESSAGE = "something that a visitor did could not be acted on"

@@ -20,9 +20,9 @@ from websockets.exceptions import ConnectionClosed, InvalidMessage
 from websockets.http11 import Request, Response
 
 from app.access.allowed_hosts import FOREIGN_PAGE, Addresses, has_invalid_host_characters
-from app.access.class_code import TEACHER, ClassCode, CookieIdentity
-from app.access.log_limit import RefusalLog, log_failure
+from app.access.code_login import TEACHER, CodeLogin, CookieIdentity
 from app.access.network_limits import TokenBucket, TokenBuckets, network_of
+from app.access.rate_limited_log import RefusalLog, log_failure
 from app.language import translation
 from app.language.translation import ENGLISH, current_language, language_cache, lazy, tr, with_language
 from app.templates import render_template
@@ -87,7 +87,7 @@ class AccessControl:
     """Access control of one server: allowed addresses, class code (None: none is required), rate limits. All but
     :meth:`guard_servers` is called on the web server's loop."""
 
-    def __init__(self, addresses: Addresses, code: ClassCode | None):
+    def __init__(self, addresses: Addresses, code: CodeLogin | None):
         self._addresses, self._code, self._refusals = addresses, code, RefusalLog()
         self._handshakes = TokenBuckets(lambda: TokenBucket(HANDSHAKES, HANDSHAKES_A_SECOND))
         self._parts = TokenBuckets(lambda: TokenBucket(PARTS, PARTS_A_SECOND))
@@ -238,7 +238,7 @@ class AccessControl:
         handshakes = self._handshakes.get(network_of(who))
         handshakes.debit(min(MISDEED, max(0.0, handshakes.tokens)))
 
-    def _log_in(self, code: ClassCode, headers: Headers, who: str) -> Response:
+    def _log_in(self, code: CodeLogin, headers: Headers, who: str) -> Response:
         """Returns the response to a class code in a request's headers, with a cookie if the code is right."""
         guesses = headers.get_all("X-Class-Code")
         entry = code.log_in(unquote(guesses[0][:1000]) if guesses else "", who)

@@ -4,9 +4,9 @@ import re
 from pathlib import Path
 from typing import Any
 
-from app import visual_identity
+from app import logo_and_font
 
-TOKENS = Path(visual_identity.__file__).parent / "page" / "web" / "css" / "00-tokens.css"
+TOKENS = Path(logo_and_font.__file__).parent / "page" / "web" / "css" / "00-tokens.css"
 #: What the theme calls a colour, and what the page does.
 COLOURS = {"color-brand-primary": "accent", "color-brand-content": "accent", "color-brand-visited": "accent",
            "color-foreground-primary": "ink", "color-foreground-secondary": "ink2", "color-foreground-muted": "ink3",
@@ -39,4 +39,4 @@ def letters(app: Any) -> None:
     if app.builder.format == "html":
         folder = Path(app.outdir) / "_static"
         folder.mkdir(parents=True, exist_ok=True)
-        (folder / STYLE).write_text(visual_identity.font_faces_css(), encoding="utf-8")
+        (folder / STYLE).write_text(logo_and_font.font_faces_css(), encoding="utf-8")

@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from string import ascii_lowercase
 from typing import Any
 
-from app import state
+from app import shareable_state
 from app.commands.serve import Serve
 from app.lessons import catalogue
 from app.lessons.fenced_blocks import parse_toml
@@ -29,8 +29,8 @@ from app.lessons.lesson import (
     fill_numbers,
 )
 from app.lessons.lesson_parser import parse_lesson, split_head, split_sections
-from app.lessons.prediction_rounds import split_rounds
-from app.page.features.lesson import step_navigation
+from app.lessons.prediction_rounds_and_core import split_rounds
+from app.page.features.lesson import progress_and_navigation
 from app.page.features.sharing import state_link
 
 FOLDER = "lessons/"
@@ -69,7 +69,7 @@ def page(lesson: Lesson) -> str:
     """A lesson as Markdown, with the numbers that a student without a name gets."""
     numbers = draw_numbers(lesson, "")
     before = ", ".join(f"[{catalogue.load_lesson(name).title}]({name}.md)" for name in lesson.prerequisites)
-    parts = [f"# {lesson.title}", step_navigation.duration_text(lesson),
+    parts = [f"# {lesson.title}", progress_and_navigation.duration_text(lesson),
              "\n".join(f"* {goal}" for goal in lesson.goals), f"Do before: {before}." if before else "",
              f"In the lab: `mpm-lab serve --lesson {lesson.name}`, or the tab *Lessons*. Links *On the stage* lead to "
              "a lab that runs on this machine.", lesson.intro]
@@ -100,7 +100,7 @@ def _text(lesson: Lesson, step: Step, numbers: Numbers) -> str:
     if not step.stage:
         return step.text
     scene = fill_numbers(step.stage, numbers)
-    linked = f"Press **[On the stage]({LAB}#{state_link(state.parse_state(scene), lesson.name)})**"
+    linked = f"Press **[On the stage]({LAB}#{state_link(shareable_state.parse_state(scene), lesson.name)})**"
     text = step.text.replace(BUTTON, linked) if BUTTON in step.text else f"{step.text}\n\n- {linked}."
     return f"{text}\n\n<small class='scene'>On the stage:</small> `{scene}`"
 

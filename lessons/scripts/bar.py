@@ -6,8 +6,8 @@
 Change a number and run it again, from the root of the repository:    uv run python lessons/scripts/bar.py
 """
 
-from app.commands.run.text import run_table
-from app.pictures.run import save_png
+from app.commands.run.text_summary import run_table
+from app.pictures.run_errors import save_png
 from solvers import BarScene, run
 
 method = "ugimp"  # shape functions: mpm (hat functions), ugimp, cpgimp or bspline

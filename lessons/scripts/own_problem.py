@@ -15,7 +15,7 @@ from dataclasses import dataclass
 from solvers import run
 from solvers.motion.jets import cos, sin
 from solvers.problems import register
-from solvers.problems.planar.box import BoxScene
+from solvers.problems.planar.box_scene import BoxScene
 from solvers.problems.planar.problem import PlanarProblem, ViewSettings
 from solvers.scene.field_options import option
 

@@ -10,7 +10,7 @@ from typing import Any
 
 from solvers.bench import solver_benchmarks
 from solvers.bench.cpp_reference import measure_ratios
-from solvers.bench.gpu import measure_gpu
+from solvers.bench.gpu_speedup import measure_gpu
 from solvers.bench.start_up import start_times
 from solvers.kernels import runtime
 from solvers.problems import PROBLEMS

@@ -6,8 +6,8 @@ import numpy as np
 
 from solvers.engine.shared_frames import FrameOptions
 from solvers.scene.scene import Scene
+from solvers.solver.particle_step_breakdown import ParticleStepBreakdown
 from solvers.solver.soundness import OK
-from solvers.solver.step_breakdown import StepBreakdown
 
 FRAME_SECONDS = 1 / 30
 
@@ -93,7 +93,7 @@ class FrameReport:
     holds: FrameOptions = field(default_factory=FrameOptions)
     status: str = OK
     since: float | None = None
-    breakdown: StepBreakdown | None = None
+    breakdown: ParticleStepBreakdown | None = None
     not_checked: str | None = None
     goals: dict[str, dict] = field(default_factory=dict)
 
@@ -128,14 +128,14 @@ class CompilePending:
 
 
 @dataclass(frozen=True)
-class ForkStarted:
+class CompilingForkStarted:
     """Message that the engine has a child, of this process id, that compiles; the page reaps it if the engine dies."""
 
     process_id: int
 
 
 @dataclass(frozen=True)
-class EngineReplaced:
+class EngineReplacedByFork:
     """Message from a child, of this process id, that it has replaced the engine and has all of its sessions."""
 
     process_id: int

@@ -39,7 +39,7 @@ class SessionListener(Protocol):
     def on_engine_lost(self) -> None: ...
 
 
-class Link(Protocol):
+class SessionLinkProtocol(Protocol):
     """Interface of a session's connection for its engine; see :class:`~solvers.engine.engine_pool.SessionLink`."""
 
     listener: SessionListener
@@ -61,14 +61,14 @@ def run_engine_process(pipe: Connection, warm_up: Scene, usual: Sequence[Scene])
 class EngineProcess:
     """Handle of an engine process: starts it, with the scene ``warm_up`` to compile first, restarts it when it dies,
     and passes messages to and from ``links``, by session number. A child may replace the process
-    (:class:`~solvers.engine.engine_messages.EngineReplaced`) on the same pipe. Frames that arrive at once are passed on
-    within a context that ``together()`` returns."""
+    (:class:`~solvers.engine.engine_messages.EngineReplacedByFork`) on the same pipe. Frames that arrive at once are
+    passed on within a context that ``together()`` returns."""
 
     def __init__(self, warm_up: Scene):
         self.together: Callable[[], AbstractContextManager] = nullcontext
         self.ready = threading.Event()
         self.given_up = False  # whether it kept dying before it was ready, and is no longer restarted
-        self.links: dict[int, Link] = {}
+        self.links: dict[int, SessionLinkProtocol] = {}
         self._failures = 0
         self._leaving: list[int] = []  # processes that were engines, or will end soon
         self._successor = 0  # the process that the engine has forked last, if any
@@ -211,9 +211,15 @@ class EngineProcess:
         self._leaving = [process_id for process_id in self._leaving if is_running(process_id)]
         return self._leaving
 
-    def _dispatch(self,
-                  message: engine_messages.FrameBatch | engine_messages.CompilePending | engine_messages.ForkStarted
-                  | engine_messages.EngineReplaced | engine_messages.EngineError | engine_messages.EngineReady) -> None:
+    def _dispatch(
+        self,
+        message: engine_messages.FrameBatch
+        | engine_messages.CompilePending
+        | engine_messages.CompilingForkStarted
+        | engine_messages.EngineReplacedByFork
+        | engine_messages.EngineError
+        | engine_messages.EngineReady,
+    ) -> None:
         if self._leaving:
             self._reap_stopped_processes()
         if isinstance(message, engine_messages.FrameBatch):
@@ -224,10 +230,10 @@ class EngineProcess:
         elif isinstance(message, engine_messages.EngineReady):
             self._failures = 0
             self.ready.set()
-        elif isinstance(message, engine_messages.EngineReplaced):
+        elif isinstance(message, engine_messages.EngineReplacedByFork):
             self._leaving.append(self.process_id)
             self.process_id, self._successor = message.process_id, 0
-        elif isinstance(message, engine_messages.ForkStarted):
+        elif isinstance(message, engine_messages.CompilingForkStarted):
             self._successor = message.process_id
         elif link := self.links.get(message.session):
             if isinstance(message, engine_messages.CompilePending):

@@ -188,7 +188,7 @@ class EngineServer:
                 self._take_over_sessions(*answer)
                 return True
             self._successor = answer
-            self._pipe.send(engine_messages.ForkStarted(answer.process_id))
+            self._pipe.send(engine_messages.CompilingForkStarted(answer.process_id))
         return False
 
     def _try_hand_over(self, replacement: CompilingFork) -> bool:
@@ -238,7 +238,7 @@ class EngineServer:
         ``wishes`` by session, the keys of scenes that are ``compiled``, and the ``usual`` scenes."""
         self._wishes, self._waiting, self._successor = wishes, {}, None
         self._compiled, self._usual = compiled, usual
-        self._pipe.send(engine_messages.EngineReplaced(os.getpid()))
+        self._pipe.send(engine_messages.EngineReplacedByFork(os.getpid()))
         for wish, state in states.values():
             self._run_guarded(wish, partial(self._resume_session, state))
         self._prepared.clear()

@@ -10,12 +10,12 @@ import numpy as np
 
 from solvers.engine import shared_frames
 from solvers.engine.engine_messages import FrameReport, SessionRequest
-from solvers.engine.soundness_watch import SoundnessWatch
-from solvers.running.quantities_of_interest import ENERGY, STRESS, Goal, evaluate_goal, mask_refused
+from solvers.engine.soundness_monitor import SoundnessMonitor
+from solvers.running.quantities_of_interest import ENERGY, STRESS, QuantityOfInterest, evaluate_goal, mask_refused
 from solvers.running.run import build
 from solvers.scene.scene import MOST_STEPS
 from solvers.solver.base import Solver
-from solvers.solver.step_breakdown import StepBreakdown
+from solvers.solver.particle_step_breakdown import ParticleStepBreakdown
 
 SLICE_SECONDS = 0.008  # one turn of one session: short, because a launch cannot be interrupted
 ROUND_SECONDS = 0.05  # in which every session of a full engine should have had its turn and frame: shorter ones then
@@ -57,14 +57,14 @@ class SessionStepper:
         """Builds and compiles a new solver of the request's scene, at t = 0."""
         self.solver = build(self.wish.scene)
         self.solver.compile()
-        self._watch = SoundnessWatch(self.solver.scene)
+        self._watch = SoundnessMonitor(self.solver.scene)
         self._rows = [self.solver.measure()]  # samples since the last frame
         self._measured = 0  # the last step measured although no sample was due
         self._fresh, self._due = True, 0.0  # no frame since the build; when the next one goes out, by perf_counter
         self._goals: dict[str, dict] = {}
         self._goals_due = 0.0  # when these numbers are worked out anew, by perf_counter
         self._real_speed: float | None = None
-        self._breakdown: StepBreakdown | None = None  # of the last step
+        self._breakdown: ParticleStepBreakdown | None = None  # of the last step
         self._before_step: tuple[int, dict[str, np.ndarray]] | None = None  # where that step began
         self._kernel_seconds, self._kernel_steps = 0.0, 0
         self._seconds_a_step = self.wish.scene.particles / EXPECTED_RATE
@@ -195,7 +195,7 @@ class SessionStepper:
         if now >= self._goals_due or not self.running:
             solver, self._goals_due = self.solver, now + GOAL_SECONDS
             fields = solver.fields()
-            self._goals = {name: evaluate_goal(Goal(name), fields, solver.scene, solver.step)
+            self._goals = {name: evaluate_goal(QuantityOfInterest(name), fields, solver.scene, solver.step)
                            for name in (ENERGY, STRESS)}
         return self._goals
 

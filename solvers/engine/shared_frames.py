@@ -27,7 +27,7 @@ class FrameOptions:
 
     ``differences`` is whether it has the sizes of estimate minus truth, ``plotted`` the key (x, v, sigma or a) of the
     quantity whose field it has, None for none; ``broken_down`` is the number of the particle around which single steps
-    are taken apart (:class:`~solvers.solver.step_breakdown.StepBreakdown`), None for none."""
+    are taken apart (:class:`~solvers.solver.particle_step_breakdown.ParticleStepBreakdown`), None for none."""
 
     differences: bool = False
     plotted: str | None = None

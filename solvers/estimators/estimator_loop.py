@@ -2,7 +2,7 @@
 
 import taichi as ti
 
-from solvers.estimators.estimator_memory import packing
+from solvers.estimators.estimator_arrays import packing
 from solvers.kernels.packing import PackedAttributesView
 from solvers.kernels.scalar_hoisting import mark_untranslated_by_taichi
 from solvers.scene.estimator_hooks import NEVER

@@ -46,7 +46,7 @@ class Rows:
 
 
 @dataclass(frozen=True)
-class Line:
+class LatticeLine:
     """Line of ``points`` particles, ``length`` m long, under ``elements`` elements of the error grid; ``ends``, what
     lies beyond, is "periodic", "free", "mirror" or "walls". Maps have a sign for each of the vector components that
     differ beyond symmetry planes: two with "mirror" and "walls", else one."""

@@ -50,7 +50,7 @@ LATTICES = ("fine", "coarse", "common")  # of the run, of the second run, and th
 STENCILS = {"first": integers, "row": integers, "taps": ti.i32, "weights": pairs}
 
 
-class ComponentStencils(NamedTuple):
+class ComponentWeightChoice(NamedTuple):
     """Choice of stencils for fields with several components per particle: for each component, which of the two weights
     (0 or 1) of a stencil's points it takes along the lattice's lines, and across them if there are several lines."""
 
@@ -72,7 +72,7 @@ def memory_types(vectors: object) -> dict:
     }
 
 
-def allocate(scene: Scene, fields: ComponentStencils, fine: tuple[int, int], coarse: tuple[int, int],
+def allocate(scene: Scene, fields: ComponentWeightChoice, fine: tuple[int, int], coarse: tuple[int, int],
              common: tuple[int, int], ends: tuple[str, str]) -> dict:
     """Returns the initial values of :func:`memory_types` by name. The lattices ``fine`` (of the run), ``coarse`` (of
     the second run) and ``common`` are (points on a line, lines); ``ends`` is what continues a line beyond its ends, and

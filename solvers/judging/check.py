@@ -8,7 +8,7 @@ import numpy as np
 
 from solvers.judging.findings.all_findings import INSIDE_OUT, MOTION_FINDINGS
 from solvers.judging.findings.finding import BROKEN, SUSPICIOUS, UNKNOWN, Finding
-from solvers.judging.findings.recorded_motion import RecordedMotion, read_motion
+from solvers.judging.findings.recorded_motion_reader import RecordedMotion, read_motion
 from solvers.judging.particle_readers import Particles, read_all
 from solvers.untrusted.quoting import FileError
 
@@ -24,7 +24,7 @@ NOT_CHECKABLE = (
 
 
 @dataclass(frozen=True)
-class MotionCheck:
+class MotionCheckResult:
     """A ``motion`` read from ``files`` with its findings, in the order of the report."""
 
     files: tuple[str, ...]
@@ -54,7 +54,7 @@ class MotionCheck:
 
 
 def check(files: Particles | Sequence[Particles], *, times: Sequence[float] = (),
-          on_progress: Progress = lambda part, what: None) -> MotionCheck:
+          on_progress: Progress = lambda part, what: None) -> MotionCheckResult:
     """Looks for contradictions within the motion of particles, of any code and problem, without a solution.
 
     Parameters
@@ -93,4 +93,4 @@ def check(files: Particles | Sequence[Particles], *, times: Sequence[float] = ()
         if part is not motion:
             motion.notes.append(f"{len(part.number):,} of the {len(motion.number):,} particles, in boxes spread over "
                                 "the body, were held against their neighbours")
-    return MotionCheck(tuple(dict.fromkeys(raw.file for raw in raws)), motion, findings)
+    return MotionCheckResult(tuple(dict.fromkeys(raw.file for raw in raws)), motion, findings)

@@ -12,11 +12,11 @@ from typing import Any, cast
 
 import numpy as np
 
-from solvers.judging.frames import RawTable
+from solvers.judging.particle_data_types import RawTable
 from solvers.judging.scene_metadata import parse_scene_line
 from solvers.translatable_message import Message, join_messages
 from solvers.untrusted.quoting import FileError, quote
-from solvers.untrusted.size_limits import LIMITS, Limits, check_name
+from solvers.untrusted.size_limits import LIMITS, SizeLimits, check_name
 
 #: What else each quantity may be called. X and x, which differ only in size, are the only names whose size counts.
 NAMES = {"t": ("t", "time", "timevalue"), "id": ("id", "ids", "particle_id", "particle", "pid", "global_id"),
@@ -72,7 +72,7 @@ def output_column_names(key: str, dimensions: int) -> list[str]:
 
 
 def build_table(path: str, named: dict[str, np.ndarray], time: float | None, cells: int | None,
-                limits: Limits = LIMITS) -> RawTable:
+                limits: SizeLimits = LIMITS) -> RawTable:
     """Returns the table of named arrays (n, ...): components are assembled, unknown names left out."""
     known_ones = [array for name, array in named.items() if parse_name(name)]
     limits.check_rows(path, max((len(array) for array in known_ones if array.ndim), default=0))
@@ -165,7 +165,7 @@ def is_known_name(name: str) -> bool:
     return bool(parse_name(name)) or name in ("cells", "scene")
 
 
-def table_from_arrays(path: str, arrays: Mapping[str, np.ndarray], limits: Limits = LIMITS) -> RawTable:
+def table_from_arrays(path: str, arrays: Mapping[str, np.ndarray], limits: SizeLimits = LIMITS) -> RawTable:
     """Returns the table of named arrays of one time or several, as in a .npz; ``path`` is its name in messages."""
     limits.check_columns(path, len(arrays))
     for name, array in arrays.items():
@@ -194,7 +194,8 @@ def add_scene(raw: RawTable, line: object) -> RawTable:
         replace(raw, metadata=found, cells=found.inputs.get("cells", raw.cells), step=found.step)
 
 
-def _flatten_times(path: str, many: dict[str, np.ndarray], times: np.ndarray, limits: Limits) -> dict[str, np.ndarray]:
+def _flatten_times(path: str, many: dict[str, np.ndarray], times: np.ndarray,
+                   limits: SizeLimits) -> dict[str, np.ndarray]:
     """Returns arrays (T, P, ...) by name as rows (T P, ...), time by time; constant ones (P, ...) are repeated."""
     T = len(times)
     place = next(array for name, array in many.items() if _quantity_of_column(name) == "x")

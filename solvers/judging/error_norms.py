@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from solvers.estimators.standalone_companion import ElasticBody
-from solvers.judging.frames import Frame
+from solvers.judging.particle_data_types import Frame
 from solvers.judging.problem_handout import fields_at_points, solve_companion
 from solvers.problems import PROBLEMS
 from solvers.scene.scene import Scene

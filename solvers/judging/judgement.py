@@ -16,13 +16,13 @@ from solvers.judging.findings.all_findings import find_in_run
 from solvers.judging.findings.finding import Finding
 from solvers.judging.findings.findings_input import FindingsInput
 from solvers.judging.findings.outliers import FrameOutliers
-from solvers.judging.frames import GridRun
-from solvers.judging.particle_matching import SAME, check_origin, match_files
+from solvers.judging.particle_data_types import SingleGridRun
 from solvers.judging.particle_readers import Particles, as_list, read_all
+from solvers.judging.particle_scene_matching import SAME, check_origin, match_files
 from solvers.scene.scene import Scene
 from solvers.scene.validation import SceneError
 from solvers.solver.error_series import finite_or_none
-from solvers.study.convergence import fit_slope
+from solvers.study.convergence_analysis import fit_slope
 from solvers.translatable_message import Message
 
 if TYPE_CHECKING:
@@ -33,12 +33,12 @@ Progress = Callable[[float, str], None]
 
 
 @dataclass(frozen=True)
-class GridJudgement:
+class SingleGridJudgement:
     """Judgement of one grid's particles, computed on first use. Errors are by quantity, in the order of the frames;
     ``ours`` are runs of our own methods on the grid."""
 
     scene: Scene
-    grid: GridRun
+    grid: SingleGridRun
     companions: TwoMeshCompanion
     ours: list[ReferenceRun] = field(default_factory=list)
 
@@ -131,7 +131,7 @@ class Judgement:
     """Judgement of all files, coarse grids first."""
 
     scene: Scene
-    grids: list[GridJudgement]
+    grids: list[SingleGridJudgement]
 
     def common_times(self) -> list[float]:
         """Returns the times that all grids have, in s."""
@@ -139,7 +139,7 @@ class Judgement:
         near = SAME * self.scene.period
         return [float(t) for t in first if all(np.abs(other - t).min() <= near for other in others)]
 
-    def largest_common_norm(self, judged: GridJudgement, quantity: str) -> float:
+    def largest_common_norm(self, judged: SingleGridJudgement, quantity: str) -> float:
         """Returns the largest RMS error of a quantity on one grid, over the times in s after 0 that all grids have; NaN
         without any."""
         common, near = np.array([t for t in self.common_times() if t > 0]), SAME * self.scene.period
@@ -193,10 +193,8 @@ def judge(scene: Scene, files: Particles | Sequence[Particles], *, cells: Sequen
     Raises
     ------
     FileError
-        For files, or arrays, that cannot be judged; :class:`~solvers.judging.frames.ParticleMismatch` for those of
-        another problem.
-    SceneError
-        Where ``cells`` or ``times`` do not fit the files, or a companion is lost.
+        For files, or arrays, that cannot be judged; :class:`~solvers.judging.particle_data_types.ProblemMismatch` for
+        those of another problem. SceneError Where ``cells`` or ``times`` do not fit the files, or a companion is lost.
     """
     sources = as_list(files)
     for name, given, counts in (("cells", cells, {1, len(sources)}), ("time", times, {len(sources)})):
@@ -205,9 +203,9 @@ def judge(scene: Scene, files: Particles | Sequence[Particles], *, cells: Sequen
                              "each", len(given), len(sources))
     scene, found = match_files(read_all(sources), scene, cells or [scene.cells], times)
     companions = TwoMeshCompanion(scene, tuple(sorted({frame.time for grid in found for frame in grid.frames})))
-    judged: list[GridJudgement] = []
+    judged: list[SingleGridJudgement] = []
     for k, grid in enumerate(found):
-        one = GridJudgement(replace(scene, cells=grid.cells), grid, companions)
+        one = SingleGridJudgement(replace(scene, cells=grid.cells), grid, companions)
         on_progress(k / len(found), f"{grid.cells} cells: companion")
         one.check_coordinate_origin()
         assert one.companion_errors  # worked out here, where it may fail and is waited for
@@ -217,7 +215,7 @@ def judge(scene: Scene, files: Particles | Sequence[Particles], *, cells: Sequen
     return Judgement(scene, judged)
 
 
-def _run_methods(one: GridJudgement, on_progress: Progress) -> Iterator[ReferenceRun]:
+def _run_methods(one: SingleGridJudgement, on_progress: Progress) -> Iterator[ReferenceRun]:
     """Yields runs of our own methods on the grid of a judgement, at the same times."""
     from solvers.judging.reference_runs import reference_scenes, run_reference  # here, so that only this needs Taichi
 

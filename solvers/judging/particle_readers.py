@@ -10,7 +10,7 @@ from typing import Any, TextIO
 import numpy as np
 
 from solvers.judging.column_names import add_scene, build_table, check_cell_count, is_known_name, table_from_arrays
-from solvers.judging.frames import RawTable
+from solvers.judging.particle_data_types import RawTable
 from solvers.judging.vtk_common import NotVTK, PointData
 from solvers.judging.vtk_legacy import LegacyReader
 from solvers.judging.vtk_xml import XmlReader
@@ -19,7 +19,7 @@ from solvers.translatable_message import Message
 from solvers.untrusted import number_parsing
 from solvers.untrusted.npz_reader import read_arrays
 from solvers.untrusted.quoting import FileError, quote
-from solvers.untrusted.size_limits import LIMITS, LONGEST_LINE, Limits, check_name
+from solvers.untrusted.size_limits import LIMITS, LONGEST_LINE, SizeLimits, check_name
 
 KINDS = (".csv", ".npz", ".vtk", ".vtu", ".vtp")
 COMMENT = re.compile(r"#\s*([A-Za-z]\w*)\s*[=:]\s*(\S+)\s*$")
@@ -58,7 +58,7 @@ def read_all(files: Particles | Sequence[Particles]) -> list[RawTable]:
     return found
 
 
-def read_file(path: str, limits: Limits = LIMITS) -> RawTable:
+def read_file(path: str, limits: SizeLimits = LIMITS) -> RawTable:
     """Returns the table of a file of particles: .csv, .npz, .vtk, .vtu or .vtp, with names of columns as in
     ``solvers.judging.column_names``. Raises :class:`FileError` where it contains no particles that can be judged, or
     more than the ``limits`` allow."""
@@ -84,7 +84,7 @@ def read_file(path: str, limits: Limits = LIMITS) -> RawTable:
         raise
 
 
-def read_csv(path: str, limits: Limits = LIMITS) -> RawTable:
+def read_csv(path: str, limits: SizeLimits = LIMITS) -> RawTable:
     """Returns the table of a CSV file: names in the first line, one particle per line, separated by commas, semicolons,
     tabs or spaces; lines such as ``# t = 0.1`` or ``# cells = 40`` apply to all particles, ``# scene = ...`` has the
     scene (``solvers.judging.scene_metadata``)."""
@@ -116,7 +116,7 @@ def read_csv(path: str, limits: Limits = LIMITS) -> RawTable:
     return add_scene(build_table(path, columns, time, check_cell_count(path, cells), limits), comments.get("scene"))
 
 
-def _particle_lines(path: str, text: TextIO, comments: dict[str, str], limits: Limits) -> Iterator[str]:
+def _particle_lines(path: str, text: TextIO, comments: dict[str, str], limits: SizeLimits) -> Iterator[str]:
     """Yields the lines of names or numbers; adds values in comments to ``comments``, the last of each name."""
     remarks = 0
     while line := text.readline(LONGEST_LINE):
@@ -136,7 +136,7 @@ def _count_columns(line: str, mark: str | None) -> int:
     return bare.count(mark) + 1 if mark else len(bare.split())
 
 
-def _parse_header(path: str, head: str, mark: str | None, limits: Limits) -> list[str]:
+def _parse_header(path: str, head: str, mark: str | None, limits: SizeLimits) -> list[str]:
     limits.check_columns(path, _count_columns(head, mark))
     names = [name.strip().strip('"') for name in head.split(mark)]
     if all(map(number_parsing.is_number, names)):
@@ -149,7 +149,7 @@ def _parse_header(path: str, head: str, mark: str | None, limits: Limits) -> lis
     return names
 
 
-def _limit_rows(path: str, rows: Iterator[str], width: int, limits: Limits) -> Iterator[str]:
+def _limit_rows(path: str, rows: Iterator[str], width: int, limits: SizeLimits) -> Iterator[str]:
     """Yields the rows, of ``width`` numbers each, and raises FileError where there are too many."""
     most = min(limits.rows, limits.numbers // width)
     for count, row in enumerate(rows, 1):
@@ -167,7 +167,7 @@ def _comment_number(path: str, comments: dict[str, str], *names: str) -> float |
     return None if text is None else number_parsing.parse_float(text)
 
 
-def read_vtk(path: str, limits: Limits = LIMITS) -> RawTable:
+def read_vtk(path: str, limits: SizeLimits = LIMITS) -> RawTable:
     """Returns the table of a VTK file: points are positions, point data the rest; the time may be in the field data
     (``TimeValue``)."""
     kind = Path(path).suffix.lower()

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from solvers.judging.column_names import output_column_names
-from solvers.judging.frames import Frame
+from solvers.judging.particle_data_types import Frame
 from solvers.running.result_file import particle_arrays
 from solvers.scene.scene import Scene
 

@@ -6,16 +6,16 @@ import numpy as np
 
 from solvers.estimators.standalone_companion import ElasticBody, MotionDivergedError, solve
 from solvers.judging.column_names import LETTERS
-from solvers.judging.frames import Frame
+from solvers.judging.particle_data_types import Frame
 from solvers.problems import PROBLEMS
-from solvers.problems.reference import METHOD_FIELDS, Start
+from solvers.problems.judging_reference import METHOD_FIELDS, InitialParticles
 from solvers.scene.scene import Scene
 from solvers.scene.validation import SceneError, field_key
 
 SCHEMA = "mpm-lab/problem/1"
 
 
-def start(scene: Scene) -> Start:
+def start(scene: Scene) -> InitialParticles:
     """Returns the problem's particles at t = 0: material positions in m and volumes."""
     return PROBLEMS[scene.problem].reference.start(scene)
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from solvers.judging.error_norms import Errors, TwoMeshCompanion, norm_series, summarise_norms, true_errors
-from solvers.judging.frames import Frame
+from solvers.judging.particle_data_types import Frame
 from solvers.running.run import build
 from solvers.scene.scene import Scene
 from solvers.solver.particle_snapshot import Snapshot

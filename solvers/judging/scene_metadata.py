@@ -1,15 +1,15 @@
 """Scene in the metadata of a file of particles: one line of JSON, in our own files and in any other.
 
 It is untrusted: anything but a valid scene is rejected, and so is a scene that the particles do not fit
-(``solvers.judging.particle_matching``).
+(``solvers.judging.particle_scene_matching``).
 """
 
 from dataclasses import fields, replace
 from typing import Any
 
-from solvers.judging.frames import ParticleMismatch, RawTable, SceneMetadata
+from solvers.judging.particle_data_types import ProblemMismatch, RawTable, SceneMetadata
 from solvers.problems import PROBLEMS
-from solvers.problems.reference import METHOD_FIELDS
+from solvers.problems.judging_reference import METHOD_FIELDS
 from solvers.running.scene_json_line import FAMILY, HINT, parse_scene_json_line, scene_from_inputs
 from solvers.scene.scene import Scene
 from solvers.scene.validation import SceneError, field_flag, field_label, key_field
@@ -47,7 +47,7 @@ def resolve_scene(files: list[RawTable], asked: Scene) -> tuple[Scene, list[str]
     """Returns the scene to judge files with, and notes (sentences) about it: metadata of the files replace inputs that
     have their defaults in ``asked``, except the number of cells, which may differ between files.
 
-    Raises :class:`ParticleMismatch` for files of another problem, :class:`FileError` where a file contradicts an input
+    Raises :class:`ProblemMismatch` for files of another problem, :class:`FileError` where a file contradicts an input
     that was given, or another file.
     """
     notes: list[str] = []
@@ -57,8 +57,8 @@ def resolve_scene(files: list[RawTable], asked: Scene) -> tuple[Scene, list[str]
         if raw.metadata is None:
             continue
         if raw.metadata.problem != asked.problem:
-            raise ParticleMismatch(raw.file, Message("is a file of the {problem}", Message(raw.metadata.problem)), HINT,
-                                   (raw.metadata.problem,))
+            raise ProblemMismatch(raw.file, Message("is a file of the {problem}", Message(raw.metadata.problem)), HINT,
+                                  (raw.metadata.problem,))
         own, taken = scene_of_metadata(raw.file, raw.metadata), dict[str, Any]()
         names = [f.name for f in fields(own) if f.name not in NOT_OF_THE_PROBLEM]
         for name in names:

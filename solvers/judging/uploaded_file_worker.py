@@ -23,10 +23,10 @@ import numpy as np
 
 from solvers.judging import error_norms
 from solvers.judging.error_norms import Errors, TwoMeshCompanion, as_json, frame_stress, norm_series
-from solvers.judging.frames import Frame, GridRun, ParticleMismatch
-from solvers.judging.judgement import GridJudgement
-from solvers.judging.particle_matching import match_files, metadata_scene_or_default
+from solvers.judging.judgement import SingleGridJudgement
+from solvers.judging.particle_data_types import Frame, ProblemMismatch, SingleGridRun
 from solvers.judging.particle_readers import read_file
+from solvers.judging.particle_scene_matching import match_files, metadata_scene_or_default
 from solvers.problems import PROBLEMS
 from solvers.scene.scene import Scene
 from solvers.scene.validation import SceneError
@@ -34,17 +34,17 @@ from solvers.solver.samples import QUANTITIES
 from solvers.study.parameter_grid import Task, task_of
 from solvers.translatable_message import Message
 from solvers.untrusted.quoting import FileError
-from solvers.untrusted.size_limits import Limits
+from solvers.untrusted.size_limits import SizeLimits
 
 #: Of a file, so that a page can show it.
-LIMITS = Limits(bytes=400_000_000, columns=1000, rows=2_000_000, numbers=25_000_000, times=2000,
-                otherwise=Message(", or judge it with `mpm-lab judge`"))
+LIMITS = SizeLimits(bytes=400_000_000, columns=1000, rows=2_000_000, numbers=25_000_000, times=2000,
+                    otherwise=Message(", or judge it with `mpm-lab judge`"))
 MEMORY = 3_000_000_000  # bytes that the process may ask for
 TOO_LARGE = Message("needs more memory than a page gives it; give fewer times, or judge it with `mpm-lab judge`")
 
 
 @dataclass(frozen=True)
-class ShowRequest:
+class JudgeFileRequest:
     """Request to display a ``file`` (path) that its owner calls ``name``: the task of the scene that it is judged with,
     the path of the ``table`` to write, and the largest number of particles at a time. If its owner has ``chosen`` the
     scene, that overrides the one in the file."""
@@ -82,15 +82,15 @@ def table_columns(dimensions: int) -> dict[str, slice]:
 
 
 def judge_in_worker(question: dict, tell: Callable[[dict], None]) -> None:
-    """Answers a :class:`ShowRequest` (a dict): writes its table, and passes summary and verdict, or an error, to
+    """Answers a :class:`JudgeFileRequest` (a dict): writes its table, and passes summary and verdict, or an error, to
     ``tell``."""
-    asked = ShowRequest(**question)
+    asked = JudgeFileRequest(**question)
     if sys.platform == "linux":  # a file may unpack to a huge size: protect the machine's memory
         import resource
         resource.setrlimit(resource.RLIMIT_AS, (MEMORY, MEMORY))
     try:
         _judge_file(asked, tell)
-    except ParticleMismatch as misfit:
+    except ProblemMismatch as misfit:
         if misfit.problems:
             tell({"asks": {"reason": misfit.reason, "problems": list(misfit.problems)}})
         else:
@@ -103,7 +103,7 @@ def judge_in_worker(question: dict, tell: Callable[[dict], None]) -> None:
         tell({"refused": Message("The file {name} {too_large}", asked.name, TOO_LARGE)})
 
 
-def _judge_file(asked: ShowRequest, tell: Callable[[dict], None]) -> None:
+def _judge_file(asked: JudgeFileRequest, tell: Callable[[dict], None]) -> None:
     raw = replace(read_file(asked.file, LIMITS), file=asked.name)
     raw = replace(raw, metadata=None) if asked.chosen else raw
     scene, [grid] = match_files([raw], metadata_scene_or_default(raw, Task(**asked.task).scene()), [], [])
@@ -113,10 +113,10 @@ def _judge_file(asked: ShowRequest, tell: Callable[[dict], None]) -> None:
     if most > asked.most:
         raise FileError(asked.name, "belongs to {count:,} particles, too many to watch; give at most {most:,} at a "
                         "time, or judge it with `mpm-lab judge`", most, asked.most)
-    judged = GridJudgement(own, grid, TwoMeshCompanion(own, tuple(grid.times.tolist())))
+    judged = SingleGridJudgement(own, grid, TwoMeshCompanion(own, tuple(grid.times.tolist())))
     judged.check_coordinate_origin()  # without a known truth only the companion can check the origin
     true = judged.true_errors
-    table = _ParticleTableFile(own, grid, asked.table)
+    table = _ParticleTableWriter(own, grid, asked.table)
     table.write_frames()
     table.write_errors("error", true)
     counts = [len(frame.number) for frame in grid.frames]
@@ -135,10 +135,10 @@ def _judge_file(asked: ShowRequest, tell: Callable[[dict], None]) -> None:
     tell({"verdict": judged.to_dict()})
 
 
-class _ParticleTableFile:
+class _ParticleTableWriter:
     """Table of the rows of all frames, one frame after the other, in single precision, in the file ``path``."""
 
-    def __init__(self, scene: Scene, grid: GridRun, path: str):
+    def __init__(self, scene: Scene, grid: SingleGridRun, path: str):
         self._scene, self._grid, self._columns = scene, grid, table_columns(scene.DIMENSIONS)
         ends = np.cumsum([0, *(len(frame.number) for frame in grid.frames)]).tolist()
         self._rows = [slice(start, end) for start, end in itertools.pairwise(ends)]

@@ -7,7 +7,7 @@ import numpy as np
 
 from solvers.judging.column_names import is_known_name
 from solvers.untrusted.quoting import FileError, quote
-from solvers.untrusted.size_limits import Limits, check_name
+from solvers.untrusted.size_limits import SizeLimits, check_name
 
 POINTS = "points"
 MOST_FIELD = 1000  # numbers of an array that is not of points
@@ -21,7 +21,7 @@ class PointData:
     """Data read from a VTK file called ``path``: positions and arrays of points, piece by piece, and ``fields``, the
     arrays that do not belong to points. Readers announce each array before they read it."""
 
-    def __init__(self, path: str, limits: Limits):
+    def __init__(self, path: str, limits: SizeLimits):
         self.path, self.fields = path, dict[str, np.ndarray]()
         self._limits, self._pieces = limits, defaultdict[str, list[np.ndarray]](list)
         self._rows, self._numbers, self._names, self._other = 0, 0, 0, set[str]()

@@ -9,9 +9,9 @@ from typing import Any, NoReturn
 
 import taichi as ti
 
-from solvers.kernels import front_end
+from solvers.kernels import taichi_front_end_patches
 
-front_end.speed_up_front_end()
+taichi_front_end_patches.speed_up_front_end()
 
 PROCESSORS = ("x64", "arm64")  # as Taichi calls them
 
@@ -40,8 +40,9 @@ def start(arch: str = "cpu", threads: int = 1) -> str:
     returns the architecture that really runs ("x64", "cuda", ...). A call with other settings restarts Taichi, one with
     the same does nothing. All calls must come from one thread.
 
-    Without a GPU Taichi falls back to the CPU with only a warning: ``solvers.solver.devices`` finds out beforehand, in
-    a process of its own. ``fast_math`` stays off: it gains nothing in the bar and hides NaN from the stability check.
+    Without a GPU Taichi falls back to the CPU with only a warning: ``solvers.solver.gpu_detection`` finds out
+    beforehand, in a process of its own. ``fast_math`` stays off: it gains nothing in the bar and hides NaN from the
+    stability check.
 
     On the CPU vectors stay whole: by default Taichi takes them apart into numbers, and LLVM puts back together only
     what it recognises, in registers of the oldest processor where it does not know the present one. Whole vectors make

@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from solvers.motion.jets import Jet, variables
-from solvers.motion.laws.material import Material
+from solvers.motion.laws.elastic_material import ElasticMaterial
 
 X_AXIS, Y_AXIS, TIME = range(3)
 SECOND_FREQUENCY = 1.7  # of a body force's second tone, over that of the first
@@ -18,7 +18,7 @@ SECOND_FREQUENCY = 1.7  # of a body force's second tone, over that of the first
 Displacement = Callable[[Any, Any, Any, Any], tuple[Any, Any]]
 
 
-class MotionJets(NamedTuple):
+class DisplacementJets(NamedTuple):
     """Displacement of P material points in m: its components as jets of second order in X, Y and t."""
 
     x: Jet
@@ -45,7 +45,7 @@ class MotionJets(NamedTuple):
         return (1.0 + self.x.derivative(X_AXIS), self.x.derivative(Y_AXIS),
                 self.y.derivative(X_AXIS), 1.0 + self.y.derivative(Y_AXIS))
 
-    def body_force(self, material: Material, density: float) -> tuple[Any, Any]:
+    def body_force(self, material: ElasticMaterial, density: float) -> tuple[Any, Any]:
         """Returns the force per mass a - Div P/rho in m/s^2 as b_x, b_y; ``density`` is rho in kg/m^3."""
         F = [Jet(value, (one.derivative(axis, X_AXIS), one.derivative(axis, Y_AXIS), None), ())
              for value, (one, axis) in zip(self.deformation_gradient,
@@ -67,10 +67,10 @@ class ExactSolution:
     def __init__(self, displacement: Displacement):
         self._displacement = displacement
 
-    def jets(self, scene: Any, X: np.ndarray, t: Any) -> MotionJets:
+    def jets(self, scene: Any, X: np.ndarray, t: Any) -> DisplacementJets:
         """Returns displacement and derivatives at material points ``X`` (P, 2) in m, at one time in s or (P,)."""
         u = self._displacement(scene, *variables(X[:, 0], X[:, 1], t))
-        return MotionJets(*(one if isinstance(one, Jet) else Jet(one) for one in u))
+        return DisplacementJets(*(one if isinstance(one, Jet) else Jet(one) for one in u))
 
     def displacement(self, scene: Any, X: np.ndarray, t: Any) -> np.ndarray:
         """Returns displacements (P, 2) in m of material points ``X`` (P, 2) in m, at one time in s or (P,)."""

@@ -24,7 +24,7 @@ VALUES_PER_CALL = 100_000  # places and times of one call
 LEAST_COEFFICIENT = 1e-15  # of a harmonic that is kept, over the largest
 
 
-class NotPeriodic(ArithmeticError):
+class NotPeriodicError(ArithmeticError):
     """Error for a field that is not a smooth function of time with the period given."""
 
 
@@ -88,13 +88,13 @@ def _sample_resolved(field: Field, places: np.ndarray, period: float) -> tuple[n
         values = _evaluate(field, places, times)
         spectrum = np.abs(np.fft.rfft(values, axis=1)).max(axis=0)
         if not np.isfinite(spectrum).all():
-            raise NotPeriodic("it is not finite at some time")
+            raise NotPeriodicError("it is not finite at some time")
         largest, end = spectrum.max(), spectrum[-max(2, M // 8):].max()
         if (end <= SPECTRUM_END * largest or (M >= NOISY_FROM and end <= NOISE * largest)) \
                 and _interpolates(field, places, period, values):
             return values, times
         if M >= MOST_TIMES:
-            raise NotPeriodic(f"{period:g} s is not its period, or it changes too fast")
+            raise NotPeriodicError(f"{period:g} s is not its period, or it changes too fast")
         M *= 2
 
 

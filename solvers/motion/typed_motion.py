@@ -8,8 +8,8 @@ import numpy as np
 from solvers.motion.exact_solution import ExactSolution
 from solvers.motion.exact_solution_1d import ExactSolution1D
 from solvers.motion.formula import Formula, FormulaError, parse_formula
-from solvers.motion.laws.material import Material
-from solvers.motion.separable_field import NotPeriodic, separate
+from solvers.motion.laws.elastic_material import ElasticMaterial
+from solvers.motion.separable_field import NotPeriodicError, separate
 
 NAMES = {1: ("X", "t", "w", "A"), 2: ("X", "Y", "t", "w", "A")}  # along a line, and in the plane
 LINE, INSTANTS = 20, 32  # points a side and times of a period at which the motion is checked
@@ -57,13 +57,13 @@ def _split_at_commas(text: str) -> list[str]:
     return parts
 
 
-class MotionInputs2D(NamedTuple):
+class MotionParameters2D(NamedTuple):
     """Inputs of a plane scene that determine its motion and body force: w in 1/s, A and ``SIDE`` in m, ``density`` in
     kg/m^3; and the conditions of a body in a square between symmetry planes."""
 
     base_frequency: float
     amplitude: float
-    material: Material
+    material: ElasticMaterial
     density: float
     SIDE: float
 
@@ -90,7 +90,7 @@ class MotionInputs2D(NamedTuple):
                                    "u_{component}/d{axis} must be zero there", "XY"[axis], "yx"[axis])
 
 
-class MotionInputs1D(NamedTuple):
+class MotionParameters1D(NamedTuple):
     """Inputs of a bar, a period of an infinite one, that determine its motion: w in 1/s, A in m, wave speed in m/s."""
 
     base_frequency: float
@@ -119,7 +119,7 @@ class MotionInputs1D(NamedTuple):
 
 @functools.lru_cache(maxsize=64)  # of scenes that differ in cells, method or step alone
 @np.errstate(all="ignore")
-def find_period(text: str, scene: MotionInputs2D | MotionInputs1D) -> float:
+def find_period(text: str, scene: MotionParameters2D | MotionParameters1D) -> float:
     """Returns the shortest period in s of a typed motion among quarters of 2 pi/w and of a second. Raises FormulaError
     where it is not finite, zero at t = 0, periodic and possible for the body, or inverts material."""
     exact, X, base_period = scene.solution(text), scene.points, 2 * np.pi / scene.base_frequency
@@ -140,7 +140,7 @@ def find_period(text: str, scene: MotionInputs2D | MotionInputs1D) -> float:
     force = getattr(exact, "force_terms", exact.body_force)
     try:
         separate(lambda X, t: force(scene, X, t), X[::len(X) // FORCE_POINTS], period)
-    except NotPeriodic:
+    except NotPeriodicError:
         raise FormulaError("changes too fast with t for its period of {period:.4g} s; give slower functions",
                            period) from None
     return period

@@ -11,7 +11,7 @@ from solvers.scene.scene import Scene
 if TYPE_CHECKING:  # solvers bring Taichi, which takes a second
     import numpy as np
 
-    from solvers.problems.reference import ProblemReference
+    from solvers.problems.judging_reference import JudgingReference
     from solvers.solver.base import Solver
 
 
@@ -49,7 +49,7 @@ class Problem(ABC):
 
     @property
     @abstractmethod
-    def reference(self) -> ProblemReference:
+    def reference(self) -> JudgingReference:
         """Description of the problem for other codes: particles, texts, exact values."""
 
     @property

@@ -11,8 +11,8 @@ from dataclasses import dataclass
 from typing import Any
 
 from solvers.motion.jets import sin
-from solvers.motion.typed_motion import MotionInputs2D, parse_motion
-from solvers.problems.planar.box import BoxScene
+from solvers.motion.typed_motion import MotionParameters2D, parse_motion
+from solvers.problems.planar.box_scene import BoxScene
 from solvers.problems.planar.problem import PlanarProblem, ViewSettings
 from solvers.scene.field_options import document_fields, option
 from solvers.scene.typed_motion_scene import TypedMotionScene
@@ -36,8 +36,8 @@ class SquareScene(TypedMotionScene, BoxScene):
     GENTLE_AMPLITUDE, HARD_AMPLITUDES = 0.01, (0.02, 0.05, 0.1)
 
     @property
-    def motion_inputs(self) -> MotionInputs2D:
-        return MotionInputs2D(self.base_frequency, self.amplitude, self.material, self.density, self.SIDE)
+    def motion_inputs(self) -> MotionParameters2D:
+        return MotionParameters2D(self.base_frequency, self.amplitude, self.material, self.density, self.SIDE)
 
     @property
     def angular_frequency(self) -> float:

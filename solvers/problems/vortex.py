@@ -16,7 +16,7 @@ import numpy as np
 
 from solvers.motion.jets import sin, sqrt
 from solvers.problems import vortex_estimator_limits
-from solvers.problems.planar.circular import CircularScene
+from solvers.problems.planar.circular_scene import CircularScene
 from solvers.problems.planar.problem import PlanarProblem, ViewSettings
 from solvers.scene.effects import EFFECTS
 from solvers.scene.field_options import document_fields, option

@@ -30,7 +30,7 @@ AROUND, DEGREE = {1: 4, 2: 12}, {1: 3, 2: 2}
 
 
 @dataclass(frozen=True)
-class Goal:
+class QuantityOfInterest:
     """Quantity of interest by its ``name``: "kinetic-energy", "mean-stress" (sigma along the bar, half the trace in the
     plane, averaged over the initial volume) or "displacement@X" ("displacement@X,Y" in the plane: its length), at the
     material point with these coordinates in m."""
@@ -60,15 +60,15 @@ class Goal:
         return float(largest_rounding_error(scene, "x" if self.point else "sigma", steps))
 
 
-def parse_goals(scene: Scene, names: Sequence[str]) -> list[Goal]:
-    """Returns the goals with these names (:class:`Goal`), without duplicates. Raises :class:`SceneError` for an invalid
-    name, and for a point outside the scene's body."""
+def parse_goals(scene: Scene, names: Sequence[str]) -> list[QuantityOfInterest]:
+    """Returns the goals with these names (:class:`QuantityOfInterest`), without duplicates. Raises :class:`SceneError`
+    for an invalid name, and for a point outside the scene's body."""
     return [_parse_goal(scene, name) for name in dict.fromkeys(names)]
 
 
-def _parse_goal(scene: Scene, name: str) -> Goal:
+def _parse_goal(scene: Scene, name: str) -> QuantityOfInterest:
     if name in (STRESS, ENERGY):
-        return Goal(name)
+        return QuantityOfInterest(name)
     coordinates = ["X", "X,Y"][scene.DIMENSIONS - 1]
     found = POINT_PATTERN.fullmatch(name) if isinstance(name, str) else None
     if found is None:
@@ -83,11 +83,11 @@ def _parse_goal(scene: Scene, name: str) -> Goal:
                                        f"{DISPLACEMENT}@{coordinates}")
     if PROBLEMS[scene.problem].reference.is_outside(scene, np.array([point])).any():
         raise SceneError("goal", name, "is at no point of the body at rest: " + scene.SETTING.rstrip("."))
-    return Goal(name, point)
+    return QuantityOfInterest(name, point)
 
 
 @IGNORE_OVERFLOW
-def evaluate_goal(goal: Goal, fields: ParticleFields, scene: Scene, steps: int) -> dict[str, Any]:
+def evaluate_goal(goal: QuantityOfInterest, fields: ParticleFields, scene: Scene, steps: int) -> dict[str, Any]:
     """Returns a goal after ``steps`` steps as in the JSON object: ``value`` in its ``unit``, ``true_error``, the
     largest effect of ``rounding``, and by estimator the signed ``estimated_error`` and the ``bar``, :data:`SAFETY`
     times its size. None stands for unknown or infinite numbers."""

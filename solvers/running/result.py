@@ -15,7 +15,7 @@ from solvers.running import result_file
 from solvers.scene.effects import ALL
 from solvers.scene.scene import Scene
 from solvers.scene.validation import SceneError
-from solvers.solver import budget, error_series
+from solvers.solver import budget_shares, error_series
 from solvers.solver.error_series import IGNORE_OVERFLOW, finite_or_none, largest_finite_or_none, summary
 from solvers.solver.particle_snapshot import Snapshot, WallTimes
 from solvers.solver.rounding import largest_rounding_error
@@ -227,9 +227,10 @@ class Result:
 
     @property
     def budget(self) -> dict | None:
-        """Share of each cause in the error (:func:`solvers.solver.budget.summary`); None where it was not computed."""
+        """Share of each cause in the error (:func:`solvers.solver.budget_shares.summary`); None where it was not
+        computed."""
         reference: str = getattr(self.scene, "budget_reference", "exact")  # where a problem leaves no choice
-        return budget.summary(self.series, reference) if "budget/error_x" in self.series else None
+        return budget_shares.summary(self.series, reference) if "budget/error_x" in self.series else None
 
     @property
     @IGNORE_OVERFLOW

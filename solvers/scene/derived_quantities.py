@@ -7,7 +7,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from solvers.scene.momentum_balance_moments import DisplacementMoments
+from solvers.scene.displacement_moments import DisplacementMoments
 from solvers.scene.validation import require_whole
 
 MOST_PER_CELL = 64  # particles, along each direction

@@ -31,7 +31,7 @@ Fields = Sequence[np.ndarray]  # the components of a vector or tensor, each an a
 
 
 @dataclass(frozen=True)
-class NodeLinks:
+class ParticleNodeUnknowns:
     """Links of P particles to K nodes each at n moments, in D dimensions: ``where`` (D arrays (n, P, K)) is the index
     of each component of a node's velocity among the unknowns of its moment, ``sign`` (same shapes) its sign there, -1
     in mirror images."""
@@ -41,7 +41,7 @@ class NodeLinks:
 
 
 @dataclass(frozen=True)
-class Configurations:
+class LinearisedConfigurations:
     """P particles and N unknowns, the components of the nodes' velocities, at n moments.
 
     Attributes
@@ -62,16 +62,16 @@ class Configurations:
     """
 
     unknowns: int
-    mass_links: NodeLinks
+    mass_links: ParticleNodeUnknowns
     weights: np.ndarray
-    force_links: NodeLinks
+    force_links: ParticleNodeUnknowns
     gradients: Fields
     mass: np.ndarray
     stress: Callable[[Fields], Fields]
     held: np.ndarray | None = None
 
 
-def longest_step_per_instant(configurations: Configurations) -> np.ndarray:
+def longest_step_per_instant(configurations: LinearisedConfigurations) -> np.ndarray:
     """Returns the longest stable step at each of the configurations' moments (n,), in s."""
     return 2 / np.sqrt(_StepOperators(configurations).largest_eigenvalues())
 
@@ -91,7 +91,7 @@ def longest_step_of_motion(limits: np.ndarray, seconds: float) -> float:
 class _StepOperators:
     """Operators of the step on fields (n, N), in which each unknown is scaled by the square root of its mass."""
 
-    def __init__(self, of: Configurations):
+    def __init__(self, of: LinearisedConfigurations):
         self._of, self._n = of, len(of.weights)
         self._mass_links, self._force_links = self._global_numbers(of.mass_links), self._global_numbers(of.force_links)
         carried = [of.mass[:, None] * of.weights] * len(of.mass_links.where)
@@ -101,7 +101,7 @@ class _StepOperators:
             there[:, of.held] = False
         self._scale = np.where(there, 1 / np.sqrt(np.where(there, mass, 1.0)), 0.0)
 
-    def _global_numbers(self, links: NodeLinks) -> list[tuple[np.ndarray, np.ndarray]]:
+    def _global_numbers(self, links: ParticleNodeUnknowns) -> list[tuple[np.ndarray, np.ndarray]]:
         first = (np.arange(self._n) * self._of.unknowns)[:, None, None]
         return [(where + first, sign) for where, sign in zip(links.where, links.sign, strict=True)]
 

@@ -8,7 +8,7 @@ from abc import abstractmethod
 from typing import TYPE_CHECKING, Any, ClassVar
 
 from solvers.motion.formula import FormulaError
-from solvers.motion.typed_motion import MotionInputs1D, MotionInputs2D, find_period, parse_motion
+from solvers.motion.typed_motion import MotionParameters1D, MotionParameters2D, find_period, parse_motion
 from solvers.scene.validation import SceneError, require_number
 
 TYPED = "typed"  # the compile-time option of such a motion, whatever the formula
@@ -27,7 +27,7 @@ class TypedMotionScene(Scene):
 
     @property
     @abstractmethod
-    def motion_inputs(self) -> MotionInputs2D | MotionInputs1D:
+    def motion_inputs(self) -> MotionParameters2D | MotionParameters1D:
         """Parameters, such as w and A, that the formulas of its displacement may use."""
 
     @property

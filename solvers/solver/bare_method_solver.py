@@ -13,13 +13,13 @@ from solvers.scene.kernel_options import method_options
 from solvers.scene.scene import Scene
 from solvers.solver.base import SOUND, Solver
 from solvers.solver.serial_stepping import CHECK_EVERY
-from solvers.solver.state_arrays import Diagnostics
+from solvers.solver.state_arrays import DiagnosticsState
 
 
 @functools.cache
 def bare_method_solver_class(Own: type[Solver]) -> type[Solver]:
     """Returns a subclass of a problem's solver class ``Own`` with the baseline step; its rows of samples are empty."""
-    phases, watching = Own.PHASES, Diagnostics.types().keys() - {"farthest", "verdict"}
+    phases, watching = Own.PHASES, DiagnosticsState.types().keys() - {"farthest", "verdict"}
     types = {name: kind for name, kind in Own.STATE.types().items() if name not in watching}
     State = ti.types.argpack(**types)
 

@@ -8,16 +8,16 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from solvers.estimators.estimator_memory import unpack_arrays
+from solvers.estimators.estimator_arrays import unpack_arrays
 from solvers.scene.estimator_hooks import NEVER, EstimatorHooks
 from solvers.scene.kernel_options import KernelOptions
 from solvers.scene.scene import Scene
 from solvers.scene.step_bound import SAFE
 from solvers.solver.particle_snapshot import ParticleFields, Snapshot
+from solvers.solver.particle_step_breakdown import ParticleStepBreakdown
 from solvers.solver.samples import MARGIN, MAX_ROWS
-from solvers.solver.soundness import LOST, OK, UNSTABLE, Finding
-from solvers.solver.state_arrays import Diagnostics
-from solvers.solver.step_breakdown import StepBreakdown
+from solvers.solver.soundness import LOST, OK, UNSTABLE, SoundnessFinding
+from solvers.solver.state_arrays import DiagnosticsState
 from solvers.solver.verdict_basis import LargeRelativeError, large_error_warning
 from solvers.translatable_message import Message
 
@@ -37,9 +37,9 @@ class Solver(ABC):
     plan: str = "serial"
     HOOKS: ClassVar[Mapping[str, EstimatorHooks]]  # of every estimator that the problem has
     PHASES: ClassVar[Any]  # of ``solvers.solver.serial_stepping``
-    STATE: ClassVar[type[Diagnostics]]
+    STATE: ClassVar[type[DiagnosticsState]]
     STEP_BREAKDOWN: Any  # the problem's module of this name
-    _arrays: Diagnostics
+    _arrays: DiagnosticsState
     _stepping: Any  # launches the kernels on them, such as ``solvers.solver.serial_stepping.SerialStepper``
     _switches: KernelOptions
 
@@ -98,7 +98,7 @@ class Solver(ABC):
         rows = self._arrays.samples[:max(0, self.step // interval - before // interval)].copy()
         return self._with_margin(rows) if self.step % self.scene.margin_interval == 0 else rows
 
-    def break_down(self, particle: int) -> tuple[np.ndarray, StepBreakdown]:
+    def break_down(self, particle: int) -> tuple[np.ndarray, ParticleStepBreakdown]:
         """Takes one step; returns its rows of samples (0 or 1, columns), and its details around a particle's number."""
         self._stepping.fetch()
         before = self.STEP_BREAKDOWN.particle_state(self.scene, self._arrays)
@@ -177,7 +177,7 @@ class Solver(ABC):
         return Message("the run went unstable at t = {time:.4g} s: particle {p} (X = {place}) {what}; {advice}",
                        step * self.scene.time_step, p, self._position_text(p), what, self._advice())
 
-    def status(self, finding: Finding | None,
+    def status(self, finding: SoundnessFinding | None,
                as_large: Mapping[str, LargeRelativeError] = NO_LARGE_ERRORS) -> tuple[str, str | None, float | None]:
         """Returns "ok", "unstable" or, with a ``finding``, "lost"; a sentence that explains it, or None; and the time
         in s since when, or None. A run that is ok has a sentence where errors, by quantity, are ``as_large`` as the
@@ -189,7 +189,7 @@ class Solver(ABC):
             return OK, large_error_warning(as_large), None
         return LOST, self.loss_sentence(finding), since
 
-    def loss_sentence(self, finding: Finding) -> str:
+    def loss_sentence(self, finding: SoundnessFinding) -> str:
         """Returns a sentence when, by the ``finding``, the run was lost, where most, why, and what to change."""
         where = "" if finding.particle is None else \
             Message(", most at particle {particle} (X = {place})", finding.particle,

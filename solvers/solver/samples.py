@@ -6,9 +6,9 @@ have the same columns, so that results, plots and the page need only names.
 
 import numpy as np
 
+from solvers.scene.displacement_moments import MODES
 from solvers.scene.effects import ALL
 from solvers.scene.kernel_options import KernelOptions
-from solvers.scene.momentum_balance_moments import MODES
 from solvers.scene.scene import Scene
 
 QUANTITIES = ("x", "v", "sigma", "a")
@@ -16,7 +16,7 @@ QUANTITIES = ("x", "v", "sigma", "a")
 #: Columns of every run. ``error_*`` are sums of squares over particles. ``error_extra`` is the problem's own norm (bar:
 #: stress as E ln F); ``neighbour_gap`` to ``displacement_mismatch`` are contradictions (``solvers.solver.soundness``)
 #: in m, ``place`` is the particle where they are worst; ``motion_square`` and ``motion_0`` ... are sums of
-#: displacements for ``solvers.scene.momentum_balance_moments``, ``margin`` is dt over its bound; what is off is NaN.
+#: displacements for ``solvers.scene.displacement_moments``, ``margin`` is dt over its bound; what is off is NaN.
 BASE_COLUMNS = ("step", "error_x", "error_v", "error_sigma", "error_a", "error_extra", "kinetic", "strain", "work",
                 "crossings", "neighbour_gap", "mean_drift", "out_of_shape", "displacement_mismatch", "place",
                 "motion_square", *(f"motion_{k}" for k in range(MODES)), "margin")

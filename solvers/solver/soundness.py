@@ -3,7 +3,7 @@
 A run is *unstable* where a particle is inverted, crushed, far away or not finite (``solvers.solver.base`` stops it),
 *lost* where its particles no longer represent the motion, though every number is finite. A rule below finds it lost at
 a sample; the run continues, because it is instructive. Four rules compare the particles with each other, one with the
-motion by the balance of momentum (``solvers.scene.momentum_balance_moments``): it finds errors that are consistent,
+motion by the balance of momentum (``solvers.scene.displacement_moments``): it finds errors that are consistent,
 such as a ring that turns as a whole or late waves of a free bar. All rules check positions;
 ``solvers.solver.verdict_basis`` reports which other quantities were checked.
 """
@@ -54,7 +54,7 @@ CONTRADICTIONS: dict[str, ContradictionRule] = {rule.name: rule for rule in (
 
 
 @dataclass(frozen=True)
-class Finding:
+class SoundnessFinding:
     """First sample at which a run is found lost: its ``time`` in s, a ``sentence`` that says why, and the ``size`` of
     what is wrong, mostly in amplitudes."""
 
@@ -64,7 +64,7 @@ class Finding:
     particle: int | None = None  # where it is worst, if known
 
 
-def findings(scene: Scene, series: Mapping[str, np.ndarray]) -> dict[str, Finding]:
+def findings(scene: Scene, series: Mapping[str, np.ndarray]) -> dict[str, SoundnessFinding]:
     """Returns the first finding of each rule, of the truth and of each judging estimator in the ``series`` of a run
     (:func:`solvers.solver.samples.read_rows`), by their names; those without are left out.
 
@@ -92,7 +92,7 @@ def findings(scene: Scene, series: Mapping[str, np.ndarray]) -> dict[str, Findin
             if (found := _first_exceedance(series, values, most, unit, sentence))}
 
 
-def earliest_finding(found: Mapping[str, Finding], not_valid: Collection[str]) -> Finding | None:
+def earliest_finding(found: Mapping[str, SoundnessFinding], not_valid: Collection[str]) -> SoundnessFinding | None:
     """Returns the first of several :func:`findings`, without those of estimators that are ``not_valid``: the run is
     lost from then on. None where nothing was found, which is no proof."""
     return min((finding for name, finding in found.items() if name.partition("/")[0] not in not_valid),
@@ -100,14 +100,14 @@ def earliest_finding(found: Mapping[str, Finding], not_valid: Collection[str]) -
 
 
 def _first_exceedance(series: Mapping[str, np.ndarray], values: np.ndarray, most: float, unit: float,
-                      sentence: Callable[..., str]) -> Finding | None:
+                      sentence: Callable[..., str]) -> SoundnessFinding | None:
     beyond = np.flatnonzero(values > most * unit)  # never NaN, which stands for what is off
     if not len(beyond):
         return None
     at = int(beyond[0])
     time, size, places = float(series["time"][at]), float(values[at]) / unit, series["place"][:at + 1]
     known = places[np.isfinite(places)]
-    return Finding(time, sentence(size=f"{size:.2g}"), size, int(known[-1]) if len(known) else None)
+    return SoundnessFinding(time, sentence(size=f"{size:.2g}"), size, int(known[-1]) if len(known) else None)
 
 
 @IGNORE_OVERFLOW

@@ -11,7 +11,7 @@ from typing import Any, get_type_hints
 
 import numpy as np
 
-from solvers.estimators.estimator_memory import allocate_memory
+from solvers.estimators.estimator_arrays import allocate_memory
 from solvers.kernels.dtypes import Integer, Integers, Matrix, Quads, Real, Reals
 from solvers.scene.estimator_hooks import NEVER, EstimatorHooks
 from solvers.scene.kernel_options import KernelOptions
@@ -44,7 +44,7 @@ class Members:
 
 
 @dataclass
-class Diagnostics(Members):
+class DiagnosticsState(Members):
     """State of a run beside the method: checks, samples, marks and estimates. P particles, E estimators."""
 
     sample_interval: Integer  # steps
@@ -64,7 +64,7 @@ class Diagnostics(Members):
 
 def initial_diagnostics(scene: Scene, on: KernelOptions, particles: int, farthest: float,
                         hooks: dict[str, EstimatorHooks]) -> dict:
-    """Returns the members of a :class:`Diagnostics` by name, at the start of a run with ``particles`` particles;
+    """Returns the members of a :class:`DiagnosticsState` by name, at the start of a run with ``particles`` particles;
     ``farthest`` is in m, ``hooks`` are of the problem's estimators. ``on``: compile-time options."""
     intervals = [hooks[name].interval(scene) for name in scene.active_estimators]
     return {"sample_interval": scene.sample_interval, "look_interval": scene.look_interval,

@@ -17,7 +17,7 @@ from itertools import product
 
 from solvers.scene.scene import Scene
 from solvers.scene.validation import SceneError
-from solvers.study.refinement_family import HIGHEST_ORDER, Point, RefinementFamily
+from solvers.study.refinement_error_and_cost import HIGHEST_ORDER, RefinementFamily, RefinementPoint
 from solvers.translatable_message import Message
 
 REACH = 2.5  # times the finest measured grid to which an error may be carried on
@@ -33,7 +33,7 @@ SCOUTED_SECONDS = 0.2  # longest bare run that is made for a first answer
 
 
 @dataclass(frozen=True)
-class Goal:
+class SearchGoal:
     """Goal of a search: the largest RMS error of ``quantity`` (x, v, sigma or a) over the run is at most ``tolerance``
     (in its SI unit), and a bare run, without estimators and diagnostics, takes at most ``budget`` seconds."""
 
@@ -68,7 +68,7 @@ class Advice:
     ``runner_up`` is the cheapest of another method and ``why`` a sentence on why it lost; ``looks`` counts runs.
     """
 
-    goal: Goal
+    goal: SearchGoal
     met: bool
     chosen: Candidate
     predicted_error: float  # before it was run
@@ -90,10 +90,10 @@ def refinement_families(base: Scene, methods: Iterable[tuple[str, bool]], per_ce
     return found
 
 
-def advise(choices: list[RefinementFamily], goal: Goal,
+def advise(choices: list[RefinementFamily], goal: SearchGoal,
            on_look: Callable[[int, int, Scene], None] = lambda looks, certain, scene: None,
-           on_point: Callable[[RefinementFamily, Point], None] = lambda family, point: None,
-           recall: Callable[[RefinementFamily, int], Point | None] = lambda family, cells: None) -> Advice:
+           on_point: Callable[[RefinementFamily, RefinementPoint], None] = lambda family, point: None,
+           recall: Callable[[RefinementFamily, int], RefinementPoint | None] = lambda family, cells: None) -> Advice:
     """Searches for the cheapest run that meets a goal; returns the best within reach if none does.
 
     Parameters
@@ -123,7 +123,7 @@ def advise(choices: list[RefinementFamily], goal: Goal,
 class _Search:
     """State of a search for the cheapest run; arguments as in :func:`advise`."""
 
-    def __init__(self, choices: list[RefinementFamily], goal: Goal, on_look: Callable, on_point: Callable,
+    def __init__(self, choices: list[RefinementFamily], goal: SearchGoal, on_look: Callable, on_point: Callable,
                  recall: Callable):
         self._choices, self._goal = choices, goal
         self._on_look, self._on_point, self._recall = on_look, on_point, recall
@@ -226,7 +226,7 @@ def _next_cells(candidate: Candidate) -> int:
     return multiple * round(finest * ratio ** (1 / strides) / multiple)
 
 
-def _ranking(choices: list[RefinementFamily], goal: Goal) -> tuple[list[Candidate], bool]:
+def _ranking(choices: list[RefinementFamily], goal: SearchGoal) -> tuple[list[Candidate], bool]:
     """Returns candidates, best first, and whether they meet the goal: by seconds if some do, else by error."""
     meeting = [c for c in (_cheapest(family, goal) for family in choices) if c is not None]
     if meeting:
@@ -237,7 +237,7 @@ def _ranking(choices: list[RefinementFamily], goal: Goal) -> tuple[list[Candidat
     return sorted(within, key=lambda c: (c.error, c.seconds)), False
 
 
-def _cheapest(family: RefinementFamily, goal: Goal, hoped: float = 0.0) -> Candidate | None:
+def _cheapest(family: RefinementFamily, goal: SearchGoal, hoped: float = 0.0) -> Candidate | None:
     """Returns the family's cheapest member that should meet the goal, or None; ``hoped``: least order to assume."""
     met = [point.cells for point in family.points if point.error <= goal.tolerance]
     cells = family.cells_for(MARGIN * goal.tolerance, hoped)
@@ -249,7 +249,8 @@ def _cheapest(family: RefinementFamily, goal: Goal, hoped: float = 0.0) -> Candi
     return Candidate(family, cells, family.error(cells), seconds) if seconds <= goal.budget else None
 
 
-def _runner_up(others: list[RefinementFamily], best: Candidate, goal: Goal, met: bool) -> tuple[Candidate | None, str]:
+def _runner_up(others: list[RefinementFamily], best: Candidate, goal: SearchGoal,
+               met: bool) -> tuple[Candidate | None, str]:
     """Returns the best candidate of ``others``, families of other methods, and a sentence on why it lost."""
     if not others:
         return None, Message("no other method was asked for")

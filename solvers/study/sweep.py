@@ -13,9 +13,9 @@ from solvers.problems import PROBLEMS
 from solvers.running.run import as_scene
 from solvers.scene.scene import LISTS, Scene
 from solvers.scene.validation import SceneError, field_key, key_field, require_choice, require_whole
+from solvers.study.csv_and_markdown_summary import uniform_rows
 from solvers.study.executors import LocalExecutor, execute
 from solvers.study.parameter_grid import MOST_ROWS, plan_tasks
-from solvers.study.summary import uniform_rows
 from solvers.untrusted import quoting
 
 #: Alternative inputs, of which only one may be given.

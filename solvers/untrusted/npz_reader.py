@@ -13,7 +13,7 @@ import numpy as np
 
 from solvers.translatable_message import Message
 from solvers.untrusted.quoting import FileError, quote
-from solvers.untrusted.size_limits import Limits, check_name
+from solvers.untrusted.size_limits import SizeLimits, check_name
 
 ENDING = ".npy"
 LONGEST_READ = 1_000_000  # bytes that are read at once, of which the zip's directory is the largest part
@@ -30,11 +30,11 @@ class _NotPlainArrays(ValueError):
     """Error for a file that is not a .npz of plain numbers; the message says why."""
 
 
-def read_arrays(path: str, is_wanted: Callable[[str], bool], limits: Limits) -> dict[str, np.ndarray]:
+def read_arrays(path: str, is_wanted: Callable[[str], bool], limits: SizeLimits) -> dict[str, np.ndarray]:
     """Returns the arrays of a .npz file by name, each of numbers or one text; those for whose name ``is_wanted`` is
     false are not read, and empty here. Raises :class:`FileError` for an invalid or too large file."""
     try:
-        with open(path, "rb", buffering=0) as raw, _ChunkedFile(raw) as measured, \
+        with open(path, "rb", buffering=0) as raw, _ReadSizeLimitedFile(raw) as measured, \
                 zipfile.ZipFile(cast(IO[bytes], measured)) as packed:
             members = dict(_read_members(path, packed, limits))
             return {name: _read_array(path, name, packed, member, limits) if is_wanted(name) else np.empty(0)
@@ -48,7 +48,7 @@ def read_arrays(path: str, is_wanted: Callable[[str], bool], limits: Limits) -> 
                         type(error).__name__) from None
 
 
-class _ChunkedFile(io.BufferedReader):
+class _ReadSizeLimitedFile(io.BufferedReader):
     """File that refuses to read more than a million bytes at once: the size of a zip's directory is untrusted."""
 
     def read(self, size: int | None = -1, /) -> bytes:
@@ -58,7 +58,7 @@ class _ChunkedFile(io.BufferedReader):
         return content
 
 
-def _read_members(path: str, packed: zipfile.ZipFile, limits: Limits) -> Iterator[tuple[str, zipfile.ZipInfo]]:
+def _read_members(path: str, packed: zipfile.ZipFile, limits: SizeLimits) -> Iterator[tuple[str, zipfile.ZipInfo]]:
     """Yields name and zip entry of each array, checked for duplicates, their number and their unpacked sizes."""
     listed = packed.infolist()
     limits.check_columns(path, len(listed))
@@ -73,7 +73,8 @@ def _read_members(path: str, packed: zipfile.ZipFile, limits: Limits) -> Iterato
         yield name, member
 
 
-def _read_array(path: str, name: str, packed: zipfile.ZipFile, member: zipfile.ZipInfo, limits: Limits) -> np.ndarray:
+def _read_array(path: str, name: str, packed: zipfile.ZipFile, member: zipfile.ZipInfo,
+                limits: SizeLimits) -> np.ndarray:
     if member.compress_type not in PACKINGS or member.flag_bits & ENCRYPTED:
         raise _NotPlainArrays(Message("{name} is packed in a way that numpy does not use", quote(name)))
     with packed.open(member) as content:

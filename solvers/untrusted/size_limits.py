@@ -17,7 +17,7 @@ FEWER = Message(", fewer times for example")
 
 
 @dataclass(frozen=True)
-class Limits:
+class SizeLimits:
     """Upper limits of a file, or of several judged together: ``bytes`` on disk and unpacked, ``columns`` or arrays,
     ``rows`` (particles of all times), ``numbers`` and ``times``. Each check raises FileError for more."""
 
@@ -56,7 +56,7 @@ class Limits:
         if times > self.times:
             raise self._refusal(file, Message("has {times:,} times", times), f"{self.times:,}")
 
-    def remaining_after(self, columns: Mapping[str, np.ndarray]) -> "Limits":
+    def remaining_after(self, columns: Mapping[str, np.ndarray]) -> "SizeLimits":
         """Returns the limits with the rows and numbers of these columns (n, ...), by name, subtracted."""
         rows = len(next(iter(columns.values())))
         numbers = sum(column.size for column in columns.values())
@@ -66,7 +66,7 @@ class Limits:
         return FileError(file, "{has}; give at most {most}{otherwise}", has, most, self.otherwise)
 
 
-LIMITS = Limits(bytes=500_000_000, columns=1000, rows=4_000_000, numbers=40_000_000, times=10_000)
+LIMITS = SizeLimits(bytes=500_000_000, columns=1000, rows=4_000_000, numbers=40_000_000, times=10_000)
 LONGEST_NAME = 200  # letters of a column's name
 LONGEST_LINE = 250_000  # letters of a line of text
 

@@ -10,13 +10,13 @@ import numpy as np
 import pytest
 from matplotlib import colormaps
 
-from app import colours
-from app.colours import GROUNDS, LINES, PALETTE, TEXTS, rgb
+from app import colour_palette
+from app.colour_palette import GROUNDS, LINES, PALETTE, TEXTS, rgb
 from solvers.problems import PROBLEMS
 from solvers.scene.error_causes import CAUSES
 from solvers.scene.estimator_registry import ESTIMATORS
 
-TOKENS = Path(colours.__file__).parent / "page" / "web" / "css" / "00-tokens.css"
+TOKENS = Path(colour_palette.__file__).parent / "page" / "web" / "css" / "00-tokens.css"
 OURS = ("transport", "recovered", "companion", "two-grid")
 
 
@@ -46,7 +46,8 @@ def test_words_and_lines_stand_out_from_every_ground(shade):
 
 
 def test_methods_stand_out_from_white():
-    assert all(contrast(colour, "#ffffff") >= 3 for colour in (*colours.METHOD_COLOURS.values(), colours.PINNED))
+    assert all(contrast(colour, "#ffffff") >= 3 for colour in (*colour_palette.METHOD_COLOURS.values(),
+                                                               colour_palette.PINNED))
 
 
 #: What people see who lack one kind of cone, of linear red, green and blue (Machado, Oliveira & Fernandes 2009).
@@ -74,8 +75,8 @@ def lightness_and_hue(colour: str, seen: np.ndarray) -> np.ndarray:
 @pytest.mark.parametrize("blindness", BLINDNESS)
 def test_causes_are_told_apart(shade, blindness):
     """Areas side by side, and the ground: 20 in L*a*b*, where 2 can just be seen."""
-    assert list(colours.CAUSES) == list(CAUSES)
-    several = [*(both[shade] for both in colours.CAUSES.values()), GROUNDS["ground"][shade]]
+    assert list(colour_palette.CAUSES) == list(CAUSES)
+    several = [*(both[shade] for both in colour_palette.CAUSES.values()), GROUNDS["ground"][shade]]
     seen = [lightness_and_hue(colour, BLINDNESS[blindness]) for colour in several]
     assert min(np.linalg.norm(one - other) for one, other in combinations(seen, 2)) >= 20
 
@@ -84,10 +85,12 @@ def test_the_page_has_the_same_palette():
     light, dark = re.findall(r":root[^{]*\{(\s*color-scheme.*?)\}", TOKENS.read_text(encoding="utf-8"), re.S)
     for shade, rules in enumerate((light, dark)):
         said = dict(re.findall(r"--([\w-]+): (#[0-9a-f]{6});", rules))
-        wanted = PALETTE | {colours.cause_css_variable(cause): both for cause, both in colours.CAUSES.items()}
+        wanted = PALETTE | {colour_palette.cause_css_variable(cause): both for cause,
+                            both in colour_palette.CAUSES.items()}
         assert {name: said.get(name) for name in wanted} == {name: both[shade] for name, both in wanted.items()}
         if not shade:
-            assert dict(re.findall(r"--([\w-]+): (#[0-9a-f]{6});", colours.css_variables())).items() <= said.items()
+            assert dict(re.findall(r"--([\w-]+): (#[0-9a-f]{6});",
+                                   colour_palette.css_variables())).items() <= said.items()
 
 
 def test_estimators_have_colours_of_the_palette_and_dashes_of_their_own():
@@ -97,16 +100,16 @@ def test_estimators_have_colours_of_the_palette_and_dashes_of_their_own():
 
 
 def test_estimate_truth_and_estimators_are_told_apart_by_lightness_too():
-    assert contrast(colours.ESTIMATE, colours.TRUTH) > 1.25
+    assert contrast(colour_palette.ESTIMATE, colour_palette.TRUTH) > 1.25
     for problem in PROBLEMS.values():
         shades = sorted((ESTIMATORS[name].colour for name in problem.estimators), key=_luminance)
         assert all(contrast(*pair) > 1.25 for pair in pairwise(shades))
 
 
 def test_the_colour_map_rises_evenly_in_lightness():
-    table = colours.colour_table()
-    assert table.shape == (256, 3) and table.dtype == np.uint8 and colours.COLOUR_MAP == "viridis"
-    assert np.array_equal(table, (255 * colormaps[colours.COLOUR_MAP](np.arange(256))[:, :3]).round())
+    table = colour_palette.colour_table()
+    assert table.shape == (256, 3) and table.dtype == np.uint8 and colour_palette.COLOUR_MAP == "viridis"
+    assert np.array_equal(table, (255 * colormaps[colour_palette.COLOUR_MAP](np.arange(256))[:, :3]).round())
     lightness = np.cbrt([_luminance(f"#{shade.tobytes().hex()}") for shade in table[::15]])
     steps = np.diff(lightness)
     assert np.all(steps > 0) and steps.max() < 2 * steps.min()

@@ -14,8 +14,8 @@ from dataclasses import asdict
 
 import pytest
 
-from app import state
-from app.page.visit.session import FIRST_SCENE
+from app import shareable_state
+from app.page.visit.run_session import FIRST_SCENE
 from solvers.workers.worker_process import free_port
 from tests.browser.driving import PATIENCE
 from tests.browser.relay import Relay
@@ -51,7 +51,7 @@ FEW_FRAMES = """
 FEW = 10  # frames a second
 SIZE = {"width": 1280, "height": 720}
 PHONE = {"width": 390, "height": 844}
-HOME = f"#{state.write_state(state.State(FIRST_SCENE))}"  # a link: who comes without one sees the opening and its story
+HOME = f"#{shareable_state.write_state(shareable_state.State(FIRST_SCENE))}"  # a link: who comes without one sees the opening and its story
 FAILED = pytest.StashKey[bool]()
 HOW = "no Chromium or Chrome found: install one (Debian: apt-get install chromium) to run the browser tests"
 

@@ -8,8 +8,8 @@ from contextlib import suppress
 import numpy as np
 from PIL import Image
 
-from app.colours import colour_table
-from app.words import parse_size
+from app.colour_palette import colour_table
+from app.names_and_units import parse_size
 from tests.support import processes
 
 PATIENCE = 20.0  # seconds for what follows a click; software rendering is slow

@@ -4,7 +4,7 @@ import re
 from contextlib import suppress
 
 from app.lessons.lesson import NUMBER, OBSERVE, PREDICT, draw_numbers, fill_numbers
-from app.words import parse_size
+from app.names_and_units import parse_size
 from tests.browser.driving import FOLDERS, again_until, click, row, scene, time, unfold, until
 
 #: An act on a line of its own, or a reading: "Read **norm** of **true**".

@@ -5,7 +5,7 @@ import os
 
 import pytest
 
-from solvers.solver import devices
+from solvers.solver import gpu_detection
 
 ARCH = os.environ.get("MPM_LAB_TEST_GPU", "vulkan")
 HOW = "no {} device was found ({}): install one (Debian: apt-get install mesa-vulkan-drivers) to run these tests"
@@ -13,5 +13,5 @@ HOW = "no {} device was found ({}): install one (Debian: apt-get install mesa-vu
 
 def require_gpu() -> None:
     """Skip the test with a word where there is none; where CI is set, fail."""
-    if missing := devices.probe_device(ARCH)["missing"]:
-        (pytest.fail if os.environ.get("CI") else pytest.skip)(HOW.format(devices.TITLES[ARCH], missing))
+    if missing := gpu_detection.probe_device(ARCH)["missing"]:
+        (pytest.fail if os.environ.get("CI") else pytest.skip)(HOW.format(gpu_detection.TITLES[ARCH], missing))

@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from solvers.judging.frames import Frame
+from solvers.judging.particle_data_types import Frame
 from solvers.judging.reference_runs import frame_of_snapshot
 from solvers.problems import PROBLEMS
 from solvers.running.run import run

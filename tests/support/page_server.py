@@ -4,8 +4,8 @@ import socket
 from contextlib import contextmanager
 
 from app.access.allowed_hosts import Addresses
-from app.access.class_code import BOARD, CLASS, TEACHER
-from app.classroom.class_context import ClassroomContext
+from app.access.code_login import BOARD, CLASS, TEACHER
+from app.classroom.class_context import LessonContext
 from app.page.page_server import _start_server
 from solvers.workers.worker_process import free_port
 
@@ -42,7 +42,7 @@ def start_server(host="127.0.0.1", names=(), code="", notes="", classroom=None, 
     """The page's own web server in this process, without engines; and its address."""
     port = free_port()
     codes = {CLASS: code, TEACHER: notes, BOARD: board_code}
-    one = _start_server(host, port, SilentPool(), 4, Addresses(host, names), codes, classroom or ClassroomContext(),
+    one = _start_server(host, port, SilentPool(), 4, Addresses(host, names), codes, classroom or LessonContext(),
                         board)
     try:
         yield one, f"http://127.0.0.1:{port}"

@@ -41,7 +41,7 @@ ON_ITS_WAY = 0.25  # seconds after a choice within which an earlier frame may st
 
 
 @dataclass(frozen=True)
-class ClassLoad:
+class ClassLoadSettings:
     """Number of visitors, length of the test in s after all receive frames, seed of their random moves."""
 
     visitors: int
@@ -172,13 +172,13 @@ def start_server(*arguments: str) -> Iterator[tuple[str, int]]:
         process.kill()
 
 
-def run_class_load(load: ClassLoad, on_progress: Callable[[float], None]) -> dict[str, Any]:
+def run_class_load(load: ClassLoadSettings, on_progress: Callable[[float], None]) -> dict[str, Any]:
     """Runs the load test, tells its part done (0 to 1), and returns the JSON object of :func:`load_report`."""
     with start_server("--max-sessions", str(load.visitors)) as (address, server):
         return asyncio.run(_run_visits(address, server, load, on_progress))
 
 
-async def _run_visits(address: str, server: int, load: ClassLoad,
+async def _run_visits(address: str, server: int, load: ClassLoadSettings,
                       on_progress: Callable[[float], None]) -> dict[str, Any]:
     """Runs all visits to the server with this process id; returns :func:`load_report` with its memory and work."""
     dice = random.Random(load.seed)

@@ -5,10 +5,10 @@ from typing import Annotated, ClassVar
 
 import tyro
 
-from app.commands.flags import NumberFlag, PathFlag, Switch, default_hint
+from app.commands.lenient_flag_types import NumberFlag, PathFlag, Switch, default_hint
 from app.commands.output import json_target, put_result
 from app.commands.progress import show_progress
-from app.commands.run.text import NOTHING, format_value
+from app.commands.run.text_summary import NOTHING, format_value
 from solvers.scene.validation import require_number, require_whole
 
 MOST_VISITORS, MOST_MINUTES = 200, 600
@@ -51,8 +51,9 @@ class Bench:
                 from solvers.bench.all_benchmarks import run_benchmarks
                 values, table = run_benchmarks(self.quick, (*ITSELF, "--version"), show), bench_table
             else:
-                from app.commands.bench.class_load import ClassLoad, class_load_table, run_class_load
-                values, table = run_class_load(ClassLoad(self.visitors, 60 * self.minutes), show), class_load_table
+                from app.commands.bench.class_load import ClassLoadSettings, class_load_table, run_class_load
+                values, table = run_class_load(ClassLoadSettings(self.visitors, 60 * self.minutes),
+                                               show), class_load_table
         put_result(values, target, table)
         return 0
 

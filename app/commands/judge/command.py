@@ -8,19 +8,27 @@ from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 import numpy as np
 import tyro
 
-from app.commands import flags
+from app.commands import lenient_flag_types
 from app.commands.expect_flag import ClaimChecker
-from app.commands.output import Folder, put_report, put_text
+from app.commands.output import OutputFolder, put_report, put_text
 from app.commands.progress import show_progress
 from app.commands.scene_flags import SceneFlags
 from app.lessons.claims import NORMS
+from app.names_and_units import (
+    NOTHING,
+    QUANTITIES,
+    format_ratio,
+    method_name,
+    motion_text,
+    particles_per_cell,
+    with_unit,
+)
 from app.problems.views import VIEWS
 from app.templates import render_template
-from app.words import NOTHING, QUANTITIES, format_ratio, method_name, motion_text, particles_per_cell, with_unit
 from solvers.judging.error_norms import QUANTITIES as JUDGED
 from solvers.judging.findings.finding import OFF
-from solvers.problems.reference import METHOD_FIELDS
-from solvers.study.markdown import markdown_table
+from solvers.problems.judging_reference import METHOD_FIELDS
+from solvers.study.markdown_tables import markdown_table
 from solvers.untrusted.quoting import FileError, code_span, escape_markdown, file_name
 
 if TYPE_CHECKING:
@@ -50,51 +58,52 @@ class Judge(SceneFlags):
     EXAMPLE: ClassVar[str] = "mpm-lab judge {problem} mine.csv --cells 40 --out verdict"
     LEFT_OUT: ClassVar[frozenset[str]] = METHOD_FIELDS - {"dt", "cfl"}
 
-    files: Annotated[flags.FilesFlag, tyro.conf.Positional, tyro.conf.arg(metavar="FILES")] = ()
+    files: Annotated[lenient_flag_types.FilesFlag, tyro.conf.Positional, tyro.conf.arg(metavar="FILES")] = ()
     """Files of particles."""
-    time: Annotated[flags.NamesFlag, flags.default_hint("the files say it")] = ()
+    time: Annotated[lenient_flag_types.NamesFlag, lenient_flag_types.default_hint("the files say it")] = ()
     """Time of each file, s, in their order, where they do not say it."""
-    out: Annotated[flags.PathFlag, flags.default_hint("the summary is printed only")] = None
+    out: Annotated[lenient_flag_types.PathFlag, lenient_flag_types.default_hint("the summary is printed only")] = None
     """Directory for report.md, report.html, report.json and pictures; it must be new or empty."""
-    no_compare: Annotated[flags.Switch, flags.default_hint("off")] = False
+    no_compare: Annotated[lenient_flag_types.Switch, lenient_flag_types.default_hint("off")] = False
     """Run none of our own methods on the same grid beside."""
-    expect: flags.ClaimsFlag = ()
+    expect: lenient_flag_types.ClaimsFlag = ()
     """A claim such as "order.x in 1.8..2.3" or "error.x.max < 1e-3"; one that does not hold is exit status 1."""
-    quiet: Annotated[flags.Switch, flags.default_hint("off")] = False
+    quiet: Annotated[lenient_flag_types.Switch, lenient_flag_types.default_hint("off")] = False
     """No progress bar and no summary on standard output."""
 
     def execute(self) -> int:
         EXPECTABLE.validate_claims(self.expect)
-        times = flags.parse_file_times(self.files, self.time)
+        times = lenient_flag_types.parse_file_times(self.files, self.time)
         cells = self._cells()
         scene, *_ = (self.scene(cells=count) for count in cells)  # each validates itself
-        folder = None if self.out is None else Folder(self.out)
+        folder = None if self.out is None else OutputFolder(self.out)
         try:
             with show_progress(self.quiet) as show:
                 from solvers import judge  # here: bad input must not wait for it
                 judged = judge(scene, self.files, cells=cells, times=times, compare=not self.no_compare,
                                on_progress=show)
         except FileError as error:
-            raise flags.BadInput("", error.file, error.sentence) from None
+            raise lenient_flag_types.BadInput("", error.file, error.sentence) from None
         return self._write_reports(folder, judged)
 
     def _cells(self) -> list[Any]:
         """Returns the numbers of cells, one for all files or one for each; raises BadInput for another count."""
         given = self.inputs()["cells"]
         words = given.replace(",", " ").split() if isinstance(given, str) else []
-        cells = [flags.parse_number_or_text([word]) for word in words] or [given]
+        cells = [lenient_flag_types.parse_number_or_text([word]) for word in words] or [given]
         if len(cells) > 1 and len(cells) != len(self.files):
-            raise flags.BadInput("cells", given, f"gives {len(cells)} grids for {len(self.files)} files; give one "
+            raise lenient_flag_types.BadInput("cells", given,
+                                              f"gives {len(cells)} grids for {len(self.files)} files; give one "
                                                  "number for all or one for each")
         return cells
 
-    def _write_reports(self, folder: Folder | None, judged: Any) -> int:
+    def _write_reports(self, folder: OutputFolder | None, judged: Any) -> int:
         """Writes the summary, the reports if there is a folder, and whether claims hold; returns the exit status."""
         values, status = judged.to_dict(), 0
         if not self.quiet:
             put_text(judgement_text(values, judged) + "\n")
         if folder is not None:
-            from app.pictures.judge import FIGURES
+            from app.pictures.judgement_and_check import FIGURES
             status = put_report(folder, values, judged, FIGURES, lambda drawn: as_markdown(values, judged, drawn))
         grids = grid_values_for_claims(values)
         return max(status, EXPECTABLE.report_claims(self.expect, grids, "cells" if len(grids) > 1 else ""))

@@ -7,14 +7,14 @@ from typing import Annotated, Any, ClassVar
 
 import numpy as np
 
-from app.commands.flags import BadInput, NamesFlag, PathFlag, default_hint, parse_times
-from app.commands.output import Folder, json_text, print_message
+from app.commands.lenient_flag_types import BadInput, NamesFlag, PathFlag, default_hint, parse_times
+from app.commands.output import OutputFolder, json_text, print_message
 from app.commands.scene_flags import SceneFlags
+from app.names_and_units import per_cell
 from app.templates import render_template
-from app.words import per_cell
 from solvers.judging.column_names import output_column_names
 from solvers.problems import PROBLEMS
-from solvers.problems.reference import METHOD_FIELDS, Texts
+from solvers.problems.judging_reference import METHOD_FIELDS, ProblemDescription
 from solvers.scene.scene import Scene
 from solvers.scene.validation import field_key
 from solvers.untrusted.size_limits import LIMITS
@@ -51,7 +51,7 @@ class ProblemCommand(SceneFlags):
         if len(times) > LIMITS.times or len(times) * scene.particles > LIMITS.rows:
             raise BadInput("times", f"{len(times)} times", f"make {len(times) * scene.particles:,} rows; at most "
                            f"{LIMITS.rows:,} are allowed, of at most {LIMITS.times:,} times")
-        folder = Folder(self.out)
+        folder = OutputFolder(self.out)
         for name, content in _handout_files(scene, times).items():
             folder.write_file(name, content)
         print_message(f"{folder.text}: begin with problem.md")
@@ -85,7 +85,7 @@ def _pad_to_3d(vectors: np.ndarray) -> np.ndarray:
     return np.pad(vectors, ((0, 0), (0, 3 - vectors.shape[1])))
 
 
-def problem_page(scene: Scene, texts: Texts, times: Sequence[float], solution: str) -> str:
+def problem_page(scene: Scene, texts: ProblemDescription, times: Sequence[float], solution: str) -> str:
     """Returns a Markdown page on the problem, its files (the ``solution``'s at ``times``, s), and judging."""
     columns = {key: ", ".join(f"`{name}`" for name in output_column_names(key, scene.DIMENSIONS))
                for key in ("X", "x", "v", "F", "sigma")}

@@ -8,13 +8,13 @@ from typing import Annotated, ClassVar
 import numpy as np
 import tyro
 
-from app import state
-from app.commands.flags import BadInput, PathFlag, Switch, TextFlag, default_hint
-from app.commands.output import Target, json_target, print_message, put_result
+from app import shareable_state
+from app.commands.lenient_flag_types import BadInput, PathFlag, Switch, TextFlag, default_hint
+from app.commands.output import OutputTarget, json_target, print_message, put_result
 from app.commands.progress import show_progress
-from app.commands.run.text import goal_table, run_table
+from app.commands.run.text_summary import goal_table, run_table
 from app.commands.scene_flags import SceneFlags
-from solvers.judging.frames import Frame
+from solvers.judging.particle_data_types import Frame
 from solvers.running.quantities_of_interest import parse_goals
 from solvers.running.result import Result
 from solvers.scene.scene import Scene
@@ -41,7 +41,7 @@ class ParticleWriter:
             raise BadInput("particles", text, f"would hold {rows:,} particles of {samples:,} samples; at most {most:,} "
                                               f"of {LIMITS.times:,} are allowed, as the judge reads them: sample more "
                                               "rarely with --sample-every")
-        self._target, self._scene = Target("particles", text), scene
+        self._target, self._scene = OutputTarget("particles", text), scene
         self._frames: list[Frame] = []
 
     def add(self, shot: Snapshot) -> None:
@@ -84,7 +84,7 @@ class OutputFlags:
         """Runs a scene, writes the output and returns the exit status, 0, 1 or 3. Files are checked before the run."""
         parse_goals(scene, self.goal)
         target = json_target(self.json)
-        picture = None if self.plot is None else Target("plot", self.plot, ending=".png")
+        picture = None if self.plot is None else OutputTarget("plot", self.plot, ending=".png")
         if target and picture and target.path == picture.path:
             raise BadInput("plot", self.plot, "is the file of --json too; give each its own")
         writer = None if self.particles is None else ParticleWriter(self.particles, scene)
@@ -121,7 +121,7 @@ class Run(OutputFlags, SceneFlags):
 
 
 @dataclass(frozen=True, kw_only=True)
-class RunSceneText(OutputFlags):
+class RunFromSceneText(OutputFlags):
     """Run a scene that is given as a text, as a link to the page or a lesson has it.
 
     Such as "bar;method=mpm;cells=80"; what it says of the view and of a pinned run is left aside. Exit status: 0 ok,
@@ -135,8 +135,8 @@ class RunSceneText(OutputFlags):
 
     def execute(self) -> int:
         try:
-            scene = state.parse_state(self.text.rpartition("#")[2]).scene  # a complete link is accepted too
-        except state.StateError as error:
+            scene = shareable_state.parse_state(self.text.rpartition("#")[2]).scene  # a complete link is accepted too
+        except shareable_state.StateError as error:
             raise BadInput("scene", self.text, str(error)) from None
         return self.run_and_write(scene)
 
@@ -147,10 +147,10 @@ def _run(scene: Scene, quiet: bool, writer: ParticleWriter | None, goals: Sequen
         return run(scene, on_progress=show, prices=True, on_sample=writer.add if writer else None, goals=goals)
 
 
-def _draw(result: Result, target: Target) -> bool:
+def _draw(result: Result, target: OutputTarget) -> bool:
     """Draws a run and writes it to the target as .png; prints a failure and returns False instead of raising it."""
     try:
-        from app.pictures.run import png_bytes, run_figure
+        from app.pictures.run_errors import png_bytes, run_figure
         target.write(png_bytes(run_figure(result)))
     except Exception as error:
         print_message(f"--plot {target.text}: the picture failed ({type(error).__name__}: {error}); the run is fine")

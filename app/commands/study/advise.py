@@ -8,15 +8,15 @@ import time
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 
-from app.commands import flags
+from app.commands import lenient_flag_types
 from app.commands.output import json_target, print_message, put_result
 from app.commands.progress import record_interrupts, stdout_to_stderr
-from app.words import command_line, per_cell
+from app.names_and_units import command_line, per_cell
 from solvers.scene.scene import Scene
 from solvers.scene.validation import require_choice, require_number
 from solvers.solver.error_series import finite_or_none
 from solvers.solver.samples import QUANTITIES
-from solvers.study.background_jobs import COURANT_NUMBERS, PARTICLES_PER_CELL
+from solvers.study.sweep_and_search_worker import COURANT_NUMBERS, PARTICLES_PER_CELL
 
 if TYPE_CHECKING:
     from solvers.study.advise import Advice
@@ -36,13 +36,13 @@ class Advise:
     EXAMPLE: ClassVar[str] = "mpm-lab advise {problem} --tolerance 1e-3"
     SCENE: ClassVar[type[Scene]]
 
-    tolerance: Annotated[flags.RealFlag, flags.default_hint("required")] = None
+    tolerance: Annotated[lenient_flag_types.RealFlag, lenient_flag_types.default_hint("required")] = None
     """Largest RMS error that is allowed at any time of the run."""
     relative: bool = True
     """Whether the tolerance is a part of the quantity's own size (of A for x) or in its unit."""
-    quantity: Annotated[Any, flags.several_of(QUANTITIES)] = ("x",)
+    quantity: Annotated[Any, lenient_flag_types.several_of(QUANTITIES)] = ("x",)
     """What the tolerance is about: position, velocity, stress or acceleration."""
-    budget: flags.RealFlag = 60.0
+    budget: lenient_flag_types.RealFlag = 60.0
     """Longest run that may be recommended, s."""
     method: Any = ()
     ppc: Any = ()
@@ -53,19 +53,20 @@ class Advise:
     t_end: Any = None
     periods: Any = None
     body_force: Any = None
-    json: Annotated[flags.PathFlag, flags.default_hint("a text is printed instead")] = None
+    json: Annotated[lenient_flag_types.PathFlag, lenient_flag_types.default_hint("a text is printed instead")] = None
     """File for the advice as a JSON object; - is standard output."""
-    quiet: Annotated[flags.Switch, flags.default_hint("off")] = False
+    quiet: Annotated[lenient_flag_types.Switch, lenient_flag_types.default_hint("off")] = False
     """Nothing on standard error about the runs that are made."""
 
     def execute(self) -> int:
         physics = ("amplitude", "modulus", "density", "t_end", "periods", "body_force")
         base = self.SCENE(**{name: getattr(self, name) for name in physics}, estimators=(), effects=())
         if len(self.quantity) != 1 or self.quantity[0] not in QUANTITIES:
-            raise flags.BadInput("quantity", " ".join(self.quantity), f"give one of {', '.join(QUANTITIES)}")
+            raise lenient_flag_types.BadInput("quantity", " ".join(self.quantity),
+                                              f"give one of {', '.join(QUANTITIES)}")
         quantity = self.quantity[0]
         if self.tolerance is None:
-            raise flags.BadInput("tolerance", "", "give the error that is allowed, for example 1e-3")
+            raise lenient_flag_types.BadInput("tolerance", "", "give the error that is allowed, for example 1e-3")
         require_number("tolerance", self.tolerance, 0, math.inf)
         require_number("budget", self.budget, 0, math.inf)
         tolerance = self.tolerance * (base.size_of(quantity) if self.relative else 1.0)  # in the quantity's unit
@@ -81,7 +82,7 @@ class Advise:
 
     def _search(self, base: Scene, quantity: str, tolerance: float, check_interrupts) -> Advice:
         """Returns the advice for a tolerance in the quantity's unit; ``check_interrupts`` raises a recorded Ctrl-C."""
-        from solvers.study.advise import Goal, advise, refinement_families
+        from solvers.study.advise import SearchGoal, advise, refinement_families
 
         def report_run(looks: int, certain: int, scene: Scene) -> None:
             check_interrupts()
@@ -94,11 +95,11 @@ class Advise:
         methods = [pair for pair in self.SCENE.candidates() if not self.method or pair[0] in self.method]
         choices = refinement_families(base, methods, self._numbers("ppc", self.ppc, PARTICLES_PER_CELL),
                                       self._numbers("cfl", self.cfl, COURANT_NUMBERS), quantity)
-        return advise(choices, Goal(quantity, tolerance, self.budget), report_run)
+        return advise(choices, SearchGoal(quantity, tolerance, self.budget), report_run)
 
     def _numbers(self, flag: str, words: tuple[str, ...], default: tuple[Any, ...]) -> tuple[Any, ...]:
         """Returns a flag's words as numbers, the default if there are none; raises SceneError for invalid ones."""
-        parse = flags.parse_float_or_text if flag == "cfl" else flags.parse_number_or_text
+        parse = lenient_flag_types.parse_float_or_text if flag == "cfl" else lenient_flag_types.parse_number_or_text
         numbers = tuple(parse([word]) for word in words)
         for value in numbers:
             self.SCENE(**{flag: value})  # says what is wrong with it
@@ -109,9 +110,10 @@ def search_flags(scene: type[Scene]) -> dict[str, Any]:
     """Returns the types of the flags, by field, that take several values to search instead of one."""
     preserving = "; uGIMP with and without linearity preservation" * (("ugimp", True) in scene.candidates())
     per_cell_help = scene.__dataclass_fields__["ppc"].metadata["help"]
-    return {"method": flags.choices_of(scene.choices("method"), "all", f"Methods to choose from{preserving}."),
-            "ppc": flags.choices_of(("N",), _join(PARTICLES_PER_CELL), f"{per_cell_help} to choose from."),
-            "cfl": flags.choices_of(("X",), _join(COURANT_NUMBERS),
+    return {"method": lenient_flag_types.choices_of(scene.choices("method"), "all",
+                                                    f"Methods to choose from{preserving}."),
+            "ppc": lenient_flag_types.choices_of(("N",), _join(PARTICLES_PER_CELL), f"{per_cell_help} to choose from."),
+            "cfl": lenient_flag_types.choices_of(("X",), _join(COURANT_NUMBERS),
                                     "Lengths of the time step, dt c/h, to choose from.")}
 
 

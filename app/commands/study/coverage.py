@@ -4,13 +4,13 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import ClassVar
 
-from app.commands.flags import NumberFlag, ProcessesFlag
+from app.commands.lenient_flag_types import NumberFlag, ProcessesFlag
 from app.commands.output import json_text
 from app.commands.study.study_command import StudyFlags
 from solvers.scene.scene import Scene
 from solvers.scene.validation import require_whole
-from solvers.study.coverage.coverage_counts import tally
-from solvers.study.coverage.coverage_tables import coverage_summary
+from solvers.study.coverage.estimate_coverage_counts import tally
+from solvers.study.coverage.estimate_coverage_tables import coverage_summary
 from solvers.study.coverage.random_runs import IDENTITY, MEASURED, RandomRun, failed_row
 from solvers.study.parameter_grid import MOST_ROWS
 from solvers.study.row import FAILED

@@ -6,8 +6,8 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 
-from app.commands.flags import BadInput, NumberFlag, PathFlag, Switch, TextFlag, default_hint
-from app.commands.output import Target, draw_pictures, print_message, put_text, report_write_errors
+from app.commands.lenient_flag_types import BadInput, NumberFlag, PathFlag, Switch, TextFlag, default_hint
+from app.commands.output import OutputTarget, draw_pictures, print_message, put_text, report_write_errors
 from solvers.scene.scene import Scene
 from solvers.scene.validation import require_whole
 from solvers.solver.soundness import LOST, OK, UNSTABLE
@@ -103,7 +103,7 @@ class Study:
         return status
 
     def _write_file(self, name: str, content: bytes) -> None:
-        Target("out", f"{self.out.rstrip('/')}/{name}").write(content)
+        OutputTarget("out", f"{self.out.rstrip('/')}/{name}").write(content)
 
     def _worker_count(self) -> int:
         """Returns the number of local processes: the one given, or one if rows are timed, else one per processor."""

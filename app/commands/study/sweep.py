@@ -5,12 +5,12 @@ from dataclasses import dataclass, fields
 from typing import Annotated, Any, ClassVar, get_args, get_type_hints
 
 from app import __version__
-from app.commands.flags import NumberFlag, Switch, default_hint
+from app.commands.lenient_flag_types import NumberFlag, Switch, default_hint
 from app.commands.output import json_text
 from app.commands.scene_flags import SceneFlags
 from app.commands.study.study_command import StudyFlags
 from solvers.scene.validation import require_whole
-from solvers.study import summary as table
+from solvers.study import csv_and_markdown_summary as table
 from solvers.study.parameter_grid import Task, plan_tasks
 
 
@@ -42,7 +42,7 @@ class Sweep(StudyFlags, SceneFlags):
                           version=__version__)
 
     def write_tables(self, rows: list[dict]) -> int:
-        from app.pictures.study import FIGURES
+        from app.pictures.cost_and_convergence import FIGURES
 
         problem = self.SCENE.problem
         return self.write(FIGURES, rows, lambda drawn: {

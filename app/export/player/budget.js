@@ -1,4 +1,4 @@
-// Who made the error: parts of it stacked over time, as app/frame/budget_chart.py has them, and each cause's share over the run.
+// Who made the error: parts of it stacked over time, as app/frame/budget_chart_data.py has them, and each cause's share over the run.
 
 const made = document.getElementById("made"), {causes: CAUSES, fields: FIELDS, units: FIELD_UNITS, seen: PART_SEEN} = DATA.budget;
 

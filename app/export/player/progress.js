@@ -93,7 +93,7 @@ function shown(question, answer) {
   return question.kind === "text" ? answer : inUnit(answer, question.unit);
 }
 
-// A value in words, as app/lessons/answer_check.py has it.
+// A value in words, as app/lessons/answer_marking.py has it.
 function inUnit(value, unit) {
   return LESSON.bare.includes(unit) ? withUnit(value, unit, LESSON.digits) : `${number(value, LESSON.digits)} ${unit}`.trim();
 }

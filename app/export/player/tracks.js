@@ -1,4 +1,4 @@
-// Recordings: from the text in the page to tracks of numbers. app/export/quantise.py says how they are written.
+// Recordings: from the text in the page to tracks of numbers. app/export/recording_compression.py says how they are written.
 
 const KEPT = 12;  // recordings that stay unpacked
 const unpacked = new Map();

@@ -1,7 +1,7 @@
 // What the file says, in its language: words of the scripts stand in them in English. A text may have places, {name}.
 const tr = (text, values = {}) => fill(DATA.words[text] || text, values);
 
-// Numbers as they go into a sentence: to the letter the forms of app/words.py, with the limits that it gives.
+// Numbers as they go into a sentence: to the letter the forms of app/names_and_units.py, with the limits that it gives.
 
 const {prefixes: PREFIXES, superscripts: SUPERSCRIPTS, ratios: PLAIN_RATIOS, percents: PERCENTS, powers: PLAIN_POWERS, nothing: NOTHING} = DATA.formats;
 

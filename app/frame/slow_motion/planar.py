@@ -7,7 +7,7 @@ from app.frame.primitives import Colour, StageMetrics
 from app.frame.slow_motion.stage import DOMAINS, FRONT, OTHERS, SlowMotionStage, averaged_hat
 from solvers.problems.planar.particle_layout import CORNERS
 from solvers.scene.scene import Scene
-from solvers.solver.step_breakdown import StepBreakdown
+from solvers.solver.particle_step_breakdown import ParticleStepBreakdown
 
 AROUND = 0.75  # cells shown around the nodes
 HEIGHT = 0.13  # height of a shape function of one, as a share of the picture
@@ -23,7 +23,7 @@ class PlanarSlowMotionStage(SlowMotionStage):
     def _split_text_and_picture(self, metrics: StageMetrics) -> tuple[float, Rectangle]:
         return BESIDE, (BESIDE + 0.03, 1.0, 0.0, metrics.high)
 
-    def _fit_step_in_picture(self, a: StepBreakdown) -> None:
+    def _fit_step_in_picture(self, a: ParticleStepBreakdown) -> None:
         x = np.concatenate([a.nodes, a.place[:1]])
         low, high = x.min(axis=0) - AROUND * a.spacing, x.max(axis=0) + AROUND * a.spacing
         x0, x1, y0, y1 = self._picture
@@ -43,7 +43,7 @@ class PlanarSlowMotionStage(SlowMotionStage):
         corners = x[:, None] + np.einsum("ce,ked->kcd", 2 * np.array(CORNERS), edges)
         self._sketch.outline(self._to_stage(corners), colour, thickness)
 
-    def _draw_cells(self, a: StepBreakdown) -> None:
+    def _draw_cells(self, a: ParticleStepBreakdown) -> None:
         for axis in range(2):
             h, low, high = a.spacing, self._low[axis], self._high[axis]
             at = h * np.arange(np.ceil(low / h), np.floor(high / h) + 1)
@@ -53,7 +53,7 @@ class PlanarSlowMotionStage(SlowMotionStage):
             starts, stops = self._to_stage(ends)
             self._sketch.line(starts, stops, DOMAINS)
 
-    def _draw_shape_functions(self, scene: Scene, a: StepBreakdown, s: float) -> None:
+    def _draw_shape_functions(self, scene: Scene, a: ParticleStepBreakdown, s: float) -> None:
         """Draws a node's weight as the product of a function of x and one of y, ``s`` times as high as its value; for
         CPDI read at the corners of the particle's domain, otherwise at the particle."""
         cpdi = scene.method == "cpdi"

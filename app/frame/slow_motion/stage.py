@@ -11,7 +11,7 @@ from app.frame.slow_motion.sketch import SIZES, Sketch
 from app.frame.slow_motion.step_phases import PHASES, format_scaled
 from app.language.translation import tr
 from solvers.scene.scene import Scene
-from solvers.solver.step_breakdown import StepBreakdown
+from solvers.solver.particle_step_breakdown import ParticleStepBreakdown
 
 #: Colours: the selected particle, the others, their domains, internal and body forces, nodes.
 FRONT, OTHERS, DOMAINS = (0, 158, 115), (120, 127, 136), (205, 210, 216)
@@ -48,7 +48,7 @@ class SlowMotionStage(ABC):
         self._stage_metrics = replace(metrics, high=min(max(metrics.high, HIGH[0]), HIGH[1]))
         self._words, self._picture = self._split_text_and_picture(self._stage_metrics)
 
-    def draw(self, scene: Scene, a: StepBreakdown, phase: int, s: float) -> None:
+    def draw(self, scene: Scene, a: ParticleStepBreakdown, phase: int, s: float) -> None:
         """Draws one phase, with an index into ``PHASES``, of the step ``a`` of a scene's run, at the progress ``s``
         from 0 at the beginning of the phase to 1 at its end."""
         self._lay_out()
@@ -83,12 +83,12 @@ class SlowMotionStage(ABC):
         self._sketch.text(0.0, 0.0, caption, "bottom-left", CAPTION)
         self.sheet.show_marks(*self._sketch.marks())
 
-    def _draw_functions_phase(self, scene: Scene, a: StepBreakdown, s: float) -> None:
+    def _draw_functions_phase(self, scene: Scene, a: ParticleStepBreakdown, s: float) -> None:
         self._draw_shape_functions(scene, a, s)
         self._draw_weight_lines(a, FRONT, s)
         self._legend.append(tr("green: the particle; its lines to nodes are as thick as the weight"))
 
-    def _draw_particles_to_nodes(self, _: Scene, a: StepBreakdown, s: float) -> None:
+    def _draw_particles_to_nodes(self, _: Scene, a: ParticleStepBreakdown, s: float) -> None:
         """Draws parcels on their way from particles to nodes, whose squares grow; the selected particle's are green."""
         self._draw_weight_lines(a, FRONT, 1.0)
         self._draw_parcels(a, s, slice(None))
@@ -103,14 +103,14 @@ class SlowMotionStage(ABC):
         self._legend.append(tr("squares: mass of the nodes (green: from the particle); arrows: v of particles, "
                                "momentum"))
 
-    def _draw_forces(self, _: Scene, a: StepBreakdown, s: float) -> None:
+    def _draw_forces(self, _: Scene, a: ParticleStepBreakdown, s: float) -> None:
         self._draw_weight_lines(a, FRONT, 1.0)
         both = np.concatenate([a.internal_force, a.body_force])
         self._draw_arrows(self._nodes, s * a.internal_force, STRESS, both, 3.5)
         self._draw_arrows(self._nodes - 0.05 * self._scale * self._aside, s * a.body_force, BODY, both, 3.5)
         self._legend.append(tr("orange: force of stress; blue: body force"))
 
-    def _draw_velocities(self, _: Scene, a: StepBreakdown, s: float) -> None:
+    def _draw_velocities(self, _: Scene, a: ParticleStepBreakdown, s: float) -> None:
         """Draws velocities, and their changes on a larger scale of their own."""
         old, gained = a.before_velocity, a.velocity - a.before_velocity
         factor = _round(np.abs(a.velocity).max() / max(np.abs(gained).max(), 1e-300))
@@ -119,7 +119,7 @@ class SlowMotionStage(ABC):
         self._draw_arrows(self._nodes - 0.07 * self._scale * self._aside, s * gained, STRESS, gained, 3.5)
         self._legend.append(tr("grey: old v; black: new v; orange: what is gained, drawn × {factor:g}", factor=factor))
 
-    def _draw_nodes_to_particles(self, _: Scene, a: StepBreakdown, s: float) -> None:
+    def _draw_nodes_to_particles(self, _: Scene, a: ParticleStepBreakdown, s: float) -> None:
         """Draws parcels on their way back in the first half of the phase, moving particles in the second."""
         self._draw_weight_lines(a, FRONT, 1.0)
         self._draw_arrows(self._nodes, a.velocity, NODE)
@@ -132,7 +132,7 @@ class SlowMotionStage(ABC):
             self._sketch.dots(start[seen], DOMAINS, 1)
         self._legend.append(tr("black: new v of the nodes"))
 
-    def _draw_strain(self, _: Scene, a: StepBreakdown, s: float) -> None:
+    def _draw_strain(self, _: Scene, a: ParticleStepBreakdown, s: float) -> None:
         """Draws the selected particle's domain as it deforms, magnified."""
         self._draw_weight_lines(a, FRONT, 1.0)
         self._draw_arrows(self._nodes, a.velocity, NODE)
@@ -145,12 +145,12 @@ class SlowMotionStage(ABC):
         self._legend.append(tr("outline: the particle's material before and after, its strain in this step × "
                                "{factor:g}", factor=factor))
 
-    def _draw_weight_lines(self, a: StepBreakdown, colour: Colour, s: float) -> None:
+    def _draw_weight_lines(self, a: ParticleStepBreakdown, colour: Colour, s: float) -> None:
         """Draws lines, as thick as the weights, from the selected particle along ``s`` of the way to its nodes."""
         start = np.broadcast_to(self._spots[:1], self._nodes.shape)
         self._sketch.line(start, start + s * (self._nodes - start), colour, THICKEST * a.links.weight[0])
 
-    def _draw_parcels(self, a: StepBreakdown, s: float, members: slice) -> None:
+    def _draw_parcels(self, a: ParticleStepBreakdown, s: float, members: slice) -> None:
         """Draws parcels, ``s`` of their way from the particles ``members`` to nodes with a nonzero weight."""
         k, n = np.nonzero(a.links.weight[members])
         start, end = self._picture_entry_points(self._spots[k], self._nodes[n]), self._nodes[n]
@@ -169,7 +169,7 @@ class SlowMotionStage(ABC):
         if most > 0:
             self._sketch.arrow(at, LONGEST * self._scale / most * self._stage_vectors(vectors), colour, thickness)
 
-    def _write_node_numbers(self, a: StepBreakdown, phase: int) -> None:
+    def _write_node_numbers(self, a: ParticleStepBreakdown, phase: int) -> None:
         """Writes the solver's numbers of a phase (its index) beside each node, on the side away from its arrows."""
         shown = PHASES[phase].columns[:PHASES[phase].drawn]
         digits = DIGITS[a.nodes.shape[1]]
@@ -233,7 +233,7 @@ class SlowMotionStage(ABC):
         stage coordinates."""
 
     @abstractmethod
-    def _fit_step_in_picture(self, a: StepBreakdown) -> None:
+    def _fit_step_in_picture(self, a: ParticleStepBreakdown) -> None:
         """Sets ``_per_metre``, the stage length of a metre, and the picture's position so that all of it is visible."""
 
     @abstractmethod
@@ -254,11 +254,11 @@ class SlowMotionStage(ABC):
         thickness is in pixels."""
 
     @abstractmethod
-    def _draw_cells(self, a: StepBreakdown) -> None:
+    def _draw_cells(self, a: ParticleStepBreakdown) -> None:
         """Draws the edges of the cells around the selected particle."""
 
     @abstractmethod
-    def _draw_shape_functions(self, scene: Scene, a: StepBreakdown, s: float) -> None:
+    def _draw_shape_functions(self, scene: Scene, a: ParticleStepBreakdown, s: float) -> None:
         """Draws the shape functions of the selected particle's nodes, ``s`` times as high as their values."""
 
 

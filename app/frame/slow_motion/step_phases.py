@@ -7,10 +7,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from app.language.translation import lazy, tr
-from app.words import PREFIXES
+from app.names_and_units import PREFIXES
 from solvers.scene.scene import Scene
 from solvers.scene.stabilisations import PIECES
-from solvers.solver.step_breakdown import StepBreakdown
+from solvers.solver.particle_step_breakdown import ParticleStepBreakdown
 
 #: Explanation of a node's weight, by method.
 WEIGHT = {"mpm": lazy("weight S = the node's hat function at the particle"),
@@ -47,7 +47,7 @@ class NodalQuantity:
 
     name: str
     unit: str
-    values: Callable[[StepBreakdown], np.ndarray]
+    values: Callable[[ParticleStepBreakdown], np.ndarray]
     scale: float = 1.0
 
 
@@ -72,7 +72,7 @@ class Phase:
     words: Callable[[Scene], str]
     columns: tuple[NodalQuantity, ...]
     drawn: int
-    front: Callable[[Scene, StepBreakdown], list[str]]
+    front: Callable[[Scene, ParticleStepBreakdown], list[str]]
 
 
 def _force_equation(scene: Scene) -> str:
@@ -92,20 +92,20 @@ def _stress_equation(scene: Scene) -> str:
     return tr("F grows by time step × sum of slope × new v of the nodes × F; stress follows from the new F")
 
 
-def _state_lines(_: Scene, a: StepBreakdown) -> list[str]:
+def _state_lines(_: Scene, a: ParticleStepBreakdown) -> list[str]:
     here = a.before
     return [f"x = {format_amount(here.position[0], 'm')}, v = {format_amount(here.velocity[0], 'm/s')}",
             tr("mass {mass}, stress {stress}", mass=format_amount(1000 * a.mass[:1], "g"),
                stress=_format_tensor(here.stress[0]))]
 
 
-def _to_nodes_lines(_: Scene, a: StepBreakdown) -> list[str]:
+def _to_nodes_lines(_: Scene, a: ParticleStepBreakdown) -> list[str]:
     momentum = a.mass[0] * a.before.velocity[0]
     return [tr("each node gets its weight × mass {mass}, and × momentum {momentum}",
                mass=format_amount(1000 * a.mass[:1], "g"), momentum=format_amount(momentum, "N s"))]
 
 
-def _force_lines(scene: Scene, a: StepBreakdown) -> list[str]:
+def _force_lines(scene: Scene, a: ParticleStepBreakdown) -> list[str]:
     if PIECES in scene.remedies:
         return [tr("stress {stress}, the same in the whole piece", stress=_format_tensor(a.before.stress[0]))]
     if scene.frozen:
@@ -114,7 +114,7 @@ def _force_lines(scene: Scene, a: StepBreakdown) -> list[str]:
     return [tr("volume × stress {tension}", tension=_format_tensor(a.tension[0], "N m"))]
 
 
-def _to_particles_lines(_: Scene, a: StepBreakdown) -> list[str]:
+def _to_particles_lines(_: Scene, a: ParticleStepBreakdown) -> list[str]:
     before, after = a.before, a.after
     lines = [f"v = {format_change(before.velocity[0], after.velocity[0], 'm/s')}",
              f"x = {format_change(before.position[0], after.position[0], 'm')}"]
@@ -124,7 +124,7 @@ def _to_particles_lines(_: Scene, a: StepBreakdown) -> list[str]:
     return lines
 
 
-def _strain_lines(_: Scene, a: StepBreakdown) -> list[str]:
+def _strain_lines(_: Scene, a: ParticleStepBreakdown) -> list[str]:
     before, after = a.before, a.after
     return [f"F {_format_tensor(before.deformation_gradient[0], '', True, after.deformation_gradient[0])}",
             tr("stress {stress}", stress=_format_tensor(before.stress[0], "Pa", False, after.stress[0]))]

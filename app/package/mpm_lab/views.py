@@ -8,7 +8,7 @@ from mpm_lab import import_own_package
 def plot(result: Any) -> Any:
     """Returns the picture of a run's Result, a matplotlib figure."""
     import_own_package("app")
-    from app.notebook.result import result_picture
+    from app.notebook.result_display import result_picture
 
     return result_picture(result)
 
@@ -16,6 +16,6 @@ def plot(result: Any) -> Any:
 def table(result: Any) -> str:
     """Returns the table of a run's Result, as HTML."""
     import_own_package("app")
-    from app.notebook.result import result_table
+    from app.notebook.result_display import result_table
 
     return result_table(result)

@@ -1,7 +1,7 @@
 """The features of a page, in the order in which they are built, get the keyboard's focus and may take the stage."""
 
 from app.page.feature import Feature
-from app.page.features.board.panel import LecturerBoardPanel
+from app.page.features.board.lecturer_panel import LecturerBoardPanel
 from app.page.features.budget.panel import BudgetPanel
 from app.page.features.cost.panel import CostTab
 from app.page.features.lesson.panel import LessonPlayer

@@ -8,15 +8,15 @@ from typing import Any
 import numpy as np
 import viser
 
-from app import state
-from app.frame.headline import Headline
+from app import shareable_state
+from app.frame.headline import HeadlineWithFacts
 from app.language.translation import tr, trn
-from app.page.feature import Feature, PageView
+from app.names_and_units import METHODS, per_cent, with_unit
+from app.page.feature import Feature, VisiblePageState
 from app.page.page_context import PageContext
 from app.page.visit.pinned_run import PinnedRun
 from app.page.visit.recent_frames import Frame
-from app.page.visit.session import Session
-from app.words import METHODS, per_cent, with_unit
+from app.page.visit.run_session import RunSession
 from solvers.engine.engine_messages import FrameReport
 from solvers.engine.shared_frames import FrameArrays
 from solvers.solver import samples
@@ -30,7 +30,7 @@ WIDE = 1.0 + 1e-6  # cells from a particle that has crossed within which errors 
 #: First state without a link: hat functions beside B-splines, slowly, for the quarter of a
 #: period in which the first particles change their cell and the stress is wrong there; then it stops. At larger
 #: amplitudes, where all cross repeatedly, those that crossed err no more than the others.
-OPENING = state.parse_state(
+OPENING = shareable_state.parse_state(
     "bar;method=mpm;amplitude=0.0034;periods=0.25;estimators=recovered,companion;error-of=sigma;speed=0.0125;stops;"
     "pinned;method=bspline;amplitude=0.0034;periods=0.25;estimators=recovered,companion")
 
@@ -39,7 +39,7 @@ class OpeningTour(Feature):
     """One visitor's tour of the page: ``show_opening`` puts its first state on the stage, ``restore_speed`` ends its
     slow playback; ``story.js`` starts it. ``clock`` returns seconds."""
 
-    def __init__(self, gui: viser.GuiApi, session: Session, show_opening: Callable[[], None],
+    def __init__(self, gui: viser.GuiApi, session: RunSession, show_opening: Callable[[], None],
                  restore_speed: Callable[[], None], clock: Callable[[], float] = monotonic):
         self._session, self._clock, self._mark = session, clock, gui.add_html("")
         self._show_opening, self._restore_speed = show_opening, restore_speed
@@ -73,7 +73,7 @@ class OpeningTour(Feature):
         elif message == "skip" and self.beat:
             self._end()
 
-    def refresh(self, view: PageView) -> None:
+    def refresh(self, view: VisiblePageState) -> None:
         """Goes on to the tour's next step when it is time; ends the tour if anything else takes the stage."""
         session, report = self._session, self._session.report
         pinned, restarts = session.pinned.scene if session.pinned else None, session.playback_request_key[1]
@@ -99,13 +99,13 @@ class OpeningTour(Feature):
             self._end()
         self._show()
 
-    def headline(self, frame: Frame | None) -> Headline:
+    def headline(self, frame: Frame | None) -> HeadlineWithFacts:
         """Returns the headline of the tour's present step for a ``frame`` of the run; an empty one outside it."""
         if not self.beat or frame is None or frame[0].scene != OPENING.scene:
-            return Headline()
+            return HeadlineWithFacts()
         headline, facts, places = _beat_headline(self.beat, *frame, self._session.pinned)
-        said = Headline.from_template(headline, *facts, **places)
-        return Headline(said.headline, said.facts, ("beat", self.beat))
+        said = HeadlineWithFacts.from_template(headline, *facts, **places)
+        return HeadlineWithFacts(said.headline, said.facts, ("beat", self.beat))
 
     def _go(self, beat: int) -> None:
         self.beat, self._since = beat, self._clock()

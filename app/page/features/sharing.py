@@ -7,7 +7,7 @@ from urllib.parse import quote, urlsplit
 import segno
 import viser
 
-from app import state
+from app import shareable_state
 from app.language.translation import lazy, tr, translate_message
 from app.page.feature import Feature
 from app.page.page_context import PageContext
@@ -21,10 +21,10 @@ HERE = ("localhost", "127.0.0.1", "::1")
 OF_NO_USE = lazy("Only this computer can open this address, no phone can: serve with --host 0.0.0.0 for a class.")
 
 
-def state_link(shown: state.State, lesson: str) -> str:
+def state_link(shown: shareable_state.State, lesson: str) -> str:
     """Returns what follows the # in the page's address: the open lesson's name, if it is not "", and a state."""
     return ";".join(filter(None, [f"{LESSON}{quote(lesson)}" if lesson else "",
-                                  quote(state.write_state(shown), safe=SAFE)]))
+                                  quote(shareable_state.write_state(shown), safe=SAFE)]))
 
 
 def parse_link(text: str) -> tuple[str, str]:
@@ -62,8 +62,8 @@ class BrowserAddress:
                 page.lesson.open(name)
             try:
                 if text:
-                    page.controls.show(state.parse_state(text))
-            except state.StateError as error:
+                    page.controls.show(shareable_state.parse_state(text))
+            except shareable_state.StateError as error:
                 page.session.refuse(tr("The link cannot be followed: {reason}", reason=translate_message(str(error))))
 
 
@@ -92,7 +92,7 @@ class Sharing(Feature):
             if here and len(address) <= MOST_QR:
                 picture = segno.make(address, error="l").svg_inline(border=2, omitsize=True)
                 gui.add_html(f"<div class='lab-code'>{picture}</div>")
-            command = f"<code>mpm-lab run --scene '{escape(state.write_state(seen))}'</code>"
+            command = f"<code>mpm-lab run --scene '{escape(shareable_state.write_state(seen))}'</code>"
             gui.add_html(f"<div class='lab-code'><p>{escape(address)}</p>"
                          f"<p>{tr('Without a page: {command}', command=command)}</p></div>")
             close = gui.add_button(tr("Close"))

@@ -7,21 +7,21 @@ from html import escape
 
 import viser
 
-from app.frame.headline import Headline
+from app.frame.headline import HeadlineWithFacts
 from app.frame.layout import Rectangle
 from app.frame.primitives import StageMetrics
 from app.frame.slow_motion.stage import DIGITS, SlowMotionStage
 from app.frame.slow_motion.step_phases import PHASES, format_scaled
 from app.language.translation import lazy, tr, with_language
-from app.page.feature import Feature, PageView
+from app.page.feature import Feature, VisiblePageState
 from app.page.page_context import PageContext
 from app.page.panels.page_header import BARE, add_widget_marker
-from app.page.stage_source import FrameView, StageContent, StageSource, ViewChoice
+from app.page.stage_source import StageContent, StageFrame, StageSource, ViewChoice
 from app.problems.views import VIEWS
 from solvers.engine.engine_messages import FrameReport
 from solvers.scene.scene import Scene
+from solvers.solver.particle_step_breakdown import ParticleStepBreakdown
 from solvers.solver.soundness import UNSTABLE
-from solvers.solver.step_breakdown import StepBreakdown
 
 NO_BREAK = "\N{NO-BREAK SPACE}"
 TICK = 0.06  # seconds between two pictures
@@ -44,9 +44,9 @@ class SlowMotion(Feature):
         self._lock = threading.RLock()
         self._over = threading.Event()  # stops the thread that draws while the mode is on
         self._stages: dict[str, SlowMotionStage] = {}  # made when they are first needed
-        self._step: tuple[Scene, StepBreakdown] | None = None
+        self._step: tuple[Scene, ParticleStepBreakdown] | None = None
         self.on = self._walking = False
-        self.sentence = Headline()  # describes the stage while the mode is on
+        self.sentence = HeadlineWithFacts()  # describes the stage while the mode is on
         self._phase, self._s, self._seconds, self._asked = 0, 0.0, SECONDS[2], 0
         self._drawn: tuple[int, float, StageMetrics] | None = None  # phase, progress in it, and bounds
 
@@ -131,7 +131,7 @@ class SlowMotion(Feature):
     def leave_stage(self) -> None:
         self._switch(False)
 
-    def refresh(self, view: PageView) -> None:
+    def refresh(self, view: VisiblePageState) -> None:
         self._button.label = tr(NOT_SLOW if self.on else SLOW)
 
     def close(self) -> None:
@@ -166,7 +166,7 @@ class SlowMotion(Feature):
     def _leave(self) -> None:
         self.on = self._walking = self._box.value = False  # type: ignore[misc]
         self._over.set()
-        self._text.content, self.sentence = "", Headline()
+        self._text.content, self.sentence = "", HeadlineWithFacts()
         self._step = self._drawn = None
         for stage in self._stages.values():
             stage.sheet.visible = False
@@ -187,7 +187,7 @@ class SlowMotion(Feature):
             except Exception:  # one bad picture must not end the mode
                 logging.getLogger(__name__).exception("the step could not be drawn")
 
-    def _draw_next_tick(self, scene: Scene, step: StepBreakdown) -> None:
+    def _draw_next_tick(self, scene: Scene, step: ParticleStepBreakdown) -> None:
         """Draws the time ``step`` in its present phase, and goes on by a tick of 0.06 s."""
         stage = self._stages[scene.problem]
         now = self._phase, self._s, stage.sheet.stage_metrics
@@ -195,8 +195,9 @@ class SlowMotion(Feature):
             if self._drawn is None or self._phase != self._drawn[0]:
                 self._text.content = _phase_table_html(scene, step, self._phase)
                 phase = PHASES[self._phase]  # for the text above the stage
-                self.sentence = Headline.from_template(tr("{n} of {all}: {title}.", n=self._phase + 1, all=len(PHASES),
-                                                          title=tr(phase.title)), phase.words(scene))
+                self.sentence = HeadlineWithFacts.from_template(tr("{n} of {all}: {title}.", n=self._phase + 1,
+                                                                   all=len(PHASES), title=tr(phase.title)),
+                                                                phase.words(scene))
             along = min(1.0, self._s / MOVING)
             with self._client.atomic():
                 stage.draw(scene, step, self._phase, along * along * (3 - 2 * along))
@@ -230,12 +231,12 @@ class SlowMotionSource:
         sight = self._run.stage_content(choice)
         return sight and replace(sight, hidden=self._slow.stage_rectangle)
 
-    def sentence(self, choice: ViewChoice, picture: FrameView) -> Headline:
+    def sentence(self, choice: ViewChoice, picture: StageFrame) -> HeadlineWithFacts:
         said = self._run.sentence(choice, picture)
         return said and (self._slow.sentence or said)
 
 
-def _phase_table_html(scene: Scene, step: StepBreakdown, phase: int) -> str:
+def _phase_table_html(scene: Scene, step: ParticleStepBreakdown, phase: int) -> str:
     """Returns the numbers of a step's phase (from 0) as html: equation, the particle's, and a table of the nodes'."""
     what = PHASES[phase]
     names = [tr("node at, m")]

@@ -10,15 +10,21 @@ from html import escape
 import viser
 
 from app.language.translation import lazy, tr, translate_message
-from app.page.feature import Feature, PageView
-from app.page.headline import elapsed_periods, live_to_pinned_ratio
+from app.names_and_units import METHODS, format_number
+from app.page.feature import Feature, VisiblePageState
+from app.page.headline_panel import elapsed_periods, live_to_pinned_ratio
 from app.page.page_context import PageContext
 from app.page.visit.history import series_until
-from app.page.visit.session import Session
-from app.problems.suggestion import Answer, ComparedRuns, Suggestion, SuggestionNotApplicable, changed_state
+from app.page.visit.run_session import RunSession
+from app.problems.suggested_experiment import (
+    Answer,
+    ComparedRuns,
+    SuggestedExperiment,
+    SuggestionNotApplicable,
+    changed_state,
+)
 from app.problems.views import VIEWS
-from app.state import State
-from app.words import METHODS, format_number
+from app.shareable_state import State
 from solvers.engine.engine_messages import FrameReport
 from solvers.scene.scene import AUTO, Scene
 from solvers.scene.stabilisations import COUPLED, FILTER, FROZEN, REMEDIES
@@ -33,7 +39,7 @@ TWO, ONE = (FILTER, COUPLED), (FROZEN,)  # remedies for problems that have both,
 
 
 @dataclass(frozen=True)
-class Card:
+class SuggestionButton:
     """Button of a suggestion: the browser sends ``key`` at a click; ``done`` if clicked before, ``off`` if disabled."""
 
     key: str
@@ -45,7 +51,7 @@ class Card:
 
 
 def lost_run_cards(state: State, report: FrameReport, seek: Callable[[float], bool], show: Callable[[State], None],
-                   ) -> list[tuple[Card, Callable[[], None]]]:
+                   ) -> list[tuple[SuggestionButton, Callable[[], None]]]:
     """Returns buttons for a lost run, each with its action. ``state`` is on the stage, ``report`` its last frame;
     ``seek`` looks back to a time in s, and returns False if it is not stored; ``show`` puts a state on the stage."""
     scene = report.scene
@@ -57,20 +63,20 @@ def lost_run_cards(state: State, report: FrameReport, seek: Callable[[float], bo
 
     other = next(name for name in OTHERS if name in scene.choices("method") and name != scene.method)
     hint = tr("back to t = {time} s, paused", time=format_number(back))
-    return [(Card("back", "back", tr("See the moment it broke"), hint), look_back),
+    return [(SuggestionButton("back", "back", tr("See the moment it broke"), hint), look_back),
             _restart_card("cure", "filter", state, show, *_remedy_changes(scene)),
             _restart_card("other", "halve", state, show, tr("Take {method} instead", method=METHODS[other].name),
                           tr(OTHERS[other], problem=scene.problem), {"method": other})]
 
 
 def _restart_card(key: str, icon: str, state: State, show: Callable[[State], None], title: str, hint: str,
-                  changes: dict[str, object]) -> tuple[Card, Callable[[], None]]:
+                  changes: dict[str, object]) -> tuple[SuggestionButton, Callable[[], None]]:
     """Returns a button and its action, to ``show`` the state with ``changes`` of fields; disabled if invalid."""
     try:
         wanted = changed_state(state, changes, pinned=False)
     except SuggestionNotApplicable as reason:
-        return Card(key, icon, title, translate_message(str(reason)), off=True), lambda: None
-    return Card(key, icon, title, hint, off=not changes), lambda: show(wanted)
+        return SuggestionButton(key, icon, title, translate_message(str(reason)), off=True), lambda: None
+    return SuggestionButton(key, icon, title, hint, off=not changes), lambda: show(wanted)
 
 
 def _remedy_changes(scene: Scene) -> tuple[str, str, dict[str, object]]:
@@ -92,15 +98,15 @@ class Suggestions(Feature):
     """One visitor's suggestions: ``state`` returns the state shown, ``show`` puts one on the stage, ``seek`` looks back
     to a time in s, and returns False if it is not stored."""
 
-    def __init__(self, gui: viser.GuiApi, session: Session, state: Callable[[], State], show: Callable[[State], None],
-                 seek: Callable[[float], bool], is_touring: Callable[[], bool]):
+    def __init__(self, gui: viser.GuiApi, session: RunSession, state: Callable[[], State],
+                 show: Callable[[State], None], seek: Callable[[float], bool], is_touring: Callable[[], bool]):
         self._session, self._state, self._show, self._seek = session, state, show, seek
         self._is_touring = is_touring
         self.messages = {"spark": self.on_button_click}
         self._html = gui.add_html("")
         self._done: set[str] = set()
         # The suggestion, the state before it, and the state it has put on the stage.
-        self._running: tuple[Suggestion, State, State] | None = None
+        self._running: tuple[SuggestedExperiment, State, State] | None = None
         self._answers: dict[str, Answer] = {}  # by quantity
         self._ways: dict[str, Callable[[], None]] = {}  # ways on from a lost run
 
@@ -130,7 +136,7 @@ class Suggestions(Feature):
         self._show(state)
         self._running = spark, base, state  # only now: meanwhile another state was on the stage
 
-    def refresh(self, view: PageView) -> None:
+    def refresh(self, view: VisiblePageState) -> None:
         """Sends the present buttons or answer to the browser; nothing during a lesson or the tour."""
         content = ""
         if view.has_stage and not self._is_touring() and self._session.report is not None:
@@ -140,7 +146,7 @@ class Suggestions(Feature):
             content = f"<i class='lab-sparks' data-sparks=\"{escape(said)}\"></i>"
         self._html.content = content
 
-    def _current(self) -> tuple[str, Answer | None, list[Card]]:
+    def _current(self) -> tuple[str, Answer | None, list[SuggestionButton]]:
         """Returns the label, the answer if there is one, and the buttons that are shown now."""
         self._discard_outdated_suggestion()
         report, asked = self._session.report, self._running
@@ -164,17 +170,17 @@ class Suggestions(Feature):
         return ANSWER, answer, [] if following is None else [
             replace(following, title=tr("Next: {title}", title=following.title))]
 
-    def _cards(self, base: State) -> list[Card]:
+    def _cards(self, base: State) -> list[SuggestionButton]:
         """Returns a button for each suggestion for the state ``base``; disabled where it does not apply."""
         cards = []
         for spark in VIEWS[base.scene.problem].suggestions(base):
             done = f"{base.scene.problem} {spark.key}" in self._done
             try:
                 offer = spark.offer(base)
-                cards.append(Card(spark.key, spark.icon, offer.title, offer.hint, done))
+                cards.append(SuggestionButton(spark.key, spark.icon, offer.title, offer.hint, done))
             except SuggestionNotApplicable as reason:
                 why = translate_message(str(reason))
-                cards.append(Card(spark.key, spark.icon, tr(spark.title), why, done, off=True))
+                cards.append(SuggestionButton(spark.key, spark.icon, tr(spark.title), why, done, off=True))
         return cards
 
     def _base_state(self) -> State:
@@ -198,7 +204,7 @@ class Suggestions(Feature):
             self._answers[quantity] = spark.answer(ran)
         return self._answers.get(quantity)
 
-    def _result(self, spark: Suggestion, state: State) -> ComparedRuns | None:
+    def _result(self, spark: SuggestedExperiment, state: State) -> ComparedRuns | None:
         """Returns a suggestion's runs up to its length; None until they are long enough."""
         session = self._session
         report, pinned, scene = session.report, session.pinned, state.scene

@@ -9,14 +9,14 @@ import numpy as np
 import viser
 from viser import uplot
 
-from app.colours import LINES, PINNED
-from app.frame.captions import TRUE
+from app.colour_palette import LINES, PINNED
 from app.frame.colour_scale import largest_finite, round_up
+from app.frame.error_view_captions import TRUE
 from app.language.translation import lazy, tr
+from app.names_and_units import QUANTITIES, in_periods, with_unit
 from app.page.panels.time_plots import EMPTY, clip_estimate, pinned_curves, plottable_series, series_options, set_series
 from app.page.visit.history import RunSeries
 from app.page.visit.pinned_run import PinnedRun
-from app.words import QUANTITIES, in_periods, with_unit
 from solvers.scene.estimator_registry import ESTIMATORS
 from solvers.scene.scene import Scene
 
@@ -41,7 +41,7 @@ class TimelineState:
     unstable: bool = False
 
 
-class Timeline:
+class ErrorTimeline:
     """One visitor's plot of error over time below the stage. Call :meth:`show` a few times a second."""
 
     def __init__(self, gui: viser.GuiApi):

@@ -11,12 +11,12 @@ from typing import Any
 
 import viser
 
-from app.colours import TEXTS, rgb
+from app.colour_palette import TEXTS, rgb
 from app.language.translation import LANGUAGES, current_language, lazy, load_catalogue, tr
-from app.page.panels.browser_store import BrowserStore
+from app.logo_and_font import MARK, font_faces_css
+from app.names_and_units import in_a_line
+from app.page.panels.browser_store_and_window import BrowserStore
 from app.templates import render_template
-from app.visual_identity import MARK, font_faces_css
-from app.words import in_a_line
 from solvers.problems import PROBLEMS
 from solvers.scene.scene import Scene
 

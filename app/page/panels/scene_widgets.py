@@ -10,13 +10,13 @@ from typing import Any
 
 import viser
 
-from app import words
+from app import names_and_units
 from app.language.translation import tr, translate_message
 from app.page.panels.page_header import add_widget_marker
-from app.page.visit.session import Session, first_scene
+from app.page.visit.run_session import RunSession, first_scene
 from app.problems.interface import LinearSlider
 from app.problems.views import VIEWS
-from app.viewer.widgets import is_removed, set_max_length, widget_id
+from app.viewer.widget_validation import is_removed, set_max_length, widget_id
 from solvers.motion.formula import MOST_CHARACTERS
 from solvers.scene.effects import Effect
 from solvers.scene.scene import Scene
@@ -27,7 +27,7 @@ REST = 0.7  # seconds without another refusal after which the control is reset: 
 TO_BE_READ = 8.0  # seconds that a refusal is shown
 
 
-class WidgetMessages:
+class WidgetStatusMessage:
     """Message below the widget changed last (``js/answers.js``). Call :meth:`refresh` a few times a second."""
 
     def __init__(self, gui: viser.GuiApi, clock: Callable[[], float] = monotonic):
@@ -74,7 +74,7 @@ def _message_html(widget: Any, kind: str, sentence: str) -> str:
 class SceneWidgetFactory:
     """Makes one visitor's widgets for scene fields; their callbacks take the lock ``turn``: the last change wins."""
 
-    def __init__(self, gui: viser.GuiApi, session: Session, answers: WidgetMessages, turn: threading.RLock):
+    def __init__(self, gui: viser.GuiApi, session: RunSession, answers: WidgetStatusMessage, turn: threading.RLock):
         self._gui, self._session, self._answers = gui, session, answers
         self.turn, self._made = turn, object()
         self._enters: dict[str, Callable[[], None]] = {}
@@ -151,7 +151,7 @@ class SceneWidgetFactory:
         """Adds a dropdown for a scene's field with several choices, or a checkbox for a bool, with a tooltip."""
         scene, label, hint = self._session.scene, tr(field_label(field)), tr(hint)
         label = label[:1].upper() + label[1:]
-        value, names = getattr(scene, field), words.choice_labels(type(scene), field)
+        value, names = getattr(scene, field), names_and_units.choice_labels(type(scene), field)
         codes = {name: code for code, name in names.items()}
         widget = self._gui.add_dropdown(label, tuple(codes), hint=hint, initial_value=names[value]) if names \
             else self._gui.add_checkbox(label, value, hint=hint)
@@ -197,7 +197,7 @@ class SceneWidgetFactory:
         motion = VIEWS[scene.problem].motion
         if motion is None:
             return
-        names = words.choice_labels(type(scene), "motion")
+        names = names_and_units.choice_labels(type(scene), "motion")
         shown = self._gui.add_dropdown(tr("Motion"), tuple(names.values()), hint=tr(motion.hint),
                                        initial_value=names[scene.to_dict()["motion"]])
 

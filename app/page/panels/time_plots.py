@@ -10,15 +10,15 @@ import numpy as np
 import viser
 from viser import uplot
 
-from app.colours import PINNED, TRUTH
-from app.frame.captions import NOT_COUNTED, TRUE
+from app.colour_palette import PINNED, TRUTH
 from app.frame.colour_scale import BEYOND, largest_finite
+from app.frame.error_view_captions import NOT_COUNTED, TRUE
 from app.language.translation import lazy, tr
-from app.page.panels.readout import name_with_line_sample
+from app.names_and_units import QUANTITIES, format_number, format_power_of_ten, power_of_ten
+from app.page.panels.readout_tables import name_with_line_sample
 from app.page.visit.history import RunSeries
-from app.page.visit.particle_trace import TracedParticle
 from app.page.visit.pinned_run import PinnedRun
-from app.words import QUANTITIES, format_number, format_power_of_ten, power_of_ten
+from app.page.visit.traced_particle_series import TracedParticle
 from solvers.scene.estimator_registry import ESTIMATORS
 from solvers.scene.scene import Scene
 

@@ -7,11 +7,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from app.frame.captions import ErrorView
+from app.frame.error_view_captions import FrameErrorView
 from app.frame.headline import ROUND_OFF
-from app.frame.stage import NOTHING, Annotations, WorstRegionMark
+from app.frame.stage import NOTHING, WorstRegionAnnotations, WorstRegionMark
+from app.names_and_units import QUANTITIES, with_unit
 from app.problems.views import VIEWS
-from app.words import QUANTITIES, with_unit
 from solvers.engine.engine_messages import FrameReport
 from solvers.engine.shared_frames import FrameArrays
 from solvers.scene.scene import Scene
@@ -40,7 +40,7 @@ class SteadyMaximum:
 
 
 @dataclass(frozen=True, eq=False)
-class WorstRegion:
+class BodyRegionErrors:
     """Region of a body: its name, whether each particle is in it (P,), and its RMS errors; None where not known."""
 
     name: str
@@ -55,21 +55,21 @@ class WorstRegions:
     def __init__(self) -> None:
         self._lock = threading.Lock()
         self.scene: Scene | None = None  # of which they are
-        self.by_estimate: WorstRegion | None = None
-        self.by_truth: WorstRegion | None = None
-        self._remarks: tuple[Scene | None, Annotations] = None, NOTHING  # and of which scene: threads differ
+        self.by_estimate: BodyRegionErrors | None = None
+        self.by_truth: BodyRegionErrors | None = None
+        self._remarks: tuple[Scene | None, WorstRegionAnnotations] = None, NOTHING  # and of which scene: threads differ
 
-    def annotations(self, scene: Scene) -> Annotations:
+    def annotations(self, scene: Scene) -> WorstRegionAnnotations:
         """Returns the notes found last for a picture; empty if they belong to another scene."""
         whose, remarks = self._remarks
         return remarks if scene == whose else NOTHING
 
-    def find(self, report: FrameReport, arrays: FrameArrays, view: ErrorView, quantity: str) -> None:
+    def find(self, report: FrameReport, arrays: FrameArrays, view: FrameErrorView, quantity: str) -> None:
         """Sets ``by_estimate``, ``by_truth`` and the notes, from a frame and the ``view`` of a quantity's errors."""
         with self._lock, np.errstate(all="ignore"):  # a run gone bad holds anything
             self._find(report, arrays, view, quantity)
 
-    def _find(self, report: FrameReport, arrays: FrameArrays, view: ErrorView, quantity: str) -> None:
+    def _find(self, report: FrameReport, arrays: FrameArrays, view: FrameErrorView, quantity: str) -> None:
         if report.scene != self.scene:
             self.by_estimate = self.by_truth = None
             self.scene, self._worst = report.scene, (SteadyMaximum(), SteadyMaximum())
@@ -87,7 +87,7 @@ class WorstRegions:
         least = 0.0 if scene.swings else max(ROUND_OFF * scene.size_of(quantity),
                                              largest_rounding_error(scene, quantity, scene.steps))
 
-        def describe(region: WorstRegion | None, estimated: bool) -> WorstRegionMark | None:
+        def describe(region: BodyRegionErrors | None, estimated: bool) -> WorstRegionMark | None:
             size = (region.estimated if estimated else region.true) if region else None
             return WorstRegionMark(region.particles,
                                    with_unit(size, unit, 2)) if region and size and size > least else None
@@ -97,14 +97,14 @@ class WorstRegions:
             known = np.isfinite(view.estimated) & np.isfinite(view.true)
             index = float(np.linalg.norm(view.estimated[known]) / np.linalg.norm(view.true[known]))
             alike = ALIKE[0] <= index <= ALIKE[1]
-        self._remarks = scene, Annotations(
+        self._remarks = scene, WorstRegionAnnotations(
             (describe(estimate, True) if view.left.sizes is view.estimated else None,
              describe(truth, False)), report.status != soundness.OK, alike)
 
     def _region(self, worst: SteadyMaximum, own: np.ndarray | None,
-                errors: list[np.ndarray | None]) -> WorstRegion | None:
+                errors: list[np.ndarray | None]) -> BodyRegionErrors | None:
         at = None if own is None else worst.find(own)
         if at is None:
             return None
-        return WorstRegion(self._regions.names[at], self._regions.number == at,
-                           *(None if e is None else float(e[at]) for e in errors))
+        return BodyRegionErrors(self._regions.names[at], self._regions.number == at,
+                                *(None if e is None else float(e[at]) for e in errors))

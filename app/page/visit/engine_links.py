@@ -59,7 +59,7 @@ class _ListenerInLanguage:
         return said
 
 
-class PageLinks:
+class PageEngineLinks:
     """The engines for one page, which opens links to them. ``frames`` counts the frames of all pages."""
 
     def __init__(self, pool: EnginePool, frames: EventRateCounter | None = None):

@@ -3,7 +3,7 @@
 from collections.abc import Callable
 from dataclasses import replace
 
-from app.frame.captions import ErrorView, frame_error_view
+from app.frame.error_view_captions import FrameErrorView, frame_error_view
 from app.language.translation import tr, translate_message
 from app.page.visit.history import NormHistory
 from solvers.engine.engine_messages import FrameReport, Pace
@@ -35,7 +35,7 @@ class PinnedRun:
         """Returns the estimator ``drawn`` on the stage if the pinned run has it, or its first; None if it has none."""
         return drawn if drawn in self.scene.estimators else self.scene.first_estimator
 
-    def view(self, quantity: str, drawn: str | None, difference: bool) -> ErrorView | None:
+    def view(self, quantity: str, drawn: str | None, difference: bool) -> FrameErrorView | None:
         """Returns the errors to draw of the last frame: of a quantity ("x"), by :meth:`estimator` of ``drawn``, with
         ``difference`` that from the truth; None before the first frame."""
         if self.last is None:

@@ -3,8 +3,8 @@
 from dataclasses import dataclass
 
 from app.language.translation import tr
+from app.names_and_units import format_ratio, reword_for_page
 from app.page.visit.history import NormHistory
-from app.words import format_ratio, reword_for_page
 from solvers.untrusted.quoting import escape_html
 
 LONGEST = 1000  # most letters of a sentence; refusals have less

@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 
 from app.frame.field_plot import ROOM
-from app.frame.layout import PlotBox, RunSlot, Spot, StageLayout, colour_bar_box, drawing_rectangle
+from app.frame.layout import ComparedRunSlot, PlotBox, Spot, StageLayout, colour_bar_box, drawing_rectangle
 from app.frame.primitives import StageMetrics
 
 #: In pixels: space above the upper and below the lower lane; least lane and gap, height of a strip, distance between
@@ -24,9 +24,9 @@ class BarLayout(StageLayout):
     heading: float
 
 
-def make_bar_layout(metrics: StageMetrics, slot: RunSlot) -> BarLayout:
+def make_bar_layout(metrics: StageMetrics, slot: ComparedRunSlot) -> BarLayout:
     """Returns the layout of the bar in a slot of a stage with these (rounded) metrics."""
-    return _single_run_layout(metrics) if slot == RunSlot.ALONE else _paired_run_layout(metrics, slot)
+    return _single_run_layout(metrics) if slot == ComparedRunSlot.ALONE else _paired_run_layout(metrics, slot)
 
 
 def _single_run_layout(metrics: StageMetrics) -> BarLayout:
@@ -44,13 +44,13 @@ def _single_run_layout(metrics: StageMetrics) -> BarLayout:
     below = low - 2 * pixel
     remark: Spot = (0.78, below, "top-center") if metrics.gutter else (1 - END * pixel, below, "top-right")
     box = PlotBox(0.0, 1.0, middle, half, below, (0.5, below, "top-center"), remark, at, keys)
-    return BarLayout(metrics, RunSlot.ALONE, drawing_rectangle(metrics.high), box, estimate, truth, lane,
+    return BarLayout(metrics, ComparedRunSlot.ALONE, drawing_rectangle(metrics.high), box, estimate, truth, lane,
                      0.5 * (estimate + truth), end - metrics.line_height)
 
 
-def _paired_run_layout(metrics: StageMetrics, slot: RunSlot) -> BarLayout:
+def _paired_run_layout(metrics: StageMetrics, slot: ComparedRunSlot) -> BarLayout:
     """Returns the layout of one of two bars, half as high: a heading, the field plot, and two adjacent strips."""
-    pixel, end, second = metrics.pixel, colour_bar_box(metrics, metrics.high).end, slot == RunSlot.SECOND
+    pixel, end, second = metrics.pixel, colour_bar_box(metrics, metrics.high).end, slot == ComparedRunSlot.SECOND
     low = 1.2 * metrics.line_height  # for the numbers below both
     each = 0.5 * (end - low - APART * pixel)
     start = end - (each + APART * pixel) * second

@@ -6,7 +6,7 @@ from app.frame.layout import Rectangle
 from app.frame.primitives import Colour, StageMetrics
 from app.frame.slow_motion.stage import CAPTION, DOMAINS, FRONT, NODE, OTHERS, SlowMotionStage, averaged_hat
 from solvers.scene.scene import Scene
-from solvers.solver.step_breakdown import StepBreakdown
+from solvers.solver.particle_step_breakdown import ParticleStepBreakdown
 
 NODES_AT, PARTICLES_AT = 0.48, 0.16  # as shares of the picture's height
 HEIGHT = 0.44  # of a shape function of one, as a share of it
@@ -28,7 +28,7 @@ class BarSlowMotionStage(SlowMotionStage):
         """Returns the height on the stage at a share, 0 to 1, of the picture's height."""
         return self._picture[2] + share * (self._picture[3] - self._picture[2])
 
-    def _fit_step_in_picture(self, a: StepBreakdown) -> None:
+    def _fit_step_in_picture(self, a: ParticleStepBreakdown) -> None:
         x = np.concatenate([a.nodes, a.place])
         self._left, self._right = x.min() - 0.3 * a.spacing, x.max() + 0.3 * a.spacing
         self._per_metre = 1.0 / (self._right - self._left)
@@ -54,7 +54,7 @@ class BarSlowMotionStage(SlowMotionStage):
                      for y in (-0.04, 0.04))
         self._sketch.outline(np.concatenate([low, high[:, ::-1]], axis=1), colour, thickness)
 
-    def _draw_cells(self, a: StepBreakdown) -> None:
+    def _draw_cells(self, a: ParticleStepBreakdown) -> None:
         first = np.ceil(self._left / a.spacing)
         edges = a.spacing * np.arange(first, np.floor(self._right / a.spacing) + 1)
         low, high = self._row_height(PARTICLES_AT - 0.08), self._row_height(NODES_AT)
@@ -64,7 +64,7 @@ class BarSlowMotionStage(SlowMotionStage):
             self._sketch.line(self._stage_points(ends[:1], self._row_height(y)),
                               self._stage_points(ends[1:], self._row_height(y)), OTHERS)
 
-    def _draw_shape_functions(self, scene: Scene, a: StepBreakdown, s: float) -> None:
+    def _draw_shape_functions(self, scene: Scene, a: ParticleStepBreakdown, s: float) -> None:
         """Draws a curve per node, ``s`` times as high as its values: the weight of a particle at any position with a
         domain like the selected one's."""
         h, place, high = a.spacing, a.place[0, 0], self._row_height(HEIGHT) - self._row_height(0.0)

@@ -6,12 +6,12 @@ from collections.abc import Iterator
 import numpy as np
 
 from app.frame.field_plot import ROOM, FieldPlotDefinition
-from app.frame.layout import HALVES, RunSlot
+from app.frame.layout import HALVES, ComparedRunSlot
 from app.frame.primitives import Anchor, Dots, Label, Lines, Mark, Tone, fade_colours, in_plane, join_points
 from app.frame.stage import TOUCH, Stage, StageLabels, WorstRegionMark
 from app.language.translation import lazy, tr
+from app.names_and_units import short_reason
 from app.problems.bar.layout import BarLayout, make_bar_layout
-from app.words import short_reason
 from solvers.engine.shared_frames import FrameArrays
 from solvers.problems.bar import exact_solution
 from solvers.problems.bar.scene import BarScene
@@ -43,7 +43,7 @@ class BarStage(Stage[BarScene]):
             text, width = places.stage_metrics.first_fitting_text((silence, short_reason(silence)), LONGEST,
                                                                   places.lane)
             yield Label(f"{name}-silence", text, 0.5, lane, "center-center", "silence", width=min(width, WIDEST_LINE))
-        yield from (_single_run_labels if places.slot == RunSlot.ALONE else _paired_run_labels)(words, places)
+        yield from (_single_run_labels if places.slot == ComparedRunSlot.ALONE else _paired_run_labels)(words, places)
 
     def particles_in(self, low: tuple[float, float], high: tuple[float, float], arrays: FrameArrays) -> np.ndarray:
         """Returns which particles lie between the x of ``low`` and of ``high`` on the stage, at any height, (P,)."""
@@ -83,7 +83,7 @@ class BarStage(Stage[BarScene]):
                  colours.cell, -0.01),
                 ("cells-below", box.middle - ROOM * box.half, box.middle + ROOM * box.half, colours.grid, -0.02)):
             yield Lines(name, join_points(*(in_plane(edges, y, depth) for y in (low, high))), colour, 1.0)
-        self._lanes = _LaneTiling(particles, places)
+        self._lanes = _LanePointTiling(particles, places)
 
     def _moving_marks(self, scene: BarScene, arrays: FrameArrays, estimated: np.ndarray, true: np.ndarray, t: float,
                       crossed: np.ndarray, age: np.ndarray) -> Iterator[Mark]:
@@ -101,7 +101,7 @@ class BarStage(Stage[BarScene]):
         """Yields a bracket with a label above the estimate's lane and below the truth's, around the worst region, if it
         is known and labels leave space; and the hint that both lanes look alike."""
         places, segments = self._layout, [np.empty((0, 2, 3), np.float32)]
-        metrics, wanted = places.stage_metrics, places.stage_metrics.gutter > 0 and places.slot == RunSlot.ALONE
+        metrics, wanted = places.stage_metrics, places.stage_metrics.gutter > 0 and places.slot == ComparedRunSlot.ALONE
         for found, name, lane, up in zip(worst, HALVES, (places.estimate, places.truth), (1, -1), strict=True):
             at = self._stage_x(arrays)[found.particles] if found and wanted else np.empty(0)
             at = at[(at >= 0) & (at <= 1)]
@@ -117,7 +117,7 @@ class BarStage(Stage[BarScene]):
                 x = float(np.clip(ends.mean(), 0.5 * beside, 1 - 0.5 * beside))
             yield Label(f"{name}-worst", text, x, y, "bottom-center" if up > 0 else "top-center", "note", bold=True)
             taken = (x - 0.5 * beside, x + 0.5 * beside) if text else (0.0, 0.0)
-        if places.slot == RunSlot.ALONE:
+        if places.slot == ComparedRunSlot.ALONE:
             yield _equal_lanes_label(self._labels.alike, places, taken)  # where the truth's bracket leaves space
         yield Lines("worst", np.concatenate(segments), metrics.palette.dot, 1.5)
 
@@ -163,7 +163,7 @@ def _single_run_labels(words: StageLabels, places: BarLayout) -> Iterator[Label]
 
 def _paired_run_labels(words: StageLabels, places: BarLayout) -> Iterator[Label]:
     """Yields the labels of one of two bars: a heading above the plot, and titles beside the strips."""
-    metrics, first = places.stage_metrics, places.slot == RunSlot.FIRST
+    metrics, first = places.stage_metrics, places.slot == ComparedRunSlot.FIRST
     for name, _, _, y in _lane_titles(words, places):
         yield Label(f"{name}-title", tr(name) if metrics.gutter else "", -0.01, y, "center-right", "number", tone=name)
         by = words.by[0] if first and name == "estimate" else ""
@@ -189,7 +189,7 @@ def _lane_titles(words: StageLabels, places: BarLayout) -> Iterator[tuple[Tone, 
     return zip(HALVES, words.titles, words.by, (places.estimate, places.truth), strict=True)
 
 
-class _LaneTiling:
+class _LanePointTiling:
     """Tiling of the two lanes of P particles in a layout with square points of the stage size ``size``: in rows, and so
     many points across per particle that gaps show only under large stretch.
 

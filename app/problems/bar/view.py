@@ -7,13 +7,20 @@ from typing import Any
 import numpy as np
 
 from app.language.translation import lazy, tr
-from app.problems import suggestion
+from app.names_and_units import format_factor, per_cent
+from app.problems import suggested_experiment
 from app.problems.bar.slow_motion import BarSlowMotionStage
 from app.problems.bar.stage import BarStage
-from app.problems.interface import MaterialRegions, MotionChoice, ProblemView, SliderRanges
-from app.problems.suggestion import Answer, ComparedRuns, Offer, Suggestion, SuggestionNotApplicable, changed_state
-from app.state import State
-from app.words import format_factor, per_cent
+from app.problems.interface import BodyRegions, MotionSelector, ProblemView, SliderRanges
+from app.problems.suggested_experiment import (
+    Answer,
+    ComparedRuns,
+    Offer,
+    SuggestedExperiment,
+    SuggestionNotApplicable,
+    changed_state,
+)
+from app.shareable_state import State
 from solvers.problems.bar.patch_test_inputs import PATCH
 from solvers.problems.bar.scene import BarScene
 
@@ -44,13 +51,13 @@ def _crossing_answer(runs: ComparedRuns) -> Answer:
         tr("{own:,.0f} crossings, {other:,.0f} in the pinned run.", own=own, other=other)
 
 
-VIBRATING = (suggestion.suggest_halving_cells(MOST_CELLS),
-             Suggestion("cross", "cross", lazy("Let particles cross"), _crossing_offer, _crossing_answer),
-             suggestion.suggest_breaking(lazy("A = 100 mm: which method fails first?"),
+VIBRATING = (suggested_experiment.suggest_halving_cells(MOST_CELLS),
+             SuggestedExperiment("cross", "cross", lazy("Let particles cross"), _crossing_offer, _crossing_answer),
+             suggested_experiment.suggest_breaking(lazy("A = 100 mm: which method fails first?"),
                                          {"method": "mpm", "amplitude": BREAKING, "displacement": ""}, 1.5))
 
 
-def _suggest_patch_test(title: str, hint: str, method: str) -> Suggestion:
+def _suggest_patch_test(title: str, hint: str, method: str) -> SuggestedExperiment:
     def offer(state: State) -> Offer:
         if (state.scene.method, state.scene.ppc) == (method, MISFITS):
             raise SuggestionNotApplicable(tr("it is on the stage"))
@@ -58,7 +65,7 @@ def _suggest_patch_test(title: str, hint: str, method: str) -> Suggestion:
                      changed_state(state, {"method": method, "ppc": MISFITS}, pinned=False, quantity="sigma"))
 
     icon = {"mpm": "break", "bspline": "cross", "ugimp": "halve"}[method]
-    return Suggestion(f"misfit-{method}", icon, title, offer, _patch_test_answer, 0.5)
+    return SuggestedExperiment(f"misfit-{method}", icon, title, offer, _patch_test_answer, 0.5)
 
 
 def _patch_test_answer(runs: ComparedRuns) -> Answer:
@@ -76,7 +83,7 @@ PATCH_TEST = (_suggest_patch_test(lazy("Particles that do not fit"), lazy("2.5 a
               _suggest_patch_test(lazy("Particles that tile"), lazy("the same as intervals: uGIMP"), "ugimp"))
 
 
-def bar_suggestions(state: State) -> tuple[Suggestion, ...]:
+def bar_suggestions(state: State) -> tuple[SuggestedExperiment, ...]:
     """Returns the suggestions for the bar in a state of the page: other ones for a patch test than for vibration."""
     return VIBRATING if state.scene.swings else PATCH_TEST
 
@@ -87,10 +94,10 @@ STIFF, STIFF_CFL = 1000.0, 0.2
 LENGTHS = 20  # regions of the bar, of 0.05 m
 
 
-def regions(X: np.ndarray) -> MaterialRegions:
+def regions(X: np.ndarray) -> BodyRegions:
     """Returns the bar's 20 regions, equal lengths, for particles at X (P, 1) in m at rest."""
     number = np.clip((X[:, 0] * LENGTHS).astype(int), 0, LENGTHS - 1)
-    return MaterialRegions(tuple(f"X = {k / LENGTHS:.2f}–{(k + 1) / LENGTHS:.2f} m" for k in range(LENGTHS)), number)
+    return BodyRegions(tuple(f"X = {k / LENGTHS:.2f}–{(k + 1) / LENGTHS:.2f} m" for k in range(LENGTHS)), number)
 
 
 def change_motion(scene: BarScene, motion: str, usual: tuple[str, ...]) -> BarScene:
@@ -105,7 +112,7 @@ def change_motion(scene: BarScene, motion: str, usual: tuple[str, ...]) -> BarSc
                    dt=None, cfl=None)
 
 
-MOTION = MotionChoice(
+MOTION = MotionSelector(
     lazy("vibrate, or be stretched evenly and move on at constant speed, so that exactly nothing should happen"),
     change_motion,
     {"stretch": (lazy("Stretch F"), 0.8, 1.2, 0.01,
@@ -115,10 +122,11 @@ MOTION = MotionChoice(
 
 
 def draw_picture(*arguments: Any) -> None:
-    """Draws a result (:func:`app.problems.bar.pictures.draw_picture`); imports the slow matplotlib only when called."""
-    from app.problems.bar import pictures
+    """Draws a result (:func:`app.problems.bar.picture_panels.draw_picture`); imports the slow matplotlib only when
+    called."""
+    from app.problems.bar import picture_panels
 
-    pictures.draw_picture(*arguments)
+    picture_panels.draw_picture(*arguments)
 
 
 BAR = ProblemView(

@@ -5,19 +5,26 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from solvers.judging.findings import body_coverage, constitutive_law, deformation, outliers, placement, time_consistency
+from solvers.judging.findings import (
+    body_coverage,
+    constitutive_law,
+    deformation,
+    outliers,
+    position_and_interpretation,
+    time_consistency,
+)
 from solvers.judging.findings.finding import HOLDS, OFF, Finding, unknown
 from solvers.judging.findings.findings_input import FindingsInput, detect_precision, sample_numbers
 from solvers.judging.findings.outliers import FrameOutliers
-from solvers.judging.findings.recorded_motion import RecordedMotion
-from solvers.judging.findings.time_fits import rms
+from solvers.judging.findings.recorded_motion_reader import RecordedMotion
+from solvers.judging.findings.time_series_fitting import rms
 
 FIGURES = "rounding of the positions in the files"
 ROUNDED = 0.1  # of the error, from which on rounding is significant
 
 
 @dataclass(frozen=True)
-class FindingGroup:
+class ConsistencyCheck:
     """Group of findings, by name, that are computed together from the motion of any particles by ``check``, where the
     files have the quantity ``needs`` beside positions."""
 
@@ -38,32 +45,35 @@ def _for_quantity(check: Callable[[RecordedMotion, str], Finding],
     return lambda motion: [check(motion, key)]
 
 
-INSIDE_OUT = FindingGroup((deformation.INSIDE_OUT,), lambda motion: [deformation.check_inverted(motion)], "F")
+INSIDE_OUT = ConsistencyCheck((deformation.INSIDE_OUT,), lambda motion: [deformation.check_inverted(motion)], "F")
 #: Checks of particles with neighbours.
 MOTION_FINDINGS = (
-    FindingGroup((deformation.OVERTAKEN,), lambda motion: [deformation.check_overtaken(motion)]),
-    FindingGroup(deformation.NAMES_OF_F, deformation.check_f, "gradient"),
-    FindingGroup(time_consistency.NAMES_OF_V, time_consistency.check_velocity, "v"),
-    *(FindingGroup((name,), _for_quantity(outliers.check_outliers, key), key) for key,
+    ConsistencyCheck((deformation.OVERTAKEN,), lambda motion: [deformation.check_overtaken(motion)]),
+    ConsistencyCheck(deformation.NAMES_OF_F, deformation.check_f, "gradient"),
+    ConsistencyCheck(time_consistency.NAMES_OF_V, time_consistency.check_velocity, "v"),
+    *(ConsistencyCheck((name,), _for_quantity(outliers.check_outliers, key), key) for key,
       name in outliers.NAMES_OF_MOTION.items()),
-    *(FindingGroup((), _for_quantity(outliers.check_roughness, key)) for key in ("v", "sigma")))
+    *(ConsistencyCheck((), _for_quantity(outliers.check_roughness, key)) for key in ("v", "sigma")))
 
 
 def find_in_run(evidence: FindingsInput) -> tuple[list[Finding], FrameOutliers | None]:
     """Returns the findings of a run against its problem, and the frame in which most particles are not where their
     neighbours are, with these. Means over particles with many outliers are not evaluated."""
     with np.errstate(all="ignore"):  # files may have any numbers, and what is made of the largest may be none
-        places, axes = placement.check_initial_positions(evidence), placement.check_alternative_readings(evidence)
+        places, axes = (
+            position_and_interpretation.check_initial_positions(evidence),
+            position_and_interpretation.check_alternative_readings(evidence),
+        )
         beside = outliers.position_outliers(evidence)
         order, drift = (unknown(name, "particles are not where they belong")
-                        for name in (placement.ORDER, placement.DRIFT))
+                        for name in (position_and_interpretation.ORDER, position_and_interpretation.DRIFT))
         if OFF not in (axes.verdict, places.verdict):
-            order = placement.check_order(evidence)
+            order = position_and_interpretation.check_order(evidence)
         if order.verdict == HOLDS and not (beside and beside.most):
-            drift = placement.check_mean_error(evidence)
+            drift = position_and_interpretation.check_mean_error(evidence)
         fewest = min(evidence.frames, key=lambda frame: len(frame.number))
         return [body_coverage.check_body_is_covered(evidence.scene, fewest), _check_precision(evidence), places,
-                placement.check_initial_velocities(evidence), axes, order, drift,
+                position_and_interpretation.check_initial_velocities(evidence), axes, order, drift,
                 outliers.outliers_finding("x", beside),
                 *(outliers.outliers_finding(q, outliers.value_outliers(evidence, q)) for q in ("v", "sigma")),
                 outliers.check_masses(evidence.frames[0]), time_consistency.check_clock_rate(evidence),

@@ -6,10 +6,10 @@ from typing import Any
 import numpy as np
 
 from solvers.judging.findings.finding import Finding, compare, unknown
-from solvers.judging.findings.neighbours import MOST_ASKED, NeighbourSearch
-from solvers.judging.frames import Frame
+from solvers.judging.findings.neighbour_comparison import MOST_ASKED, NeighbourSearch
+from solvers.judging.particle_data_types import Frame
 from solvers.problems import PROBLEMS
-from solvers.problems.reference import ProblemReference
+from solvers.problems.judging_reference import JudgingReference
 from solvers.scene.scene import Scene
 from solvers.scene.validation import SceneError
 from solvers.translatable_message import Message
@@ -50,7 +50,7 @@ def check_body_is_covered(scene: Scene, frame: Frame) -> Finding:
         NAME, f"of {count:,} particles, without masses, volumes or a lattice")
 
 
-def _share_by_mass(scene: Scene, reference: ProblemReference, frame: Frame) -> BodyShare | None:
+def _share_by_mass(scene: Scene, reference: JudgingReference, frame: Frame) -> BodyShare | None:
     """Returns the covered share (0 to 1) of the body by masses or volumes in the file, None without these."""
     weights, word = (frame.volume, Message("volumes")) if frame.mass is None else (frame.mass, Message("masses"))
     if weights is None:
@@ -66,7 +66,7 @@ def _share_by_mass(scene: Scene, reference: ProblemReference, frame: Frame) -> B
     return BodyShare(float(np.sum(weights)) / whole, 1 - max(LEAST, rims), Message("by the {word} in the files", word))
 
 
-def _share_by_lattice(scene: Scene, reference: ProblemReference, X: np.ndarray) -> BodyShare | None:
+def _share_by_lattice(scene: Scene, reference: JudgingReference, X: np.ndarray) -> BodyShare | None:
     """Returns the covered share of the body by occupied places, where all particles at X (P, D) lie on one of our
     layouts; of several that with the fewest particles. None without one."""
     fitting: list[tuple[np.ndarray, np.ndarray, Scene]] = []
@@ -110,7 +110,7 @@ def _lattices(scene: Scene) -> list[Scene]:
     return tried
 
 
-def _share_by_holes(scene: Scene, reference: ProblemReference, X: np.ndarray) -> BodyShare | None:
+def _share_by_holes(scene: Scene, reference: JudgingReference, X: np.ndarray) -> BodyShare | None:
     """Returns the covered share of the body by empty places between particles at X (P, D), and by parts of the body
     without particles nearby; None for too few particles."""
     P, D = X.shape

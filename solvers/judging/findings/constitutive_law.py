@@ -6,10 +6,15 @@ from dataclasses import replace
 import numpy as np
 
 from solvers.judging.error_norms import rms
-from solvers.judging.findings import time_fits
+from solvers.judging.findings import time_series_fitting
 from solvers.judging.findings.finding import HOLDS, OFF, Finding, unknown
-from solvers.judging.findings.findings_input import FindingsInput, Tracks, detect_precision, sample_numbers
-from solvers.judging.findings.time_fits import interpolate_before, time_derivative
+from solvers.judging.findings.findings_input import (
+    FindingsInput,
+    ParticleTrajectories,
+    detect_precision,
+    sample_numbers,
+)
+from solvers.judging.findings.time_series_fitting import interpolate_before, time_derivative
 from solvers.problems import PROBLEMS
 from solvers.scene.scene import Scene
 from solvers.scene.validation import SceneError
@@ -63,8 +68,8 @@ def _explain_stress(evidence: FindingsInput, size: float) -> str | None:
         return None
     scene, sigma = evidence.scene, tracks.own["stress"]
     law = _stress_of_law(scene, tracks)
-    before = time_fits.rms(sigma - law)
-    found = [(time_fits.rms(rest) / before, words)
+    before = time_series_fitting.rms(sigma - law)
+    found = [(time_series_fitting.rms(rest) / before, words)
              for rest, words in _candidates(scene, tracks, sigma, law, evidence.step)]
     left, words = min(found, key=lambda one: one[0])
     if left < EXPLAINS:
@@ -72,14 +77,14 @@ def _explain_stress(evidence: FindingsInput, size: float) -> str | None:
     return None
 
 
-def _candidates(scene: Scene, tracks: Tracks, sigma: np.ndarray, law: np.ndarray,
+def _candidates(scene: Scene, tracks: ParticleTrajectories, sigma: np.ndarray, law: np.ndarray,
                 step: float) -> Iterator[tuple[np.ndarray, str]]:
     """Yields explanations of the stress ``sigma`` (T, P, D, D) in Pa: what each leaves of it, and words."""
     if len(tracks.time) >= 3:
         late = fit_time_lag(tracks.time, sigma, law)
         when = Message("earlier" if late > 0 else "later")
         inside, moved = interpolate_before(tracks.time, law, late)
-        whole = time_fits.rms(sigma - law) / max(time_fits.rms((sigma - law)[inside]), 1e-300)
+        whole = time_series_fitting.rms(sigma - law) / max(time_series_fitting.rms((sigma - law)[inside]), 1e-300)
         yield ((sigma[inside] - moved) * whole,
                Message("it fits the F of {late:.3g} s {when} better (a step is {step:.3g} s), so stress and F belong "
                        "to different moments", abs(late), when, step))
@@ -100,7 +105,7 @@ def _candidates(scene: Scene, tracks: Tracks, sigma: np.ndarray, law: np.ndarray
         yield from _fit_moduli(scene, tracks, sigma)
 
 
-def _fit_moduli(scene: Scene, tracks: Tracks, sigma: np.ndarray) -> Iterator[tuple[np.ndarray, str]]:
+def _fit_moduli(scene: Scene, tracks: ParticleTrajectories, sigma: np.ndarray) -> Iterator[tuple[np.ndarray, str]]:
     """Yields residual (T, P, D, D) in Pa and words for fits of E to the stress at each Poisson's ratio."""
     for ratio in RATIOS:
         try:
@@ -128,12 +133,12 @@ def fit_time_lag(times: np.ndarray, sigma: np.ndarray, law: np.ndarray) -> float
 
     def left(one: float) -> float:
         inside, moved = interpolate_before(times, law, one)
-        return time_fits.rms(sigma[inside] - moved) if inside.sum() >= 2 else np.inf
+        return time_series_fitting.rms(sigma[inside] - moved) if inside.sum() >= 2 else np.inf
 
     return min(tried, key=left)
 
 
-def _stress_of_law(scene: Scene, tracks: Tracks, F: np.ndarray | None = None) -> np.ndarray:
+def _stress_of_law(scene: Scene, tracks: ParticleTrajectories, F: np.ndarray | None = None) -> np.ndarray:
     """Returns the Cauchy stress (T, P, D, D) in Pa by the scene's law, of the tracks' F or another."""
     F = tracks.own["F"] if F is None else F
     return PROBLEMS[scene.problem].reference.stress(scene, F.reshape(-1, *F.shape[2:])).reshape(F.shape)

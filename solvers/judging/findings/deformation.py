@@ -10,8 +10,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from solvers.judging.findings.finding import BROKEN, HOLDS, SUSPICIOUS, Finding, unknown
-from solvers.judging.findings.neighbours import departures
-from solvers.judging.findings.recorded_motion import TINY, NeighbourPairs, RecordedMotion
+from solvers.judging.findings.neighbour_comparison import departures
+from solvers.judging.findings.recorded_motion_reader import TINY, NeighbourPairs, RecordedMotion
 
 NAMES_OF_F = "F against where neighbours stand", "F against the gradient of x", "F summed up against x"
 GAP, FOLLOWS, TORN = NAMES_OF_F

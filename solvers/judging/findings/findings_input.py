@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from solvers.judging.error_norms import Errors, frame_stress
-from solvers.judging.frames import Frame
+from solvers.judging.particle_data_types import Frame
 from solvers.scene.scene import Scene
 from solvers.translatable_message import Message
 
@@ -20,7 +20,7 @@ SINGLE, DOUBLE = 2.0**-24, 2.0**-53  # of a number: half its last bit
 
 
 @dataclass(frozen=True)
-class Tracks:
+class ParticleTrajectories:
     """Trajectories of the same P particles at T times in s: by quantity their values in the file (``own``) and the best
     known exact ones, (T, P, D) or (T, P, D, D)."""
 
@@ -42,7 +42,7 @@ class FindingsInput:
     step: float
 
     @functools.cached_property
-    def tracks(self) -> Tracks | None:
+    def tracks(self) -> ParticleTrajectories | None:
         """Trajectories of some particles at some times; None where particles differ between these."""
         every = -(-len(self.frames) // MOST_TIMES)
         frames, errors = self.frames[::every], self.errors[::every]
@@ -61,8 +61,8 @@ class FindingsInput:
                 if all(values is not None and np.isfinite(values).all() for values in found)}
         off = {q: np.stack([e[q][at] for e, at in zip(errors, picked, strict=True)])
                for q in ("x", "v", "sigma") if q in said}
-        return Tracks(np.array([f.time for f in frames]), frames[0].material_position[picked[0]], said,
-                      {q: said[q] - error for q, error in off.items()})
+        return ParticleTrajectories(np.array([f.time for f in frames]), frames[0].material_position[picked[0]], said,
+                                    {q: said[q] - error for q, error in off.items()})
 
 
 @dataclass(frozen=True)

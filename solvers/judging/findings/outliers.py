@@ -8,9 +8,16 @@ import numpy as np
 
 from solvers.judging.findings.finding import BROKEN, HOLDS, OFF, SUSPICIOUS, Finding, unknown
 from solvers.judging.findings.findings_input import FindingsInput
-from solvers.judging.findings.neighbours import MOST, USUAL, Neighbourhood, departures, find_neighbours, find_outliers
-from solvers.judging.findings.recorded_motion import RecordedMotion
-from solvers.judging.frames import Frame
+from solvers.judging.findings.neighbour_comparison import (
+    MOST,
+    USUAL,
+    NearestNeighbours,
+    departures,
+    find_neighbours,
+    find_outliers,
+)
+from solvers.judging.findings.recorded_motion_reader import RecordedMotion
+from solvers.judging.particle_data_types import Frame
 from solvers.scene.scene import Scene
 from solvers.translatable_message import Message
 
@@ -60,7 +67,7 @@ class FrameOutliers:
 
 
 @dataclass(frozen=True)
-class Outliers:
+class OutlierSummary:
     """Outliers of a quantity: the frame with the ``most``, if any, the departure closest to the limit or farthest
     beyond it, and that limit, both in the quantity's unit."""
 
@@ -69,7 +76,7 @@ class Outliers:
     limit: float
 
 
-def position_outliers(evidence: FindingsInput) -> Outliers | None:
+def position_outliers(evidence: FindingsInput) -> OutlierSummary | None:
     """Returns the outliers of x, found in each frame alone, in the frame with the most. None for too few particles."""
     scene, found = evidence.scene, []
     for frame, error, near in _with_neighbours(evidence, "x", len(evidence.frames)):
@@ -79,10 +86,10 @@ def position_outliers(evidence: FindingsInput) -> Outliers | None:
         return None
     most = max((one for one, *_ in found), key=lambda one: len(one.which))
     _, largest, limit = max(found, key=lambda one: one[1] / one[2])
-    return Outliers(most if len(most.which) else None, largest, limit)
+    return OutlierSummary(most if len(most.which) else None, largest, limit)
 
 
-def value_outliers(evidence: FindingsInput, quantity: str) -> Outliers | None:
+def value_outliers(evidence: FindingsInput, quantity: str) -> OutlierSummary | None:
     """Returns the outliers of v or the stress: particles that are outliers in a third of the frames, or by far in one.
     None where the files do not have the quantity, or not always of the same particles."""
     least = LEAST[quantity] * evidence.scene.size_of(quantity)
@@ -101,8 +108,8 @@ def value_outliers(evidence: FindingsInput, quantity: str) -> Outliers | None:
     at, beyond, factor = _lasting_outliers(every_far / every_limit[:, None], len(frames) // LASTS, PASSES)
     worst, which = int(np.argmax(beyond)), np.flatnonzero(beyond > 1)
     k = int(at[worst])
-    return Outliers(FrameOutliers(frames[k], which, every_far[k, which].astype(float)) if len(which) else None,
-                    float(every_far[k, worst]), float(every_limit[k]) * float(factor[worst]))
+    return OutlierSummary(FrameOutliers(frames[k], which, every_far[k, which].astype(float)) if len(which) else None,
+                          float(every_far[k, worst]), float(every_limit[k]) * float(factor[worst]))
 
 
 def _lasting_outliers(score: np.ndarray, longer: int, passes: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -116,11 +123,11 @@ def _lasting_outliers(score: np.ndarray, longer: int, passes: float) -> tuple[np
 
 
 def _with_neighbours(evidence: FindingsInput, quantity: str,
-                     most: int) -> Iterator[tuple[Frame, np.ndarray, Neighbourhood]]:
+                     most: int) -> Iterator[tuple[Frame, np.ndarray, NearestNeighbours]]:
     """Yields at most ``most`` frames with their errors (P, C) and neighbourhoods, computed once if constant."""
     pairs = [(f, e[quantity]) for f, e in zip(evidence.frames, evidence.errors, strict=True) if quantity in e]
     before: np.ndarray | None = None
-    near: Neighbourhood | None = None
+    near: NearestNeighbours | None = None
     for frame, error in pairs[::max(1, -(-len(pairs) // most))]:
         if before is None or not np.array_equal(before, frame.material_position):
             before, near = frame.material_position, find_neighbours(frame.material_position)
@@ -128,7 +135,7 @@ def _with_neighbours(evidence: FindingsInput, quantity: str,
             yield frame, error.reshape(len(error), -1), near
 
 
-def outliers_finding(quantity: str, outliers: Outliers | None) -> Finding:
+def outliers_finding(quantity: str, outliers: OutlierSummary | None) -> Finding:
     """Returns the finding on the outliers of x, v or sigma, or on None that they are unknown."""
     if outliers is None:
         return unknown(NAMES[quantity], f"not of the same 5 to {MOST:,} particles at all times")

@@ -8,8 +8,8 @@ import numpy as np
 
 from solvers.judging.findings.finding import BROKEN, HOLDS, OFF, SUSPICIOUS, Finding, unknown
 from solvers.judging.findings.findings_input import FindingsInput
-from solvers.judging.findings.recorded_motion import RecordedMotion
-from solvers.judging.findings.time_fits import jackknife_error, jackknife_least_squares, rms, time_derivative
+from solvers.judging.findings.recorded_motion_reader import RecordedMotion
+from solvers.judging.findings.time_series_fitting import jackknife_error, jackknife_least_squares, rms, time_derivative
 from solvers.translatable_message import Message
 
 FEWEST_TIMES = 5

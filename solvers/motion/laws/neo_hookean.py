@@ -5,7 +5,7 @@ Source: Bonet & Wood, Nonlinear Continuum Mechanics, 2nd ed., Cambridge 2008, se
 
 from typing import Any
 
-from solvers.motion.laws.law import MaterialLaw
+from solvers.motion.laws.material_law import MaterialLaw
 
 
 def energy(F: Any, J: Any, log_J: Any, bulk: Any, mu: Any) -> Any:
@@ -15,7 +15,8 @@ def energy(F: Any, J: Any, log_J: Any, bulk: Any, mu: Any) -> Any:
 
 
 def coefficients(F: Any, J: Any, volumetric: Any, bulk: Any, mu: Any) -> Any:
-    """Returns q, r, A, x of ``solvers.motion.laws.law`` in Pa; ``volumetric`` is lambda ln J, ``bulk`` lambda in Pa."""
+    """Returns q, r, A, x of ``solvers.motion.laws.material_law`` in Pa; ``volumetric`` is lambda ln J, ``bulk`` lambda
+    in Pa."""
     return mu, volumetric, 0.0, bulk
 
 

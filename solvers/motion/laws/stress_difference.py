@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from solvers.motion.laws.material import Material
+from solvers.motion.laws.elastic_material import ElasticMaterial
 
 PLACES, SHARES = np.polynomial.legendre.leggauss(10)  # a secant is a mean of slopes: to rounding up to J/J0 = 2
 
@@ -16,7 +16,7 @@ PLACES, SHARES = np.polynomial.legendre.leggauss(10)  # a secant is a mean of sl
 class StressDifference(NamedTuple):
     """Differences of a material's J sigma in Pa; ``at_rest``, for frozen weights, of its first Piola-Kirchhoff P."""
 
-    material: Material
+    material: ElasticMaterial
     at_rest: bool
 
     def stress(self, F: np.ndarray) -> np.ndarray:

@@ -14,7 +14,7 @@ import numpy as np
 
 from solvers.motion.exact_solution import SECOND_FREQUENCY
 from solvers.motion.exact_solution_1d import motion_table
-from solvers.scene.momentum_balance_moments import DisplacementMoments
+from solvers.scene.displacement_moments import DisplacementMoments
 
 WAVENUMBER = 2 * np.pi
 SECOND_RATIO = 0.5  # of the force's second tone, of the first
@@ -90,7 +90,7 @@ def body_force(scene: Any, X: np.ndarray, t: float) -> np.ndarray:
 
 def displacement_moments(scene: Any, times: np.ndarray) -> DisplacementMoments:
     """Returns the moments, sums over particles of displacement times mode, at the times (T,) in s of the motion by the
-    balance of momentum (``solvers.scene.momentum_balance_moments``), for comparison with those of a run.
+    balance of momentum (``solvers.scene.displacement_moments``), for comparison with those of a run.
 
     P = E(F - 1) is linear, so that the modes sin(2 pi X) and sin(4 pi X), which start and body force feed, swing each
     for itself: q'' = -(n w0)^2 q + b_n(t), w0 = 2 pi c, n = 1 and 2. With w the frequency of the force,

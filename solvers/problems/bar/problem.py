@@ -9,7 +9,7 @@ from solvers.problems.bar.scene import BarScene
 from solvers.problems.descriptor import Problem
 
 if TYPE_CHECKING:
-    from solvers.problems.reference import ProblemReference
+    from solvers.problems.judging_reference import JudgingReference
     from solvers.solver.base import Solver
 
 
@@ -25,8 +25,8 @@ class BarProblem(Problem):
         return BarSolver
 
     @property
-    def reference(self) -> ProblemReference:
-        from solvers.problems.bar.reference import REFERENCE
+    def reference(self) -> JudgingReference:
+        from solvers.problems.bar.judging_reference import REFERENCE
 
         return REFERENCE
 

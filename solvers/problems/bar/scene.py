@@ -10,13 +10,13 @@ from typing import Any
 import numpy as np
 
 from solvers.motion.exact_solution_1d import HALF_ERROR, MotionMagnitudes, motion_magnitudes
-from solvers.motion.typed_motion import MotionInputs1D
+from solvers.motion.typed_motion import MotionParameters1D
 from solvers.problems.bar import estimator_limits, exact_solution, patch_test_inputs, step_bound
 from solvers.problems.bar.patch_test_inputs import PATCH, VIBRATE
 from solvers.scene.derived_quantities import MOST_PER_CELL
+from solvers.scene.displacement_moments import DisplacementMoments
 from solvers.scene.error_causes import CAUSES, NOTHING
 from solvers.scene.field_options import document_fields, option
-from solvers.scene.momentum_balance_moments import DisplacementMoments
 from solvers.scene.scene import Scene
 from solvers.scene.stabilisations import CENTRED, COUPLED, FILTER, FROZEN, PIECES
 from solvers.scene.step_bound import StepBound
@@ -106,8 +106,8 @@ class BarScene(TypedMotionScene, Scene):
         return TYPED if self.displacement else self.motion
 
     @property
-    def motion_inputs(self) -> MotionInputs1D:
-        return MotionInputs1D(self.base_frequency, self.amplitude, self.wave_speed)
+    def motion_inputs(self) -> MotionParameters1D:
+        return MotionParameters1D(self.base_frequency, self.amplitude, self.wave_speed)
 
     @property
     def swings(self) -> bool:

@@ -5,10 +5,10 @@ import time
 import numpy as np
 
 from solvers.kernels import runtime
-from solvers.problems.bar import exact_solution, step_breakdown
+from solvers.problems.bar import exact_solution
 from solvers.problems.bar.scene import BarScene
+from solvers.problems.bar.serial_step_kernel import KERNELS, PHASES
 from solvers.problems.bar.state import HOOKS, BarState, InstrumentedBar, allocate_state, escape_distance
-from solvers.problems.bar.step import KERNELS, PHASES
 from solvers.scene.kernel_options import kernel_options_of
 from solvers.scene.stabilisations import CENTRED, COUPLED, FILTER, FROZEN, PIECES
 from solvers.solver.base import REPORT, Solver

@@ -5,14 +5,14 @@ from dataclasses import dataclass
 import numpy as np
 import taichi as ti
 
-from solvers.estimators.estimator_memory import packing
+from solvers.estimators.estimator_arrays import packing
 from solvers.problems.bar.budget.budget_arrays import BUDGET, initial_budget_arrays
 from solvers.problems.bar.estimators import companion, recovered, transport, two_grid
 from solvers.problems.bar.method.body import BarBody, initial_body
 from solvers.problems.bar.scene import BarScene
 from solvers.scene import estimator_registry
 from solvers.scene.kernel_options import kernel_options_of
-from solvers.solver.state_arrays import Diagnostics, initial_diagnostics
+from solvers.solver.state_arrays import DiagnosticsState, initial_diagnostics
 
 #: What the solver calls of each estimator that the bar has, by name.
 HOOKS = estimator_registry.hooks_of("bar", {"companion": companion.HOOKS, "recovered": recovered.HOOKS,
@@ -20,7 +20,7 @@ HOOKS = estimator_registry.hooks_of("bar", {"companion": companion.HOOKS, "recov
 
 
 @dataclass
-class InstrumentedBar(Diagnostics, BarBody):
+class InstrumentedBar(DiagnosticsState, BarBody):
     """State of a run of the bar: the members of its body (the method) and of its diagnostics, in SI."""
 
     @property

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from solvers.problems.bar import patch_test_inputs
-from solvers.scene.linear_stability import Configurations, NodeLinks, longest_step_per_instant
+from solvers.scene.linear_stability import LinearisedConfigurations, ParticleNodeUnknowns, longest_step_per_instant
 from solvers.scene.scene import Scene
 from solvers.scene.stabilisations import PIECES
 from solvers.scene.step_bound import StepBound, combine_instant_bounds, gershgorin_step_bound, motion_fractions, stencil
@@ -92,14 +92,14 @@ def configuration_at(scene: Scene, cells: int, x: np.ndarray, F: np.ndarray, str
     return BarConfiguration(cells, nodes, S, nodes, dS * cells, scene.modulus * stretch * tangent * volume, mass)
 
 
-def stack_configurations(configurations: Sequence[BarConfiguration]) -> Configurations:
+def stack_configurations(configurations: Sequence[BarConfiguration]) -> LinearisedConfigurations:
     """Returns one bar's configurations at n moments as one object, whose arrays have the moments as first axis."""
     nodes, S, pulling, gradients, stiffness = (
         np.stack([getattr(one, name) for one in configurations])
         for name in ("nodes", "weights", "force_nodes", "gradients", "stiffness"))
-    return Configurations(configurations[0].cells, NodeLinks([nodes], [np.ones_like(S)]), S,
-                          NodeLinks([pulling], [np.ones_like(gradients)]), [gradients],
-                          np.full(S.shape[1], configurations[0].mass), lambda rates: [stiffness * rates[0]])
+    return LinearisedConfigurations(configurations[0].cells, ParticleNodeUnknowns([nodes], [np.ones_like(S)]), S,
+                                    ParticleNodeUnknowns([pulling], [np.ones_like(gradients)]), [gradients],
+                                    np.full(S.shape[1], configurations[0].mass), lambda rates: [stiffness * rates[0]])
 
 
 def _piece_stencils(method: str, cells: int, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -11,7 +11,7 @@ from solvers.motion.separable_field import SeparableField, separate
 SECOND_RATIO = 0.5  # of the second tone, in w^2 times its shape
 
 
-class BodyForce(NamedTuple):
+class TabulatedBodyForce(NamedTuple):
     """Body force per mass at K points (``points``) as data; ``second_tone`` is the factor of sin(1.7 wt)."""
 
     points: int
@@ -37,14 +37,14 @@ def body_force_at(scene: Any, X: np.ndarray, t: Any) -> np.ndarray:
     return force
 
 
-def tabulate_body_force(scene: Any, points: np.ndarray) -> BodyForce:
+def tabulate_body_force(scene: Any, points: np.ndarray) -> TabulatedBodyForce:
     """Returns the scene's body force per mass at material ``points`` (K, 2), m, as data: a function of the time."""
     if scene.body_force == "none":
-        return BodyForce(len(points))
+        return TabulatedBodyForce(len(points))
     first = separate(lambda X, t: scene.EXACT.body_force(scene, X, t), points, scene.period)
     second = separate(lambda X, t: _second_tone_amplitude(scene, X, t), points, scene.period) \
         if scene.body_force == "two-tone" else None
-    return BodyForce(len(points), first, second)
+    return TabulatedBodyForce(len(points), first, second)
 
 
 def _second_tone_amplitude(scene: Any, X: np.ndarray, t: Any) -> np.ndarray:

@@ -10,8 +10,8 @@ from solvers.problems.descriptor import BudgetProvider, Problem
 from solvers.problems.planar.scene import PlanarScene
 
 if TYPE_CHECKING:
+    from solvers.problems.judging_reference import JudgingReference
     from solvers.problems.planar.solver import PlanarSolver
-    from solvers.problems.reference import ProblemReference
 
 
 class ViewSettings(NamedTuple):
@@ -19,8 +19,8 @@ class ViewSettings(NamedTuple):
 
     ``prices`` are each estimator's share of the running time, alone on one thread; ``speed`` the lowest, the first and
     the highest, in periods a second; ``details`` fields of the method, each with its hint; ``sparks`` names of
-    suggested experiments (``app/problems/planar_suggestions.py``); ``breaking`` a run that will not last: a hint, other
-    fields of its scene, and how many periods it may hold.
+    suggested experiments (``app/problems/planar_suggested_experiments.py``); ``breaking`` a run that will not last: a
+    hint, other fields of its scene, and how many periods it may hold.
     """
 
     cells: tuple[int, int, int]
@@ -52,10 +52,10 @@ class PlanarProblem(Problem):
         return make_solver_class(self.scene)
 
     @property
-    def reference(self) -> ProblemReference:
-        from solvers.problems.planar.reference import PlanarReference
+    def reference(self) -> JudgingReference:
+        from solvers.problems.planar.judging_reference import PlanarJudgingReference
 
-        return PlanarReference(self.scene)
+        return PlanarJudgingReference(self.scene)
 
     @property
     def budget(self) -> BudgetProvider:

@@ -13,7 +13,7 @@ import numpy as np
 
 from solvers.estimators.standalone_companion import ElasticBody
 from solvers.motion.exact_solution import ExactSolution, stack_components
-from solvers.motion.laws.material import LAWS, NEO_HOOKEAN, Material
+from solvers.motion.laws.elastic_material import LAWS, NEO_HOOKEAN, ElasticMaterial
 from solvers.motion.separable_field import SeparableField, separate
 from solvers.problems.planar import step_bound
 from solvers.problems.planar.particle_layout import particle_layout
@@ -153,8 +153,8 @@ class PlanarScene(Scene):
         return 2 * mu * nu / (1 - 2 * nu), mu
 
     @functools.cached_property
-    def material(self) -> Material:
-        return Material(LAWS[self.law], *self.lame_moduli)
+    def material(self) -> ElasticMaterial:
+        return ElasticMaterial(LAWS[self.law], *self.lame_moduli)
 
     @property
     def wave_speed(self) -> float:

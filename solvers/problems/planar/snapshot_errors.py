@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from solvers.problems.planar.circular import plot_direction, polar_component
+from solvers.problems.planar.circular_scene import plot_direction, polar_component
 from solvers.problems.planar.method.body import PlanarBody
 
 Vector = tuple[np.ndarray, np.ndarray]

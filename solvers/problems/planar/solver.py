@@ -8,22 +8,21 @@ import numpy as np
 
 from solvers.kernels import runtime
 from solvers.motion.separable_field import SeparableField
-from solvers.problems.planar import step_breakdown
 from solvers.problems.planar.estimators import circular_companion, companion, recovered, transport, two_grid
-from solvers.problems.planar.estimators.recovered_operators import BOX, LatticeOptions
-from solvers.problems.planar.kernel_parts import PlanarParts
+from solvers.problems.planar.estimators.recovered_operators import BOX, LatticeKernelOptions
 from solvers.problems.planar.method.body import InstrumentedBody, initial_body, initial_instruments
-from solvers.problems.planar.method.diagnostic_kernels import make_diagnostic_kernels
-from solvers.problems.planar.method.problem_kernels import make_problem_kernels
+from solvers.problems.planar.method.diagnostic_kernels import make_diagnostic_functions
+from solvers.problems.planar.method.problem_step_functions import make_problem_step_functions
 from solvers.problems.planar.plans.cpu_plan import CpuKernels, CpuStepper, make_cpu_kernels
 from solvers.problems.planar.plans.gpu_plan import CompanionOnCpu, GpuStepper
+from solvers.problems.planar.problem_kernel_functions import PlanarKernelFunctions
 from solvers.problems.planar.scene import PlanarScene, motion_table
 from solvers.problems.planar.snapshot_errors import Errors, cauchy_stress_of, plotted_field, true_errors
 from solvers.scene import estimator_registry
 from solvers.scene.kernel_options import kernel_options_of
 from solvers.scene.scene import MOST_PARTICLES
 from solvers.scene.validation import SceneError
-from solvers.solver import devices
+from solvers.solver import gpu_detection
 from solvers.solver.base import REPORT, Solver
 from solvers.solver.particle_snapshot import TRUTH, ParticleFields, ParticleValues, Snapshot
 from solvers.solver.samples import column_index
@@ -36,7 +35,7 @@ class PlanarSolver(Solver):
     """Solver of a plane scene, with the arrays of its body. It has three plans: one serial kernel for many steps,
     parallel slabs, or, on a GPU, all particles at once. :func:`make_solver_class` makes the class of a problem."""
 
-    PARTS: ClassVar[PlanarParts]
+    PARTS: ClassVar[PlanarKernelFunctions]
     KERNELS: ClassVar[CpuKernels]
     STEP_BREAKDOWN = step_breakdown
     scene: Any
@@ -44,13 +43,13 @@ class PlanarSolver(Solver):
 
     def __init__(self, scene: Any):
         super().__init__(scene)
-        where = devices.resolve_arch(scene.arch)
-        if where == devices.CPU and scene.particles > MOST_PARTICLES:
+        where = gpu_detection.resolve_arch(scene.arch)
+        if where == gpu_detection.CPU and scene.particles > MOST_PARTICLES:
             raise SceneError("arch", scene.arch, "no GPU was found for these {particles:,} particles; at most {most:,} "
                              "are allowed on a processor", scene.particles, MOST_PARTICLES)
         large = scene.threads > 1 and scene.particles >= PARALLEL_FROM
         self.plan = ("parallel" if large else "serial") if scene.plan == "auto" else scene.plan
-        if where != devices.CPU:
+        if where != gpu_detection.CPU:
             self.plan = "gpu"
         self.threads = scene.threads if self.plan == "parallel" else 1
         self.arch = runtime.start(where, self.threads)
@@ -169,14 +168,14 @@ def distances(one: Errors, other: Errors) -> np.ndarray:
 @functools.cache
 def make_solver_class(kind: type[PlanarScene]) -> type[PlanarSolver]:
     """Returns the solver class of the problem with the scene class ``kind``, made once."""
-    traits = make_problem_kernels(kind)
+    traits = make_problem_step_functions(kind)
     box = kind.layout == "box"
     made = {"companion": lambda: circular_companion.HOOKS if kind.CIRCULAR else companion.HOOKS,
-            "recovered": lambda: recovered.hooks(BOX if box else LatticeOptions(closed=not kind.PLANES[0])),
+            "recovered": lambda: recovered.hooks(BOX if box else LatticeKernelOptions(closed=not kind.PLANES[0])),
             "transport": lambda: transport.hooks(traits),
             "two-grid": lambda: two_grid.hooks(traits, two_grid.BOX if box else two_grid.POLAR)}
     hooks = estimator_registry.hooks_of(kind.problem, {name: made[name]() for name in kind.ESTIMATORS})
-    parts = PlanarParts(hooks, traits, make_diagnostic_kernels(kind, traits.first))
+    parts = PlanarKernelFunctions(hooks, traits, make_diagnostic_functions(kind, traits.first))
     its = make_cpu_kernels(parts)
     return type("PlanarSolver", (PlanarSolver,), {
         "HOOKS": hooks, "PARTS": parts, "KERNELS": its, "PHASES": its.phases, "STATE": InstrumentedBody})

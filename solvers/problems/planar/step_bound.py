@@ -9,9 +9,14 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from solvers.motion.laws.law import determinant, reference_stiffness_metric, stiffness_metric, stress_increment
+from solvers.motion.laws.material_law import determinant, reference_stiffness_metric, stiffness_metric, stress_increment
 from solvers.problems.planar.particle_layout import CORNERS, MOST_HALF_WIDTH, box_stretch, particle_layout
-from solvers.scene.linear_stability import Configurations, Fields, NodeLinks, longest_step_per_instant
+from solvers.scene.linear_stability import (
+    Fields,
+    LinearisedConfigurations,
+    ParticleNodeUnknowns,
+    longest_step_per_instant,
+)
 from solvers.scene.scene import Scene
 from solvers.scene.step_bound import StepBound, combine_instant_bounds, gershgorin_step_bound, motion_fractions, stencil
 
@@ -34,7 +39,7 @@ class Weights(NamedTuple):
     y: np.ndarray
 
 
-class Images(NamedTuple):
+class SymmetryNodeImages(NamedTuple):
     """Nodes that stand for others by symmetry: their numbers, the signs that v_x and v_y have at the others, and where
     x and y are exchanged (``turned``); arrays of equal shape."""
 
@@ -44,14 +49,14 @@ class Images(NamedTuple):
     turned: np.ndarray
 
 
-def quarter_turn_images(i: np.ndarray, j: np.ndarray, cells: int) -> Images:
+def quarter_turn_images(i: np.ndarray, j: np.ndarray, cells: int) -> SymmetryNodeImages:
     """Returns the images of nodes (i, j), arrays of cells from the grid's middle, which quarter turns bring to the
     quarter i > 0, j >= 0. If ``cells``, the grid's along a side, is odd, i and j count from half a cell before it."""
     a, b = 2 * i - cells % 2, 2 * j - cells % 2
     turns = np.select([(a > 0) & (b >= 0), (a <= 0) & (b > 0), (a < 0) & (b <= 0)], [0, 1, 2], 3)
     crossed = turns % 2 == 1
     number = np.abs(np.where(crossed, b, a)) + 4 * cells * np.abs(np.where(crossed, a, b))
-    return Images(number, QUARTER_SIGNS[0][turns], QUARTER_SIGNS[1][turns], crossed)
+    return SymmetryNodeImages(number, QUARTER_SIGNS[0][turns], QUARTER_SIGNS[1][turns], crossed)
 
 
 class MotionSamples:
@@ -101,16 +106,16 @@ class MotionSamples:
         """Returns F (P, 2, 2) of the particles at this part, 0 to 1, of the way between the extremes of the motion."""
         return self.scene.EXACT.deformation_gradient(self.scene, self._X, self._time_at(part))
 
-    def _images(self, i: np.ndarray, j: np.ndarray) -> Images:
+    def _images(self, i: np.ndarray, j: np.ndarray) -> SymmetryNodeImages:
         """Returns the images by symmetry of the nodes in columns i and rows j, (P, M) each."""
         n, high = self.scene.cells, self._high
         if not self._low:
             return quarter_turn_images(i, j, n)
         inside = [np.where(high & (k > n), 2 * n - k, np.abs(k)) for k in (i, j)]
         sign_x, sign_y = (np.where((k < 0) | high & (k > n), -1.0, 1.0) for k in (i, j))
-        return Images(inside[0] + 2 * n * inside[1], sign_x, sign_y, np.zeros(i.shape, bool))
+        return SymmetryNodeImages(inside[0] + 2 * n * inside[1], sign_x, sign_y, np.zeros(i.shape, bool))
 
-    def _configurations(self) -> Configurations:
+    def _configurations(self) -> LinearisedConfigurations:
         """Returns the samples as linear systems, whose unknowns are v_x and v_y of all nodes with particles nearby."""
         scene, V, F = self.scene, self._volume, self.F
         wide = max(one.S.shape[1] for one in self.weights)
@@ -118,7 +123,8 @@ class MotionSamples:
         images, n = self._images(i, j), scene.cells
         numbers, node = np.unique(images.number, return_inverse=True)
         node, N = node.reshape(i.shape), len(numbers)
-        links = NodeLinks([node + N * images.turned, node + N * ~images.turned], [images.sign_x, images.sign_y])
+        links = ParticleNodeUnknowns([node + N * images.turned, node + N * ~images.turned],
+                                     [images.sign_x, images.sign_y])
         held = np.concatenate([self._low & ((k == 0) | self._high & (k == n))  # which hold still in x, and in y
                                for k in (numbers % (2 * n), numbers // (2 * n))])
         if scene.frozen:
@@ -130,7 +136,7 @@ class MotionSamples:
         def stress(L: Fields) -> Fields:
             return [V * part for part in stress_increment(L, *tangent)]
 
-        return Configurations(2 * N, links, S, links, [x, y], scene.density * V, stress, np.flatnonzero(held))
+        return LinearisedConfigurations(2 * N, links, S, links, [x, y], scene.density * V, stress, np.flatnonzero(held))
 
 
 def critical_time_step(scene: Any) -> StepBound:

@@ -10,7 +10,7 @@ from solvers.solver.samples import QUANTITIES
 from solvers.study.json_schema import NUMBER, MapOf
 from solvers.study.parameter_grid import Task, task_of
 from solvers.study.row import NORMS, identity_columns, measure
-from solvers.study.tables.paper_tables import PaperTable, TableRow
+from solvers.study.tables.paper_table_definitions import PaperTableDefinition, TableRowDefinition
 
 SCHEMA, RUN_SCHEMA = "mpm-lab/tables/1", "mpm-lab/tables-run/1"
 PAPERS_ESTIMATOR = "transport"
@@ -23,7 +23,7 @@ MEASURED = {"result": {"scene": dict, "t": NUMBER, "particles": int, "error": NO
 Results = Mapping[str, dict]  # the object of ``mpm-lab run --json`` for each run of a row
 
 
-def all_runs(tables: Iterable[PaperTable]) -> list[Task]:
+def all_runs(tables: Iterable[PaperTableDefinition]) -> list[Task]:
     """Returns the distinct runs of tables: first those without timing, the longest first, so that no CPU is idle at the
     end; then the timed ones, whose ``repeats`` is 1."""
     scenes = [(name in TIMED, scene) for table in tables for row in table.rows for name, scene in row.scenes.items()]
@@ -46,13 +46,13 @@ def _run_to_row(task: Task, scene: Scene) -> dict:
             "result": result}
 
 
-def results_by_row(table: PaperTable, rows: Iterable[dict]) -> dict[str, Results]:
+def results_by_row(table: PaperTableDefinition, rows: Iterable[dict]) -> dict[str, Results]:
     """Returns the results of a table's runs by name of the row and run, from the stored ``rows`` of all runs."""
     found = {row["key"]: row["result"] for row in rows if "result" in row}
     return {row.name: {name: found[task_of(scene).key] for name, scene in row.scenes.items()} for row in table.rows}
 
 
-def table_to_dict(table: PaperTable, results: Mapping[str, Results]) -> dict:
+def table_to_dict(table: PaperTableDefinition, results: Mapping[str, Results]) -> dict:
     """Returns the JSON object of a table; ``results`` are from :func:`results_by_row`."""
     names = dict.fromkeys(name for row in table.rows for name in row.scenes["errors"].estimators)
     seconds = [result["seconds"] for row in table.rows for result in results[row.name].values()]
@@ -70,7 +70,7 @@ def rows_by_part(table: dict) -> dict[str, list[dict]]:
     return found
 
 
-def _row_to_dict(number: str, row: TableRow, results: Results) -> dict:
+def _row_to_dict(number: str, row: TableRowDefinition, results: Results) -> dict:
     """Returns the JSON object of a row of Table ``number``: inputs, the paper's values, ours, their ratios."""
     run = results["errors"]
     ours = _computed_values(number, results)

@@ -6,7 +6,7 @@ import pytest
 
 from app.cli import main
 from solvers.scene.error_causes import CAUSES, FIELDS
-from solvers.study.summary import csv_text, summarise_study
+from solvers.study.csv_and_markdown_summary import csv_text, summarise_study
 
 QUICK = ("bar", "--cells", "8", "--ppc", "2", "--periods", "0.3", "--estimator", "none", "--quiet")
 PLANE = ("ring", "--cells", "8", "--ppc", "1", "--periods", "0.05", "--method", "ugimp", "--quiet")

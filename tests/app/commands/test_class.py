@@ -4,7 +4,15 @@ import json
 
 import pytest
 
-from app.commands.bench.class_load import BROKEN, SCHEMA, ClassLoad, Control, Visitor, class_load_table, run_class_load
+from app.commands.bench.class_load import (
+    BROKEN,
+    SCHEMA,
+    ClassLoadSettings,
+    Control,
+    Visitor,
+    class_load_table,
+    run_class_load,
+)
 from solvers.workers.worker_process import LINUX
 
 VISITORS, SECONDS = 3, 4.0
@@ -14,7 +22,7 @@ VISITORS, SECONDS = 3, 4.0
 def found():
     """What a small class got within a few seconds."""
     parts = []
-    yield run_class_load(ClassLoad(VISITORS, SECONDS), parts.append)
+    yield run_class_load(ClassLoadSettings(VISITORS, SECONDS), parts.append)
     assert parts == sorted(parts) and parts[-1] == 1.0
 
 

@@ -12,7 +12,7 @@ import pytest
 from app import __version__
 from app.cli import main
 from app.commands import commands
-from app.commands.output import NotWritten, Target
+from app.commands.output import NotWritten, OutputTarget
 from app.commands.progress import record_interrupts
 from solvers.problems import PROBLEMS
 from solvers.problems.bar.scene import BarScene
@@ -115,7 +115,7 @@ def test_files_are_whole_and_alone(line, tmp_path, capfd):
 
 
 def test_a_failing_picture_does_not_lose_the_json(tmp_path, monkeypatch, capsys):
-    monkeypatch.setattr("app.pictures.run.run_figure", lambda result: 1 / 0)
+    monkeypatch.setattr("app.pictures.run_errors.run_figure", lambda result: 1 / 0)
     assert main([*QUICK, "--json", str(tmp_path / "a.json"), "--plot", str(tmp_path / "a.png")]) == 1
     assert "--plot" in capsys.readouterr().err
     assert json.loads((tmp_path / "a.json").read_text())["status"] == "ok"
@@ -132,7 +132,7 @@ def test_other_words_for_a_flag(flag, key, names, capsys):
 def test_a_failed_write_leaves_the_old_file(tmp_path, monkeypatch):
     path = tmp_path / "a.json"
     path.write_text("old")
-    target = Target("json", str(path))
+    target = OutputTarget("json", str(path))
     monkeypatch.setattr(os, "replace", lambda *_: (_ for _ in ()).throw(OSError("full")))
     with pytest.raises(NotWritten, match=r"--json .* could not be written: full"):
         target.write(b"new")

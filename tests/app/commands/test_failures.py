@@ -13,7 +13,7 @@ import pytest
 
 from app.cli import INTERRUPTED, main
 from app.commands import commands, dispatch
-from app.commands.output import NotWritten, Target, print_message, show_tracebacks
+from app.commands.output import NotWritten, OutputTarget, print_message, show_tracebacks
 from app.commands.run import command as run_command
 from tests.support.paths import ROOT
 from tests.support.processes import HANG, children, has_ended, has_library, wait_until
@@ -96,9 +96,9 @@ def test_a_full_disk_names_the_flag(monkeypatch):
     with open(FULL, "wb", buffering=0) as full, monkeypatch.context() as patch:
         patch.setattr(sys, "stdout", SimpleNamespace(buffer=full, flush=lambda: None))
         with pytest.raises(NotWritten, match=r"^standard output could not be written: no space left on device$"):
-            Target("json", "-", may_be_stdout=True).write(b"{}")
+            OutputTarget("json", "-", may_be_stdout=True).write(b"{}")
     with pytest.raises(NotWritten, match=r"^--json /dev/full could not be written: no space left on device$"):
-        Target("json", FULL).write(b"{}")
+        OutputTarget("json", FULL).write(b"{}")
     with open(FULL, "w") as full:  # who cannot be told anything still gets the exit status
         assert command("frobnicate", stderr=full, stdout=subprocess.DEVNULL).returncode == 2
 

@@ -11,7 +11,7 @@ from app.cli import main
 from app.commands import commands
 from app.commands.output import json_text
 from app.commands.run.command import OutputFlags
-from app.commands.run.text import run_table
+from app.commands.run.text_summary import run_table
 from solvers.problems import PROBLEMS
 from solvers.scene.effects import EFFECTS
 

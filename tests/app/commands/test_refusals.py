@@ -12,7 +12,7 @@ from unittest.mock import patch
 
 import pytest
 
-from app import state
+from app import shareable_state
 from app.cli import main
 from app.commands import commands
 from app.lessons import catalogue, grading, student_progress
@@ -23,16 +23,16 @@ from app.lessons.markdown_html import RenderError, to_html
 from app.page.visit.status_message import Notice
 from solvers.problems import PROBLEMS
 from solvers.scene.validation import SceneError
+from solvers.study.csv_and_markdown_summary import csv_text, summarise_study
 from solvers.study.row_store import NAME, RowStore, StoreError
-from solvers.study.summary import csv_text, summarise_study
 
 EVIL = "\x1b]0;owned\x07\x1b[31m\u202e\u2066evil\x9b2J"
 TEXTS = [EVIL, EVIL * 300, "9" * 10_000, "=cmd|' /C calc'!A0\t" + EVIL, "<img src=x>![](http://evil.example)`" + EVIL]
 LONGEST = 410  # letters of a message
-SLOW = ("app.page.page_server.serve", "app.commands.run.command._run", "app.commands.run.budget.show_progress",
+SLOW = ("app.page.page_server.serve", "app.commands.run.command._run", "app.commands.run.budget_command.show_progress",
         "app.commands.bench.command.show_progress", "app.commands.lesson.show_progress",
         "app.commands.export.show_progress", "app.commands.judge.command.show_progress",
-        "app.commands.check.command.show_progress", "app.commands.judge.problem._handout_files",
+        "app.commands.check.contradiction_check.show_progress", "app.commands.judge.problem._handout_files",
         "app.commands.study.study_command.Study._executor", "app.commands.study.advise.Advise._search")
 
 
@@ -82,12 +82,12 @@ def test_every_field_of_a_scene_and_word_of_a_state(problem, text):
                 harmless(str(error))
                 harmless(error.sentence)
         for word in (f"{name}={text}", f"{text}={name}", f"pinned;{name}={text}"):
-            with pytest.raises(state.StateError) as refusal:
-                state.parse_state(f"{problem};{word}")
+            with pytest.raises(shareable_state.StateError) as refusal:
+                shareable_state.parse_state(f"{problem};{word}")
             harmless(str(refusal.value))
-    for word in state.VIEW:
-        with pytest.raises(state.StateError) as refusal:
-            state.parse_state(f"{problem};{word}={text}")
+    for word in shareable_state.VIEW:
+        with pytest.raises(shareable_state.StateError) as refusal:
+            shareable_state.parse_state(f"{problem};{word}={text}")
         harmless(str(refusal.value))
 
 

@@ -9,7 +9,7 @@ import pytest
 
 from app.cli import main
 from app.commands import commands
-from app.pictures.study import FIGURES
+from app.pictures.cost_and_convergence import FIGURES
 from solvers.study.row import solver_source_hash
 from tests.support.fake_rows import InstantExecutor
 
@@ -58,7 +58,7 @@ def test_resumed_it_is_the_same_table_and_runs_what_is_missing(left, whole, tmp_
 def test_rows_of_other_source_are_measured_again_and_said(tmp_path, monkeypatch, capsys):
     place = InstantExecutor()
     monkeypatch.setattr("solvers.study.executors.LocalExecutor", place)
-    monkeypatch.setattr("app.pictures.study.FIGURES", {})
+    monkeypatch.setattr("app.pictures.cost_and_convergence.FIGURES", {})
     flags = ["sweep", "bar", "--cells", "20", "40", "--out", str(tmp_path)]
     path = tmp_path / "rows.jsonl"
     assert main(flags) == 0

@@ -15,13 +15,13 @@ from xml.etree import ElementTree
 import numpy as np
 import pytest
 
-from app import state
+from app import shareable_state
 from app.cli import main
-from app.export import export_plan, slider_grid
+from app.export import slider_grid, stage_export_plan
 from app.export.html_file import _page_title, scene_page
 from app.export.lesson_export import lesson_page, make_scorm_package, marking_rules, scorm_manifest
-from app.export.quantise import NONE, NUMBER, PLACE, SIGNED, SIZE, TOPS, Track, pack_tracks
 from app.export.recording import RecordingRequest, record_scene
+from app.export.recording_compression import NONE, NUMBER, PLACE, SIGNED, SIZE, TOPS, Track, pack_tracks
 from app.frame.stage import marking_stride
 from app.lessons.lesson_parser import parse_lesson
 from app.problems.views import VIEWS
@@ -99,7 +99,7 @@ def test_a_track_of_a_run_gone_bad_is_written(kind):
     ("bar motion=patch cells=10 periods=0.1", "Patch test of the bar"), ("bar cells=10 periods=0.1", "Vibrating bar"),
     ("ring cells=12 periods=0.02", "Expanding ring")])
 def test_a_file_is_titled_by_what_it_shows(text, heading):
-    assert _page_title(export_plan.make_export_plan(state.parse_state(text), (), ("x",))) == heading
+    assert _page_title(stage_export_plan.make_export_plan(shareable_state.parse_state(text), (), ("x",))) == heading
 
 
 def test_zeros_and_nothing_stay_what_they_are():
@@ -111,7 +111,7 @@ def test_zeros_and_nothing_stay_what_they_are():
 
 @pytest.mark.parametrize("text", [BAR, RING, VORTEX])
 def test_a_recording_holds_the_numbers_of_the_run(text, simulate):
-    scene = state.parse_state(text).scene
+    scene = shareable_state.parse_state(text).scene
     result, made = simulate(scene), record_scene(RecordingRequest(text, 9, 1000, ALL))
     found, head = decoded(made), made["head"]
     assert (head["status"], head["steps"], head["shown"]) == ("ok", scene.steps, result.particles)
@@ -135,7 +135,10 @@ def test_a_recording_holds_the_numbers_of_the_run(text, simulate):
 def test_who_made_the_error_is_kept_where_the_run_has_it(simulate):
     """The shares are those of the run, and the parts of each picture add up to its error; elsewhere nothing is kept."""
     text = "bar cells=10 periods=0.25 estimators=none effects=truth,budget"
-    result, made = simulate(state.parse_state(text).scene), record_scene(RecordingRequest(text, 9, 1000, ("x",)))
+    result, made = (
+        simulate(shareable_state.parse_state(text).scene),
+        record_scene(RecordingRequest(text, 9, 1000, ("x",))),
+    )
     found, said = decoded(made), made["head"]["budget"]
     assert said["not_valid"] is None and said["whose"] == ""
     for field in FIELDS:
@@ -149,7 +152,7 @@ def test_who_made_the_error_is_kept_where_the_run_has_it(simulate):
 
 def test_domains_are_kept_where_they_are_asked_for():
     one, scene = RecordingRequest("ring cells=12 periods=0.1", 3, 1000, ("x",),
-                                  domains=True), state.parse_state("ring cells=12").scene
+                                  domains=True), shareable_state.parse_state("ring cells=12").scene
     found = decoded(record_scene(one))
     half = found["edges"][0].reshape(2, 2, -1)
     undeformed = np.tile(np.eye(2), (scene.particles, 1, 1))
@@ -173,29 +176,30 @@ def test_of_many_particles_some_are_kept():
 
 @pytest.mark.parametrize("problem", ["bar", "ring"])
 def test_a_lattice_has_sixty_runs_and_stays_within_the_budget(problem):
-    shown = state.parse_state(f"{problem} estimators=recovered,transport")
+    shown = shareable_state.parse_state(f"{problem} estimators=recovered,transport")
     axes = slider_grid.axes_around(shown.scene, slider_grid.FULL)
-    one = export_plan.make_export_plan(shown, axes, ("x", "v", "sigma"))
+    one = stage_export_plan.make_export_plan(shown, axes, ("x", "v", "sigma"))
     assert [len(axis.values) for axis in axes] == [5, 4, 3] and len(one.run_texts) == 60
     assert all(axis.values[axis.start] == getattr(shown.scene, axis.field) for axis in axes)
-    most = next(iter(export_plan.recordings_needed([one]).values())).particles
-    sizes = [export_plan._recording_bytes(one,
-                                          min(state.parse_state(text).scene.particles, most)) for text in one.run_texts]
-    assert sum(sizes) <= export_plan.BUDGET
+    most = next(iter(stage_export_plan.recordings_needed([one]).values())).particles
+    sizes = [stage_export_plan._recording_bytes(one,
+                                          min(shareable_state.parse_state(text).scene.particles,
+                                              most)) for text in one.run_texts]
+    assert sum(sizes) <= stage_export_plan.BUDGET
 
 
 def test_what_a_lesson_names_is_on_the_sliders():
     text = "- Set **Cells** to `80`.\n- Choose **Method** `B-spline`.\n- Set **CFL number** to `0.025`.\nRead **norm**."
     axes = {
         axis.field: axis.values
-        for axis in slider_grid.axes_for_instructions(state.parse_state("bar cells=20 cfl=0.4").scene, text)
+        for axis in slider_grid.axes_for_instructions(shareable_state.parse_state("bar cells=20 cfl=0.4").scene, text)
     }
     assert axes == {"cells": (20, 80), "method": ("ugimp", "bspline"), "cfl": (0.025, 0.4)}
 
 
 def test_what_cannot_be_says_why():
     axes = [slider_grid.SliderAxis("method", ("cpgimp", "ugimp"), 0)]
-    texts = list(slider_grid.scene_texts(state.parse_state("bar method=cpgimp velocity=corners").scene, axes))
+    texts = list(slider_grid.scene_texts(shareable_state.parse_state("bar method=cpgimp velocity=corners").scene, axes))
     assert texts[0].startswith("bar;") and texts[1].startswith("!moves the corners")
 
 

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from app.frame.field_plot import ROOM, FieldPlot, ValueAxis, magnify_deviation
-from app.frame.layout import RunSlot
+from app.frame.layout import ComparedRunSlot
 from app.frame.primitives import StageMetrics
 from app.problems.bar.stage import BarStage
 from app.problems.views import VIEWS
@@ -111,7 +111,7 @@ def test_axis_comes_back_once_a_peak_is_gone():
     assert 1 / ROOM <= axis.top < 3
 
 
-PLACES = BarStage.layout(StageMetrics(720.0, high=0.5, gutter=0.16), RunSlot.ALONE)
+PLACES = BarStage.layout(StageMetrics(720.0, high=0.5, gutter=0.16), ComparedRunSlot.ALONE)
 BOX = PLACES.field
 AT, UNCROSSED = (np.arange(20) + 0.5) / 20, np.zeros(20, bool)
 
@@ -187,7 +187,7 @@ def test_a_plot_says_what_is_drawn():
 
 
 def test_where_a_name_has_no_room_the_remark_says_it():
-    places = BarStage.layout(StageMetrics(358.0, high=0.84), RunSlot.ALONE)
+    places = BarStage.layout(StageMetrics(358.0, high=0.84), ComparedRunSlot.ALONE)
     draw, made = plot(places)
     draw(BAR, "x", 10, AT, np.zeros((20, 2), np.float32), 0.1, UNCROSSED)
     assert made["remark"].text == "Displacement" and not made["name"].text

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from app.frame.field_plot import ROOM
-from app.frame.layout import RunSlot, colour_bar_box
+from app.frame.layout import ComparedRunSlot, colour_bar_box
 from app.frame.planar_layout import AROUND, make_planar_layout, planar_labels
 from app.frame.primitives import StageMetrics
 from app.frame.recent_crossings import LEAST_SECONDS, WINDOW, crossing_ages, crossing_window, is_recent_crossing
@@ -21,7 +21,7 @@ SAID = StageLabels(("Estimate", "Truth"), ("by recovered", "exact solution"), ("
              "crosses an edge", "Alike?")
 
 
-@pytest.mark.parametrize(("problem", "seat", "room"), list(product(VIEWS, RunSlot, ROOMS)))
+@pytest.mark.parametrize(("problem", "seat", "room"), list(product(VIEWS, ComparedRunSlot, ROOMS)))
 def test_everything_stands_in_the_rectangle_below_the_scale(problem, seat, room):
     """But for names in the gutter, which are as high as the rest."""
     stage = VIEWS[problem].stage
@@ -50,6 +50,6 @@ def test_a_crossing_is_shown_for_a_part_of_a_period_and_long_enough_to_be_seen()
 @pytest.mark.parametrize("letters", (1.0, 1.7, 2.5))
 def test_a_body_keeps_its_room_beside_letters_of_any_size(letters):
     """On a projector they are large: names stand above the body then, and none gets a line of no length."""
-    places = make_planar_layout(StageMetrics(593.0, letters, 0.72, 0.26).rounded(), RunSlot.ALONE)
+    places = make_planar_layout(StageMetrics(593.0, letters, 0.72, 0.26).rounded(), ComparedRunSlot.ALONE)
     assert 2 * AROUND * places.radius >= 0.29
     assert all(label.width >= 0 for label in planar_labels(StageLabels(crossings="crosses an edge"), places))

@@ -6,7 +6,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from app import words
+from app import names_and_units
 from app.frame.colour_scale import ZERO, ColourScale
 from app.frame.primitives import Dots
 from app.frame.stage import StageLabels
@@ -88,7 +88,8 @@ def assert_shades(ticks, logarithmic, row_of):
     assert len(ticks) > 3 and ticks[0][0] == 0 and ticks[-1][0] == 1
     unit = "" if logarithmic else ticks[-1][1].split()[1]
     for at, text in ticks:
-        value = 0.0 if text == ZERO else words.parse_size(text if text.endswith("m") else f"{text} {unit}", "m")
+        value = 0.0 if text == ZERO else names_and_units.parse_size(text if text.endswith("m") else f"{text} {unit}",
+                                                                    "m")
         assert abs(row_of(value) - 255 * at) <= 1 + logarithmic
 
 

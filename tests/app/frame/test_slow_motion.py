@@ -8,9 +8,9 @@ import pytest
 
 from app.frame.slow_motion.stage import NUMBERS, averaged_hat
 from app.frame.slow_motion.step_phases import PHASES, format_scaled
+from app.names_and_units import PREFIXES
 from app.problems.views import VIEWS
 from app.renderers.viewer_renderer import LabelLayer, ViewerSurface
-from app.words import PREFIXES
 from solvers.engine.engine_messages import Pace, SessionRequest
 from solvers.engine.shared_frames import FrameOptions
 from solvers.problems.bar.scene import BarScene

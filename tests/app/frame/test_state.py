@@ -7,8 +7,8 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from app.cli import main
-from app.state import State, StateError, parse_state, write_state
-from app.words import MAGNIFICATIONS, QUANTITIES
+from app.names_and_units import MAGNIFICATIONS, QUANTITIES
+from app.shareable_state import State, StateError, parse_state, write_state
 from solvers.problems import PROBLEMS
 from solvers.problems.bar.scene import BarScene
 from solvers.problems.ring import RingScene

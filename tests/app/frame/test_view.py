@@ -8,17 +8,17 @@ from xml.etree import ElementTree
 import numpy as np
 import pytest
 
-from app import words
-from app.frame.captions import ESTIMATE_OFF, NONE_CHOSEN, OFF, TRUTH_OFF, UNKNOWN, frame_error_view
+from app import names_and_units
 from app.frame.colour_scale import DECADES, MOST_TICKS, ColourScale
+from app.frame.error_view_captions import ESTIMATE_OFF, NONE_CHOSEN, OFF, TRUTH_OFF, UNKNOWN, frame_error_view
 from app.frame.stage import Stage
-from app.page.panels.readout import _percent, live_readout
+from app.names_and_units import with_unit
+from app.page.panels.readout_tables import _percent, live_readout
 from app.page.stage.worst_region import SteadyMaximum, WorstRegions
-from app.page.visit.session import first_scene
+from app.page.visit.run_session import first_scene
 from app.problems.bar.view import BAR as BAR_VIEW
 from app.problems.bar.view import LENGTHS
 from app.problems.views import VIEWS
-from app.words import with_unit
 from solvers.engine.engine_messages import FrameReport
 from solvers.engine.shared_frames import FrameArrays, FrameOptions
 from solvers.problems import PROBLEMS
@@ -146,7 +146,7 @@ def test_scale_is_used_and_its_numbers_are_round(logarithmic):
         size = scale.top / float(ticks[-1][1].split()[0])  # what the numbers without a unit are counted in
         for at, text in ticks[not logarithmic:-1]:
             exact = scale.top * 10 ** (DECADES * (at - 1)) if logarithmic else scale.top * at
-            shown = words.parse_size(text, "m") if logarithmic else size * float(text)
+            shown = names_and_units.parse_size(text, "m") if logarithmic else size * float(text)
             assert shown == pytest.approx(exact, rel=1e-9)  # nothing was rounded away
             assert len(f"{float(text.split()[0]):.12e}".split("e")[0].rstrip("0")) <= 4  # 2.25 at most
         assert logarithmic or ticks[0] == (0.0, "0, exact")
@@ -240,7 +240,7 @@ def test_every_problem_is_shown(problem):
         assert low <= getattr(scene, field) <= high
     assert view.slider_ranges.speed[0] <= view.speed <= view.slider_ranges.speed[1]
     for field in view.details:
-        value, names = getattr(scene, field), words.choice_labels(type(scene), field)
+        value, names = getattr(scene, field), names_and_units.choice_labels(type(scene), field)
         assert value in names if scene.choices(field) else isinstance(value, bool)
     assert issubclass(view.stage, Stage) and callable(view.draw_picture)
 

@@ -8,20 +8,21 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from app import words
-from app.frame import budget_chart, captions, headline
+from app import names_and_units
+from app.frame import budget_chart_data, error_view_captions, headline
 from app.frame.slow_motion.step_phases import PHASES
 from app.language.translation import tr, use_language
-from app.problems.suggestion import SuggestionNotApplicable
+from app.problems.suggested_experiment import SuggestionNotApplicable
 from app.problems.views import VIEWS
-from app.state import State
+from app.shareable_state import State
 from solvers.problems import PROBLEMS
 from solvers.scene.estimator_registry import ESTIMATORS
 from solvers.scene.scene import Scene
 from tests.support.pseudo_translation import CODE
 
-NAMES = re.compile("|".join([*ESTIMATORS, *(method.name for method in words.METHODS.values()), "CFL", "E ln F", "sigma",
-                             *(f"{prefix}{unit}" for unit in ("Pa", "rad") for prefix in "mkMG"), "rad"]))
+NAMES = re.compile("|".join([*ESTIMATORS, *(method.name for method in names_and_units.METHODS.values()), "CFL",
+                             "E ln F", "sigma", *(f"{prefix}{unit}" for unit in ("Pa", "rad") for prefix in "mkMG"),
+                             "rad"]))
 
 
 def outside(text: str) -> str:
@@ -49,18 +50,19 @@ def test_what_is_said_of_a_run_and_its_errors(problem):
     with use_language(CODE):
         for scene in scenes(kind):
             assert not outside(
-                f"{words.difference_text(scene, kind())} {words.motion_text(scene)} {stage.scale_note(scene)}"
+                f"{names_and_units.difference_text(scene, kind())} {names_and_units.motion_text(scene)} {stage.scale_note(scene)}"
             )
-            for quantity in words.QUANTITIES:
+            for quantity in names_and_units.QUANTITIES:
                 for estimator in (None, *kind.ESTIMATORS):
-                    no_truth = captions.why_no_truth(scene, quantity)
-                    no_estimate = captions.why_no_estimate(scene, scene.not_valid, estimator, quantity)
-                    told = astuple(captions.make_captions(quantity, estimator, estimator is None, no_estimate,
+                    no_truth = error_view_captions.why_no_truth(scene, quantity)
+                    no_estimate = error_view_captions.why_no_estimate(scene, scene.not_valid, estimator, quantity)
+                    told = astuple(error_view_captions.make_captions(quantity, estimator, estimator is None,
+                                                                     no_estimate,
                                                           no_truth))
                     said = headline.error_headline_templates(scene, quantity, estimator, no_estimate, no_truth)
-                    plot = captions.field_plot_caption(scene, stage.PLOT.component, quantity)
+                    plot = error_view_captions.field_plot_caption(scene, stage.PLOT.component, quantity)
                     run = headline.format_error_headline(said, "m", 0.2, 0.1, 0.5, tr(headline.SO_FAR))
-                    assert not outside(f"{told} {plot} {captions.add_unknown_count(plot.remark, 3)} {run}")
+                    assert not outside(f"{told} {plot} {error_view_captions.add_unknown_count(plot.remark, 3)} {run}")
 
 
 @pytest.mark.parametrize("problem", PROBLEMS)
@@ -69,7 +71,8 @@ def test_what_a_problem_says_of_itself_and_asks(problem):
     with use_language(CODE):
         said = [*view.regions(np.ones((1, kind.DIMENSIONS))).names, *map(tr, view.details.values()),
                 tr(view.amplitude_hint), tr(view.modulus_hint), tr(view.division), tr(view.stage.HALVES),
-                captions.crossing_marks_legend(view.stage.MARKED, 3), *words.choice_labels(kind, "body_force").values()]
+                error_view_captions.crossing_marks_legend(view.stage.MARKED, 3),
+                *names_and_units.choice_labels(kind, "body_force").values()]
         for scene in scenes(kind):
             state = State(scene)
             for spark in view.suggestions(state):
@@ -88,7 +91,7 @@ def test_what_a_problem_says_of_itself_and_asks(problem):
 
 def test_what_is_said_of_a_step_in_slow_motion_and_of_causes():
     with use_language(CODE):
-        said = [*map(tr, (budget_chart.QUESTION, budget_chart.CAPTION, *budget_chart.MEANINGS.values())),
+        said = [*map(tr, (budget_chart_data.QUESTION, budget_chart_data.CAPTION, *budget_chart_data.MEANINGS.values())),
                 *(tr(phase.title) for phase in PHASES), *(tr(one.name) for phase in PHASES for one in phase.columns),
                 *(phase.words(scene) for phase in PHASES for problem in PROBLEMS.values()
                   for scene in scenes(problem.scene))]

@@ -6,16 +6,16 @@ from types import SimpleNamespace
 
 import pytest
 
-from app.frame.captions import why_no_estimate
+from app.frame.error_view_captions import why_no_estimate
 from app.language.translation import translate_message, use_language
-from app.words import reword_for_page, short_reason
+from app.names_and_units import reword_for_page, short_reason
 from solvers import BarScene, RingScene, SquareScene, VortexScene
 from solvers.problems import PROBLEMS
 from solvers.scene.effects import EFFECTS
 from solvers.scene.scene import Scene
 from solvers.scene.validation import SceneError
 from solvers.solver.base import Solver
-from solvers.solver.soundness import CONTRADICTIONS, NOUNS, Finding
+from solvers.solver.soundness import CONTRADICTIONS, NOUNS, SoundnessFinding
 from solvers.translatable_message import Message, join_messages
 from solvers.untrusted.quoting import FileError
 
@@ -72,7 +72,7 @@ def test_of_any_scene_warnings_and_estimators_that_do_not_hold_are_heard(problem
     VortexScene(method="ugimp", ppc=1), SquareScene(method="mpm")], ids=lambda scene: f"{scene.problem} {scene.method}")
 def test_why_a_run_is_lost_is_heard_with_all_its_parts(rule, scene):
     solver = SimpleNamespace(_position_text=lambda particle: "0.1250, 0.3000", _advice=scene.fallback_advice)
-    finding = Finding(0.34, Message(rule.sentence, size="0.21"), 0.21, 5)
+    finding = SoundnessFinding(0.34, Message(rule.sentence, size="0.21"), 0.21, 5)
     sentence = Solver.loss_sentence(solver, finding)  # type: ignore[arg-type]
     with use_language("de"):
         said = reword_for_page(sentence)
@@ -104,8 +104,8 @@ def test_an_estimator_that_does_not_hold_says_so_in_few_words_in_any_language():
 
 
 def test_what_is_off_is_called_as_the_effect_is():
-    from app.frame import captions
+    from app.frame import error_view_captions
 
-    for sentence, effect in ((captions.ESTIMATE_OFF, "estimate"), (captions.OFF, "acceleration"),
-                             (captions.NOT_COUNTED, "crossings")):
+    for sentence, effect in ((error_view_captions.ESTIMATE_OFF, "estimate"), (error_view_captions.OFF, "acceleration"),
+                             (error_view_captions.NOT_COUNTED, "crossings")):
         assert f'"{EFFECTS[effect].label}"' in sentence

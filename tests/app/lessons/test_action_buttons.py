@@ -6,12 +6,12 @@ import re
 
 import pytest
 
-from app import state
+from app import shareable_state
 from app.language.translation import ENGLISH, use_language
 from app.lessons import catalogue
 from app.lessons.lesson import draw_numbers, fill_numbers
-from app.page.features.lesson import action_buttons
-from app.page.features.lesson.action_buttons import (
+from app.page.features.lesson import instruction_buttons
+from app.page.features.lesson.instruction_buttons import (
     Instruction,
     budget_button_html,
     find_instructions,
@@ -44,7 +44,7 @@ class Hand:
     """Controls that only remember what was done with them."""
 
     def __init__(self, text: str):
-        self.scene, self.done = state.parse_state(text).scene, []
+        self.scene, self.done = shareable_state.parse_state(text).scene, []
 
     def set_field_from_text(self, field, said, meant):
         self.done.append((field, meant(self.scene)))
@@ -102,7 +102,7 @@ def _done(lesson, core):
             else:
                 perform_instruction(act, hand)
                 field, value = hand.done[-1]
-                allowed = hand.scene.choices(field) if field in action_buttons.FIELDS.values() else ()
+                allowed = hand.scene.choices(field) if field in instruction_buttons.FIELDS.values() else ()
                 assert not allowed or value in allowed
 
 

@@ -5,9 +5,9 @@ from dataclasses import replace
 import pytest
 import viser
 
-from app import state
+from app import shareable_state
 from app.lessons import catalogue
-from app.lessons.answer_check import format_answer, mark_answer, why_invalid
+from app.lessons.answer_marking import format_answer, mark_answer, why_invalid
 from app.lessons.lesson import DRAG, PREDICT
 from app.lessons.lesson_runs import RunCache
 from app.page.features.lesson.answer_widgets import AnswerWidgets, parse_number
@@ -32,7 +32,7 @@ def test_where_a_control_is_left_is_what_the_stage_has(gui, dragged):
     """In the stage's units, and it follows the stage."""
     lesson, step = dragged
     on_stage = ["bar;method=mpm;amplitude=0.0032"]
-    widgets = AnswerWidgets(gui, step, {}, None, False, lambda: state.parse_state(on_stage[0]).scene)
+    widgets = AnswerWidgets(gui, step, {}, None, False, lambda: shareable_state.parse_state(on_stage[0]).scene)
     assert widgets.value == 0.0032 and "The stage has Amplitude A = <b>3.2 mm</b>" in widgets._note.content
     assert mark_answer(lesson, step, widgets.value, {}, RunCache()).right is True
     on_stage[0] = "bar;amplitude=0.002"
@@ -46,14 +46,14 @@ def test_where_a_control_is_left_is_what_the_stage_has(gui, dragged):
 
 def test_a_prediction_of_a_control_is_a_slider(gui, dragged):
     step = replace(dragged[1], kind=PREDICT)
-    widgets = AnswerWidgets(gui, step, {}, 0.01, False, lambda: state.parse_state("bar").scene)
+    widgets = AnswerWidgets(gui, step, {}, 0.01, False, lambda: shareable_state.parse_state("bar").scene)
     assert widgets.value == pytest.approx(0.01, rel=0.02)
     assert "Your value: Amplitude A = <b>10 mm</b>" in widgets._note.content
 
 
 def test_only_an_option_that_there_is_can_be_chosen(gui):
     [step, *_] = [step for step in catalogue.load_lesson("04-grid-crossing").steps if step.question]
-    widgets = AnswerWidgets(gui, step, {}, None, False, lambda: state.parse_state("bar").scene)
+    widgets = AnswerWidgets(gui, step, {}, None, False, lambda: shareable_state.parse_state("bar").scene)
     for said in (0, 4, -1, True, 1.0, "1", None, [1], 10**9):
         widgets.choose(said)
         assert widgets.value is None

@@ -7,12 +7,12 @@ from contextlib import closing
 import numpy as np
 import pytest
 
-from app import state
+from app import shareable_state
 from app.lessons import catalogue
-from app.lessons.answer_check import bettors_of_step, right_answer
-from app.lessons.bet_chart import make_bet_chart
+from app.lessons.answer_marking import bettors_of_step, right_answer
 from app.lessons.claims import ClaimError, check_claim, decide_claim
-from app.lessons.interval_bets import BY_ROUND, JUDGES, YOURS, Bet, Bettor, interval_score
+from app.lessons.interval_bet_chart import make_bet_chart
+from app.lessons.interval_bets import BY_ROUND, JUDGES, YOURS, Bettor, IntervalBet, interval_score
 from app.lessons.lesson import LessonError
 from app.lessons.lesson_parser import parse_lesson
 from app.lessons.lesson_runs import RunCache, run_in_worker
@@ -95,15 +95,15 @@ def test_nobody_scores_less_than_by_what_he_thinks(level):
 
 def test_bets_are_drawn_as_multiples_of_the_truth():
     """Factors of ten are equally wide; what goes on beyond ten thousand is cut."""
-    yours = Bettor(YOURS, (Bet(1, 100, 10), Bet(20, 30, 10)))
-    picture = make_bet_chart([yours, Bettor("GCI", (Bet(9.99, 10.01, 10), None))])
+    yours = Bettor(YOURS, (IntervalBet(1, 100, 10), IntervalBet(20, 30, 10)))
+    picture = make_bet_chart([yours, Bettor("GCI", (IntervalBet(9.99, 10.01, 10), None))])
     own, gci = picture.bettors
     assert picture.reach == 1 and [text for _, text in picture.ticks] == ["÷ 10", "truth", "× 10"]
     assert own.lines[0] == (0, 100, True)
     assert own.lines[1][:2] == pytest.approx((50 + 50 * np.log10(2), 50 + 50 * np.log10(3)))
     assert own.result == "1 of 2 contain the truth, mean score 2.59" and (own.name, own.own) == ("Your bets", True)
     assert gci.result == "1 of 1 contain the truth, 1 without a bet, mean score 0.00" and gci.lines[1] is None
-    assert make_bet_chart([Bettor(YOURS, (Bet(1e-12, 1e12, 1),))]).bettors[0].lines == ((0, 100, True),)
+    assert make_bet_chart([Bettor(YOURS, (IntervalBet(1e-12, 1e12, 1),))]).bettors[0].lines == ((0, 100, True),)
     assert make_bet_chart([Bettor("transport", (None,))]).bettors[0].result == "does not bet on these"
 
 
@@ -114,7 +114,7 @@ def test_bets_are_laid_beside_those_of_judges():
         truths = [outcomes.result(lesson.runs[name].texts[0])["error"]["x"]["final"] for name in ("first", "second")]
         given = {"bet-first": [truths[0] / 2, truths[0] * 2], "bet-second": [truths[1] * 2, truths[1] * 3]}
         [yours] = bettors_of_step(lesson, lesson.steps[2], given, {}, outcomes)
-        assert yours == Bettor(YOURS, (Bet(truths[0] / 2, truths[0] * 2, truths[0]),))
+        assert yours == Bettor(YOURS, (IntervalBet(truths[0] / 2, truths[0] * 2, truths[0]),))
         one, two, companion, *others = bettors_of_step(lesson, lesson.steps[-1], given, {}, outcomes)
         assert [(bettor.round, bettor.hits, len(bettor.placed_bets)) for bettor in (one, two)] == [(1, 1, 1), (2, 0, 1)]
         assert companion.score < 0.01  # it may miss by as little: the grids are coarser than any that was drawn
@@ -174,8 +174,10 @@ def test_the_eight_runs_of_lesson_ten_are_those_that_were_drawn():
     lesson = catalogue.load_lesson("10-how-sure-are-you")
     questions = [step.asked_question for step in lesson.questions.values()]
     bets = [question.expected.split(".")[0] for question in questions if question.kind == "interval"]
-    runs = {rounded(state.parse_state(lesson.runs[name].texts[0]).scene) for name in bets}
-    assert rounded(state.parse_state(lesson.runs["broken"].texts[0]).scene) == rounded(RandomRun("bar", 10, 0).scene())
+    runs = {rounded(shareable_state.parse_state(lesson.runs[name].texts[0]).scene) for name in bets}
+    assert rounded(shareable_state.parse_state(lesson.runs["broken"].texts[0]).scene) == rounded(
+        RandomRun("bar", 10, 0).scene()
+    )
     drawn_runs = [RandomRun(problem, 10, number).scene() for problem,
                   numbers in (("bar", range(1, 6)), ("ring", range(3)))
                   for number in numbers]

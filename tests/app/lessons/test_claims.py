@@ -4,7 +4,7 @@ import pytest
 
 from app.lessons.claims import (
     ClaimError,
-    ClaimScope,
+    ClaimNamespace,
     RunOutcome,
     check_claim,
     decide_claim,
@@ -19,8 +19,8 @@ FINE = {"scene": {"estimator": ["recovered"], "cells": 40, "amplitude": 0.1}, "n
 COARSE = {**FINE, "scene": {**FINE["scene"], "cells": 20}, "error": {"x": {"final": 4e-4, "max": 8e-4, "mean": 1e-4}}}
 LOST = {**FINE, "status": "lost", "scene": {"estimator": ["recovered", "transport"]},
         "not_valid": {"transport": "not valid here"}, "index": {"recovered": {"x": 1.1}, "transport": {"x": None}}}
-SCOPE = ClaimScope({"fine": RunOutcome([FINE]), "grids": RunOutcome([COARSE, FINE], "cells"),
-                    "gone": RunOutcome([LOST])}, "fine")
+SCOPE = ClaimNamespace({"fine": RunOutcome([FINE]), "grids": RunOutcome([COARSE, FINE], "cells"),
+                        "gone": RunOutcome([LOST])}, "fine")
 
 
 @pytest.mark.parametrize("claim, holds", [

@@ -23,7 +23,7 @@ from app.lessons.lesson import (
     draw_numbers,
 )
 from app.lessons.lesson_parser import parse_lesson
-from app.lessons.prediction_rounds import split_rounds
+from app.lessons.prediction_rounds_and_core import split_rounds
 from app.lessons.student_progress import StudentProgress, parse_progress
 from tests.app.lessons.test_lesson_format import TEXT as ROUND
 

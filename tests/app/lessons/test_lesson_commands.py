@@ -11,7 +11,7 @@ import pytest
 
 from app.cli import main
 from app.lessons import catalogue, grading
-from app.lessons.answer_check import format_answer, mark_answer, why_invalid
+from app.lessons.answer_marking import format_answer, mark_answer, why_invalid
 from app.lessons.lesson import draw_numbers, fill_numbers
 from app.lessons.lesson_parser import parse_lesson
 from app.lessons.lesson_runs import RunCache

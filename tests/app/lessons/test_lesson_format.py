@@ -4,7 +4,7 @@ import re
 
 import pytest
 
-from app import state
+from app import shareable_state
 from app.lessons import catalogue, class_plans
 from app.lessons.catalogue import FOLDER, UnknownLesson, lesson_names, load_lessons, resolve_lesson_name
 from app.lessons.lesson import EXPLAIN, LessonError, draw_numbers, fill_numbers
@@ -180,5 +180,5 @@ def test_an_estimate_is_on_the_stage_only_where_the_text_speaks_of_it(name):
         end = next((j for j, other in enumerate(lesson.steps[k:], k + 1) if other.kind == EXPLAIN), len(lesson.steps))
         said = " ".join(f"{other.title} {other.text}" for other in lesson.steps[k:end])
         for numbers in lesson.variants if step.stage else ():
-            asked = state.parse_state(fill_numbers(step.stage, numbers)).scene.estimators
+            asked = shareable_state.parse_state(fill_numbers(step.stage, numbers)).scene.estimators
             assert not asked or any(name in said for name in (*ESTIMATORS, "estimat")), (step.key, asked)

@@ -7,7 +7,7 @@ import re
 import pytest
 
 from app.lessons import class_plans
-from app.lessons.answer_check import answer_expressions, right_answer
+from app.lessons.answer_marking import answer_expressions, right_answer
 from app.lessons.catalogue import lesson_names, load_lessons
 from app.lessons.lesson import CHOICE
 from app.lessons.lesson_check import check_lesson

@@ -9,12 +9,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from app import state
+from app import shareable_state
 from app.export import slider_grid
 from app.export.html_file import scene_page
+from app.names_and_units import format_ratio, with_unit
 from app.notebook import show
-from app.notebook.result import result_table
-from app.words import format_ratio, with_unit
+from app.notebook.result_display import result_table
 from solvers import BarScene, RingScene, SceneError, run
 from tests.support.processes import run_python
 
@@ -33,7 +33,7 @@ def frame_of(player) -> dict[str, str]:
 def test_the_player_is_the_exported_page_of_the_run(beside, error_of):
     """The same bytes as the export's, whose numbers are tested: recorded by this process, with no runs around it."""
     player = show(SMALL, beside=beside, error_of=error_of)
-    text = state.write_state(state.State(SMALL, quantity=error_of, pinned=beside))
+    text = shareable_state.write_state(shareable_state.State(SMALL, quantity=error_of, pinned=beside))
     assert player.page == scene_page(text, 1, lambda part, doing: None, counts={})
     assert frame_of(player)["srcdoc"] == player.page
 

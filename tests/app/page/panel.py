@@ -2,7 +2,7 @@
 
 from types import SimpleNamespace
 
-from app.page.feature import PageView
+from app.page.feature import VisiblePageState
 
 
 class Widget(SimpleNamespace):
@@ -50,4 +50,4 @@ class Gui:
 
 def page_view(alone=True):
     """What a feature sees at a refresh of which it needs nothing but whether the run has the page for itself."""
-    return PageView(None, None, not alone, alone)
+    return VisiblePageState(None, None, not alone, alone)

@@ -7,7 +7,7 @@ from types import SimpleNamespace
 
 import pytest
 
-from app.page.panels.browser_store import BrowserStore
+from app.page.panels.browser_store_and_window import BrowserStore
 
 
 class Gui:

@@ -7,7 +7,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from app.page.stage.error_probe import OrthographicCamera
+from app.page.stage.pointer_and_camera import FixedRectangleCamera
 
 RECTANGLE = (-0.015, 1.015, 0.0, 0.46)
 HAIR = 1e-4  # by which fits differ, for the viewer to take each
@@ -19,7 +19,7 @@ def test_all_of_the_rectangle_is_seen_and_who_moves_the_view_is_taken_back(width
     told = []
     camera = SimpleNamespace(image_width=width, image_height=width * 0.46 / 1.03, wxyz=np.array((0.0, 1.0, 0.0, 0.0)),
                              on_update=told.append, position=(0.0, 0.0, 1.0))
-    OrthographicCamera(SimpleNamespace(camera=camera, atomic=nullcontext), RECTANGLE)
+    FixedRectangleCamera(SimpleNamespace(camera=camera, atomic=nullcontext), RECTANGLE)
     x, y, distance = camera.position
     tall = 2 * distance * math.tan(camera.fov / 2)
     wide = tall * camera.image_width / camera.image_height

@@ -8,9 +8,9 @@ from dataclasses import fields
 
 import pytest
 
-from app import state
-from app.page.visit.session import FIRST_SCENE
-from app.words import CHOICES
+from app import shareable_state
+from app.names_and_units import CHOICES
+from app.page.visit.run_session import FIRST_SCENE
 from solvers.scene.effects import ALL
 from solvers.scene.estimator_registry import ESTIMATORS
 from solvers.scene.stabilisations import REMEDIES
@@ -51,7 +51,7 @@ class Driver:
         title, cells = BEGINNINGS[problem]
         visitor.find("Download CSV")  # the last of the controls
         opened = visitor.find("step margin")
-        visitor.follow(state.write_state(state.State(FIRST_SCENE)))
+        visitor.follow(shareable_state.write_state(shareable_state.State(FIRST_SCENE)))
         wait_until(lambda: asked and asked[-1] == FIRST_SCENE, "the first scene")
         wait_until(lambda: visitor.find("step margin") != opened, "its controls in place of the opening's")
         if problem != "bar":

@@ -10,8 +10,8 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from app.frame.captions import UNKNOWN
-from app.page.panels.readout import ROUNDED, estimator_cards_json, gauge_position, live_readout
+from app.frame.error_view_captions import UNKNOWN
+from app.page.panels.readout_tables import ROUNDED, estimator_cards_json, gauge_position, live_readout
 from app.page.stage.worst_region import WorstRegions
 from app.page.visit.history import NormHistory
 from app.page.visit.status_message import doubt_notice
@@ -20,7 +20,7 @@ from solvers.problems import PROBLEMS
 from solvers.problems.bar.scene import BarScene
 from solvers.running.quantities_of_interest import ENERGY
 from solvers.running.run import build
-from solvers.study.coverage import track_record
+from solvers.study.coverage import track_record_and_bets
 from tests.app.frame.test_view import report_of
 from tests.support.processes import wait_until
 from tests.support.raw_client import RawClient
@@ -46,7 +46,7 @@ def test_cards_say_what_the_run_has():
     assert set(cards["judges"]) == {"transport", "recovered"}
     index = history.series["transport/index_x"][-1]
     assert float(cards["judges"]["transport"]["index"]) == pytest.approx(index, abs=0.0051)
-    held, of = track_record.accurate_run_counts(scene, "transport")
+    held, of = track_record_and_bets.accurate_run_counts(scene, "transport")
     trust = cards["judges"]["transport"]["trust"]
     assert trust == f"right within 10\N{NO-BREAK SPACE}% in {held} of {of} runs like this"
     assert cards["judges"]["recovered"] == {"says": "Not valid here: why"}
@@ -114,7 +114,7 @@ def test_numbers_of_the_body_have_a_bar_by_who_is_on_the_stage():
     energy = {"value": 0.0062, "unit": "J", "true_error": None, "estimated_error": {"companion": -1e-5},
               "rounding": 0.0, "bar": {"companion": 2e-5}}
     report = replace(report_of(BAR), step=300, time=300 * BAR.time_step, goals={ENERGY: energy})
-    held, of = track_record.bars_held(BAR, ENERGY, "companion")
+    held, of = track_record_and_bets.bars_held(BAR, ENERGY, "companion")
     html = live_readout(session, history, report, "x", "companion", None, WorstRegions()).html
     assert "kinetic energy" in html and f"6.2 mJ ± 20 µJ; such bars held in {held} of {of} runs like this" in html
     html = live_readout(session, history, report, "x", None, None, WorstRegions()).html

@@ -8,14 +8,14 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from app.frame.captions import NONE_CHOSEN, UNKNOWN, frame_error_view
-from app.frame.headline import Headline
+from app.frame.error_view_captions import NONE_CHOSEN, UNKNOWN, frame_error_view
+from app.frame.headline import HeadlineWithFacts
 from app.frame.recent_crossings import WINDOW
 from app.frame.stage import NOTHING
-from app.page.headline import SAY_SECONDS, WAITING, HeadlinePanel, compare_with_pinned, frame_headline
+from app.names_and_units import per_cent
+from app.page.headline_panel import SAY_SECONDS, WAITING, HeadlinePanel, compare_with_pinned, frame_headline
 from app.page.stage.worst_region import WorstRegions
 from app.problems.views import VIEWS
-from app.words import per_cent
 from solvers.scene.error_causes import CAUSES, FIELDS
 from solvers.solver.soundness import LOST, UNSTABLE
 from tests.app.frame.test_view import BAR, arrays_of, report_of
@@ -121,7 +121,7 @@ def test_crossings_are_those_of_the_last_twentieth_of_a_period(beyond, who):
 def test_a_run_that_stands_is_told_of_its_moment_and_what_is_not_known_is_not_told(begins, given, changes):
     """That it is lost or unstable comes first. Without truth the worst place is that of the estimate."""
     assert said(replace(BAR, **given), **changes).startswith(begins)
-    assert frame_headline(None, None, None, WorstRegions(), {}, "x", None) == Headline.from_template(WAITING)
+    assert frame_headline(None, None, None, WorstRegions(), {}, "x", None) == HeadlineWithFacts.from_template(WAITING)
 
 
 def test_sentences_come_calmly():
@@ -134,11 +134,11 @@ def test_sentences_come_calmly():
     speaker = HeadlinePanel(SimpleNamespace(add_html=lambda _: Html()), lambda: now)
     for sentence, now in (("one", 5.0), ("two", 5.0 + 0.9 * SAY_SECONDS), ("three", 5.0 + SAY_SECONDS),  # noqa: B007
                           ("three", 5.0 + 3 * SAY_SECONDS)):
-        speaker.show(Headline.from_template(sentence))
+        speaker.show(HeadlineWithFacts.from_template(sentence))
     assert heard == [("One.", 0), ("Three.", 0)]
-    speaker.show(Headline((("", "paused"),), moment="another"))  # said at once, and read aloud
+    speaker.show(HeadlineWithFacts((("", "paused"),), moment="another"))  # said at once, and read aloud
     assert heard[2:] == [("Paused.", 1)]
-    speaker.show(Headline((("", "a click's answer"),), moment="another"), is_immediate=True)
+    speaker.show(HeadlineWithFacts((("", "a click's answer"),), moment="another"), is_immediate=True)
     assert heard[3:] == [("A click&#x27;s answer.", 2)]
 
 

@@ -14,8 +14,8 @@ from app.language.translation import language_cookie_header, tr, use_language, w
 from app.page.features import background_job
 from app.page.features.budget.jobs import BudgetJobs
 from app.page.page_server import OVER, Visitors
-from app.page.visit.engine_links import PageLinks
-from app.page.visit.session import Session, first_scene
+from app.page.visit.engine_links import PageEngineLinks
+from app.page.visit.run_session import RunSession, first_scene
 from app.viewer.upload import TOO_LARGE
 from solvers.workers.worker_pool import Slots
 from solvers.workers.worker_process import ProcessDied
@@ -114,7 +114,7 @@ def test_what_an_engine_says_is_heard_in_the_language_of_its_line():
     for code, news in (("de", "unerwartet zu Ende gegangen; ein anderer"), ("en", "ended unexpectedly; another one")):
         pool = Pool()
         with use_language(code):
-            session = Session(PageLinks(pool), first_scene("bar"), lambda *_: None)
+            session = RunSession(PageEngineLinks(pool), first_scene("bar"), lambda *_: None)
         on_a_thread(pool.listener.on_engine_lost)
         assert news in session._news[1]
 

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from app.page.panels.run_settings import HALF_WIDTH, REACH, method_pictures, shape_function_curve
-from app.words import METHODS
+from app.names_and_units import METHODS
+from app.page.panels.simulation_parameter_widgets import HALF_WIDTH, REACH, method_pictures, shape_function_curve
 
 
 @pytest.mark.parametrize("method", METHODS)

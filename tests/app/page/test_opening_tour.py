@@ -7,8 +7,8 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from app.names_and_units import per_cent
 from app.page.features.opening_tour import BEAT, OPENING, OpeningTour
-from app.words import per_cent
 from solvers.running.run import build
 from tests.app.frame.test_view import report_of
 from tests.app.page.panel import page_view

@@ -6,9 +6,9 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from app.names_and_units import difference_text
 from app.page.panels.time_plots import pinned_curves
-from app.page.visit import session as page
-from app.words import difference_text
+from app.page.visit import run_session as page
 from solvers.engine import compiling_fork
 from solvers.engine.engine_messages import FRAME_SECONDS, Pace
 from solvers.engine.session_stepper import MOST_APART
@@ -125,7 +125,7 @@ def test_a_pair_outlives_its_engine_to_the_bit(pool, pair):
 def visit(pool):
     """A session of the page, with what it draws."""
     drawn = []
-    one = page.Session(page.PageLinks(pool), SCENE, lambda report, arrays: drawn.append(report))
+    one = page.RunSession(page.PageEngineLinks(pool), SCENE, lambda report, arrays: drawn.append(report))
     wait_until(lambda: one.report is not None, "a frame", PATIENCE)
     yield one
     one.close()

@@ -4,12 +4,12 @@ from dataclasses import replace
 
 import pytest
 
-from app import state
+from app import shareable_state
 from app.lessons import catalogue
 from app.lessons.lesson import fill_numbers
 from app.page.features.opening_tour import OPENING
-from app.page.prewarm import usual_scenes
-from app.page.visit.session import first_scene
+from app.page.precompiled_scenes import usual_scenes
+from app.page.visit.run_session import first_scene
 from solvers.problems import PROBLEMS
 from solvers.scene.kernel_options import kernel_key
 
@@ -21,7 +21,7 @@ def lessons():
 
 def taught(lesson):
     """The combinations that a lesson puts on the stage, for every variant."""
-    stages = [state.parse_state(fill_numbers(step.stage, numbers)) for step in lesson.steps if step.stage
+    stages = [shareable_state.parse_state(fill_numbers(step.stage, numbers)) for step in lesson.steps if step.stage
               for numbers in lesson.variants]
     return {kernel_key(scene) for shown in stages for scene in (shown.scene, shown.pinned) if scene is not None}
 

@@ -5,7 +5,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from app.page.panels.stage_choice import StageChoice
+from app.page.panels.quantity_and_estimator_widgets import QuantityAndEstimatorWidgets
 from solvers.problems.bar.scene import BarScene
 from solvers.problems.ring import RingScene
 from tests.app.page.panel import Gui
@@ -16,7 +16,7 @@ BAR, RING = BarScene(estimators=("recovered", "transport")), RingScene(estimator
 @pytest.fixture
 def choice():
     session = SimpleNamespace(scene=BAR, set_frame_options=lambda **_: None)
-    made = StageChoice(Gui(), session, SimpleNamespace(reset=lambda: None), lambda: None)
+    made = QuantityAndEstimatorWidgets(Gui(), session, SimpleNamespace(reset=lambda: None), lambda: None)
     made.set_estimators(BAR.estimators)
 
     def put(scene):

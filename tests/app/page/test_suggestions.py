@@ -5,14 +5,14 @@ from types import SimpleNamespace
 
 import pytest
 
-from app import state
+from app import shareable_state
+from app.names_and_units import per_cent
 from app.page.features.suggestions import Suggestions, lost_run_cards
 from app.page.visit.history import NormHistory
-from app.page.visit.session import first_scene
-from app.problems.suggestion import SuggestionNotApplicable
+from app.page.visit.run_session import first_scene
+from app.problems.suggested_experiment import SuggestionNotApplicable
 from app.problems.views import VIEWS
-from app.state import State
-from app.words import per_cent
+from app.shareable_state import State
 from solvers.problems import PROBLEMS
 from solvers.running.run import build
 from solvers.scene.scene import AUTO
@@ -20,7 +20,7 @@ from tests.app.frame.test_view import report_of
 from tests.app.page.panel import page_view
 
 BASES = [*map(first_scene, PROBLEMS),
-         state.parse_state("bar;motion=patch;modulus=1000;cfl=0.2;estimators=companion").scene]
+         shareable_state.parse_state("bar;motion=patch;modulus=1000;cfl=0.2;estimators=companion").scene]
 
 
 def ran(scene, periods):
@@ -40,7 +40,7 @@ def test_three_a_problem_each_of_which_can_be_asked(base):
     for spark in sparks:
         asked = spark.offer(State(base)).state
         assert asked.scene != base and asked.pinned in (None, replace(base, periods=None, t_end=None))
-        assert state.parse_state(state.write_state(asked)) == asked
+        assert shareable_state.parse_state(shareable_state.write_state(asked)) == asked
 
 
 def test_what_cannot_be_asked_says_why():
@@ -110,7 +110,7 @@ def test_the_next_one_is_compared_with_the_run_before_the_first():
 
 def test_a_lost_run_has_ways_on():
     """Back to before it broke, what cures it, another method: each does what it says."""
-    scene = state.parse_state("bar;method=mpm;amplitude=0.1;estimators=companion").scene
+    scene = shareable_state.parse_state("bar;method=mpm;amplitude=0.1;estimators=companion").scene
     report = replace(report_of(scene), status="lost", since=1.225, reason="the run is lost from t = 1.225 s on: so")
     shown, sought = [], []
     ways = dict((card.key, act) for card, act in lost_run_cards(State(scene), report, sought.append, shown.append))

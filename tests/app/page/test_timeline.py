@@ -8,8 +8,8 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from app.page.panels.browser_store import BrowserWindow, LayoutMetrics
-from app.page.panels.error_timeline import BINS, Timeline, TimelineState
+from app.page.panels.browser_store_and_window import BrowserWindow, LayoutMetrics
+from app.page.panels.error_timeline import BINS, ErrorTimeline, TimelineState
 from solvers.problems.bar.scene import BarScene
 from solvers.problems.ring import RingScene
 from tests.app.page.panel import Gui
@@ -33,7 +33,7 @@ class Past:
 
 @pytest.fixture
 def line():
-    line = Timeline(Gui())
+    line = ErrorTimeline(Gui())
     line.set_lines(("transport",), False)
     return line
 

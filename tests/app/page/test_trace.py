@@ -7,11 +7,11 @@ import numpy as np
 import pytest
 
 from app.frame.colour_scale import ColourScale
-from app.frame.layout import RunSlot
-from app.page.stage.error_probe import RADIUS, RegionErrorProbe, TraceRings
+from app.frame.layout import ComparedRunSlot
+from app.page.stage.pointer_and_camera import RADIUS, RectangleErrorProbe, TracedParticleRing
 from app.page.visit.history import LAST_PERIODS, MOST_ROWS
-from app.page.visit.particle_trace import ParticleTracer
 from app.page.visit.recent_frames import RecentFrames
+from app.page.visit.traced_particle_series import ParticleTracer
 from app.problems.bar.stage import BarStage
 from app.problems.views import VIEWS
 from app.renderers import viewer_renderer
@@ -132,7 +132,7 @@ def test_every_image_is_found_by_a_click(run, stage):
         for particle in range(0, len(arrays.position), 5):
             x, y, _ = image[particle]
             assert stage.nearest_particle((x, y), arrays) == particle
-    places = stage.layout(stage.sheet.stage_metrics.rounded(), RunSlot.ALONE)
+    places = stage.layout(stage.sheet.stage_metrics.rounded(), ComparedRunSlot.ALONE)
     beside = places.middle if halves > 2 else (0.5, 1.0)  # the ring's hole, above the bar
     assert stage.nearest_particle(beside, arrays) is None
 
@@ -142,7 +142,7 @@ def test_height_in_the_lanes_does_not_count():
     report, arrays = frame_of(BAR)
     stage = BarStage(RecordingSurface(), ColourScale())
     stage.draw(report.scene, arrays, None, arrays.error[:, 0], 0.0, 1.0)
-    places = stage.layout(stage.sheet.stage_metrics.rounded(), RunSlot.ALONE)
+    places = stage.layout(stage.sheet.stage_metrics.rounded(), ComparedRunSlot.ALONE)
     for y in (places.estimate + 0.04, places.crossings, places.truth - 0.04):
         assert [stage.nearest_particle((x, y), arrays) for x in (0.001, 0.374, 0.424, 0.999)] == [0, 7, 8, 19]
     assert stage.nearest_particle((1.2, places.truth), arrays) is None
@@ -156,7 +156,7 @@ def test_a_click_marks_and_another_ends_it(run, stage):
     clicks, scene = [], RecordingScene()
     scene.on_click = lambda: clicks.append
     trace, client = ParticleTracer(recent), SimpleNamespace(scene=scene)
-    mark = TraceRings(client, viewer_renderer.ViewerSurface(client, LabelLayer(GUI), "/trace"), trace)
+    mark = TracedParticleRing(client, viewer_renderer.ViewerSurface(client, LabelLayer(GUI), "/trace"), trace)
     mark.update(stage, arrays)
     assert not scene.made["trace"].visible
     images = stage.drawn_particle_points(arrays, slice(5, 6))[:, 0, :2]
@@ -183,7 +183,7 @@ def test_mean_and_worst_are_of_the_particles_in_the_rectangle_alone():
     camera = SimpleNamespace(stage_point=lambda place: place)
     x = np.array([0.1, 0.2, 0.3, 0.9])
     stage = SimpleNamespace(particles_in=lambda low, high, arrays: (x >= low[0]) & (x <= high[0]))
-    probe = RegionErrorProbe(client, RecordingSurface(), camera)
+    probe = RectangleErrorProbe(client, RecordingSurface(), camera)
     estimated, true = np.array([1e-3, np.nan, 5e-3, 1.0]), np.array([2e-3, 3e-3, 10e-3, 1.0])
     probe.measure(stage, None, estimated, true, "m")
     assert probe.text is None

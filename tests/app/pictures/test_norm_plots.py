@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from app.frame.colour_scale import BEYOND
+from app.names_and_units import power_of_ten
 from app.page.panels.time_plots import _time_unit, clip_estimate
-from app.words import power_of_ten
 from solvers.problems.bar.scene import BarScene
 from solvers.problems.ring import RingScene
 

@@ -7,9 +7,9 @@ import pytest
 from matplotlib import font_manager
 from matplotlib.figure import Figure
 
+from app.logo_and_font import FONTS
+from app.names_and_units import PREFIXES, QUANTITIES, SUPERSCRIPTS
 from app.renderers.picture_style import FAMILY, format_size_axis, label_curve_ends
-from app.visual_identity import FONTS
-from app.words import PREFIXES, QUANTITIES, SUPERSCRIPTS
 
 
 def drawn(low: float, high: float, scale: str = "linear"):

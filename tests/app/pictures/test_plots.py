@@ -10,11 +10,11 @@ import pytest
 from matplotlib.collections import PathCollection
 from matplotlib.colors import to_rgb
 
-from app.colours import CAUSES as CAUSE_COLOURS
-from app.colours import ESTIMATE, TRUTH
-from app.frame.budget_chart import format_percent
-from app.pictures.run import png_bytes, run_figure
-from app.problems.bar.pictures import _particle_intervals
+from app.colour_palette import CAUSES as CAUSE_COLOURS
+from app.colour_palette import ESTIMATE, TRUTH
+from app.frame.budget_chart_data import format_percent
+from app.pictures.run_errors import png_bytes, run_figure
+from app.problems.bar.picture_panels import _particle_intervals
 from solvers.problems.bar.scene import BarScene
 from solvers.problems.ring import RingScene
 from solvers.running.result import Result

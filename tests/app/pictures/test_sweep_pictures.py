@@ -7,11 +7,16 @@ import matplotlib.image
 import numpy as np
 import pytest
 
-from app.pictures.run import png_bytes
-from app.pictures.study import FIGURES, error_run_time_figure, error_spacing_figure, error_time_step_figure
+from app.pictures.cost_and_convergence import (
+    FIGURES,
+    error_run_time_figure,
+    error_spacing_figure,
+    error_time_step_figure,
+)
+from app.pictures.run_errors import png_bytes
 from app.pictures.study_parts import UNSTABLE_LOOK
-from solvers.study import convergence, row
-from solvers.study import summary as table
+from solvers.study import convergence_analysis, row
+from solvers.study import csv_and_markdown_summary as table
 from solvers.study.parameter_grid import Task
 from tests.support.fake_rows import fake_row
 
@@ -20,42 +25,49 @@ from tests.support.fake_rows import fake_row
 
 def test_slopes_front_and_balance_of_known_data():
     h = np.array([0.1, 0.05, 0.025])
-    found = convergence.fit_slope(h, 3 * h**1.7)
+    found = convergence_analysis.fit_slope(h, 3 * h**1.7)
     assert (found.order, found.factor, found.points) == (pytest.approx(1.7), pytest.approx(3), 3)
     assert found.pairwise == pytest.approx((1.7, 1.7))
-    assert convergence.fit_slope([0.1, 0.1], [1, 2]) is None and convergence.fit_slope([0.1, 0.2], [0, 1]) is None
-    assert convergence.pareto([1, 2, 3, 4], [4, 2, 3, 1]) == [0, 1, 3]
+    assert convergence_analysis.fit_slope([0.1, 0.1],
+                                          [1, 2]) is None and convergence_analysis.fit_slope([0.1, 0.2], [0, 1]) is None
+    assert convergence_analysis.pareto([1, 2, 3, 4], [4, 2, 3, 1]) == [0, 1, 3]
     dt = np.geomspace(1e-4, 1e-2, 7)
     for power in (1, 2):
-        found = convergence.fit_space_time(dt, 1e-3 * (1 + (dt / 2e-3) ** power))
+        found = convergence_analysis.fit_space_time(dt, 1e-3 * (1 + (dt / 2e-3) ** power))
         assert (found.power, found.dt) == (power, pytest.approx(2e-3)) and found.misfit < 1e-9
     assert (
-        convergence.fit_space_time(dt, np.full(7, 2.0)).dt is None
-        and convergence.fit_space_time(dt, np.full(7, 2.0)).space_dominates
+        convergence_analysis.fit_space_time(dt, np.full(7, 2.0)).dt is None
+        and convergence_analysis.fit_space_time(dt, np.full(7, 2.0)).space_dominates
     )
-    assert not convergence.fit_space_time(dt, dt).space_dominates and convergence.fit_space_time(dt[:2], dt[:2]) is None
+    assert (
+        not convergence_analysis.fit_space_time(dt, dt).space_dominates
+        and convergence_analysis.fit_space_time(dt[:2], dt[:2]) is None
+    )
 
 
 def test_the_brink_of_stability_is_no_time_error():
     dt = np.geomspace(1e-4, 6.4e-3, 7)
     error = 1e-3 * (1 + dt / 1e-3)
     error[-1] *= 1000
-    assert convergence.fit_space_time(dt, error).dt == pytest.approx(1e-3)
+    assert convergence_analysis.fit_space_time(dt, error).dt == pytest.approx(1e-3)
 
 
 def test_series_are_alike_but_for_one_input():
     rows = [fake_row(method, cells, cfl) for method in ("ugimp", "bspline") for cells in (40, 20) for cfl in (0.1, 0.2)]
-    lines = convergence.group_series(rows)
+    lines = convergence_analysis.group_series(rows)
     assert [(line.method, line.inputs["cfl"]) for line in lines] == [
         (method, cfl) for method in ("ugimp", "bspline") for cfl in (0.1, 0.2)]
     assert [row["scene"]["cells"] for row in lines[0].rows] == [20, 40]
-    assert next(line.inputs for line in convergence.group_series(rows, "dt")) == {"method": "ugimp", "cells": 40}
-    assert all(entry["orders"]["x"]["order"] == pytest.approx(2) for entry in convergence.fit_orders(rows))
+    assert next(line.inputs for line in convergence_analysis.group_series(rows, "dt")) == {
+        "method": "ugimp",
+        "cells": 40,
+    }
+    assert all(entry["orders"]["x"]["order"] == pytest.approx(2) for entry in convergence_analysis.fit_orders(rows))
 
 
 def test_unstable_rows_are_not_fitted():
     rows = [fake_row(cells=20), fake_row(cells=40), fake_row(cells=80, order=-3, status="unstable")]
-    assert convergence.fit_orders(rows)[0]["orders"]["x"]["points"] == 2
+    assert convergence_analysis.fit_orders(rows)[0]["orders"]["x"]["points"] == 2
 
 
 def test_the_table_has_a_column_for_everything():

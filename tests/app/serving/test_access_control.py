@@ -6,7 +6,7 @@ import pytest
 from websockets.datastructures import Headers
 
 from app.access.allowed_hosts import Addresses
-from app.access.log_limit import RefusalLog
+from app.access.rate_limited_log import RefusalLog
 from app.viewer.send_queue import PROTOCOL
 from tests.support.page_server import http_get
 from tests.support.processes import wait_until

@@ -9,7 +9,7 @@ import pytest
 
 from app.page.page_server import OVER
 from app.page.visit import engine_links
-from app.page.visit import session as page
+from app.page.visit import run_session as page
 from app.page.visit.engine_links import EventRateCounter
 from app.viewer import upload
 from tests.app.page.features.test_upload import Sender
@@ -118,7 +118,7 @@ def test_a_tally_counts_whole_seconds(monkeypatch):
 
 def test_a_run_that_nobody_touches_rests(pool):
     """And says so; Play wakes it."""
-    one = page.Session(page.PageLinks(pool), SCENE, lambda report, arrays: None)
+    one = page.RunSession(page.PageEngineLinks(pool), SCENE, lambda report, arrays: None)
     wait_until(lambda: one.report is not None and one.idle_seconds < 60, "a frame", PATIENCE)
     one.pause_until_return()
     wait_until(lambda: not one.report.playing, "at rest", PATIENCE)
@@ -131,7 +131,7 @@ def test_a_run_that_nobody_touches_rests(pool):
 
 def test_who_shares_the_computer_is_told(pool, monkeypatch):
     """Where a run is slower than it was asked to be because of others', the page says so, for as long as one reads."""
-    one = page.Session(page.PageLinks(pool), SCENE, lambda report, arrays: None)
+    one = page.RunSession(page.PageEngineLinks(pool), SCENE, lambda report, arrays: None)
     wait_until(lambda: one.report is not None and one.report.real_speed is not None, "a speed", PATIENCE)
     one.play(False)
     wait_until(lambda: not one.report.playing, "a run that stands still", PATIENCE)

@@ -6,8 +6,8 @@ from contextlib import ExitStack
 
 import pytest
 
-from app.classroom.class_board import NEXT, ClassBoard
-from app.classroom.class_context import ClassroomContext
+from app.classroom.class_board_state import NEXT, ClassBoardState
+from app.classroom.class_context import LessonContext
 from app.lessons import catalogue
 from app.lessons.lesson_runs import RunCache, RunFailed
 from app.lessons.student_progress import SCHEMA
@@ -31,8 +31,8 @@ class Broken(RunCache):
 @pytest.fixture
 def room():
     """A board, the address of its lab, which has four places, and a way to let pupils in who leave in the end."""
-    board, outcomes = ClassBoard(LESSON, Broken()), Broken()
-    with start_server(code=CODE, notes=NOTES, classroom=ClassroomContext(LESSON.name, True, outcomes), board=board,
+    board, outcomes = ClassBoardState(LESSON, Broken()), Broken()
+    with start_server(code=CODE, notes=NOTES, classroom=LessonContext(LESSON.name, True, outcomes), board=board,
                       board_code=OWN) \
             as (_, address), ExitStack() as stack:
         def come(cookie, ready="Next"):

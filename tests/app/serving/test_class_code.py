@@ -9,10 +9,10 @@ import pytest
 from websockets.datastructures import Headers
 from websockets.exceptions import InvalidStatus
 
-from app.access import class_code
-from app.access.class_code import ALL, CLASS, LETTERS, ONE, ClassCode, generate_code
+from app.access import code_login
+from app.access.code_login import ALL, CLASS, LETTERS, ONE, CodeLogin, generate_code
 from app.access.network_limits import REMEMBERED, TokenBucket
-from app.classroom.class_context import ClassroomContext
+from app.classroom.class_context import LessonContext
 from app.lessons import catalogue
 from tests.browser.conftest import serving
 from tests.support.page_server import http_get, start_server
@@ -66,7 +66,7 @@ def test_no_websocket_opens_without_the_code(locked):
 
 def test_the_code_opens_page_and_websocket(locked):
     """However it is written; the cookie is for this server alone and no script reads it. A wrong one is told so."""
-    assert enter(locked, "wave-4712") == (403, class_code.WRONG, None)
+    assert enter(locked, "wave-4712") == (403, code_login.WRONG, None)
     for guess in (CODE, "WAVE 4711", "%20wave4711"):
         status, sentence, cookie = enter(locked, guess)
         assert (status, sentence) == (200, "") and len(cookie[1].partition("=")[2]) >= 40
@@ -83,7 +83,7 @@ def test_codes_and_cookies_are_compared_in_constant_time(monkeypatch):
     compared = []
     real = hmac.compare_digest
     monkeypatch.setattr(hmac, "compare_digest", lambda a, b: compared.append((len(a), len(b))) or real(a, b))
-    door = ClassCode(CODE, 8080, NOTES)
+    door = CodeLogin(CODE, 8080, NOTES)
     for guess in ("", "w", CODE, NOTES, "x" * 1000, "\ud800"):
         assert bool(door.log_in(guess, "::1").cookie) == (guess in (CODE, NOTES))
     cookie = door.log_in(CODE, "::1").cookie.partition(";")[0]
@@ -96,18 +96,18 @@ def test_wrong_guesses_are_limited_for_one_network_and_for_all_and_a_right_one_o
     """After so many wrong ones others are told to wait, for so long as is said; whatever was guessed, from wherever,
     the right code opens, also from there."""
     now = [0.0]
-    monkeypatch.setattr(class_code, "TokenBucket", partial(TokenBucket, clock=lambda: now[0]))
-    door = ClassCode(CODE, 8080)
+    monkeypatch.setattr(code_login, "TokenBucket", partial(TokenBucket, clock=lambda: now[0]))
+    door = CodeLogin(CODE, 8080)
     most, all_of_them = int(ONE[0]), int(ALL[0])
     for k in range(most):
-        assert door.log_in(f"wrong{k}", f"10.0.0.{k}").refusal == class_code.WRONG
+        assert door.log_in(f"wrong{k}", f"10.0.0.{k}").refusal == code_login.WRONG
     limited = door.log_in("wrong", "10.0.0.99")
     assert not limited.cookie and limited.wait == 6 and "Wait 6 s" in limited.refusal
     assert door.log_in(CODE, "10.0.0.1").cookie and door.log_in(CODE, "10.0.1.2").cookie
-    assert door.log_in("wrong", "10.0.1.2").refusal == class_code.WRONG  # of another network
+    assert door.log_in("wrong", "10.0.1.2").refusal == code_login.WRONG  # of another network
     now[0] += limited.wait
-    assert door.log_in("wrong", "10.0.0.1").refusal == class_code.WRONG
-    made = sum(door.log_in("wrong", f"10.1.{k // 250}.{k % 250}").refusal == class_code.WRONG for k in range(2000))
+    assert door.log_in("wrong", "10.0.0.1").refusal == code_login.WRONG
+    made = sum(door.log_in("wrong", f"10.1.{k // 250}.{k % 250}").refusal == code_login.WRONG for k in range(2000))
     assert made <= all_of_them - most + 6 * ALL[1] + 1
     assert door.log_in("wrong", "10.9.9.9").wait and door.log_in(CODE, "10.9.9.9").cookie  # all together had too many
     assert len(door._of) <= REMEMBERED
@@ -117,7 +117,7 @@ def test_wrong_guesses_are_limited_for_one_network_and_for_all_and_a_right_one_o
 
 
 def test_limit_reaches_the_page_and_lets_the_right_code_through(monkeypatch):
-    monkeypatch.setattr(class_code, "ONE", (2, 0.1))
+    monkeypatch.setattr(code_login, "ONE", (2, 0.1))
     with start_server(code=CODE) as (_, address):
         assert [enter(address, guess)[0] for guess in ("a", "b", "c", CODE)] == [403, 403, 429, 200]
         assert enter(address, "d")[0] == 429 and re.search(r"Retry-After: \d+", http_get.head)
@@ -126,7 +126,7 @@ def test_limit_reaches_the_page_and_lets_the_right_code_through(monkeypatch):
 def test_the_teachers_code_opens_the_notes_and_the_class_code_does_not():
     """Where there is one; a code of use to nobody who is in already changes no cookie."""
     with start_server(code=CODE, notes=NOTES,
-                      classroom=ClassroomContext(next(iter(catalogue.load_lessons())), teacher=True)) as (_,
+                      classroom=LessonContext(next(iter(catalogue.load_lessons())), teacher=True)) as (_,
                                                                                                                            address):
         cookies = {guess: enter(address, guess)[2][1] for guess in (CODE, NOTES)}
         for guess, cookie in cookies.items():
@@ -138,13 +138,13 @@ def test_the_teachers_code_opens_the_notes_and_the_class_code_does_not():
             return http_get(address, "/enter", {"X-Class-Code": guess, "Cookie": cookies[cookie]})[0]
 
         assert (status(CODE, NOTES), status(CODE, CODE), status(NOTES, CODE)) == (204, 204, 200)
-    another = ClassCode(CODE, int(address.rpartition(":")[2]))  # a lab that has come in the place of this one
+    another = CodeLogin(CODE, int(address.rpartition(":")[2]))  # a lab that has come in the place of this one
     assert not another.is_authorised(Headers({"Cookie": cookies[CODE]}))
 
 
 def test_a_cookie_is_one_browsers_and_made_by_this_lab():
     """Each who comes has a key of his own; one who makes up a key, or takes another's proof for his own, has none."""
-    door = ClassCode(CODE, 8080, NOTES, BOARD)
+    door = CodeLogin(CODE, 8080, NOTES, BOARD)
     first, second = (door.log_in(CODE, "::1").cookie.partition(";")[0] for _ in range(2))
     guests = [door.identify(Headers({"Cookie": cookie})) for cookie in (first, second)]
     assert guests[0].key != guests[1].key and {guest.role for guest in guests} == {CLASS}

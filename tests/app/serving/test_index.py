@@ -11,10 +11,10 @@ import viser
 from websockets.datastructures import Headers
 from websockets.http11 import Request
 
-from app.colours import ESTIMATE, TRUTH
+from app.colour_palette import ESTIMATE, TRUTH
+from app.logo_and_font import ICON, MARK
 from app.page.panels.page_header import initial_page_html
 from app.viewer.index_page import IndexPage, is_page_path, unpacked_script
-from app.visual_identity import ICON, MARK
 
 BUILD = Path(viser.__file__).parent / "client" / "build"
 

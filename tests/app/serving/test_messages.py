@@ -11,10 +11,10 @@ import viser._viser
 from viser import _messages
 
 from app.page.controls import Controls
-from app.page.visit.engine_links import FASTEST, MOST_WATCHED, PageLinks, scene_size_refusal
-from app.page.visit.session import FIRST_SCENE, Session
+from app.page.visit.engine_links import FASTEST, MOST_WATCHED, PageEngineLinks, scene_size_refusal
+from app.page.visit.run_session import FIRST_SCENE, RunSession
 from app.problems.views import VIEWS
-from app.viewer import incoming_messages, web_server, widgets
+from app.viewer import incoming_messages, web_server, widget_validation
 from solvers.problems import PROBLEMS
 from tests.support.page_server import SilentPool
 from tests.support.processes import wait_until
@@ -118,7 +118,7 @@ def test_every_control_takes_what_a_browser_sends(here, complete):
         label, off = visitor.label(name), widget["props"].get("disabled") or not widget["props"]["visible"]
         if label in ("Problem", "Lesson", "Motion") or off:  # by which others go
             continue
-        assert type(page_of(one)[name]) in widgets.RULES or widget["type"] in ("GuiProgressBarMessage",
+        assert type(page_of(one)[name]) in widget_validation.RULES or widget["type"] in ("GuiProgressBarMessage",
                                                                                "GuiUploadButtonMessage")
         for value in good_values(widget):
             before, old = page_of(one)[name].update_timestamp, page_of(one)[name].value
@@ -135,8 +135,8 @@ def test_a_text_may_be_long_only_where_it_says_so(here, visitor):
     one, _ = here
     for label, longest in (("Trace particle", 200), ("kept by the browser", 20_000)):
         text = page_of(one)[visitor.find(label)]
-        assert widgets.why_value_refused(text, "x" * longest) is None
-        assert "cannot have" in widgets.why_value_refused(text, "x" * (longest + 1))
+        assert widget_validation.why_value_refused(text, "x" * longest) is None
+        assert "cannot have" in widget_validation.why_value_refused(text, "x" * (longest + 1))
 
 
 def test_what_is_off_takes_nothing(here, visitor):
@@ -253,7 +253,7 @@ def test_what_is_refused_is_wished_no_longer():
     """It is said of which field, until anything else is asked for, which is done with the value that there was. No more
     than one visitor may have is asked for, whatever the widgets let through: particles, and with them memory; and
     periods a second."""
-    session = Session(PageLinks(SilentPool()), FIRST_SCENE, lambda *_: None)
+    session = RunSession(PageEngineLinks(SilentPool()), FIRST_SCENE, lambda *_: None)
     session.set_scene_fields(amplitude=0.2)
     field, sentence = session.refused
     assert field == "amplitude" and "0.159" in sentence and session.scene == FIRST_SCENE

@@ -11,7 +11,7 @@ import zstandard
 from viser._messages import GuiUpdateMessage, ReplayDoneMessage, SceneNodeUpdateMessage, SetCameraFovMessage
 from viser.infra import _infra
 
-from app.viewer.message_encoding import SHORT, ChangedArrays, send_messages
+from app.viewer.message_batch_encoding import SHORT, ChangedArrays, send_messages
 from app.viewer.send_queue import SendBuffer, batch_messages
 from tests.support.processes import wait_until
 from tests.support.session_listener import PATIENCE

@@ -15,11 +15,11 @@ from types import SimpleNamespace
 import numpy as np
 from viser import _threadpool_exceptions
 
-from app.access.log_limit import RateLimitFilter, error_location
 from app.access.network_limits import DiskQuota
+from app.access.rate_limited_log import RateLimitFilter, error_location
 from app.page import page
 from app.page.stage.worst_region import WorstRegions
-from app.page.visit.engine_links import PageLinks
+from app.page.visit.engine_links import PageEngineLinks
 from app.viewer import upload, viser_patches
 from solvers.problems.bar.scene import BarScene
 from solvers.solver import soundness
@@ -66,7 +66,7 @@ def test_a_log_has_few_lines_a_minute_whoever_writes():
 
 def test_a_page_that_has_gone_keeps_no_line():
     """Neither those that it had nor one that it opens on its way; and it forgets those that are closed meanwhile."""
-    links = PageLinks(pool := Pool())
+    links = PageEngineLinks(pool := Pool())
     first, second = links.open(None), links.open(None)
     gone = weakref.ref(second)
     pool.links.clear()

@@ -5,9 +5,9 @@ from dataclasses import replace
 
 import pytest
 
-from app import state
-from app.frame.budget_chart import format_percent
-from app.words import per_cent
+from app import shareable_state
+from app.frame.budget_chart_data import format_percent
+from app.names_and_units import per_cent
 from solvers.scene.error_causes import CAUSES
 from tests.browser.conftest import visit
 from tests.browser.driving import scene, summary, until
@@ -35,7 +35,8 @@ def test_who_made_it_and_what_is_left_without_it(server, chromium, simulate):
         until(lambda: 0 < (chart.bounding_box() or {"y": 0})["y"] < 720, "the chart in the window")
         box = page.get_by_label("error budget", exact=True)
         assert box.is_checked(), "the box among the effects says so"
-        whole = replace(state.parse_state(HATS).scene, effects=(*state.parse_state(HATS).scene.effects, "budget"))
+        whole = replace(shareable_state.parse_state(HATS).scene,
+                        effects=(*shareable_state.parse_state(HATS).scene.effects, "budget"))
         shares = simulate(whole).budget["v"]
         expected = {cause: [format_percent(shares[cause])] for cause in CAUSES}
         until(lambda: legend(page) == expected, f"{expected}", LONG)

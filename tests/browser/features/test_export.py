@@ -6,15 +6,21 @@ from contextlib import ExitStack, closing, contextmanager
 import numpy as np
 import pytest
 
-from app import state, words
-from app.colours import TRUTH
+from app import names_and_units, shareable_state
+from app.colour_palette import TRUTH
 from app.export.html_file import recorded_quantities, scene_page
 from app.export.lesson_export import lesson_page
 from app.export.recording import record_scene
-from app.frame.budget_chart import CAPTION, format_percent
-from app.frame.captions import field_plot_caption, make_captions, not_estimated_text, why_no_estimate, why_no_truth
+from app.frame.budget_chart_data import CAPTION, format_percent
+from app.frame.error_view_captions import (
+    field_plot_caption,
+    make_captions,
+    not_estimated_text,
+    why_no_estimate,
+    why_no_truth,
+)
 from app.lessons import student_progress
-from app.lessons.answer_check import mark_answer
+from app.lessons.answer_marking import mark_answer
 from app.lessons.lesson import draw_numbers
 from app.lessons.lesson_parser import parse_lesson
 from app.lessons.lesson_runs import RunCache
@@ -145,13 +151,13 @@ FILES = {"bar": "bar cells=10 periods=0.25;difference", "ring": "ring cells=12 p
 def test_whatever_is_looked_at_is_said_as_on_the_page(play, name):
     """Titles, captions, notes and reasons for silence, of every quantity by every estimator."""
     text = f"{FILES[name]};estimators=companion,transport"
-    scene, apart = state.parse_state(text).scene, state.parse_state(text).difference
+    scene, apart = shareable_state.parse_state(text).scene, shareable_state.parse_state(text).difference
     stage, page = VIEWS[scene.problem].stage, play(text)
     assert page.locator("h1").inner_text() == scene.title.capitalize()
-    for key in recorded_quantities(state.parse_state(text)):
+    for key in recorded_quantities(shareable_state.parse_state(text)):
         no_truth = why_no_truth(scene, key)
-        for estimator, magnified in zip(scene.estimators, words.MAGNIFICATIONS[1:], strict=False):
-            drawn, _ = look(page, {"Error of": str(words.QUANTITIES[key]), "On the stage": estimator,
+        for estimator, magnified in zip(scene.estimators, names_and_units.MAGNIFICATIONS[1:], strict=False):
+            drawn, _ = look(page, {"Error of": str(names_and_units.QUANTITIES[key]), "On the stage": estimator,
                                    "Magnify error": f"× {magnified}"})
             no_estimate = why_no_estimate(scene, scene.not_valid, estimator, key)
             row = page.locator("#norms tr").filter(has=page.get_by_role("rowheader", name=estimator)).inner_text()
@@ -161,16 +167,16 @@ def test_whatever_is_looked_at_is_said_as_on_the_page(play, name):
             field = field_plot_caption(scene, stage.PLOT.component, key)
             larger = f"error × {magnified}" * scene.solution_known
             for part in (*said.titles, *said.by, *said.silences, stage.scale_note(scene), stage.MARKED, field.name,
-                         field.remark, larger, str(words.QUANTITIES[key])):
+                         field.remark, larger, str(names_and_units.QUANTITIES[key])):
                 assert part in drawn, (key, estimator)
             seen = page.locator("#summary").inner_text()
             capital = no_truth[:1].upper() + no_truth[1:]  # it may begin a sentence
-            assert scene.swings is False or (words.short_reason(no_estimate) in seen and capital in seen)
+            assert scene.swings is False or (names_and_units.short_reason(no_estimate) in seen and capital in seen)
 
 
 def test_a_vortex_has_its_exact_lines(play):
     text = "vortex cells=12 periods=0.05 estimators=none"
-    scene, stage = state.parse_state(text).scene, VIEWS["vortex"].stage
+    scene, stage = shareable_state.parse_state(text).scene, VIEWS["vortex"].stage
     drawn, lines = look(play(text), {"Colours": "logarithmic"})
     spokes = np.array([points for colour, width, points in lines if (colour, width) == (TRUTH.lower(), 1.5)])
     exact = stage.exact_material_lines(scene, scene.steps * scene.time_step, stage.LINES)[:, ::2] * (1, -1)
@@ -271,9 +277,9 @@ def test_a_name_draws_the_same_numbers_as_on_the_page(chromium, lesson, lesson_f
 def test_who_made_the_error_is_in_the_file_where_the_run_has_it(play, simulate):
     """Areas in the colours of the causes and the shares of the run; another quantity has its own."""
     text = "bar;method=mpm;cells=10;periods=0.5;estimators=none;effects=truth,budget;error-of=x"
-    result, page = simulate(state.parse_state(text).scene), play(text)
+    result, page = simulate(shareable_state.parse_state(text).scene), play(text)
     for key, field in (("x", "x"), ("v", "v"), ("sigma", "F")):
-        page.get_by_role("combobox", name="Error of").select_option(label=str(words.QUANTITIES[key]))
+        page.get_by_role("combobox", name="Error of").select_option(label=str(names_and_units.QUANTITIES[key]))
         rows = page.locator("#causes tr:not(.head)").all_inner_texts()
         shares = result.budget[field]
         assert [row.split("\t")[1] for row in rows] == [format_percent(shares[cause]) for cause in CAUSES]

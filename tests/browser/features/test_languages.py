@@ -8,7 +8,7 @@ from app.export.lesson_export import lesson_page
 from app.export.recording import record_scene
 from app.language.translation import use_language
 from app.lessons import catalogue
-from app.lessons.answer_check import TOLD_AFTER
+from app.lessons.answer_marking import TOLD_AFTER
 from app.lessons.lesson_parser import parse_lesson
 from tests.app.lessons.test_lesson_format import TEXT
 from tests.browser.conftest import FEW_FRAMES, SIZE, no_errors, serving

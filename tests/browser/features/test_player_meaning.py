@@ -7,13 +7,13 @@ import math
 import numpy as np
 import pytest
 
-from app import words
+from app import names_and_units
 from app.export.html_file import PLAYER
 from app.export.lesson_export import bet_chart_texts
 from app.export.player_display_data import shared_display_data
 from app.frame.colour_scale import TOPS
-from app.lessons.bet_chart import make_bet_chart
-from app.lessons.interval_bets import BY_ROUND, YOURS, Bet, Bettor
+from app.lessons.interval_bet_chart import make_bet_chart
+from app.lessons.interval_bets import BY_ROUND, YOURS, Bettor, IntervalBet
 from app.page.features.lesson.answer_widgets import parse_number
 from solvers.problems import PROBLEMS
 from tests.app.frame.test_meaning import assert_shades
@@ -93,7 +93,7 @@ def test_bets_are_scored_and_drawn_as_in_python(player):
 
     def bet(level):
         low, high = sorted(map(float, 10 ** chance.uniform(-9, -2, 2)))
-        return None if chance.uniform() < 0.2 else Bet(low, high, float(10 ** chance.uniform(-8, -3)), level)
+        return None if chance.uniform() < 0.2 else IntervalBet(low, high, float(10 ** chance.uniform(-8, -3)), level)
 
     made = [[bet((0.5, 0.8, 0.9)[k % 3]) for k in range(8)] for _ in range(12)]
     bettors = [Bettor(YOURS, tuple(made[0])), Bettor(BY_ROUND, tuple(made[1]), 2), Bettor("transport", (None, None)),
@@ -147,16 +147,17 @@ def sizes():
 
 
 def test_a_number_is_written_as_on_the_page(player):
-    """Every form of the player's ``words.js`` beside that of ``app.words``, to the letter."""
+    """Every form of the player's ``words.js`` beside that of ``app.names_and_units``, to the letter."""
     values = sizes()
-    forms = {"number(x)": words.format_number, "number(x, 4)": lambda x: f"{x:.4g}", "ratio(x)": words.format_ratio,
-             "perCent(x)": words.per_cent, "powerOfTen(x)": words.power_of_ten, "fixed(x, 2)": lambda x: f"{x:.2f}",
-             "withUnit(x, 'm')": lambda x: words.with_unit(x, "m"),
-             "withUnit(x, 'Pa', 2)": lambda x: words.with_unit(x, "Pa", 2)}
+    forms = {"number(x)": names_and_units.format_number, "number(x, 4)": lambda x: f"{x:.4g}",
+             "ratio(x)": names_and_units.format_ratio, "perCent(x)": names_and_units.per_cent,
+             "powerOfTen(x)": names_and_units.power_of_ten, "fixed(x, 2)": lambda x: f"{x:.2f}",
+             "withUnit(x, 'm')": lambda x: names_and_units.with_unit(x, "m"),
+             "withUnit(x, 'Pa', 2)": lambda x: names_and_units.with_unit(x, "Pa", 2)}
     found = player.evaluate(f"(texts) => texts.map(Number).map((x) => [{', '.join(forms)}])",
                             [repr(value).replace("inf", "Infinity") for value in values])
     assert player.evaluate("(all) => all.map(powerText)", list(range(-30, 31))) == [
-        words.format_power_of_ten(k) for k in range(-30, 31)]
+        names_and_units.format_power_of_ten(k) for k in range(-30, 31)]
     wrong = [(form, value, said, write(value)) for value, row in zip(values, found, strict=True)
              for (form, write), said in zip(forms.items(), row, strict=True)
              if said != write(value) and not (form.startswith("fixed") and abs(value) > 1e20)]

@@ -5,7 +5,7 @@ import re
 import numpy as np
 import pytest
 
-from app.words import parse_size
+from app.names_and_units import parse_size
 from tests.browser import driving
 from tests.browser.driving import click, plotted, press, readout, row, stage, steps, tick, time, until
 

@@ -2,7 +2,7 @@
 
 import pytest
 
-from app.words import in_a_line
+from app.names_and_units import in_a_line
 from solvers.problems import PROBLEMS
 from tests.browser.conftest import visit
 from tests.browser.driving import click, row, scene, stage_box, until

@@ -9,11 +9,11 @@ import pytest
 
 from solvers.problems.bar.scene import BarScene
 from solvers.problems.bar.solver import BarSolver
-from solvers.running.budget import run_budget
+from solvers.running.budget_cause_removal import run_budget
 from solvers.scene.error_causes import CAUSES, FIELDS
 from solvers.scene.estimator_limits import reason
 from solvers.scene.stabilisations import CENTRED, COUPLED, FILTER, FROZEN
-from solvers.solver import budget
+from solvers.solver import budget_shares
 from tests.budget import EFFECTS, GOOD, drawn
 
 SCENE = BarScene(periods=1, estimators=(), effects=EFFECTS)
@@ -96,8 +96,8 @@ def test_the_causes_add_up_in_many_scenes(method, simulate):
     for scene in islice(drawn(2, BarScene, method), 40):
         series = simulate(scene).series
         assert (
-            "round-off" in budget.why_not_valid(series)
-            if budget.rms_error_over_run(series, "x") <= budget.ROUND_OFF
+            "round-off" in budget_shares.why_not_valid(series)
+            if budget_shares.rms_error_over_run(series, "x") <= budget_shares.ROUND_OFF
             else largest_gap(series, until=0.1) <= 1e-6
         ), scene
 
@@ -198,7 +198,8 @@ def test_a_run_gone_bad_still_has_a_result(simulate):
     assert found["not_valid"].startswith("not valid here: ")
     gone = {name: np.append(values, np.nan) for name, values in result.series.items()}
     assert (
-        "too large" in budget.why_not_valid(gone) and budget.rms_error_over_run(gone, "x", without="crossings") is None
+        "too large" in budget_shares.why_not_valid(gone)
+        and budget_shares.rms_error_over_run(gone, "x", without="crossings") is None
     )
 
 
@@ -212,13 +213,13 @@ def test_of_runs_gone_bad_the_time_that_both_have_is_compared():
     for key, result in (("before", found.result), ("again", again)):
         errors = result.series["budget/error_x"][result.series["time"] < min(ends)]  # the last sample is where it broke
         assert taken[key]["x"] == pytest.approx(np.sqrt(np.mean(errors**2)))
-    assert budget.rms_error_over_run(found.result.series, "x") > 1.5 * taken["before"]["x"]
+    assert budget_shares.rms_error_over_run(found.result.series, "x") > 1.5 * taken["before"]["x"]
 
 
 def test_the_prediction_is_what_is_left_of_every_particle():
     """(e - e_c)^2 out of e^2, e_c e and e_c^2: two causes of +3 and -1 leave 2, and then 3 or -1."""
     series = {"budget/error_x": np.array([2.0]), "budget/part_x_crossings": np.array([3.0]),
               "budget/size_x_crossings": np.array([3.0])}
-    assert budget.rms_error_over_run(series, "x") == 2 and budget.rms_error_over_run(
+    assert budget_shares.rms_error_over_run(series, "x") == 2 and budget_shares.rms_error_over_run(
         series, "x", without="crossings"
     ) == pytest.approx(1)

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from app import state
+from app import shareable_state
 from app.export.recording import RecordingRequest, record_scene
 from app.problems.bar.view import change_motion
 from solvers.problems.bar import exact_solution, patch_test_inputs
@@ -145,8 +145,8 @@ def test_a_third_is_a_number_of_particles_too():
 
 def test_it_travels_as_a_text_and_as_an_object():
     scene = BarScene(motion="patch", cells=20, ppc=2.5, stretch=.9, initial_velocity=-.5)
-    text = state.write_state(state.State(scene))
-    assert "motion=patch" in text and "ppc=2.5" in text and state.parse_state(text).scene == scene
+    text = shareable_state.write_state(shareable_state.State(scene))
+    assert "motion=patch" in text and "ppc=2.5" in text and shareable_state.parse_state(text).scene == scene
     values = scene.to_dict()
     assert (values["amplitude"], values["stretch"], values["body_force"]) == (None, .9, "none")
     assert BarScene().to_dict()["stretch"] is None

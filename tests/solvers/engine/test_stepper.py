@@ -13,7 +13,7 @@ from solvers.engine import shared_frames as memory
 from solvers.engine.engine_messages import FRAME_SECONDS, Pace, SessionRequest
 from solvers.engine.session_stepper import SessionStepper
 from solvers.engine.shared_frames import FrameOptions
-from solvers.engine.soundness_watch import SoundnessWatch
+from solvers.engine.soundness_monitor import SoundnessMonitor
 from solvers.problems.bar.scene import BarScene
 from solvers.problems.bar.solver import BarSolver
 from solvers.running.quantities_of_interest import ENERGY, STRESS
@@ -199,7 +199,7 @@ def test_a_finding_of_an_estimator_that_does_not_hold_counts_no_longer():
     row = np.full((2, len(names)), np.nan)
     row[:, 0] = 10, 20
     row[0, names.index("recovered/estimate_x")] = 4 * SCENE.amplitude**2
-    watch = SoundnessWatch(scene)
+    watch = SoundnessMonitor(scene)
     watch.check_samples(row[:1], 4)
     assert watch.current_status(solver, {})[0] == "lost" and "recovered" in watch.current_status(solver, {})[1]
     assert watch.current_status(solver, {"recovered": "it rains"}) == ("ok", None, None)

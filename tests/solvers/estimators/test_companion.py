@@ -6,8 +6,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from solvers.estimators import companion
-from solvers.estimators.estimator_memory import unpack_arrays
+from solvers.estimators import companion_solution
+from solvers.estimators.estimator_arrays import unpack_arrays
 from solvers.estimators.spectral_elements import Elements, unresolved_size
 from solvers.problems.bar import exact_solution as bar_exact
 from solvers.problems.bar.estimators import companion as companion_bar
@@ -62,7 +62,7 @@ def own_nodes(scene: Scene) -> np.ndarray:
         solver.advance(min(scene.steps - solver.step, solver.longest_advance))
     solver.snapshot()
     nodes = unpack_arrays(solver.HOOKS, solver._arrays.memory)["companion_nodes"]
-    return nodes.reshape(companion.LAYERS, -1, 8)[companion.NOW]
+    return nodes.reshape(companion_solution.LAYERS, -1, 8)[companion_solution.NOW]
 
 
 def own_displacement(scene: BarScene, elements: Elements, monkeypatch) -> np.ndarray:
@@ -84,7 +84,7 @@ def test_its_error_in_space_is_of_order_p_plus_one_or_better(order, monkeypatch)
 
 def test_its_error_in_time_is_of_fourth_order(monkeypatch):
     """One step of its own to each of the particles', each time half as long: differences fall by 2^4."""
-    monkeypatch.setattr(companion, "steps_per_companion_step", lambda frequency, dt: 1)
+    monkeypatch.setattr(companion_solution, "steps_per_companion_step", lambda frequency, dt: 1)
     scene = replace(BAR, cells=10, amplitude=1e-3, dt=None, t_end=None, periods=3)
     coarse, middle, fine = (own_displacement(replace(scene, cfl=cfl), Elements(0.0, 1.0, 3, 4), monkeypatch)
                             for cfl in (0.1, 0.05, 0.025))
@@ -133,7 +133,7 @@ def test_at_the_start_there_is_no_error(scene):
 def test_steps_of_its_own_longer_than_the_particles(simulate):
     """Interval 1 and 8: short steps of the particles, which it strides over, give the same estimate of x."""
     short = replace(VORTEX, cells=12, t_end=0.25, cfl=0.004)
-    assert circular_companion.allocate(short)["companion_counts"][companion.INTERVAL] > 4
+    assert circular_companion.allocate(short)["companion_counts"][companion_solution.INTERVAL] > 4
     assert all(simulate(short).distance["companion"][name] < 0.03 for name in QUANTITIES)
 
 

@@ -34,16 +34,16 @@ from dataclasses import replace
 from io import BytesIO, TextIOWrapper
 from app.cli import main
 from app.lessons import claims
-from app.page.panels.readout import _found
+from app.page.panels.readout_tables import _found
 from app.pictures import paper_tables
-from app.pictures.run import png_bytes
-from app.pictures.study import FIGURES
+from app.pictures.run_errors import png_bytes
+from app.pictures.cost_and_convergence import FIGURES
 from solvers import BarScene, run
 from solvers.problems import PROBLEMS
 from solvers.scene.effects import told
 from solvers.study import row
 from solvers.study.parameter_grid import plan as planned
-from solvers.study.tables import paper_tables
+from solvers.study.tables import paper_table_definitions
 
 if __name__ == "__main__":
     found = {{"offered": {{name: [problem.estimators, problem.scene.choices("effects")]

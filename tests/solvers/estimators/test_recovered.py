@@ -6,9 +6,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from solvers.estimators.estimator_memory import unpack_arrays
-from solvers.estimators.lattice_line_operators import Line
-from solvers.estimators.recovered import TAU
+from solvers.estimators.estimator_arrays import unpack_arrays
+from solvers.estimators.lattice_line_operators import LatticeLine
+from solvers.estimators.recovered_common import TAU
 from solvers.problems.bar.scene import BarScene
 from solvers.problems.ring import RingScene
 from solvers.problems.square import SquareScene
@@ -21,7 +21,7 @@ SQUARE = SquareScene(cells=16, estimators=("recovered",))
 
 @pytest.mark.parametrize("points", [4, 7, 16])
 def test_a_fit_reproduces_cubics_up_to_free_ends(points):
-    line = Line(points, max(1, points // 2), 0.2, "free")
+    line = LatticeLine(points, max(1, points // 2), 0.2, "free")
     x = line.particle_positions() / line.points_per_length
     fitted = line.fit_operator(9, 3)(1 - 2 * x + 30 * x**3)[:, 0]
     assert np.allclose(fitted, np.stack([1 - 2 * x + 30 * x**3, -2 + 90 * x**2], axis=1), atol=1e-9)
@@ -32,7 +32,7 @@ def test_a_fit_follows_a_wave_around_a_period_and_through_mirrors():
     between walls what goes along the line is odd at both."""
     for ends, turn, waves in (("periodic", 2 * np.pi, (np.sin,)), ("mirror", np.pi / 2, (np.cos, np.sin)),
                               ("walls", np.pi, (np.sin, np.cos))):
-        line = Line(round(turn / (2 * np.pi) * 80), 10, turn, ends)
+        line = LatticeLine(round(turn / (2 * np.pi) * 80), 10, turn, ends)
         x = line.particle_positions() / line.points_per_length
         for component, wave in enumerate(waves):
             fitted = line.fit_operator(9, 3)(wave(x))[:, component]
@@ -42,7 +42,7 @@ def test_a_fit_follows_a_wave_around_a_period_and_through_mirrors():
 @pytest.mark.parametrize(("ends", "points", "elements"), [("periodic", 80, 20), ("free", 16, 8), ("free", 7, 4)])
 def test_nothing_pulls_on_the_error_grid_in_a_constant_stress(ends, points, elements):
     """The integral of N' vanishes over a period, and is what the ends leave on a free line: N at the ends."""
-    line = Line(points, elements, 0.2, ends)
+    line = LatticeLine(points, elements, 0.2, ends)
     gathered = line.projection_operator(4, 2)(np.ones(points))[:, 0] * line.spline_integrals()[:, None]
     ends_of = np.zeros(line.node_count)
     if ends == "free":
@@ -51,7 +51,7 @@ def test_nothing_pulls_on_the_error_grid_in_a_constant_stress(ends, points, elem
 
 
 def test_a_pattern_repeats_on_a_longer_line():
-    few, many = Line(48, 12, 0.12, "periodic"), Line(100, 25, 0.25, "periodic")
+    few, many = LatticeLine(48, 12, 0.12, "periodic"), LatticeLine(100, 25, 0.25, "periodic")
     values = np.random.default_rng(1).random(100)
     assert np.allclose(few.projection_operator(4, 2).repeat_over_cells(25, 1, 4)(values),
                        many.projection_operator(4, 2)(values))

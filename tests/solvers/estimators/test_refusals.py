@@ -102,7 +102,7 @@ def test_what_is_no_estimator_is_left_to_others(chosen):
 
 def test_a_swing_from_node_to_node_is_told():
     """The fourth difference of +1, -1, +1, ... is 16 everywhere, and of a wave of a few cells it is less."""
-    from solvers.estimators.recovered import ROUGH, SIZE, why_not_trusted
+    from solvers.estimators.recovered_common import ROUGH, SIZE, why_not_trusted
 
     memory = {"recovered_nodes": np.zeros(4), "recovered_numbers": np.zeros(8)}
     memory["recovered_numbers"][[ROUGH, SIZE]] = 15.9**2, 1.0

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from solvers.estimators.estimator_memory import unpack_arrays
+from solvers.estimators.estimator_arrays import unpack_arrays
 from solvers.problems.bar.scene import BarScene
 from solvers.problems.bar.solver import BarSolver
 from solvers.problems.bar.state import HOOKS

@@ -8,7 +8,7 @@ import pytest
 import taichi as ti
 
 from solvers.estimators import two_grid
-from solvers.estimators.estimator_memory import unpack_arrays
+from solvers.estimators.estimator_arrays import unpack_arrays
 from solvers.estimators.two_grid_phase_lag import phase_lag
 from solvers.kernels.dtypes import matrix, pairs, quads, real, reals
 from solvers.kernels.packing import ArrayPacking

@@ -11,7 +11,7 @@ from numpy.polynomial import legendre
 from solvers.problems import PROBLEMS
 from solvers.problems.bar.exact_solution import SECOND_FREQUENCY, SECOND_RATIO
 from solvers.problems.bar.scene import BarScene
-from solvers.problems.planar.circular import CircularScene
+from solvers.problems.planar.circular_scene import CircularScene
 from solvers.problems.ring import RingScene
 from solvers.problems.vortex import VortexScene
 from solvers.running.run import build

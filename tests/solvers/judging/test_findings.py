@@ -12,9 +12,9 @@ from solvers.judging import problem_handout
 from solvers.judging.error_norms import summarise_norms
 from solvers.judging.findings.finding import HOLDS, OFF, UNKNOWN
 from solvers.judging.findings.findings_input import DOUBLE, SINGLE, detect_precision
-from solvers.judging.findings.neighbours import find_neighbours, find_outliers
+from solvers.judging.findings.neighbour_comparison import find_neighbours, find_outliers
 from solvers.judging.findings.outliers import NAMES
-from solvers.judging.findings.time_fits import interpolate_before, jackknife_least_squares, time_derivative
+from solvers.judging.findings.time_series_fitting import interpolate_before, jackknife_least_squares, time_derivative
 from solvers.judging.judgement import judge
 from solvers.problems import PROBLEMS
 from tests.findings import FORMS, drawn, honest, judged, judgement

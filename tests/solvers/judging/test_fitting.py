@@ -9,8 +9,8 @@ import pytest
 
 from app.cli import main
 from solvers.judging import particle_writers
-from solvers.judging.frames import ParticleMismatch, RawTable
 from solvers.judging.judgement import judge
+from solvers.judging.particle_data_types import ProblemMismatch, RawTable
 from solvers.judging.particle_readers import read_file
 from solvers.judging.problem_handout import exact_frame
 from solvers.problems import PROBLEMS
@@ -107,7 +107,7 @@ def test_a_direction_in_which_nothing_reaches_is_none(tmp_path):
 
 def test_a_bar_on_a_line_is_no_ring(tmp_path):
     frames = frames_of("bar")
-    with pytest.raises(ParticleMismatch) as refused:
+    with pytest.raises(ProblemMismatch) as refused:
         judge(scene_of("ring"), {"t": 0.1, "id": frames[1].number, "x": np.pad(frames[1].position, ((0, 0), (0, 1)))})
     assert "has positions in one direction, and the ring has two" in str(refused.value)
 
@@ -135,7 +135,7 @@ def test_some_particles_of_a_grid_are_enough(tmp_path):
 
 def test_ids_in_another_order_do_not_begin_where_ours_do(tmp_path):
     frame = frames_of("ring")[0]
-    with pytest.raises(ParticleMismatch, match="m off the initial positions of the ring"):
+    with pytest.raises(ProblemMismatch, match="m off the initial positions of the ring"):
         judge(scene_of("ring"), {"t": 0.0, "id": frame.number[::-1], "x": frame.position})
 
 

@@ -68,7 +68,7 @@ def test_it_does_so_at_once_and_in_little_memory(name, problem, tmp_path):
 def test_several_files_have_no_more_together_than_one(tmp_path, capsys, monkeypatch):
     from solvers.judging import particle_readers
     from solvers.untrusted import size_limits
-    monkeypatch.setattr(particle_readers, "LIMITS", size_limits.Limits(10**6, 10, 10, 1000, 100))
+    monkeypatch.setattr(particle_readers, "LIMITS", size_limits.SizeLimits(10**6, 10, 10, 1000, 100))
     files = []
     for k in range(3):
         (tmp_path / f"{k}.csv").write_bytes(b"id,x,t\n" + b"".join(b"%d,0,%d\n" % (p, k) for p in range(4)))

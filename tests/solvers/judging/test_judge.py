@@ -11,8 +11,8 @@ import pytest
 from app.cli import main
 from solvers.judging import particle_writers, problem_handout
 from solvers.judging.error_norms import QUANTITIES, TwoMeshCompanion, count_crossings, rms
-from solvers.judging.frames import Frame
 from solvers.judging.judgement import Judgement, judge
+from solvers.judging.particle_data_types import Frame
 from solvers.judging.particle_readers import read_file
 from solvers.judging.reference_runs import frame_of_snapshot, run_reference
 from solvers.problems import PROBLEMS

@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
 from solvers.judging import particle_writers
-from solvers.judging.frames import Frame, RawTable
+from solvers.judging.particle_data_types import Frame, RawTable
 from solvers.judging.particle_readers import read_file
 from solvers.judging.particle_writers import vtu_bytes
 from solvers.problems.bar.scene import BarScene

@@ -9,7 +9,7 @@ import pytest
 
 from solvers.kernels import runtime
 from solvers.problems.bar.scene import BarScene
-from solvers.problems.bar.step import KERNELS
+from solvers.problems.bar.serial_step_kernel import KERNELS
 from solvers.problems.ring import RingScene
 from solvers.running.run import build
 from solvers.solver.base import STEP

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from solvers.problems.bar.scene import BarScene
+from solvers.problems.bar.serial_step_kernel import KERNELS
 from solvers.problems.bar.solver import BarSolver
-from solvers.problems.bar.step import KERNELS
 from solvers.scene.scene import Scene
 
 PAGE = 4096

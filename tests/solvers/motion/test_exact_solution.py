@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 from solvers.motion.jets import Jet, cos, exp, log, sin, sqrt, variables
-from solvers.motion.laws.law import determinant, stress_increment
-from solvers.motion.laws.material import LAWS, Material
-from solvers.motion.separable_field import NotPeriodic, separate
+from solvers.motion.laws.elastic_material import LAWS, ElasticMaterial
+from solvers.motion.laws.material_law import determinant, stress_increment
+from solvers.motion.separable_field import NotPeriodicError, separate
 from solvers.problems.planar.body_force import body_force_at
 from solvers.problems.planar.particle_layout import particle_layout
 from solvers.problems.ring import RingScene
@@ -44,7 +44,7 @@ def test_closed_forms_are_met(problem, part):
 @pytest.mark.parametrize("law", LAWS)
 def test_a_law_is_the_slope_of_its_energy(law):
     """P = dW/dF, sigma = P F^T/J, and dP F^T = rate(dF F^-1)."""
-    chance, material, h = np.random.default_rng(4), Material(LAWS[law], 3.0, 2.0), 1e-6
+    chance, material, h = np.random.default_rng(4), ElasticMaterial(LAWS[law], 3.0, 2.0), 1e-6
     F = np.eye(2).ravel()[:, None] + 0.3 * chance.uniform(-1, 1, (4, 50))
     J, P, tensor = determinant(F), material.first_piola_stress(F), F.T.reshape(-1, 2, 2)
     b = tensor @ tensor.swapaxes(1, 2)
@@ -65,7 +65,7 @@ def test_a_law_is_the_slope_of_its_energy(law):
 def test_where_a_law_is_no_longer_elliptic():
     """Pressed to s along both axes waves of shear have lambda (s^2 - 1) + mu (2 s^2 - 1); the other law keeps mu."""
     F, (lam, mu) = np.array([[0.8], [0.0], [0.0], [0.8]]), (3.0, 2.0)
-    least = {law: Material(LAWS[law], lam, mu).least_wave_stiffness(F) for law in LAWS}
+    least = {law: ElasticMaterial(LAWS[law], lam, mu).least_wave_stiffness(F) for law in LAWS}
     assert least == pytest.approx({"neo-hookean": 1, "st-venant-kirchhoff": lam * (0.64 - 1) / mu + 2 * 0.64 - 1})
 
 
@@ -115,7 +115,7 @@ def test_a_field_is_few_functions_of_time(problem):
     (lambda X, t: np.stack([X[:, 0] * np.sign(np.sin(2 * math.pi * t))], axis=1), "not its period"),
     (lambda X, t: np.stack([X[:, 0] / (t - 0.5)], axis=1), "not finite")], ids=["grows", "jumps", "has a pole"])
 def test_what_does_not_come_back_is_refused(field, why):
-    with np.errstate(divide="ignore"), pytest.raises(NotPeriodic, match=why):
+    with np.errstate(divide="ignore"), pytest.raises(NotPeriodicError, match=why):
         separate(field, np.random.default_rng(1).uniform(size=(40, 2)), 1.0)
 
 

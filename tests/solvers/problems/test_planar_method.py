@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 import taichi as ti
 
-from solvers.estimators.estimator_memory import unpack_arrays
+from solvers.estimators.estimator_arrays import unpack_arrays
 from solvers.kernels.dtypes import quads
 from solvers.problems import PROBLEMS
 from solvers.problems.planar.method import phases

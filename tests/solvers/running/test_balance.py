@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 
 from solvers.problems.bar.scene import BarScene
-from solvers.problems.planar.circular_diagnostics import CircleMotion
+from solvers.problems.planar.circle_momentum_balance import CircleMotionIntegrator
 from solvers.problems.planar.particle_layout import particle_layout
 from solvers.problems.ring import RingScene
 from solvers.problems.vortex import VortexScene
-from solvers.scene.momentum_balance_moments import DisplacementMoments
+from solvers.scene.displacement_moments import DisplacementMoments
 from solvers.solver.soundness import momentum_balance_distance
 
 BLIND = ("soundness",)
@@ -86,7 +86,7 @@ def test_loads_without_an_exact_solution_are_followed_too(scene, simulate):
 def test_circles_move_as_the_exact_solution_has_it(scene):
     """Of exact displacements they are nowhere; of a ring that is turned as a whole, by as much as that is."""
     times = np.arange(1, 31) * scene.period / 20
-    motion, layout = CircleMotion(scene), particle_layout(scene)
+    motion, layout = CircleMotionIntegrator(scene), particle_layout(scene)
     e = layout.position / np.linalg.norm(layout.position, axis=1)[:, None]
     shapes = motion._shapes[layout.orbit]
 
@@ -108,7 +108,7 @@ def test_circles_move_as_the_exact_solution_has_it(scene):
 def test_an_earlier_time_is_found_again():
     scene = VortexScene(amplitude=0.5)
     times = np.arange(1, 9) * 0.1
-    once, again = CircleMotion(scene), CircleMotion(scene)
+    once, again = CircleMotionIntegrator(scene), CircleMotionIntegrator(scene)
     forth = once.moments(times)
     back = [again.moments(np.array([t])) for t in times[::-1]][::-1]
     assert np.abs(forth.sums - np.concatenate([one.sums for one in back])).max() < 1e-3 * np.abs(forth.sums).max()
@@ -116,7 +116,7 @@ def test_an_earlier_time_is_found_again():
 
 
 def test_what_cannot_be_followed_is_not_held_against_a_run(simulate, monkeypatch):
-    monkeypatch.setattr("solvers.problems.planar.circular_diagnostics.MOST_STEPS", 30)
+    monkeypatch.setattr("solvers.problems.planar.circle_momentum_balance.MOST_STEPS", 30)
     scene = VortexScene(cells=20, ppc=2, amplitude=0.25, cfl=0.2, frequency=0.3, estimators=(), effects=BLIND)
     verdict = simulate(scene).verdict
     assert verdict["checked"]["x"] == ["contradictions"]
@@ -124,7 +124,7 @@ def test_what_cannot_be_followed_is_not_held_against_a_run(simulate, monkeypatch
 
 
 def test_a_run_that_does_not_look_works_nothing_out(simulate, monkeypatch):
-    monkeypatch.setattr("solvers.problems.planar.circular_diagnostics.cached_circle_motion",
+    monkeypatch.setattr("solvers.problems.planar.circle_momentum_balance.cached_circle_motion",
                         lambda scene: pytest.fail("worked out"))
     scene = VortexScene(cells=20, ppc=2, amplitude=0.25, cfl=0.2, frequency=0.35, estimators=(), effects=("truth",))
     assert simulate(scene).verdict["checked"] == {"x": ["truth"], "v": ["truth"], "sigma": ["truth"], "a": []}

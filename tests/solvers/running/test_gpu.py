@@ -16,7 +16,7 @@ import taichi as ti
 
 from app.cli import main
 from app.commands.bench.command import bench_table
-from solvers.bench import gpu
+from solvers.bench import gpu_speedup
 from solvers.kernels import elementary_functions, runtime
 from solvers.kernels.dtypes import quads, reals
 from solvers.problems.bar.scene import BarScene
@@ -27,7 +27,7 @@ from solvers.running.run import build, run
 from solvers.scene.scene import MOST_ON_GPU, Scene
 from solvers.scene.stabilisations import COUPLED, FILTER, FROZEN
 from solvers.scene.validation import SceneError
-from solvers.solver import devices, samples
+from solvers.solver import gpu_detection, samples
 from solvers.solver.base import Solver
 from solvers.solver.particle_snapshot import Snapshot
 from tests.support.gpus import ARCH, require_gpu
@@ -306,7 +306,7 @@ def test_what_a_gpu_does_not_take_is_refused_in_words(make: Callable[[], Scene],
 @pytest.fixture
 def nothing_there(monkeypatch):
     """A machine without any GPU."""
-    monkeypatch.setattr(devices, "probe_device",
+    monkeypatch.setattr(gpu_detection, "probe_device",
                         lambda kind: {"name": "", "software": False, "missing": "Taichi sees none"})
 
 
@@ -334,28 +334,29 @@ def test_so_many_particles_need_the_gpu(nothing_there):
 def test_any_gpu_is_not_one_that_the_processor_plays(monkeypatch):
     there = {"cuda": {"name": "", "software": False, "missing": "Taichi sees none"},
              "vulkan": {"name": "llvmpipe", "software": True, "missing": None}}
-    monkeypatch.setattr(devices, "probe_device", there.get)
-    assert [devices.resolve_arch(arch) for arch in ("gpu", "vulkan", "cpu")] == ["cpu", "vulkan", "cpu"]
+    monkeypatch.setattr(gpu_detection, "probe_device", there.get)
+    assert [gpu_detection.resolve_arch(arch) for arch in ("gpu", "vulkan", "cpu")] == ["cpu", "vulkan", "cpu"]
     there["vulkan"]["software"] = False
-    assert devices.resolve_arch("gpu") == "vulkan"
+    assert gpu_detection.resolve_arch("gpu") == "vulkan"
     there["cuda"]["missing"] = None
-    assert devices.resolve_arch("gpu") == "cuda"
+    assert gpu_detection.resolve_arch("gpu") == "cuda"
 
 
 def test_what_is_found_is_known_by_name_and_a_search_that_fails_finds_nothing():
     """A process that dies in the search takes nobody along."""
     require_gpu()
-    assert ARCH != "vulkan" or devices.probe_device("vulkan")["name"]
-    assert "the process that looked for one" in devices.probe_device("no such kind")["missing"]
+    assert ARCH != "vulkan" or gpu_detection.probe_device("vulkan")["name"]
+    assert "the process that looked for one" in gpu_detection.probe_device("no such kind")["missing"]
 
 
 @pytest.mark.slow
 def test_the_bench_of_a_gpu():
     """Its parts are there and make sense, at sizes that software can do; and its table says what it is."""
     require_gpu()
-    found = gpu.measure_device(ARCH, {"ring": (16,)}, copied=100_000)
+    found = gpu_speedup.measure_device(ARCH, {"ring": (16,)}, copied=100_000)
     assert found["arch"] == ARCH and found["bandwidth"] > 0 and found["missing"] is None
-    assert [(row["problem"], row["method"]) for row in found["rows"]] == [("ring", method) for method in gpu.METHODS]
+    assert [(row["problem"],
+             row["method"]) for row in found["rows"]] == [("ring", method) for method in gpu_speedup.METHODS]
     for row in found["rows"]:
         assert all(row["rates"][name] > 0 for name in ("gpu", "serial", "parallel")) and 0 < row["share"]
     empty = {"rates": [], "estimators": [], "effects": [], "off": [], "limit": [], "start": {"failed": "not here"},

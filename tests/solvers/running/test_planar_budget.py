@@ -10,11 +10,11 @@ import pytest
 
 from solvers.problems.bar.scene import BarScene
 from solvers.problems.planar.budget.body_pieces import MovedBodyPieces, PieceLattice
-from solvers.problems.planar.budget.on_demand_budget import BudgetRun
-from solvers.problems.planar.weights import MirroredNodeGrid
+from solvers.problems.planar.budget.on_demand_budget import CauseTrackingRun
+from solvers.problems.planar.step_weights import MirroredNodeGrid
 from solvers.problems.ring import RingScene
 from solvers.problems.vortex import VortexScene
-from solvers.running.budget import run_budget
+from solvers.running.budget_cause_removal import run_budget
 from solvers.running.run import build, run
 from solvers.scene.error_causes import CAUSES, FIELDS
 from solvers.scene.scene import Scene
@@ -35,7 +35,7 @@ BRANCHES = [*(replace(scene, method=method) for scene in SMALL for method in sce
 
 def gaps(scene: Scene) -> dict[str, float]:
     """The most that the causes together miss of an error at any particle and sample, over the largest that there is."""
-    run = BudgetRun(build(scene))
+    run = CauseTrackingRun(build(scene))
     missed, largest = dict.fromkeys(FIELDS, 0.0), dict.fromkeys(FIELDS, 0.0)
     while run.solver.step < scene.steps and run.step():
         if run.solver.step % scene.sample_interval == 0 or run.solver.step == scene.steps:

@@ -10,7 +10,7 @@ from solvers.problems.ring import RingScene
 from solvers.problems.vortex import VortexScene
 from solvers.running.run import run
 from solvers.scene.validation import SceneError
-from solvers.study.stability import offered_treatments
+from solvers.study.stability_map import offered_treatments
 
 BOTH = ("null-space-filter", "coupled-deformation")
 FROZEN = ("frozen-weights",)

@@ -6,9 +6,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from app.commands.run.text import run_table
+from app.commands.run.text_summary import run_table
 from app.page.visit.history import NormHistory
-from app.pictures.run import run_figure
+from app.pictures.run_errors import run_figure
 from solvers.problems.bar.scene import BarScene
 from solvers.problems.vortex import VortexScene
 from solvers.running.run import build

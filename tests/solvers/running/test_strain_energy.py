@@ -8,7 +8,7 @@ import taichi as ti
 
 from solvers.kernels.dtypes import quads, reals
 from solvers.problems import PROBLEMS
-from solvers.problems.planar.method import material
+from solvers.problems.planar.method import material_laws
 from solvers.problems.ring import RingScene
 from solvers.problems.square import SquareScene
 from solvers.problems.vortex import VortexScene
@@ -30,7 +30,7 @@ def kernel(solver):
     def measure(body: State, energy: reals, stress: quads, on: ti.template()):
         traits.prepare(body, 0, body.particles, on)
         for p in range(body.particles):
-            energy[p] = material.strain_energy(body, p, on)
+            energy[p] = material_laws.strain_energy(body, p, on)
             stress[p] = traits.stress(body, p, on)
 
     return measure

@@ -5,8 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from app.commands.run.text import run_table
-from solvers.engine.soundness_watch import SoundnessWatch
+from app.commands.run.text_summary import run_table
+from solvers.engine.soundness_monitor import SoundnessMonitor
 from solvers.problems import PROBLEMS
 from solvers.problems.bar.scene import BarScene
 from solvers.problems.planar.particle_layout import particle_layout
@@ -45,7 +45,7 @@ def test_a_run_that_goes_on_is_told_the_same(simulate):
     """The page's watch sees the samples piece by piece."""
     scene = NOISY["v"]
     result, solver = simulate(scene), build(scene)
-    watch = SoundnessWatch(scene)
+    watch = SoundnessMonitor(scene)
     watch.check_samples(solver.measure(), scene.particles)
     while solver.step < scene.steps:
         watch.check_samples(solver.advance(min(500, scene.steps - solver.step)), scene.particles)

@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from solvers.motion.laws.material import LAWS
+from solvers.motion.laws.elastic_material import LAWS
 from solvers.problems import PROBLEMS
 from solvers.scene.scene import Scene
 from tests.support.random_scenes import LARGEST, logarithmic, typed_lines, typed_motions

@@ -11,21 +11,21 @@ from solvers.problems.bar.scene import BarScene
 from solvers.problems.ring import RingScene
 from solvers.problems.vortex import VortexScene
 from solvers.running.run import run
-from solvers.study.advise import Candidate, Goal, _runner_up, advise, refinement_families
-from solvers.study.background_jobs import COURANT_NUMBERS, PARTICLES_PER_CELL
-from solvers.study.refinement_family import Point, RefinementFamily
+from solvers.study.advise import Candidate, SearchGoal, _runner_up, advise, refinement_families
+from solvers.study.refinement_error_and_cost import RefinementFamily, RefinementPoint
+from solvers.study.sweep_and_search_worker import COURANT_NUMBERS, PARTICLES_PER_CELL
 
 #: Nanoseconds of a particle-step, as measured once.
 STEP = {"ugimp": 15.0, "cpgimp": 10.0, "bspline": 8.5, "cpdi": 32.0, "mpm": 8.0, "cpgimp-v": 20.0}
 BAR = BarScene(amplitude=2.5e-4, periods=1, estimators=(), effects=())
 RING = RingScene(estimators=(), effects=())
-MADE: dict[tuple, Point] = {}  # what a member of a family has given, for all tests
+MADE: dict[tuple, RefinementPoint] = {}  # what a member of a family has given, for all tests
 VORTEX = VortexScene(amplitude=0.3, periods=0.2, estimators=(), effects=())
 
 
 def family(*points: tuple[int, float]) -> RefinementFamily:
     """A family that has been measured at these cells, at a nanosecond a particle-step."""
-    return RefinementFamily(BarScene(cfl=0.1), "x", 2, [Point(cells, error, 1e-9) for cells, error in points])
+    return RefinementFamily(BarScene(cfl=0.1), "x", 2, [RefinementPoint(cells, error, 1e-9) for cells, error in points])
 
 
 def test_errors_are_interpolated_by_powers():
@@ -59,9 +59,9 @@ def test_cells_for_a_tolerance():
 def test_a_runner_up_is_dearer_by_what_is_said():
     """An error of 1e-3 on 20 cells, and of the other method on 40 with a third of a cell's time: 1.3 times."""
     other = RefinementFamily(BarScene(cfl=0.1, method="mpm"), "x", 2,
-                             [Point(10, 8e-3, 1e-9 / 3), Point(40, 1e-3, 1e-9 / 3)])
+                             [RefinementPoint(10, 8e-3, 1e-9 / 3), RefinementPoint(40, 1e-3, 1e-9 / 3)])
     best = family((10, 4e-3), (20, 1e-3))
-    goal = Goal("x", 1e-3, 100.0)
+    goal = SearchGoal("x", 1e-3, 100.0)
     chosen = Candidate(best, 20, 1e-3, best.seconds(20))
     runner_up, why = _runner_up([other], chosen, goal, met=True)
     assert runner_up is not None and runner_up.cells == 40
@@ -80,7 +80,7 @@ def test_time_grows_as_cells_squared_on_a_bar():
 def rates(monkeypatch):
     """Times are steps times particles times a rate, which is given here and not measured: a processor may be twice as
     fast when the search has ended as when it began. No run is made twice."""
-    def measured(family: RefinementFamily, cells: int) -> Point:
+    def measured(family: RefinementFamily, cells: int) -> RefinementPoint:
         key = family.member(cells), family.quantity
         if key in MADE:
             return family.add_and_time_point(MADE[key])
@@ -89,11 +89,11 @@ def rates(monkeypatch):
 
     measure = RefinementFamily.measure
     monkeypatch.setattr(RefinementFamily, "measure", measured)
-    monkeypatch.setattr("solvers.study.refinement_family._seconds_per_particle_step",
+    monkeypatch.setattr("solvers.study.refinement_error_and_cost._seconds_per_particle_step",
                         lambda scene: 1e-9 * STEP[scene.method])
 
 
-def brute_force(choices: list[RefinementFamily], goal: Goal, most: int) -> float:
+def brute_force(choices: list[RefinementFamily], goal: SearchGoal, most: int) -> float:
     """Seconds of the cheapest member of up to ``most`` cells whose estimate meets the goal: in each family the fewest
     cells, found by ever finer grids until one meets it or is dearer than the best, and then by bisection."""
     best = math.inf
@@ -131,7 +131,7 @@ def test_no_run_is_cheaper_by_a_quarter(base, methods, quantity, part, most, rat
     """Of all that a search chooses from unless it is told: one to four particles per cell, steps of cfl .1 to .6. It
     took 1.1 to 4.9 times the time of the cheapest run when it tried two to four, and no more than cfl .5."""
     choices = refinement_families(base, methods or base.candidates(), PARTICLES_PER_CELL, COURANT_NUMBERS, quantity)
-    goal = Goal(quantity, part * base.size_of(quantity), budget=20.0)
+    goal = SearchGoal(quantity, part * base.size_of(quantity), budget=20.0)
     advice = advise([RefinementFamily(c.scene, c.quantity, c.multiple) for c in choices], goal)
     assert advice.met and advice.chosen.is_measured and advice.chosen.error <= goal.tolerance
     assert advice.chosen.seconds <= 1.25 * brute_force(choices, goal, most)
@@ -143,13 +143,13 @@ def test_what_cannot_win_is_run_once(rates):
     """A search that chooses from a hundred families makes little more than one coarse run of each."""
     choices = refinement_families(BAR, [("cpgimp", False), ("bspline", False)], PARTICLES_PER_CELL, COURANT_NUMBERS,
                                   "x")
-    advice = advise(choices, Goal("x", 1e-2 * BAR.amplitude, budget=20.0))
+    advice = advise(choices, SearchGoal("x", 1e-2 * BAR.amplitude, budget=20.0))
     assert advice.looks < 1.5 * len(choices) < 75
 
 
 def test_beyond_reach_it_names_the_best():
     choices = refinement_families(BAR, [("ugimp", True), ("mpm", False)], (2,), (0.4,), "x")
-    goal = Goal("x", 1e-9 * BAR.amplitude, budget=0.01)
+    goal = SearchGoal("x", 1e-9 * BAR.amplitude, budget=0.01)
     advice = advise(choices, goal)
     assert not advice.met and advice.chosen.error > goal.tolerance
     assert advice.chosen.seconds <= goal.budget
@@ -160,7 +160,7 @@ def test_beyond_reach_it_names_the_best():
 def usual(base, tolerance: float, **how):
     """The advice for a tolerance over A among all that a search chooses from, and what it has told of, in its order."""
     choices, points = refinement_families(base, base.candidates(), PARTICLES_PER_CELL, COURANT_NUMBERS, "x"), []
-    goal = Goal("x", tolerance * base.size_of("x"), budget=20.0)
+    goal = SearchGoal("x", tolerance * base.size_of("x"), budget=20.0)
     return advise(choices, goal, on_point=lambda one, point: points.append((one.scene, point)), **how), points
 
 
@@ -181,7 +181,7 @@ def test_what_is_known_is_not_run_again(rates):
     known = {(scene, point.cells): point for scene, point in points}
     looks = []
 
-    def recall(family: RefinementFamily, cells: int) -> Point | None:
+    def recall(family: RefinementFamily, cells: int) -> RefinementPoint | None:
         return known.get((family.scene, cells))
 
     again, told = usual(BAR, 1e-2, recall=recall, on_look=lambda *look: looks.append(look))
@@ -195,11 +195,12 @@ def test_what_is_known_is_not_run_again(rates):
 
 def test_a_known_run_without_a_time_is_timed(monkeypatch):
     timed = []
-    monkeypatch.setattr("solvers.study.refinement_family._seconds_per_particle_step",
+    monkeypatch.setattr("solvers.study.refinement_error_and_cost._seconds_per_particle_step",
                         lambda scene: timed.append(scene) or 1e-9)
     one = RefinementFamily(BarScene(cfl=0.1), "x", 2)
-    assert one.add_and_time_point(Point(10, 1e-3, math.nan)).seconds_per_particle_step == 1e-9 and len(timed) == 1
-    assert one.add_and_time_point(Point(20, 1e-4, 2e-9)).seconds_per_particle_step == 2e-9 and len(timed) == 1
+    assert one.add_and_time_point(RefinementPoint(10, 1e-3,
+                                                  math.nan)).seconds_per_particle_step == 1e-9 and len(timed) == 1
+    assert one.add_and_time_point(RefinementPoint(20, 1e-4, 2e-9)).seconds_per_particle_step == 2e-9 and len(timed) == 1
 
 
 def test_what_a_coarse_grid_meets_is_not_run_twice(rates):

@@ -11,9 +11,9 @@ from solvers import BarScene, run
 from solvers.problems import PROBLEMS
 from solvers.running.quantities_of_interest import ENERGY
 from solvers.solver.soundness import OK
-from solvers.study.coverage import coverage_counts as bars
-from solvers.study.coverage import random_runs, track_record
-from solvers.study.coverage.coverage_counts import (
+from solvers.study.coverage import estimate_coverage_counts as bars
+from solvers.study.coverage import random_runs, track_record_and_bets
+from solvers.study.coverage.estimate_coverage_counts import (
     CENTRAL,
     IN_CELL,
     NORMAL,
@@ -22,9 +22,9 @@ from solvers.study.coverage.coverage_counts import (
     tally,
     wilson_interval,
 )
-from solvers.study.coverage.coverage_tables import coverage_summary
+from solvers.study.coverage.estimate_coverage_tables import coverage_summary
 from solvers.study.coverage.random_runs import BEFORE, DRAW_RANGES, IDENTITY, MEASURED, RandomRun, coarsen, measure
-from solvers.study.coverage.track_record import JUDGES, bet_by_grid_index, bet_by_record, bets
+from solvers.study.coverage.track_record_and_bets import JUDGES, bet_by_grid_index, bet_by_record, bets
 from solvers.study.row import find_fault
 from tests.support.fake_rows import InstantExecutor
 from tests.support.paths import ROOT
@@ -161,7 +161,10 @@ def test_the_command_keeps_its_rows(three, tmp_path, monkeypatch, capsys):
 @pytest.mark.parametrize("problem", PROBLEMS)
 def test_the_text_quotes_what_was_counted(problem):
     """Every table of assets/coverage.md is that of the counts beside it."""
-    counted, text = track_record.load_counts(problem), (ROOT / "assets/coverage.md").read_text(encoding="utf-8")
+    counted, text = (
+        track_record_and_bets.load_counts(problem),
+        (ROOT / "assets/coverage.md").read_text(encoding="utf-8"),
+    )
     made = [block for block in coverage_summary(counted).split("\n\n") if block.startswith("|")]
     assert counted["runs"] == 1000 and len(made) == 6
     assert [table for table in made if table not in text] == []
@@ -171,24 +174,25 @@ def test_a_track_record_is_that_of_runs_alike():
     """By method and by how far particles move; none of a scene that no drawn one is like, or of a handful."""
     scene = BarScene(cells=40, ppc=4, amplitude=1e-3, method="bspline")
     assert motion_regime(scene.motion_amplitude / scene.spacing, scene.ppc) == IN_CELL
-    split = track_record.load_counts("bar")["estimators"]["companion"]["method and regime"]["bspline"]
-    assert track_record.accurate_run_counts(scene, "companion") == (split[IN_CELL]["x"]["within"]["1.1"],
+    split = track_record_and_bets.load_counts("bar")["estimators"]["companion"]["method and regime"]["bspline"]
+    assert track_record_and_bets.accurate_run_counts(scene, "companion") == (split[IN_CELL]["x"]["within"]["1.1"],
                                                                     split[IN_CELL]["x"]["runs"])
-    assert track_record.accurate_run_counts(replace(scene, amplitude=0.1),
-                                            "companion") != track_record.accurate_run_counts(scene, "companion")
-    assert track_record.bars_held(scene, ENERGY, "companion") is not None
-    assert track_record.bars_held(scene, "displacement@0.25", "companion") is not None
+    assert track_record_and_bets.accurate_run_counts(
+        replace(scene, amplitude=0.1), "companion"
+    ) != track_record_and_bets.accurate_run_counts(scene, "companion")
+    assert track_record_and_bets.bars_held(scene, ENERGY, "companion") is not None
+    assert track_record_and_bets.bars_held(scene, "displacement@0.25", "companion") is not None
     for unlike in (replace(scene, remedies=("null-space-filter",)), BarScene(motion="patch"),
                    replace(scene, body_force="two-tone")):
-        assert track_record.accurate_run_counts(unlike, "companion") is None
-    assert track_record.accurate_run_counts(scene, "transport") is None  # it refuses all B-splines
-    assert track_record.accurate_run_counts(scene, "companion", "a") is None
+        assert track_record_and_bets.accurate_run_counts(unlike, "companion") is None
+    assert track_record_and_bets.accurate_run_counts(scene, "transport") is None  # it refuses all B-splines
+    assert track_record_and_bets.accurate_run_counts(scene, "companion", "a") is None
 
 
 def test_a_judge_bets_by_its_record_and_the_index_by_its_word():
     """The ratios of estimated to true error are turned round. Of normal errors of which the index holds 95 of 100, its
     bet holds 80, as many below as above: of 200,000 to four standard deviations, .0036."""
-    low, high = track_record.central_ratios("bar", "two-grid", "x")
+    low, high = track_record_and_bets.central_ratios("bar", "two-grid", "x")
     assert bet_by_record("bar", "two-grid", "x", 3e-6) == (3e-6 / high, 3e-6 / low)
     assert bet_by_record("bar", "two-grid", "x", None) is bet_by_record("vortex", "transport", "x", 1.0) is None
     assert bet_by_record("bar", "nobody", "x", 1.0) is bet_by_record("bar", "two-grid", "a", 1.0) is None

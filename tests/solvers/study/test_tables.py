@@ -5,27 +5,27 @@ import json
 import pytest
 
 from app.cli import main
-from app.commands.study.tables import Tables, table_markdown
+from app.commands.study.paper_tables import PaperTables, table_markdown
+from app.names_and_units import QUANTITIES
 from app.pictures.paper_tables import table_figure
-from app.words import QUANTITIES
 from solvers.problems import PROBLEMS
 from solvers.scene.estimator_registry import ESTIMATORS
 from solvers.study.row import failed_row, find_fault
-from solvers.study.tables import paper_tables
-from solvers.study.tables.paper_tables import format_digits
+from solvers.study.tables import paper_table_definitions
+from solvers.study.tables.paper_table_definitions import format_digits
 from solvers.study.tables.table_runs import MEASURED, all_runs, measure_in_worker, results_by_row, table_to_dict
 from tests.support.fake_rows import InstantExecutor
 from tests.support.paths import ROOT
 
 #: Cut-down tables: the coarsest rows, the bar for a hundredth of the time.
-CUT = {"1": paper_tables.table_1({"bar": ("transport",)}, cells=(20,), end=0.01, long=0.02),
-       "2": paper_tables.table_2({"ring": ("transport",)}, cells=(12,), methods=("cpdi",)),
-       "3": paper_tables.table_3({"ring": ("transport",)}, cells=(12,), methods=("cpdi",))}
+CUT = {"1": paper_table_definitions.table_1({"bar": ("transport",)}, cells=(20,), end=0.01, long=0.02),
+       "2": paper_table_definitions.table_2({"ring": ("transport",)}, cells=(12,), methods=("cpdi",)),
+       "3": paper_table_definitions.table_3({"ring": ("transport",)}, cells=(12,), methods=("cpdi",))}
 
 
 @pytest.fixture(autouse=True)
 def cut_down(monkeypatch):
-    monkeypatch.setattr(paper_tables, "make_table", lambda number, estimators: CUT[number])
+    monkeypatch.setattr(paper_table_definitions, "make_table", lambda number, estimators: CUT[number])
 
 
 @pytest.fixture(scope="module")
@@ -61,20 +61,24 @@ def test_the_papers_numbers_are_those_of_the_bars_reference():
     reference = json.loads((ROOT / "assets/reference/bar.json").read_text())["table1"]
     for case in ("small", "large"):
         for cells, row in reference[case]["rows"].items():
-            printed = paper_tables.printed_bar_row(reference[case]["modulus"], int(cells))
+            printed = paper_table_definitions.printed_bar_row(reference[case]["modulus"], int(cells))
             assert {key: printed[key] for key in row["paper"]} == row["paper"]
             assert {q: printed[f"index_{q}"] for q in row["paper_index"]} == row["paper_index"]
-    assert paper_tables.printed_ring_errors("cpdi", 96) == {"x": 8.9e-6, "v": 1.4e-2, "a_nodes": 7.6e1}
-    assert paper_tables.printed_ring_index("ugimp", 12) == {"index_x": 0.69}
-    assert paper_tables.printed_bar_row(4.0, 21) == paper_tables.printed_ring_errors("cpdi", 13) == {} \
-        == paper_tables.printed_ring_index("mpm", 12)
+    assert paper_table_definitions.printed_ring_errors("cpdi", 96) == {"x": 8.9e-6, "v": 1.4e-2, "a_nodes": 7.6e1}
+    assert paper_table_definitions.printed_ring_index("ugimp", 12) == {"index_x": 0.69}
+    assert (
+        paper_table_definitions.printed_bar_row(4.0, 21)
+        == paper_table_definitions.printed_ring_errors("cpdi", 13)
+        == {}
+        == paper_table_definitions.printed_ring_index("mpm", 12)
+    )
 
 
 def test_whole_tables_have_the_papers_rows_twice(monkeypatch):
     monkeypatch.undo()
-    first, second, third = (paper_tables.make_table(number,
+    first, second, third = (paper_table_definitions.make_table(number,
                                                     {name: PROBLEMS[name].estimators for name in ("bar", "ring")})
-                            for number in paper_tables.NUMBERS)
+                            for number in paper_table_definitions.NUMBERS)
     assert (len(first.rows), len(second.rows), len(third.rows)) == (16, 24, 24)
     assert all(row.paper for table in (first, second, third) for row in table.rows)
     assert {row.name: row.scenes for row in second.rows} == {row.name: row.scenes for row in third.rows}
@@ -127,7 +131,7 @@ def retold(results):
     def table(make):
         row = CUT["3"].rows[0]
         runs = {name: result | make(result) for name, result in results[row.name].items()}
-        return table_to_dict(paper_tables.PaperTable("3", "t", "c", (), (row,)), {row.name: runs})
+        return table_to_dict(paper_table_definitions.PaperTableDefinition("3", "t", "c", (), (row,)), {row.name: runs})
 
     return table
 
@@ -206,7 +210,7 @@ def test_runs_are_made_once_those_that_are_timed_alone(measured):
     """All that is only computed side by side, the longest first; then one at a time, with the price of estimators.
     Tables 2 and 3 share their runs."""
     wanted = all_runs(CUT.values())
-    together, *alone = Tables.parallel_groups(Tables.__new__(Tables), wanted)
+    together, *alone = PaperTables.parallel_groups(PaperTables.__new__(PaperTables), wanted)
     work = [task.scene().particles * task.scene().steps for task in together]
     assert work == sorted(work, reverse=True) and len(together) == 4 * 2 + 2
     assert [len(group) for group in alone] == [1] * 6

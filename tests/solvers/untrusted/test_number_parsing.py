@@ -6,11 +6,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from app.commands.flags import BadInput, parse_float_or_text, parse_number_or_text, parse_times
+from app.commands.lenient_flag_types import BadInput, parse_float_or_text, parse_number_or_text, parse_times
+from app.names_and_units import parse_size
 from app.page.features.cost.cost_texts import InvalidNumber, parse_positive
-from app.state import StateError
-from app.state import parse_state as read_state
-from app.words import parse_size
+from app.shareable_state import StateError
+from app.shareable_state import parse_state as read_state
 from solvers.untrusted import number_parsing
 
 NONE = ["", " ", "4_0", "４０", "٣", "0x10", "inf", "-inf", "nan", "Infinity", "1e400", "9" * 10_000, "1e", "e5", ".",

@@ -4,9 +4,9 @@ import os
 
 import pytest
 
-from app.commands.flags import process_count
+from app.commands.lenient_flag_types import process_count
 from app.commands.study.coverage import Coverage
-from app.commands.study.stability import Stability
+from app.commands.study.stability_map import StabilityMap
 from app.commands.study.sweep import Sweep
 from solvers.scene.validation import SceneError
 from solvers.workers.cpu_count import MOST_PROCESSES, available_cpus, default_processes
@@ -36,5 +36,5 @@ def test_what_is_no_number_of_processes_is_refused(typed):
 
 def test_rows_that_are_timed_run_alone_unless_one_says_so(monkeypatch):
     monkeypatch.setattr(os, "sched_getaffinity", lambda _: set(range(5)), raising=False)
-    for study, alone in ((Sweep, True), (Stability, False), (Coverage, False)):
+    for study, alone in ((Sweep, True), (StabilityMap, False), (Coverage, False)):
         assert study.__new__(study)._worker_count() == (1 if alone else 5)

@@ -11,7 +11,7 @@ from string import ascii_lowercase
 from typing import Any
 
 from app.language.translation import tr
-from app.lessons.answer_check import RightAnswer, format_in_unit, is_right
+from app.lessons.answer_marking import RightAnswer, format_in_unit, is_right
 from app.lessons.lesson import CHOICE, INTERVAL, Numbers, Question, fill_numbers
 
 COLUMNS = 36  # of dots, along the axis

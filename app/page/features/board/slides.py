@@ -5,11 +5,11 @@ from html import escape
 
 import segno
 
-from app.classroom.class_board import COUNTED, REVEALED, BoardPosition, ClassBoard, has_chart
+from app.classroom.class_board_state import COUNTED, REVEALED, ClassBoardState, ShownBoardStep, has_chart
 from app.classroom.class_context import JoinInfo
 from app.language.translation import lazy, tr, trn
 from app.lessons import catalogue
-from app.lessons.answer_check import RightAnswer
+from app.lessons.answer_marking import RightAnswer
 from app.lessons.lesson import CHOICE, INTERVAL, PREDICT, TITLES, Step, fill_numbers
 from app.lessons.markdown_html import to_html
 from app.page.features.board import chart
@@ -31,7 +31,7 @@ class QuestionScore:
     answers: int
 
 
-def slide_html(board: ClassBoard, place: BoardPosition, join_info: JoinInfo) -> str:
+def slide_html(board: ClassBoardState, place: ShownBoardStep, join_info: JoinInfo) -> str:
     """Returns the slide at a board's position as html, without its buttons; ``join_info`` is for the first slide."""
     step = board.step(place.at)
     where = tr("step {at} of {total}", at=board.step_number(place.at), total=board.step_count) if step else \
@@ -47,7 +47,7 @@ def slide_html(board: ClassBoard, place: BoardPosition, join_info: JoinInfo) -> 
     return f"{top}{body}"
 
 
-def next_button_label(board: ClassBoard, place: BoardPosition) -> str:
+def next_button_label(board: ClassBoardState, place: ShownBoardStep) -> str:
     """Returns the label of the button that goes on from a board's position; "" at the end."""
     step, following = board.step(place.at), board.next_position(place.at)
     if not place.shows_last_open_step:
@@ -60,7 +60,7 @@ def next_button_label(board: ClassBoard, place: BoardPosition) -> str:
     return tr("Show how the class did") if place.at < board.end_position else ""
 
 
-def question_scores(board: ClassBoard) -> list[QuestionScore]:
+def question_scores(board: ClassBoardState) -> list[QuestionScore]:
     """Returns the scores of a class in all questions revealed so far, in the lesson's order."""
     found = []
     for at, step in enumerate(board.lesson.steps, 1):
@@ -72,7 +72,7 @@ def question_scores(board: ClassBoard) -> list[QuestionScore]:
     return found
 
 
-def _beginning_html(board: ClassBoard, join_info: JoinInfo) -> str:
+def _beginning_html(board: ClassBoardState, join_info: JoinInfo) -> str:
     picture = segno.make(join_info.full_link, error="l", micro=False).svg_inline(border=2, omitsize=True)
     warning = f"<p class='lab-warns'>{escape(join_info.warning)}</p>" if join_info.warning else ""
     here = board.tally.present_count
@@ -84,7 +84,7 @@ def _beginning_html(board: ClassBoard, join_info: JoinInfo) -> str:
            f"<figure role='img' aria-label='{tr('the link with the code, for phones')}'>{picture}</figure></div>"
 
 
-def _step_html(board: ClassBoard, place: BoardPosition, step: Step) -> str:
+def _step_html(board: ClassBoardState, place: ShownBoardStep, step: Step) -> str:
     title = escape(fill_numbers(step.title, board.numbers))
     head = f"<h2><span class='lab-kind lab-kind-{step.kind}'>{tr(TITLES[step.kind])}</span> {title}</h2>"
     if step.question is None:
@@ -110,7 +110,7 @@ def _step_html(board: ClassBoard, place: BoardPosition, step: Step) -> str:
            f"{_count_text(step, len(answers))} {late} {_outcome_sentence(place, step, answers, came)}</p>"
 
 
-def _count_html(board: ClassBoard, step: Step, at: int) -> str:
+def _count_html(board: ClassBoardState, step: Step, at: int) -> str:
     """Returns how many of a class have answered the step at ``at``, and how many have not come to it, as html."""
     tally = board.tally
     said, asked = len(tally.answers(step.key)), tally.count_present_or_answered(step.key)
@@ -138,7 +138,7 @@ def _count_text(step: Step, count: int) -> str:
     return trn("{count} answer.", "{count} answers.", count) if count else tr("Nobody has answered.")
 
 
-def _outcome_sentence(place: BoardPosition, step: Step, answers: list, result: RightAnswer | str | None) -> str:
+def _outcome_sentence(place: ShownBoardStep, step: Step, answers: list, result: RightAnswer | str | None) -> str:
     """Returns a sentence on a revealed result as html, or why there is none; "" before it is revealed."""
     if place.question_phase != REVEALED:
         return ""
@@ -158,7 +158,7 @@ def _outcome_sentence(place: BoardPosition, step: Step, answers: list, result: R
     return f"<b>{told}</b>"
 
 
-def _end_html(board: ClassBoard) -> str:
+def _end_html(board: ClassBoardState) -> str:
     found = question_scores(board)
     intervals = [one for one in found if one.step.asked_question.kind == INTERVAL]
     rows = "".join(f"<li><span>{escape(fill_numbers(one.step.title, board.numbers))}</span>"

@@ -7,8 +7,8 @@ from html import escape
 
 import numpy as np
 
-from app.colours import cause_css_variable
-from app.frame.budget_chart import (
+from app.colour_palette import cause_css_variable
+from app.frame.budget_chart_data import (
     CAPTION,
     MEANINGS,
     UNITS,
@@ -20,11 +20,11 @@ from app.frame.budget_chart import (
 )
 from app.frame.colour_scale import round_up
 from app.language.translation import lazy, tr, translate_message
+from app.names_and_units import format_number, per_cent, with_unit
 from app.page.visit.history import series_until
-from app.words import format_number, per_cent, with_unit
 from solvers.scene.error_causes import CAUSES, NOTHING
 from solvers.scene.scene import Scene
-from solvers.solver import budget
+from solvers.solver import budget_shares
 
 ENDS = (1, 1.5, 2, 3, 4, 5, 6, 8)  # times a power of ten: possible ends of an axis
 TICKS = (1, 2, 5)
@@ -35,7 +35,7 @@ PHRASES = {"before": lazy("before"), "predicted": lazy("predicted"), "again": la
 
 
 @dataclass(frozen=True)
-class BudgetData:
+class RunBudget:
     """A run with a budget: ``name`` beside another run, or ""; samples over time by key, all and those ``plotted``."""
 
     name: str
@@ -46,11 +46,11 @@ class BudgetData:
     @property
     def not_valid(self) -> str:
         """The reason why its shares are not valid, or ""."""
-        return translate_message(budget.why_not_valid(self.series) or "")
+        return translate_message(budget_shares.why_not_valid(self.series) or "")
 
 
 @dataclass(frozen=True)
-class _Axes:
+class _SharedAxes:
     """Axes common to charts side by side: time from ``start`` to ``end`` in periods, error from ``low`` to ``top``."""
 
     start: float
@@ -58,7 +58,7 @@ class _Axes:
     low: float
     top: float
 
-    def path_points(self, run: BudgetData, values: np.ndarray) -> list[str]:
+    def path_points(self, run: RunBudget, values: np.ndarray) -> list[str]:
         """Returns the points "x y" of ``values`` at the times plotted, in the chart's units, for an svg path."""
         time = run.plotted["time"] / run.scene.period
         kept = np.unique(np.r_[np.arange(0, len(time), -(-len(time) // MOST)), len(time) - 1])
@@ -81,7 +81,7 @@ def removed_cause(scene: Scene) -> str:
     return getattr(scene, "take_away", NOTHING)  # problems without a budget have no such field
 
 
-def budget_chart(runs: Sequence[BudgetData], field: str) -> str:
+def budget_chart(runs: Sequence[RunBudget], field: str) -> str:
     """Returns html: stacked errors of ``field`` (x, v or F) of runs, with each cause's share, or why there are none."""
     drawn = [run for run in runs if not run.not_valid]
     axes = _axes(drawn, field) if drawn else None
@@ -93,7 +93,7 @@ def budget_chart(runs: Sequence[BudgetData], field: str) -> str:
     return f"<div class='lab-budget-chart'>{figures}{_legend_html(drawn, field) if drawn else ''}{caption}</div>"
 
 
-def _axes(runs: Sequence[BudgetData], field: str) -> _Axes:
+def _axes(runs: Sequence[RunBudget], field: str) -> _SharedAxes:
     """Returns axes that contain the errors of ``field`` (x, v or F) in all runs."""
     highest, lowest, end, start = 0.0, 0.0, 0.0, math.inf
     for run in runs:
@@ -104,10 +104,11 @@ def _axes(runs: Sequence[BudgetData], field: str) -> _Axes:
     start = start if start > 1 else 0.0
     span = round_up((end - start) * (1 - WHOLE), ENDS)[0] if end > start else 1.0
     top = round_up(highest, ENDS)[0] if highest > 0 else 1.0
-    return _Axes(start, start + span, -round_up(-lowest, ENDS)[0] if lowest < -0.02 * top else min(lowest, 0.0), top)
+    return _SharedAxes(start, start + span, -round_up(-lowest, ENDS)[0] if lowest < -0.02 * top else min(lowest, 0.0),
+                       top)
 
 
-def _chart_figure_html(run: BudgetData, field: str, axes: _Axes) -> str:
+def _chart_figure_html(run: RunBudget, field: str, axes: _SharedAxes) -> str:
     """Returns one run's chart with its axes as html."""
     paths = []
     for layer in stack_layers(run.plotted, field):
@@ -132,21 +133,21 @@ def _chart_figure_html(run: BudgetData, field: str, axes: _Axes) -> str:
         f"<span>{with_unit(axes.end * period, 's')}</span></div>")
 
 
-def _captioned_figure_html(run: BudgetData, inside: str) -> str:
+def _captioned_figure_html(run: RunBudget, inside: str) -> str:
     title = f"<b>{escape(run.name)}</b>" if run.name else ""
     return f"<figure>{title}{inside}</figure>"
 
 
-def _chart_text(run: BudgetData, field: str) -> str:
+def _chart_text(run: RunBudget, field: str) -> str:
     """Returns a description of the chart for screen readers."""
-    shares = budget.shares(run.series, field)
+    shares = budget_shares.shares(run.series, field)
     parts = ", ".join(f"{tr(CAUSES[cause])} {format_percent(share)}" for cause, share in shares.items())
     return escape(tr("error of {field} over time, made by {parts}", field=field, parts=parts), quote=True)
 
 
-def _legend_html(runs: Sequence[BudgetData], field: str) -> str:
+def _legend_html(runs: Sequence[RunBudget], field: str) -> str:
     """Returns the legend as html: each cause with its explanation and its share in each run."""
-    shares = [budget.shares(run.series, field) for run in runs]
+    shares = [budget_shares.shares(run.series, field) for run in runs]
     several = len(runs) > 1
     head = "".join(f"<th>{escape(run.name.partition(':')[0])}</th>" for run in runs) if several else "<td></td>"
     rows = "".join(
@@ -159,14 +160,14 @@ def _legend_html(runs: Sequence[BudgetData], field: str) -> str:
     return f"<table class='lab-causes{' lab-two' * several}'><tr><th>{of}</th>{head}</tr>{rows}</table>"
 
 
-def removal_outcome(before: BudgetData, again: BudgetData, field: str, cause: str) -> str:
+def removal_outcome(before: RunBudget, again: RunBudget, field: str, cause: str) -> str:
     """Returns RMS errors of ``field`` as html: in the run ``before``, predicted without a cause, and in that ``again``
     without it, over the time that both have."""
     end = min(run.series["time"][-1] for run in (before, again)) * (1 + WHOLE)
     first, second = series_until(before.series, end), series_until(again.series, end)
-    sizes = {"before": budget.rms_error_over_run(first, field),
-             "predicted": budget.rms_error_over_run(first, field, without=cause),
-             "again": budget.rms_error_over_run(second, field)}
+    sizes = {"before": budget_shares.rms_error_over_run(first, field),
+             "predicted": budget_shares.rms_error_over_run(first, field, without=cause),
+             "again": budget_shares.rms_error_over_run(second, field)}
     if not (whole := sizes["before"]):
         return ""
     rows = "".join(_size_bar_html(tr(PHRASES[key]), size, whole, UNITS[field], key) for key, size in sizes.items())

@@ -67,7 +67,7 @@ class BudgetJobs(BackgroundJobs[BudgetJobStatus]):
 
 def budget(question: dict[str, Any], tell: Tell) -> None:
     """Computes a budget in a worker process for {"task": ..., "cause": ...}; ``tell`` sends a message to the page."""
-    from solvers.running.budget import run_budget
+    from solvers.running.budget_cause_removal import run_budget
 
     said = 0.0
 

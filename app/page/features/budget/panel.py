@@ -10,17 +10,17 @@ from typing import Any
 
 import viser
 
-from app.frame.budget_chart import QUESTION, budget_field, format_percent, has_budget, largest_share
+from app.frame.budget_chart_data import QUESTION, budget_field, format_percent, has_budget, largest_share
 from app.language.translation import lazy, tr, translate_message
-from app.page.feature import Feature, PageView
-from app.page.features.budget.chart import BudgetData, as_sentence, budget_chart, removal_outcome, removed_cause
+from app.names_and_units import difference_text
+from app.page.feature import Feature, VisiblePageState
+from app.page.features.budget.chart import RunBudget, as_sentence, budget_chart, removal_outcome, removed_cause
 from app.page.features.budget.jobs import BudgetJobs, BudgetJobStatus
 from app.page.page_context import PageContext
 from app.page.panels.page_header import widget_marker_html
-from app.page.readout_panel import Numbers
-from app.page.visit.session import Session
-from app.state import State
-from app.words import difference_text
+from app.page.readout_panel import ReadoutContent
+from app.page.visit.run_session import RunSession
+from app.shareable_state import State
 from solvers.scene.error_causes import CAUSES, NOTHING
 from solvers.scene.scene import Scene
 from solvers.scene.validation import SceneError
@@ -45,8 +45,8 @@ def budget_button_html() -> str:
 class BudgetPanel(Feature):
     """Error budget of one visitor's run: ``state`` returns the state shown, ``show`` puts another one on the stage."""
 
-    def __init__(self, gui: viser.GuiApi, session: Session, state: Callable[[], State], show: Callable[[State], None],
-                 clock: Callable[[], float] = monotonic):
+    def __init__(self, gui: viser.GuiApi, session: RunSession, state: Callable[[], State],
+                 show: Callable[[State], None], clock: Callable[[], float] = monotonic):
         self._session, self._state, self._show, self._clock = session, state, show, clock
         self.jobs = BudgetJobs()
         self.messages = {"budget": self.on_button_click}
@@ -98,7 +98,7 @@ class BudgetPanel(Feature):
             self._show(replace(state, scene=_with_budget(state.scene),
                                pinned=None if state.pinned is None else _with_budget(state.pinned)))
 
-    def refresh(self, view: PageView) -> None:
+    def refresh(self, view: VisiblePageState) -> None:
         """Shows the budget of the run on the stage; in a lesson only if the run records it."""
         if (numbers := view.numbers) is None:
             return
@@ -137,7 +137,7 @@ class BudgetPanel(Feature):
         self.jobs.cancel()
         return BudgetJobStatus()
 
-    def _draw(self, runs: list[BudgetData], cause: str, on: bool, playing: bool) -> None:
+    def _draw(self, runs: list[RunBudget], cause: str, on: bool, playing: bool) -> None:
         """Draws the chart of the runs, and the outcome of leaving ``cause`` out of the second; ``on``: recorded."""
         field, now = next(field for field, name in _NAMES.items() if tr(name) == self._field.value), self._clock()
         if not runs:
@@ -155,14 +155,14 @@ class BudgetPanel(Feature):
                 removal_outcome(runs[0], runs[-1], field, cause)
 
     @staticmethod
-    def _removed_cause_between(runs: list[BudgetData]) -> str:
+    def _removed_cause_between(runs: list[RunBudget]) -> str:
         """Returns the cause that the second of two otherwise equal runs leaves out, else ``NOTHING``."""
         if len(runs) < 2:
             return NOTHING
         before, again = (run.scene for run in runs)
         return removed_cause(again) if before == _scene_without(NOTHING, again) else NOTHING
 
-    def _recorded_runs(self, numbers: Numbers, scene: Scene, latest: bool) -> list[BudgetData]:
+    def _recorded_runs(self, numbers: ReadoutContent, scene: Scene, latest: bool) -> list[RunBudget]:
         """Returns the pinned run and the one on the stage, if they have a budget; ``latest`` plots their end only."""
         past, pinned = numbers.past, numbers.pinned
         if past is None or past.scene != scene or not has_budget(past.series) \
@@ -171,10 +171,10 @@ class BudgetPanel(Feature):
         both = []
         if pinned is not None and has_budget(pinned.history.series) \
                 and has_budget(pinned.history.latest_periods_series):
-            both = [BudgetData(_run_name(PINNED, pinned.scene, scene), pinned.scene, pinned.history.series,
-                               pinned.history.latest_periods_series if latest else pinned.history.series)]
+            both = [RunBudget(_run_name(PINNED, pinned.scene, scene), pinned.scene, pinned.history.series,
+                              pinned.history.latest_periods_series if latest else pinned.history.series)]
         name = "" if pinned is None or not both else _run_name(THIS, scene, pinned.scene)
-        return [*both, BudgetData(name, scene, past.series, past.latest_periods_series if latest else past.series)]
+        return [*both, RunBudget(name, scene, past.series, past.latest_periods_series if latest else past.series)]
 
     def _remove_cause(self) -> None:
         """Runs the scene again without the selected cause."""
@@ -192,13 +192,13 @@ class BudgetPanel(Feature):
             self._show(replace(state, scene=after, pinned=before))
 
 
-def _computed_runs(status: BudgetJobStatus) -> list[BudgetData]:
+def _computed_runs(status: BudgetJobStatus) -> list[RunBudget]:
     """Returns the run of a finished job, and the one without a cause, if any; none before its end."""
     if status.scene is None or status.series is None:
         return []
     runs = {"": status.series} if status.again is None else {
         tr("as it is"): status.series, tr("without {cause}", cause=tr(CAUSES[status.cause])): status.again}
-    return [BudgetData(name, status.scene, series, series) for name, series in runs.items()]
+    return [RunBudget(name, status.scene, series, series) for name, series in runs.items()]
 
 
 def _status_html(status: BudgetJobStatus) -> str:

@@ -13,12 +13,12 @@ from dataclasses import dataclass
 from html import escape
 from itertools import chain, pairwise
 
-from app.colours import METHOD_MARKS
+from app.colour_palette import METHOD_MARKS
 from app.language.translation import lazy, tr, trn
-from app.page.features.cost import cost_texts, visitor_runs
+from app.names_and_units import METHODS, method_name
+from app.page.features.cost import cost_texts, visitor_run_list
 from app.page.features.cost.cost_texts import format_percent, format_seconds, reference_length_name, run_name
-from app.page.features.cost.visitor_runs import SWEEP, NumberedRun, cheapest_run, measured_runs, run_of_scene
-from app.words import METHODS, method_name
+from app.page.features.cost.visitor_run_list import SWEEP, NumberedRun, cheapest_run, measured_runs, run_of_scene
 from solvers.problems import PROBLEMS
 from solvers.scene.scene import Scene
 
@@ -115,7 +115,7 @@ def draw_runs(runs: Sequence[NumberedRun], comparable: Sequence[NumberedRun], sc
     """Returns the runs of a problem as html: faint if not ``comparable`` with the scene, the scene's own marked."""
     numbers = {run.number for run in comparable}
     dots = [run for run in runs if run.drawable]
-    best = visitor_runs.pareto_front(comparable)
+    best = visitor_run_list.pareto_front(comparable)
     band = f"<div class='lab-band'><span>{tr('not timed alone')}</span></div>" \
         * any(not run.timed_alone for run in dots)
     curves = sweep_curves(comparable)

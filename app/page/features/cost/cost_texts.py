@@ -6,9 +6,7 @@ from collections.abc import Iterable, Sequence
 from html import escape
 
 from app.language.translation import lazy, tr, translate_message, trn
-from app.page.features.cost.jobs import CostJobStatus
-from app.page.features.cost.visitor_runs import MOST_RUNS, SEARCH, SWEEP, NumberedRun
-from app.words import (
+from app.names_and_units import (
     NOTHING,
     format_power_of_ten,
     method_name,
@@ -18,6 +16,8 @@ from app.words import (
     reword_for_page,
     with_unit,
 )
+from app.page.features.cost.jobs import CostJobStatus
+from app.page.features.cost.visitor_run_list import MOST_RUNS, SEARCH, SWEEP, NumberedRun
 from solvers.problems import PROBLEMS
 from solvers.scene.scene import Scene
 from solvers.scene.stabilisations import REMEDIES

@@ -14,13 +14,13 @@ from dataclasses import asdict, dataclass, field, replace
 from app import __version__
 from app.language.translation import lazy
 from app.page.features.background_job import SLOTS, BackgroundJobs, JobStatus
-from app.page.features.cost import visitor_runs
-from app.page.features.cost.visitor_runs import LIVE, SEARCH, SWEEP, NumberedRun, VisitorRuns, advice_key
-from app.page.visit.session import Session
+from app.page.features.cost import visitor_run_list
+from app.page.features.cost.visitor_run_list import LIVE, SEARCH, SWEEP, NumberedRun, VisitorRunList, advice_key
+from app.page.visit.run_session import RunSession
 from solvers.scene.scene import Scene
 from solvers.scene.validation import SceneError
-from solvers.study.background_jobs import COURANT_NUMBERS, PARTICLES_PER_CELL, READY, SearchJob
 from solvers.study.parameter_grid import Task, task_of
+from solvers.study.sweep_and_search_worker import COURANT_NUMBERS, PARTICLES_PER_CELL, READY, SearchJob
 from solvers.workers.worker_pool import Slots, WorkerPool
 
 MOST_QUESTIONS, MOST_POINTS = 64, 500  # beyond, the least recently used, or the oldest, is dropped: 10 MB in all
@@ -143,7 +143,7 @@ def scenes_to_time(runs: Sequence[NumberedRun]) -> list[Task]:
 
 def search_job(scene: Scene, tolerance: float, budget: float) -> SearchJob:
     """Returns the search for the cheapest run with an error of x up to ``tolerance`` times A, in up to ``budget`` s."""
-    return SearchJob(task_of(visitor_runs.without_search_options(scene)).to_dict(), scene.candidates(),
+    return SearchJob(task_of(visitor_run_list.without_search_options(scene)).to_dict(), scene.candidates(),
                      PARTICLES_PER_CELL, COURANT_NUMBERS, "x", tolerance * scene.size_of("x"), budget)
 
 
@@ -161,11 +161,11 @@ class CostJobStatus(JobStatus):
 class CostJobs(BackgroundJobs[CostJobStatus]):
     """Jobs of one visitor, which add rows to ``runs``; results of searches are cached in ``kept`` for all visitors."""
 
-    WORK = "solvers.study.background_jobs"
+    WORK = "solvers.study.sweep_and_search_worker"
     BUSY = lazy("Other visitors' sweeps and searches keep this server busy: it does {n} at a time. Try again in a "
                 "while.")
 
-    def __init__(self, runs: VisitorRuns, slots: Slots = SLOTS, kept: SearchCache = KEPT):
+    def __init__(self, runs: VisitorRunList, slots: Slots = SLOTS, kept: SearchCache = KEPT):
         super().__init__(CostJobStatus(), slots)
         self.runs, self._kept = runs, kept
         self._ready = WarmWorker(f"{self.WORK}:search")
@@ -225,7 +225,7 @@ class CostJobs(BackgroundJobs[CostJobStatus]):
 class StagePauser:
     """Pauses a session's stage while its visitor's job runs, unless the visitor lets it play."""
 
-    def __init__(self, session: Session):
+    def __init__(self, session: RunSession):
         self._session, self._running, self._lock = session, False, threading.Lock()
         self.paused = False  # by this class, not by the visitor
 

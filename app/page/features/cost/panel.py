@@ -9,17 +9,17 @@ from time import monotonic
 import viser
 
 from app.language.translation import tr
-from app.page.feature import Feature, PageView
-from app.page.features.cost import cost_texts, visitor_runs
+from app.names_and_units import command_line
+from app.page.feature import Feature, VisiblePageState
+from app.page.features.cost import cost_texts, visitor_run_list
 from app.page.features.cost.cost_chart import Axes, answer_headline, axes_for, draw_runs, tolerance_line
 from app.page.features.cost.jobs import CostJobs, CostJobStatus, StagePauser, scenes_to_time, search_job, small_sweep
-from app.page.features.cost.visitor_runs import LIVE, LiveRunRecorder, VisitorRuns, advice_key, comparable_runs
+from app.page.features.cost.visitor_run_list import LIVE, LiveRunRecorder, VisitorRunList, advice_key, comparable_runs
 from app.page.page_context import PageContext
 from app.page.panels.page_header import BESIDE
 from app.page.visit.engine_links import scene_size_refusal
-from app.page.visit.session import Session
+from app.page.visit.run_session import RunSession
 from app.page.visit.status_message import Notice
-from app.words import command_line
 from solvers.engine.engine_messages import FrameReport
 from solvers.scene.scene import Scene
 from solvers.study.parameter_grid import Task
@@ -35,9 +35,9 @@ PICKED, WANTED = "<i class='lab-picked'></i>", "<i class='lab-wanted'></i>"
 class CostTab(Feature):
     """The Cost tab of one visitor with its chart; ``load`` puts a scene on the stage. Thread-safe."""
 
-    def __init__(self, client: viser.ClientHandle, session: Session, load: Callable[[Scene], None]):
+    def __init__(self, client: viser.ClientHandle, session: RunSession, load: Callable[[Scene], None]):
         self._client, self._session, self._load = client, session, load
-        self.runs = VisitorRuns()
+        self.runs = VisitorRunList()
         self.jobs = CostJobs(self.runs)
         self.messages = {"cost": self.open}
         self._live, self._quiet = LiveRunRecorder(), StagePauser(session)
@@ -77,7 +77,7 @@ class CostTab(Feature):
         """Whether nothing of other visitors, jobs or stages, runs on this server."""
         return not (self.jobs.others_busy or self._session.others_playing)
 
-    def refresh(self, view: PageView | None = None) -> None:
+    def refresh(self, view: VisiblePageState | None = None) -> None:
         """Refreshes chart and texts if they have changed, and cancels a search whose goal has."""
         with self._refreshing:
             status = self.jobs.status  # read once: a job may start before its stage is paused
@@ -87,7 +87,7 @@ class CostTab(Feature):
             if self._chart_key != (self.runs.version, scene):  # rarely: for many runs it takes a millisecond
                 self._chart_key = self.runs.version, scene
                 self._chartable = (self.runs.version, advice_key(scene),
-                                   visitor_runs.run_of_scene(self.runs.all(), scene))
+                                   visitor_run_list.run_of_scene(self.runs.all(), scene))
             charted = self._chartable
             if charted != self._charted and (not status.running or monotonic() >= self._next):
                 self._charted, self._next = charted, monotonic() + STREAM_SECONDS
@@ -165,7 +165,7 @@ class CostTab(Feature):
         self._download = gui.add_button(tr("Download CSV"), icon=viser.Icon.DOWNLOAD, disabled=True,
                                         hint=tr("all these runs, a row each, for a spreadsheet"))
         self._download.on_click(lambda _: self._client.send_file_download(
-            FILE_NAME, visitor_runs.csv_bytes(self.runs.all()), save_immediately=True))
+            FILE_NAME, visitor_run_list.csv_bytes(self.runs.all()), save_immediately=True))
         self._time = gui.add_button(tr("Time my runs alone"), icon=viser.Icon.CLOCK, visible=False, hint=tr(
             "runs on the stage are timed in small pieces and with every effect; this runs them bare and in one go, in "
             "the background"))

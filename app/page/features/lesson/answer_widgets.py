@@ -10,8 +10,8 @@ import viser
 from app.language.translation import tr
 from app.lessons import lesson
 from app.lessons.lesson import Numbers, Question, Step, fill_numbers
+from app.names_and_units import PREFIXES, SYMBOLS, parse_size, with_unit
 from app.page.features.lesson import step_html as page
-from app.words import PREFIXES, SYMBOLS, parse_size, with_unit
 from solvers.scene.scene import Scene
 from solvers.untrusted import number_parsing
 

@@ -6,20 +6,25 @@ from time import monotonic
 
 import viser
 
-from app import state
-from app.classroom.class_board import BoardSeat
+from app import shareable_state
+from app.classroom.class_board_state import VisitorBoardSeat
 from app.language.translation import tr, use_language, with_language
 from app.lessons import catalogue
 from app.lessons import student_progress as kept
-from app.lessons.answer_check import LONGEST, AnswerMark, why_invalid
+from app.lessons.answer_marking import LONGEST, AnswerMark, why_invalid
 from app.lessons.lesson import EXPLAIN, PREDICT, TEXT, Lesson, Numbers, Step, draw_numbers, fill_numbers
-from app.page.feature import Feature, PageView
-from app.page.features.lesson import action_buttons, step_html, step_navigation
+from app.page.feature import Feature, VisiblePageState
+from app.page.features.lesson import instruction_buttons, progress_and_navigation, step_html
+from app.page.features.lesson.answer_marking_queue import (
+    AnswerMarkingQueue,
+    answer_comment,
+    question_steps_of_round,
+    upcoming_bets_step,
+)
 from app.page.features.lesson.answer_widgets import AnswerWidgets
-from app.page.features.lesson.marking import AnswerMarker, answer_comment, question_steps_of_round, upcoming_bets_step
-from app.page.features.lesson.step_navigation import KEPT, MAIN, PACED, StepNavigation
+from app.page.features.lesson.progress_and_navigation import KEPT, MAIN, PACED, StepNavigation
 from app.page.page_context import PageContext
-from app.viewer.widgets import is_removed, set_max_length
+from app.viewer.widget_validation import is_removed, set_max_length
 
 FIRST = -1e9  # order within the tab: a step, and then the controls that it needs
 
@@ -30,15 +35,15 @@ class LessonPlayer(Feature):
     def __init__(self, page: PageContext):
         page.lesson, self._client, self._gui, self._classroom = self, page.client, page.gui, page.classroom
         self._tab, self._on_change = page.tabs["lessons"], page.store_state
-        self._controls: action_buttons.LessonControls = page.controls
+        self._controls: instruction_buttons.LessonControls = page.controls
         self._lock = threading.RLock()
         self.messages = {"open": self.open, "choice": self._choose_option, "do": self._on_instruction_click}
-        self._marker = AnswerMarker(page.classroom.outcomes)
+        self._marker = AnswerMarkingQueue(page.classroom.outcomes)
         self._lesson: Lesson | None = None
         self._progress = kept.StudentProgress("", "")  # in the open lesson
         self._restored = False  # whether the browser has sent its stored answers
         self._answer: AnswerWidgets | None = None  # for the question that is shown
-        self._acts: list[action_buttons.Instruction] = []  # with buttons in the step's text
+        self._acts: list[instruction_buttons.Instruction] = []  # with buttons in the step's text
         self._navigation: StepNavigation | None = None  # from the step that is shown
         if self._classroom.seat:
             self._classroom.seat.watch_open_steps(with_language(self._on_lecturer_opens_step))
@@ -76,7 +81,7 @@ class LessonPlayer(Feature):
         self._rebuild()
         self._on_change()
 
-    def refresh(self, view: PageView) -> None:
+    def refresh(self, view: VisiblePageState) -> None:
         """Updates the text on the stage's value in the question shown."""
         with self._lock:
             if self._answer is not None:
@@ -142,7 +147,7 @@ class LessonPlayer(Feature):
             name = self._gui.add_text(tr("Your name"), self._progress.name, hint=hint)
             name.on_update(lambda _: self._set_student_name(name.value))
             if lesson.optional_steps:
-                only = step_navigation.core_checkbox(self._gui, lesson, self._progress.core)
+                only = progress_and_navigation.core_checkbox(self._gui, lesson, self._progress.core)
                 only.on_update(lambda _: self._choose_core(lesson, only.value, head))
         self._build_navigation(back=False, onward=True)
 
@@ -173,7 +178,7 @@ class LessonPlayer(Feature):
             self._marker.compute_bets(lesson, ahead, self._progress,
                                       lambda: self._show(text, lambda: self._text_html(lesson, step)))
         with use_language(lesson.language):
-            self._acts = action_buttons.find_instructions(step_html.text_html(step.text, self._numbers))
+            self._acts = instruction_buttons.find_instructions(step_html.text_html(step.text, self._numbers))
         if step.question is not None:
             return self._build_question(lesson, step)
         self._build_navigation(back=True, onward=True)
@@ -219,12 +224,12 @@ class LessonPlayer(Feature):
     def _on_instruction_click(self, message: object) -> None:
         """Carries out a button in a step's text: the ``message`` is [step, instruction's index or "stage"]."""
         with self._lock:
-            act, step = action_buttons.parse_click(message, self._progress.step, self._acts), self._step
-            stage = fill_numbers(step.stage, self._numbers) if step and act == action_buttons.STAGE else ""
+            act, step = instruction_buttons.parse_click(message, self._progress.step, self._acts), self._step
+            stage = fill_numbers(step.stage, self._numbers) if step and act == instruction_buttons.STAGE else ""
         if stage:
-            self._controls.show(state.parse_state(stage))
-        elif isinstance(act, action_buttons.Instruction):
-            action_buttons.perform_instruction(act, self._controls)
+            self._controls.show(shareable_state.parse_state(stage))
+        elif isinstance(act, instruction_buttons.Instruction):
+            instruction_buttons.perform_instruction(act, self._controls)
 
     @property
     def _step(self) -> Step | None:
@@ -277,7 +282,7 @@ class LessonPlayer(Feature):
             onward = self._gui.add_button(tr("Next lesson: {title}", title=following.title))
             onward.on_click(lambda _: self.open(following.name))
         if self._progress.core and not self._paced_seat:
-            self._gui.add_button(tr(step_navigation.GO_DEEPER)).on_click(
+            self._gui.add_button(tr(progress_and_navigation.GO_DEEPER)).on_click(
                 lambda _: self.go_to_step(False, lesson.steps.index(lesson.optional_steps[0]) + 1))
         hint = tr("save your answers as a file")
         self._gui.add_button(tr("Hand in"), icon=viser.Icon.DOWNLOAD, hint=hint).on_click(lambda _: self._hand_in())
@@ -309,7 +314,7 @@ class LessonPlayer(Feature):
                 self._navigation.refresh()
 
     @property
-    def _paced_seat(self) -> BoardSeat | None:
+    def _paced_seat(self) -> VisitorBoardSeat | None:
         """The visitor's seat in the class, while the open lesson is the one that the board paces."""
         return self._classroom.seat if self._classroom.seat and self._classroom.seat.lesson == self.name else None
 

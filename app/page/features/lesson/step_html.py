@@ -7,14 +7,14 @@ from string import ascii_lowercase
 
 from app.language.translation import current_language, lazy, tr, trn, use_language
 from app.lessons import catalogue
-from app.lessons.answer_check import AnswerMark, format_answer
-from app.lessons.bet_chart import BettorLines, expected_answer_text, make_bet_chart
+from app.lessons.answer_marking import AnswerMark, format_answer
 from app.lessons.duration import minutes_text
+from app.lessons.interval_bet_chart import BettorIntervalLines, expected_answer_text, make_bet_chart
 from app.lessons.interval_bets import Bettor
 from app.lessons.lesson import CHOICE, TEXT, TITLES, Lesson, Numbers, Step, fill_numbers
 from app.lessons.markdown_html import to_html
 from app.lessons.student_progress import RecordedAnswer, StudentProgress
-from app.page.features.lesson import action_buttons, step_navigation
+from app.page.features.lesson import instruction_buttons, progress_and_navigation
 
 FIGURE = re.compile(r"(<img [^>]*>)")
 #: CSS class, sign and word of each mark.
@@ -44,7 +44,7 @@ def head_html(lesson: Lesson, progress: StudentProgress) -> str:
     """Returns a lesson's title and the student's progress as html."""
     return f"<div class='lab-lesson lab-lesson-head'><i class='lab-studying'></i>" \
            f"<b{lang_attribute(lesson)}>{escape(lesson.title)}</b>" \
-           f"{step_navigation.progress_html(lesson, progress)}</div>"
+           f"{progress_and_navigation.progress_html(lesson, progress)}</div>"
 
 
 def intro_html(lesson: Lesson, numbers: Numbers, teacher: bool) -> str:
@@ -57,7 +57,7 @@ def intro_html(lesson: Lesson, numbers: Numbers, teacher: bool) -> str:
     first = tr("Do before: {lessons}.", lessons="; ".join(before))
     needs = f"<p>{first}</p>" if before else ""
     only = f"<p>{tr('This lesson is in English.')}</p>" if lang_attribute(lesson) else ""
-    return f"<div class='lab-lesson'>{only}<p>{step_navigation.duration_text(lesson)}</p>" \
+    return f"<div class='lab-lesson'>{only}<p>{progress_and_navigation.duration_text(lesson)}</p>" \
            f"<ul{lang_attribute(lesson)}>{goals}</ul>{needs}{_in_lang(lesson, text_html(lesson.intro, numbers))}" \
            f"{_teacher_notes_html(lesson, lesson.notes, teacher)}</div>"
 
@@ -65,12 +65,12 @@ def intro_html(lesson: Lesson, numbers: Numbers, teacher: bool) -> str:
 def step_html(lesson: Lesson, step: Step, numbers: Numbers, before: str, teacher: bool) -> str:
     """Returns a step's text as html below the html ``before``, with buttons, and notes for a teacher if ``teacher``."""
     kind = f"<span class='lab-kind lab-kind-{step.kind}'>{tr(TITLES[step.kind])}</span>"
-    deeper = "" if step.core else step_navigation.optional_step_mark()
+    deeper = "" if step.core else progress_and_navigation.optional_step_mark()
     title = f"<h2{lang_attribute(lesson)}>{escape(fill_numbers(step.title, numbers))}</h2>"
     with use_language(lesson.language):
-        text = action_buttons.with_buttons(text_html(step.text, numbers))
-        if step.stage and action_buttons.run_on_stage_button_html() not in text:
-            text += f"<p>{tr('The run that this is about:')}</p>{action_buttons.run_on_stage_button_html()}"
+        text = instruction_buttons.with_buttons(text_html(step.text, numbers))
+        if step.stage and instruction_buttons.run_on_stage_button_html() not in text:
+            text += f"<p>{tr('The run that this is about:')}</p>{instruction_buttons.run_on_stage_button_html()}"
     return f"<div class='lab-lesson' data-step='{lesson.steps.index(step) + 1}'>{kind}{deeper}{title}" \
            f"{before}{_in_lang(lesson, text)}{_teacher_notes_html(lesson, step.notes, teacher)}</div>"
 
@@ -133,7 +133,7 @@ def end_html(lesson: Lesson, progress: StudentProgress, marks: Mapping[str, Answ
     open_ones = trn("{count} question is still open; go back to answer.",
                     "{count} questions are still open; go back to answer.", missing)
     left = f"<p>{open_ones}</p>" if missing else ""
-    more = step_navigation.core_end_note(lesson) if progress.core and not paced else ""
+    more = progress_and_navigation.core_end_note(lesson) if progress.core and not paced else ""
     what = tr("<b>Hand in</b> saves a file with your answers and times, and your name if you have given one. Nothing "
               "is sent to anybody.")
     if paced:
@@ -179,7 +179,7 @@ def bets_html(bettors: Sequence[Bettor] | str) -> str:
            f"<div class='lab-bets-axis' aria-hidden='true'>{axis}</div></figure>"
 
 
-def _bettor_row_html(bettor: BettorLines) -> str:
+def _bettor_row_html(bettor: BettorIntervalLines) -> str:
     """Returns the html of one bettor's row: name, result, and a line for each bet."""
     high = OWN_ROW if bettor.own else ROW
     lines = "".join(

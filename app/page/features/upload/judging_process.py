@@ -12,11 +12,11 @@ from pathlib import Path
 import viser
 
 from app.language.translation import lazy, tr, translate_message, with_language
+from app.names_and_units import reword_for_page
 from app.page.features.background_job import MOST_JOBS
 from app.page.visit.engine_links import MOST_WATCHED
-from app.words import reword_for_page
 from solvers.judging.particle_readers import KINDS
-from solvers.judging.uploaded_file_worker import ShowRequest
+from solvers.judging.uploaded_file_worker import JudgeFileRequest
 from solvers.problems import PROBLEMS
 from solvers.scene.scene import Scene
 from solvers.study.parameter_grid import task_of
@@ -49,8 +49,8 @@ class JudgeJob:
         self._pool = WorkerPool("solvers.judging.uploaded_file_worker:judge_in_worker", environment=ONE_THREAD)
         self._cancelled = threading.Event()
         if slots.acquire():
-            question = ShowRequest(str(self.file), self.name, task_of(scene).to_dict(), str(self.table), MOST_WATCHED,
-                                   chosen)
+            question = JudgeFileRequest(str(self.file), self.name, task_of(scene).to_dict(), str(self.table),
+                                        MOST_WATCHED, chosen)
             judged = self._pool.submit(asdict(question), say, PATIENCE)
             self._pool.lower_priority()  # stages, which all visitors share, come first
             judged.add_done_callback(with_language(self._end))
@@ -96,7 +96,7 @@ def question_sentence(name: str, reason: str, problems: tuple[str, ...]) -> str:
               problems=titles)
 
 
-class ProblemQuestion:
+class FileProblemButtons:
     """Buttons with the problems that a file fits; ``on_choice`` is called with the key of the one chosen, or None."""
 
     def __init__(self, gui: viser.GuiApi, on_choice: Callable[[str | None], None]):

@@ -9,23 +9,23 @@ from time import monotonic
 
 import viser
 
-from app.frame.captions import NO_INDEX
-from app.frame.headline import Headline
+from app.frame.error_view_captions import NO_INDEX
+from app.frame.headline import HeadlineWithFacts
 from app.language.translation import lazy, tr, with_language
+from app.names_and_units import reword_for_page
 from app.page.feature import Feature
 from app.page.features.upload import uploaded_run
-from app.page.features.upload.judging_process import FIRST, JudgeJob, ProblemQuestion, question_sentence
+from app.page.features.upload.judging_process import FIRST, FileProblemButtons, JudgeJob, question_sentence
 from app.page.features.upload.uploaded_run import JUDGE, UploadedRun, file_readout, loaded_notice, page_scene_for_file
 from app.page.page_context import PageContext
 from app.page.panels.error_timeline import TimelineState
 from app.page.panels.page_header import BARE
-from app.page.readout_panel import Numbers
+from app.page.readout_panel import ReadoutContent
 from app.page.stage.worst_region import WorstRegions
-from app.page.stage_source import FrameView, StageContent, ViewChoice
-from app.page.visit.session import Session, first_scene
+from app.page.stage_source import StageContent, StageFrame, ViewChoice
+from app.page.visit.run_session import RunSession, first_scene
 from app.page.visit.status_message import Notice
 from app.viewer.upload import LARGEST, TOO_LARGE, VisitorUploads
-from app.words import reword_for_page
 from solvers.engine.engine_messages import FrameReport
 from solvers.judging.particle_readers import KINDS
 from solvers.judging.uploaded_file_worker import FileSummary
@@ -47,7 +47,7 @@ class UploadPanel(Feature):
     ``on_scene`` with the scene of a file of another problem. While a file is :attr:`shown_frame`, in a colour scale
     common to all its times, the run pauses; that ends when something advances the run."""
 
-    def __init__(self, client: viser.ClientHandle, session: Session, on_view: Callable[[], None],
+    def __init__(self, client: viser.ClientHandle, session: RunSession, on_view: Callable[[], None],
                  on_begin: Callable[[], None], on_scene: Callable[[Scene], None]):
         gui = client.gui
         self._session, self._on_view, self._on_begin, self._on_scene = session, on_view, on_begin, on_scene
@@ -84,7 +84,7 @@ class UploadPanel(Feature):
             self._back = gui.add_button(tr(BACK), icon=viser.Icon.ARROW_BACK_UP, visible=False, hint=tr(BACK_HINT))
             self._text = gui.add_html("")
         self._back.on_click(lambda _: self.leave())
-        self._question = ProblemQuestion(gui, self._on_problem_chosen)
+        self._question = FileProblemButtons(gui, self._on_problem_chosen)
         self._folder = gui.add_folder(tr("Your file on the stage"), order=FIRST, visible=False)
         with self._folder:
             self._slider = gui.add_slider(tr("Frame"), 1, 2, 1, 1,
@@ -282,22 +282,22 @@ class UploadPanel(Feature):
             return None
         run, k = shown
         report, arrays = run.frame(k, choice.quantity, self.playing)
-        picture = FrameView(report, arrays, run.view(arrays, choice.quantity, choice.difference), 1.0, foreign=True)
+        picture = StageFrame(report, arrays, run.view(arrays, choice.quantity, choice.difference), 1.0, foreign=True)
         return StageContent(picture, run.largest_errors(choice.quantity), (run.name, choice.quantity))
 
-    def numbers(self, choice: ViewChoice, picture: FrameView | None, probed: str | None) -> Numbers | None:
+    def numbers(self, choice: ViewChoice, picture: StageFrame | None, probed: str | None) -> ReadoutContent | None:
         if (shown := self.shown_frame) is None:
             return None
         run, k = shown
-        return Numbers(file_readout(run, k, choice.quantity, probed), None if run.estimate is None else run,
-                       (JUDGE,), (JUDGE,), JUDGE, TimelineState(run.times[k], (run.times[0], run.times[-1]),
-                                                                self.playing),
-                       "" if run.true is not None else tr(NO_INDEX))
+        return ReadoutContent(file_readout(run, k, choice.quantity, probed), None if run.estimate is None else run,
+                              (JUDGE,), (JUDGE,), JUDGE, TimelineState(run.times[k], (run.times[0], run.times[-1]),
+                                                                       self.playing),
+                              "" if run.true is not None else tr(NO_INDEX))
 
-    def sentence(self, choice: ViewChoice, picture: FrameView) -> Headline:
+    def sentence(self, choice: ViewChoice, picture: StageFrame) -> HeadlineWithFacts:
         shown = self.shown_frame
         if shown is None or not picture.foreign or picture.report.scene != shown[0].scene:
-            return Headline()
+            return HeadlineWithFacts()
         worst = WorstRegions()  # of this frame: at another time a file may have other particles
         worst.find(picture.report, picture.arrays, picture.view, choice.quantity)
         return uploaded_run.file_headline(*shown, picture.view, worst, choice.quantity)

@@ -8,13 +8,13 @@ from pathlib import Path
 
 import numpy as np
 
-from app.frame.captions import TRUE, UNKNOWN, ErrorView, error_view_of_sizes
-from app.frame.headline import Headline, error_headline_templates, format_error_headline
+from app.frame.error_view_captions import TRUE, UNKNOWN, FrameErrorView, error_view_of_sizes
+from app.frame.headline import HeadlineWithFacts, error_headline_templates, format_error_headline
 from app.language.translation import lazy, tr, translate_message
-from app.page.panels.readout import DRAG, ReadoutTables, name_with_line_sample, row_html, table_html
+from app.names_and_units import NOTHING, QUANTITIES, difference_text, format_number, format_ratio, with_unit
+from app.page.panels.readout_tables import DRAG, ReadoutTables, name_with_line_sample, row_html, table_html
 from app.page.stage.worst_region import WorstRegions
 from app.page.visit.history import RunSeries
-from app.words import NOTHING, QUANTITIES, difference_text, format_number, format_ratio, with_unit
 from solvers.engine.engine_messages import FrameReport
 from solvers.engine.shared_frames import FrameArrays, FrameOptions
 from solvers.judging.scene_metadata import NOT_OF_THE_PROBLEM
@@ -81,7 +81,7 @@ class UploadedRun(RunSeries):
                              0.0, None, "", holds=FrameOptions(plotted=quantity))
         return report, arrays
 
-    def view(self, arrays: FrameArrays, quantity: str, difference: bool) -> ErrorView:
+    def view(self, arrays: FrameArrays, quantity: str, difference: bool) -> FrameErrorView:
         """Returns the errors that the two halves of the stage show, of a frame's ``arrays``, or why they do not."""
         column = KEYS.index(quantity)
         lacks = tr(NO_ACCELERATION) if quantity == "a" else \
@@ -117,7 +117,8 @@ HINTS = {lazy("now"): lazy("root of the mean square over the particles, at the t
          lazy("index"): lazy("estimated over true error, summed over the times; 1 is perfect")}
 
 
-def file_headline(run: UploadedRun, k: int, view: ErrorView, worst: WorstRegions, quantity: str) -> Headline:
+def file_headline(run: UploadedRun, k: int, view: FrameErrorView, worst: WorstRegions,
+                  quantity: str) -> HeadlineWithFacts:
     """Returns the headline on frame ``k`` of a file for a quantity: both errors, and the worst region."""
     true, estimated = (_norm_at_frame(norms, k, quantity) for norms in (run.true, run.estimate))
     words = error_headline_templates(run.scene, quantity, JUDGE, view.left.silence if estimated is None else "",

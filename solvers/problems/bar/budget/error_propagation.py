@@ -14,10 +14,10 @@ from solvers.problems.bar.budget.reference_motion import (
     reference_time_factors,
 )
 from solvers.problems.bar.method import periodic_nodes
+from solvers.problems.bar.method.error_and_energy_sums import exact_time_factors, true_error
 from solvers.problems.bar.method.gapless_pieces import interpolate_at_corner, piece_length
 from solvers.problems.bar.method.periodic_nodes import EMPTY, GHOSTS, stencil_of
 from solvers.problems.bar.method.phases import half_width
-from solvers.problems.bar.method.sample_rows import exact_time_factors, true_error
 from solvers.problems.bar.method.stabilisations import MOST_GRADIENT, PASSES
 from solvers.scene.error_causes import CAUSES, FIELDS
 from solvers.solver.samples import BUDGET, column_index

@@ -8,9 +8,9 @@ step.
 
 import taichi as ti
 
-from solvers.estimators import companion
+from solvers.estimators import companion_solution
 from solvers.problems.bar.budget.budget_arrays import stores_reference
-from solvers.problems.bar.method.sample_rows import typed_motion_at
+from solvers.problems.bar.method.error_and_energy_sums import typed_motion_at
 from solvers.scene.error_causes import CAUSES
 from solvers.solver.separable_field_tables import MODES, MOTION, PRESENT, RANK, compute_time_functions, table_size
 
@@ -58,7 +58,7 @@ def reference_gradients_at(bar: ti.template(), p, now, on: ti.template()):
 def add_companion_time_step_error(bar: ti.template(), step):
     """Adds symplectic Euler's errors in step ``step`` to ``bar.cause_errors``, with the companion at the step's end."""
     _evaluate_at_element_points(bar, step)
-    n = bar.companion_counts[companion.ORDER] + 1
+    n = bar.companion_counts[companion_solution.ORDER] + 1
     for p in range(bar.particles):
         at = ti.Vector([0.0, 0.0, 0.0, 0.0])
         rate = 0.0
@@ -108,17 +108,20 @@ def _evaluate_at_element_points(bar: ti.template(), step):
     """Computes the companion's u, v, a and u_X at each element's points after ``step`` steps, in
     ``bar.reference_elements``, and the slope of v + dt a, in ``bar.reference_rates``: cubic Hermite polynomials of (u,
     v) and of (v, a) in its last interval."""
-    n, N, k = bar.companion_counts[companion.ORDER] + 1, bar.companion_counts[companion.NODES], \
-        bar.companion_counts[companion.INTERVAL]
+    n, N, k = bar.companion_counts[companion_solution.ORDER] + 1, bar.companion_counts[companion_solution.NODES], \
+        bar.companion_counts[companion_solution.INTERVAL]
     H = k * bar.dt
     s = (step - ((step - 1) // k) * k) / ti.cast(k, ti.f64)
     left = 1 - s
     value = ti.Vector([(1 + 2 * s) * left * left, s * left * left * H, s * s * (3 - 2 * s), -s * s * left * H])
     slope = ti.Vector([6 * s * (s - 1) / H, 3 * s * s - 4 * s + 1, -6 * s * (s - 1) / H, 3 * s * s - 2 * s])
-    for e in range(bar.companion_counts[companion.ACROSS]):
+    for e in range(bar.companion_counts[companion_solution.ACROSS]):
         for i in range(n):
             node = e * (n - 1) + i
-            old, new = bar.companion_nodes[companion.START * N + node], bar.companion_nodes[companion.END * N + node]
+            old, new = (
+                bar.companion_nodes[companion_solution.START * N + node],
+                bar.companion_nodes[companion_solution.END * N + node],
+            )
             u = value[0] * old[0] + value[1] * old[2] + value[2] * new[0] + value[3] * new[2]
             v = value[0] * old[2] + value[1] * old[4] + value[2] * new[2] + value[3] * new[4]
             a = slope[0] * old[2] + slope[1] * old[4] + slope[2] * new[2] + slope[3] * new[4]

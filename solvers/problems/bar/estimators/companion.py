@@ -1,4 +1,5 @@
-"""The companion on the bar (see ``solvers.estimators.companion``): its space, and its report for each particle.
+"""The companion on the bar (see ``solvers.estimators.companion_solution``): its space, and its report for each
+particle.
 
 Elements of the material coordinate X around the period, with P = E u_X:
 
@@ -15,7 +16,7 @@ import functools
 import numpy as np
 import taichi as ti
 
-from solvers.estimators import companion as shared
+from solvers.estimators import companion_solution as shared
 from solvers.estimators.spectral_elements import Elements, highest_frequency
 from solvers.kernels.dtypes import integers, pairs, quads, reals
 from solvers.motion.exact_solution_1d import force_table

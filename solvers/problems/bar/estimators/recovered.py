@@ -35,8 +35,8 @@ from dataclasses import replace
 import numpy as np
 import taichi as ti
 
-from solvers.estimators import recovered
-from solvers.estimators.recovered import ALONG, BEGUN, MOVED, NEW, ROUGH, SIZE, TAU, TURNS, H
+from solvers.estimators import recovered_common
+from solvers.estimators.recovered_common import ALONG, BEGUN, MOVED, NEW, ROUGH, SIZE, TAU, TURNS, H
 from solvers.kernels.dtypes import integers, quads, reals
 from solvers.kernels.packing import prefix_view
 from solvers.motion.exact_solution_1d import force_table
@@ -93,9 +93,9 @@ def row_sums(bar: ti.template(), table: ti.template(), row, field: ti.template()
 def apply_table(bar: ti.template(), table: ti.template(), count, field: ti.template(), start, into: ti.template(), at):
     """Applies a table's ``count`` rows to a field that begins at ``start``; stores the sums in ``into`` from ``at``
     on."""
-    for group in range(recovered.group_count(count)):
-        row = recovered.first_in_group(group, count)
-        recovered.store_sums(into, at + row, 1, row_sums(bar, table, row, field, start))
+    for group in range(recovered_common.group_count(count)):
+        row = recovered_common.first_in_group(group, count)
+        recovered_common.store_sums(into, at + row, 1, row_sums(bar, table, row, field, start))
 
 
 @ti.func
@@ -115,7 +115,7 @@ def nodes_to_nodes(bar: ti.template(), table: ti.template(), kind: ti.template()
 def interpolate_nodal_errors(bar: ti.template(), p, pattern):
     """Returns nodal errors of u, v, a at particle p, number ``pattern`` of its cell, and fourth the slope of u's."""
     total = ti.Vector([0.0] * 4)
-    first, begin, _ = recovered.table_row_range(bar, INTERPOLATION, p, pattern)
+    first, begin, _ = recovered_common.table_row_range(bar, INTERPOLATION, p, pattern)
     for k in ti.static(range(3)):
         total += prefix_view(bar, INTERPOLATION).weights[begin + k] \
             * bar.recovered_nodes[nodal_entry_index(bar, ERRORS, first + k)]
@@ -139,7 +139,7 @@ def start_reference(bar: ti.template(), t, on: ti.template()):
         for i in range(bar.cells):
             shape, at = bar.recovered_nodes[nodal_entry_index(bar, FORCE, i)], nodal_entry_index(bar, MOTION, i)
             a = nodal_body_force(bar, i, shape, size, on)
-            bar.recovered_nodes[at] = recovered.initial_reference_solution(bar.recovered_nodes[at], a,
+            bar.recovered_nodes[at] = recovered_common.initial_reference_solution(bar.recovered_nodes[at], a,
                                                                            bar.recovered_numbers[H])
             bar.recovered_nodes[nodal_entry_index(bar, FORCE, i)] = ti.Vector([shape[0], shape[1], shape[2], a])
         bar.recovered_numbers[TURNS] = BEGUN
@@ -153,7 +153,9 @@ def add_verdict_sums(bar: ti.template()):
         fourth = 0.0
         j = ti.select(i < 2, i + bar.cells - 2, i - 2)
         for k in range(5):
-            fourth += recovered.fourth_difference_weight(k) * bar.recovered_nodes[nodal_entry_index(bar, MOTION, j)][0]
+            fourth += (
+                recovered_common.fourth_difference_weight(k) * bar.recovered_nodes[nodal_entry_index(bar, MOTION, j)][0]
+            )
             j = ti.select(j + 1 < bar.cells, j + 1, 0)
         error = bar.recovered_nodes[nodal_entry_index(bar, PROJECTED, i)][0]
         rough += fourth * fourth
@@ -185,7 +187,7 @@ def after_step(bar: ti.template(), base, step, on: ti.template()):
         bar.recovered_nodes[nodal_entry_index(bar, FORCE, i)] = ti.Vector([shape[0], shape[1], drive[2], shape[3]])
         bar.recovered_nodes[nodal_entry_index(bar, PROJECTED, i)] = \
             ti.Vector([drive[0] - motion[0], drive[1] - motion[1], 0.0, 0.0])
-    if recovered.is_check_due(step, bar.dt, bar.recovered_numbers[H]):
+    if recovered_common.is_check_due(step, bar.dt, bar.recovered_numbers[H]):
         add_verdict_sums(bar)
     compute_damped_errors(bar)
     advance_reference_motion(bar, step * bar.dt, on)
@@ -221,9 +223,9 @@ def advance_reference_motion(bar: ti.template(), t, on: ti.template()):
         slope = shape[2] - bar.recovered_nodes[nodal_entry_index(bar, PROJECTED, i)][0]
         a = nodal_body_force(bar, i, shape, size, on) - bar.modulus / bar.density * slope
         motion = bar.recovered_nodes[at]
-        shape[3] = recovered.acceleration_two_steps_before(motion, a, first)
+        shape[3] = recovered_common.acceleration_two_steps_before(motion, a, first)
         bar.recovered_nodes[nodal_entry_index(bar, FORCE, i)] = shape
-        bar.recovered_nodes[at] = recovered.next_reference_solution(motion, a, bar.recovered_numbers[H], first)
+        bar.recovered_nodes[at] = recovered_common.next_reference_solution(motion, a, bar.recovered_numbers[H], first)
 
 
 @ti.func
@@ -240,7 +242,7 @@ def report(bar: ti.template(), base, step, on: ti.template()):
         u = bar.position[p] - bar.material_position[p]
         bar.recovered_field[p] = ti.Vector([u, v_g, a, u])
     length = bar.recovered_numbers[H]
-    since = recovered.time_since_reference_step(step, bar.dt, length)
+    since = recovered_common.time_since_reference_step(step, bar.dt, length)
     if step > 0:
         start_reference(bar, step * bar.dt - since, on)
     extend_periodically(bar.recovered_field, 0, bar.particles, bar.recovered_beyond)
@@ -267,7 +269,7 @@ def compute_nodal_errors(bar: ti.template(), length, since):
     particles_to_nodes(bar, PROJECTION, PROJECTED)
     for i in range(bar.cells):
         before = bar.recovered_nodes[nodal_entry_index(bar, FORCE, i)][3]
-        U, V, A = recovered.reference_solution_at(bar.recovered_nodes[nodal_entry_index(bar, MOTION, i)], before,
+        U, V, A = recovered_common.reference_solution_at(bar.recovered_nodes[nodal_entry_index(bar, MOTION, i)], before,
                                                   length, since, bar.dt)
         mean = bar.recovered_nodes[nodal_entry_index(bar, PROJECTED, i)]
         if bar.recovered_numbers[TURNS] == BEGUN:
@@ -283,7 +285,7 @@ def compute_nodal_errors(bar: ti.template(), length, since):
 
 def interval(scene):
     """Returns the number of run steps in one of the estimator's."""
-    return recovered.wave_travel_steps(scene, WAVE_CFL * scene.spacing)
+    return recovered_common.wave_travel_steps(scene, WAVE_CFL * scene.spacing)
 
 
 def allocate(scene):
@@ -304,14 +306,14 @@ def allocate(scene):
         table = replace(force, modes=modes)
     return {**dict(zip(("recovered_force_sizes", "recovered_force"), pack_tables(pad_to_mode_pairs(table)),
                        strict=True)),
-            "recovered_numbers": recovered.initial_numbers(scene, interval(scene)), **recovered.table_values(tables),
-            "recovered_stride": stride, "recovered_beyond": beyond, "recovered_nodes": nodes.reshape(-1, 4),
-            "recovered_field": np.zeros((scene.particles + beyond, 4))}
+            "recovered_numbers": recovered_common.initial_numbers(scene, interval(scene)),
+            **recovered_common.table_values(tables), "recovered_stride": stride, "recovered_beyond": beyond,
+            "recovered_nodes": nodes.reshape(-1, 4), "recovered_field": np.zeros((scene.particles + beyond, 4))}
 
 
 HOOKS = EstimatorHooks(memory={
-    "recovered_numbers": reals,  # by the names of solvers.estimators.recovered
-    **recovered.table_types(recovered_tables.TABLES),
+    "recovered_numbers": reals,  # by the names of solvers.estimators.recovered_common
+    **recovered_common.table_types(recovered_tables.TABLES),
     "recovered_stride": ti.i32, "recovered_beyond": ti.i32,  # nodes of a block; particles repeated behind the last
     "recovered_nodes": quads,  # nodal values, block by block, each closed by a repetition of its beginning
     "recovered_force": quads, "recovered_force_sizes": integers,  # the table of M b of a typed motion

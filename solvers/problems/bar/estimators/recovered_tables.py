@@ -4,9 +4,9 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from solvers.estimators import recovered
-from solvers.estimators.lattice_line_operators import Line, Rows
-from solvers.estimators.recovered import ALONG, SIZE
+from solvers.estimators import recovered_common
+from solvers.estimators.lattice_line_operators import LatticeLine, Rows
+from solvers.estimators.recovered_common import ALONG, SIZE
 from solvers.problems.bar.scene import BarScene
 from solvers.translatable_message import Message
 
@@ -27,8 +27,8 @@ def operators(scene: BarScene) -> dict[str, Rows]:
     most have one row of weights."""
     cells, per_cell = scene.cells, int(scene.ppc)
     few = min(cells, PATTERN_CELLS)
-    line = Line(few * per_cell, few, few * scene.spacing, "periodic")
-    fit = line.fit_operator(recovered.fit_width(scene), DEGREE).repeat_over_cells(cells * per_cell, 1, 1)
+    line = LatticeLine(few * per_cell, few, few * scene.spacing, "periodic")
+    fit = line.fit_operator(recovered_common.fit_width(scene), DEGREE).repeat_over_cells(cells * per_cell, 1, 1)
     spread = line.interpolation_operator().repeat_over_cells(cells, per_cell, 1)
     gather = line.projection_operator(4, 2).repeat_over_cells(cells, 1, per_cell)
     smoothing = line.smoothing_operator().repeat_over_cells(cells, 1, 1)
@@ -63,7 +63,7 @@ def verdict(scene: BarScene, memory: Mapping[str, np.ndarray]) -> str | None:
     """Returns why the estimate is not to be trusted, as a sentence: a bad reference, or motion that the fits count as
     error; or None. ``memory`` are the estimator's arrays by name."""
     U = memory["recovered_nodes"][:scene.cells, 0]
-    if reason := recovered.why_not_trusted(memory, np.abs(U).max() / scene.motion_amplitude):
+    if reason := recovered_common.why_not_trusted(memory, np.abs(U).max() / scene.motion_amplitude):
         return reason
     along, size = memory["recovered_numbers"][[ALONG, SIZE]]
     # What a fit's slope lacks of u', over the fourth difference of u' from cell to cell: with x in cells, the slope

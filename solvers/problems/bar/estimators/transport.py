@@ -10,7 +10,7 @@ on the bar. Error means computed minus exact, at a fixed particle.
 import numpy as np
 import taichi as ti
 
-from solvers.estimators.transport import why_not_trusted
+from solvers.estimators.transport_validity import why_not_trusted
 from solvers.kernels.dtypes import octets, quads, real, reals
 from solvers.problems.bar.method import periodic_nodes
 from solvers.scene.estimator_hooks import EstimatorHooks

@@ -20,7 +20,7 @@ from solvers.problems.bar.method.phases import nodes_to_particles, update_grid
 from solvers.scene.estimator_hooks import EstimatorHooks
 from solvers.scene.kernel_options import kernel_options_of
 
-FIELDS = two_grid.ComponentStencils(along=(0, 0, 0, 1))  # u, v, sigma; and a, whose fits go over more cells
+FIELDS = two_grid.ComponentWeightChoice(along=(0, 0, 0, 1))  # u, v, sigma; and a, whose fits go over more cells
 MEMORY = {
     **{"coarse_" + name: kind for name, kind in BarBody.types().items()},
     **two_grid.memory_types(quads),

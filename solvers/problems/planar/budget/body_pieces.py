@@ -9,7 +9,7 @@ import numpy as np
 
 from solvers.problems.planar.particle_layout import particle_layout
 from solvers.problems.planar.scene import PlanarScene
-from solvers.problems.planar.weights import MirroredNodeGrid
+from solvers.problems.planar.step_weights import MirroredNodeGrid
 
 GAUSS = 0.5 / np.sqrt(3.0)  # of two points, in lengths from the middle: exact for the hats' products along a line
 CELL_CORNERS = ((0, 0), (1, 0), (1, 1), (0, 1))  # the corners of a lattice's cell, anticlockwise

@@ -19,7 +19,7 @@ import numpy as np
 from solvers.motion.laws.stress_difference import StressDifference
 from solvers.problems.planar.budget.body_pieces import MovedBodyPieces
 from solvers.problems.planar.budget.exact_state import ExactState
-from solvers.problems.planar.weights import StepWeights
+from solvers.problems.planar.step_weights import StepWeights
 
 #: The causes of ``solvers.scene.error_causes`` that exist here: a body force at material points makes no error.
 LOCAL_CAUSES = ("crossings", "coarse_grid", "time_step")

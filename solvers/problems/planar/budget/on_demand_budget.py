@@ -17,7 +17,7 @@ from solvers.problems.planar.budget.cause_errors import (
 )
 from solvers.problems.planar.budget.exact_state import ExactState, exact_state_at
 from solvers.problems.planar.solver import PlanarSolver
-from solvers.problems.planar.weights import MirroredNodeGrid, StepWeights
+from solvers.problems.planar.step_weights import MirroredNodeGrid, StepWeights
 from solvers.scene.error_causes import CAUSES, FIELDS, NOTHING
 from solvers.scene.stabilisations import FROZEN
 from solvers.scene.validation import SceneError, require_choice
@@ -54,7 +54,7 @@ class PlanarBudget:
         (T,), which increase, NaN once the run is unstable; and the solver at the end. The run lacks the effect of the
         cause ``take_away``; ``on_progress`` is called with the part done, 0 to 1."""
         bare = replace(scene, effects=(), estimators=(), plan="serial", threads=1)
-        run = BudgetRun(self.solver(bare), take_away)
+        run = CauseTrackingRun(self.solver(bare), take_away)
         out = {name: np.full(len(steps), np.nan) for name in BUDGET}
         for k, wanted in enumerate(steps):
             while run.solver.step < wanted:
@@ -68,7 +68,7 @@ class PlanarBudget:
         return out, run.solver
 
 
-class BudgetRun:
+class CauseTrackingRun:
     """The run of a ``solver`` from its start, and the errors that each cause makes in it; the contribution of the cause
     ``take_away``, one of ``CAUSES``, is removed from the run, exactly."""
 
@@ -130,7 +130,7 @@ class BudgetRun:
 
 
 @IGNORE_OVERFLOW
-def sample_budget(run: BudgetRun) -> dict[str, float]:
+def sample_budget(run: CauseTrackingRun) -> dict[str, float]:
     """Returns, by names of samples, RMS errors of x (m), v (m/s) and F, each cause's signed part of them, and the RMS
     of its own errors."""
     numbers: dict[str, float] = dict.fromkeys(BUDGET, 0.0)

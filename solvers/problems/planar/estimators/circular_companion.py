@@ -1,4 +1,4 @@
-"""The companion of a body whose motion is the same all around (see ``solvers.estimators.companion``).
+"""The companion of a body whose motion is the same all around (see ``solvers.estimators.companion_solution``).
 
 Body force and initial velocity are the same at every angle of the ring, seen from that angle, and so are its shape and
 its material. Turn a solution by any angle, and it solves the same problem; but a smooth solution is the only one; so it
@@ -26,10 +26,10 @@ initial velocity or in the law of the material.
 import numpy as np
 import taichi as ti
 
-from solvers.estimators import companion as shared
+from solvers.estimators import companion_solution as shared
 from solvers.kernels.dtypes import integers, octets, pairs, quads, reals
 from solvers.problems.planar.estimators.companion import store_errors
-from solvers.problems.planar.method.material import cauchy_stress_of, coefficients, piola, wave_stiffness
+from solvers.problems.planar.method.material_laws import cauchy_stress_of, coefficients, piola, wave_stiffness
 from solvers.problems.planar.method.tensor_rotation import rotate_tensor, rotate_vector
 from solvers.problems.planar.particle_layout import particle_layout
 from solvers.solver.separable_field_tables import (

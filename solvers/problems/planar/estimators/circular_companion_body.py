@@ -7,7 +7,7 @@ import numpy as np
 
 from solvers.estimators.spectral_elements import Elements, highest_frequency
 from solvers.estimators.standalone_companion import ElasticBody
-from solvers.motion.laws.law import determinant
+from solvers.motion.laws.material_law import determinant
 from solvers.problems.planar.body_force import tabulate_body_force
 from solvers.problems.planar.particle_layout import points_on_x_axis
 
@@ -34,7 +34,7 @@ def unit_frequency(elements: Elements) -> float:
     return highest_frequency(accelerations, inverse_mass)
 
 
-class CircularBody(ElasticBody):
+class CircularCompanionBody(ElasticBody):
     """Elastic body with a motion that is the same all around, given by two functions of the radius on ``count``
     elements of ``order`` (``solvers.problems.planar.estimators.circular_companion`` has the equations). The unknowns
     (N, 2) are the displacements in m of points on the x axis, along it and across it."""

@@ -1,4 +1,5 @@
-"""The companion in the plane (see ``solvers.estimators.companion``): its space, and its report for each particle.
+"""The companion in the plane (see ``solvers.estimators.companion_solution``): its space, and its report for each
+particle.
 
 Elements are products of intervals in two coordinates xi and eta under a map X(xi, eta), a patch of the body. With
 grad u = u_xi grad xi + u_eta grad eta, F = I + grad u and P(F),
@@ -14,11 +15,17 @@ from typing import NamedTuple
 import numpy as np
 import taichi as ti
 
-from solvers.estimators import companion as shared
+from solvers.estimators import companion_solution as shared
 from solvers.kernels import runtime
 from solvers.kernels.dtypes import integers, pairs, quads
 from solvers.problems.planar.estimators.companion_patch import CompanionPatch
-from solvers.problems.planar.method.material import cauchy_stress, cauchy_stress_of, coefficients, piola, wave_stiffness
+from solvers.problems.planar.method.material_laws import (
+    cauchy_stress,
+    cauchy_stress_of,
+    coefficients,
+    piola,
+    wave_stiffness,
+)
 from solvers.problems.planar.particle_layout import particle_layout
 from solvers.solver.separable_field_tables import (
     body_force_at,

@@ -20,19 +20,19 @@ follows them: one particle per cell, or particles moved with their own velocity 
 
 import taichi as ti
 
-from solvers.estimators import recovered
-from solvers.estimators.recovered import BEGUN, MOVED, NEW, SHORT, TAU, TURNS, H
+from solvers.estimators import recovered_common
+from solvers.estimators.recovered_common import BEGUN, MOVED, NEW, SHORT, TAU, TURNS, H
 from solvers.kernels.dtypes import quads, reals
 from solvers.problems.planar.estimators import recovered_operators as op
 from solvers.problems.planar.estimators.recovered_tables import allocate, interval, verdict
-from solvers.problems.planar.method import material
-from solvers.problems.planar.method.material import cauchy_stress, cauchy_stress_of
+from solvers.problems.planar.method import material_laws
+from solvers.problems.planar.method.material_laws import cauchy_stress, cauchy_stress_of
 from solvers.problems.planar.method.phases import gather
 from solvers.scene.estimator_hooks import EstimatorHooks
 
 MEMORY = {
-    "recovered_numbers": reals,  # by the names of solvers.estimators.recovered
-    **recovered.table_types(op.TABLES),
+    "recovered_numbers": reals,  # by the names of solvers.estimators.recovered_common
+    **recovered_common.table_types(op.TABLES),
     "recovered_count": ti.i32, "recovered_line_nodes": ti.i32,  # nodes of the error grid, and those on a line
     "recovered_line": ti.i32,  # particles on a line
     "recovered_silent": ti.i32,  # how many quantities are not estimated: 1 is a, 2 also sigma
@@ -44,7 +44,7 @@ MEMORY = {
 @ti.func
 def start_reference(body: ti.template(), nodes: ti.template(), t, lattice: ti.template(), on: ti.template()):
     """Starts the reference in ``nodes``, once, with the acceleration a = M b at t s, when the body was undeformed;
-    ``lattice`` are :class:`~solvers.problems.planar.estimators.recovered_operators.LatticeOptions`."""
+    ``lattice`` are :class:`~solvers.problems.planar.estimators.recovered_operators.LatticeKernelOptions`."""
     if body.recovered_numbers[TURNS] == NEW:
         op.project_body_force(body, t, lattice, on)
         B, step = body.recovered_line_nodes, body.recovered_numbers[H]
@@ -53,8 +53,8 @@ def start_reference(body: ti.template(), nodes: ti.template(), t, lattice: ti.te
                 push_x, push_y = op.nodal_body_force(body, nodes, a, b, lattice)
                 at_r, at_rate = op.node_index(body, op.MOTION, a * B + b), op.node_index(body, op.RATE, a * B + b)
                 r = nodes[at_r]
-                x = recovered.initial_reference_solution(ti.Vector([r[0], r[2], 0.0, 0.0]), push_x, step)
-                y = recovered.initial_reference_solution(ti.Vector([r[1], r[3], 0.0, 0.0]), push_y, step)
+                x = recovered_common.initial_reference_solution(ti.Vector([r[0], r[2], 0.0, 0.0]), push_x, step)
+                y = recovered_common.initial_reference_solution(ti.Vector([r[1], r[3], 0.0, 0.0]), push_y, step)
                 nodes[at_r], nodes[at_rate] = ti.Vector([x[0], y[0], x[1], y[1]]), ti.Vector([x[2], y[2], x[3], y[3]])
                 nodes[op.node_index(body, op.BEFORE, a * B + b)] = ti.Vector([push_x, push_y, 0.0, 0.0])
         body.recovered_numbers[TURNS] = BEGUN
@@ -87,7 +87,7 @@ def damped_errors(body: ti.template(), nodes: ti.template(), step, lattice: ti.t
         r += body.recovered_numbers[H] * ti.Vector([r[2], r[3], 0.0, 0.0])
         nodes[op.node_index(body, op.MOTION, i)] = r
         nodes[op.node_index(body, op.PROJECTED, i)] = nodes[op.node_index(body, op.PROJECTED, i)] - r  # not -=: atomic
-    looked_at = recovered.is_check_due(step, body.dt, body.recovered_numbers[H])
+    looked_at = recovered_common.is_check_due(step, body.dt, body.recovered_numbers[H])
     if looked_at:
         op.add_verdict_sums(body, nodes, lattice)
     for turn in range(2):
@@ -127,8 +127,8 @@ def compute_recovered_stress(body: ti.template(), lattice: ti.template(), on: ti
 def piola_stress_vectors(body: ti.template(), a, b, c, d, on: ti.template()):
     """Returns P e_R and P e_angle as (x, y, x, y) in Pa, where F e_R = (a, c) and F e_angle = (b, d)."""
     F = ti.Vector([a, b, c, d])
-    J, q, r, _, _ = material.coefficients(body, F, on)
-    xx, xy, yx, yy = material.piola(F, q, (r - q) / J)
+    J, q, r, _, _ = material_laws.coefficients(body, F, on)
+    xx, xy, yx, yy = material_laws.piola(F, q, (r - q) / J)
     return ti.Vector([xx, yx, xy, yy])
 
 
@@ -164,10 +164,10 @@ def advance_reference_motion(body: ti.template(), nodes: ti.template(), first, l
             r, rate = nodes[at_r], nodes[at_rate]
             x, y = ti.Vector([r[0], r[2], rate[0], rate[2]]), ti.Vector([r[1], r[3], rate[1], rate[3]])
             nodes[op.node_index(body, op.BEFORE, a * B + b)] = ti.Vector([
-                recovered.acceleration_two_steps_before(x, a_x, first),
-                recovered.acceleration_two_steps_before(y, a_y, first), 0.0, 0.0])
-            x = recovered.next_reference_solution(x, a_x, step, first)
-            y = recovered.next_reference_solution(y, a_y, step, first)
+                recovered_common.acceleration_two_steps_before(x, a_x, first),
+                recovered_common.acceleration_two_steps_before(y, a_y, first), 0.0, 0.0])
+            x = recovered_common.next_reference_solution(x, a_x, step, first)
+            y = recovered_common.next_reference_solution(y, a_y, step, first)
             nodes[at_r], nodes[at_rate] = ti.Vector([x[0], y[0], x[1], y[1]]), ti.Vector([x[2], y[2], x[3], y[3]])
 
 
@@ -176,7 +176,7 @@ def report(body: ti.template(), base, step, lattice: ti.template(), on: ti.templ
     """Writes the particles' errors of x, v, sigma after ``step`` steps, and of a one step before, to the ``estimate``
     arrays from entry ``base`` on; NaN for those that are not estimated."""
     if step > 0:
-        since = recovered.time_since_reference_step(step, body.dt, body.recovered_numbers[H])
+        since = recovered_common.time_since_reference_step(step, body.dt, body.recovered_numbers[H])
         start_reference(body, body.recovered_nodes, step * body.dt - since, lattice, on)
     # First x, v and sigma, then a, by the same code: it is compiled once.
     for of_acceleration in range(ti.static(2 if on.acceleration else 1)):
@@ -229,14 +229,14 @@ def compute_nodal_errors(body: ti.template(), nodes: ti.template(), step, of_acc
     op.project_along_lines(body, op.FIELD, lattice.value)
     op.project_across_lines(body, op.PROJECTED, op.PAIR_VALUES, lattice)
     length = body.recovered_numbers[H]
-    since = recovered.time_since_reference_step(step, body.dt, length)
+    since = recovered_common.time_since_reference_step(step, body.dt, length)
     for i in range(body.recovered_count):
         r, rate = nodes[op.node_index(body, op.MOTION, i)], nodes[op.node_index(body, op.RATE, i)]
         x = ti.Vector([r[0], r[2], rate[0], rate[2]])
         y = ti.Vector([r[1], r[3], rate[1], rate[3]])
         before = nodes[op.node_index(body, op.BEFORE, i)]
-        U_x, V_x, A_x = recovered.reference_solution_at(x, before[0], length, since, body.dt)
-        U_y, V_y, A_y = recovered.reference_solution_at(y, before[1], length, since, body.dt)
+        U_x, V_x, A_x = recovered_common.reference_solution_at(x, before[0], length, since, body.dt)
+        U_y, V_y, A_y = recovered_common.reference_solution_at(y, before[1], length, since, body.dt)
         true_mean = ti.Vector([U_x, U_y, V_x, V_y])
         if of_acceleration:
             true_mean = ti.Vector([A_x, A_y, 0.0, 0.0])
@@ -260,7 +260,7 @@ def compute_nodal_errors(body: ti.template(), nodes: ti.template(), step, of_acc
         op.fit_across_lines(body, op.HALF_SLOPES, op.FITTED_SLOPES, op.EACH, lattice)
 
 
-def hooks(lattice: op.LatticeOptions) -> EstimatorHooks:
+def hooks(lattice: op.LatticeKernelOptions) -> EstimatorHooks:
     """Returns recovered's hooks for problems whose particles start on this ``lattice``."""
     @ti.func
     def its_step(body: ti.template(), base, step, on: ti.template()):

@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 import taichi as ti
 
-from solvers.estimators.recovered import (
+from solvers.estimators.recovered_common import (
     ROUGH,
     SIZE,
     first_in_group,
@@ -43,7 +43,7 @@ STRESS = 1  # P e_R and P e_angle, in the place of what is fitted only for repor
 PAIR_VALUES, PAIR_SLOPES, EACH = (0, 1, 0, 1), (2, 3, 2, 3), (0, 1, 2, 3)
 
 
-class LatticeOptions(NamedTuple):
+class LatticeKernelOptions(NamedTuple):
     """Compile-time description of the particles' lattice, and which of a weight's four numbers along a line multiply
     the components of two vectors (x, y, x, y), for values or slopes."""
 
@@ -55,8 +55,8 @@ class LatticeOptions(NamedTuple):
     slope_metric: tuple[int, ...] = (1, 1, 2, 2)  # and values over the radius
 
 
-BOX = LatticeOptions(box=True, value=PAIR_VALUES, slope=PAIR_SLOPES, slope_value=(2, 3, 0, 1),
-                     slope_metric=(2, 3, 0, 1))
+BOX = LatticeKernelOptions(box=True, value=PAIR_VALUES, slope=PAIR_SLOPES, slope_value=(2, 3, 0, 1),
+                           slope_metric=(2, 3, 0, 1))
 
 
 @ti.func

@@ -4,9 +4,9 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from solvers.estimators import recovered
-from solvers.estimators.lattice_line_operators import Line, Rows
-from solvers.estimators.recovered import SHORT, SHORTEST, SIZE
+from solvers.estimators import recovered_common
+from solvers.estimators.lattice_line_operators import LatticeLine, Rows
+from solvers.estimators.recovered_common import SHORT, SHORTEST, SIZE
 from solvers.problems.planar.estimators import recovered_operators as op
 from solvers.problems.planar.particle_layout import particle_layout, points_on_x_axis
 from solvers.problems.planar.scene import PlanarScene
@@ -30,7 +30,7 @@ def project_component(rows: Rows, component: int, values: np.ndarray) -> np.ndar
     return np.stack([rows(line)[:, component, 0] for line in values.T], axis=1)
 
 
-def project_directions(angle: Line, gather_table: Rows) -> tuple[np.ndarray, np.ndarray]:
+def project_directions(angle: LatticeLine, gather_table: Rows) -> tuple[np.ndarray, np.ndarray]:
     """Returns M e_R and M e_angle at the nodes of the line ``angle`` (A, 2); between symmetry planes M e_angle is 0.
     ``gather_table`` is M along it, by its ``projection_operator``."""
     theta = angle.particle_positions() / angle.points_per_length
@@ -58,11 +58,11 @@ def interval(scene):
     are hardly longer than the run's, and the estimator costs more than the run."""
     across, along = lattice_lines(scene)
     side = 1 / max(across.elements_per_length * scene.wave_angle_per_metre, along.elements_per_length)
-    return recovered.wave_travel_steps(scene, WAVE_CFL * side)
+    return recovered_common.wave_travel_steps(scene, WAVE_CFL * side)
 
 
 def lattice_lines(scene):
-    """Returns the two ``Line`` of a scene's lattice, around and across a ring or along x and y of a square, with
+    """Returns the two ``LatticeLine`` of a scene's lattice, around and across a ring or along x and y of a square, with
     elements one cell wide, at the inner rim of a ring. With one particle per cell they are half as wide again: elements
     as narrow as the particles' spacing are unstable. None is narrower than the reference's step bears, which is no
     shorter than the run's."""
@@ -70,19 +70,19 @@ def lattice_lines(scene):
     counts = scene.lattice_counts(scene.cells, scene.ppc)
     if scene.layout == "box":
         narrowest = scene.wave_angle_per_metre * scene.wave_speed * scene.time_step / MOST_CFL["walls"]
-        line = Line(counts[0], min(round(scene.SIDE / width), int(scene.SIDE / narrowest)), scene.SIDE, "walls")
+        line = LatticeLine(counts[0], min(round(scene.SIDE / width), int(scene.SIDE / narrowest)), scene.SIDE, "walls")
         return line, line
     turn, across = scene.ANGLE, scene.OUTER - scene.INNER
     ends = "periodic" if turn >= 2 * np.pi else "mirror"
     narrowest = scene.wave_speed * scene.time_step / MOST_CFL[ends]
     around, radial = (min(round(length / width), int(length / narrowest)) for length in (turn * scene.INNER, across))
-    return Line(counts[0], max(3, around), turn, ends), Line(counts[1], max(1, radial), across, "free")
+    return LatticeLine(counts[0], max(3, around), turn, ends), LatticeLine(counts[1], max(1, radial), across, "free")
 
 
 def allocate(scene):
     """Returns recovered's arrays by name for a scene: operators across and along lines, and the initial reference."""
     across, along = lattice_lines(scene)
-    box, width = scene.layout == "box", recovered.fit_width(scene)
+    box, width = scene.layout == "box", recovered_common.fit_width(scene)
     R = 1.0 if box else scene.INNER + along.quadrature()[0] / along.points_per_length
     over_lines = [across.fit_operator(width, 3), across.interpolation_operator(), across.projection_operator(4, 2),
                   across.smoothing_operator()]
@@ -104,8 +104,8 @@ def allocate(scene):
         speed, turning = (on_line[2](v)[:, 0, 0, None] for v in velocity)
         nodes[op.MOTION, :, 2:] = (outward[:, None] * speed + sideways[:, None] * turning).reshape(-1, 2)
         nodes[op.DIRECTION, :across.node_count] = np.concatenate([outward, sideways], axis=1)
-    return {"recovered_numbers": recovered.initial_numbers(scene, interval(scene)),
-            **recovered.table_values(dict(zip(op.TABLES, tables, strict=True))),
+    return {"recovered_numbers": recovered_common.initial_numbers(scene, interval(scene)),
+            **recovered_common.table_values(dict(zip(op.TABLES, tables, strict=True))),
             "recovered_count": across.node_count * along.node_count, "recovered_line": along.points,
             "recovered_line_nodes": along.node_count,
             "recovered_silent": 2 if scene.is_uneven else int(scene.is_coarse),
@@ -116,7 +116,7 @@ def verdict(scene: PlanarScene, memory: Mapping[str, np.ndarray]) -> str | None:
     """Returns why not to trust recovered's estimate, as a sentence, or None: a bad reference, or errors too short for
     fits and error grid. ``memory`` are its arrays by name."""
     U = memory["recovered_nodes"].reshape(op.NODE_BLOCKS, -1, 4)[op.MOTION, :, :2]
-    if reason := recovered.why_not_trusted(memory, np.abs(U).max() / scene.motion_amplitude):
+    if reason := recovered_common.why_not_trusted(memory, np.abs(U).max() / scene.motion_amplitude):
         return reason
     size, short, shortest = np.sqrt(memory["recovered_numbers"][[SIZE, SHORT, SHORTEST]])
     few = (short - shortest) / size if size > 0 else 0.0

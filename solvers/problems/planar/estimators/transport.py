@@ -22,11 +22,11 @@ import math
 import numpy as np
 import taichi as ti
 
-from solvers.estimators.transport import why_not_trusted
+from solvers.estimators.transport_validity import why_not_trusted
 from solvers.kernels.dtypes import quads, real
-from solvers.problems.planar.kernel_parts import ProblemKernels
 from solvers.problems.planar.method import cpdi, gimp
 from solvers.problems.planar.method.stored_weights import stored_weight_entries
+from solvers.problems.planar.problem_kernel_functions import ProblemStepFunctions
 from solvers.scene.estimator_hooks import EstimatorHooks
 
 MOST_INTERVAL = 20  # steps of the run between two of the estimator's
@@ -39,7 +39,7 @@ MEMORY = {
 }
 
 
-def hooks(traits: ProblemKernels) -> EstimatorHooks:
+def hooks(traits: ProblemStepFunctions) -> EstimatorHooks:
     """Returns transport's hooks for the problem with the kernel functions ``traits``."""
     @ti.func
     def its_step(body: ti.template(), base, on: ti.template()):

@@ -19,11 +19,11 @@ import taichi as ti
 from solvers.estimators import two_grid
 from solvers.kernels.dtypes import octets, pairs, quads
 from solvers.kernels.packing import prefix_view
-from solvers.problems.planar.kernel_parts import ProblemKernels
 from solvers.problems.planar.method.body import PlanarBody, initial_body
-from solvers.problems.planar.method.material import cauchy_stress, cauchy_stress_of
+from solvers.problems.planar.method.material_laws import cauchy_stress, cauchy_stress_of
 from solvers.problems.planar.method.phases import map_and_update_nodes, nodes_to_particles
 from solvers.problems.planar.method.tensor_rotation import rotate_tensor, rotate_vector
+from solvers.problems.planar.problem_kernel_functions import ProblemStepFunctions
 from solvers.scene.estimator_hooks import EstimatorHooks
 from solvers.scene.kernel_options import kernel_options_of
 
@@ -31,7 +31,8 @@ FEWEST_CELLS = 6
 #: u, v and sigma, of which the second component is odd across the planes at the first and the last line, with the shear
 #: stress; of a box the first is, and again the shear stress, at the ends of each line.
 ACROSS = (0, 1, 0, 1, 0, 1, 0, 0)
-POLAR, BOX = two_grid.ComponentStencils((0,) * 8, ACROSS), two_grid.ComponentStencils((1, 0, 1, 0, 0, 1, 0, 0), ACROSS)
+POLAR, BOX = two_grid.ComponentWeightChoice((0,) * 8,
+                                            ACROSS), two_grid.ComponentWeightChoice((1, 0, 1, 0, 0, 1, 0, 0), ACROSS)
 
 MEMORY = {
     **{"coarse_" + name: kind for name, kind in PlanarBody.types().items()},
@@ -150,7 +151,7 @@ def verdict(scene, memory):
         return two_grid.coarse_run_verdict(scene, determinant, moved, farthest, memory["two_grid_largest"])
 
 
-def hooks(traits: ProblemKernels, fields: two_grid.ComponentStencils) -> EstimatorHooks:
+def hooks(traits: ProblemStepFunctions, fields: two_grid.ComponentWeightChoice) -> EstimatorHooks:
     """Returns two-grid's hooks for the problem with the kernel functions ``traits``; ``fields`` are those compared."""
     @ti.func
     def its_step(body: ti.template(), base, step, on: ti.template()):

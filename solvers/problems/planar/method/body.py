@@ -22,7 +22,7 @@ from solvers.solver.separable_field_tables import (
     pad_to_mode_pairs,
     vector_mode_entries,
 )
-from solvers.solver.state_arrays import Diagnostics, Members, initial_diagnostics, remedy_rates, zeros
+from solvers.solver.state_arrays import DiagnosticsState, Members, initial_diagnostics, remedy_rates, zeros
 
 
 @dataclass
@@ -82,7 +82,7 @@ class PlanarBody(Members):
 
 
 @dataclass
-class InstrumentedBody(Diagnostics, PlanarBody):
+class InstrumentedBody(DiagnosticsState, PlanarBody):
     """State of a plane run with its diagnostics, and with the estimates of E estimators for P particles."""
 
     estimate_acceleration: Pairs  # estimated error of a (E*P, 2)

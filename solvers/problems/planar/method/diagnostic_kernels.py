@@ -2,15 +2,15 @@
 
 import taichi as ti
 
-from solvers.problems.planar.kernel_parts import DiagnosticKernels
-from solvers.problems.planar.method.contradictions import make_circle_contradiction_kernel, record_mode_moments
-from solvers.problems.planar.method.material import cauchy_stress, cauchy_stress_of, strain_energy
+from solvers.problems.planar.method.material_laws import cauchy_stress, cauchy_stress_of, strain_energy
+from solvers.problems.planar.method.motion_contradictions import make_circle_contradiction_kernel, record_mode_moments
 from solvers.problems.planar.method.node_acceleration_errors import (
     make_circular_acceleration_error,
     make_node_acceleration_error,
 )
 from solvers.problems.planar.method.phases import TOTALS
 from solvers.problems.planar.method.tensor_rotation import rotate_tensor, rotate_vector
+from solvers.problems.planar.problem_kernel_functions import ProblemDiagnosticFunctions
 from solvers.problems.planar.scene import PlanarScene
 from solvers.scene.effects import samplers
 from solvers.solver.samples import column_index
@@ -74,7 +74,7 @@ def sample_angular_momentum(body: ti.template(), row, step, on: ti.template()):
     body.samples[row, ti.static(column_index("spin/torque", on))] = torque
 
 
-def make_diagnostic_kernels(kind: type[PlanarScene], first: int) -> DiagnosticKernels:
+def make_diagnostic_functions(kind: type[PlanarScene], first: int) -> ProblemDiagnosticFunctions:
     """Returns the diagnostic functions of the problem with the scene class ``kind``; nodes before ``first`` in a row
     lie beyond a symmetry plane."""
     nodes = make_circular_acceleration_error(kind, first) if kind.CIRCULAR \
@@ -82,4 +82,4 @@ def make_diagnostic_kernels(kind: type[PlanarScene], first: int) -> DiagnosticKe
     record_contradictions = make_circle_contradiction_kernel(kind.INNER, kind.OUTER, kind.PLOTTED == "angular") \
         if kind.CIRCULAR else record_mode_moments
     spin = {"spin": sample_angular_momentum} if "spin" in kind.OWN_EFFECTS else {}
-    return DiagnosticKernels(nodes, strain_energy, record_contradictions, samplers(kind.problem, spin))
+    return ProblemDiagnosticFunctions(nodes, strain_energy, record_contradictions, samplers(kind.problem, spin))

@@ -2,7 +2,7 @@
 
 import taichi as ti
 
-from solvers.problems.planar.method.material import determinant, log_jacobian
+from solvers.problems.planar.method.material_laws import determinant, log_jacobian
 
 FAR, TERMS = 1 / 7, 9  # |J-1|/|J+1| up to which so many terms give ln J to rounding: J from 3/4 to 4/3
 

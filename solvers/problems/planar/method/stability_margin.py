@@ -4,7 +4,7 @@ import taichi as ti
 
 from solvers.kernels import runtime
 from solvers.problems.planar.method import cpdi
-from solvers.problems.planar.method.material import volume_and_stiffness_metric
+from solvers.problems.planar.method.material_laws import volume_and_stiffness_metric
 from solvers.problems.planar.method.stored_weights import stored_weight_entries, stored_weight_entry
 
 

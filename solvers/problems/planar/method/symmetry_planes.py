@@ -8,8 +8,8 @@ from solvers.problems.planar.scene import GHOSTS
 
 
 def make_symmetry_plane_kernels(low: bool, high: bool) -> dict[str, Any]:
-    """Returns the members of ``solvers.problems.planar.kernel_parts.ProblemKernels``, by name, that depend on planes:
-    at the lower ends of x and y if ``low``, and then at the upper ends if ``high``."""
+    """Returns the members of ``solvers.problems.planar.problem_kernel_functions.ProblemStepFunctions``, by name, that
+    depend on planes: at the lower ends of x and y if ``low``, and then at the upper ends if ``high``."""
     G = GHOSTS if low else 0
     ghosts = tuple((side, k) for k in range(G) for side in ((0, 1) if high else (0,)))  # the lower end, and the upper
 

@@ -10,13 +10,13 @@ from typing import Any, NamedTuple
 import taichi as ti
 
 from solvers.estimators import estimator_loop
-from solvers.estimators.estimator_memory import packing
+from solvers.estimators.estimator_arrays import packing
 from solvers.kernels.launch import Launch
-from solvers.problems.planar.kernel_parts import PlanarParts
 from solvers.problems.planar.method import phases, stabilisations, stability_margin
 from solvers.problems.planar.method.body import InstrumentedBody
-from solvers.problems.planar.method.sample_rows import sample
+from solvers.problems.planar.method.error_and_energy_sums import sample
 from solvers.problems.planar.plans.gpu_kernels import GpuKernels, make_gpu_kernels
+from solvers.problems.planar.problem_kernel_functions import PlanarKernelFunctions
 from solvers.scene.kernel_options import KernelOptions
 from solvers.scene.scene import Scene
 from solvers.solver.base import MEASURE, REPORT, SOUND, STEP
@@ -44,7 +44,7 @@ class CpuKernels(NamedTuple):
     gpu_kernels: GpuKernels  # those for a GPU
 
 
-def make_cpu_kernels(parts: PlanarParts) -> CpuKernels:
+def make_cpu_kernels(parts: PlanarKernelFunctions) -> CpuKernels:
     """Returns the kernels of the problem with these ``parts``."""
     HOOKS, TRAITS, MEASURES = parts.hooks, parts.traits, parts.measures
     # Numbers and arrays as one argument: nothing of a scene is baked into compiled code but its switches.

@@ -10,10 +10,10 @@ from typing import Any, NamedTuple
 import taichi as ti
 
 from solvers.estimators import estimator_loop
-from solvers.problems.planar.kernel_parts import PlanarParts
 from solvers.problems.planar.method import phases, stabilisations, stability_margin
-from solvers.problems.planar.method.contradictions import SAME
-from solvers.problems.planar.method.sample_rows import sample_sums
+from solvers.problems.planar.method.error_and_energy_sums import sample_sums
+from solvers.problems.planar.method.motion_contradictions import SAME
+from solvers.problems.planar.problem_kernel_functions import PlanarKernelFunctions
 from solvers.solver.base import CRUSHED, ESCAPED, INVERTED
 from solvers.solver.serial_stepping import MIN_JACOBIAN, NAN_JACOBIAN
 
@@ -74,7 +74,7 @@ def jacobian_without_nan(body: ti.template(), p):
     return NAN_JACOBIAN if ti.math.isnan(J) else J
 
 
-def make_gpu_kernels(State: Any, parts: PlanarParts) -> GpuKernels:
+def make_gpu_kernels(State: Any, parts: PlanarKernelFunctions) -> GpuKernels:
     """Returns the kernels of the problem with these ``parts``, whose state has the Taichi type ``State``."""
     HOOKS, TRAITS, MEASURES = parts.hooks, parts.traits, parts.measures
 

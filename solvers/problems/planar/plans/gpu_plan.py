@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import taichi as ti
 
-from solvers.estimators.companion import MOST_INTERVAL, NOW
+from solvers.estimators.companion_solution import MOST_INTERVAL, NOW
 from solvers.estimators.standalone_companion import ElasticBody, MotionDivergedError, NystromIntegrator
 from solvers.kernels import runtime
 from solvers.kernels.launch import Launch

@@ -9,12 +9,12 @@ import pytest
 
 from app.classroom import class_answers as tally_module
 from app.classroom.class_answers import ClassAnswers
-from app.classroom.class_board import BACK, COUNTED, NEXT, REVEALED, SHOWN, ClassBoard
+from app.classroom.class_board_state import BACK, COUNTED, NEXT, REVEALED, SHOWN, ClassBoardState
 from app.lessons import catalogue
 from app.lessons.lesson import CHOICE, INTERVAL, TEXT
 from app.lessons.lesson_runs import RunCache, RunFailed
 from app.lessons.student_progress import RecordedAnswer
-from app.page.features.board.panel import LecturerContext, answers_json
+from app.page.features.board.lecturer_panel import LecturerContext, answers_json
 from app.page.features.board.slides import JoinInfo, next_button_label, question_scores, score_sentences, slide_html
 from tests.support.processes import wait_until
 
@@ -45,7 +45,7 @@ def lesson():
 
 @pytest.fixture
 def board(lesson):
-    board = ClassBoard(lesson, RunCache())
+    board = ClassBoardState(lesson, RunCache())
     yield board
     board.stop_computations()
 
@@ -86,7 +86,7 @@ def test_the_core_alone_is_opened_where_that_is_asked_for(lesson):
     """Steps are counted as the class takes them, there and back, and seats know it."""
     deep = replace(lesson, steps=tuple(replace(step, core=step.key not in ("why", lesson.steps[1].key))
                                        for step in lesson.steps))
-    board = ClassBoard(deep, RunCache(), core=True)
+    board = ClassBoardState(deep, RunCache(), core=True)
     press(board, *[NEXT] * 4)
     assert (board.shown_step.at, board.last_open_step, board.step_count) == (3, 3, 3) and "step 2 of 3" in shown(board)
     assert board.add_seat("a").progress().core
@@ -207,7 +207,7 @@ def test_the_board_shows_the_address_by_which_a_class_comes_in(board, here, link
 
 def test_what_cannot_be_worked_out_is_said_and_ends_nothing():
     outcomes = Waiting()
-    board = ClassBoard(catalogue.load_lesson("04-grid-crossing"), outcomes)
+    board = ClassBoardState(catalogue.load_lesson("04-grid-crossing"), outcomes)
     press(board, NEXT, NEXT, NEXT)
     assert "being computed" in shown(board)
     outcomes.go.set()

@@ -4,7 +4,7 @@ import re
 
 import pytest
 
-from app.lessons.answer_check import RightAnswer
+from app.lessons.answer_marking import RightAnswer
 from app.lessons.lesson import CHOICE, DRAG, INTERVAL, NUMBER, Question
 from app.page.features.board.chart import answer_chart, answer_options, axis_for, count_right_answers
 

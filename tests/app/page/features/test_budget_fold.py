@@ -10,8 +10,8 @@ from types import SimpleNamespace
 
 import numpy as np
 
-from app import state
-from app.frame.budget_chart import (
+from app import shareable_state
+from app.frame.budget_chart_data import (
     BELOW_ZERO,
     MEANINGS,
     budget_field,
@@ -20,21 +20,21 @@ from app.frame.budget_chart import (
     largest_cause_fact,
     stack_layers,
 )
-from app.page.feature import PageView
-from app.page.features.budget.chart import HEIGHT, MOST, WIDTH, BudgetData, budget_chart
+from app.names_and_units import difference_text, per_cent, with_unit
+from app.page.feature import VisiblePageState
+from app.page.features.budget.chart import HEIGHT, MOST, WIDTH, RunBudget, budget_chart
 from app.page.features.budget.panel import BudgetPanel
 from app.page.panels.error_timeline import TimelineState
-from app.page.readout_panel import Numbers
+from app.page.readout_panel import ReadoutContent
 from app.page.stage_source import ViewChoice
-from app.state import State
-from app.words import difference_text, per_cent, with_unit
+from app.shareable_state import State
 from solvers.problems.ring import RingScene
-from solvers.running import budget as running
+from solvers.running import budget_cause_removal as running
 from solvers.scene.error_causes import CAUSES, FIELDS
-from solvers.solver import budget
+from solvers.solver import budget_shares
 from tests.app.page.panel import Gui
 
-HATS = state.parse_state("bar;method=mpm;cells=20;ppc=2;estimators=none;effects=truth,crossings,budget").scene
+HATS = shareable_state.parse_state("bar;method=mpm;cells=20;ppc=2;estimators=none;effects=truth,crossings,budget").scene
 UGIMP = replace(HATS, method="ugimp")
 RING = RingScene(cells=8, ppc=1, periods=0.2, method="ugimp", estimators=())
 
@@ -53,7 +53,7 @@ def made(crossings=0.9, grid=0.2, size=1e-3, periods=1.0, count=41):
 
 
 def of(series, name="", scene=HATS):
-    return BudgetData(name, scene, series, series)
+    return RunBudget(name, scene, series, series)
 
 
 def past(scene, series):
@@ -75,8 +75,8 @@ class Stage:
     def look(self, history=None, pinned=None, quantity="x", studying=False, scene=HATS, playing=False):
         """What is read in the fold after another refresh."""
         now = TimelineState(0.0, (0.0, 0.0), playing)
-        numbers = Numbers(SimpleNamespace(), history, (), (), None, now, "", pinned, scene=scene)
-        self.fold.refresh(PageView(ViewChoice(quantity, None, False, False, 1, False), numbers, studying, True))
+        numbers = ReadoutContent(SimpleNamespace(), history, (), (), None, now, "", pinned, scene=scene)
+        self.fold.refresh(VisiblePageState(ViewChoice(quantity, None, False, False, 1, False), numbers, studying, True))
         fold = self.fold
         return "".join(html.content for html in (fold._offer, fold._chart, fold._outcome) if html.visible)
 
@@ -209,9 +209,9 @@ def test_in_the_plane_it_is_found_beside_the_stage_when_asked_for(monkeypatch):
     text = stage.look(scene=RING)
     assert text.count("<figure>") == 2 and "RMS of x over the run, without crossings" in text
     assert "The run goes bad: it is lost." in text
-    for words, size in (("before", budget.rms_error_over_run(made(), "x")),
-                        ("predicted", 0.1 * budget.rms_error_over_run(made(), "x")),
-                        ("run again", 0.1 * budget.rms_error_over_run(made(), "x"))):
+    for words, size in (("before", budget_shares.rms_error_over_run(made(), "x")),
+                        ("predicted", 0.1 * budget_shares.rms_error_over_run(made(), "x")),
+                        ("run again", 0.1 * budget_shares.rms_error_over_run(made(), "x"))):
         assert f"<span>{words}</span> <b>{with_unit(size, 'm')}</b>" in text
     assert stage.state.scene == RING and stage.state.pinned is None and not stage.gui.by_label["Put it back"].visible
     other, unknown = replace(RING, cells=10), replace(RING, body_force="none", effects=())
@@ -244,12 +244,12 @@ def test_a_cause_is_taken_away_foretold_and_run_again():
     stage.gui.by_label["Take it away and run again"].click()
     shown = stage.state
     assert shown.scene == replace(HATS, take_away="crossings") and shown.pinned == HATS and shown.quantity == "v"
-    assert state.parse_state(state.write_state(shown)) == shown
+    assert shareable_state.parse_state(shareable_state.write_state(shown)) == shown
     assert (
         difference_text(shown.scene, HATS) == "without crossings" and difference_text(HATS, shown.scene) == "as it is"
     )
-    half = budget.rms_error_over_run(made(periods=0.5, count=21), "v")
-    assert half < 0.5 * budget.rms_error_over_run(made(), "v")
+    half = budget_shares.rms_error_over_run(made(periods=0.5, count=21), "v")
+    assert half < 0.5 * budget_shares.rms_error_over_run(made(), "v")
     text = stage.look(past(shown.scene, made(0.0, 1.0, 2e-4, 0.5, 21)),
                       SimpleNamespace(scene=HATS, history=past(HATS, made())), "v", scene=shown.scene)
     for words, size in (("before", half), ("predicted", 0.1 * half), ("run again", 0.2 * half)):

@@ -9,16 +9,24 @@ import pytest
 from app.page.features.cost import cost_texts
 from app.page.features.cost.jobs import scenes_to_time
 from app.page.features.cost.panel import CostTab
-from app.page.features.cost.visitor_runs import LIVE, SEARCH, SWEEP, LiveRunRecorder, VisitorRuns, csv_bytes, live_row
+from app.page.features.cost.visitor_run_list import (
+    LIVE,
+    SEARCH,
+    SWEEP,
+    LiveRunRecorder,
+    VisitorRunList,
+    csv_bytes,
+    live_row,
+)
 from app.page.visit.history import NormHistory
 from solvers.engine.engine_messages import FrameReport
-from solvers.engine.soundness_watch import SoundnessWatch
+from solvers.engine.soundness_monitor import SoundnessMonitor
 from solvers.problems.bar.scene import BarScene
 from solvers.problems.ring import RingScene
 from solvers.running.run import build
+from solvers.study.csv_and_markdown_summary import flatten_row
 from solvers.study.parameter_grid import task_of
 from solvers.study.row import failed_row
-from solvers.study.summary import flatten_row
 from tests.support.fake_rows import fake_row
 
 SCENE = BarScene(cells=10, periods=1)
@@ -28,7 +36,7 @@ def frames(scene, steps=100):
     """A live run's frames as the page hears them: report and history."""
     solver = build(scene)
     solver.compile()
-    watch, history, fresh, rows = SoundnessWatch(scene), NormHistory(scene, scene.particles), True, solver.measure()
+    watch, history, fresh, rows = SoundnessMonitor(scene), NormHistory(scene, scene.particles), True, solver.measure()
     while True:
         history.add(rows)
         watch.check_samples(rows, scene.particles)
@@ -70,7 +78,7 @@ def test_live_row_holds_the_errors_of_the_scene(scene, simulate):
 
 def run_of(scene, steps=100):
     """What a live run of a scene becomes in the table."""
-    follower, runs = LiveRunRecorder(), VisitorRuns()
+    follower, runs = LiveRunRecorder(), VisitorRunList()
     runs.add(next(row for report, history in frames(scene, steps) if (row := follower.take_row(report, history))), LIVE)
     return runs.all()[0]
 
@@ -100,7 +108,7 @@ def test_live_run_without_truth_has_its_estimate():
 
 def test_runs_keep_their_numbers_and_are_bounded():
     """A scene seen again is no new dot, a live row does not replace a timed one, and the oldest goes."""
-    runs = VisitorRuns(most=3)
+    runs = VisitorRunList(most=3)
     for cells in (10, 20, 10):
         runs.add(fake_row(cells=cells), LIVE)
     runs.add(fake_row(cells=20), SWEEP)
@@ -115,7 +123,7 @@ def test_runs_keep_their_numbers_and_are_bounded():
 
 
 def test_csv_has_every_row_and_input():
-    runs = VisitorRuns()
+    runs = VisitorRunList()
     runs.add(fake_row(cells=10), SWEEP)
     runs.add(failed_row(task_of(replace(SCENE, cells=30)), "lost"), SWEEP)
     read = list(csv.DictReader(io.StringIO(csv_bytes(runs.all()).decode())))
@@ -143,7 +151,7 @@ def test_what_is_no_number_is_refused_in_words(text):
 
 def test_row_that_says_most_is_kept():
     """A search knows less of a run than a sweep, and more of its time than a stage; the number stays."""
-    runs = VisitorRuns()
+    runs = VisitorRunList()
     for source, kept in ((LIVE, LIVE), (SEARCH, SEARCH), (LIVE, SEARCH), (SWEEP, SWEEP), (SEARCH, SWEEP)):
         runs.add(fake_row(), source)
         assert [(run.number, run.source) for run in runs.all()] == [(1, kept)]
@@ -157,7 +165,7 @@ def test_parts_are_said_in_percent(part, text):
 
 def test_table_is_bounded_and_says_what_is_left_out():
     """It is made anew with every run that a search makes."""
-    runs = VisitorRuns()
+    runs = VisitorRunList()
     for cells in range(10, 10 + cost_texts.MOST_LINES + 3):
         runs.add(fake_row(cells=cells), SWEEP)
     runs.add(failed_row(task_of(SCENE), "lost <b>"), SWEEP)

@@ -7,8 +7,8 @@ from html.parser import HTMLParser
 import numpy as np
 import pytest
 
-from app.colours import GROUNDS, METHOD_COLOURS
-from app.page.features.cost import visitor_runs
+from app.colour_palette import GROUNDS, METHOD_COLOURS
+from app.page.features.cost import visitor_run_list
 from app.page.features.cost.cost_chart import (
     LogAxis,
     answer_headline,
@@ -20,11 +20,11 @@ from app.page.features.cost.cost_chart import (
     tolerance_line,
 )
 from app.page.features.cost.cost_texts import format_percent, format_seconds
-from app.page.features.cost.visitor_runs import (
+from app.page.features.cost.visitor_run_list import (
     LIVE,
     SEARCH,
     SWEEP,
-    VisitorRuns,
+    VisitorRunList,
     cheapest_run,
     comparable_runs,
     pareto_front,
@@ -49,7 +49,7 @@ def judged(method="ugimp", cells=20, size=1e-3, **changed):
 
 def numbered(*rows):
     """Runs with these rows and sources."""
-    runs = VisitorRuns()
+    runs = VisitorRunList()
     for row, source in rows:
         runs.add(row, source)
     return runs.all()
@@ -97,7 +97,7 @@ def test_every_run_is_a_button_where_its_error_and_time_are():
     assert [words for _, words in curve_names(numbered(*rows))] == ["uGIMP, CFL 0.1", "uGIMP, CFL 0.5"]
     assert not buttons(drawn([])) and "time of one run" in drawn([])  # what will be there
     lost = fake_row(status="lost", reason="<img src=x onerror='alert(1)'>")
-    stranger = drawn([visitor_runs.NumberedRun(1, SWEEP, lost)])
+    stranger = drawn([visitor_run_list.NumberedRun(1, SWEEP, lost)])
     assert "<img" not in stranger and "onerror=&#x27;" in stranger
 
 
@@ -211,7 +211,7 @@ def test_run_on_the_stage_is_marked():
 
 
 def test_methods_have_the_colours_of_every_picture():
-    """Light as in ``app.colours``; on a dark ground with a contrast of 3 at least."""
+    """Light as in ``app.colour_palette``; on a dark ground with a contrast of 3 at least."""
     style = (WEB / "css/60-cost.css").read_text(encoding="utf-8")
     light, dark = (dict(re.findall(r"--m-(\w+): (#\w+);", block)) for block in re.findall(r"\{ (--m-[^}]+)\}", style))
     assert light == {name: colour for name, colour in METHOD_COLOURS.items() if name in light}

@@ -15,11 +15,11 @@ from app.page.features.cost import cost_texts
 from app.page.features.cost import jobs as cost_jobs
 from app.page.features.cost.jobs import CostJobs, CostJobStatus, SearchCache, WarmWorker, search_job, small_sweep
 from app.page.features.cost.panel import CostTab
-from app.page.features.cost.visitor_runs import VisitorRuns, advice_key, cheapest_run
+from app.page.features.cost.visitor_run_list import VisitorRunList, advice_key, cheapest_run
 from solvers.problems.bar.scene import BarScene
 from solvers.problems.ring import RingScene
-from solvers.study.background_jobs import READY
 from solvers.study.parameter_grid import task_of
+from solvers.study.sweep_and_search_worker import READY
 from solvers.workers.worker_pool import Slots
 from solvers.workers.worker_process import ProcessDied
 from tests.app.page.features.test_cost import SCENE
@@ -69,7 +69,7 @@ def pools(monkeypatch):
 
 @pytest.fixture
 def jobs():
-    jobs = CostJobs(VisitorRuns(), Slots(1), SearchCache())
+    jobs = CostJobs(VisitorRunList(), Slots(1), SearchCache())
     yield jobs
     jobs.close()
 
@@ -101,7 +101,7 @@ def test_a_sweep_and_a_search_in_processes_of_their_own(jobs):
     wait_until(lambda: not jobs.status.running, "the end of a sweep")
     [run] = jobs.runs.all()
     assert jobs.status == CostJobStatus("sweep", done=1, total=1) and run.row["seconds"]["min"] > 0
-    searcher, other = (CostJobs(VisitorRuns(), jobs.slots, jobs._kept) for _ in range(2))
+    searcher, other = (CostJobs(VisitorRunList(), jobs.slots, jobs._kept) for _ in range(2))
     for one in (searcher, other):
         one.start_search(few(1e-2))
         wait_until(lambda one=one: not one.status.running, "the end of a search")
@@ -127,8 +127,12 @@ def test_a_job_is_told_of_and_makes_room(jobs, pools):
     """While one runs nothing else begins, and no other visitor's; cancelled it keeps its rows; what ends it is said."""
     jobs.start_sweep(small_sweep(SCENE))
     jobs.start_search(few(1e-2))
-    assert len(pools) == 1 and pools[0].work == "solvers.study.background_jobs:sweep" and len(pools[0].question) == 16
-    other = CostJobs(VisitorRuns(), jobs.slots)
+    assert (
+        len(pools) == 1
+        and pools[0].work == "solvers.study.sweep_and_search_worker:sweep"
+        and len(pools[0].question) == 16
+    )
+    other = CostJobs(VisitorRunList(), jobs.slots)
     other.start_sweep(small_sweep(SCENE))
     assert "server busy" in cost_texts.job_status_text(other.status) and not other.status.running and other.others_busy
     pools[0].hear({"row": fake_row()})
@@ -178,7 +182,7 @@ def test_a_search_is_told_what_is_known_and_times_only_as_they_were_taken(jobs, 
 
 @pytest.fixture
 def ready(pools):
-    ready = WarmWorker("solvers.study.background_jobs:search", Slots(1))
+    ready = WarmWorker("solvers.study.sweep_and_search_worker:search", Slots(1))
     yield ready
     ready.end()
 
@@ -209,8 +213,8 @@ def test_a_search_takes_the_process_that_is_ready(jobs, ready, pools):
 
 def test_few_processes_are_ready_and_none_for_ever(ready, pools):
     """A second visitor gets none while the first one's is there; who leaves, or takes too long, takes it along."""
-    first, second = (CostJobs(VisitorRuns(), Slots(1), SearchCache()) for _ in range(2))
-    first._ready, second._ready = ready, WarmWorker("solvers.study.background_jobs:search", ready._places, 0.1)
+    first, second = (CostJobs(VisitorRunList(), Slots(1), SearchCache()) for _ in range(2))
+    first._ready, second._ready = ready, WarmWorker("solvers.study.sweep_and_search_worker:search", ready._places, 0.1)
     first.prepare(few(1e-2), undisturbed=False)
     mine = ready._pool
     assert mine.ways == 1

@@ -5,17 +5,18 @@ from __future__ import annotations
 import re
 
 from app.lessons import catalogue
-from app.lessons.answer_check import AnswerMark
-from app.lessons.interval_bets import YOURS, Bet, Bettor
+from app.lessons.answer_marking import AnswerMark
+from app.lessons.interval_bets import YOURS, Bettor, IntervalBet
 from app.lessons.lesson import EXPLAIN, PREDICT, Step
 from app.lessons.student_progress import RecordedAnswer
-from app.page.features.lesson.marking import upcoming_bets_step
+from app.page.features.lesson.answer_marking_queue import upcoming_bets_step
 from app.page.features.lesson.step_html import answers_table_html, bets_html
 
 
 def test_a_picture_has_a_line_for_each_bet_and_says_it_in_words():
     """A bet that holds crosses the middle, where the truth is; one that was not made has no line."""
-    html = bets_html([Bettor(YOURS, (Bet(1, 100, 10), Bet(20, 40, 10))), Bettor("two-grid", (None, Bet(9, 11, 10)))])
+    html = bets_html([Bettor(YOURS, (IntervalBet(1, 100, 10), IntervalBet(20, 40, 10))),
+                      Bettor("two-grid", (None, IntervalBet(9, 11, 10)))])
     assert re.findall(r"aria-label='([^']*)'", html) == [
         "Your bets: 1 of 2 contain the truth, mean score 2.66",
         "two-grid: 1 of 1 contain the truth, 1 without a bet, mean score 0.09"]
@@ -29,7 +30,7 @@ def test_a_picture_has_a_line_for_each_bet_and_says_it_in_words():
 def test_what_came_out_has_a_bets_score_beside_it():
     lesson = catalogue.load_lesson("10-how-sure-are-you")
     step = next(step for step in lesson.steps if step.question)
-    mark = AnswerMark(True, "44.56 nm", Bet(2e-8, 2e-7, 4.456e-8))
+    mark = AnswerMark(True, "44.56 nm", IntervalBet(2e-8, 2e-7, 4.456e-8))
     html = answers_table_html(lesson, [step], {step.key: RecordedAnswer([2e-8, 2e-7], [2e-8, 2e-7], 1, 1.0)},
                               {step.key: mark}, {})
     assert "<td>20 nm to 200 nm</td><td>44.56 nm; score 1.00</td>" in html

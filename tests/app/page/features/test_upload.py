@@ -23,7 +23,7 @@ from app.viewer import upload
 from solvers.judging import particle_writers
 from solvers.judging.error_norms import error_magnitudes
 from solvers.judging.problem_handout import exact_frame
-from solvers.judging.uploaded_file_worker import LIMITS, FileSummary, ShowRequest
+from solvers.judging.uploaded_file_worker import LIMITS, FileSummary, JudgeFileRequest
 from solvers.problems import PROBLEMS
 from solvers.study.parameter_grid import task_of
 from solvers.untrusted.quoting import file_name
@@ -49,7 +49,7 @@ def process():
 def shown_of(process, file, scene, folder, name="mine", chosen=False):
     """What the process says of a file, as one dictionary, and where its table is."""
     table = Path(folder) / "table"
-    question = ShowRequest(str(file), name, task_of(scene).to_dict(), str(table), MOST_WATCHED, chosen)
+    question = JudgeFileRequest(str(file), name, task_of(scene).to_dict(), str(table), MOST_WATCHED, chosen)
     answers = {}
     for answer in process.ask(asdict(question)):
         answers |= answer

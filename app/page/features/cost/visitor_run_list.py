@@ -1,0 +1,224 @@
+"""A visitor's numbered runs, a row each, from sweeps, searches and the stage; Pareto front and cheapest run."""
+
+import functools
+import math
+import threading
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from app import __version__
+from app.page.visit.history import NormHistory
+from solvers.engine.engine_messages import FrameReport
+from solvers.scene.scene import Scene
+from solvers.solver.error_series import RATIOS, summary
+from solvers.solver.samples import QUANTITIES
+from solvers.solver.soundness import BROKEN, LOST, OK, UNSTABLE
+from solvers.study import csv_and_markdown_summary as table
+from solvers.study.convergence_analysis import pareto
+from solvers.study.parameter_grid import Task, task_of
+from solvers.study.row import FAILED, unmeasured_row
+
+MOST_RUNS = 300  # beyond, the oldest is dropped
+LIVE, SEARCH, SWEEP = "live", "search", "sweep"
+CHOSEN = {"method", "linearity_preserving", "cells", "ppc", "cfl"}  # fields that a search chooses
+KNOWN = {LIVE: 0, SEARCH: 1, SWEEP: 2}  # ranks of sources: of one scene the row of the highest rank is kept
+
+
+@dataclass(frozen=True)
+class NumberedRun:
+    """Row of a run (a dict as in ``solvers.study.row``), its number from 1, and source; derived values are cached."""
+
+    number: int
+    source: str
+    row: dict
+
+    @functools.cached_property
+    def scene(self) -> Scene:
+        return Task(self.row["problem"], self.row["asked"]).scene()
+
+    @functools.cached_property
+    def error(self) -> float | None:
+        """The largest RMS error of x over time, divided by the scene's size of x (A); None if unknown."""
+        return self._relative(self.row.get("error") or {})
+
+    @functools.cached_property
+    def estimate(self) -> float | None:
+        """The :attr:`error` as estimated by :attr:`estimator`, divided by the size of x, too; None if unknown."""
+        return self._relative((self.row.get("estimate") or {}).get(self.estimator) or {})
+
+    @property
+    def estimator(self) -> str:
+        """The name of the first valid estimator, or ""."""
+        return next(iter(self.row.get("estimate") or {}), "")
+
+    @property
+    def error_or_estimate(self) -> float:
+        """The relative error, or its estimate if no error is known, for the chart; NaN if neither is."""
+        size = self.estimate if self.error is None else self.error
+        return math.nan if size is None else size
+
+    @property
+    def seconds(self) -> float:
+        """Seconds of the run timed alone, or of everything on the stage; NaN if unknown."""
+        seconds = self.row.get("seconds") or {}
+        return seconds.get("min") or seconds.get("full") or math.nan
+
+    @property
+    def timed_alone(self) -> bool:
+        """Whether the run was timed by itself, not on a stage with drawing, estimates and other visitors."""
+        return self.source != LIVE
+
+    @property
+    def method(self) -> str:
+        return self.row["scene"]["method"]
+
+    @property
+    def outcome(self) -> str:
+        return self.row["status"]
+
+    @property
+    def broken(self) -> bool:
+        """Whether the run went unstable or was lost, so that its error is meaningless."""
+        return self.outcome in BROKEN
+
+    @property
+    def drawable(self) -> bool:
+        """Whether the run has a dot on the chart; a broken one has it at the edge."""
+        return 0 < self.seconds < math.inf and (self.broken or (self.outcome == OK and self.error_or_estimate > 0))
+
+    def _relative(self, norms: dict) -> float | None:
+        largest = (norms.get("x") or {}).get("max")
+        return None if largest is None or not math.isfinite(largest) else largest / self.scene.size_of("x")
+
+
+class VisitorRunList:
+    """Numbered runs of one visitor, at ``most`` so many. Thread-safe; ``version`` grows with every change."""
+
+    def __init__(self, most: int = MOST_RUNS):
+        self._lock, self._most = threading.Lock(), most
+        self._runs: dict[str, NumberedRun] = {}
+        self._numbers = self.version = 0
+
+    def add(self, row: dict, source: str) -> None:
+        """Adds a row; a known scene's stays unless the new one ranks as high (``KNOWN``) and has not failed."""
+        key = row["key"]
+        with self._lock:
+            before = self._runs.get(key)
+            if before and (KNOWN[before.source] > KNOWN[source] or row["status"] == FAILED):
+                return
+            if before is None:
+                self._numbers += 1
+                if len(self._runs) >= self._most:
+                    del self._runs[next(iter(self._runs))]
+            self._runs[key] = NumberedRun(before.number if before else self._numbers, source, row)
+            self.version += 1
+
+    def all(self) -> list[NumberedRun]:
+        """Returns all runs, in the order of their numbers."""
+        with self._lock:
+            return sorted(self._runs.values(), key=lambda run: run.number)
+
+    def find(self, number: int) -> NumberedRun | None:
+        return next((run for run in self.all() if run.number == number), None)
+
+
+def csv_bytes(runs: Sequence[NumberedRun]) -> bytes:
+    """Returns the runs as a CSV file: the columns of ``mpm-lab sweep`` after number and source."""
+    return table.csv_text({"run": run.number, "source": run.source, **run.row} for run in runs).encode()
+
+
+class LiveRunRecorder:
+    """Creates rows from the frames of one visitor's stage; a row ends with the scene, though the stage runs on."""
+
+    def __init__(self) -> None:
+        self._done = False
+
+    def take_row(self, report: FrameReport, history: NormHistory) -> dict | None:
+        """Returns the run's row once, when this frame completes it or it has stopped; None otherwise."""
+        if report.fresh:
+            self._done = False
+        if self._done:
+            return None
+        scene = report.scene
+        ended = report.time >= scene.end_time - 0.5 * scene.time_step
+        if not (ended or report.status == UNSTABLE) or history.scene != scene or not report.step:
+            return None
+        self._done = True
+        return live_row(report, history)
+
+
+def live_row(report: FrameReport, history: NormHistory) -> dict:
+    """Returns a row (``solvers.study.row``) of a run on the stage, to its scene's end, with seconds of everything."""
+    scene, series = report.scene, history.series
+    status = report.status
+    if report.since is None or report.since > scene.end_time:
+        status = OK
+    elif status == UNSTABLE and report.time > scene.end_time:  # at the end of the scene it was lost only
+        status = LOST
+    steps = report.step if status == UNSTABLE else scene.steps
+    within = series["time"] <= (steps + 0.5) * scene.time_step
+    valid = [name for name in scene.active_estimators if name not in report.not_valid]
+    seconds = 1e-6 * steps * report.particles / report.rate if report.rate > 0 else None
+    task = task_of(scene, version=__version__)
+    return {
+        **unmeasured_row(task, scene), "status": status,
+        "reason": None if status == OK != report.status else report.reason, "t": steps * scene.time_step,
+        "steps": steps, "particles": report.particles, "particle_steps": steps * report.particles,
+        "error": {q: summary(series[f"error_{q}"][within]) for q in QUANTITIES},
+        "estimate": {name: {q: summary(series[f"{name}/estimate_{q}"][within]) for q in QUANTITIES} for name in valid},
+        **{ratio: {name: {q: _last(series[f"{name}/{ratio}_{q}"][within]) for q in QUANTITIES} for name in valid}
+           for ratio in RATIOS},
+        "not_valid": dict(report.not_valid), "effects": list(scene.effects),
+        "seconds": {"full": seconds}, "rate": report.rate or None, "arch": report.arch, "version": __version__}
+
+
+def _last(values: np.ndarray) -> float | None:
+    return float(values[-1]) if len(values) and np.isfinite(values[-1]) else None
+
+
+def without_search_options(scene: Scene) -> Scene:
+    """Returns the scene without the options that a search sets itself: velocity, estimators, effects, steps."""
+    return replace(scene, velocity="grid", estimators=(), effects=(), dt=None, sample_every=None)
+
+
+@functools.lru_cache(maxsize=1000)  # called often, for each run
+def advice_key(scene: Scene) -> dict:
+    """Returns the problem and fields of a scene that a search's advice depends on, by name."""
+    inputs = task_of(without_search_options(scene)).inputs
+    return {"problem": scene.problem} | {name: value for name, value in inputs.items() if name not in CHOSEN}
+
+
+def comparable_runs(runs: Sequence[NumberedRun], scene: Scene) -> list[NumberedRun]:
+    """Returns the runs of the same motion as the scene's, by any method and remedies."""
+    asked = advice_key(replace(scene, remedies=()))
+    return [run for run in runs if run.row["problem"] == scene.problem
+            and advice_key(replace(run.scene, remedies=())) == asked]
+
+
+def run_of_scene(runs: Sequence[NumberedRun], scene: Scene) -> NumberedRun | None:
+    """Returns the run that computes exactly this scene, preferably one that was timed alone; None if there is none."""
+    own = [run for run in runs if run.drawable and _run_key(run.scene) == _run_key(scene)]
+    return next((run for run in own if run.timed_alone), own[0] if own else None)
+
+
+@functools.lru_cache(maxsize=1000)
+def _run_key(scene: Scene) -> tuple[Scene, float]:
+    return replace(scene, estimators=(), effects=(), dt=None, cfl=None, sample_every=None), scene.time_step
+
+
+def measured_runs(runs: Sequence[NumberedRun]) -> list[NumberedRun]:
+    """Returns the runs that have an error or an estimate, and a time that was measured alone."""
+    return [run for run in runs if run.timed_alone and run.drawable and not run.broken]
+
+
+def pareto_front(runs: Sequence[NumberedRun]) -> list[NumberedRun]:
+    """Returns the runs that no other beats in both error and time, from the fastest to the slowest."""
+    known = measured_runs(runs)
+    return [known[k] for k in pareto([run.seconds for run in known], [run.error_or_estimate for run in known])]
+
+
+def cheapest_run(runs: Sequence[NumberedRun], tolerance: float) -> NumberedRun | None:
+    """Returns the fastest run with an error of at most ``tolerance`` times A; None if there is none."""
+    return next((run for run in pareto_front(runs) if run.error_or_estimate <= tolerance), None)

@@ -1,0 +1,98 @@
+"""The view of the run or of what replaces it: the stage, the headline above it, the numbers below it."""
+
+import threading
+from collections.abc import Callable
+
+import viser
+
+from app.frame.headline import HeadlineWithFacts
+from app.page.headline_panel import HeadlinePanel
+from app.page.panels.browser_store_and_window import LETTERS, BrowserStore, BrowserWindow, LayoutMetrics
+from app.page.panels.page_header import set_up_theme
+from app.page.readout_panel import ReadoutContent, ReadoutPanel
+from app.page.stage_source import StageSource, ViewChoice
+from app.page.viewer_canvas import ViewerCanvas
+from app.viewer.widget_validation import is_number_between
+
+
+class StageAndReadoutView:
+    """One visitor's view of the first source that is on: picture, headline above it, numbers below it."""
+
+    def __init__(self, client: viser.ClientHandle, canvas: ViewerCanvas):
+        self._client, self._canvas = client, canvas
+        self._notice, self._headline = client.gui.add_html(""), HeadlinePanel(client.gui)
+        self._numbers = ReadoutPanel(client)
+        self._drawing = threading.Lock()
+        self._sources: tuple[StageSource, ...] = ()
+        self._choice: Callable[[], ViewChoice] | None = None
+
+    def build(self, store: BrowserStore, seek: Callable[[float], None]) -> None:
+        """Builds numbers and plots; ``seek`` is called with the time in s that the visitor clicks on the time axis."""
+        self._seek = seek
+        self._numbers.build(self._client.gui)
+        BrowserWindow(store, self._on_resized, self._set_dark)
+        store.heard |= {"seek": self._seek_timeline_fraction, "read": self._on_timeline_pointed}
+
+    def begin(self, choice: Callable[[], ViewChoice], sources: tuple[StageSource, ...]) -> None:
+        """Starts drawing the first of the ``sources`` that is on; ``choice`` returns the visitor's view options."""
+        self._sources, self._choice = sources, choice
+        self.draw()
+
+    def stop(self) -> None:
+        """Ends drawing for good; returns when the present drawing is complete."""
+        with self._drawing:
+            self._choice = None
+
+    @property
+    def source(self) -> StageSource:
+        return next(source for source in self._sources if source.is_on)
+
+    def draw(self) -> None:
+        """Draws what the source on the stage shows now; does nothing before :meth:`begin` or after :meth:`stop`."""
+        with self._drawing:
+            choice = self._choice and self._choice()
+            if choice is not None and (content := self.source.stage_content(choice)) is not None:
+                self._canvas.draw(content, choice)
+
+    def read_numbers(self, choice: ViewChoice) -> ReadoutContent | None:
+        """Returns the numbers of what is drawn with these view options; None if nothing has changed."""
+        return self.source.numbers(choice, self._canvas.picture, self._canvas.probe.text)
+
+    def refresh(self, choice: ViewChoice, numbers: ReadoutContent | None, in_lesson: bool,
+                headline: HeadlineWithFacts) -> None:
+        """Shows the numbers unless None, the sources' notice, and the ``headline`` or, if empty, the source's own."""
+        source, picture = self.source, self._canvas.picture
+        if numbers:
+            self._numbers.reading = in_lesson or numbers.scene is None
+            self._numbers.show(numbers, choice.quantity, choice.latest)
+        notice = None
+        for each in self._sources:  # a file has notices before it is on the stage
+            if (notice := each.notice()) or each.is_on:
+                break
+        self._notice.content = "" if notice is None else notice.html
+        if picture is not None:
+            self._headline.show(headline or source.sentence(choice, picture), source.needs_immediate_headline)
+        self._canvas.camera.refit_while_settling()
+
+    def _on_resized(self, size: LayoutMetrics) -> None:
+        """Fits labels and plots to another size of the browser's window, and redraws the stage if it changes."""
+        self._numbers.timeline.height = max(20, round(size.plot_height))
+        if self._canvas.lettering.set_pixel_layout(size.width, size.height, size.left, size.letters / LETTERS):
+            self.draw()
+
+    def _set_dark(self, dark: bool) -> None:
+        set_up_theme(self._client.gui, dark)
+        self._canvas.set_dark(dark)
+        self._numbers.timeline.set_dark(dark)
+        self.draw()
+
+    def _on_timeline_pointed(self, fraction: object) -> None:
+        """Shows the curves' values at a ``fraction`` of the time axis, 0 to 1; anything else: the pointer has left."""
+        self._numbers.timeline.show_values_at(
+            float(fraction) if is_number_between(fraction, 0, 1) else None)  # type: ignore[arg-type]
+
+    def _seek_timeline_fraction(self, fraction: object) -> None:
+        """Goes to the time at a ``fraction`` of the time axis, 0 to 1, that the visitor has clicked."""
+        if is_number_between(fraction, 0, 1) and self.source.needs_immediate_headline is False:
+            assert isinstance(fraction, float | int)
+            self._seek(self._numbers.timeline.time_at(fraction))

@@ -1,0 +1,297 @@
+"""Motion of particles of any problem: the same particles at all times, with all quantities in the files."""
+
+import functools
+import itertools
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+import numpy as np
+
+from solvers.judging.column_names import describe_columns
+from solvers.judging.findings.finding import BROKEN, HOLDS, SUSPICIOUS, Finding
+from solvers.judging.findings.neighbour_comparison import MOST, TINY, NearestNeighbours, find_neighbours
+from solvers.judging.particle_data_types import RawTable, group_rows_by_time, row_times
+from solvers.judging.particle_scene_matching import FLAT, LARGEST, LARGEST_ID
+from solvers.untrusted.quoting import FileError, quote
+
+MOST_MOMENTS = 32  # that are checked one by one, evenly spread
+BOXES = 10  # that represent a large body
+VECTORS, TENSORS, SCALARS = ("x", "v"), ("F", "sigma"), ("mass", "volume")
+NUMBERS, WHO = "all numbers are finite", "each particle is there once at every moment"
+SAME_PLACE = 1e-9  # of the body's size, within which reference positions are the same
+SAME_TIME = 1e-12  # of the last time
+FEWEST = 3  # particles
+
+
+@dataclass(frozen=True)
+class NeighbourPairs:
+    """Pairs (n,) of neighbours in the reference configuration: indices ``one`` and ``other``, distance vectors
+    ``apart`` (n, D) from one to other and their ``length`` (n,) in m."""
+
+    one: np.ndarray
+    other: np.ndarray
+    apart: np.ndarray
+    length: np.ndarray
+
+    def deformed_vectors(self, F: np.ndarray) -> np.ndarray:
+        """Returns the distance vectors (n, D) in m by the mean F (P, D, D) of each pair: the trapezoidal rule, with a
+        third-order error."""
+        return np.einsum("nij,nj->ni", 0.5 * (F[self.one] + F[self.other]), self.apart)
+
+
+@dataclass(frozen=True)
+class RecordedMotion:
+    """P particles at T increasing times in s.
+
+    ``reference`` (P, D) are their positions before all deformation, or at the first time where the files do not contain
+    these (``from_start``). ``fields`` has x and v (T, P, D), F and sigma (T, P, D, D), mass and volume (T, P), if the
+    files have finite values at all times. ``step`` is the run's time step in s if known.
+    """
+
+    times: np.ndarray
+    number: np.ndarray
+    reference: np.ndarray
+    from_start: bool
+    fields: dict[str, np.ndarray]
+    step: float | None = None
+    notes: list[str] = field(default_factory=list)
+
+    @property
+    def x(self) -> np.ndarray:
+        return self.fields["x"]
+
+    @property
+    def dimensions(self) -> int:
+        return self.reference.shape[1]
+
+    @functools.cached_property
+    def deformation_gradient(self) -> np.ndarray | None:
+        """F (T, P, D, D) relative to the reference; if that is the first time, F times the inverse of F then."""
+        F = self.fields.get("F")
+        if F is None or not self.from_start:
+            return F
+        return F @ np.linalg.inv(F[0]) if (np.abs(np.linalg.det(F[0])) > TINY).all() else None
+
+    def get(self, needed: str) -> np.ndarray | None:
+        """Returns a quantity's field by its key, or F relative to the reference for ``gradient``; None without one."""
+        return self.deformation_gradient if needed == "gradient" else self.fields.get(needed)
+
+    @functools.cached_property
+    def checked_time_indices(self) -> list[int]:
+        """Indices of the times that are checked one by one, including the first and the last."""
+        T = len(self.times)
+        return sorted(set(np.linspace(0, T - 1, min(T, MOST_MOMENTS)).round().astype(int).tolist()))
+
+    @functools.cached_property
+    def neighbourhood(self) -> NearestNeighbours | None:
+        """Neighbourhoods in the reference configuration; None for too few particles."""
+        return find_neighbours(self.reference)
+
+    @functools.cached_property
+    def neighbour_pairs(self) -> NeighbourPairs | None:
+        """Pairs of each particle with its nearest neighbours, two per dimension; None without any."""
+        if self.neighbourhood is None:
+            return None
+        count = 2 * self.dimensions
+        there = self.neighbourhood.there[:, :count]
+        one = np.repeat(np.arange(len(self.reference)), there.sum(axis=1))
+        other = self.neighbourhood.who[:, :count][there]
+        apart = self.reference[other] - self.reference[one]
+        length = np.linalg.norm(apart, axis=1)
+        real = length > 0
+        return NeighbourPairs(one[real], other[real], apart[real], length[real]) if real.any() else None
+
+    @functools.cached_property
+    def spacing(self) -> float:
+        """Median distance in m of particles from their nearest neighbours in the reference configuration."""
+        return float(np.median(self.neighbour_pairs.length)) if self.neighbour_pairs else np.nan
+
+    @functools.cached_property
+    def amplitude(self) -> float:
+        """Size in m of the particles' relative motion: the largest RMS of the displacement without its mean."""
+        moved = self.x - self.reference
+        return float(np.sqrt(np.max(np.mean(np.sum((moved - moved.mean(axis=1, keepdims=True))**2, axis=2), axis=1))))
+
+    @functools.cached_property
+    def speed(self) -> float:
+        """Largest RMS of the velocity, in m/s."""
+        return float(np.sqrt(np.max(np.mean(np.sum(self.fields["v"]**2, axis=2), axis=1))))
+
+    @functools.cached_property
+    def representative_part(self) -> "RecordedMotion":
+        """Motion of the particles in some boxes spread over the body, where all are too many to find neighbours."""
+        P, D = self.reference.shape
+        if P <= MOST:
+            return self
+        low, reach = self.reference.min(axis=0), np.ptp(self.reference, axis=0)
+        sides = int(np.ceil((P * BOXES / MOST) ** (1 / D)))
+        place = np.minimum((sides * (self.reference - low) / np.maximum(reach, TINY)).astype(int), sides - 1)
+        boxes, box, counts = np.unique(place, axis=0, return_inverse=True, return_counts=True)
+        order = np.argsort(np.arange(len(boxes)) * 0.5 * (5**0.5 - 1) % 1)  # far from each other, one after the other
+        which = np.isin(box.ravel(), order[:max(1, int(np.sum(np.cumsum(counts[order]) <= MOST)))])
+        return replace(self, number=self.number[which], reference=self.reference[which],
+                       fields={key: values[:, which] for key, values in self.fields.items()})
+
+    def finding_location(self, moment: int, p: int) -> dict:
+        """Returns the fields time, particle and place of a ``Finding``, from indices of time and particle."""
+        return {"time": float(self.times[moment]), "particle": int(self.number[p]),
+                "place": tuple(map(float, self.reference[p]))}
+
+
+@dataclass(frozen=True)
+class _RowsAtTime:
+    """Rows of one file at one time in s, (n, ...) by quantity."""
+
+    file: str
+    time: float
+    rows: dict[str, np.ndarray]
+
+
+def read_motion(files: Sequence[RawTable], times: Sequence[float]) -> tuple[RecordedMotion, list[Finding]]:
+    """Returns the motion in the files, and findings about invalid numbers and missing particles. The motion ends before
+    the first time with positions that are not finite. ``times`` in s are those of the files, if they contain none.
+    Raises :class:`FileError` where there are no two times with the same particles to compare."""
+    moments = sorted(_read_rows_by_time(files, times), key=lambda one: one.time)
+    _check_distinct_times(moments)
+    findings = [_check_finite_numbers(moments)]
+    sound = [one for one in moments if np.isfinite(one.rows["x"]).all() and (np.abs(one.rows["x"]) < LARGEST).all()]
+    sound = sound[:next((k for k, (a, b) in enumerate(zip(sound, moments, strict=False)) if a is not b), len(sound))]
+    if len(sound) < 2:
+        raise FileError(moments[min(len(sound), len(moments) - 1)].file,
+                        "leaves fewer than two moments whose positions are all numbers; give moments from before that")
+    who = _identify_rows(sound)
+    finding, common = _check_identities(sound, who)
+    findings.append(finding)
+    if len(common) < FEWEST:
+        raise FileError(sound[-1].file, f"has {len(common)} particles that are there at all moments; give {FEWEST} or "
+                                        "more")
+    return _assemble_motion(files, sound, who, common), findings
+
+
+def _read_rows_by_time(files: Sequence[RawTable], times: Sequence[float]) -> list[_RowsAtTime]:
+    found = []
+    if len({raw.cells for raw in files if raw.cells is not None}) > 1:
+        raise FileError(files[-1].file, "is of another grid than the others; give the files of one run")
+    for k, raw in enumerate(files):
+        if "x" not in raw.columns:
+            raise FileError(raw.file, f"has no positions ({describe_columns('x', 3)} or position); its columns are "
+                                      f"{', '.join(quote(name, 20) for name in raw.names[:12])}")
+        every = row_times(raw, times[k] if times else None)
+        found += [_RowsAtTime(raw.file, float(every[at][0]), {key: values[at] for key, values in raw.columns.items()
+                                                              if key != "t"}) for at in group_rows_by_time(every)]
+    return found
+
+
+def _check_distinct_times(moments: list[_RowsAtTime]) -> None:
+    if len(moments) < 2:
+        raise FileError(moments[0].file, "has one moment, and nothing within one contradicts a motion; give two or "
+                                         "more")
+    near = SAME_TIME * moments[-1].time
+    for one, other in itertools.pairwise(moments):
+        if other.time - one.time <= near:
+            raise FileError(other.file, f"has the time {other.time:g} s, which {quote(one.file)} has too; give each "
+                                        "time once, and the files of one run")
+    widths = {one.rows["x"].shape[1] for one in moments}
+    if len(widths) > 1:
+        raise FileError(moments[-1].file, "has positions in another number of directions than the others; give the "
+                                          "files of one run")
+
+
+def _check_finite_numbers(moments: list[_RowsAtTime]) -> Finding:
+    """Checks that all numbers are finite, and reports the first that is not."""
+    for one in moments:
+        for key, values in one.rows.items():
+            bad = ~(np.abs(values.reshape(len(values), -1)) < LARGEST).all(axis=1)
+            if count := int(bad.sum()):
+                row = int(np.argmax(bad))
+                who = int(one.rows["id"][row]) if "id" in one.rows and np.isfinite(one.rows["id"][row]) else row
+                return Finding(NUMBERS, BROKEN, float(count), 0.0, "particles",
+                               f"{key} of {count:,} particle{'s' * (count != 1)} is no number, or beyond "
+                               f"{LARGEST:g}, at t = {one.time:.4g} s, first of particle {who}; what comes later was "
+                               "not looked at", one.time, who)
+    return Finding(NUMBERS, HOLDS)
+
+
+def _identify_rows(moments: list[_RowsAtTime]) -> list[np.ndarray]:
+    """Returns a number for the particle of each row, (n,) at each time, from its id, reference position or row."""
+    if all("id" in one.rows for one in moments):
+        for one in moments:
+            ids = one.rows["id"]
+            if not ((np.abs(ids) < LARGEST_ID).all() and (ids == np.round(ids)).all()):
+                raise FileError(one.file, "has ids that are no whole numbers; give 0, 1, 2 and so on")
+        return [one.rows["id"].astype(int) for one in moments]
+    if all("X" in one.rows for one in moments):
+        X = [one.rows["X"] for one in moments]
+        if all(np.array_equal(other, X[0]) for other in X[1:]):
+            return [np.arange(len(X[0]))] * len(X)
+        every = np.concatenate(X)
+        unit = SAME_PLACE * max(float(np.ptp(every, axis=0).max()), 1e-300)
+        who = np.unique(np.round(every / unit), axis=0, return_inverse=True)[1].ravel()
+        return np.split(who, np.cumsum([len(part) for part in X])[:-1])
+    counts = [len(one.rows["x"]) for one in moments]
+    if len(set(counts)) > 1:
+        k = next(k for k, count in enumerate(counts) if count != counts[0])
+        raise FileError(moments[k].file, f"has {counts[k]:,} particles at t = {moments[k].time:g} s, and there were "
+                                         f"{counts[0]:,} before; give id or X, so that it is known which they are")
+    return [np.arange(counts[0])] * len(moments)
+
+
+def _check_identities(moments: list[_RowsAtTime], who: list[np.ndarray]) -> tuple[Finding, np.ndarray]:
+    """Checks for duplicate and missing particles, by their numbers ``who`` (n,) at each time; returns the finding and
+    the numbers of those that always exist."""
+    common = np.unique(who[0])
+    for one, now in zip(moments, who, strict=True):
+        number, counts = np.unique(now, return_counts=True)
+        if counts.max() > 1:
+            p = int(number[np.argmax(counts)])
+            twice = Finding(WHO, BROKEN, float(counts.max()), 1.0, "times",
+                            f"particle {p} is there {counts.max()} times at t = {one.time:.4g} s", one.time, p)
+            return twice, _always_present(who)
+        if not np.array_equal(number, common):
+            gone, come = np.setdiff1d(common, number), np.setdiff1d(number, common)
+            p = int((gone if len(gone) else come)[0])
+            told = [f"{len(part):,} particle{'s' * (len(part) != 1)} {word}"
+                    for part, word in ((gone, "vanished"), (come, "appeared")) if len(part)]
+            return Finding(WHO, SUSPICIOUS, float(len(gone) + len(come)), 0.0, "particles",
+                           f"{' and '.join(told)} at t = {one.time:.4g} s, first particle {p}: fine where something "
+                           "takes them out or lets them in, and only those that are always there were looked at",
+                           one.time, p), _always_present(who)
+    return Finding(WHO, HOLDS), common
+
+
+def _always_present(who: list[np.ndarray]) -> np.ndarray:
+    return functools.reduce(np.intersect1d, who[1:], np.unique(who[0]))
+
+
+def _assemble_motion(files: Sequence[RawTable], moments: list[_RowsAtTime], who: list[np.ndarray],
+                     common: np.ndarray) -> RecordedMotion:
+    """Returns the motion of the particles ``common``, in order, in the directions in which they extend."""
+    rows: list[Any] = []
+    for now in who:
+        if len(now) == len(common) and np.array_equal(now, common):
+            rows.append(slice(None))
+        else:
+            first, at = np.unique(now, return_index=True)
+            rows.append(at[np.searchsorted(first, common)])
+    x = np.stack([one.rows["x"][at] for one, at in zip(moments, rows, strict=True)])
+    reach = np.ptp(x.reshape(-1, x.shape[-1]), axis=0)
+    axes = np.flatnonzero(reach > FLAT * reach.max()) if reach.max() > 0 else np.arange(1)
+    fields, notes = {"x": x[..., axes]}, list[str]()
+    for key in (*VECTORS[1:], *TENSORS, *SCALARS):
+        if not all(key in one.rows for one in moments):
+            continue
+        values = np.stack([one.rows[key][at] for one, at in zip(moments, rows, strict=True)])
+        if key not in SCALARS and values.shape[-1] <= axes.max():
+            notes.append(f"{key} has {values.shape[-1]} directions and the positions more, so it was left out")
+            continue
+        values = values[..., axes] if key in VECTORS else values[..., axes[:, None], axes] if key in TENSORS else values
+        if not (np.abs(values) < LARGEST).all():
+            notes.append(f"{key} is not always a number, so it was left out")
+            continue
+        fields[key] = values
+    X = moments[0].rows.get("X")
+    usable = X is not None and X.shape[1] > axes.max() and (np.abs(X) < LARGEST).all()
+    reference = X[rows[0]][:, axes] if usable else fields["x"][0]  # type: ignore[index]  # it is usable
+    step = next((raw.step for raw in files if raw.step is not None), None)
+    return RecordedMotion(np.array([one.time for one in moments]), common, reference, not usable, fields, step, notes)
