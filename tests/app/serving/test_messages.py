@@ -194,7 +194,8 @@ def test_kinds_of_messages_are_those_of_the_viewer():
 
 def test_every_message_goes_through_the_check(here, visitor, monkeypatch):
     """If this fails, the viewer reads its websocket or knows its visitors otherwise than it did in 1.1.1: see
-    ``Hearing`` in ``app/viewer/incoming_messages.py`` and ``AccessControl._find_widget`` in ``app/viewer/web_server.py``."""
+    ``IncomingMessageFilter`` in ``app/viewer/incoming_messages.py`` and ``AccessControl._find_widget`` in
+    ``app/viewer/web_server.py``."""
     one, _ = here
     heard = []
     check = incoming_messages.why_message_refused
