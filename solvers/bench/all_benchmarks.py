@@ -44,8 +44,7 @@ def run_benchmarks(quick: bool, command: Sequence[str], on_progress: Callable[[f
 
 
 def machine_info() -> dict[str, Any]:
-    """Returns system, processor, cores, mean load of the last minute (None if unknown), versions of Python and
-    Taichi."""
+    """Returns system, processor, cores, last minute's mean load (None if unknown), versions of Python and Taichi."""
     load = os.getloadavg()[0] if hasattr(os, "getloadavg") else None
     return {"system": platform.system(), "processor": platform.machine(), "cores": os.cpu_count(), "load": load,
             "python": ".".join(map(str, sys.version_info[:3])), "taichi": ".".join(map(str, runtime.ti.__version__))}

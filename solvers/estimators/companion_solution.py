@@ -7,10 +7,9 @@ particles: body force b(X, t) and initial velocity are the problem's, the rest i
 
     e_x = x_p - X_p - u(X_p, t), e_v = v_p - v(X_p, t), e_sigma = sigma_p - sigma(X_p, t), e_a = a_p - a(X_p, t - dt),
 
-the last a step earlier, because a_p is the acceleration that the last step used. So it sees every error of the
-particles: of mappings, time, boundaries, geometry, and of a body force put in the wrong place. It needs an elastic
-body that stays smooth, and b and the initial velocity at any material point; it cannot see an error in these or in
-the law of the material, which it shares.
+the last a step earlier, because a_p is the acceleration of the last step. So it sees every error of the particles: of
+mappings, time, boundaries, geometry, and of a misplaced body force. It needs an elastic body that stays smooth, and b
+and the initial velocity at any material point; it cannot see errors in these or in the material law, which it shares.
 
 In time it takes Nystrom's method of three stages and fourth order (Hairer, Norsett & Wanner 1993, II.14) with steps
 of k time steps of the particles, always ahead of them, so that any instant lies inside its last step and is found by
@@ -168,9 +167,8 @@ def steps_per_companion_step(frequency: float, dt: float) -> int:
 
 
 def why_not_trusted(elements: np.ndarray, axes: tuple[int, ...], square: float) -> str | None:
-    """Returns why the companion's estimate is not to be trusted, as a sentence, or None. ``elements`` (..., 2) are its
-    displacements in m, with the points of an element along the ``axes``; ``square`` is the mean square of the
-    estimated error of x, in m^2."""
+    """Returns a sentence why not to trust the companion's estimate, or None. ``elements`` (..., 2) are displacements in
+    m, an element's points along the ``axes``; ``square`` is the mean square of x's estimated error in m^2."""
     if not np.all(np.isfinite(elements)):
         return Message("not valid here: the companion solve itself has failed; choose a smaller amplitude or fewer "
                        "periods")

@@ -18,36 +18,32 @@ def with_memory(state, estimators, name):
 @ti.func
 def in_step(state: ti.template(), step, estimators: ti.template(), on: ti.template()):
     """Calls the active estimators' hooks ``in_step``, after the nodes of step number ``step`` (from 1) have moved."""
-    for e in ti.static(range(len(on.estimators))):
-        if ti.static(estimators[on.estimators[e]].in_step):
+    for e, name in ti.static(enumerate(on.estimators)):
+        if ti.static(estimators[name].in_step):
             if step % state.estimate_intervals[e] == 0:
-                estimators[on.estimators[e]].in_step(
-                    with_memory(state, estimators, on.estimators[e]), e * state.particles, on)
+                estimators[name].in_step(with_memory(state, estimators, name), e * state.particles, on)
 
 
 @ti.func
 def after_step(state: ti.template(), step, estimators: ti.template(), on: ti.template()):
     """Calls the active estimators' hooks ``after_step``, at the end of step number ``step`` (from 1)."""
-    for e in ti.static(range(len(on.estimators))):
-        if ti.static(estimators[on.estimators[e]].after_step):
+    for e, name in ti.static(enumerate(on.estimators)):
+        if ti.static(estimators[name].after_step):
             if step % state.estimate_intervals[e] == 0:
-                estimators[on.estimators[e]].after_step(
-                    with_memory(state, estimators, on.estimators[e]), e * state.particles, step, on)
+                estimators[name].after_step(with_memory(state, estimators, name), e * state.particles, step, on)
 
 
 @ti.func
 def report(state: ti.template(), step, estimators: ti.template(), on: ti.template()):
     """Writes all estimates to the state's ``estimate`` arrays after ``step`` steps, unless an estimator is left out."""
-    for e in ti.static(range(len(on.estimators))):
-        if ti.static(estimators[on.estimators[e]].report):
+    for e, name in ti.static(enumerate(on.estimators)):
+        if ti.static(estimators[name].report):
             if state.estimate_intervals[e] != NEVER:
-                estimators[on.estimators[e]].report(
-                    with_memory(state, estimators, on.estimators[e]), e * state.particles, step, on)
+                estimators[name].report(with_memory(state, estimators, name), e * state.particles, step, on)
 
 
 @ti.func
 def report_at_once(state: ti.template(), step, estimators: ti.template(), on: ti.template()):
     """Writes all estimates on a GPU, inside a kernel, from the estimators' bodies that the CPU solved to ``step``."""
-    for e in ti.static(range(len(on.estimators))):
-        estimators[on.estimators[e]].report_at_once(
-            with_memory(state, estimators, on.estimators[e]), e * state.particles, step, on)
+    for e, name in ti.static(enumerate(on.estimators)):
+        estimators[name].report_at_once(with_memory(state, estimators, name), e * state.particles, step, on)

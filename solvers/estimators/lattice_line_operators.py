@@ -169,10 +169,9 @@ class LatticeLine:
         return (index + 1, np.ones((*index.shape, 1))) if self.ends == "free" else self._fold(index, self.elements)
 
     def _fold(self, index: np.ndarray, count: int) -> tuple[np.ndarray, np.ndarray]:
-        """Returns the points of a line of ``count`` that stand for indices (...) beyond its ends, and the sign (...,
-        components) of each component there. Mirrors: component 0 is odd across the far end and component 1 across the
-        near one (x across the plane x = 0, which is at the angle pi/2, and y across y = 0). Between walls component 0,
-        along the line, is odd at both."""
+        """Returns the points of a line of ``count`` that stand for indices (...) beyond its ends, and the signs (...,
+        components) there. Mirrors: component 0 is odd across the far end and component 1 across the near one (x across
+        x = 0, at the angle pi/2, and y across y = 0). Between walls component 0, along the line, is odd at both."""
         if self.ends in ("mirror", "walls"):
             low, high = index < 0, index >= count
             inside = np.where(low, -1 - index, np.where(high, 2 * count - 1 - index, index))

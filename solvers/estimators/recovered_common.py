@@ -109,8 +109,7 @@ def wave_travel_steps(scene, length):
 
 
 def initial_numbers(scene, steps):
-    """Returns the estimator's numbers (8,) at the start, as ``H`` to ``SHORTEST`` index them; its reference's step is
-    ``steps`` of the run's."""
+    """Returns initial numbers (8,), by ``H`` to ``SHORTEST``; the reference's step is ``steps`` of the run's."""
     return np.array([steps * scene.time_step, DAMPING * scene.spacing / scene.wave_speed, NEW, *[0.0] * 5])
 
 
@@ -121,8 +120,7 @@ def fit_width(scene):
 
 @ti.func
 def time_since_reference_step(step, dt, interval):
-    """Returns the time in s since the reference's last step, after ``step`` steps of ``dt`` s of the run; the
-    reference's take ``interval`` s."""
+    """Returns seconds since the reference's last step (each ``interval`` s), after ``step`` steps of ``dt`` s."""
     steps = ti.cast(interval / dt + 0.5, ti.i32)
     return step % steps * dt
 
@@ -161,9 +159,8 @@ def why_not_trusted(memory, growth):
     """Returns why not to trust recovered's estimate, as a sentence, or None: its reference is inverted, diverged, or
     oscillates from node to node. ``memory`` are its arrays by name, ``growth`` the largest U now over the motion's.
 
-    A reference oscillates where it follows uneven particles and where it is unstable: then the estimate is its own
-    error. The measure is the size of the fourth differences of U, with a node spacing of one, over that of the error,
-    in sums over the whole run."""
+    A reference oscillates where it follows uneven particles or is unstable: then the estimate is its own error. The
+    measure is the size of U's fourth differences, at node spacing one, over that of the error, summed over the run."""
     numbers = memory["recovered_numbers"]
     if not (np.isfinite(memory["recovered_nodes"]).all() and np.isfinite(numbers).all()):
         return Message("not valid here: the recovered deformation turned inside out; take shorter steps or a smaller "

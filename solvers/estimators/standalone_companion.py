@@ -14,8 +14,7 @@ SAFE_STEP = 1.5  # omega H of a step: 2.58 is where the method ends; at 1.5 its 
 
 
 class ElasticBody(ABC):
-    """Elastic body as N nodes with D components: ``velocity`` (N, D) in m/s at t = 0, and its highest angular
-    ``frequency`` at rest in 1/s."""
+    """Elastic body of N nodes: initial ``velocity`` (N, D) in m/s; highest angular ``frequency`` at rest in 1/s."""
 
     velocity: np.ndarray
     frequency: float

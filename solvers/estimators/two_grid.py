@@ -1,12 +1,11 @@
 """Shared parts of the two-grid estimators: options of the second run, smoothing and interpolation between the lattices
 of both runs, and checks of validity.
 
-The same scene runs a second time on a grid with half as many cells, and every quantity q is extrapolated from the two
-(Richardson 1911): where the error is C h^2, q* = (r^2 q_h - q_rh)/(r^2 - 1) is free of it, and the error of the run is
-q_h - q*, with r the ratio of the cells, 2 or a little more. The runs are compared as smooth fields: at the scale of a
-cell their errors have patterns of their own (the stress is a sawtooth, the null space of the particle-node map holds
-noise), which nothing relates, so Richardson's argument cannot hold there; and none is needed, for what a run has and
-its smooth field has not is error. So
+The same scene runs a second time on half as many cells, and every quantity q is extrapolated from the two (Richardson
+1911): where the error is C h^2, q* = (r^2 q_h - q_rh)/(r^2 - 1) is free of it, and the run's error is q_h - q*, with r
+the ratio of cells, 2 or slightly more. The runs are compared as smooth fields: at a cell's scale their errors have
+their own patterns (the stress is a sawtooth, the null space of the particle-node map holds noise), unrelated, so
+Richardson's argument cannot hold there; and none is needed, for what a run has and its smooth field lacks is error. So
 
     e = q_h - I q*,   q* = (r^2 S q_h - S q_rh)/(r^2 - 1),
 
@@ -20,10 +19,9 @@ stencil is the value at one place of the polynomial that fits the nearest lattic
 Golay 1964): with as many points as coefficients it interpolates, with more it also smooths. What lies beyond the ends
 of a line is the line again ("periodic"), its mirror image ("mirror") or nothing ("free"): then stencils are one-sided.
 
-Cannot see: errors that both grids share (a force put at the wrong place, a wrong material or time step), and errors
-longer than a few cells that do not fall like h^2. Where it is known that they do not, it is not run (see each problem's
-``LIMITS``), above all where waves of the second run are out of step with the exact ones
-(``solvers.estimators.two_grid_phase_lag``).
+Cannot see: errors that both grids share (a misplaced force, a wrong material or time step), and errors longer than a
+few cells that do not fall like h^2. Where they are known not to, it is not run (see each problem's ``LIMITS``), above
+all where waves of the second run are out of step with the exact ones (``solvers.estimators.two_grid_phase_lag``).
 """
 
 import math
@@ -182,11 +180,10 @@ def stencils(places: np.ndarray, count: int, windows: tuple[int, int], ends: str
     """Returns stencils at ``places`` (T,), in spacings from the first of ``count`` lattice points: the four members
     that ``STENCILS`` names. ``ends`` is "periodic", "mirror" or "free".
 
-    ``windows`` are the numbers of points in fits of two kinds, whose weights stand side by side, the shorter's padded
-    with zeros; between mirrors all fits are of the first, and the weights those of components that are even and odd.
-    Stencil t begins at point ``first[t]`` and its weights at ``weights[row[t]]``; equal ones are kept once, so a bar of
-    any size needs one row or a few. On a free line stencils near the ends become one-sided, with the lower degree that
-    fewer points than four allow.
+    ``windows`` are the numbers of points in fits of two kinds, with weights side by side, the shorter's padded with
+    zeros; between mirrors all fits are of the first, and the weights those of components that are even and odd. Stencil
+    t begins at point ``first[t]`` and its weights at ``weights[row[t]]``; equal ones are kept once, so any bar needs
+    one row or a few. Stencils near free ends are one-sided, with the lower degree that fewer points than four allow.
     """
     taps = min(max(windows), count) if ends == "free" else windows[0] if ends == "mirror" else max(windows)
     first = _first_points(places, taps, count, ends)
@@ -219,6 +216,5 @@ def _first_points(places: np.ndarray, points: int, count: int, ends: str) -> np.
 
 
 def target_point_positions(targets: int, count: int) -> np.ndarray:
-    """Returns where ``targets`` even points (targets,) lie, in spacings of ``count`` over the same length, from their
-    first."""
+    """Returns where even points (targets,) lie, in spacings of ``count`` over the same length, from their first."""
     return (np.arange(targets) + 0.5) * (count / targets) - 0.5

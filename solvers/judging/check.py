@@ -16,11 +16,10 @@ SCHEMA = "mpm-lab/check/1"
 CONSISTENT = "consistent"
 Progress = Callable[[float, str], None]
 #: What cannot be seen in a motion alone, whatever the files contain.
-NOT_CHECKABLE = (
-    "whether the motion is that of your problem: forces, material and boundary are not known here",
-    "the balance of energy and of momentum with the forces: body forces and walls may do any work",
-    "the order of accuracy, and how large the error is: `mpm-lab judge` measures them on a problem whose solution is "
-    "known")
+NOT_CHECKABLE = ("whether the motion is that of your problem: forces, material and boundary are not known here",
+                 "the balance of energy and of momentum with the forces: body forces and walls may do any work",
+                 "the order of accuracy, and how large the error is: `mpm-lab judge` measures them on a problem whose "
+                 "solution is known")
 
 
 @dataclass(frozen=True)
@@ -57,26 +56,13 @@ def check(files: Particles | Sequence[Particles], *, times: Sequence[float] = ()
           on_progress: Progress = lambda part, what: None) -> MotionCheckResult:
     """Looks for contradictions within the motion of particles, of any code and problem, without a solution.
 
-    Parameters
-    ----------
-    files
-        A path (.csv, .npz, .vtk, .vtu, .vtp), a mapping from names to arrays, or several of these, of one run. Arrays
-        are those of :func:`solvers.judge`; ``x`` at two or more times is needed, ``X`` or ``id``, ``v``, ``F``,
-        ``sigma``, ``mass`` and ``volume`` are used where they exist.
-    times
-        The time of each file in s, where files do not contain it.
-    on_progress
-        Called now and then with the part done (0 to 1) and the name of the present stage.
+    ``files`` is a path (.csv, .npz, .vtk, .vtu, .vtp), a mapping from names to arrays, or several of these, of one run.
+    Arrays are those of :func:`solvers.judge`; ``x`` at two or more times is needed, ``X`` or ``id``, ``v``, ``F``,
+    ``sigma``, ``mass`` and ``volume`` are used where they exist. ``times`` has the time of each file in s, where files
+    do not contain it; ``on_progress`` is called now and then with the part done (0 to 1) and the present stage's name.
 
-    Returns
-    -------
-    MotionCheck
-        Its ``to_dict()`` is the object of ``mpm-lab check --json``. An empty result proves nothing.
-
-    Raises
-    ------
-    FileError
-        For files, or arrays, whose particles cannot be followed.
+    The result's ``to_dict()`` is the object of ``mpm-lab check --json``; an empty result proves nothing. Raises
+    :class:`FileError` for files, or arrays, whose particles cannot be followed.
     """
     raws = read_all(files)
     if times and len(times) != len(raws):

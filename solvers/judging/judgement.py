@@ -91,28 +91,20 @@ class SingleGridJudgement:
         estimates = error_norms.norm_series(self.companion_errors)
         true = error_norms.norm_series(self.true_errors) if self.true_errors else None
         doubts = [self.companions.mesh_difference(frame) for frame in frames]
-        return {
-            "cells": self.grid.cells,
-            "h": self.scene.spacing,
-            "files": list(dict.fromkeys(f.file for f in frames)),
-            "particles": len(frames[-1].number),
-            "times": times.tolist(),
-            "notes": self.notes(),
-            "checks": [one.to_judge_dict() for one in self.checks],
-            "error": None if true is None else error_norms.summarise_norms(times, true),
-            "norms": None if true is None else error_norms.as_json(true),
-            "estimate": {
-                "companion": error_norms.summarise_norms(times, estimates),
-                "norms": error_norms.as_json(estimates),
-                "own_error": {q: finite_or_none(float(np.max([doubt[q] for doubt in doubts]))) for q in QUANTITIES},
-                "index": None if true is None else error_norms.effectivity(estimates, true, self.scene),
-                "distance": None if true is None else error_norms.distances(self.companion_errors, self.true_errors),
-            },
-            "worst": {q: None if (found := self.worst(q)) is None else found.to_dict() for q in QUANTITIES},
-            "neighbour_gap": None if self.position_outliers is None else self.position_outliers.to_dict(self.scene),
-            "crossings_at_least": error_norms.count_crossings(self.scene, frames),
-            "ours": [run.to_dict() for run in self.ours],
-        }
+        estimate = {"companion": error_norms.summarise_norms(times, estimates), "norms": error_norms.as_json(estimates),
+                    "own_error": {q: finite_or_none(float(np.max([doubt[q] for doubt in doubts]))) for q in QUANTITIES},
+                    "index": None if true is None else error_norms.effectivity(estimates, true, self.scene),
+                    "distance": None if true is None else error_norms.distances(self.companion_errors,
+                                                                                self.true_errors)}
+        return {"cells": self.grid.cells, "h": self.scene.spacing, "files": list(dict.fromkeys(f.file for f in frames)),
+                "particles": len(frames[-1].number), "times": times.tolist(), "notes": self.notes(),
+                "checks": [one.to_judge_dict() for one in self.checks],
+                "error": None if true is None else error_norms.summarise_norms(times, true),
+                "norms": None if true is None else error_norms.as_json(true), "estimate": estimate,
+                "worst": {q: None if (found := self.worst(q)) is None else found.to_dict() for q in QUANTITIES},
+                "neighbour_gap": None if self.position_outliers is None else self.position_outliers.to_dict(self.scene),
+                "crossings_at_least": error_norms.count_crossings(self.scene, frames),
+                "ours": [run.to_dict() for run in self.ours]}
 
     def notes(self) -> list[str]:
         """Returns sentences about the files."""
@@ -140,8 +132,7 @@ class Judgement:
         return [float(t) for t in first if all(np.abs(other - t).min() <= near for other in others)]
 
     def largest_common_norm(self, judged: SingleGridJudgement, quantity: str) -> float:
-        """Returns the largest RMS error of a quantity on one grid, over the times in s after 0 that all grids have; NaN
-        without any."""
+        """Returns a quantity's largest RMS error on a grid, over grids' common times in s after 0; NaN if none."""
         common, near = np.array([t for t in self.common_times() if t > 0]), SAME * self.scene.period
         at = [k for k, t in enumerate(judged.grid.times) if (np.abs(common - t) <= near).any()]
         values = judged.norms[quantity][at]
@@ -167,34 +158,20 @@ def judge(scene: Scene, files: Particles | Sequence[Particles], *, cells: Sequen
           on_progress: Progress = lambda part, what: None) -> Judgement:
     """Judges the particles of any code that ran a scene's problem: how large their errors are, where, and their order.
 
-    Parameters
-    ----------
-    scene
-        The problem and its parameters. Methods, estimators, effects and remedies do not matter here. Our own files
-        contain their scene, which replaces every input that has its default here.
-    files
-        A path (.csv, .npz, .vtk, .vtu, .vtp), a mapping from names to arrays, or several of these, of one grid or more.
-        Arrays are (P,), (P, D) or (P, D, D) of one time ``t``, or (T, P, ...) of T times (T,), in SI units: ``x`` and
-        ``id`` or ``X``, and ``v``, ``F``, ``sigma`` if known; ``cells`` is the number of grid cells.
-    cells
-        Cells of the grid, one number for all files or one for each, where files contain none; default: the scene's.
-    times
-        The time of each file in s, where files do not contain it.
-    compare
-        Whether our own methods run on the same grids for comparison.
-    on_progress
-        Called now and then with the part done (0 to 1) and the name of the present stage.
+    ``scene`` is the problem and its parameters; methods, estimators, effects and remedies do not matter here. Our own
+    files contain their scene, which replaces every input that has its default here.
 
-    Returns
-    -------
-    Judgement
-        Its ``to_dict()`` is the object of ``mpm-lab judge``'s report.json.
+    ``files`` is a path (.csv, .npz, .vtk, .vtu, .vtp), a mapping from names to arrays, or several of these, of one grid
+    or more. Arrays are (P,), (P, D) or (P, D, D) of one time ``t``, or (T, P, ...) of T times (T,), in SI units: ``x``
+    and ``id`` or ``X``, and ``v``, ``F``, ``sigma`` if known; ``cells`` is the number of grid cells.
 
-    Raises
-    ------
-    FileError
-        For files, or arrays, that cannot be judged; :class:`~solvers.judging.particle_data_types.ProblemMismatch` for
-        those of another problem. SceneError Where ``cells`` or ``times`` do not fit the files, or a companion is lost.
+    Where files contain none, ``cells`` are those of the grid, one number for all files or one for each (default: the
+    scene's), and ``times`` has the time of each file in s. With ``compare`` our own methods run on the same grids for
+    comparison; ``on_progress`` is called now and then with the part done (0 to 1) and the name of the present stage.
+
+    The result's ``to_dict()`` is the object of ``mpm-lab judge``'s report.json. Raises :class:`FileError` for files, or
+    arrays, that cannot be judged, :class:`~solvers.judging.particle_data_types.ProblemMismatch` for those of another
+    problem, :class:`SceneError` where ``cells`` or ``times`` do not fit the files, or a companion is lost.
     """
     sources = as_list(files)
     for name, given, counts in (("cells", cells, {1, len(sources)}), ("time", times, {len(sources)})):

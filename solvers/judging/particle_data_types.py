@@ -13,8 +13,7 @@ from solvers.untrusted.quoting import FileError
 
 
 class ProblemMismatch(FileError):
-    """Error for particles that do not fit a problem: the ``reason``, what is ``allowed``, and names of ``problems``
-    that they fit."""
+    """Error for particles unfit for a problem: ``reason``, what is ``allowed``, and names of ``problems`` they fit."""
 
     def __init__(self, file: str, reason: str, allowed: str, problems: tuple[str, ...] = ()):
         self.reason, self.allowed, self.problems = quoting.one_line(reason), allowed, problems

@@ -168,8 +168,7 @@ def _comment_number(path: str, comments: dict[str, str], *names: str) -> float |
 
 
 def read_vtk(path: str, limits: SizeLimits = LIMITS) -> RawTable:
-    """Returns the table of a VTK file: points are positions, point data the rest; the time may be in the field data
-    (``TimeValue``)."""
+    """Returns a VTK file's table: points are positions, point data the rest; time may be field data (``TimeValue``)."""
     kind = Path(path).suffix.lower()
     with open(path, "rb") as file:
         if (size := file.seek(0, 2)) > LARGEST:

@@ -8,15 +8,9 @@ from dataclasses import replace
 import numpy as np
 
 from solvers.estimators.standalone_companion import accurate_time_step
+from solvers.judging import particle_data_types
 from solvers.judging.column_names import describe_columns
-from solvers.judging.particle_data_types import (
-    Frame,
-    ProblemMismatch,
-    RawTable,
-    SingleGridRun,
-    group_rows_by_time,
-    row_times,
-)
+from solvers.judging.particle_data_types import Frame, ProblemMismatch, RawTable, SingleGridRun, row_times
 from solvers.judging.scene_metadata import HINT, resolve_scene, scene_of_metadata
 from solvers.problems import PROBLEMS
 from solvers.problems.judging_reference import JudgingReference
@@ -68,8 +62,7 @@ def _resolve_scene(files: list[RawTable], asked: Scene) -> tuple[Scene, list[str
         raise FileError(raw.file, "{reason}, and its particles are not; {hint}", misfit.reason, HINT) from None
 
 
-def _suggest_problems(misfit: ProblemMismatch, raw: RawTable, asked: Scene,
-                      times: Sequence[float]) -> ProblemMismatch:
+def _suggest_problems(misfit: ProblemMismatch, raw: RawTable, asked: Scene, times: Sequence[float]) -> ProblemMismatch:
     """Returns the error with the problems that the file fits: on the usual grid or the one asked for, or, where only
     ids identify its particles, on some grid."""
     others = tuple(name for name in PROBLEMS if name != asked.problem and any(
@@ -120,8 +113,7 @@ def match_grids(files: Sequence[RawTable], scene: Scene, cells: Sequence[int],
         notes.setdefault(count, []).extend(said)
         steps[count] = raw.step if raw.step is not None else steps.get(count)
     return [SingleGridRun(count, _sort_frames_by_time(frames[count], scene), tuple(dict.fromkeys(notes[count])),
-                          steps[count])
-            for count in sorted(frames)]
+                          steps[count]) for count in sorted(frames)]
 
 
 def _match_frames(raw: RawTable, scene: Scene, reference: JudgingReference,
@@ -148,7 +140,7 @@ def _match_frames(raw: RawTable, scene: Scene, reference: JudgingReference,
     if (turned := int((moved != x).any(axis=1).sum())) > 0:
         notes.append(Message("{turned:,} positions were moved back by a period of the grid", turned))
     found = []
-    for at in group_rows_by_time(times):
+    for at in particle_data_types.group_rows_by_time(times):
         part = {key: values[at] for key, values in whole.items()}
         who = number[at] if "id" in columns else np.arange(len(times[at]))
         frame = Frame(raw.file, float(times[at][0]), who, X[at], moved[at], part.get("v"), part.get("F"),
@@ -288,8 +280,7 @@ def _sort_frames_by_time(frames: list[Frame], scene: Scene) -> tuple[Frame, ...]
 
 
 def check_origin(frame: Frame, error: np.ndarray, scene: Scene) -> None:
-    """Raises FileError for particles shifted as a whole: ``error`` (P, D) of x in m is nearly the same for all of them,
-    and more than a cell."""
+    """Raises FileError for particles shifted together: ``error`` (P, D) of x in m is nearly uniform and over a cell."""
     mean = error.mean(axis=0)
     rest = float(np.sqrt(np.mean(np.sum((error - mean) ** 2, axis=1))))
     if np.linalg.norm(mean) > max(scene.spacing, RIGID * rest):

@@ -82,8 +82,7 @@ def table_columns(dimensions: int) -> dict[str, slice]:
 
 
 def judge_in_worker(question: dict, tell: Callable[[dict], None]) -> None:
-    """Answers a :class:`JudgeFileRequest` (a dict): writes its table, and passes summary and verdict, or an error, to
-    ``tell``."""
+    """Answers a :class:`JudgeFileRequest` dict: writes its table, passes summary and verdict or error to ``tell``."""
     asked = JudgeFileRequest(**question)
     if sys.platform == "linux":  # a file may unpack to a huge size: protect the machine's memory
         import resource

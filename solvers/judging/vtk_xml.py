@@ -197,8 +197,7 @@ class DataSource:
 
 @dataclass(frozen=True)
 class NumberEncoding:
-    """Encoding of numbers: the ``order`` of their bytes (< or >), the type of sizes before them, and the ``packing``, a
-    VTK compressor or None."""
+    """Number encoding: byte ``order`` (< or >), type of sizes before them, ``packing``, a VTK compressor or None."""
 
     order: str
     size: np.dtype

@@ -1,8 +1,7 @@
 """Cache of compiled kernels: its size, and its folder where the home folder is read-only or missing.
 
-Taichi writes them below ``XDG_CACHE_HOME``, by default ``~/.cache``, when it ends; where it cannot, its process ends in
-a segmentation fault, with its cache switched off too, and without a ``HOME`` it does not even start. Matplotlib keeps
-its list of fonts there.
+Taichi writes them below ``XDG_CACHE_HOME``, by default ``~/.cache``, when it ends; where it cannot, it ends in a
+segmentation fault, even with its cache off, and without a ``HOME`` does not start. Matplotlib's font list is there.
 """
 
 import atexit

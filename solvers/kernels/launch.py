@@ -16,9 +16,8 @@ from solvers.kernels import runtime
 
 
 class Launch:
-    """Kernel with its arguments, to be called with whole numbers: its arguments are these, then an argument ``pack`` of
-    numbers and arrays, then ``templates``. The first call compiles it; after that the pack's arrays must not be
-    replaced, only written to."""
+    """Kernel bound to arguments, called with whole numbers: its arguments are these, then a ``pack`` of numbers and
+    arrays, then ``templates``. The first call compiles it; then the pack's arrays may be written to, not replaced."""
 
     def __init__(self, kernel: Any, pack: Any, *templates: Any):
         self._kernel, self._arguments = kernel, (pack, *templates)

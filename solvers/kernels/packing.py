@@ -1,11 +1,10 @@
 """Many numbers and arrays in few: one array for each type, because a kernel takes 64 arguments and no more.
 
 Every member of a state's argument pack counts, and an estimator with a second run has a state's worth of them. So all
-that estimators keep is in a :class:`ArrayPacking`: the arrays of one type lie one behind the other in a single one,
-and the numbers and the places where arrays begin stand in front. In kernels :class:`PackedAttributesView` gives the
-state with the packed members as attributes, for reading and for writing to arrays, and ``prefix_view`` gives those of
-one prefix by the rest of their names, so that functions written for a state (``bar.position[p]``) work on a second
-one.
+that estimators keep is in a :class:`ArrayPacking`: the arrays of one type lie one behind the other in a single one, and
+the numbers and the places where arrays begin stand in front. In kernels :class:`PackedAttributesView` gives the state
+with the packed members as attributes, for reading and for writing to arrays, and ``prefix_view`` gives those of one
+prefix by the rest of their names, so that functions written for a state (``bar.position[p]``) work on a second one.
 """
 
 from collections.abc import Iterable, Mapping
@@ -112,8 +111,7 @@ class _ArraySlice:
 
 @mark_untranslated_by_taichi
 def prefix_view(state: object, prefix: str) -> _PrefixView:
-    """Returns, for use in a kernel, a view of the state's members whose names begin with ``prefix``, as attributes by
-    the rest of their names."""
+    """Returns for kernels a view of members whose names begin with ``prefix``, as attributes by the rest of these."""
     return _PrefixView(state, prefix)
 
 

@@ -40,15 +40,13 @@ def start(arch: str = "cpu", threads: int = 1) -> str:
     returns the architecture that really runs ("x64", "cuda", ...). A call with other settings restarts Taichi, one with
     the same does nothing. All calls must come from one thread.
 
-    Without a GPU Taichi falls back to the CPU with only a warning: ``solvers.solver.gpu_detection`` finds out
-    beforehand, in a process of its own. ``fast_math`` stays off: it gains nothing in the bar and hides NaN from the
-    stability check.
+    Without a GPU Taichi takes the CPU with only a warning: ``solvers.solver.gpu_detection`` finds out beforehand, in
+    its own process. ``fast_math`` stays off: it gains nothing in the bar and hides NaN from the stability check.
 
-    On the CPU vectors stay whole: by default Taichi takes them apart into numbers, and LLVM puts back together only
-    what it recognises, in registers of the oldest processor where it does not know the present one. Whole vectors make
-    the ring 1.5 times as fast. They are read and written at once, so arrays must be aligned
-    (``solvers.solver.state_arrays``); and ``abs`` and casts of a whole vector abort the process while it compiles:
-    take its entries.
+    On the CPU vectors stay whole: by default Taichi takes them apart into numbers, and LLVM rejoins only what it
+    recognises, in the oldest processor's registers where it does not know the present one. Whole vectors make the ring
+    1.5 times as fast. They are read and written at once, so arrays must be aligned (``solvers.solver.state_arrays``);
+    and ``abs`` and casts of a whole vector abort the process while it compiles: take its entries.
     """
     global _started
     if _started != (arch, threads):

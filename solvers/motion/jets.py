@@ -18,17 +18,8 @@ PAIR_NUMBER = {pair: k for k, pair in enumerate(PAIRS)} | {(j, i): k for k, (i, 
 
 
 class Jet:
-    """A value with three first derivatives and, in a jet of second order, six second ones.
-
-    Parameters
-    ----------
-    value
-        A float or an array (P,).
-    first
-        Derivatives with respect to X, Y and t.
-    second
-        Derivatives with respect to the pairs of :data:`PAIRS`; an empty tuple for a jet of first order.
-    """
+    """A value, a float or an array (P,), with its ``first`` derivatives by X, Y and t and its six ``second`` ones by
+    the pairs of :data:`PAIRS`; ``second`` is an empty tuple for a jet of first order."""
 
     __slots__ = ("first", "second", "value")
     __array_ufunc__ = None  # numpy leaves products of an array and a jet to this class

@@ -30,17 +30,9 @@ class NotPeriodicError(ArithmeticError):
 
 @dataclass(frozen=True)
 class SeparableField:
-    """Field sum_k T_k(t) M_k(X) of C components at P places, of r terms.
-
-    Parameters
-    ----------
-    modes
-        M_k (P, r, C).
-    series
-        Coefficients (r, 1 + 2 H) of T_k: the mean, then cos and sin of the harmonics 1 to H.
-    angular_frequency
-        That of the first harmonic, in 1/s.
-    """
+    """Field sum_k T_k(t) M_k(X) of C components at P places, of r terms: ``modes`` are M_k (P, r, C), ``series`` the
+    coefficients (r, 1 + 2 H) of T_k, which are the mean, then cos and sin of the harmonics 1 to H;
+    ``angular_frequency`` is that of the first harmonic, in 1/s."""
 
     modes: np.ndarray
     series: np.ndarray

@@ -62,23 +62,15 @@ def read_texts(path: Path, *cases: str, **values: float | str) -> ProblemDescrip
     """Returns the texts in a Markdown file (:func:`read_parts`): for each field of :class:`ProblemDescription` the
     part ``name: case`` of the first of the ``cases`` that has one, or the part ``name``."""
     parts = read_parts(path, **values)
-    return ProblemDescription(*(next(parts[one] for one in (*(f"{text.name}: {case}" for case in cases),
-                                                            text.name) if one in parts)
-                                for text in fields(ProblemDescription)))
+    return ProblemDescription(*(next(parts[one] for one in (*(f"{text.name}: {case}" for case in cases), text.name)
+                                     if one in parts) for text in fields(ProblemDescription)))
 
 
 class JudgingReference(ABC):
     """Description of a problem for other codes; ``axes`` are the names of its D coordinates, ``EXACT`` its solution.
 
-    Parameters
-    ----------
-    scene
-        A scene of the problem, in every method.
-    X, x : (P, D) array, m
-        Material positions, and positions, which are not wrapped; two axes even if D is 1.
-    t : float, s
-    F : (P, D, D) array
-        Deformation gradients.
+    In every method, ``scene`` is a scene of the problem, X and x (P, D) in m are material positions, and positions,
+    which are not wrapped, with two axes even if D is 1; t is in s, and F (P, D, D) are deformation gradients.
     """
 
     EXACT: Any
@@ -122,8 +114,7 @@ class JudgingReference(ABC):
 
     @abstractmethod
     def companion(self, scene: Any, fine: bool) -> ElasticBody:
-        """Returns the scene's body for ``solvers.estimators.standalone_companion``, on a ``fine`` mesh or a coarser
-        one."""
+        """Returns the scene's body for ``solvers.estimators.standalone_companion``, on a ``fine`` or coarser mesh."""
 
     def exact_stress(self, scene: Any, X: np.ndarray, t: float) -> np.ndarray:
         """Returns the Cauchy stress (P, D, D) in Pa of the exact solution at X (P, D) and the time t in s."""

@@ -59,8 +59,7 @@ LIMITS = (
           give={"cells": lambda scene, turn: math.ceil(scene.cells * turn / MOST_TURN)},
           why="circles one cell apart turn by {value:.2g} radians against each other, and recovered's fits over four "
           "cells can follow {most:g}; give {cells} cells or a smaller amplitude"),
-    # As the way of a wave over an element, a cell wide at the inner rim. From 0.8 on its method may be unstable, which
-    # the run shows.
+    # As a wave's way over an element, a cell wide at the inner rim. From 0.8 on it may be unstable, as the run shows.
     Limit("recovered", "courant_number", most=lambda scene: 0.9 / (scene.INNER * wave_angle_per_metre(scene)),
           why="recovered "
           "has its own equation of motion, which is unstable with such steps in such a shear; give a cfl of {most:.2g} "

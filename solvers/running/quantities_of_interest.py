@@ -127,5 +127,4 @@ def _monomials(away: np.ndarray, degree: int) -> np.ndarray:
     if away.shape[1] == 1:
         return away ** np.arange(degree + 1)
     x, y = away.T
-    return np.stack([x**i * y**j for total in range(degree + 1) for i in range(total, -1, -1) for j in [total - i]],
-                    axis=1)
+    return np.stack([x**i * y**(total - i) for total in range(degree + 1) for i in range(total, -1, -1)], axis=1)

@@ -32,8 +32,7 @@ class RepeatedSteps:
     def __init__(self, solver: Solver, seconds: float = MIN_SECONDS, longest: float = math.inf, steps: int = 0):
         self.solver = solver
         alone = solver.plan == "serial" and solver.arch in PROCESSORS  # otherwise this thread waits for others
-        # CPU time where one thread does everything, so that other work on the machine is not counted; Windows counts
-        # it in ticks of 1/64 s.
+        # CPU time where one thread does everything, without other work on the machine; Windows has ticks of 1/64 s.
         self._clock = time.thread_time if alone and os.name != "nt" else time.perf_counter
         scene, most = solver.scene, solver.longest_advance
         rounds = [math.lcm(*solver.estimate_intervals)]  # of estimators, then with samples, then with margins

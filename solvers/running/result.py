@@ -15,19 +15,14 @@ from solvers.running import result_file
 from solvers.scene.effects import ALL
 from solvers.scene.scene import Scene
 from solvers.scene.validation import SceneError
-from solvers.solver import budget_shares, error_series
+from solvers.solver import budget_shares, error_series, verdict_basis
 from solvers.solver.error_series import IGNORE_OVERFLOW, finite_or_none, largest_finite_or_none, summary
 from solvers.solver.particle_snapshot import Snapshot, WallTimes
 from solvers.solver.rounding import largest_rounding_error
 from solvers.solver.rounding import rounding_sentence as nothing_but
 from solvers.solver.samples import QUANTITIES
 from solvers.solver.soundness import evidence
-from solvers.solver.verdict_basis import (
-    checks_by_quantity,
-    is_balance_motion_known,
-    large_errors,
-    missing_checks_sentence,
-)
+from solvers.solver.verdict_basis import is_balance_motion_known, large_errors, missing_checks_sentence
 
 SCHEMA = "mpm-lab/run/1"
 VIEW_ENTRY_POINTS = "mpm_lab.result"  # where the installed package registers ``app``'s picture and table of a run
@@ -95,37 +90,21 @@ class Result:
         return result_file.result_arrays(vars(self))
 
     def save(self, path: str | os.PathLike[str]) -> None:
-        """Writes the result to a .npz, which ``mpm-lab judge`` can read as particles.
-
-        Raises
-        ------
-        FileError
-            For a name that does not end in .npz, and a run of more than 500 MB.
-        """
+        """Writes the result to a .npz, which ``mpm-lab judge`` can read as particles. Raises :class:`FileError` for a
+        name that does not end in .npz, and a run of more than 500 MB."""
         result_file.write(os.fspath(path), vars(self))
 
     @classmethod
     def load(cls, path: str | os.PathLike[str]) -> "Result":
         """Returns the result that :meth:`save`, or ``mpm-lab run --particles FILE.npz``, has written, bit for bit.
-
-        Raises
-        ------
-        FileError
-            Where there is none, or an invalid one: one sentence with the reason.
-        """
+        Raises :class:`FileError`, one sentence with the reason, where there is none, or an invalid one."""
         return cls(**result_file.read(os.fspath(path)))
 
     def plot(self) -> Any:
         """Returns the picture of ``mpm-lab run --plot`` as a matplotlib figure, which a notebook shows: errors over
-        time, true and estimated, and the particles by both. ``result.plot().savefig("run.png")`` writes it.
-
-        Raises
-        ------
-        RuntimeError
-            Where mpm-lab is not installed, so that no viewer is registered.
-        ImportError
-            Where another package called ``app`` is imported instead.
-        """
+        time, true and estimated, and the particles by both. ``result.plot().savefig("run.png")`` writes it. Raises
+        :class:`RuntimeError` where mpm-lab is not installed, so that no viewer is registered, and
+        :class:`ImportError` where another package called ``app`` is imported instead."""
         if (draw := load_view_function("plot")) is None:
             raise RuntimeError("nothing that is installed draws a result; install mpm-lab, with `pip install .`")
         return draw(self)
@@ -161,8 +140,7 @@ class Result:
     @property
     def error(self) -> ByQuantity:
         """True errors over the run: ``error["x"]["max"]`` and so on, RMS over particles of x (m), v (m/s), sigma (Pa),
-        a (m/s^2) and the problem's own norm, each as in :func:`solvers.solver.error_series.summary`; None without
-        truth."""
+        a (m/s^2) and the problem's own norm, as in :func:`solvers.solver.error_series.summary`; None without truth."""
         extra = {self.scene.EXTRA_ERROR: summary(self.series["error_extra"])}
         return ByQuantity({q: summary(self.series[f"error_{q}"]) for q in QUANTITIES} | extra)
 
@@ -227,8 +205,7 @@ class Result:
 
     @property
     def budget(self) -> dict | None:
-        """Share of each cause in the error (:func:`solvers.solver.budget_shares.summary`); None where it was not
-        computed."""
+        """Share of each cause in the error (:func:`solvers.solver.budget_shares.summary`); None where not computed."""
         reference: str = getattr(self.scene, "budget_reference", "exact")  # where a problem leaves no choice
         return budget_shares.summary(self.series, reference) if "budget/error_x" in self.series else None
 
@@ -255,7 +232,8 @@ class Result:
     def verdict(self) -> dict:
         """Basis of status and reason: what each quantity was ``checked`` against, a sentence on what was
         ``not_checked`` or None, and quantities whose error was ``as_large_as_itself`` (``solver.verdict_basis``)."""
-        held = checks_by_quantity(self.scene, self.not_valid, is_balance_motion_known(self.scene, self.series))
+        held = verdict_basis.checks_by_quantity(self.scene, self.not_valid,
+                                                is_balance_motion_known(self.scene, self.series))
         large = large_errors(self.scene, self.series, self.not_valid)
         return {"checked": held, "not_checked": missing_checks_sentence(self.scene, held),
                 "as_large_as_itself": {q: {**asdict(one), "size": finite_or_none(one.size)} for q,
@@ -273,17 +251,16 @@ class Result:
 
     def to_dict(self) -> dict:
         """Returns the object of ``mpm-lab run --json``: results of effects that were off are None."""
-        return {
-            "schema": SCHEMA, "scene": self.scene.to_dict(), "status": self.status, "reason": self.reason,
-            **self.verdict, "t": self.time, "steps": self.steps, "particles": self.particles,
-            "error": self.error, "estimate": self.estimate, "index": self.index, "rounding": self.rounding,
-            "distance": self.distance, "goals": self.goals,
-            **{effect.json_key: self.effect_numbers(name) for name, effect in ALL.items() if effect.numbers},
-            "budget": self.budget, "soundness": self.soundness, "step": self.step, "life": self.life,
-            "effects": self.effects, "bytes": self.bytes, "not_valid": self.not_valid,
-            "seconds": {"setup": self.seconds.setup, "compile": self.seconds.compile, "run": self.seconds.run,
-                        "estimate": self.seconds.estimate, "estimators": self.seconds.estimators},
-            "rate": finite_or_none(self.rate), "arch": self.arch, "threads": self.threads, "plan": self.plan}
+        return {"schema": SCHEMA, "scene": self.scene.to_dict(), "status": self.status, "reason": self.reason,
+                **self.verdict, "t": self.time, "steps": self.steps, "particles": self.particles, "error": self.error,
+                "estimate": self.estimate, "index": self.index, "rounding": self.rounding, "distance": self.distance,
+                "goals": self.goals,
+                **{effect.json_key: self.effect_numbers(name) for name, effect in ALL.items() if effect.numbers},
+                "budget": self.budget, "soundness": self.soundness, "step": self.step, "life": self.life,
+                "effects": self.effects, "bytes": self.bytes, "not_valid": self.not_valid,
+                "seconds": {"setup": self.seconds.setup, "compile": self.seconds.compile, "run": self.seconds.run,
+                            "estimate": self.seconds.estimate, "estimators": self.seconds.estimators},
+                "rate": finite_or_none(self.rate), "arch": self.arch, "threads": self.threads, "plan": self.plan}
 
 
 def load_view_function(name: str) -> Callable[[Any], Any] | None:

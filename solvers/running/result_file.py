@@ -106,23 +106,20 @@ class _ResultReader:
         status, not_valid, seconds = said["status"], said["not_valid"], said["seconds"]
         if status not in (OK, *BROKEN):
             raise ValueError(status)
+        estimators = {_validated_text(name): _validated_number(part) for name, part in seconds["estimators"].items()}
         moments = {name: self._snapshot(name, said["moments"][name]) if name in said["moments"] else None
                    for name in MOMENTS}
         if moments["final"] is None:
             raise KeyError("final")
-        return {
-            "scene": self._scene, "status": status, "reason": _maybe(_validated_text, said["reason"]),
-            "broken_at": _maybe(_validated_number, said["broken_at"]), "time": _validated_number(said["time"]),
-            "steps": _validated_count(said["steps"]), "series": self._series(), **moments,
-            "bytes": _validated_count(said["bytes"]),
-            "not_valid": {_validated_text(name): _validated_text(why) for name, why in not_valid.items()},
-            "seconds": WallTimes(_validated_number(seconds["setup"]), _validated_number(seconds["compile"]),
-                                 _validated_number(seconds["run"]),
-                                 {_validated_text(name): _validated_number(part) for name,
-                                  part in seconds["estimators"].items()}),
-            "arch": _validated_text(said["arch"]), "threads": _validated_count(said["threads"]),
-            "plan": _validated_text(said["plan"]),
-            "goals": {_validated_text(name): _validated_goal(goal) for name, goal in said.get("goals", {}).items()}}
+        return {"scene": self._scene, "status": status, "reason": _maybe(_validated_text, said["reason"]),
+                "broken_at": _maybe(_validated_number, said["broken_at"]), "time": _validated_number(said["time"]),
+                "steps": _validated_count(said["steps"]), "series": self._series(), **moments,
+                "bytes": _validated_count(said["bytes"]), "threads": _validated_count(said["threads"]),
+                "arch": _validated_text(said["arch"]), "plan": _validated_text(said["plan"]),
+                "not_valid": {_validated_text(name): _validated_text(why) for name, why in not_valid.items()},
+                "seconds": WallTimes(_validated_number(seconds["setup"]), _validated_number(seconds["compile"]),
+                                     _validated_number(seconds["run"]), estimators),
+                "goals": {_validated_text(name): _validated_goal(goal) for name, goal in said.get("goals", {}).items()}}
 
     def _series(self) -> dict[str, np.ndarray]:
         """Returns all T sampled norms by name, each (T,) in SI."""

@@ -48,32 +48,17 @@ def run(scene: Scene | type[Scene] | str, on_progress: Callable[[float], None] |
         mid_run: bool = True, on_sample: Callable[[Snapshot], None] | None = None, goals: Sequence[str] = ()) -> Result:
     """Runs a scene to its end, or until it becomes unstable, which is a result and never an exception.
 
-    Parameters
-    ----------
-    scene
-        A scene such as ``BarScene(cells=40)``; or a scene class or a problem's name, for the defaults.
-    on_progress
-        Called several times a second with the part done, 0 to 1.
-    prices
-        Whether the estimators' shares of the time (``Result.seconds.estimators``) are measured half way, which takes a
-        few tenths of a second.
-    mid_run
-        Whether particles are also stored at :func:`picture_step`, where a picture of the end would show nothing.
-    on_sample
-        Called with the particles whenever their norms are sampled, from start to end; each call interrupts the run.
-    goals
-        Quantities of interest at the end, with their estimated errors (``Result.goals``):
-        "kinetic-energy", "mean-stress", "displacement@0.25", in the plane "displacement@0.5,0".
+    ``scene`` is one such as ``BarScene(cells=40)``; or a scene class or a problem's name, for the defaults. With
+    ``prices`` the estimators' shares of the time (``Result.seconds.estimators``) are measured half way, which takes a
+    few tenths of a second; with ``mid_run`` particles are also stored at :func:`picture_step`, where a picture of the
+    end would show nothing. ``goals`` are quantities of interest at the end, with their estimated errors
+    (``Result.goals``): "kinetic-energy", "mean-stress", "displacement@0.25", in the plane "displacement@0.5,0".
 
-    Returns
-    -------
-    Result
-        Errors, estimates, status and times; ``to_dict()`` is the object of ``mpm-lab run --json``.
+    ``on_progress`` is called several times a second with the part done, 0 to 1; ``on_sample`` with the particles
+    whenever their norms are sampled, from start to end, and each call interrupts the run.
 
-    Raises
-    ------
-    SceneError
-        For anything but a scene, for a GPU that does not exist, and for an invalid goal.
+    The result has errors, estimates, status and times; its ``to_dict()`` is the object of ``mpm-lab run --json``.
+    Raises :class:`SceneError` for anything but a scene, for a GPU that does not exist, and for an invalid goal.
     """
     scene = as_scene(scene)
     wanted = parse_goals(scene, goals)

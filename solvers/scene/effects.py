@@ -28,14 +28,10 @@ Series = Mapping[str, np.ndarray]
 class Number:
     """A number that an effect computes from the samples of a run.
 
-    Parameters
-    ----------
-    key
-        Its name in JSON objects, behind that of its effect; "" for one that stands there for its effect.
-    of : series -> number
-        Its value after the last sample (``solvers.solver.samples.read_rows``); unknown where not finite. ``unit`` is
-        in SI, "" for none, :data:`PER_CENT` for one that is displayed in per cent; ``kind`` is int for a count;
-        ``bounds`` are the sizes from which the page marks it as noticeable, and as alarming.
+    ``key`` is its name in JSON objects, behind that of its effect; "" for one that stands there for its effect.
+    ``of`` returns from the series its value after the last sample (``solvers.solver.samples.read_rows``); unknown where
+    not finite. ``unit`` is in SI, "" for none, :data:`PER_CENT` for one that is displayed in per cent; ``kind`` is int
+    for a count; ``bounds`` are the sizes from which the page marks it as noticeable, and as alarming.
     """
 
     key: str
@@ -59,30 +55,18 @@ class OutputLine:
 class Effect:
     """Diagnostic that a scene can request.
 
-    Parameters
-    ----------
-    name
-        Name in scenes and, as ``on.NAME``, in kernels.
-    label, explanation
-        Its name on the page, and what it does, in the imperative.
-    needs
-        Effects of which it needs at least one; ``needs_solution``: it needs a built-in exact solution.
-    timed_alone
-        Whether a study can time it by itself.
-    columns
-        Columns of its own in the samples, there only where it is on: a kernel finds one by
-        ``ti.static(column_index("spin/torque", on))`` (``solvers.solver.samples``), a number's ``of`` in
-        ``series["spin/torque"]``.
-    numbers
-        Its results.
-    key
-        Key of its results in JSON objects, by default its name.
-    text, readout
-        Line of ``mpm-lab run`` and of the page, where it is not the label and all numbers.
-    samplers
-        Functions that fill the columns, by problem, for problems without their own: see :func:`samplers`.
-    elsewhere
-        What a problem without it offers instead, with ``{problem}`` for its name.
+    ``name`` is its name in scenes and, as ``on.NAME``, in kernels; ``label`` that on the page, and ``explanation`` what
+    it does, in the imperative. It ``needs`` at least one of these effects; with ``needs_solution`` also a built-in
+    exact solution. ``timed_alone`` is whether a study can time it by itself.
+
+    ``columns`` are its own in the samples, there only where it is on: a kernel finds one by
+    ``ti.static(column_index("spin/torque", on))`` (``solvers.solver.samples``), a number's ``of`` in
+    ``series["spin/torque"]``. ``samplers`` are functions that fill them, by problem, for problems without their own:
+    see :func:`samplers`.
+
+    ``numbers`` are its results, ``key`` is their key in JSON objects, by default its name; ``text`` and ``readout`` are
+    the lines of ``mpm-lab run`` and of the page, where they are not the label and all numbers; ``elsewhere`` is what a
+    problem without it offers instead, with ``{problem}`` for its name.
     """
 
     name: str
@@ -127,8 +111,7 @@ def _total_energy(series: Series) -> np.ndarray:
 
 
 def _energy_drift(series: Series) -> float:
-    """Returns (E - W - E0)/E0 at the end: E is kinetic plus strain energy, E0 the first, W the work of the body
-    force."""
+    """Returns (E - W - E0)/E0 at the end: E is kinetic plus strain energy, E0 the first, W the body force's work."""
     total = _total_energy(series)
     return (total[-1] - series["work"][-1] - total[0]) / total[0]
 
@@ -196,8 +179,7 @@ def effects_of(problem: str, own: tuple[str, ...]) -> tuple[str, ...]:
 
 
 def require_offered(chosen: object, problem: str, offered: tuple[str, ...]) -> None:
-    """Raises :class:`SceneError` for a ``chosen`` effect of other problems that is not one of those ``offered``
-    here."""
+    """Raises :class:`SceneError` for a ``chosen`` effect of other problems that is none of those ``offered`` here."""
     for name in chosen if isinstance(chosen, tuple) else ():
         effect = ALL.get(name) if isinstance(name, str) else None
         if effect and name not in offered:
@@ -207,16 +189,14 @@ def require_offered(chosen: object, problem: str, offered: tuple[str, ...]) -> N
 
 
 def samplers(problem: str, own: Mapping[str, Callable]) -> dict[str, Callable]:
-    """Returns the functions that fill the columns of a problem's effects, by the effects' names: its ``own`` and
-    registered ones. They are Taichi functions (state, row, step, on) that write to a row of ``state.samples``; ``step``
-    is the number of steps taken."""
+    """Returns the functions that fill a problem's effects' columns, by name: its ``own`` and registered ones, Taichi
+    functions (state, row, step, on) that write a row of ``state.samples``; ``step`` counts the steps taken."""
     extension_modules.load_extensions()
     extension_modules.COMPILED_PROBLEMS.add(problem)
     return {**own, **{name: effect.samplers[problem] for name, effect in ALL.items() if problem in effect.samplers}}
 
 
 def output_lines_by_effect(line_of: Callable[[Effect], OutputLine | None]) -> dict[str, OutputLine]:
-    """Returns the line of output of each effect that has numbers, by name: what ``line_of`` returns, or the usual
-    one."""
+    """Returns the output line of each effect with numbers, by name: what ``line_of`` returns, or the usual one."""
     lines = {name: line_of(effect) or effect.default_output_line for name, effect in ALL.items() if effect.numbers}
     return {name: line for name, line in lines.items() if line.name}

@@ -15,8 +15,7 @@ Quantity = str | Callable[[Any], Any]  # an attribute of the scene, or a functio
 
 @dataclass(frozen=True)
 class Limit:
-    """Row of a problem's ``LIMITS``: an ``estimator`` holds only while a ``quantity`` of the scene stays within these
-    limits.
+    """Row of a problem's ``LIMITS``: an ``estimator`` holds only while a ``quantity`` of the scene stays within them.
 
     A limit is a value, or a quantity as well: ``least`` and ``most`` may be reached, ``below`` may not, all in units
     ``of`` another quantity. If some values are ``allowed``, the quantity must be one of them, or consist of them. The
@@ -58,8 +57,7 @@ class Limit:
 
 
 def reason(limits: Iterable[Limit], estimator: str, scene: Any) -> str | None:
-    """Returns why an estimator does not hold in a scene, by the first of the ``limits`` that is violated; None if
-    none."""
+    """Returns why an estimator does not hold in a scene, by the first violated of the ``limits``; None if none."""
     return next(filter(None, (limit.reason(scene) for limit in limits if limit.estimator == estimator)), None)
 
 

@@ -1,5 +1,4 @@
-"""Fields of a scene with their help texts, from which the command line's flags, the page's widgets and
-``help(BarScene)`` are generated."""
+"""Fields of a scene with help texts, the source of command-line flags, page widgets and ``help(BarScene)``."""
 
 import inspect
 import re
@@ -14,16 +13,14 @@ LINE_WIDTH = 100  # characters
 
 
 def option(default: Any, help: str = "", unit: str = "", choices: tuple[str, ...] = (), hint: str = "") -> Any:
-    """Returns a dataclass field of a scene, from which its flag and its widget are generated. ``help`` is its meaning,
-    beginning with a capital; after a semicolon comes the part that the flag's help puts behind the unit. ``unit`` is in
-    SI, "" for none; ``choices`` are allowed names, if only a few are; ``hint`` is a text in place of a default that is
-    None."""
+    """Returns a dataclass field of a scene, the source of its flag and widget. ``help`` is its meaning, beginning with
+    a capital; after a semicolon comes the part that the flag's help puts behind the unit. ``unit`` is in SI, "" for
+    none; ``choices`` are allowed names, if only a few are; ``hint`` is a text in place of a default that is None."""
     return field(default=default, metadata={"help": help, "unit": unit, "choices": choices, "hint": hint})
 
 
 def document_fields(kind: Kind) -> Kind:
-    """Class decorator, above ``dataclass``, that appends to the docstring of a scene's class the meaning, unit and
-    choices of each field."""
+    """Class decorator above ``dataclass``: appends each field's meaning, unit and choices to the class's docstring."""
     told = [f"{field.name} : {_type_text(field.type)}\n{textwrap.indent(_help_text(kind, field), '    ')}"
             for field in fields(kind) if field.metadata["help"]]
     kind.__doc__ = "\n".join([inspect.cleandoc(kind.__doc__ or ""), "", "Parameters", "----------", *told])

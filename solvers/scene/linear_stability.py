@@ -33,8 +33,7 @@ Fields = Sequence[np.ndarray]  # the components of a vector or tensor, each an a
 @dataclass(frozen=True)
 class ParticleNodeUnknowns:
     """Links of P particles to K nodes each at n moments, in D dimensions: ``where`` (D arrays (n, P, K)) is the index
-    of each component of a node's velocity among the unknowns of its moment, ``sign`` (same shapes) its sign there, -1
-    in mirror images."""
+    of a node's velocity components among its moment's unknowns, ``sign`` (same shapes) the sign, -1 mirrored."""
 
     where: Fields
     sign: Fields
@@ -44,21 +43,11 @@ class ParticleNodeUnknowns:
 class LinearisedConfigurations:
     """P particles and N unknowns, the components of the nodes' velocities, at n moments.
 
-    Attributes
-    ----------
-    unknowns
-        Number N.
-    mass_links, weights
-        Links of the transfer of mass and velocity to the nodes, and S (n, P, K).
-    force_links, gradients
-        Links of the force, and the components of grad S (D arrays (n, P, K')) in 1/m.
-    mass
-        Masses of the particles (P,), in kg.
-    stress
-        Tangent stiffness: maps the rates L_ij = dv_i/dx_j (D^2 arrays (n, P), row by row) to the change of the stress
-        times the volume, in the same layout.
-    held
-        Indices (m,) of unknowns that are fixed at zero: nothing moves across a symmetry plane.
+    ``unknowns`` is N. ``mass_links`` transfer mass and velocity to the nodes with the ``weights`` S
+    (n, P, K); ``force_links`` the force with the ``gradients``, components of grad S (D arrays (n, P, K')) in 1/m.
+    ``mass`` (P,) is the particles' in kg. ``stress`` is the tangent stiffness: it maps the rates L_ij = dv_i/dx_j (D^2
+    arrays (n, P), row by row) to the change of the stress times the volume, in the same layout. ``held`` are indices
+    (m,) of unknowns that are fixed at zero: nothing moves across a symmetry plane.
     """
 
     unknowns: int
@@ -161,8 +150,7 @@ class _StepOperators:
 
 
 def _largest_tridiagonal_eigenvalues(diagonal: list[np.ndarray], beside: list[np.ndarray]) -> np.ndarray:
-    """Returns the largest eigenvalue of each of n tridiagonal matrices, by entries (n,) along and ``beside`` the
-    diagonal."""
+    """Returns the largest eigenvalues of n tridiagonal matrices, by entries (n,) along and ``beside`` the diagonal."""
     k = len(diagonal)
     T = np.zeros((len(diagonal[0]), k, k))
     T[:, np.arange(k), np.arange(k)] = np.stack(diagonal, axis=1)

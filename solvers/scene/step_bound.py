@@ -67,8 +67,7 @@ def combine_instant_bounds(scene: Any, limits: np.ndarray, seconds: float, stret
                            crossed: bool = False) -> StepBound:
     """Returns the bound of a motion that takes ``seconds`` from one extreme to the other, from its longest steps
     ``limits`` (n,) in s at the ``motion_fractions``, its largest ``stretch`` and the Gershgorin bound ``circles`` in s
-    at its hardest moment; ``crossed`` is whether, in the plane, a particle is in different cells at different
-    moments."""
+    at its hardest moment; ``crossed`` is whether, in the plane, a particle changes cells."""
     if scene.frozen or PIECES in scene.remedies:  # nothing crosses a cell
         found = longest_step_of_motion(limits, seconds)
         excess = FROZEN_EXCESS.get(scene.method, OTHER_FROZEN_EXCESS) * max(0.0, stretch - FROZEN_FROM)
@@ -118,8 +117,7 @@ def _hat_integral(s: np.ndarray) -> np.ndarray:
 
 @functools.lru_cache(maxsize=256)  # a live run needs it in each loop, for the automatic step
 def scene_step_bound(scene: Any) -> StepBound:
-    """Returns the longest stable steps in s for a scene's motion, whatever its own step, end, estimators, effects
-    are."""
+    """Returns the longest stable steps in s for a scene's motion, whatever its own step, end, estimators, effects."""
     return _motion_step_bound(replace(scene, dt=None, cfl=None, t_end=AT_ONCE, periods=None, sample_every=None,
                                       estimators=(), effects=()))
 

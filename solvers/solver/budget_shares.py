@@ -77,5 +77,4 @@ def summary(series: Mapping[str, np.ndarray], reference: str) -> dict:
             "at_end": {field: final_parts(series, field) for field in FIELDS},
             "rms": {field: rms_error_over_run(series, field) for field in FIELDS},
             "predicted": {field: {cause: rms_error_over_run(series, field, cause) for cause in CAUSES}
-                          for field in FIELDS},
-            "reference": reference, "not_valid": why_not_valid(series)}
+                          for field in FIELDS}, "reference": reference, "not_valid": why_not_valid(series)}

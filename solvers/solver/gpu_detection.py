@@ -61,8 +61,7 @@ def run_test_sum(terms: ti.i32, total: reals):
 
 
 def probe_in_process(question: dict, answer: Callable[[dict], None]) -> None:
-    """Probes the device ``question["kind"]`` in a process of its own; calls ``answer`` with :func:`probe_device`'s
-    dict."""
+    """Probes the device ``question["kind"]`` in its own process; calls ``answer`` with :func:`probe_device`'s dict."""
     kind, total = question["kind"], np.zeros(1)
     with _capture_stderr() as told:  # where Taichi's native code writes which device it uses
         ti.init(arch=getattr(ti, kind), default_fp=ti.f64, verbose=False, log_level=ti.TRACE)
@@ -78,8 +77,7 @@ def probe_in_process(question: dict, answer: Callable[[dict], None]) -> None:
 
 @contextlib.contextmanager
 def _capture_stderr() -> Iterator[Callable[[], str]]:
-    """Captures standard error in the block, of native code too; yields a function () that returns it after the
-    block."""
+    """Captures standard error in the block, of native code too; yields a function () that returns it after it."""
     with tempfile.TemporaryFile() as file:
         before = os.dup(2)
         os.dup2(file.fileno(), 2)

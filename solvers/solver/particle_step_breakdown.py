@@ -8,8 +8,7 @@ import numpy as np
 
 @dataclass(frozen=True)
 class PeriodicOrMirrorNode:
-    """A node that is summed with another: its number, and how its positions are seen there, ``signs`` x + ``shift`` in
-    m.
+    """A node summed with another: its number, and how its positions are seen there, ``signs`` x + ``shift`` in m.
 
     The bar's period has images one length away, the ring's symmetry planes have mirror images; a node is its own, too.
     """
@@ -21,10 +20,9 @@ class PeriodicOrMirrorNode:
 
 @dataclass(frozen=True)
 class ParticleNodeLinks:
-    """Links of the n nodes of one particle with k ``members``: numbers of the particles that reach them, the particle
-    itself first, each as seen from it (``signs`` and ``shift`` (k, D) as in :class:`PeriodicOrMirrorNode`). ``nodes``
-    (n,) are indices in the solver's arrays, ``weight`` (k, n) is S and ``slope`` (k, n, D) its gradient in 1/m; 0
-    where there is no link."""
+    """Links of the n nodes of one particle with k ``members``: numbers of particles that reach them, itself first, each
+    as seen from it (``signs`` and ``shift`` (k, D) as in :class:`PeriodicOrMirrorNode`). ``nodes`` (n,) index the
+    solver's arrays, ``weight`` (k, n) is S and ``slope`` (k, n, D) its gradient in 1/m; 0 without a link."""
 
     members: np.ndarray
     signs: np.ndarray
@@ -86,12 +84,11 @@ class ParticleStepBreakdown:
     """Step number ``step``, from ``time`` on in s, around the first of k members, with their states ``before`` and
     ``after``; n nodes, D directions.
 
-    ``place`` (k, D) is where the weights see the particles: at x, or at X with frozen weights. ``edges`` (k, D, D) has
-    half the edge vectors of their domains as the method sees them, in m, 0 for hat functions. ``tension`` (k, D, D) is
-    what the slopes are multiplied with, V sigma, or V0 P with frozen weights, in N m. Of the nodes (n, D): place in m,
-    ``momentum`` in N s, forces in N, ``acceleration`` and ``velocity`` after the step; ``node_mass`` (n,) in kg; of the
-    bar all for a cross-section of 1 m2, of the ring for a thickness of 1 m. At a symmetry plane the solver sums one
-    side only.
+    ``place`` (k, D) is where weights see the particles: at x, or at X with frozen weights. ``edges`` (k, D, D) has
+    their domains' half edge vectors as the method sees them, in m, 0 for hat functions. ``tension`` (k, D, D) is what
+    multiplies the slopes, V sigma, or V0 P with frozen weights, in N m. Of the nodes (n, D): place in m, ``momentum``
+    in N s, forces in N, ``acceleration`` and ``velocity`` after the step; ``node_mass`` (n,) in kg; of the bar all for
+    a cross-section of 1 m2, of the ring for a thickness of 1 m. At a symmetry plane the solver sums one side.
     """
 
     step: int

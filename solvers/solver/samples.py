@@ -46,13 +46,12 @@ def column_index(name: str, on: KernelOptions | None = None) -> int:
 def read_rows(rows: np.ndarray, scene: Scene, particles: int, margin_unit: float = 1.0) -> dict[str, np.ndarray]:
     """Returns rows of samples (T, C), with the C columns of the scene's run, as named series (T,).
 
-    ``particles`` is their number in the sums, ``margin_unit`` the factor of margins, which kernels compute from
+    ``particles`` is the number in the sums, ``margin_unit`` the factor of margins, which kernels compute from
     Gershgorin's circles (``solvers.scene.step_bound``). The series are ``time`` in s, ``error_x`` ... (RMS over
     particles, SI), ``kinetic``, ``strain``, ``work`` (J), ``crossings`` and, for each estimator,
-    ``transport/estimate_x``, ``transport/difference_x`` and so on (RMS too). Of the budget, for each of ``FIELDS`` and
-    ``CAUSES``, ``budget/error_x`` (RMS), ``budget/part_x_crossings``, the signed part of it that the cause has made,
-    mean(e_c e)/RMS(e), and ``budget/size_x_crossings``, the RMS of e_c. Columns of other effects as they are:
-    ``spin/torque``.
+    ``transport/estimate_x``, ``transport/difference_x`` and so on (RMS too). Of the budget, of ``FIELDS`` and
+    ``CAUSES``, ``budget/error_x`` (RMS), ``budget/part_x_crossings``, the signed part that the cause made, mean(e_c
+    e)/RMS(e), and ``budget/size_x_crossings``, the RMS of e_c. Other effects' columns as they are: ``spin/torque``.
     """
     names = column_names(scene.active_estimators, scene.active_effects)
     as_they_are = {*column_names((), scene.active_effects)} - {*BASE_COLUMNS, *BUDGET}

@@ -48,9 +48,7 @@ def pad_to_mode_pairs(table: SeparableField | None) -> tuple[SeparableField | No
 
 def vector_mode_entries(table: SeparableField | None) -> tuple[SeparableField | None, np.ndarray | None]:
     """Returns a field of vectors and its modes (n, 4), one in each entry: (x, y, 0, 0); None for None."""
-    if table is None:
-        return None, None
-    return table, np.pad(table.modes.reshape(-1, 2), ((0, 0), (0, 2)))
+    return table, None if table is None else np.pad(table.modes.reshape(-1, 2), ((0, 0), (0, 2)))
 
 
 def motion_mode_entries(table: SeparableField | None) -> tuple[SeparableField | None, np.ndarray | None]:
@@ -90,8 +88,7 @@ def body_force_at(tables: ti.template(), sizes: ti.template(), place, on: ti.tem
 
 @ti.func
 def compute_paired_time_functions(tables: ti.template(), sizes: ti.template(), number: ti.template(), angle, scale):
-    """Stores ``scale`` T_k at an angle w t of the first harmonic in table ``number`` of pairs, as (T_2k, T_2k, T_2k+1,
-    T_2k+1).
+    """Stores ``scale`` T_k at the first harmonic's angle w t in pair table ``number``, as (T_2k, T_2k, T_2k+1, T_2k+1).
 
     The functions are independent, harmonics by recurrence: on a GPU the outermost loop is spread over threads.
     """

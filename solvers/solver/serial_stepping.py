@@ -54,8 +54,7 @@ def serial_kernels(State: Any, phases: StepFunctions) -> SerialKernels:
 
     @ti.kernel
     def compute_step_margin(state: State, on: ti.template()):
-        """Computes the step margin, in a kernel of its own because its code is long and its calls are rare. ``on``:
-        compile-time options."""
+        """Computes the step margin, in its own kernel: its code is long and rarely called. ``on``: kernel options."""
         ti.loop_config(serialize=True)
         for _ in range(1):
             phases.compute_step_margin(state, on)

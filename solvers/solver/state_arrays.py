@@ -1,8 +1,7 @@
 """State of kernels: numbers and arrays of a run, as a dataclass whose annotations are their Taichi types.
 
 The arrays are numpy's, because a scene can then be rebuilt any number of times without leaking memory (Taichi never
-frees its own arrays), and because the view and the tests can read them directly. They are aligned for vector
-instructions.
+frees its own arrays), and the view and the tests can read them directly. They are aligned for vector instructions.
 """
 
 import functools

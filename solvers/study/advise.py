@@ -96,17 +96,10 @@ def advise(choices: list[RefinementFamily], goal: SearchGoal,
            recall: Callable[[RefinementFamily, int], RefinementPoint | None] = lambda family, cells: None) -> Advice:
     """Searches for the cheapest run that meets a goal; returns the best within reach if none does.
 
-    Parameters
-    ----------
-    choices
-        Families to choose from (:func:`refinement_families`), at least one.
-    goal
-    on_look
-        Called before every run with its number (from 1), the least number of runs that there will be, and its scene.
-    on_point
-        Called after every run, new or recalled, with its family and its measurement.
-    recall
-        Returns the measurement of a family's run with so many cells if it is known, or None.
+    ``choices`` are families to choose from (:func:`refinement_families`), at least one. ``on_look`` is called before
+    every run with its number (from 1), the least number of runs that there will be, and its scene; ``on_point`` after
+    every run, new or recalled, with its family and its measurement. ``recall`` returns the measurement of a family's
+    run with so many cells if it is known, or None.
     """
     search = _Search(choices, goal, on_look, on_point, recall)
     search.refine_usual_families()
@@ -255,14 +248,13 @@ def _runner_up(others: list[RefinementFamily], best: Candidate, goal: SearchGoal
     if not others:
         return None, Message("no other method was asked for")
     (other, *_), others_meet = _ranking(others, goal)
-    name = _method_name(other.scene)
+    name, scene = _method_name(other.scene), other.scene
     if met and not others_meet:
         return other, Message("{name} does not meet the tolerance: its error is {error:.2g} at {cells} cells and falls "
                               "no further within the budget", name, other.error, other.cells)
     if not met:
         return other, Message("{name} only falls to {error:.2g}", name, other.error)
-    size = Message("{cells} cells with {ppc} particles per cell, cfl {cfl:g}", other.cells, other.scene.ppc,
-                   other.scene.cfl)
+    size = Message("{cells} cells with {ppc} particles per cell, cfl {cfl:g}", other.cells, scene.ppc, scene.cfl)
     return other, Message("{name} needs {size}: {seconds:.2g} times the time", name, size, other.seconds / best.seconds)
 
 

@@ -83,9 +83,8 @@ class SpaceTimeErrorFit:
 def fit_space_time(steps: Sequence[float], errors: Sequence[float]) -> SpaceTimeErrorFit | None:
     """Splits the error at one h into the part of the step, of first or second order, and the rest for dt -> 0.
 
-    Relative residuals are minimised, so that small errors count too. Steps from which on the error grows faster than
-    any such power, at the brink of instability, are ignored. None with fewer than three different steps, or errors too
-    far apart.
+    Relative residuals are minimised, so small errors count too. Steps from which the error grows faster than such a
+    power, at the brink of instability, are ignored. None with under three different steps, or errors too far apart.
     """
     dt, error = _positive_pairs(steps, errors)
     steep = error[1:] > STEEP * error[:-1] * (dt[1:] / dt[:-1]) ** 2
@@ -181,8 +180,7 @@ def group_series(rows: Sequence[dict], along: str = "cells") -> list[SingleInput
 
 
 def fit_orders(rows: Sequence[dict], norm: str = "max") -> list[dict]:
-    """Returns a dict for each series with two or more h: method, inputs, and a :class:`ConvergenceOrderFit` as dict
-    per quantity."""
+    """Returns a dict per series with several h: method, inputs, and :class:`ConvergenceOrderFit` dicts by quantity."""
     found = []
     for line in group_series(rows):
         orders = {quantity: line.fit(quantity, norm) for quantity in QUANTITIES}

@@ -7,14 +7,8 @@ from typing import Any
 
 from solvers.scene.error_causes import CAUSES
 from solvers.solver.soundness import BROKEN, OK
-from solvers.study.convergence_analysis import (
-    completed_rows,
-    error_of,
-    fit_orders,
-    group_series,
-    pareto,
-    varying_inputs,
-)
+from solvers.study import convergence_analysis
+from solvers.study.convergence_analysis import completed_rows, error_of, group_series, pareto, varying_inputs
 from solvers.study.markdown_tables import markdown_table
 from solvers.study.row import FAILED, REFUSED
 from solvers.untrusted import quoting
@@ -54,7 +48,8 @@ def csv_text(rows: Iterable[Mapping]) -> str:
 
 def study_to_dict(problem: str, rows: Sequence[dict]) -> dict:
     """Returns the whole study as one object for JSON: its rows, and the fitted orders of convergence."""
-    return {"schema": "mpm-lab/sweep/1", "problem": problem, "rows": list(rows), "fits": fit_orders(rows)}
+    return {"schema": "mpm-lab/sweep/1", "problem": problem, "rows": list(rows),
+            "fits": convergence_analysis.fit_orders(rows)}
 
 
 def summarise_study(problem: str, rows: Sequence[dict], pictures: Sequence[str] = ()) -> str:

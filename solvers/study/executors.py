@@ -59,21 +59,9 @@ def execute(tasks: Iterable[Any], place: "LocalExecutor | DaskExecutor", on_row:
             give_up: Callable[[Any, str], dict] = failed_row) -> None:
     """Measures every task. A lost worker is replaced; a row that keeps losing workers is marked as failed.
 
-    Parameters
-    ----------
-    tasks
-        :class:`MeasurementTask` objects.
-    place
-        Executor that measures them.
-    on_row
-        Called with each row (``solvers.study.row``) as it comes, in the caller's thread.
-    give_up
-        Returns the row of a failed task, from the task and the reason.
-
-    Raises
-    ------
-    ExecutorLost
-        Where the executor can measure no more.
+    The executor ``place`` measures the ``tasks``, which are :class:`MeasurementTask` objects. ``on_row`` is called with
+    each row (``solvers.study.row``) as it comes, in the caller's thread; ``give_up`` returns the row of a failed task,
+    from the task and the reason. Raises :class:`ExecutorLost` where the executor can measure no more.
     """
     lost: Counter[str] = Counter()
     waiting = {place.submit(task): task for task in tasks}

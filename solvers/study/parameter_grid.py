@@ -20,9 +20,8 @@ MOST_ROWS = 10_000
 class Task:
     """Combination of inputs to be measured, in plain values, so that it can be sent as JSON.
 
-    ``inputs`` maps the names of flags (``ppc``, ``body_force``, ...) to values; absent or None stands for the scene's
-    default. ``repeats`` is how often the bare run is timed, 0 for not at all; ``price_effects`` is whether the time
-    with each effect alone is measured as well.
+    ``inputs`` maps flags (``ppc``, ``body_force``, ...) to values; absent or None is the scene's default. ``repeats``
+    is how often the bare run is timed, 0 for not at all; ``price_effects`` whether with each effect alone, too.
     """
 
     problem: str
@@ -85,9 +84,8 @@ def combinations(axes: Mapping[str, Sequence]) -> list[dict]:
 
 
 def plan_tasks(problem: str, axes: Mapping[str, Sequence], **options) -> list[Task]:
-    """Returns a task for every combination, each scene once. ``axes`` has the values of each input by the name of its
-    flag; those of the last vary fastest. ``options`` are the other fields of :class:`Task`. Raises :class:`SceneError`
-    where no combination is valid."""
+    """Returns a task for every combination, each scene once. ``axes`` has each input's values by its flag; those of the
+    last vary fastest. ``options`` are other fields of :class:`Task`. Raises :class:`SceneError` where none is valid."""
     tasks: dict[str, Task] = {}
     for given in combinations(axes):
         task = Task(problem, {name: scene_json_line.to_json_value(value) for name, value in given.items()}, **options)

@@ -39,8 +39,7 @@ class RefinementPoint:
 
 @dataclass
 class RefinementFamily:
-    """Runs of ``scene`` with any multiple of ``multiple`` cells, and the measured ``points``; ``quantity`` is x, v,
-    sigma or a."""
+    """Runs of ``scene`` on multiples of ``multiple`` cells and measured ``points``; ``quantity``: x, v, sigma or a."""
 
     scene: Scene
     quantity: str

@@ -25,18 +25,9 @@ class StoreError(Exception):
 class RowStore:
     """Rows of a study in a directory. A row with the key of an earlier one replaces it.
 
-    Parameters
-    ----------
-    directory
-        Created if missing; must be empty, or with ``resume`` contain rows of the ``problem``, if one is given. If
-        ``resume`` is None, it may contain rows and anything else.
-    fault
-        Function that returns what is wrong with a stored row, in words, or None.
-
-    Raises
-    ------
-    StoreError
-        Where the directory cannot be used.
+    The ``directory`` is created if missing; it must be empty, or with ``resume`` contain rows of the ``problem``, if
+    one is given. If ``resume`` is None, it may contain rows and anything else. ``fault`` is a function that returns
+    what is wrong with a stored row, in words, or None. Raises :class:`StoreError` where the directory cannot be used.
     """
 
     def __init__(self, directory: str | os.PathLike, problem: str | None, resume: bool | None = False,

@@ -1,8 +1,7 @@
 """The stability map: how many periods a method survives, with and without remedies, over amplitude and time step.
 
-A treatment is what a scene uses against breakdown: remedies, linearity preservation, domains whose corners move with
-the grid. A row of the map is a row of a study (``solvers.study.row``) whose run is long and computes only the truth and
-the contradictions.
+A treatment is what a scene uses against breakdown: remedies, linearity preservation, domain corners that move with the
+grid. A map row is a study row (``solvers.study.row``) whose long run computes only truth and contradictions.
 """
 
 from collections.abc import Iterable, Mapping, Sequence
@@ -86,8 +85,7 @@ def treatment_of(row: Mapping) -> str:
 
 
 def gentle_scene_for_timing(kind: type[Scene], row: Mapping, treatment: str) -> Scene:
-    """Returns a scene with the row's method and grid and a treatment, gentle (cfl 0.1), so that timed steps are
-    stable."""
+    """Returns a scene with the row's method and grid and a treatment, gentle (cfl 0.1), so timed steps are stable."""
     scene = row["scene"]
     gentle = {"method": scene["method"], "cells": scene["cells"], "ppc": scene["ppc"], "cfl": PRICE_CFL,
               "amplitude": kind.GENTLE_AMPLITUDE}
@@ -114,8 +112,7 @@ def measure_prices(kind: type[Scene], rows: Iterable[dict]) -> dict[tuple[str, s
     pairs: dict[tuple[str, str], tuple[Scene, Scene]] = {}
     for row in completed_rows(rows):
         plain, treated = (replace(gentle_scene_for_timing(kind, row, name), effects=(), estimators=(),
-                                  sample_every=None)
-                          for name in ("plain", treatment_of(row)))
+                                  sample_every=None) for name in ("plain", treatment_of(row)))
         pairs |= {(plain.method, "plain"): (plain, plain), (plain.method, treatment_of(row)): (treated, plain)}
     return time_ratios(pairs, PRICE_TURNS)
 

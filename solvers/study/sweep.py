@@ -56,9 +56,8 @@ class Rows(list[dict]):
 
     def _column(self, name: str) -> np.ndarray:
         if name not in self.columns:
-            raise SceneError("column", name,
-                             f"is none of these rows{quoting.suggest_word(name, self.columns)}; they have "
-                             f"{', '.join(self.columns) or 'none'}")
+            raise SceneError("column", name, f"is none of these rows{quoting.suggest_word(name, self.columns)}; they "
+                             f"have {', '.join(self.columns) or 'none'}")
         values = [row[name] for row in self]
         known = [value for value in values if value is not None]
         if not known or not all(isinstance(value, numbers.Real) and not isinstance(value, bool) for value in known):

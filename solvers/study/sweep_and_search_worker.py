@@ -22,8 +22,7 @@ from solvers.study.refinement_error_and_cost import ESTIMATOR, RefinementFamily,
 from solvers.study.row import measure, unmeasured_row
 from solvers.translatable_message import Message
 
-#: Default choices of a search: the cheapest runs are often those of one particle per cell, or of steps
-#: near the longest that are stable.
+#: Default choices of a search: often the cheapest runs have one particle per cell, or steps near the longest stable.
 PARTICLES_PER_CELL, COURANT_NUMBERS = (1, 2, 3, 4), (0.1, 0.3, 0.4, 0.5, 0.6)
 READY = "ready"  # beside the fields of a job: only compile
 NO_CHOICE = Message("no method makes a valid scene with these settings")

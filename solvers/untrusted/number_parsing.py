@@ -1,7 +1,6 @@
 """Parsing of numbers from people and files: ASCII digits with a point and an exponent, nothing else.
 
-Python's own ``float`` and ``int`` accept more: ``4_0``, digits of every script, ``inf``, ``nan``, numbers of any
-length.
+Python's own ``float`` and ``int`` accept more: ``4_0``, digits of any script, ``inf``, ``nan``, numbers of any length.
 """
 
 import math

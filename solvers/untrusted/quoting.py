@@ -1,5 +1,4 @@
-"""Safe and short quoting of untrusted text: names of files, values, words of a text, cells of a table. And the error
-for an invalid file.
+"""Safe and short quoting of untrusted text: file names, values, words, table cells; and the error for an invalid file.
 
 A character that does not show, or that tells a terminal or a browser to do something (control, escape and bidirectional
 characters, half a surrogate), stands as its escape, ``\\x1b``. What is cut has an ellipsis. One function for each place

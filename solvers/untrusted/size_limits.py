@@ -42,8 +42,7 @@ class SizeLimits:
 
     def check_rows(self, file: str, rows: int) -> None:
         if rows > self.rows:
-            raise self._refusal(file, Message("has {rows:,} particles of all times together", rows),
-                                f"{self.rows:,}")
+            raise self._refusal(file, Message("has {rows:,} particles of all times together", rows), f"{self.rows:,}")
 
     def check_numbers(self, file: str, *counts: int) -> None:
         """Raises FileError for too many numbers: the product of ``counts``, which are as the file claims them."""

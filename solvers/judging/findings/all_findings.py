@@ -47,13 +47,12 @@ def _for_quantity(check: Callable[[RecordedMotion, str], Finding],
 
 INSIDE_OUT = ConsistencyCheck((deformation.INSIDE_OUT,), lambda motion: [deformation.check_inverted(motion)], "F")
 #: Checks of particles with neighbours.
-MOTION_FINDINGS = (
-    ConsistencyCheck((deformation.OVERTAKEN,), lambda motion: [deformation.check_overtaken(motion)]),
-    ConsistencyCheck(deformation.NAMES_OF_F, deformation.check_f, "gradient"),
-    ConsistencyCheck(time_consistency.NAMES_OF_V, time_consistency.check_velocity, "v"),
-    *(ConsistencyCheck((name,), _for_quantity(outliers.check_outliers, key), key) for key,
-      name in outliers.NAMES_OF_MOTION.items()),
-    *(ConsistencyCheck((), _for_quantity(outliers.check_roughness, key)) for key in ("v", "sigma")))
+MOTION_FINDINGS = (ConsistencyCheck((deformation.OVERTAKEN,), lambda motion: [deformation.check_overtaken(motion)]),
+                   ConsistencyCheck(deformation.NAMES_OF_F, deformation.check_f, "gradient"),
+                   ConsistencyCheck(time_consistency.NAMES_OF_V, time_consistency.check_velocity, "v"),
+                   *(ConsistencyCheck((name,), _for_quantity(outliers.check_outliers, key), key) for key,
+                     name in outliers.NAMES_OF_MOTION.items()),
+                   *(ConsistencyCheck((), _for_quantity(outliers.check_roughness, key)) for key in ("v", "sigma")))
 
 
 def find_in_run(evidence: FindingsInput) -> tuple[list[Finding], FrameOutliers | None]:

@@ -6,14 +6,9 @@ from dataclasses import replace
 import numpy as np
 
 from solvers.judging.error_norms import rms
-from solvers.judging.findings import time_series_fitting
+from solvers.judging.findings import findings_input, time_series_fitting
 from solvers.judging.findings.finding import HOLDS, OFF, Finding, unknown
-from solvers.judging.findings.findings_input import (
-    FindingsInput,
-    ParticleTrajectories,
-    detect_precision,
-    sample_numbers,
-)
+from solvers.judging.findings.findings_input import FindingsInput, ParticleTrajectories, sample_numbers
 from solvers.judging.findings.time_series_fitting import interpolate_before, time_derivative
 from solvers.problems import PROBLEMS
 from solvers.scene.scene import Scene
@@ -37,7 +32,8 @@ def check_constitutive_law(evidence: FindingsInput) -> Finding:
         return unknown(NAME, "the files do not have both F and the stress: another material shows in the motion alone, "
                              "or not at all")
     stress, law = PROBLEMS[scene.problem].reference.stress, []
-    figures_F, figures_sigma = (detect_precision(sample_numbers(values)) for values in zip(*both, strict=True))
+    figures_F, figures_sigma = (findings_input.detect_precision(sample_numbers(values))
+                                for values in zip(*both, strict=True))
     off, rounding = [], []
     chance = np.random.default_rng(0)
     for F, sigma in both:
@@ -72,9 +68,7 @@ def _explain_stress(evidence: FindingsInput, size: float) -> str | None:
     found = [(time_series_fitting.rms(rest) / before, words)
              for rest, words in _candidates(scene, tracks, sigma, law, evidence.step)]
     left, words = min(found, key=lambda one: one[0])
-    if left < EXPLAINS:
-        return Message("{words}, which leaves {left:.2g}", words, left * before / size)
-    return None
+    return Message("{words}, which leaves {left:.2g}", words, left * before / size) if left < EXPLAINS else None
 
 
 def _candidates(scene: Scene, tracks: ParticleTrajectories, sigma: np.ndarray, law: np.ndarray,

@@ -75,9 +75,8 @@ def strain_rms(F: np.ndarray) -> float:
 
 
 def integrate_pair_differences(edges: NeighbourPairs, values: np.ndarray, count: int, rounds: int = 300) -> np.ndarray:
-    """Returns the field (P, D) of ``count`` particles with mean 0 whose differences between neighbours are nearest to
-    ``values`` (n, D) of the pairs: by least squares, with conjugate gradients preconditioned by the numbers of
-    neighbours."""
+    """Returns the field (P, D) of ``count`` particles of mean 0 whose differences between neighbours are nearest to
+    ``values`` (n, D) of the pairs: by least squares, with conjugate gradients preconditioned by neighbour counts."""
     one, other = edges.one, edges.other
     degree = np.maximum(np.bincount(one, minlength=count) + np.bincount(other, minlength=count), 1)[:, None]
 

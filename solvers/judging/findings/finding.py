@@ -12,10 +12,9 @@ BROKEN, SUSPICIOUS = "broken", "suspicious"  # of a motion alone: what cannot be
 
 @dataclass(frozen=True)
 class Finding:
-    """Result of one check, whose ``name`` says what was compared. ``measured`` and ``limit`` are in ``unit``, None
-    where there is no number. ``says`` is a sentence without its full stop: what is wrong, why the check is impossible,
-    or a remark. If known, the location of a defect: ``time`` in s, ``particle`` by its number in the files, and its
-    reference ``place`` in m."""
+    """Result of a check: ``name`` says what was compared. ``measured`` and ``limit`` are in ``unit``, None without a
+    number. ``says`` is a sentence without its full stop: what is wrong, why the check is impossible, or a remark. If
+    known, a defect's location: ``time`` in s, ``particle`` number in the files, and reference ``place`` in m."""
 
     name: str
     verdict: str

@@ -6,16 +6,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from solvers.judging.findings import neighbour_comparison
 from solvers.judging.findings.finding import BROKEN, HOLDS, OFF, SUSPICIOUS, Finding, unknown
 from solvers.judging.findings.findings_input import FindingsInput
-from solvers.judging.findings.neighbour_comparison import (
-    MOST,
-    USUAL,
-    NearestNeighbours,
-    departures,
-    find_neighbours,
-    find_outliers,
-)
+from solvers.judging.findings.neighbour_comparison import MOST, USUAL, NearestNeighbours, find_neighbours, find_outliers
 from solvers.judging.findings.recorded_motion_reader import RecordedMotion
 from solvers.judging.particle_data_types import Frame
 from solvers.scene.scene import Scene
@@ -49,8 +43,7 @@ SMOOTH_START = 0.3  # of the size: a field that is rougher at the start already 
 
 @dataclass(frozen=True)
 class FrameOutliers:
-    """Particles that differ from their neighbours: indices ``which`` (n,) in a frame, and by how much ``far`` (n,), in
-    m for positions."""
+    """Particles unlike their neighbours: indices ``which`` (n,) in a frame, how ``far`` (n,), m for positions."""
 
     frame: Frame
     which: np.ndarray
@@ -113,9 +106,8 @@ def value_outliers(evidence: FindingsInput, quantity: str) -> OutlierSummary | N
 
 
 def _lasting_outliers(score: np.ndarray, longer: int, passes: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Returns, for scores (T, P), by how much each particle exceeds 1 at ``longer`` times and one more, or by a factor
-    ``passes`` at any; the index of the time that shows it, and that factor, 1 where it lasts: (P,) each. Cell crossings
-    do not last."""
+    """Returns for scores (T, P) by how much each particle exceeds 1 at over ``longer`` times, or by a factor ``passes``
+    at any; the time index that shows it, and that factor, 1 where it lasts: (P,) each. Cell crossings do not last."""
     order, every = np.argsort(-score, axis=0), np.arange(score.shape[1])
     lasting, passing = score[order[longer], every], score[order[0], every] / passes
     lasts = lasting >= passing
@@ -213,7 +205,7 @@ def check_roughness(motion: RecordedMotion, key: str) -> Finding:
     size = _largest_rms(motion, key)
     if not size > 0:
         return unknown(name, "it is zero everywhere")
-    every = [departures(near, motion.fields[key][moment].reshape(len(motion.reference), -1))
+    every = [neighbour_comparison.departures(near, motion.fields[key][moment].reshape(len(motion.reference), -1))
              for moment in motion.checked_time_indices]
     shares = [float(np.sqrt(np.mean(far**2))) / size for far in every]
     k = int(np.argmax(shares))

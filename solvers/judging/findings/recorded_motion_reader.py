@@ -35,8 +35,7 @@ class NeighbourPairs:
     length: np.ndarray
 
     def deformed_vectors(self, F: np.ndarray) -> np.ndarray:
-        """Returns the distance vectors (n, D) in m by the mean F (P, D, D) of each pair: the trapezoidal rule, with a
-        third-order error."""
+        """Returns distance vectors (n, D) in m by each pair's mean F (P, D, D): trapezoidal rule, third-order error."""
         return np.einsum("nij,nj->ni", 0.5 * (F[self.one] + F[self.other]), self.apart)
 
 

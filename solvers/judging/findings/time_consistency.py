@@ -227,6 +227,5 @@ def _check_centre(motion: RecordedMotion, moved: np.ndarray) -> Finding:
     if far <= LEAST_DRIFT or steady <= STEADY:
         return Finding(CENTRE, HOLDS, far, LEAST_DRIFT, "of the motion")
     way = ", ".join(f"{value:.3g}" for value in mean)
-    return Finding(CENTRE, SUSPICIOUS, far, LEAST_DRIFT, "of the motion",
-                   f"the middle of the particles drifts by {way} m/s beyond the mean of their v, the same at all "
-                   "times", time=float(motion.times[-1]))
+    return Finding(CENTRE, SUSPICIOUS, far, LEAST_DRIFT, "of the motion", "the middle of the particles drifts by "
+                   f"{way} m/s beyond the mean of their v, the same at all times", time=float(motion.times[-1]))

@@ -6,9 +6,8 @@ J F^-T, which is linear in F, and L = dF F^-1 for a change of F,
     P = q F + (r - q) F^-T,    J sigma = q (b - I) + r I,    q = 2 f',  r = q + J g',
     dP F^T = q L b + (q - r) L^T + x tr L I + A (b:L) b,     A = 4 f'',  x = J (J g')',
 
-and waves along N in the material have the stiffnesses of q I + A (F N)(F N)^T + (x + q - r) (F^-T N)(F^-T N)^T.
-F and L are (xx, xy, yx, yy), symmetric tensors (xx, xy, yy), in numpy (``solvers.motion.laws.elastic_material``) or
-kernels.
+and waves along N in the material have the stiffnesses of q I + A (F N)(F N)^T + (x + q - r) (F^-T N)(F^-T N)^T. F and L
+are (xx, xy, yx, yy), symmetric tensors (xx, xy, yy), in numpy (``solvers.motion.laws.elastic_material``) or kernels.
 """
 
 from collections.abc import Callable

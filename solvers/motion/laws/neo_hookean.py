@@ -15,8 +15,7 @@ def energy(F: Any, J: Any, log_J: Any, bulk: Any, mu: Any) -> Any:
 
 
 def coefficients(F: Any, J: Any, volumetric: Any, bulk: Any, mu: Any) -> Any:
-    """Returns q, r, A, x of ``solvers.motion.laws.material_law`` in Pa; ``volumetric`` is lambda ln J, ``bulk`` lambda
-    in Pa."""
+    """Returns q, r, A, x of ``laws.material_law`` in Pa; ``volumetric`` is lambda ln J, ``bulk`` lambda in Pa."""
     return mu, volumetric, 0.0, bulk
 
 

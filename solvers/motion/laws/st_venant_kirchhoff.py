@@ -18,8 +18,7 @@ def energy(F: Any, J: Any, log_J: Any, bulk: Any, mu: Any) -> Any:
 
 
 def coefficients(F: Any, J: Any, volumetric: Any, bulk: Any, mu: Any) -> Any:
-    """Returns q, r, A, x of ``solvers.motion.laws.material_law`` in Pa; ``bulk`` is lambda in Pa, ``volumetric``
-    unused."""
+    """Returns q, r, A, x of ``laws.material_law`` in Pa; ``bulk`` is lambda in Pa, ``volumetric`` unused."""
     stretched = F[0] * F[0] + F[1] * F[1] + F[2] * F[2] + F[3] * F[3]
     q = 0.5 * bulk * (stretched - 2) + mu * (stretched - 1)
     return q, q - mu * J * J, bulk + 2 * mu, -2 * mu * J * J

@@ -40,8 +40,7 @@ def noise_removing_remedies(scene: Any) -> tuple[str, ...]:
 
 
 def is_too_noisy_for_two_grid(scene: Any) -> bool:
-    """Returns whether two-grid cannot estimate a: particles that cross cells fill it with noise, which differs by
-    grid."""
+    """Returns whether two-grid cannot estimate a: crossing particles fill it with noise, which differs by grid."""
     return scene.motion_amplitude > QUIET.get(scene.method, QUIET_HATS) * scene.spacing
 
 

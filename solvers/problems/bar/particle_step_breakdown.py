@@ -5,12 +5,8 @@ import numpy as np
 from solvers.problems.bar.method.periodic_nodes import MOST_HALF_WIDTH
 from solvers.problems.bar.scene import BarScene
 from solvers.problems.bar.state import InstrumentedBar
-from solvers.solver.particle_step_breakdown import (
-    ParticleState,
-    ParticleStepBreakdown,
-    PeriodicOrMirrorNode,
-    find_links,
-)
+from solvers.solver import particle_step_breakdown
+from solvers.solver.particle_step_breakdown import ParticleState, ParticleStepBreakdown, PeriodicOrMirrorNode
 
 
 def particle_state(scene: BarScene, a: InstrumentedBar) -> ParticleState:
@@ -24,8 +20,8 @@ def breakdown(scene: BarScene, a: InstrumentedBar, particle: int, step: int,
     """Returns the breakdown of the last step, number ``step``, around the particle of this number, from the arrays
     ``a`` after it and the state of all particles ``before`` it (:func:`particle_state`)."""
     N, h, time = scene.cells, scene.spacing, (step - 1) * scene.time_step
-    links = find_links(particle, a.first_node[:, None] + np.arange(3), lambda some: _weights(a, some),
-                       lambda node: _images(node, N, h))
+    links = particle_step_breakdown.find_links(particle, a.first_node[:, None] + np.arange(3),
+                                               lambda some: _weights(a, some), lambda node: _images(node, N, h))
     place = a.material_position[:, None] if scene.frozen else before.position
     period = np.floor(place)  # the solver's nodes are those of the particle's own period
     links.shift[:] += period[particle] - period[links.members]
@@ -49,10 +45,9 @@ def breakdown(scene: BarScene, a: InstrumentedBar, particle: int, step: int,
     k = links.members
     return ParticleStepBreakdown(step, time, scene.time_step, h, links, seen, particle_state(scene, a).mirror(links),
                                  np.full(len(k), mass), place[k] + links.shift, column(width[k])[:, None],
-                                 column(tension[k])[:, None],
-                                 column((links.nodes - 1) * h + period[particle]), node_mass,
-                                 column(mass * a.node_sums[g, 1]), column(internal), column(body), column(acceleration),
-                                 column(velocity))
+                                 column(tension[k])[:, None], column((links.nodes - 1) * h + period[particle]),
+                                 node_mass, column(mass * a.node_sums[g, 1]), column(internal), column(body),
+                                 column(acceleration), column(velocity))
 
 
 def _weights(a: InstrumentedBar, some: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -63,6 +58,5 @@ def _weights(a: InstrumentedBar, some: np.ndarray) -> tuple[np.ndarray, np.ndarr
 
 def _images(node: int, cells: int, spacing: float) -> list[PeriodicOrMirrorNode]:
     home = (node - 1) % cells + 1
-    return [PeriodicOrMirrorNode(other, (1.0,),
-                                 ((node - other) * spacing,)) for other in (home - cells, home, home + cells)
-            if 0 <= other <= cells + 3]
+    return [PeriodicOrMirrorNode(other, (1.0,), ((node - other) * spacing,))
+            for other in (home - cells, home, home + cells) if 0 <= other <= cells + 3]

@@ -100,9 +100,8 @@ def repeating_unit(scene: Scene) -> tuple[int, int]:
 
 @functools.lru_cache(maxsize=64)  # used by the page repeatedly
 def first_edge_step(scene: Scene, velocity: float) -> int | None:
-    """Returns the number of the first step after which a particle that moves at ``velocity`` in m/s lies on a cell
-    boundary up to rounding, which then decides on its cell: with hat functions its force may be counted twice or not at
-    all. None where that never happens."""
+    """Returns the first step after which a particle moving at ``velocity`` in m/s lies on a cell boundary up to
+    rounding, which then decides its cell: with hat functions its force may count twice or not at all. None if never."""
     a_step = velocity * scene.time_step / scene.spacing  # in cells
     places = repeating_unit(scene)[1]  # in a cell, at which particles begin
     held = scene.linearity_preserving or scene.frozen or PIECES in scene.remedies

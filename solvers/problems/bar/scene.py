@@ -69,8 +69,7 @@ class BarScene(TypedMotionScene, Scene):
 
     @classmethod
     def candidates(cls) -> tuple[tuple[str, bool], ...]:
-        """Returns pairs (method, linearity preserving) that an advisor tries: each method without, uGIMP also with
-        it."""
+        """Returns pairs (method, linearity preserving) an advisor tries: each method without, uGIMP also with it."""
         return (*super().candidates(), ("ugimp", True))
 
     @property
@@ -148,9 +147,8 @@ class BarScene(TypedMotionScene, Scene):
 
     @property
     def motion_amplitude(self) -> float:
-        """Largest displacement of the exact solution in m: A; A/2 for the free bar, which starts at the same speed. For
-        a patch test that of a vibration whose largest strain is the test's, |F - 1|: the motion that its stress could
-        cause, as a scale of its errors."""
+        """Largest exact displacement in m: A; A/2 for the free bar, of the same initial speed. For a patch test that of
+        a vibration with its largest strain, |F - 1|: the motion its stress could cause, a scale of its errors."""
         if self.is_patch:
             return abs(self.stretch - 1) / self.STRAIN_PER_AMPLITUDE
         if self.displacement:
@@ -165,16 +163,14 @@ class BarScene(TypedMotionScene, Scene):
         return self._sizes.largest[quantity] if self.displacement else super().size_of(quantity)
 
     def rms_of(self, quantity: str) -> float:
-        """Returns the RMS of x, v, sigma or a in SI: half the largest value, as for sines; in a patch test that
-        value."""
+        """Returns the RMS of x, v, sigma or a in SI: half the maximum, as for sines; in a patch test the maximum."""
         if self.displacement:
             return self._sizes.rms[quantity]
         return self.size_of(quantity) * (1.0 if self.is_patch else 0.5)
 
     @property
     def loss_limits(self) -> dict[str, float]:
-        """Relative errors from which on a run is lost: in a patch test of "sigma", as only stress can be wrong
-        there."""
+        """Relative errors from which a run is lost: in a patch test of "sigma", as only stress can be wrong there."""
         return {"sigma": patch_test_inputs.FAILED_FROM} if self.is_patch else {}
 
     @property

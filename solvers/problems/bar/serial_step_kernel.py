@@ -37,8 +37,7 @@ def check_state(bar: ti.template(), step):
 
 @ti.func
 def one_step(bar: ti.template(), step, on: ti.template()):
-    """Takes step number ``step``, counted from one, on the bar's arrays: method, estimators, remedies and budget.
-    ``on``: compile-time options."""
+    """Takes step ``step`` (from one) on the arrays: method, estimators, remedies and budget. ``on``: kernel options."""
     update_grid(bar, (step - 1) * bar.dt, on)
     estimator_loop.in_step(bar, step, HOOKS, on)
     if ti.static(on.budget):

@@ -33,8 +33,7 @@ MAX_UNRESOLVED = 3e-4  # of the displacement: RMS that a mesh may leave out
 
 @dataclass(frozen=True)
 class BoxScene(PlanarScene):
-    """Definition of a run on the unit square between four symmetry planes. A subclass defines ``displacement_at`` and
-    may override more."""
+    """Scene on the unit square between four symmetry planes. Subclasses define ``displacement_at`` and more."""
 
     method: str = option("cpdi", "Shape functions of the particles", choices=("ugimp", "cpgimp", "cpdi", "mpm"))
     cells: int = option(32, "Cells of the grid along a side; h = 1 m / cells")
@@ -56,8 +55,7 @@ class BoxScene(PlanarScene):
     ESTIMATORS = ("transport", "recovered", "companion", "two-grid")
     LIMITS = (
         MOVING_WEIGHTS,
-        # Recovered: fits lose waves as short as four of them. Measured on 120 squares: x .77 to .94 below, .95 to 1.05
-        # beyond.
+        # Recovered: fits lose waves as short as four of them. On 120 squares: x .77 to .94 below, .95 to 1.05 beyond.
         Limit("recovered", "cells", least=28, where={"ppc": 1}, why="recovered fits single particles per cell over "
               "seven cells, which blurs the motion itself on so few; give {least} cells or more particles per cell"),
         Limit("recovered", "cells", least=12, why="recovered's fits over four cells blur the motion itself on so few; "
@@ -168,8 +166,7 @@ class BoxScene(PlanarScene):
         return self._largest_and_rms[quantity][1]
 
     def exact_plotted_component(self, quantity: str, X: np.ndarray, t: float) -> np.ndarray:
-        """Returns the x or xx component (P,), in SI units, of "x" (u), "v", "sigma" or "a" (a step before) at X (P, 2)
-        at rest."""
+        """Returns component x or xx (P,) in SI of "x" (u), "v", "sigma" or "a" (a step before) at X (P, 2) at rest."""
         exact = self.EXACT
         if quantity == "a":
             return exact.acceleration(self, X, max(0.0, t - self.time_step))[:, 0]

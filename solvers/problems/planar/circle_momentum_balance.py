@@ -58,8 +58,7 @@ class CircleMotionIntegrator:
         self._inverse = np.linalg.pinv(gram, hermitian=True)
 
     def moments(self, times: np.ndarray) -> DisplacementMoments:
-        """Returns moments of the displacement at times (T,) in s, with Legendre polynomials of R: along e_R, then along
-        e_Theta."""
+        """Returns displacement moments at times (T,) in s, with Legendre polynomials of R: along e_R, then e_Theta."""
         sums, squares = np.zeros((len(times), MODES)), np.zeros(len(times))
         trusted = np.zeros(len(times), bool)
         for row, time in enumerate(times):

@@ -7,13 +7,8 @@ from solvers.problems.planar.particle_layout import half_edges
 from solvers.problems.planar.scene import GHOSTS, PlanarScene
 from solvers.problems.planar.snapshot_errors import body_force, cauchy_stress_of
 from solvers.problems.planar.step_weights import MirroredNodeGrid, particle_node_numbers, shape_function_values
-from solvers.solver.particle_step_breakdown import (
-    ParticleState,
-    ParticleStepBreakdown,
-    PeriodicOrMirrorNode,
-    find_links,
-    mirror_tensors,
-)
+from solvers.solver import particle_step_breakdown
+from solvers.solver.particle_step_breakdown import ParticleState, ParticleStepBreakdown, PeriodicOrMirrorNode
 
 
 @np.errstate(all="ignore")  # for unstable runs
@@ -31,9 +26,9 @@ def breakdown(scene: PlanarScene, a: InstrumentedBody, particle: int, step: int,
     ghosts = GHOSTS if scene.PLANES[0] else 0  # rows of nodes beyond a symmetry plane
     edges, row = half_edges(scene, before.deformation_gradient, a.edges), a.row
     grid = MirroredNodeGrid(row, ghosts, scene.PLANES[1])
-    links = find_links(particle, particle_node_numbers(scene, a),
-                       lambda some: shape_function_values(scene, a, edges, some),
-                       lambda node: _images(node, row, ghosts, grid.last))
+    links = particle_step_breakdown.find_links(particle, particle_node_numbers(scene, a),
+                                               lambda some: shape_function_values(scene, a, edges, some),
+                                               lambda node: _images(node, row, ghosts, grid.last))
     seen, k, ij = before.mirror(links), links.members, np.stack([links.nodes % row, links.nodes // row], axis=1)
     home, signs = grid.resolve_images(links.nodes)  # a node beyond a plane has what its mirror image has
     sums, motion = a.node_sums[home], a.node_motion[links.nodes]
@@ -46,9 +41,9 @@ def breakdown(scene: PlanarScene, a: InstrumentedBody, particle: int, step: int,
     return ParticleStepBreakdown(
         step, (step - 1) * scene.time_step, scene.time_step, scene.spacing, links, seen,
         particle_state(scene, a).mirror(links), a.mass[k], links.signs * place[k],
-        mirror_tensors(edges[k], links.signs), (a.mass[k] / a.density)[:, None, None] * force_moment,
-        (ij - a.origin) * scene.spacing, sums[:, 4].copy(), signs * sums[:, :2], signs * sums[:, 2:4] - body, body,
-        motion[:, 2:].copy(), motion[:, :2].copy())
+        particle_step_breakdown.mirror_tensors(edges[k], links.signs),
+        (a.mass[k] / a.density)[:, None, None] * force_moment, (ij - a.origin) * scene.spacing, sums[:, 4].copy(),
+        signs * sums[:, :2], signs * sums[:, 2:4] - body, body, motion[:, 2:].copy(), motion[:, :2].copy())
 
 
 def _images(node: int, row: int, ghosts: int, last: int) -> list[PeriodicOrMirrorNode]:

@@ -91,8 +91,7 @@ class PlanarScene(Scene):
     @abstractmethod
     def exact_plotted_component(self, quantity: str, X: np.ndarray, t: float) -> np.ndarray:
         """Returns the component (P,) that a plot shows of the exact ``quantity`` ("x" for u, "v", "sigma", "a"), in SI
-        units, at material points X as a method has it at the time t in s: "a" is that of the last step, one step
-        before."""
+        units, at material points X as a method has it at time t in s: "a" is that of the last step, one step before."""
 
     @abstractmethod
     def companion_body(self, fine: bool | None) -> ElasticBody:
@@ -169,8 +168,7 @@ class PlanarScene(Scene):
     def is_uneven(self) -> bool:
         """Whether particles are so uneven that recovered's fits follow them, so that only x and v can be estimated.
 
-        Measured on 14 such runs of the ring: sigma 1.06 to 5.6 times the error, x .97 to 1.06 while the verdict trusts
-        the estimate.
+        Measured on 14 such ring runs: sigma 1.06 to 5.6 times the error, x .97 to 1.06 while the verdict trusts it.
         """
         return self.ppc == 1 or self.velocity == "particle"
 

@@ -21,8 +21,7 @@ Errors = list[Parts]  # of x, v, sigma and a
 
 @np.errstate(all="ignore")  # for unstable runs
 def true_errors(scene: Any, a: PlanarBody, step: int) -> Errors:
-    """Returns the true errors, in SI units, of x, v, sigma and a (None without that diagnostic) of the arrays ``a``
-    after ``step`` steps."""
+    """Returns true errors in SI of x, v, sigma and a (None if that is off) of the arrays ``a`` after ``step`` steps."""
     time = step * scene.time_step
     used = None
     if step and scene.has("acceleration"):  # the one that the last step has used

@@ -11,12 +11,8 @@ import numpy as np
 
 from solvers.motion.laws.material_law import determinant, reference_stiffness_metric, stiffness_metric, stress_increment
 from solvers.problems.planar.particle_layout import CORNERS, MOST_HALF_WIDTH, box_stretch, particle_layout
-from solvers.scene.linear_stability import (
-    Fields,
-    LinearisedConfigurations,
-    ParticleNodeUnknowns,
-    longest_step_per_instant,
-)
+from solvers.scene import linear_stability
+from solvers.scene.linear_stability import Fields, LinearisedConfigurations, longest_step_per_instant
 from solvers.scene.scene import Scene
 from solvers.scene.step_bound import StepBound, combine_instant_bounds, gershgorin_step_bound, motion_fractions, stencil
 
@@ -29,8 +25,7 @@ QUARTER_SIGNS = np.array([[1.0, -1.0, -1.0, 1.0], [1.0, 1.0, -1.0, -1.0]])
 
 
 class Weights(NamedTuple):
-    """Weights of P particles at M nodes each: the nodes' column i and row j, S, and its x and y derivatives in 1/m, all
-    (P, M)."""
+    """Weights of P particles at M nodes: nodes' column i and row j, S and its x and y slopes in 1/m, (P, M)."""
 
     i: np.ndarray
     j: np.ndarray
@@ -123,8 +118,8 @@ class MotionSamples:
         images, n = self._images(i, j), scene.cells
         numbers, node = np.unique(images.number, return_inverse=True)
         node, N = node.reshape(i.shape), len(numbers)
-        links = ParticleNodeUnknowns([node + N * images.turned, node + N * ~images.turned],
-                                     [images.sign_x, images.sign_y])
+        links = linear_stability.ParticleNodeUnknowns([node + N * images.turned, node + N * ~images.turned],
+                                                      [images.sign_x, images.sign_y])
         held = np.concatenate([self._low & ((k == 0) | self._high & (k == n))  # which hold still in x, and in y
                                for k in (numbers % (2 * n), numbers // (2 * n))])
         if scene.frozen:

@@ -65,8 +65,7 @@ def tally(problem: str, seed: int, rows: Sequence[dict]) -> dict:
     return {"schema": SCHEMA, "problem": problem, "seed": seed, "runs": len(rows),
             "status": {status: statuses.count(status) for status in dict.fromkeys(statuses)},
             "estimators": {name: _count_by_group(usable, functools.partial(_count_within_factors, name=name))
-                           for name in names},
-            "refusals": {name: _count_refusals(usable, name) for name in names},
+                           for name in names}, "refusals": {name: _count_refusals(usable, name) for name in names},
             "goals": {kind: _count_by_group(usable, functools.partial(_count_bars, kind=kind, names=names))
                       for kind in goals}}
 

@@ -4,14 +4,8 @@ import math
 from collections.abc import Iterable, Mapping, Sequence
 
 from solvers.running.quantities_of_interest import DISPLACEMENT, ENERGY, SAFETY, STRESS
-from solvers.study.coverage.estimate_coverage_counts import (
-    CENTRAL,
-    FACTORS,
-    INTERVALS,
-    NEEDLESS,
-    REGIMES,
-    wilson_interval,
-)
+from solvers.study.coverage import estimate_coverage_counts
+from solvers.study.coverage.estimate_coverage_counts import FACTORS, INTERVALS, NEEDLESS, REGIMES, wilson_interval
 from solvers.study.coverage.random_runs import AFTER, BEFORE, IMPOSSIBLE, QUANTITIES, draw_ranges_of
 from solvers.study.markdown_tables import markdown_table
 
@@ -54,7 +48,8 @@ def central_ranges_table(counted: Mapping) -> str:
     """Returns Markdown: between which multiples of each estimate the central 80 % of true errors were at the end."""
     lines = [[name, *(_central_range_text(split["all"][q]["at the end"]["middle"]) for q in QUANTITIES)]
              for name, split in counted["estimators"].items()]
-    return f"## Where {100 * CENTRAL:g} of 100 true errors lie\n\nAt the end of the run, in multiples of the " \
+    percent = 100 * estimate_coverage_counts.CENTRAL
+    return f"## Where {percent:g} of 100 true errors lie\n\nAt the end of the run, in multiples of the " \
         "estimate; as many lie below as above. Between these an estimator bets in lesson 10.\n\n" \
         + markdown_table(["estimator", *(PARTS[q] for q in QUANTITIES)], lines)
 
@@ -88,9 +83,8 @@ def refusals_table(counted: Mapping) -> str:
 def error_bars_table(counted: Mapping) -> str:
     """Returns Markdown: how often bars around the goals' values at the end contained the truth, and their widths."""
     names = main_bar_names(counted)
-    lines = [[_bar_label(name),
-              *(cell for kind in counted["goals"] for cell in _bar_cells(counted["goals"][kind]["all"][name]))]
-             for name in names]
+    lines = [[_bar_label(name), *(cell for kind in counted["goals"]
+                                  for cell in _bar_cells(counted["goals"][kind]["all"][name]))] for name in names]
     heads = [text for kind in counted["goals"] for text in (GOALS[kind], "given", "width")]
     return ("## Bars around a number: how often they hold the truth\n\nPer cent of the bars that are given, with the "
             "95 % interval; how many per cent of the runs are given one; and the median of the bar over the true "

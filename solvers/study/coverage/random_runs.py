@@ -106,8 +106,7 @@ class RandomRun:
         raise AssertionError(f"no scene of the {self.problem} is cheap enough")
 
     def point_goal_name(self) -> str:
-        """Returns the name of a goal, the displacement at a random material point of the body:
-        "displacement@0.123456"."""
+        """Returns the name of a goal, the displacement at a random material point: "displacement@0.123456"."""
         kind, chance = PROBLEMS[self.problem].scene, self._random_generator(POINTS)
         if kind.DIMENSIONS == 1:
             return f"{DISPLACEMENT}@{chance.uniform():.6f}"

@@ -1,6 +1,5 @@
 """Runs of tables, measured and stored like rows of any study, and a finished table as one JSON object: for each row its
-inputs, the paper's numbers, ours, and the estimators'. Everything that is printed or drawn of a table is made from
-this."""
+inputs, the paper's numbers, ours, and the estimators'. All that is printed or drawn of a table comes from this."""
 
 from collections.abc import Callable, Iterable, Mapping
 

@@ -51,8 +51,7 @@ def state_with_budget_arrays(state: Any) -> PackedAttributesView:
 
 
 def initial_budget_arrays(scene: BarScene, on: KernelOptions) -> dict:
-    """Returns the budget's arrays at the start, packed into one for each type (``BUDGET``), by name. ``on``:
-    compile-time options."""
+    """Returns the budget's initial arrays, packed one per type (``BUDGET``), by name. ``on``: compile-time options."""
     P, nodes = scene.particles, scene.cells + GHOSTS
     taken = on.budget and scene.take_away in CAUSES
     layers = 4 if on.filtered or on.coupled else 3  # those remedies need room to work

@@ -6,13 +6,10 @@ which is divided exactly. What they remove from the reference counts as coarse g
 
 import taichi as ti
 
+from solvers.problems.bar.budget import reference_motion
 from solvers.problems.bar.budget.budget_arrays import FORCE, PIECES, STRESS, VELOCITY
 from solvers.problems.bar.budget.error_sources import particles_to_nodes, update_nodes
-from solvers.problems.bar.budget.reference_motion import (
-    reference_gradients_at,
-    reference_motion_at,
-    reference_time_factors,
-)
+from solvers.problems.bar.budget.reference_motion import reference_motion_at, reference_time_factors
 from solvers.problems.bar.method import periodic_nodes
 from solvers.problems.bar.method.error_and_energy_sums import exact_time_factors, true_error
 from solvers.problems.bar.method.gapless_pieces import interpolate_at_corner, piece_length
@@ -40,8 +37,7 @@ def update_grid(bar: ti.template(), t, on: ti.template()):
 
 @ti.func
 def in_step(bar: ti.template(), step, on: ti.template()):
-    """Runs the second half of the budget's step number ``step``, after the remedies and before particles move. ``on``:
-    compile-time options."""
+    """Runs the budget's second half of step ``step``, after remedies, before particles move. ``on``: kernel options."""
     now = reference_time_factors(bar, (step - 1) * bar.dt)
     if ti.static(on.filtered or on.coupled):  # after their own turn, of which the coupling takes the displacement
         if step % bar.remedy_interval == 0:
@@ -54,8 +50,7 @@ def in_step(bar: ti.template(), step, on: ti.template()):
 
 @ti.func
 def correct_particles_after_step(bar: ti.template(), on: ti.template()):
-    """Subtracts from the particles' x, v and F what the removed cause, if any, contributed to them in this step.
-    ``on``: compile-time options."""
+    """Subtracts from x, v and F what the removed cause, if any, contributed in this step. ``on``: kernel options."""
     if ti.static(on.centred):
         subtract_mean_velocity(bar)
     if bar.taken_away >= 0:
@@ -97,7 +92,7 @@ def nodes_to_particles(bar: ti.template(), now, on: ti.template()):
                 G = (interpolate_at_corner(bar, bar.budget_nodes, VELOCITY * M, p + 1, on)
                      - interpolate_at_corner(bar, bar.budget_nodes, VELOCITY * M, p, on)) / length
         left = right
-        m, s = reference_motion_at(bar, p, now, on), reference_gradients_at(bar, p, now, on)
+        m, s = reference_motion_at(bar, p, now, on), reference_motion.reference_gradients_at(bar, p, now, on)
         F, F0, stretch = bar.deformation_gradient[p], s[0], bar.cause_errors[2 * P + p]
         stretched = F * G + slope * stretch
         if ti.static(on.frozen):
@@ -171,9 +166,8 @@ def filter_null_space(bar: ti.template(), now, on: ti.template()):
 
 @ti.func
 def couple_deformation_to_positions(bar: ti.template(), now, on: ti.template()):
-    """Couples each cause's errors of F to those of x: e_F += rate (G_c/((1 - G)(1 - G0)) - e_F), G the run's gradient
-    du/dx, G0 = G - sum G_c the reference's; the coarse grid adds rate (1/(1 - G0) - F0). ``on``: compile-time
-    options."""
+    """Couples each cause's errors of F to those of x: e_F += rate (G_c/((1 - G)(1 - G0)) - e_F), G the run's du/dx, G0
+    = G - sum G_c the reference's; the coarse grid adds rate (1/(1 - G0) - F0). ``on``: compile-time options."""
     P, M = bar.particles, bar.cells + GHOSTS
     for i in range(M):
         bar.budget_nodes[STRESS * M + i] = ti.Vector([0.0, 0.0, 0.0, 0.0])
@@ -194,7 +188,7 @@ def couple_deformation_to_positions(bar: ti.template(), now, on: ti.template()):
         if G < MOST_GRADIENT:
             G0, stretch = G - parts.sum(), bar.cause_errors[2 * P + p]
             change = parts / ((1 - G) * (1 - G0)) - stretch
-            change[COARSE_GRID] += 1 / (1 - G0) - reference_gradients_at(bar, p, now, on)[0]
+            change[COARSE_GRID] += 1 / (1 - G0) - reference_motion.reference_gradients_at(bar, p, now, on)[0]
             if bar.taken_away == COARSE_GRID:
                 bar.deformation_gradient[p] -= bar.remedy_rate * change[COARSE_GRID]
                 change[COARSE_GRID] = 0.0

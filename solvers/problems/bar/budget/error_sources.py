@@ -1,8 +1,7 @@
 """Nodal sums of the particles for the budget, and the accelerations of nodes that each cause makes.
 
 With f the method's force of the reference's stress, f~ that of the same stress in pieces (``method.pieces``), and
-"down" the mass-weighted mean over the particles of a node, the reference put through the step misses its own
-acceleration by
+"down" the mass-weighted mean over a node's particles, the reference put through the step misses its own acceleration by
 
     crossings    (f - f~)/m              a particle, or its box, is counted whole where a part of it is in the next cell
     coarse grid  f~/m - down(a0 - b)     pieces of constant stress, and hats or B-splines to see them with
@@ -57,9 +56,8 @@ def corner_to_nodes(bar: ti.template(), p, jump, length, on: ti.template()):
 
 @ti.func
 def particle_to_nodes(bar: ti.template(), p, stress, size, now, on: ti.template()):
-    """Adds particle p to nodes: S (v + dt a, a, b) and the force of the reference, whose ``stress`` is in Pa, and the
-    velocity and force of each cause's errors; ``size`` are amplitudes of the body force's tones. ``on``: compile-time
-    options.
+    """Adds particle p to nodes: S (v + dt a, a, b) and the force of the reference's ``stress`` in Pa, and the velocity
+    and force of each cause's errors; ``size`` are amplitudes of the body force's tones. ``on``: compile-time options.
 
     F P is quadratic: F P - F0 P0 = E (F + F0 - F_rest) e_F exactly. Linearity preservation divides by sums of F, which
     so belong to the weights: there the run's own F is the geometry of either.
@@ -92,9 +90,8 @@ def particle_to_nodes(bar: ti.template(), p, stress, size, now, on: ti.template(
 
 @ti.func
 def update_nodes(bar: ti.template(), t, on: ti.template()):
-    """Computes at nodes, in a step from time t in s, each cause's velocity after it and its acceleration, with sources,
-    and the reference's. A removed cause is subtracted from the run's own nodes here, and adds to no error. ``on``:
-    compile-time options."""
+    """Computes at nodes, in a step from t s, each cause's new velocity and acceleration, with sources, and the
+    reference's. A removed cause is subtracted from the run's nodes and adds to no error. ``on``: kernel options."""
     M, size = bar.cells + GHOSTS, tone_amplitudes(bar, t, on)
     for i in range(1, bar.cells + 1):
         reference, pieces = bar.budget_nodes[i], bar.budget_nodes[PIECES * M + i]

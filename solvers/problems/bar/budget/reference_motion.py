@@ -1,9 +1,8 @@
 """The budget's reference in a step at a particle: the exact solution, computed from X and the time alone, or, where it
 is not used, the companion. A typed motion is stored like the companion.
 
-The first half of a step needs the reference at its start, the sources of the time step at its end, and the companion is
-there only after the step. So ``add_companion_time_step_error`` adds the sources then, and stores the start of the next
-step.
+The first half of a step needs the reference at its start, the time step's sources at its end, and the companion is
+there only after it. So ``add_companion_time_step_error`` adds the sources then, and stores the start of the next step.
 """
 
 import taichi as ti

@@ -1,14 +1,12 @@
-"""The companion on the bar (see ``solvers.estimators.companion_solution``): its space, and its report for each
-particle.
+"""The companion on the bar (see ``solvers.estimators.companion_solution``): its space, and its report per particle.
 
 Elements of the material coordinate X around the period, with P = E u_X:
 
     m_i a_i = m_i b_i - sum_q w_q P phi_i,X,  m_i = rho w_i.
 
 The body force is that of the material points, b(X, t), wherever the method samples it: at nodes it is in the wrong
-place, and that is an error to be seen. The last node is the image of the first. A bar that starts stretched counts X
-and u from there (``solvers.problems.bar.patch_test_inputs``); its constant stress has no effect on the periodic bar
-and is left out.
+place, an error to be seen. The last node is the first's image. A bar that starts stretched counts X and u from there
+(``solvers.problems.bar.patch_test_inputs``); its constant stress has no effect on the periodic bar and is left out.
 """
 
 import functools
@@ -46,8 +44,7 @@ def accelerate(bar: ti.template(), t, on: ti.template()):
 
 @ti.func
 def element_forces(bar: ti.template(), first):
-    """Subtracts an element's internal forces in N from its nodes, entries of ``bar.companion_nodes`` from ``first``
-    on."""
+    """Subtracts an element's internal forces in N from its nodes, ``bar.companion_nodes`` from ``first`` on."""
     n = bar.companion_counts[shared.ORDER] + 1
     for q in range(n):
         stretch = 0.0

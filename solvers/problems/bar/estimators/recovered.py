@@ -23,11 +23,10 @@ E (F_p - 1 - fit' u + sum_i N_i' (2 e - C e)_i).
 In time: steps H of about 0.8 h/c by Stoermer's method with Numerov's correction H^2/12 U'''' from past accelerations,
 so that the error in time, of order H^4, stays far below the run's.
 
-Assumptions: b(X, t) and v(X, 0) are known, the material is elastic, the particles began on a uniform lattice.
-It fails where the solution varies within the four cells of the fit (six with one particle per cell, or with particles
-moved with their own velocity): what the fit cannot follow counts as error. The verdict tells from the size of U's
-fourth differences.
-Source: derived for this program.
+Assumptions: b(X, t) and v(X, 0) are known, the material is elastic, the particles began on a uniform lattice. It fails
+where the solution varies within the four cells of the fit (six with one particle per cell, or with particles moved with
+their own velocity): what the fit cannot follow counts as error. The verdict tells from the size of U's fourth
+differences. Source: derived for this program.
 """
 
 from dataclasses import replace
@@ -91,8 +90,7 @@ def row_sums(bar: ti.template(), table: ti.template(), row, field: ti.template()
 
 @ti.func
 def apply_table(bar: ti.template(), table: ti.template(), count, field: ti.template(), start, into: ti.template(), at):
-    """Applies a table's ``count`` rows to a field that begins at ``start``; stores the sums in ``into`` from ``at``
-    on."""
+    """Applies a table's ``count`` rows to a field from ``start`` on; stores the sums in ``into`` from ``at`` on."""
     for group in range(recovered_common.group_count(count)):
         row = recovered_common.first_in_group(group, count)
         recovered_common.store_sums(into, at + row, 1, row_sums(bar, table, row, field, start))
@@ -153,9 +151,8 @@ def add_verdict_sums(bar: ti.template()):
         fourth = 0.0
         j = ti.select(i < 2, i + bar.cells - 2, i - 2)
         for k in range(5):
-            fourth += (
-                recovered_common.fourth_difference_weight(k) * bar.recovered_nodes[nodal_entry_index(bar, MOTION, j)][0]
-            )
+            fourth += (recovered_common.fourth_difference_weight(k)
+                       * bar.recovered_nodes[nodal_entry_index(bar, MOTION, j)][0])
             j = ti.select(j + 1 < bar.cells, j + 1, 0)
         error = bar.recovered_nodes[nodal_entry_index(bar, PROJECTED, i)][0]
         rough += fourth * fourth
@@ -230,8 +227,7 @@ def advance_reference_motion(bar: ti.template(), t, on: ti.template()):
 
 @ti.func
 def report(bar: ti.template(), base, step, on: ti.template()):
-    """Stores errors of x, v, sigma after ``step`` steps and of the last a in ``bar.estimate`` from ``base`` on, in
-    SI."""
+    """Stores errors of x, v, sigma after ``step`` steps and the last a in ``bar.estimate`` from ``base`` on, in SI."""
     for p in range(bar.particles):
         S, _ = stencil_of(bar, p)
         i = bar.first_node[p]
@@ -305,8 +301,7 @@ def allocate(scene):
         modes = np.stack([tables[PROJECTION](one)[:, :2] for one in force.modes[:, :, 0].T], axis=1)
         table = replace(force, modes=modes)
     return {**dict(zip(("recovered_force_sizes", "recovered_force"), pack_tables(pad_to_mode_pairs(table)),
-                       strict=True)),
-            "recovered_numbers": recovered_common.initial_numbers(scene, interval(scene)),
+                       strict=True)), "recovered_numbers": recovered_common.initial_numbers(scene, interval(scene)),
             **recovered_common.table_values(tables), "recovered_stride": stride, "recovered_beyond": beyond,
             "recovered_nodes": nodes.reshape(-1, 4), "recovered_field": np.zeros((scene.particles + beyond, 4))}
 

@@ -76,8 +76,7 @@ def sum_errors_at_nodes(bar: ti.template(), base, on: ti.template()):
 
 @ti.func
 def current_node_volume(bar: ti.template(), i, on: ti.template()):
-    """Returns V_i, node i's share of the current volume, in m (per unit of cross-section). ``on``: compile-time
-    options."""
+    """Returns V_i, node i's share of current volume, in m (per unit cross-section). ``on``: compile-time options."""
     volume = 0.0
     if ti.static(on.linearity_preserving):
         volume = bar.node_volume[i]
@@ -88,8 +87,7 @@ def current_node_volume(bar: ti.template(), i, on: ti.template()):
 
 @ti.func
 def compute_nodal_stress_slopes(bar: ti.template(), on: ti.template()):
-    """Computes d(sigma)/dx at the nodes in Pa/m, from the step's force, in ``bar.transport_slope``. ``on``:
-    compile-time options."""
+    """Stores nodal d(sigma)/dx in Pa/m by the step's force in ``bar.transport_slope``. ``on``: compile-time options."""
     for i in range(1, bar.cells + 1):
         volume = ti.max(current_node_volume(bar, i, on), periodic_nodes.EMPTY * bar.spacing)
         bar.transport_slope[i] = periodic_nodes.node_internal_force(bar, i, on) / volume

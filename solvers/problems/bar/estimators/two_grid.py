@@ -67,8 +67,7 @@ def report(bar: ti.template(), base, step, on: ti.template()):
 
 @ti.func
 def store_run_fields(bar: ti.template(), own: ti.template(), on: ti.template()):
-    """Stores u, v, sigma and a of the run's particles, in SI, in ``own.fields``, an array of the estimator. ``on``:
-    compile-time options."""
+    """Stores u, v, sigma, a of the run's particles in SI in the estimator's ``own.fields``. ``on``: kernel options."""
     for p in range(bar.particles):
         a = 0.0
         if ti.static(on.acceleration):
@@ -98,8 +97,7 @@ def store_coarse_fields(bar: ti.template(), own: ti.template(), coarse: ti.templ
         ahead = late + H - dt
         v = coarse.velocity[q]
         u = coarse.position[q] - coarse.material_position[q] + late * (v + 0.5 * (late + H) * now)
-        own.fields[q] = ti.Vector([u, v + (late + 0.5 * H - early) * now,
-                                   coarse.modulus * (F + late * F_rate - 1),
+        own.fields[q] = ti.Vector([u, v + (late + 0.5 * H - early) * now, coarse.modulus * (F + late * F_rate - 1),
                                    a + ahead * (a_rate + 0.5 * (ahead + H) * bend)])
 
 
@@ -114,11 +112,10 @@ def allocate(scene):
     second = coarse_scene(scene)
     fine, coarse = (scene.particles, 1), (second.particles, 1)
     members = initial_body(second, two_grid.coarse_run_options(kernel_options_of(second)))
-    return {
-        **{"coarse_" + name: value for name, value in members.items()},
-        **two_grid.allocate(scene, FIELDS, fine, coarse, coarse, ("periodic", "free")),
-        "two_grid_before": np.tile([1.0, 0.0, 0.0, 0.0], (second.particles, 1)),
-        "two_grid_noisy": is_too_noisy_for_two_grid(scene)}
+    return {**{"coarse_" + name: value for name, value in members.items()},
+            **two_grid.allocate(scene, FIELDS, fine, coarse, coarse, ("periodic", "free")),
+            "two_grid_before": np.tile([1.0, 0.0, 0.0, 0.0], (second.particles, 1)),
+            "two_grid_noisy": is_too_noisy_for_two_grid(scene)}
 
 
 def verdict(scene, memory):

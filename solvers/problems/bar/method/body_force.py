@@ -1,9 +1,8 @@
 """The body force of the bar, per unit mass, at a material point.
 
-"material" is eq 34: 3 w^2 A sin(2 pi X) sin(wt), for which the exact solution is known. "two-tone" adds
-1.5 w^2 A sin(4 pi X) sin(1.7 wt), for which none is built in: there an estimate has to stand alone. That of a typed
-motion lies in a table (``solvers.solver.separable_field_tables``), whose functions of time :func:`tone_amplitudes`
-finds.
+"material" is eq 34: 3 w^2 A sin(2 pi X) sin(wt), for which the exact solution is known. "two-tone" adds 1.5 w^2 A sin(4
+pi X) sin(1.7 wt), for which none is built in: there an estimate has to stand alone. That of a typed motion lies in a
+table (``solvers.solver.separable_field_tables``), with functions of time by :func:`tone_amplitudes`.
 """
 
 import taichi as ti
@@ -23,9 +22,8 @@ def tone_amplitudes(bar: ti.template(), t, on: ti.template()):
 
 @ti.func
 def tabulated_tone_amplitudes(bar: ti.template(), tables: ti.template(), sizes: ti.template(), t, on: ti.template()):
-    """Returns the amplitudes (2,) in m/s^2 of the body force's tones at time t in s; for a typed motion 0, and stores
-    its functions of time at t in ``tables`` with their ``sizes`` (``separable_field_tables.pack_tables``). ``on``:
-    compile-time options."""
+    """Returns amplitudes (2,) in m/s^2 of the body force's tones at t in s; for a typed motion 0, and stores its time
+    functions in ``tables`` with ``sizes`` (``separable_field_tables.pack_tables``). ``on``: kernel options."""
     first, second = 0.0, 0.0
     if ti.static(on.motion == TYPED):
         compute_paired_time_functions(tables, sizes, FORCE, bar.angular_frequency * t, 1.0)
@@ -38,9 +36,8 @@ def tabulated_tone_amplitudes(bar: ti.template(), tables: ti.template(), sizes: 
 
 @ti.func
 def body_force_at(tables: ti.template(), sizes: ti.template(), place, sine, cosine, size, on: ti.template()):
-    """Returns the body force per mass, in the unit of its tones' amplitudes ``size`` (2,), where sin 2 pi X and cos 2
-    pi X are ``sine`` and ``cosine``; for a typed motion that of entry ``place`` of the ``tables``, in m/s^2. ``on``:
-    compile-time options."""
+    """Returns body force per mass, in the unit of its tones' ``size`` (2,), with sin 2 pi X, cos 2 pi X as ``sine``,
+    ``cosine``; for a typed motion of entry ``place`` of the ``tables``, in m/s^2. ``on``: kernel options."""
     force = size[0] * sine
     if ti.static(on.body_force == "two-tone"):
         force += size[1] * 2 * sine * cosine  # sin 4 pi X

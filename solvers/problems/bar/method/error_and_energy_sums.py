@@ -50,8 +50,7 @@ def logarithmic_stress_error(bar: ti.template(), p, now, on: ti.template()):
 
 @ti.func
 def typed_motion_at(bar: ti.template(), p):
-    """Returns u, v, a of the step before, and F - 1 (4,) in SI of a typed motion at particle p; for p = P their
-    means."""
+    """Returns u, v, a of the step before, and F - 1 (4,) in SI of a typed motion at particle p; for p = P the means."""
     rank, modes = table_size(bar, MOTION, RANK), table_size(bar, MOTION, MODES)
     out = table_size(bar, MOTION, PRESENT)
     known = ti.Vector([0.0, 0.0, 0.0, 0.0])

@@ -26,8 +26,7 @@ from solvers.kernels.shape_functions import bspline, hat
 
 @ti.func
 def mapping_position(bar: ti.template(), p, on: ti.template()):
-    """Returns the position of particle p in m at which weights are evaluated: x, or X with frozen weights. ``on``:
-    compile-time options."""
+    """Returns where weights of particle p are evaluated, in m: x, or X if frozen. ``on``: compile-time options."""
     x = 0.0
     if ti.static(on.frozen):
         x = bar.material_position[p]
@@ -65,8 +64,7 @@ def corner_stencil(bar: ti.template(), x, on: ti.template()):
 
 @mark_untranslated_by_taichi
 def nodes_per_corner(on) -> int:
-    """Returns the number of nodes whose base functions a corner meets: 3 for B-splines, 2 for hats. ``on``:
-    compile-time options."""
+    """Returns how many base functions a corner meets: 3 for B-splines, 2 for hats. ``on``: compile-time options."""
     return 3 if on.method == "bspline" else 2
 
 
@@ -90,8 +88,7 @@ def store_piece_corners(bar: ti.template(), on: ti.template()):
 
 @ti.func
 def store_corner_stencil(bar: ti.template(), p, x, on: ti.template()):
-    """Stores x in m as the left corner of piece p, with its base functions, in ``bar.corners``. ``on``: compile-time
-    options."""
+    """Stores x in m as piece p's left corner, with base functions, in ``bar.corners``. ``on``: compile-time options."""
     i, B = corner_stencil(bar, x, on)
     bar.corners[p] = ti.Vector([B[0], B[1], i, x])
 
@@ -106,8 +103,7 @@ def stored_corner_stencil(bar: ti.template(), p):
 
 @ti.func
 def add_piece_forces_to_nodes(bar: ti.template(), on: ti.template()):
-    """Adds the forces in N by the stress of the pieces to the nodes, as third component of ``bar.node_sums``. ``on``:
-    compile-time options."""
+    """Adds the forces in N by the pieces' stress to ``bar.node_sums``, as third component. ``on``: kernel options."""
     before = bar.deformation_gradient[bar.particles - 1]
     for p in range(bar.particles):
         F = bar.deformation_gradient[p]

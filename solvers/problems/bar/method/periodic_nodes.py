@@ -23,8 +23,7 @@ def stencil_of(bar: ti.template(), p):
 
 @ti.func
 def offset_from_first_node(bar: ti.template(), p):
-    """Returns r = x_p - x_i in m of particle p from the first node of its stencil; from the next nodes it is h and 2h
-    less."""
+    """Returns r = x_p - x_i in m of particle p from its stencil's first node; from the next nodes h and 2h less."""
     x = bar.position[p]
     return x - ti.floor(x) - (bar.first_node[p] - 1) * bar.spacing
 
@@ -95,8 +94,7 @@ def sum_moments_at_nodes(bar: ti.template(), on: ti.template()):
 
 @ti.func
 def node_internal_force(bar: ti.template(), i, on: ti.template()):
-    """Returns the internal force at node i in N: V_i d(sigma)/dx as the method sees it. ``on``: compile-time
-    options."""
+    """Returns node i's internal force in N: V_i d(sigma)/dx as the method sees it. ``on``: compile-time options."""
     force = bar.node_sums[i][2]
     if ti.static(on.linearity_preserving):
         mean, scale = divergence_mapping_factors(bar, i, on)

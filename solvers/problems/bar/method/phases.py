@@ -15,8 +15,7 @@ from solvers.problems.bar.method.periodic_nodes import EMPTY, GHOSTS, MOST_HALF_
 
 @ti.func
 def update_grid(bar: ti.template(), t, on: ti.template()):
-    """Runs the first half of a step, from time t in s: weights, particles to nodes, and the nodes' new motion. ``on``:
-    compile-time options."""
+    """Runs a step's first half at t in s: weights, particles to nodes, their new motion. ``on``: kernel options."""
     if ti.static(not on.frozen):
         find_weights(bar, on)
     if ti.static(on.pieces):
@@ -60,8 +59,7 @@ def particles_to_nodes(bar: ti.template(), t, on: ti.template()):
     """Computes ``bar.node_sums``, at each node the sums over particles of S, S v, D* sigma with D* = -dS F V0, and S b
     with the body force b at time t in s; S are weights, dS their slopes. ``on``: compile-time options.
 
-    The sums of three nodes stay in registers until a particle has others: in memory, each particle would wait for the
-    one before it.
+    Sums of three nodes stay in registers until a particle has others: in memory, each would wait for the one before it.
     """
     size = tone_amplitudes(bar, t, on)
     for i in range(bar.cells + GHOSTS):

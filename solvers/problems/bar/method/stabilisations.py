@@ -2,8 +2,7 @@
 
 Two things diverge slowly in MPM, both because the particle-grid maps lose information. The part of the particles'
 velocity that no node sees is never corrected; and F follows the gradient of the grid's velocity, x its value, so that
-after many periods F is no longer that of x. Both remedies act with the weights of the step, before the particles
-move.
+after many periods F is no longer that of x. Both remedies act with the weights of the step, before particles move.
 """
 
 import taichi as ti
@@ -29,8 +28,7 @@ def in_step(bar: ti.template(), step, on: ti.template()):
 
 @ti.func
 def subtract_mean_velocity(bar: ti.template(), on: ti.template()):
-    """Subtracts the particles' mean velocity from each, except a patch test's, with the remedy zero-drift. ``on``:
-    compile-time options."""
+    """Subtracts the particles' mean velocity, except a patch test's, with zero-drift. ``on``: kernel options."""
     if ti.static(on.centred):
         mean = 0.0
         for p in range(bar.particles):

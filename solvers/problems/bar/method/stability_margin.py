@@ -1,5 +1,4 @@
-"""The margin of the bar's step: dt over the bound of ``solvers.scene.step_bound``, from the stencils and masses of the
-last step."""
+"""The bar's step margin: dt over the bound of ``solvers.scene.step_bound``, by the last step's stencils and masses."""
 
 import taichi as ti
 

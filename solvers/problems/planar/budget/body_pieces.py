@@ -65,8 +65,7 @@ class MovedBodyPieces:
         self.area = 0.5 * np.sum(x * np.roll(y, -1, axis=1) - y * np.roll(x, -1, axis=1), axis=1)
 
     def nodal_force(self, stress: np.ndarray) -> np.ndarray:
-        """Returns the nodal force (N, 2) of a ``stress`` (P, 2, 2) in Pa that is constant in each piece, in N per metre
-        of thickness."""
+        """Returns nodal forces (N, 2) in N per m of thickness of a ``stress`` (P, 2, 2) in Pa, constant per piece."""
         jump = np.zeros_like(self.normal)
         for k in range(4):
             edge = self.lattice.edge[:, k]

@@ -1,15 +1,13 @@
 """The errors of each cause: their sources in a step, and their propagation.
 
-The exact solution has a defect under one step of the run. With f the method's force of the exact stress at the nodes,
-f~ that of the same stress in pieces, and "down" the mass-weighted mean over the particles of a node, the defect of the
-acceleration is
+The exact solution has a defect under one step of the run. With f the method's nodal force of the exact stress, f~ that
+of the same stress in pieces, and "down" the mass-weighted mean over a node's particles, the acceleration's defect is
 
     crossings    (f - f~)/m            a particle, or its domain, counts where a part of its piece does not lie
     coarse grid  f~/m - down(a0 - b)   pieces of constant stress, seen by hats
 
-and beside that there are: the velocity gradient at particles instead of pieces (crossings), the mapping of v and a to
-the nodes and back (coarse grid), and symplectic Euler (time step). The body force acts at material points, without a
-defect.
+and beside that: the velocity gradient at particles instead of pieces (crossings), the mapping of v and a to the nodes
+and back (coarse grid), and symplectic Euler (time step). The body force acts at material points, without a defect.
 """
 
 from typing import NamedTuple

@@ -7,14 +7,9 @@ from typing import Any
 import numpy as np
 
 from solvers.motion.laws.stress_difference import StressDifference
+from solvers.problems.planar.budget import cause_errors
 from solvers.problems.planar.budget.body_pieces import MovedBodyPieces, PieceLattice
-from solvers.problems.planar.budget.cause_errors import (
-    LOCAL_CAUSES,
-    TIME_STEP,
-    CauseErrors,
-    StepErrorSources,
-    step_error_sources,
-)
+from solvers.problems.planar.budget.cause_errors import LOCAL_CAUSES, TIME_STEP, StepErrorSources, step_error_sources
 from solvers.problems.planar.budget.exact_state import ExactState, exact_state_at
 from solvers.problems.planar.solver import PlanarSolver
 from solvers.problems.planar.step_weights import MirroredNodeGrid, StepWeights
@@ -82,7 +77,7 @@ class CauseTrackingRun:
         self._material = StressDifference(scene.material, at_rest=scene.frozen)
         self._now: ExactState = exact_state_at(scene, a, 0.0)
         self._removed_cause = LOCAL_CAUSES.index(take_away) if take_away in LOCAL_CAUSES else None
-        self.causes = CauseErrors(len(self._X))
+        self.causes = cause_errors.CauseErrors(len(self._X))
         # A run may begin with the velocity of half a step before, for the sake of how it steps.
         self.causes.velocity[TIME_STEP] = a.position_velocity[:, 2:] - self._now.velocity
         if self._removed_cause == TIME_STEP:
@@ -131,8 +126,7 @@ class CauseTrackingRun:
 
 @IGNORE_OVERFLOW
 def sample_budget(run: CauseTrackingRun) -> dict[str, float]:
-    """Returns, by names of samples, RMS errors of x (m), v (m/s) and F, each cause's signed part of them, and the RMS
-    of its own errors."""
+    """Returns by sample name RMS errors of x (m), v (m/s) and F, each cause's signed part, and its own RMS error."""
     numbers: dict[str, float] = dict.fromkeys(BUDGET, 0.0)
     for field in FIELDS:
         error, parts = run.true_errors()[field], run.causes.fields()[field]

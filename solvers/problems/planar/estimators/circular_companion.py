@@ -32,12 +32,8 @@ from solvers.problems.planar.estimators.companion import store_errors
 from solvers.problems.planar.method.material_laws import cauchy_stress_of, coefficients, piola, wave_stiffness
 from solvers.problems.planar.method.tensor_rotation import rotate_tensor, rotate_vector
 from solvers.problems.planar.particle_layout import particle_layout
-from solvers.solver.separable_field_tables import (
-    body_force_at,
-    compute_force_time_functions,
-    pack_tables,
-    pad_to_mode_pairs,
-)
+from solvers.solver import separable_field_tables
+from solvers.solver.separable_field_tables import compute_force_time_functions, pack_tables, pad_to_mode_pairs
 
 
 @ti.func
@@ -51,7 +47,7 @@ def accelerate(body: ti.template(), t, on: ti.template()):
     compute_force_time_functions(body.companion_force, body.companion_force_sizes, body.angular_frequency * t, on)
     for i in range(N):
         work = shared.WORK * N + i
-        force = body_force_at(body.companion_force, body.companion_force_sizes, i, on)
+        force = separable_field_tables.body_force_at(body.companion_force, body.companion_force_sizes, i, on)
         for c in ti.static(range(2)):
             a = body.companion_nodes[work][6 + c] * body.companion_nodes[work][2 + c]
             body.companion_nodes[work][2 + c] = a + force[c]

@@ -15,8 +15,7 @@ INSTANTS = 16  # of a period, at which the stiffest deformation is searched
 
 
 def sector_masses(elements: Elements) -> np.ndarray:
-    """Returns quadrature weight times radius (N,), in m^2, of the nodes along a radius: the area of each in a sector of
-    one radian."""
+    """Returns quadrature weight times radius (N,) in m^2 of nodes along a radius: their areas in a sector of 1 rad."""
     return elements.assembled_weights * elements.node_coordinates
 
 

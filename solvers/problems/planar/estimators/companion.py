@@ -1,5 +1,4 @@
-"""The companion in the plane (see ``solvers.estimators.companion_solution``): its space, and its report for each
-particle.
+"""The companion in the plane (see ``solvers.estimators.companion_solution``): its space, and its report per particle.
 
 Elements are products of intervals in two coordinates xi and eta under a map X(xi, eta), a patch of the body. With
 grad u = u_xi grad xi + u_eta grad eta, F = I + grad u and P(F),
@@ -19,20 +18,11 @@ from solvers.estimators import companion_solution as shared
 from solvers.kernels import runtime
 from solvers.kernels.dtypes import integers, pairs, quads
 from solvers.problems.planar.estimators.companion_patch import CompanionPatch
-from solvers.problems.planar.method.material_laws import (
-    cauchy_stress,
-    cauchy_stress_of,
-    coefficients,
-    piola,
-    wave_stiffness,
-)
+from solvers.problems.planar.method import material_laws
+from solvers.problems.planar.method.material_laws import cauchy_stress_of, coefficients, piola, wave_stiffness
 from solvers.problems.planar.particle_layout import particle_layout
-from solvers.solver.separable_field_tables import (
-    body_force_at,
-    compute_force_time_functions,
-    pack_tables,
-    pad_to_mode_pairs,
-)
+from solvers.solver import separable_field_tables
+from solvers.solver.separable_field_tables import compute_force_time_functions, pack_tables, pad_to_mode_pairs
 
 
 @ti.func
@@ -49,7 +39,8 @@ def accelerate(body: ti.template(), t, on: ti.template()):
     compute_force_time_functions(body.companion_force, body.companion_force_sizes, body.angular_frequency * t, on)
     first = shared.WORK * body.companion_counts[shared.NODES]
     for node in range(body.companion_counts[shared.NODES]):
-        force, work = body_force_at(body.companion_force, body.companion_force_sizes, node, on), first + node
+        force = separable_field_tables.body_force_at(body.companion_force, body.companion_force_sizes, node, on)
+        work = first + node
         for c in ti.static(range(2)):
             per_mass = body.companion_nodes[work][6 + c]
             a = body.companion_nodes[work][2 + c] * per_mass
@@ -183,7 +174,7 @@ def store_errors(body: ti.template(), base, p, step, motion, acceleration, sigma
     q, X = body.position_velocity[p], body.material_position[p]
     error = ti.Vector([q[0] - X[0] - motion[0], q[1] - X[1] - motion[1], q[2] - motion[2], q[3] - motion[3]])
     body.estimate[base + p] = error
-    miss = cauchy_stress(body, p, on) - sigma
+    miss = material_laws.cauchy_stress(body, p, on) - sigma
     body.estimate_stress[base + p] = ti.Vector([miss[0], miss[1], miss[2], 0.0])
     a = ti.Vector([ti.math.nan, ti.math.nan])
     if ti.static(on.acceleration):  # before the first step none has been computed, and so none can be wrong
@@ -195,11 +186,10 @@ def store_errors(body: ti.template(), base, p, step, motion, acceleration, sigma
 class ParticleBasis(NamedTuple):
     """Tables with which kernels evaluate the companion at P particles, sorted by xi.
 
-    ``basis`` (n, 2) are values and derivatives of the p + 1 polynomials at each different xi, of which there are
-    ``columns``, then at each eta. ``places`` (rows, 4) begin with a row for each xi and one more: the row of its first
-    particle, first node of its element, 0, 0; then have a row for each particle: its number, the first node of its
-    element on a line of nodes, the first row of its basis, the number of its xi. ``coordinate_gradients`` (P, 4) are
-    grad xi and grad eta in 1/m.
+    ``basis`` (n, 2) are values and derivatives of the p + 1 polynomials at each different xi (``columns`` of them),
+    then at each eta. ``places`` (rows, 4) begin with a row for each xi and one more: the row of its first particle, its
+    element's first node, 0, 0; then have a row per particle: its number, its element's first node on a line of nodes,
+    its basis' first row, its xi's number. ``coordinate_gradients`` (P, 4) are grad xi and grad eta in 1/m.
     """
 
     basis: np.ndarray
@@ -235,14 +225,13 @@ def allocate(scene) -> dict[str, np.ndarray]:
                          np.zeros((n, n))], axis=-1)
     sizes, force = pack_tables(*map(pad_to_mode_pairs, patch.force[1:]))
     row = len(second.node_coordinates)
-    return {
-        **shared.initial_companion_arrays((first.order, first.count, second.count, row, len(patch.places),
-                                           seen.columns), patch.frequency_at_rest, scene.time_step, patch.velocity,
-                                          patch.inverse_mass, row),
-        "companion_geometry": patch.geometry, "companion_slopes": seen.coordinate_gradients,
-        "companion_matrices": matrices.reshape(-1, 4), "companion_trial": np.zeros((n * n, 2)),
-        "companion_stresses": np.zeros((n * n, 4)), "companion_basis": seen.basis,
-        "companion_places": seen.places.ravel(), "companion_force": force, "companion_force_sizes": sizes}
+    return {**shared.initial_companion_arrays((first.order, first.count, second.count, row, len(patch.places),
+                                               seen.columns), patch.frequency_at_rest, scene.time_step, patch.velocity,
+                                              patch.inverse_mass, row), "companion_geometry": patch.geometry,
+            "companion_slopes": seen.coordinate_gradients, "companion_matrices": matrices.reshape(-1, 4),
+            "companion_trial": np.zeros((n * n, 2)), "companion_stresses": np.zeros((n * n, 4)),
+            "companion_basis": seen.basis, "companion_places": seen.places.ravel(), "companion_force": force,
+            "companion_force_sizes": sizes}
 
 
 def verdict(scene, memory) -> str | None:

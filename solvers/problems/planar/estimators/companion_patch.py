@@ -58,9 +58,8 @@ class CompanionPatch(ElasticBody):
         self._weight = np.outer(first.weights, second.weights)[..., None]
         key = (*lines, *scene.lame_moduli, self.inverse_mass.tobytes())
         if key not in _frequencies:
-            _frequencies[key] = highest_frequency(
-                lambda u: self.inverse_mass * self._internal_forces(u, self._hookean_stress), self.inverse_mass
-            )
+            _frequencies[key] = highest_frequency(lambda u: self.inverse_mass
+                                                  * self._internal_forces(u, self._hookean_stress), self.inverse_mass)
         self.frequency_at_rest = _frequencies[key]
         times = np.arange(INSTANTS) / INSTANTS * scene.period
         F = np.concatenate([scene.EXACT.deformation_gradient(scene, self.places, t) for t in times])

@@ -8,10 +8,9 @@ leaves the free surfaces natural: a traction on them would be seen. P grad N = (
 N_a'/R. Every operator is a product of one along the radius and one along the angle (``lattice_lines``); symmetry planes
 are mirrors, with signs of their own for each component, and a whole turn closes on itself.
 
-All else is as on the bar: U = M u_exact is integrated from the initial state, driven by P at the recovered gradient
-less that of the error; E = sum_i N_i (2 e - C e)_i + (u - fit u), e = M u - U; and sigma is compared with the stress at
-the recovered gradient less that of the error. In a step the gradient is recovered on one line each way; for a report
-over a patch.
+Else all is as on the bar: U = M u_exact is integrated from the start, driven by P at the recovered gradient less the
+error's; E = sum_i N_i (2 e - C e)_i + (u - fit u), e = M u - U; and sigma is compared with the stress at the recovered
+gradient less the error's. In a step the gradient is recovered on one line each way; for a report over a patch.
 
 Assumptions: as on the bar; the particles began on a polar lattice, of four particles or more across. It fails where the
 solution varies within a fit of four cells. sigma and a are not estimated where the particles are so uneven that the fit

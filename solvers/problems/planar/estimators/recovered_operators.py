@@ -9,15 +9,8 @@ from typing import NamedTuple
 
 import taichi as ti
 
-from solvers.estimators.recovered_common import (
-    ROUGH,
-    SIZE,
-    first_in_group,
-    fourth_difference_weight,
-    group_count,
-    store_sums,
-    table_row_range,
-)
+from solvers.estimators import recovered_common
+from solvers.estimators.recovered_common import ROUGH, SIZE, first_in_group, group_count, store_sums, table_row_range
 from solvers.kernels.packing import prefix_view
 from solvers.solver.separable_field_tables import body_force_at, compute_force_time_functions
 
@@ -294,7 +287,7 @@ def add_verdict_sums(body: ti.template(), nodes: ti.template(), lattice: ti.temp
                         i, x = 2 * A - 1 - i, -1.0
                 j = ti.min(ti.max(j, 0), B - 1)
                 U, V = nodes[node_index(body, MOTION, i * B + b)], nodes[node_index(body, MOTION, a * B + j)]
-                factor = fourth_difference_weight(k)
+                factor = recovered_common.fourth_difference_weight(k)
                 around += factor * ti.Vector([x * U[0], y * U[1]])
                 along += factor * ti.Vector([x_along * V[0], V[1]])
             rough += around.dot(around)

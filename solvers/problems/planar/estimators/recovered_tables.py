@@ -62,10 +62,9 @@ def interval(scene):
 
 
 def lattice_lines(scene):
-    """Returns the two ``LatticeLine`` of a scene's lattice, around and across a ring or along x and y of a square, with
-    elements one cell wide, at the inner rim of a ring. With one particle per cell they are half as wide again: elements
-    as narrow as the particles' spacing are unstable. None is narrower than the reference's step bears, which is no
-    shorter than the run's."""
+    """Returns a scene's two ``LatticeLine``, around and across a ring or along x and y of a square, with elements one
+    cell wide, at the inner rim of a ring. With one particle per cell they are half as wide again: elements as narrow as
+    particle spacings are unstable. None is narrower than the reference's step bears, no shorter than the run's."""
     width = scene.spacing * (SPARSE_WIDTH if scene.ppc == 1 else 1.0)
     counts = scene.lattice_counts(scene.cells, scene.ppc)
     if scene.layout == "box":

@@ -7,14 +7,12 @@ that its derivative is an acceleration),
     Ev_p = dt sum S Ea                                       (48: not accumulated)
     Ex_p += dt Ev_p                                          (49)
 
-a is the internal part of the nodal acceleration, which is what the divergence of f stands for. Eq 46 measures how far
-the mapping is from preserving constants and linear functions. At a free surface it is far by nature, for the weak form
-lets the missing part be the traction; so the estimate does not fall with h, and its index grows. The stress is not
-estimated.
+a is the nodal acceleration's internal part, what the divergence of f stands for. Eq 46 measures how far the mapping is
+from preserving constants and linear functions. At a free surface it is far by nature, for the weak form lets the
+missing part be the traction; so the estimate does not fall with h and its index grows. Stress is not estimated.
 
-Undeformed bodies have neither stress nor internal acceleration, so that Ea = 0 at the start whatever a is there. What a
-body with a(0) != 0 misses because its velocity starts at t = 0 and not half a step before is no defect of a mapping,
-and not seen.
+Undeformed bodies have neither stress nor internal acceleration, so that Ea = 0 at first whatever a is. What a body with
+a(0) != 0 misses because its velocity starts at t = 0 and not half a step before is no mapping defect, and not seen.
 """
 
 import math

@@ -1,5 +1,4 @@
-"""Richardson's estimate in the plane, between symmetry planes: the same scene on half the cells (see
-``solvers.estimators.two_grid``).
+"""Richardson's estimate between symmetry planes: the scene on half the cells (see ``solvers.estimators.two_grid``).
 
 Fields are compared on the second run's lattice: of a square in x and y, of a ring in polar components (and on four
 radii at least, for cubics). Lattices go on beyond the symmetry planes as mirror images, in which components across the
@@ -31,8 +30,7 @@ FEWEST_CELLS = 6
 #: u, v and sigma, of which the second component is odd across the planes at the first and the last line, with the shear
 #: stress; of a box the first is, and again the shear stress, at the ends of each line.
 ACROSS = (0, 1, 0, 1, 0, 1, 0, 0)
-POLAR, BOX = two_grid.ComponentWeightChoice((0,) * 8,
-                                            ACROSS), two_grid.ComponentWeightChoice((1, 0, 1, 0, 0, 1, 0, 0), ACROSS)
+POLAR, BOX = (two_grid.ComponentWeightChoice(along, ACROSS) for along in ((0,) * 8, (1, 0, 1, 0, 0, 1, 0, 0)))
 
 MEMORY = {
     **{"coarse_" + name: kind for name, kind in PlanarBody.types().items()},

@@ -81,8 +81,7 @@ def corner_hats(w: ti.template(), c: ti.template()):
 
 @ti.func
 def particles_to_nodes(body: ti.template(), start, end, grid, traits: ti.template(), on: ti.template()):
-    """Adds mass, momentum and force of the particles from ``start`` up to ``end`` to ``node_sums``, to the nodes from
-    number ``grid`` on."""
+    """Adds mass, momentum and force of particles ``start`` up to ``end`` to ``node_sums`` of nodes from ``grid`` on."""
     for p in range(start, end):
         w, = ti.static([stored_weight_entries(body, p, on)])
         cells, g = corner_cell_nodes(w), stored_gradients(body, p, w, on)

@@ -2,12 +2,10 @@
 
 import taichi as ti
 
+from solvers.problems.planar.method import node_acceleration_errors
 from solvers.problems.planar.method.material_laws import cauchy_stress, cauchy_stress_of, strain_energy
 from solvers.problems.planar.method.motion_contradictions import make_circle_contradiction_kernel, record_mode_moments
-from solvers.problems.planar.method.node_acceleration_errors import (
-    make_circular_acceleration_error,
-    make_node_acceleration_error,
-)
+from solvers.problems.planar.method.node_acceleration_errors import make_node_acceleration_error
 from solvers.problems.planar.method.phases import TOTALS
 from solvers.problems.planar.method.tensor_rotation import rotate_tensor, rotate_vector
 from solvers.problems.planar.problem_kernel_functions import ProblemDiagnosticFunctions
@@ -77,7 +75,7 @@ def sample_angular_momentum(body: ti.template(), row, step, on: ti.template()):
 def make_diagnostic_functions(kind: type[PlanarScene], first: int) -> ProblemDiagnosticFunctions:
     """Returns the diagnostic functions of the problem with the scene class ``kind``; nodes before ``first`` in a row
     lie beyond a symmetry plane."""
-    nodes = make_circular_acceleration_error(kind, first) if kind.CIRCULAR \
+    nodes = node_acceleration_errors.make_circular_acceleration_error(kind, first) if kind.CIRCULAR \
         else make_node_acceleration_error(first if kind.PLANES[1] else 0)
     record_contradictions = make_circle_contradiction_kernel(kind.INNER, kind.OUTER, kind.PLOTTED == "angular") \
         if kind.CIRCULAR else record_mode_moments

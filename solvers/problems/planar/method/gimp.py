@@ -42,8 +42,7 @@ def find_weights(body: ti.template(), some: ti.template(), on: ti.template()):
 
 @ti.func
 def stencil_along(body: ti.template(), some: ti.template(), c: ti.template(), on: ti.template()):
-    """Returns first node, two outer weights and their slopes (per m) of the particles ``some`` in x (``c`` = 0) or y
-    (1)."""
+    """Returns first node, two outer weights and slopes (per m) of particles ``some`` in x (``c`` = 0) or y (1)."""
     per = body.cells_per_length
     position = load_component(body.position_velocity, some, c)
     if ti.static(on.frozen):
@@ -64,8 +63,7 @@ def stored_stencils(body: ti.template(), p, on: ti.template()):
 
 @ti.func
 def particles_to_nodes(body: ti.template(), start, end, grid, traits: ti.template(), on: ti.template()):
-    """Adds mass, momentum and force of the particles from ``start`` up to ``end`` to ``node_sums``, to the nodes from
-    number ``grid`` on."""
+    """Adds mass, momentum and force of particles ``start`` up to ``end`` to ``node_sums`` of nodes from ``grid`` on."""
     for p in range(start, end):
         S, dS, R, dR = stored_stencils(body, p, on)
         first = grid + body.first_node[p]

@@ -36,8 +36,7 @@ def log_jacobian(J):
 
 @ti.func
 def coefficients(body: ti.template(), F, on: ti.template()):
-    """Returns J and the law's coefficients q, r, A, x in Pa (``solvers.motion.laws.material_law``) for F as (xx, xy,
-    yx, yy)."""
+    """Returns J and the law's coefficients q, r, A, x in Pa (``laws.material_law``) for F as (xx, xy, yx, yy)."""
     J, volumetric = determinant(F), 0.0
     if ti.static(LAWS[on.law].logarithmic):
         if body.lame_modulus != 0:  # a logarithm a particle is a tenth of some estimator's time
@@ -62,9 +61,8 @@ def cauchy_stress(body: ti.template(), p, on: ti.template()):
 
 @ti.func
 def volume_and_stiffness_metric(body: ti.template(), p, on: ti.template()):
-    """Returns, for the step margin, V0 of particle p in m^2 and a metric (xx, xy, yy) in Pa. The product of two nodes'
-    weight gradients in the metric bounds the stiffness between the nodes: gradients in space, or at rest with frozen
-    weights."""
+    """Returns for the step margin V0 of particle p in m^2 and a metric (xx, xy, yy) in Pa. The product of two nodes'
+    weight gradients in it bounds the stiffness between them: gradients in space, or at rest with frozen weights."""
     F = body.deformation_gradient[p]
     J, q, r, A, x = coefficients(body, F, on)
     xx, xy, yy = ti.static(reference_stiffness_metric if on.frozen else stiffness_metric)(F, J, q, r, A, x)

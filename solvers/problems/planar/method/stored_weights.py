@@ -34,8 +34,7 @@ def weights_by_particle(kept: np.ndarray, method: str, particles: int) -> np.nda
 
 @mark_untranslated_by_taichi
 def concatenate(numbers: Any) -> Any:
-    """Returns one vector of several of ``BLOCK`` entries. Each becomes a variable first, or it would be recomputed for
-    every entry."""
+    """Returns vectors of ``BLOCK`` entries as one. Each becomes a variable first, or every entry would recompute it."""
     variables = [make_kernel_variable(number) for number in numbers]
     return ti.Vector([subscript_expression(number, lane) for number in variables for lane in range(BLOCK)])
 

@@ -1,8 +1,7 @@
 """Steps of a plane body on a CPU, by two plans that run the same phases, and the other kernels of a run.
 
 One kernel takes any number of steps on one thread (``solvers.solver.serial_stepping``), ``step_in_slabs`` one on
-several threads, with slabs of particles side by side; ``solvers.problems.planar.plans.gpu_kernels`` has the kernels of
-a GPU.
+several threads, slabs of particles side by side; ``solvers.problems.planar.plans.gpu_kernels`` has a GPU's kernels.
 """
 
 from typing import Any, NamedTuple
@@ -19,15 +18,9 @@ from solvers.problems.planar.plans.gpu_kernels import GpuKernels, make_gpu_kerne
 from solvers.problems.planar.problem_kernel_functions import PlanarKernelFunctions
 from solvers.scene.kernel_options import KernelOptions
 from solvers.scene.scene import Scene
+from solvers.solver import serial_stepping
 from solvers.solver.base import MEASURE, REPORT, SOUND, STEP
-from solvers.solver.serial_stepping import (
-    CHECK_EVERY,
-    SerialKernels,
-    SerialStepper,
-    StepFunctions,
-    check_particles,
-    serial_kernels,
-)
+from solvers.solver.serial_stepping import SerialKernels, SerialStepper, StepFunctions, check_particles, serial_kernels
 
 INDICES_PER_TASK = 512  # indices that a parallel loop never splits between threads
 
@@ -146,7 +139,7 @@ class CpuStepper(SerialStepper):
         for step in range(before, before + steps):
             self._step(step, self._threads)
             sampled = (step + 1) % interval == 0
-            if sampled or (step + 1) % CHECK_EVERY == 0:
+            if sampled or (step + 1) % serial_stepping.CHECK_EVERY == 0:
                 self._inspect(step + 1, row if sampled else -1, STEP)
                 row += sampled
             if self._arrays.verdict[0] != SOUND:

@@ -99,9 +99,8 @@ class DeviceArrays:
 
 
 class GpuStepper:
-    """Stepper of copies of a run's ``arrays`` on a GPU. The arrays themselves have the state of the last fetch; after
-    steps, only verdict and samples are fetched. The CPU advances the companion ``beside`` while the GPU works through
-    its queue. Nodal sums are atomic."""
+    """Stepper of copies of a run's ``arrays`` on a GPU. These have the state of the last fetch; steps fetch only
+    verdict and samples. The CPU advances the companion ``beside`` while the GPU works. Nodal sums are atomic."""
 
     def __init__(self, kernels: GpuKernels, State: Any, scene: Scene, arrays: InstrumentedBody, on: KernelOptions,
                  beside: CompanionOnCpu | None):
