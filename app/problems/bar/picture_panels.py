@@ -64,7 +64,7 @@ def _draw_error_lanes(figure: Figure, axes: Axes, result: Result) -> None:
         look = {"color": "0.4"} if sizes is None else {"array": sizes[few], "cmap": COLOUR_MAP, "norm": scale}
         low, high = np.full_like(left, height - 0.32), np.full_like(left, height + 0.32)
         corners = np.stack([left, low, right, low, right, high, left, high], axis=1).reshape(-1, 4, 2)
-        strokes = PolyCollection(corners, linewidths=0, antialiaseds=False, zorder=2, **look)
+        strokes = PolyCollection(list(corners), linewidths=0, antialiaseds=False, zorder=2, **look)
         axes.add_collection(strokes, autolim=False)
     if not len(few):
         picture_panel_style.write_note(axes, "no particle is left on the bar")

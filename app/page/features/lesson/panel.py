@@ -14,13 +14,7 @@ from app.lessons import student_progress as kept
 from app.lessons.answer_marking import LONGEST, AnswerMark, why_invalid
 from app.lessons.lesson import EXPLAIN, PREDICT, TEXT, Lesson, Numbers, Step, draw_numbers, fill_numbers
 from app.page.feature import Feature, VisiblePageState
-from app.page.features.lesson import instruction_buttons, progress_and_navigation, step_html
-from app.page.features.lesson.answer_marking_queue import (
-    AnswerMarkingQueue,
-    answer_comment,
-    question_steps_of_round,
-    upcoming_bets_step,
-)
+from app.page.features.lesson import answer_marking_queue, instruction_buttons, progress_and_navigation, step_html
 from app.page.features.lesson.answer_widgets import AnswerWidgets
 from app.page.features.lesson.progress_and_navigation import KEPT, MAIN, PACED, StepNavigation
 from app.page.page_context import PageContext
@@ -38,7 +32,7 @@ class LessonPlayer(Feature):
         self._controls: instruction_buttons.LessonControls = page.controls
         self._lock = threading.RLock()
         self.messages = {"open": self.open, "choice": self._choose_option, "do": self._on_instruction_click}
-        self._marker = AnswerMarkingQueue(page.classroom.outcomes)
+        self._marker = answer_marking_queue.AnswerMarkingQueue(page.classroom.outcomes)
         self._lesson: Lesson | None = None
         self._progress = kept.StudentProgress("", "")  # in the open lesson
         self._restored = False  # whether the browser has sent its stored answers
@@ -174,7 +168,7 @@ class LessonPlayer(Feature):
         text = self._gui.add_html(self._text_html(lesson, step))
         if step.kind != PREDICT:  # early, so that marks are ready at the explanation
             self._mark_all(lesson, step, text)
-        if (ahead := upcoming_bets_step(lesson, step)) is not None:
+        if (ahead := answer_marking_queue.upcoming_bets_step(lesson, step)) is not None:
             self._marker.compute_bets(lesson, ahead, self._progress,
                                       lambda: self._show(text, lambda: self._text_html(lesson, step)))
         with use_language(lesson.language):
@@ -241,7 +235,7 @@ class LessonPlayer(Feature):
         assert self._lesson is not None
         answer = self._progress.answers[step.key]
         return step_html.recorded_answer_html(self._lesson, step, answer, self._numbers,
-                                              *answer_comment(step, answer, mark))
+                                              *answer_marking_queue.answer_comment(step, answer, mark))
 
     def _check(self, lesson: Lesson, step: Step, reply: viser.GuiHtmlHandle) -> None:
         """Marks the last answer, which may need a run, and shows the result in ``reply``; enables Next at once."""
@@ -257,14 +251,16 @@ class LessonPlayer(Feature):
 
     def _text_html(self, lesson: Lesson, step: Step) -> str:
         """Returns the step's text as html; an explanation is preceded by the answers and results so far."""
-        before = step_html.answers_table_html(lesson, question_steps_of_round(lesson, step), self._progress.answers,
-                                              self._marker.marks, self._numbers) if step.kind == EXPLAIN else ""
+        before = ""
+        if step.kind == EXPLAIN:
+            steps = answer_marking_queue.question_steps_of_round(lesson, step)
+            before = step_html.answers_table_html(lesson, steps, self._progress.answers, self._marker.marks, self._numbers)
         before += step_html.bets_html(self._marker.bets.get(step.key, step_html.WAITED_FOR)) if step.bets else ""
         return step_html.step_html(lesson, step, self._numbers, before, self._classroom.teacher)
 
     def _mark_all(self, lesson: Lesson, step: Step | None, text: viser.GuiHtmlHandle) -> None:
         """Marks the answers that a step looks back on, all at the end (None), and shows marks in ``text``."""
-        steps = question_steps_of_round(lesson, step) if step else list(lesson.questions.values())
+        steps = answer_marking_queue.question_steps_of_round(lesson, step) if step else list(lesson.questions.values())
         self._marker.mark_first_answers(lesson, steps, self._progress, lambda: self._show(
             text, lambda: self._text_html(lesson, step) if step else self._end_html(lesson)))
 
