@@ -251,10 +251,10 @@ class LessonPlayer(Feature):
 
     def _text_html(self, lesson: Lesson, step: Step) -> str:
         """Returns the step's text as html; an explanation is preceded by the answers and results so far."""
-        before = ""
+        before, answers = "", self._progress.answers
         if step.kind == EXPLAIN:
             steps = answer_marking_queue.question_steps_of_round(lesson, step)
-            before = step_html.answers_table_html(lesson, steps, self._progress.answers, self._marker.marks, self._numbers)
+            before = step_html.answers_table_html(lesson, steps, answers, self._marker.marks, self._numbers)
         before += step_html.bets_html(self._marker.bets.get(step.key, step_html.WAITED_FOR)) if step.bets else ""
         return step_html.step_html(lesson, step, self._numbers, before, self._classroom.teacher)
 
