@@ -48,8 +48,7 @@ INK, INK2, INK3 = (TEXTS[name].light for name in ("ink", "ink2", "ink3"))
 LINE, LINE2 = FAINT["line"].light, FAINT["line2"].light
 PINNED = "#7f8796"  # a pinned run: grey
 COLOUR_MAP = "viridis"
-#: Methods: the rest of Okabe and Ito's set, dark enough for lines on white; each also has a marker of its
-#: own. Other methods are grey.
+#: Methods: the rest of Okabe and Ito's set, dark enough for lines on white, each with a marker too; others are grey.
 METHOD_COLOURS = defaultdict(lambda: "#777777", {"mpm": INK, "ugimp": "#009e73", "cpgimp": "#c2609a",
                                                  "bspline": "#b87d00", "cpdi": "#2f93cc"})
 METHOD_MARKS = defaultdict(lambda: "o", {"mpm": "o", "ugimp": "s", "cpgimp": "^", "bspline": "D", "cpdi": "v"})

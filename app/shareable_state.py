@@ -10,8 +10,7 @@ of the view. The word ``pinned`` precedes the fields of the pinned run, of the s
     word   = field | view
     field  = name ["=" value]        of the scene, each once
     view   = name ["=" value]        of ``VIEW``, each once
-    value  = a number (``solvers.untrusted.number_parsing``), a name, names with commas between, or yes or no
-"""
+    value  = a number (``solvers.untrusted.number_parsing``), a name, names with commas between, or yes or no"""
 
 import re
 from collections.abc import Callable, Mapping
@@ -132,18 +131,17 @@ def _parse_scene(problem: str, words: list[str], of_pinned: bool = False) -> Sce
 
 def _unknown_word(problem: str, word: str, name: str, known: list[str], of_pinned: bool) -> str:
     """Returns the sentence why a word, which begins with ``name``, is no field of a scene; ``known`` are suggested."""
+    quoted = _quote_in_message(word)
     if name in ("problem", *PROBLEMS):
-        return Message("{word}: the problem stands once, as the first word", _quote_in_message(word)) + \
+        return Message("{word}: the problem stands once, as the first word", quoted) + \
             Message("; the pinned run is of the {problem} too", Message(problem)) * of_pinned
     if name == PINNED:
-        return Message("{word}: the word pinned stands once, alone, before what differs in the pinned run",
-                       _quote_in_message(word))
+        return Message("{word}: the word pinned stands once, alone, before what differs in the pinned run", quoted)
     if of_pinned and name in VIEW:
-        return Message("{word} is of the view, which both runs share; give it before the word pinned",
-                       _quote_in_message(word))
+        return Message("{word} is of the view, which both runs share; give it before the word pinned", quoted)
     more = "" if of_pinned else Message(", or {names}", ", ".join(VIEW))
-    return Message("{word} means nothing here{name}; give what `mpm-lab run {problem} --help` names{more}",
-                   _quote_in_message(word), quoting.suggest_word(name, known), problem, more)
+    return Message("{word} means nothing here{name}; give what `mpm-lab run {problem} --help` names{more}", quoted,
+                   quoting.suggest_word(name, known), problem, more)
 
 
 def _duplicate_error(key: str) -> StateError:
@@ -188,8 +186,7 @@ def _choice_parser(meanings: Mapping[str, Any]) -> Callable[[str, str], Any]:
     def read_one(key: str, text: str) -> Any:
         if text not in meanings:
             raise StateError(Message("{key}={text}: give one of {meanings}", key, _quote_in_message(text),
-                                     ", ".join(meanings))
-                             + quoting.suggest_word(text, meanings))
+                                     ", ".join(meanings)) + quoting.suggest_word(text, meanings))
         return meanings[text]
 
     return read_one

@@ -76,11 +76,9 @@ class Addresses:
             return NO_HOST
         if is_loopback(self.host) and not (is_loopback(host.host) or self._is_public_name(host)):
             return FOREIGN_HOST
-        if origins and not (len(origins) == 1 and self._is_same_origin(origins[0], host)):
-            return FOREIGN_PAGE
-        if not origins and _is_cross_site(headers, opens_socket):
-            return FOREIGN_PAGE
-        return None
+        foreign = not (len(origins) == 1 and self._is_same_origin(origins[0], host)) if origins else \
+            _is_cross_site(headers, opens_socket)
+        return FOREIGN_PAGE if foreign else None
 
     def _is_same_origin(self, origin: str, host: Address) -> bool:
         scheme, found, rest = origin.lower().partition("://")

@@ -67,8 +67,7 @@ class CodeLogin:
         return self.identify(headers) is not None
 
     def identify(self, headers: Headers) -> CookieIdentity | None:
-        """Returns the identity with most rights in a request's valid cookies, or None. All are checked, so that the
-        time reveals nothing."""
+        """Returns the identity with most rights in a request's valid cookies, or None; checks all, in constant time."""
         pairs = (pair.partition("=") for line in headers.get_all("Cookie") for pair in line.split(";"))
         brought = [value.strip().partition(".") for name, _, value in pairs if name.strip() == self._name]
         found = [CookieIdentity(whose, key) for whose in self._secrets for key, _, proof in brought

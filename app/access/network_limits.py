@@ -91,11 +91,8 @@ class DiskQuota:
 
     def release(self, address: str, count: int) -> None:
         """Releases so many reserved bytes of an IP address."""
-        network = network_of(address)
         with self._lock:
-            self._used[network] -= count
-            if not self._used[network]:
-                del self._used[network]
+            self._used -= Counter({network_of(address): count})  # drops a network without any
 
 
 class PendingConnections(Generic[Connection]):

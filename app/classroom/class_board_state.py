@@ -62,8 +62,7 @@ class ClassBoardState:
     @property
     def last_open_step(self) -> int:
         """Number of the last step that is open to all, 0 at first."""
-        with self._lock:
-            return self._opened
+        return self.shown_step.last_open_step
 
     @property
     def end_position(self) -> int:

@@ -1,10 +1,10 @@
 """The commands of ``mpm-lab``, one file each.
 
-A command is a frozen dataclass: its fields are its flags, its docstring is its help, and ``execute()`` does
-the work and returns the exit status. One that takes a scene is made for each problem (``scene_flags``). To add one,
-write the dataclass and list it here."""
+A command is a frozen dataclass: its fields are its flags, its docstring is its help; ``execute()`` does the work and
+returns the exit status. One that takes a scene is made for each problem (``scene_flags``). A new one is listed here."""
 
-import functools
+from collections.abc import Callable
+from functools import cache, partial
 
 from app.commands.bench.command import Bench
 from app.commands.check.contradiction_check import ContradictionCheck
@@ -23,29 +23,27 @@ from app.commands.study.paper_tables import PaperTables
 from app.commands.study.stability_map import StabilityMap, map_flags
 from app.commands.study.sweep import Sweep
 from solvers.problems import PROBLEMS
+from solvers.scene.scene import Scene
 
 #: What ``mpm-lab`` does when no command is given.
 DEFAULT_COMMAND = ("serve",)
 
 
-@functools.cache
+@cache
 def commands() -> dict[tuple[str, ...], type]:
     """Returns the class of each command by the words of its name, ("run", "bar"), in the order of the help."""
-    scenes = {name: problem.scene for name, problem in PROBLEMS.items()}
-    found: dict[tuple[str, ...], type] = {("serve",): Serve}
-    found |= {("run", name): command_of_problem(Run, scene) for name, scene in scenes.items()}
-    found |= {("run", "--scene"): RunFromSceneText}
-    found |= {("budget", name): command_of_problem(Budget, scene) for name, scene in scenes.items()}
-    found |= {("sweep", name): command_of_problem(Sweep, scene, linearity_preserving=Switch) for name,
-              scene in scenes.items()}
-    found |= {("problem", name): command_of_problem(ProblemCommand, scene) for name, scene in scenes.items()}
-    found |= {("judge", name): command_of_problem(Judge, scene) for name, scene in scenes.items()}
-    found |= {("check",): ContradictionCheck, ("tables",): PaperTables}
-    found |= {("advise", name): with_scene_flags(Advise, scene, **search_flags(scene)) for name,
-              scene in scenes.items()}
-    found |= {("stability", name): with_scene_flags(StabilityMap, scene, **map_flags(scene)) for name,
-              scene in scenes.items()}
-    found |= {("coverage", name): with_scene_flags(Coverage, scene) for name, scene in scenes.items()}
-    found |= {("lesson", "list"): LessonList, ("lesson", "check"): LessonCheck, ("lesson", "guide"): LessonTeacherGuide,
-              ("lesson", "grade"): LessonGrade, ("lesson", "scripts"): LessonScriptsCopy}
-    return found | {("export",): Export, ("bench",): Bench}
+    def for_problems(word: str, make: Callable[[type[Scene]], type]) -> dict[tuple[str, ...], type]:
+        return {(word, name): make(problem.scene) for name, problem in PROBLEMS.items()}
+
+    return {("serve",): Serve, **for_problems("run", partial(command_of_problem, Run)),
+            ("run", "--scene"): RunFromSceneText, **for_problems("budget", partial(command_of_problem, Budget)),
+            **for_problems("sweep", partial(command_of_problem, Sweep, linearity_preserving=Switch)),
+            **for_problems("problem", partial(command_of_problem, ProblemCommand)),
+            **for_problems("judge", partial(command_of_problem, Judge)),
+            ("check",): ContradictionCheck, ("tables",): PaperTables,
+            **for_problems("advise", lambda scene: with_scene_flags(Advise, scene, **search_flags(scene))),
+            **for_problems("stability", lambda scene: with_scene_flags(StabilityMap, scene, **map_flags(scene))),
+            **for_problems("coverage", partial(with_scene_flags, Coverage)),
+            ("lesson", "list"): LessonList, ("lesson", "check"): LessonCheck, ("lesson", "guide"): LessonTeacherGuide,
+            ("lesson", "grade"): LessonGrade, ("lesson", "scripts"): LessonScriptsCopy,
+            ("export",): Export, ("bench",): Bench}

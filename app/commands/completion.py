@@ -33,8 +33,8 @@ def completion_script(shell: str) -> str:
             tree.setdefault(first, {})[rest[0]] = _with_choices(kind)
     read: Any = tyro.cli  # the type of what it returns depends on the commands
     printed = io.StringIO()
-    kinds = _command_choice_type({first: _command_choice_type(kind) if isinstance(kind, dict) else kind for first,
-                                  kind in tree.items()})
+    kinds = _command_choice_type({first: _command_choice_type(kind) if isinstance(kind, dict) else kind
+                                  for first, kind in tree.items()})
     with contextlib.redirect_stdout(printed), contextlib.suppress(SystemExit):
         read(kinds, prog=PROGRAM, args=["--tyro-print-completion", shell])
     return reduce(lambda text, old: text.replace(old, BASH[old]), BASH, printed.getvalue())

@@ -1,7 +1,6 @@
 """Dispatcher: finds the command, parses its flags, and reports every error in one line.
 
-Exit status: 0 ok, 1 could not run or write, 2 bad input, 3 an unstable or lost run, 130 stopped by Ctrl-C, 141 the
-output's reader has gone."""
+Exit status: 0 ok, 1 could not run or write, 2 bad input, 3 unstable or lost run, 130 Ctrl-C, 141 reader has gone."""
 
 import contextlib
 import io
@@ -26,8 +25,7 @@ LONGEST_COMPLAINT = 200  # letters of an error of the parser
 
 
 def dispatch(arguments: list[str]) -> int:
-    """Runs a command line, its words without ``mpm-lab``, and returns its exit status. Only Ctrl-C is raised, with
-    ``-X dev`` any error."""
+    """Runs the words after ``mpm-lab``, returns the exit status; raises only Ctrl-C, with ``-X dev`` any error."""
     if isinstance(sys.stdout, io.TextIOWrapper):
         sys.stdout.reconfigure(errors="replace")  # a terminal without ² must not lose the result
     with show_tracebacks(VERBOSE in arguments):

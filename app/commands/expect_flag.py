@@ -26,8 +26,7 @@ class ClaimChecker:
                 raise BadInput("expect", claim, str(error)) from None
 
     def report_claims(self, claims: Sequence[str], outcomes: list[Mapping[str, Any]], over: str = "") -> int:
-        """Prints whether each claim holds for one report, or several that differ in ``over``; returns the exit status,
-        1 if one fails, else 0."""
+        """Prints whether claims hold for reports, which differ in ``over``; returns the exit status, 1 if one fails."""
         missed = 0
         scope = ClaimNamespace({self.name: RunOutcome(outcomes, over)}, self.name, self.vocabulary)
         for claim in claims:

@@ -24,8 +24,7 @@ class Export:
     runs, for the sliders too, and needs nothing else: neither this program nor a network. In a lesson's file stand
     the expected answers as well, for whoever reads its source. With --scorm lessons become a package for Moodle and
     its like, one part a lesson: "mpm-lab export 1 4 8 --scorm --out course.zip".
-    Exit status: 0 ok, 1 could not run or write, 2 bad input.
-    """
+    Exit status: 0 ok, 1 could not run or write, 2 bad input."""
 
     EXAMPLE: ClassVar[str] = "mpm-lab export 4 --out crossing.html"
 

@@ -5,6 +5,7 @@ number out of range. Therefore these flags take any number of words, and no rang
 
 import os
 from collections.abc import Callable, Iterable, Sequence
+from functools import partial
 from typing import Annotated, Any
 
 import tyro
@@ -31,22 +32,16 @@ def _lenient_parser(metavar: str, parse: Callable[[list[str]], Any]) -> Any:
         str_from_instance=lambda value: list(map(str, value)) if isinstance(value, tuple) else [quoting.quote(value)])
 
 
-def parse_number_or_text(words: list[str]) -> Any:
-    """Returns an integer or a float if the words, with spaces between, are one, else that text."""
-    return _read_or_keep_text(number_parsing.parse_number, words)
-
-
-def parse_float_or_text(words: list[str]) -> Any:
-    """Returns a float if the words, with spaces between, are one, else that text."""
-    return _read_or_keep_text(number_parsing.parse_float, words)
-
-
-def _read_or_keep_text(reader: Callable[[str], float], words: list[str]) -> Any:
+def parse_number_or_text(words: list[str], reader: Callable[[str], float] = number_parsing.parse_number) -> Any:
+    """Returns an integer or float, as ``reader`` does, if the words, with spaces between, are one, else that text."""
     text = " ".join(words)
     try:
         return reader(text)
     except ValueError:
         return text
+
+
+parse_float_or_text = partial(parse_number_or_text, reader=number_parsing.parse_float)
 
 
 def _split_words(words: list[str]) -> tuple[str, ...]:

@@ -31,8 +31,7 @@ class LessonList:
     """List the lessons: name, minutes of the core and in all, title.
 
     Minutes are computed from what a lesson holds, by one rule for all (lessons/README.md).
-    Exit status: 0 ok, 2 a lesson's file has a mistake, which is told.
-    """
+    Exit status: 0 ok, 2 a lesson's file has a mistake, which is told."""
 
     EXAMPLE: ClassVar[str] = "mpm-lab lesson list"
 
@@ -53,8 +52,7 @@ class LessonCheck:
 
     So are the pages for a class in lessons/classes/, of which the timetables are added up and held against the cores.
     Exit status: 0 all claims hold, 1 one does not, 2 bad input, or a lesson's file has a mistake (the others are
-    checked).
-    """
+    checked)."""
 
     EXAMPLE: ClassVar[str] = "mpm-lab lesson check 4 --variants 1"
 
@@ -80,8 +78,8 @@ class LessonCheck:
         from app.lessons.lesson_runs import RunCache, scene_texts
         known = class_plans.class_plan_names()
         others = tuple(name for name in self.names if name not in known)
-        lessons, mistakes = _read_lessons(others, catalogue.load_every_language,
-                                          known) if others or not self.names else ([], {})
+        lessons, mistakes = (_read_lessons(others, catalogue.load_every_language, known) if others or not self.names
+                             else ([], {}))
         pages = _read_each([name for name in known if name in (self.names or known)], class_plans.load_class_plan,
                            mistakes)
         with show_progress(self.quiet) as show, closing(RunCache(processes)) as outcomes:
@@ -98,9 +96,8 @@ class LessonCheck:
         read = [_count_text(names)] * bool(names) + [_count_text(pages, "page", " for a class")] * bool(pages)
         told = ", ".join((*read, f"{len(found)} checks", f"{len(failed)} failed")) if read else "nothing was checked"
         told += f"; {_count_text(mistakes, 'file')} could not be read" if mistakes else ""
-        values = {"schema": CHECKS_SCHEMA, "lessons": names,
-                  "classes": [page.name for page in pages], "checks": [vars(check) for check in found],
-                  "not_read": mistakes}
+        values = {"schema": CHECKS_SCHEMA, "lessons": names, "classes": [page.name for page in pages],
+                  "checks": [vars(check) for check in found], "not_read": mistakes}
         put_result(values, target, lambda _: told)
         return BAD_INPUT if mistakes else FAILED if failed else OK
 
@@ -109,8 +106,7 @@ class LessonCheck:
 class LessonTeacherGuide:
     """Write the teacher's guide to a lesson: steps, notes and right answers.
 
-    Exit status: 0 ok, 1 could not run or write, 2 bad input, or the lesson's file has a mistake.
-    """
+    Exit status: 0 ok, 1 could not run or write, 2 bad input, or the lesson's file has a mistake."""
 
     EXAMPLE: ClassVar[str] = "mpm-lab lesson guide 4 --out guide.html"
 
@@ -150,8 +146,7 @@ class LessonGrade:
 
     An interval counts 1 - score/2 of a right answer, but never less than nothing. Its score is its width in factors of
     ten, and ten times as much (at a level of 0.8) for what it misses by; so width costs, and so does luck that fails.
-    Exit status: 0 ok, 1 a file could not be read or is no file of answers, 2 bad input.
-    """
+    Exit status: 0 ok, 1 a file could not be read or is no file of answers, 2 bad input."""
 
     EXAMPLE: ClassVar[str] = "mpm-lab lesson grade answers-*.json --out marks.csv"
 
@@ -187,8 +182,7 @@ class LessonGrade:
 class LessonScriptsCopy:
     """Copy the scripts and notebooks that go with the lessons into a folder, to run and to change.
 
-    Exit status: 0 ok, 1 could not write, 2 bad input.
-    """
+    Exit status: 0 ok, 1 could not write, 2 bad input."""
 
     EXAMPLE: ClassVar[str] = "mpm-lab lesson scripts --out scripts"
 

@@ -26,8 +26,7 @@ class NotWritten(Exception):
     """Raised if a result could not be written; ``where`` is a flag with its value, or "standard output"."""
 
     def __init__(self, where: str, error: OSError):
-        why = (error.strerror or str(error)).lower()
-        super().__init__(f"{where} could not be written: {why}")
+        super().__init__(f"{where} could not be written: {(error.strerror or str(error)).lower()}")
 
 
 @contextlib.contextmanager
@@ -84,22 +83,19 @@ class OutputTarget:
     def write(self, content: bytes) -> None:
         """Writes the content, replacing what was there; raises :class:`NotWritten`."""
         with report_write_errors(STDOUT if self.is_stdout else f"--{self.flag} {quoting.quote(self.text)}"):
-            self._write(content)
-
-    def _write(self, content: bytes) -> None:
-        if self.is_stdout:
-            sys.stdout.flush()
-            sys.stdout.buffer.write(content)
-            sys.stdout.buffer.flush()
-        elif _is_device(self.path):
-            Path(self.path).write_bytes(content)
-        else:
-            try:
-                self._beside.write_bytes(content)
-                os.replace(self._beside, self.path)
-            finally:
-                with contextlib.suppress(OSError):
-                    self._beside.unlink()
+            if self.is_stdout:
+                sys.stdout.flush()
+                sys.stdout.buffer.write(content)
+                sys.stdout.buffer.flush()
+            elif _is_device(self.path):
+                Path(self.path).write_bytes(content)
+            else:
+                try:
+                    self._beside.write_bytes(content)
+                    os.replace(self._beside, self.path)
+                finally:
+                    with contextlib.suppress(OSError):
+                        self._beside.unlink()
 
     def _check_writable(self) -> None:
         if self.is_stdout or _is_device(self.path):
@@ -176,7 +172,6 @@ def draw_pictures(figures: Mapping[str, Callable[[Any], Any]], values: Any, put:
     """Draws ``values`` by every function of ``figures`` and writes NAME.png by ``put(name, bytes)``; returns the names
     of the files and the exit status, 1 if one failed, for which a message names ``out`` and ends in ``rest``."""
     from app.pictures.run_errors import png_bytes
-
     drawn, status = [], 0
     for name, figure in figures.items():
         try:

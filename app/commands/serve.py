@@ -16,8 +16,7 @@ MOST_FRAMES = 60
 class Serve:
     """Serve the page to browsers until Ctrl-C.
 
-    Exit status: 0 ended, 1 could not start, 2 bad input, 130 stopped by Ctrl-C.
-    """
+    Exit status: 0 ended, 1 could not start, 2 bad input, 130 stopped by Ctrl-C."""
 
     EXAMPLE: ClassVar[str] = "mpm-lab serve --port 9000"
 

@@ -35,8 +35,7 @@ def scene_page(text: str, processes: int, on_progress: ProgressCallback,
     shown = shareable_state.parse_state(text)
     one = make_export_plan(shown, (), recorded_quantities(shown))
     one = make_export_plan(one.state, slider_grid.axes_around(one.scene, counts), one.quantities)
-    recorded = record_plans([one], processes, on_progress)
-    return assemble_page(_page_title(one), [one], recorded, None)
+    return assemble_page(_page_title(one), [one], record_plans([one], processes, on_progress), None)
 
 
 def recorded_page(shown: shareable_state.State) -> str:

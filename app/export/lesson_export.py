@@ -129,18 +129,16 @@ def _lesson_to_json(lesson: Lesson, right: Mapping[str, list[Any]], stages: Mapp
               "question": _question_to_json(lesson, step.question, right.get(step.key, []))} for step in lesson.steps]
     with use_language(lesson.language):
         asks = tr(QUESTION)
-    return {
-        "name": lesson.name, "title": lesson.title, "minutes": lesson.minutes, "core_minutes": lesson.core_minutes,
-        "begins_core": core and bool(lesson.optional_steps), "goals": lesson.goals,
-        "needs": [known[name].title if name in known else name for name in lesson.prerequisites],
-        "fingerprint": lesson.fingerprint, "variants": len(lesson.variants), "intro": each(lesson.intro),
-        "elsewhere": [tr(name) for control, name in ELSEWHERE.items() if control in lesson.controls],
-        "language": lesson.language, "asks": asks, "steps": steps,
-        "schema": student_progress.SCHEMA, "longest_name": student_progress.LONGEST_NAME,
-        "longest": LONGEST, "most": MOST, "bare": BARE, "digits": DIGITS, "told_after": TOLD_AFTER,
-        "bets": bet_chart_texts(),
-        "fold": {letter: letter.casefold() for letter in letters if letter.casefold() != letter.lower()},
-        "spaces": "".join(letter for letter in letters if letter.isspace())}
+    return {"name": lesson.name, "title": lesson.title, "minutes": lesson.minutes, "core_minutes": lesson.core_minutes,
+            "begins_core": core and bool(lesson.optional_steps), "goals": lesson.goals,
+            "needs": [known[name].title if name in known else name for name in lesson.prerequisites],
+            "fingerprint": lesson.fingerprint, "variants": len(lesson.variants), "intro": each(lesson.intro),
+            "elsewhere": [tr(name) for control, name in ELSEWHERE.items() if control in lesson.controls],
+            "language": lesson.language, "asks": asks, "steps": steps,
+            "schema": student_progress.SCHEMA, "longest_name": student_progress.LONGEST_NAME, "longest": LONGEST,
+            "most": MOST, "bare": BARE, "digits": DIGITS, "told_after": TOLD_AFTER, "bets": bet_chart_texts(),
+            "fold": {letter: letter.casefold() for letter in letters if letter.casefold() != letter.lower()},
+            "spaces": "".join(letter for letter in letters if letter.isspace())}
 
 
 def _collapse_if_equal(each: Sequence[Any]) -> list[Any]:

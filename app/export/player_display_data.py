@@ -8,17 +8,10 @@ from typing import Any
 from app import names_and_units
 from app.colour_palette import CAUSES, PALETTE, PINNED, colour_table
 from app.export import recording_compression
-from app.frame import (
-    budget_chart_data,
-    colour_scale,
-    error_view_captions,
-    field_plot,
-    headline,
-    layout,
-    recent_crossings,
-)
+from app.frame import budget_chart_data, colour_scale, error_view_captions, field_plot, headline, layout
 from app.frame.layout import ComparedRunSlot
 from app.frame.primitives import LIGHT, Label, StageMetrics
+from app.frame.recent_crossings import LEAST_SECONDS, WINDOW
 from app.frame.stage import Stage, StageLabels
 from app.language.translation import tr
 from app.problems.views import VIEWS
@@ -37,30 +30,27 @@ def shared_display_data(problems: Iterable[str]) -> dict[str, Any]:
                "ratios": names_and_units.PLAIN_RATIOS,
                "percents": (*names_and_units.PLAIN_PERCENT, names_and_units.WHOLE_PERCENT),
                "powers": names_and_units.PLAIN_POWERS, "nothing": names_and_units.NOTHING}
-    return {
-        "formats": formats, "codes": recording_compression.CODES,
-        "scale": {"tops": list(colour_scale.TOPS.items()), "decades": colour_scale.DECADES,
-                  "beyond": colour_scale.BEYOND, "smallest": colour_scale.SMALLEST, "zero": tr(colour_scale.ZERO)},
-        "axis": {"steps": field_plot.STEPS, "room": field_plot.ROOM, "stems": field_plot.MOST_STEMS},
-        "crossings": {"window": recent_crossings.WINDOW, "seconds": recent_crossings.LEAST_SECONDS},
-        "colours": _colour_map_data(), "edge": layout.EDGE,
-        "quantities": {key: {"noun": of.noun, "symbol": of.symbol, "unit": of.unit}
-                       for key, of in names_and_units.QUANTITIES.items()},
-        "compare": (tr(error_view_captions.SIDE_BY_SIDE), tr(error_view_captions.DIFFERENCE)),
-        "unknown": error_view_captions.add_unknown_count("{remark}", "{unknown}"),
-        "sentences": {"unstable": tr(headline.UNSTABLE), "last": tr(headline.LAST), "lost": tr(headline.LOST),
-                      "now": tr(headline.NOW), "paused": tr(headline.PAUSED), "less": tr(headline.LESS),
-                      "more": tr(headline.MORE), "all": headline.ALL_OF_IT,
-                      "not_counted": tr(error_view_captions.NOT_COUNTED)},
-        "budget": {
-            "causes": {name: {"words": tr(cause), "meaning": tr(budget_chart_data.MEANINGS[name]),
-                              "colour": CAUSES[name].light} for name, cause in error_causes.CAUSES.items()},
-            "fields": error_causes.FIELDS, "units": budget_chart_data.UNITS, "seen": budget_chart_data.SEEN,
-            "caption": tr(budget_chart_data.CAPTION), "below": tr(budget_chart_data.BELOW_ZERO),
-            "question": tr(budget_chart_data.QUESTION)},
-        "magnifications": names_and_units.MAGNIFICATIONS,
-        "estimators": {name: {"colour": one.colour, "dashes": one.dashes} for name, one in ESTIMATORS.items()},
-        "problems": {name: static_stage_data(VIEWS[name].stage) for name in sorted(problems)}}
+    return {"formats": formats, "codes": recording_compression.CODES,
+            "scale": {"tops": list(colour_scale.TOPS.items()), "decades": colour_scale.DECADES,
+                      "beyond": colour_scale.BEYOND, "smallest": colour_scale.SMALLEST, "zero": tr(colour_scale.ZERO)},
+            "axis": {"steps": field_plot.STEPS, "room": field_plot.ROOM, "stems": field_plot.MOST_STEMS},
+            "crossings": {"window": WINDOW, "seconds": LEAST_SECONDS},
+            "colours": _colour_map_data(), "edge": layout.EDGE,
+            "quantities": {key: {"noun": of.noun, "symbol": of.symbol, "unit": of.unit}
+                           for key, of in names_and_units.QUANTITIES.items()},
+            "compare": (tr(error_view_captions.SIDE_BY_SIDE), tr(error_view_captions.DIFFERENCE)),
+            "unknown": error_view_captions.add_unknown_count("{remark}", "{unknown}"),
+            "sentences": {"unstable": tr(headline.UNSTABLE), "last": tr(headline.LAST), "lost": tr(headline.LOST),
+                          "now": tr(headline.NOW), "paused": tr(headline.PAUSED), "less": tr(headline.LESS),
+                          "more": tr(headline.MORE), "all": headline.ALL_OF_IT,
+                          "not_counted": tr(error_view_captions.NOT_COUNTED)},
+            "budget": {"causes": {name: {"words": tr(cause), "meaning": tr(budget_chart_data.MEANINGS[name]),
+                                         "colour": CAUSES[name].light} for name, cause in error_causes.CAUSES.items()},
+                       "fields": error_causes.FIELDS, "units": budget_chart_data.UNITS, "seen": budget_chart_data.SEEN,
+                       "caption": tr(budget_chart_data.CAPTION), "question": tr(budget_chart_data.QUESTION)},
+            "magnifications": names_and_units.MAGNIFICATIONS,
+            "estimators": {name: {"colour": one.colour, "dashes": one.dashes} for name, one in ESTIMATORS.items()},
+            "problems": {name: static_stage_data(VIEWS[name].stage) for name in sorted(problems)}}
 
 
 def static_stage_data(stage: type[Stage]) -> dict[str, Any]:

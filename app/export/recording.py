@@ -256,13 +256,12 @@ def _recording_metadata(wanted: RecordingRequest, scene: Scene, solver: Solver, 
         large = merge_large_errors(large, large_errors(scene, one, not_valid))
     status, reason, since = solver.status(min(found, key=lambda finding: finding.time, default=None), large)
     stage = VIEWS[scene.problem].stage
-    return {"problem": scene.problem, "particles": _particle_count(shots), "shown": shown,
-            "spacing": scene.spacing, "first_line": stage.cell_edge_position(scene), "step": scene.time_step,
-            "steps": solver.step, "period": scene.period,
-            "end": scene.end_time, "outermost": stage.max_radius(scene), "ppc": scene.ppc,
-            "tile": stage.particle_shape(scene), "known": scene.solution_known,
-            "moves_on": not scene.swings, "least": {} if scene.swings else {
-                key: [share * scene.size_of(key) for share in (LEAST_TOP, LEAST_REACH)] for key in wanted.quantities},
+    return {"problem": scene.problem, "particles": _particle_count(shots), "shown": shown, "spacing": scene.spacing,
+            "first_line": stage.cell_edge_position(scene), "step": scene.time_step, "steps": solver.step,
+            "period": scene.period, "end": scene.end_time, "outermost": stage.max_radius(scene), "ppc": scene.ppc,
+            "tile": stage.particle_shape(scene), "known": scene.solution_known, "moves_on": not scene.swings,
+            "least": {key: [share * scene.size_of(key) for share in (LEAST_TOP, LEAST_REACH)]
+                      for key in wanted.quantities if not scene.swings},
             "estimators": scene.active_estimators, "not_valid": not_valid, "quantities": wanted.quantities,
             "status": status, "reason": reason or "", "since": since, "budget": None if not scene.has("budget") else {
                 "shares": {field: budget_shares.shares(series[0], field) for field in FIELDS},

@@ -63,8 +63,7 @@ def make_export_plan(state: State, axes: Sequence[SliderAxis], quantities: Seque
 
 
 def with_end_time(scene: Scene, like: Scene | None = None) -> Scene:
-    """Returns the scene if it has an end time; else a copy that ends as ``like`` or, without that, after one period, or
-    the problem's default if that is shorter."""
+    """Returns the scene with an end: its own, else that of ``like``, else one period or a shorter default."""
     if scene.t_end is not None or scene.periods is not None:
         return scene
     if like is not None:
@@ -99,17 +98,17 @@ def export_plan_to_json(plan: StageExportPlan, numbers: Mapping[str, int]) -> di
     """Returns the plan as a JSON object for the player; ``numbers`` maps a run's text to the index of its recording."""
     state, scene = plan.state, plan.scene
     return {"axes": [{"field": axis.field, "label": tr(LABELS[axis.field]), "start": axis.start, "values": axis.values,
-                      "says": [format_axis_label(type(scene), axis.field,
-                                                 value) for value in axis.values]} for axis in plan.axes],
+                      "says": [format_axis_label(type(scene), axis.field, value) for value in axis.values]}
+                     for axis in plan.axes],
             "runs": [text[1:] if text.startswith("!") else numbers[text] for text in plan.texts],
             "says": ["" if text.startswith("!") else in_a_line(parse_state(text).scene) for text in plan.texts],
             "pinned": numbers[plan.pinned] if plan.pinned else None,
             "quantities": plan.quantities, "estimators": scene.estimators, "compares": state.difference,
             "outlines": state.domains and bool(VIEWS[scene.problem].stage.DOMAINS_HINT),
             "view": {"quantity": state.quantity, "difference": state.difference, "domains": state.domains,
-                     "magnified": state.magnified,
-                     "logarithmic": state.logarithmic, "speed": state.speed or VIEWS[scene.problem].speed,
-                     "estimator": state.estimator or scene.first_estimator or ""}}
+                     "magnified": state.magnified, "logarithmic": state.logarithmic,
+                     "speed": state.speed or VIEWS[scene.problem].speed,
+                     "estimator": state.estimator or next(iter(scene.active_estimators), "")}}
 
 
 def format_axis_label(kind: type[Scene], field: str, value: Any) -> str:

@@ -55,8 +55,7 @@ def stack_layers(series: Mapping[str, np.ndarray], field: str) -> list[BudgetLay
 
 
 def error_rms(series: Mapping[str, np.ndarray], field: str) -> np.ndarray:
-    """Returns the error (T,) of a field, x in m, v in m/s or F, from a run's series: RMS over particles; 0 where it is
-    not finite."""
+    """Returns a field's error (T,), x in m, v in m/s or F, RMS over particles, from a run's series; 0 if not finite."""
     return np.nan_to_num(series[f"budget/error_{field}"], posinf=0.0, neginf=0.0)
 
 
@@ -82,8 +81,7 @@ def below_zero_note(shares: Iterable[float | None]) -> str:
 
 
 def largest_share(series: Mapping[str, np.ndarray], field: str) -> tuple[str, float] | None:
-    """Returns the largest cause of the error of a field (x, v or F) so far, by name, and its share of the error (1 for
-    all); None if the run's series have no valid shares."""
+    """Returns the largest cause of a field's (x, v, F) error so far and its share (1: all); None if none is valid."""
     if not has_budget(series) or budget_shares.why_not_valid(series):
         return None
     known = {cause: share for cause, share in budget_shares.shares(series, field).items() if share is not None}

@@ -66,12 +66,9 @@ def make_captions(quantity: str, estimator: str | None, difference: bool, no_est
     reasons if either is missing, else ""."""
     by = tr("by {estimator}", estimator=estimator) if estimator else "", tr(EXACT_SOLUTION)
     titles = tr(ESTIMATE[difference]), tr(TRUTH)
-    if difference:
-        return StageHalfCaptions(titles, by, (no_estimate or no_truth, no_truth),
-                                 tr("size of the error, and of estimate − truth, of {quantity}",
-                                    quantity=QUANTITIES[quantity]))
-    return StageHalfCaptions(titles, by, (no_estimate, no_truth),
-                             tr("size of the error of {quantity}", quantity=QUANTITIES[quantity]))
+    measures = tr("size of the error, and of estimate − truth, of {quantity}", quantity=QUANTITIES[quantity]) \
+        if difference else tr("size of the error of {quantity}", quantity=QUANTITIES[quantity])
+    return StageHalfCaptions(titles, by, (no_estimate or (no_truth if difference else ""), no_truth), measures)
 
 
 def field_plot_caption(scene: Scene, component: str, quantity: str) -> FieldPlotCaption:
@@ -98,8 +95,7 @@ def add_unknown_count(remark: str, unknown: int | str) -> str:
 
 
 def crossing_marks_legend(legend: str, stride: int) -> str:
-    """Returns the ``legend`` (a translatable text) of the marks at cell crossings, which every ``stride``-th particle
-    can have; a stride above 1 is named in it."""
+    """Returns the ``legend``, translated, of marks at cell crossings; names the ``stride`` between them if above 1."""
     return tr("{marked} (1 in {every})", marked=tr(legend), every=stride) if stride > 1 else tr(legend)
 
 
@@ -107,9 +103,7 @@ def why_no_truth(scene: Scene, quantity: str) -> str:
     """Returns in a sentence why a scene has no true error of a quantity (key x, v, sigma or a); "" if it has one."""
     if not scene.solution_known:
         return tr(UNKNOWN)
-    if not scene.has("truth"):
-        return tr(TRUTH_OFF)
-    return why_no_field(scene, quantity)
+    return why_no_field(scene, quantity) if scene.has("truth") else tr(TRUTH_OFF)
 
 
 def why_no_estimate(scene: Scene, not_valid: Mapping[str, str], estimator: str | None, quantity: str) -> str:

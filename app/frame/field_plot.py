@@ -8,7 +8,7 @@ import numpy as np
 
 from app.frame.colour_scale import LEAST_REACH, SMALLEST, largest_finite, round_up
 from app.frame.error_view_captions import CURVE, PARTICLES, FieldPlotCaption, add_unknown_count, field_plot_caption
-from app.frame.layout import ComparedRunSlot, StageLayout
+from app.frame.layout import ComparedRunSlot, Spot, StageLayout
 from app.frame.primitives import AWAY, Dots, Label, Lines, Mark, Role, Sign, Tone, in_plane, join_points
 from app.language.translation import tr
 from app.names_and_units import QUANTITIES, with_unit
@@ -207,9 +207,8 @@ def plot_labels(places: StageLayout, ends: tuple[str, str], words: FieldPlotCapt
     crowded = left and 1.2 * metrics.text_extent(words.name)[0] + metrics.text_extent(" 0")[0] > metrics.gutter
     for key, text, y in (("low", f"−{number.partition(' ')[0]}", -box.half), ("zero", "" if crowded else "0", 0.0)):
         yield Label(f"field/{key}", text if beside else "", box.left - 0.01, box.middle + y, "center-right", "number")
-    yield Label("field/high", f"+{number}", box.left - 0.01 if beside else 0.01,
-                box.middle + (box.half if beside else ROOM * box.half), "center-right" if beside else "top-left",
-                "number")
+    high: Spot = (box.left - 0.01, box.half, "center-right") if beside else (0.01, ROOM * box.half, "top-left")
+    yield Label("field/high", f"+{number}", high[0], box.middle + high[1], high[2], "number")
     below, written = box.below or 0.0, box.below is not None
     if metrics.text_extent("  ".join(ends))[0] > box.right - box.left:  # too narrow for both: as one
         ends = f"{ends[0].rpartition(' ')[0]}–{ends[1]}", ""
@@ -219,9 +218,7 @@ def plot_labels(places: StageLayout, ends: tuple[str, str], words: FieldPlotCapt
     larger = tr("error × {magnified}", magnified=magnified) if box.magnified and exact else ""
     yield Label("field/magnified", larger, x, y, anchor, "caption")
     x, y, anchor = box.remark
-    named = (
-        words.name if box.at is None and places.slot == ComparedRunSlot.ALONE else ""
-    )  # beside another run the scale has it
+    named = words.name if box.at is None and places.slot == ComparedRunSlot.ALONE else ""  # else the scale has it
     yield Label("field/remark", ": ".join(filter(None, (named, words.remark))), x, y, anchor, "caption")
     x, y = box.at or (0.0, 0.0)
     role: Role = "gutter" if x < 0 else "title"
@@ -240,6 +237,4 @@ def magnify_deviation(scene: Scene, field: np.ndarray, magnified: int) -> np.nda
     if not scene.solution_known or (scene.swings and magnified == 1):
         return field[:, 0]
     with np.errstate(over="ignore", invalid="ignore"):
-        if not scene.swings:
-            return magnified * field[:, 1]
-        return field[:, 0] + (magnified - 1) * field[:, 1]
+        return field[:, 0] + (magnified - 1) * field[:, 1] if scene.swings else magnified * field[:, 1]

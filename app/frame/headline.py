@@ -40,8 +40,7 @@ class HeadlineWithFacts:
 
     @classmethod
     def from_template(cls, headline: str, *facts: str, **places: str) -> "HeadlineWithFacts":
-        """Returns a headline from its template and facts; ``places`` has the texts for the template's placeholders by
-        their names. Empty facts are dropped."""
+        """Returns a headline from its template, filled with ``places`` by their names, and facts; drops empty ones."""
         return cls(tuple(to_spans(headline, places)), tuple(filter(None, facts)))
 
     def __bool__(self) -> bool:
@@ -114,18 +113,17 @@ def format_error_headline(words: ErrorHeadlineTemplates, unit: str, true: float,
     ``unit`` (without prefix), of one moment or as means over time, and their ratio ``index``, estimate over true error;
     NaN if unknown. ``before`` are the first words of the headline: the moment or time span."""
     if true <= words.least:
-        return HeadlineWithFacts.from_template(
-            before + words.still, words.trace.format(true=_format_size(true, unit) if true else tr("zero"))
-        )
+        size = _format_size(true, unit) if true else tr("zero")
+        return HeadlineWithFacts.from_template(before + words.still, words.trace.format(true=size))
     norm = true if math.isfinite(true) else estimate
     if "{wrong}" not in words.told:
         return HeadlineWithFacts.from_template(words.told, words.why)
     if not math.isfinite(norm) or ("{found}" in words.told and not math.isfinite(index)):
         return HeadlineWithFacts.from_template(before + words.unmeasured, words.why)
-    return HeadlineWithFacts.from_template(before + words.told.replace("{found}", over_or_underestimates(index)),
-                                           words.of.format(true=_format_size(norm, unit)),
-                   words.why, wrong=per_cent(norm / words.size), share=per_cent(index), factor=format_ratio(index),
-                   **words.names)
+    return HeadlineWithFacts.from_template(
+        before + words.told.replace("{found}", over_or_underestimates(index)),
+        words.of.format(true=_format_size(norm, unit)), words.why, wrong=per_cent(norm / words.size),
+        share=per_cent(index), factor=format_ratio(index), **words.names)
 
 
 def over_or_underestimates(index: float) -> str:

@@ -48,8 +48,7 @@ class PlotBox:
 
 @dataclass(frozen=True)
 class StageLayout:
-    """Layout of the run in a ``slot`` of a stage with rounded metrics: the ``rectangle`` of everything drawn, and the
-    box of the field plot."""
+    """Layout of a run in a ``slot`` of a stage: its rounded metrics, the ``rectangle`` of all, the field plot's box."""
 
     stage_metrics: StageMetrics
     slot: ComparedRunSlot

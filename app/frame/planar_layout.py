@@ -11,8 +11,7 @@ from app.language.translation import tr
 from app.names_and_units import short_reason
 
 AROUND = 1.05  # extent of the cells drawn over that of the body
-WIDEST = {ComparedRunSlot.ALONE: 0.5, ComparedRunSlot.FIRST: 0.31,
-          ComparedRunSlot.SECOND: 0.31}  # greatest width of the cells
+WIDEST = {slot: 0.5 if slot == ComparedRunSlot.ALONE else 0.31 for slot in ComparedRunSlot}  # cells' greatest width
 FIELD = 0.28  # least width of the plot
 LEAST = 0.3  # least width of the cells with labels beside them
 #: In pixels: gap beside the body, labels there, numbers of the plot, space above it for
@@ -125,8 +124,7 @@ def _paired_run_labels(words: StageLabels, places: PlanarLayout) -> Iterator[Lab
 
 def _corner_titles(titles: tuple[str, str], x: float, reach: float,
                    up: bool) -> Iterator[tuple[Tone, str, float, Anchor]]:
-    """Returns name, title, x and anchor of estimate and truth at the sides of the square around x ± ``reach``: to be
-    anchored above the body if ``up``, otherwise inside its square."""
+    """Returns name, title, x, anchor of estimate and truth at x ± ``reach``: above the body if ``up``, else inside."""
     anchors: tuple[Anchor, Anchor] = ("bottom-left", "bottom-right") if up else ("top-left", "top-right")
     return zip(HALVES, titles, (x - reach, x + reach), anchors, strict=True)
 

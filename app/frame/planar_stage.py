@@ -46,8 +46,7 @@ class PlanarStage(Stage[PlaneScene]):
 
     @staticmethod
     def half_edge_vectors(scene: Any, F: np.ndarray) -> np.ndarray:
-        """Returns half edge vectors (P, 2, 2) in m, a row each, of all particles' domains for their deformation
-        gradients F (P, 2, 2)."""
+        """Returns half edge vectors (P, 2, 2) in m, in rows, of all domains for deformation gradients F (P, 2, 2)."""
         return half_edges(scene, F, particle_layout(scene).edges)
 
     layout, labels = staticmethod(make_planar_layout), staticmethod(planar_labels)
@@ -73,8 +72,7 @@ class PlanarStage(Stage[PlaneScene]):
         upright = np.stack([np.repeat(at, 2), np.tile([-end, end], len(at))], axis=1)
         yield Lines("cells", self._to_stage(np.concatenate([upright, upright[:, ::-1]]), -0.02).reshape(-1, 2, 3),
                     colours.grid, 1.0)
-        axes = np.array([[0, -end], [0, end]])
-        yield Lines("planes", self._to_stage(axes, 0.012).reshape(1, 2, 3), colours.dot, 1.2)
+        yield Lines("planes", self._to_stage(np.array([[0, -end], [0, end]]), 0.012)[None], colours.dot, 1.2)
         self._shape, size = self.particle_shape(scene)
         self._width = size * self._per_metre
         self._ink = [np.array(colour, np.uint8) for colour in (colours.ground, colours.crossing)]

@@ -33,15 +33,8 @@ class Palette:
     outline: Colour
 
 
-def _palette(ground: str) -> Palette:
-    def colour_of(name: str) -> Colour:
-        return rgb(getattr(PALETTE[name], ground))
-
-    return Palette(colour_of("ground"), colour_of("dot"), colour_of("line2"), colour_of("line"), colour_of("cell"),
-                   colour_of("cross"), colour_of("cell"), colour_of("truth"), colour_of("ground"))
-
-
-LIGHT, DARK = _palette("light"), _palette("dark")
+_NAMES = ("ground", "dot", "line2", "line", "cell", "cross", "cell", "truth", "ground")  # of a palette's colours
+LIGHT, DARK = (Palette(*(rgb(getattr(PALETTE[name], ground)) for name in _NAMES)) for ground in ("light", "dark"))
 
 AWAY = -50.0  # coordinate of points that cannot be shown, far outside the view
 LETTER_WIDTH = 6.0  # pixels of an average letter of usual size
@@ -94,8 +87,7 @@ class Dots:
 
 @dataclass(eq=False, slots=True)
 class Lines:
-    """Segments (n, 2, 3) in stage coordinates, in one colour or one for each end (n, 2, 3), uint8 RGB, with a thickness
-    in pixels."""
+    """Segments (n, 2, 3) in stage coordinates, in a colour or one per end (n, 2, 3), uint8 RGB; thickness in pixels."""
 
     name: str
     segments: np.ndarray
@@ -146,8 +138,7 @@ class StageMetrics:
         return max(1, int(length * self.pixels / (LETTER_WIDTH * size * self.lettering)))
 
     def first_fitting_text(self, texts: Iterable[str], width: float, height: float) -> tuple[str, int]:
-        """Returns the first of the texts that fits, wrapped, into a box of a stage width and height, or "" if none
-        does, and the number of letters per line."""
+        """Returns the first text that fits, wrapped, into a stage width and height, or "", and the letters per line."""
         letters = self.letters_per_line(width)
         for text in texts:
             lines = wrap_text(text, letters).split("\n")
@@ -184,8 +175,7 @@ def error_colours(scale: ColourScale, sizes: np.ndarray | None, count: int, unkn
 
 
 def fade_colours(ages: np.ndarray, palette: Palette) -> np.ndarray:
-    """Returns colours (n, 3), uint8 RGB, from the palette's for crossings at age 0 almost to its background at age 1,
-    for ages (n,)."""
+    """Returns colours (n, 3), uint8 RGB, for ages (n,): at 0 the palette's of crossings, at 1 almost its background."""
     ground, crossing = np.array(palette.ground, np.float32), np.array(palette.crossing, np.float32)
     return (crossing + (0.85 * ages)[:, None] * (ground - crossing)).astype(np.uint8)
 

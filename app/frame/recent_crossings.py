@@ -12,8 +12,7 @@ LEAST_SECONDS = 0.4  # on the screen
 
 
 def crossing_window(scene: Scene, speed: float) -> float:
-    """Returns for how long, in s of a scene's time, a cell crossing is shown while a run plays at a ``speed`` in
-    simulated s per s."""
+    """Returns for how many simulated s a cell crossing is shown at a playing ``speed`` in simulated s per s."""
     return max(WINDOW * scene.period, LEAST_SECONDS * speed)
 
 

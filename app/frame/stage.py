@@ -60,8 +60,7 @@ NOTHING = WorstRegionAnnotations()
 
 
 class Stage(ABC, Generic[AnyScene]):
-    """Stage that draws the frames of a problem's runs on the surface ``sheet``; both halves and the colour bar use one
-    ``scale``.
+    """Stage that draws frames of a problem's runs on the surface ``sheet``; halves and colour bar share a ``scale``.
 
     The attribute ``domains`` sets whether the particles' domains are outlined, if supported; ``plotted`` is the key of
     the quantity whose field is plotted, None for no plot, and ``magnified`` the factor of its drawn deviation from the
@@ -191,8 +190,7 @@ class Stage(ABC, Generic[AnyScene]):
     @staticmethod
     @abstractmethod
     def layout(metrics: StageMetrics, slot: ComparedRunSlot) -> Any:
-        """Returns the layout (:class:`~app.frame.layout.StageLayout` or a subclass) of the run in a slot of a stage
-        with these metrics, which are rounded."""
+        """Returns the :class:`~app.frame.layout.StageLayout` of a run in a slot of a stage; ``metrics`` are rounded."""
 
     @staticmethod
     @abstractmethod
@@ -221,26 +219,22 @@ class Stage(ABC, Generic[AnyScene]):
 
     @staticmethod
     def exact_material_lines(scene: AnyScene, t: float, count: int) -> np.ndarray:
-        """Returns points (count, n, 2) in m of the first ``count`` of the material ``LINES`` that the exact solution
-        draws, at the time t in s."""
+        """Returns points (count, n, 2) in m of the first ``count`` exact material ``LINES`` at the time t in s."""
         return np.empty((0, 0, 2))
 
     @abstractmethod
     def particles_in(self, low: tuple[float, float], high: tuple[float, float], arrays: FrameArrays) -> np.ndarray:
-        """Returns which of a frame's particles lie in the rectangle with the lower left corner ``low`` and the upper
-        right one ``high``, in stage coordinates: (P,) of bool."""
+        """Returns which particles lie in the stage's rectangle from ``low``, lower left, to ``high``: (P,) of bool."""
 
     def nearest_particle(self, point: tuple[float, float], arrays: FrameArrays) -> int | None:
-        """Returns the index of the frame's particle that is drawn nearest to a point, in stage coordinates; None if
-        none is near."""
+        """Returns the index of the particle drawn nearest to a point in stage coordinates; None if none is near."""
         apart = np.linalg.norm(self.drawn_particle_points(arrays, slice(None))[:, :, :2] - point, axis=2)
         image, particle = np.unravel_index(np.argmin(np.nan_to_num(apart, nan=np.inf)), apart.shape)
         return int(particle) if apart[image, particle] < TOUCH else None
 
     @abstractmethod
     def drawn_particle_points(self, arrays: FrameArrays, particles: slice) -> np.ndarray:
-        """Returns the points (images, n, 3) of the stage where n particles (a slice of a frame's) are drawn: in the
-        halves or mirror images, and in the field plot."""
+        """Returns stage points (images, n, 3) of n particles (a slice), in halves or images, and in the field plot."""
 
     @abstractmethod
     def _static_marks(self, scene: AnyScene, particles: int, at_rest: np.ndarray | None) -> Iterator[Mark]:

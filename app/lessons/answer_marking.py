@@ -57,8 +57,7 @@ def mark_answer(lesson: Lesson, step: Step, answer: Any, numbers: Numbers, outco
 
 
 def right_answer(lesson: Lesson, step: Step, numbers: Numbers, outcomes: RunCache) -> RightAnswer:
-    """Returns the right answer to a question that is not free text, for a variant's ``numbers``; runs scenes, raises as
-    :func:`mark_answer`."""
+    """Returns the right answer to a question with one, for a variant's ``numbers``; raises as :func:`mark_answer`."""
     asked = step.asked_question
     texts = answer_expressions(asked, numbers)
     scope = outcomes.scope(lesson, step, numbers, texts)

@@ -9,8 +9,7 @@
     node.error.x.max / material.error.x.max > 10
     status == lost
 
-A path is one in the result's JSON object, with the estimator's name if several are possible.
-"""
+A path is one in the result's JSON object, with the estimator's name if several are possible."""
 
 import ast
 import functools
@@ -52,15 +51,13 @@ def result_paths() -> Vocabulary:
     estimators = tuple(name.replace("-", "_") for name in ESTIMATORS)
     found = {effect.json_key: tuple(filter(None, [tuple(number.key for number in effect.numbers if number.key)]))
              for effect in ALL.values() if effect.numbers}
-    return {
-        "error": ((*QUANTITIES, *EXTRA_NORMS), NORMS), "estimate": (estimators, tuple(QUANTITIES), NORMS),
-        "index": (estimators, tuple(QUANTITIES)), "distance": (estimators, tuple(QUANTITIES)),
-        "budget": (FIELDS, tuple(CAUSES)), "rms": (FIELDS,), "predicted": (FIELDS, tuple(CAUSES)),
-        "bet": (tuple(map(interval_bets.judge_name_in_claims, interval_bets.JUDGES)), random_runs.QUANTITIES,
-                ("low", "high", "score")),
-        "valid": (estimators,), "status": (), "steps": (), "particles": (), "t": (), **found,
-        "step": (("dt", "bound", "margin"),), "life": (("accurate", "sound", "first_period"),),
-        "scene": (("amplitude", "cells", "ppc", "modulus", "density", "dt", "cfl", "periods", "t_end", "method"),)}
+    return {"error": ((*QUANTITIES, *EXTRA_NORMS), NORMS), "estimate": (estimators, tuple(QUANTITIES), NORMS),
+            "index": (estimators, tuple(QUANTITIES)), "distance": (estimators, tuple(QUANTITIES)),
+            "budget": (FIELDS, tuple(CAUSES)), "rms": (FIELDS,), "predicted": (FIELDS, tuple(CAUSES)),
+            "bet": (tuple(map(interval_bets.judge_name_in_claims, interval_bets.JUDGES)), random_runs.QUANTITIES,
+                    ("low", "high", "score")), "valid": (estimators,), "status": (), "steps": (), "particles": (),
+            "t": (), **found, "step": (("dt", "bound", "margin"),), "life": (("accurate", "sound", "first_period"),),
+            "scene": (("amplitude", "cells", "ppc", "modulus", "density", "dt", "cfl", "periods", "t_end", "method"),)}
 
 
 class ClaimError(ValueError):
@@ -310,6 +307,5 @@ def _is_number(text: str) -> bool:
         return False
 
 
-FUNCTIONS: dict[str, Callable[[list], float]] = {
-    "order": lambda values: math.nan, "first": lambda values: values[0], "last": lambda values: values[-1],
-    "min": min, "max": max}
+FUNCTIONS: dict[str, Callable[[list], float]] = {"order": lambda values: math.nan, "first": lambda values: values[0],
+                                                 "last": lambda values: values[-1], "min": min, "max": max}

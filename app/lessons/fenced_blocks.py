@@ -32,8 +32,7 @@ def parse_toml(text: str, line: int) -> dict[str, Any]:
         raise LessonError(line, "this is nested too deep; give lines such as key = 3") from None
     except tomllib.TOMLDecodeError as error:
         where = _AT.search(str(error))
-        last = max(0, len(text.rstrip("\n").splitlines()) - 1)
-        at = line + (int(where[1]) - 1 if where and where[1] else last)
+        at = line + (int(where[1]) if where and where[1] else max(1, len(text.rstrip("\n").splitlines()))) - 1
         raise LessonError(at, f"this is no TOML ({_AT.sub('', str(error)).lower()}); give lines such as "
                               "key = \"text\", key = 3 or key = [\"one\", \"two\"]") from None
     except ValueError:  # of whole numbers that have more digits than Python reads
@@ -181,8 +180,7 @@ _READ: dict[str, Callable[[Mapping[str, Any], str, int], Any]] = {
     "level": _make_reader((int, float), lambda level: 0 < level < 1, "give a chance above 0 and below 1, such as 0.8"),
     "tolerance": _make_reader((int, float), lambda part: 0 < part <= 1,
                               "give a part of the expected value, above 0 and up to 1, such as 0.1"),
-    "expected": lambda values, key, line: str(require_value(values, key, (str, int, float),
-                                                            "give a number or an expression "
-                                                            "such as \"error.x.max\"", line)),
+    "expected": lambda values, key, line: str(require_value(
+        values, key, (str, int, float), "give a number or an expression such as \"error.x.max\"", line)),
     "correct": lambda values, key, line: require_value(values, key, int, "give the number of the right option", line),
     "unit": lambda values, key, line: require_value(values, key, str, "give a text, such as \"m\"", line)}

@@ -18,12 +18,10 @@ ALLOWED = {PREDICT: ("question", "claims", "teacher"), RUN: ("run", "claims", "t
            OBSERVE: ("question", "claims", "teacher"), EXPLAIN: ("claims", "teacher", "run", "bets")}
 NEEDED = {PREDICT: "question", RUN: "run", OBSERVE: "question"}
 #: Keys of a question beside ``kind``, by kind; True for required ones.
-QUESTIONS: dict[str, dict[str, bool]] = {
-    NUMBER: {"expected": True, "tolerance": False, "unit": False},
-    CHOICE: {"options": True, "correct": False, "holds": False},
-    DRAG: {"control": True, "expected": True, "tolerance": False, "unit": False},
-    INTERVAL: {"expected": True, "unit": False, "level": False},
-    TEXT: {}}
+QUESTIONS: dict[str, dict[str, bool]] = {NUMBER: {"expected": True, "tolerance": False, "unit": False},
+                                         CHOICE: {"options": True, "correct": False, "holds": False},
+                                         DRAG: {"control": True, "expected": True, "tolerance": False, "unit": False},
+                                         INTERVAL: {"expected": True, "unit": False, "level": False}, TEXT: {}}
 
 #: Controls of the page that a lesson may show, by its names for them.
 CONTROLS = ("problem", "method", "cells", "ppc", "amplitude", "motion", "stretch", "modulus", "step", "speed", "pin",

@@ -205,8 +205,7 @@ def _parse_step_heading(part: LessonSection) -> tuple[str, str, bool]:
 
 def check_unique_names(lesson: Lesson) -> None:
     """Raises :class:`LessonError` if steps share a key, runs a name, or a run's name is a word of claims."""
-    keys: dict[str, int] = {}
-    names: dict[str, int] = {}
+    keys, names = dict[str, int](), dict[str, int]()
     for step in lesson.steps:
         if step.key in keys:
             raise LessonError(step.line, f"this step is called as the one in line {keys[step.key]}; give each a title "
@@ -246,9 +245,8 @@ def _check_bets(lesson: Lesson) -> None:
         for question in (other.asked_question for other in asked if set(step.bets) - {*interval_bets.OWN}):
             if not interval_bets.PATH.fullmatch(question.expected) or question.level != interval_bets.LEVEL:
                 raise LessonError(question.line, "judges bet on errors at the end, at a level of "
-                                                 f"{interval_bets.LEVEL:g}; give expected = \"fine.error.x.final\", or "
-                                                 f"of v or sigma, and that level, or leave the judges out in line "
-                                                 f"{step.line}")
+                                  f"{interval_bets.LEVEL:g}; give expected = \"fine.error.x.final\", or of v or sigma, "
+                                  f"and that level, or leave the judges out in line {step.line}")
 
 
 def _check_text(part: LessonSection, lesson: Lesson, folder: Path | None) -> None:

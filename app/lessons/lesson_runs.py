@@ -58,7 +58,8 @@ class RunCache:
                 if len(self._runs) >= KEPT:
                     self._runs.pop(next(iter(self._runs)))
                 run = self._runs[scene, judged] = self._pool.submit(
-                    {"scene": scene, "politeness": self._politeness, "judged": judged}, kind=_scene_kernel_key(scene))
+                    {"scene": scene, "politeness": self._politeness, "judged": judged},
+                    kind=kernel_key(shareable_state.parse_state(scene).scene))  # equal keys share compiled kernels
             return run
 
     def scope(self, lesson: Lesson, step: Step, numbers: Numbers, texts: Iterable[str]) -> ClaimNamespace:
@@ -77,11 +78,11 @@ class RunCache:
         return {**found, "bet": judge_bets_for_claims(self.judge_bets(text), found["error"])}
 
     def prepare(self, texts: Iterable[str], on_progress: Callable[[int, int], None]) -> None:
-        """Runs scenes in parallel; ``on_progress`` receives the numbers done and in all. Failures are raised when a
-        result is requested."""
+        """Runs scenes in parallel; ``on_progress`` gets the numbers done and in all; :meth:`result` raises failures."""
         scenes = {text: shareable_state.parse_state(text).scene for text in texts}
         longest_first = sorted(scenes, key=lambda text: (-scenes[text].particles * scenes[text].steps, text))
-        runs = dict.fromkeys(map(self._submit_run, one_of_each_first(longest_first, _scene_kernel_key)))
+        ordered = one_of_each_first(longest_first, lambda text: kernel_key(scenes[text]))
+        runs = dict.fromkeys(map(self._submit_run, ordered))
         for done, _ in enumerate(as_completed(runs), 1):
             on_progress(done, len(runs))
 
@@ -89,11 +90,6 @@ class RunCache:
 def _scene_text(text: str) -> str:
     """Returns the text of a state with only its scene, without view and pinned run."""
     return shareable_state.write_state(shareable_state.State(shareable_state.parse_state(text).scene))
-
-
-def _scene_kernel_key(text: str) -> tuple:
-    """Returns the key of the kernels that a scene needs: equal keys share compiled kernels."""
-    return kernel_key(shareable_state.parse_state(text).scene)
 
 
 def scene_texts(lesson: Lesson, numbers: Numbers) -> list[str]:
@@ -105,7 +101,6 @@ def run_in_worker(question: Mapping[str, Any], answer: Callable[[dict], None]) -
     """Runs the scene in ``question`` in a worker process, or computes the judges' bets; sends the JSON object."""
     from solvers.running.run import run
     from solvers.study.coverage.track_record_and_bets import bets
-
     if nice := getattr(os, "nice", None):  # not on every system
         nice(max(0, question["politeness"] - nice(0)))
     scene = shareable_state.parse_state(question["scene"]).scene

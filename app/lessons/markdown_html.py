@@ -43,9 +43,8 @@ def _make_parser(folder: Path | None) -> MarkdownIt:
                double_inline=True)
 
     def image(renderer: RendererHTML, tokens, index, options, environment) -> str:
-        token = tokens[index]
-        source = str(token.attrs["src"])
-        token.attrs["src"] = _image_data_url(folder, source)
+        attributes = tokens[index].attrs
+        attributes["src"] = _image_data_url(folder, str(attributes["src"]))
         return renderer.image(tokens, index, options, environment)
 
     parser.add_render_rule("image", image)

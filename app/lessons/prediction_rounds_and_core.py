@@ -1,7 +1,6 @@
 """Rounds, from a prediction to its explanation, and the core of a lesson: the rounds that are self-contained.
 
-The first step of a core round is marked, ``## Predict (core): ...``; all others are optional. If no round is marked,
-all are core."""
+The first step of a core round is marked, ``## Predict (core): ...``; others are optional, unless no round is marked."""
 
 from collections.abc import Sequence
 from dataclasses import replace

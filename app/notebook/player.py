@@ -20,8 +20,7 @@ from solvers.scene.validation import SceneError, require_choice, require_whole
 
 HEIGHT = 640  # pixels: a bar's readout, stage and timeline without scrolling, in a cell 800 wide
 LEAST_HEIGHT, MOST_HEIGHT = 200, 4000
-#: Permissions of the page in the frame: its own scripts and downloads. It has no origin, so it cannot read
-#: the notebook.
+#: Permissions of the page in the frame: its own scripts and downloads. Without an origin it cannot read the notebook.
 SANDBOX = "allow-scripts allow-downloads"
 
 
@@ -41,9 +40,9 @@ class Player:
         return f"<player of {in_a_line(self.scene)}; seen in a notebook, or in a browser after .save(\"run.html\")>"
 
     def _repr_html_(self) -> str:
+        style = f"display: block; width: 100%; height: {self.height}px; border: 0"
         return (f"<iframe srcdoc=\"{escape(self.page)}\" title=\"{escape(in_a_line(self.scene))}\" "
-                f"sandbox=\"{SANDBOX}\" style=\"display: block; width: 100%; height: {self.height}px; border: 0\">"
-                "</iframe>")
+                f"sandbox=\"{SANDBOX}\" style=\"{style}\"></iframe>")
 
 
 def show(what: Scene | Result, *, beside: Scene | Result | None = None, error_of: str = "x", sliders: bool = False,

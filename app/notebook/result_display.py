@@ -16,8 +16,7 @@ CELL = "padding: 2px 12px; text-align: {}; font-variant-numeric: tabular-nums"
 
 def result_table(result: Result) -> str:
     """Returns an HTML table: each quantity's largest true RMS error, every estimate of it, its index and distance."""
-    names = list(result.estimate.estimators)
-    valid = [name for name in names if name not in result.not_valid]
+    valid = [name for name in result.estimate.estimators if name not in result.not_valid]
     head = ["largest RMS error", "true", *(part for name in valid for part in (f"by {name}", "index", "distance"))]
     rows = [[str(quantity), _format_size(result.error[key]["max"], quantity.unit),
              *(text for name in valid for text in (_format_size(result.estimate[name][key]["max"], quantity.unit),

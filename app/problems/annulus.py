@@ -123,7 +123,6 @@ def _draw_picture(stage: type[QuarterAnnulusStage], look: AnnulusViewSettings, f
                   result: Any) -> None:
     from app.renderers.picture_panel_style import drawable_or_gap, robust_size
     from app.renderers.plane_panels import draw_estimate_and_truth_halves, draw_profile
-
     scene, shown, mirrored = result.scene, result.picture_snapshot, stage.MIRRORS != WHOLE
     angles = np.linspace(0, scene.ANGLE, RIM_POINTS)
     rims = [R * np.stack([np.cos(angles), np.sin(angles)], axis=1) for R in (scene.INNER, scene.OUTER)]
@@ -134,5 +133,4 @@ def _draw_picture(stage: type[QuarterAnnulusStage], look: AnnulusViewSettings, f
     draw_profile(space, result, stage)
     draw_estimate_and_truth_halves(figure, particles, result, stage, 1.06 * float(np.clip(farthest, outer, 2 * outer)),
                                    [*stage.exact_material_lines(scene, shown.time, stage.LINES * scene.solution_known),
-                                    *lines],
-                                   look.lines, look.points / scene.OUTER)
+                                    *lines], look.lines, look.points / scene.OUTER)

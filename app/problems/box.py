@@ -61,7 +61,6 @@ def regions(X: np.ndarray) -> BodyRegions:
 def draw_picture(figure: Any, space: Any, particles: Any, result: Any) -> None:
     """Draws a result into axes and subplot of a figure (:class:`~app.problems.interface.ProblemView`)."""
     from app.renderers.plane_panels import OVER_WIDTH, draw_estimate_and_truth_halves, draw_profile
-
     draw_profile(space, result, BoxStage, OVER_WIDTH)
     draw_estimate_and_truth_halves(figure, particles, result, BoxStage, 1.06 * result.scene.SIDE, [],
                                    "planes of symmetry", POINTS_PER_METRE)

@@ -5,14 +5,7 @@ from dataclasses import replace
 from app.language.translation import lazy, tr, translate_message
 from app.names_and_units import format_factor, format_ratio, per_cent
 from app.problems import suggested_experiment
-from app.problems.suggested_experiment import (
-    Answer,
-    ComparedRuns,
-    Offer,
-    SuggestedExperiment,
-    SuggestionNotApplicable,
-    changed_state,
-)
+from app.problems.suggested_experiment import Answer, ComparedRuns, Offer, SuggestedExperiment, changed_state
 from app.shareable_state import State
 from solvers.problems.planar.problem import ViewSettings
 
@@ -29,7 +22,7 @@ def planar_suggestions(settings: ViewSettings) -> tuple[SuggestedExperiment, ...
 def _transport_estimator_offer(state: State) -> Offer:
     judges = state.scene.estimators
     if (state.estimator or next(iter(judges), None)) == "transport":
-        raise SuggestionNotApplicable(tr("it is on the stage"))
+        raise suggested_experiment.SuggestionNotApplicable(tr("it is on the stage"))
     changed = changed_state(state, {"estimators": (*judges, *({"transport"} - set(judges)))}, pinned=False)
     return Offer(tr("Ask transport, too"), tr("the method's own equations"), replace(changed, estimator="transport"))
 
@@ -58,7 +51,7 @@ def _suggest_doubling_cells(fewest: int) -> SuggestedExperiment:
     """Returns the suggestion to make cells twice as wide, down to so many cells along a side."""
     def offer(state: State) -> Offer:
         if state.scene.cells < 2 * fewest:
-            raise SuggestionNotApplicable(tr("{fewest} cells are the fewest here", fewest=fewest))
+            raise suggested_experiment.SuggestionNotApplicable(tr("{fewest} cells are the fewest here", fewest=fewest))
         return Offer(tr("Double the cells' width"), tr("theory: 4 times the error"),
                      changed_state(state, {"cells": state.scene.cells // 2}))
 

@@ -43,8 +43,7 @@ class ComparedRuns:
     not_valid: Mapping[str, str]
 
     def index(self, estimator: str) -> float:
-        """Returns the last error index (estimate over true error) of an estimator, by name, for the quantity on the
-        stage; NaN if unknown."""
+        """Returns an estimator's last index, estimate over true error, of the quantity shown; NaN if unknown."""
         values = self.series.get(f"{estimator}/index_{self.state.quantity}", np.zeros(0))
         return float(values[-1]) if len(values) else math.nan
 
@@ -74,9 +73,8 @@ class SuggestedExperiment:
 
 
 def changed_state(state: State, changes: Mapping[str, Any], pinned: bool = True, **view: Any) -> State:
-    """Returns the page's state with ``changes`` to fields of its scene, from t = 0 on, and further changes ``view`` to
-    the state's own fields; the scene before is pinned if ``pinned``. Raises :class:`SuggestionNotApplicable` for an
-    invalid scene."""
+    """Returns the page's state with ``changes`` to its scene's fields, from t = 0 on, and ``view`` to its own; the
+    scene before is pinned if ``pinned``. Raises :class:`SuggestionNotApplicable` for an invalid scene."""
     before = replace(state.scene, periods=None, t_end=None)
     try:
         after = replace(before, **changes)

@@ -6,10 +6,10 @@ from typing import Any
 
 import matplotlib
 import numpy as np
-from matplotlib import font_manager
 from matplotlib.axes import Axes
 from matplotlib.axis import Axis
 from matplotlib.figure import Figure
+from matplotlib.font_manager import FontEntry, fontManager
 from matplotlib.layout_engine import ConstrainedLayoutEngine
 from matplotlib.ticker import Formatter, LogLocator, MaxNLocator, NullFormatter
 
@@ -22,8 +22,7 @@ TRUTH_WIDTH, ESTIMATE_WIDTH = 2.6, 1.3  # points: the truth is wide, estimates a
 FEW = 3  # approximate number of grid lines
 
 for _name, _weight in (("Inter-Regular.otf", 400), ("Inter-SemiBold.otf", 700)):  # the bold weight
-    font_manager.fontManager.ttflist.append(
-        font_manager.FontEntry(fname=str(FONTS / _name), name=FAMILY, weight=_weight))
+    fontManager.ttflist.append(FontEntry(fname=str(FONTS / _name), name=FAMILY, weight=_weight))
 SETTINGS: Any = {
     "font.family": [FAMILY, "DejaVu Sans"], "font.size": 11, "text.hinting": "none",
     "mathtext.fontset": "custom", "mathtext.rm": FAMILY, "mathtext.it": FAMILY, "mathtext.bf": f"{FAMILY}:bold",

@@ -1,7 +1,6 @@
 """A browser's connection from its start: before its request, and before the first message of its websocket.
 
-Nothing is allocated for a silent connection, and it holds no place that another network could need
-(:mod:`app.access.network_limits`)."""
+A silent connection has nothing allocated, and no place that others need (:mod:`app.access.network_limits`)."""
 
 import asyncio
 from contextlib import suppress

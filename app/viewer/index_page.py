@@ -68,14 +68,11 @@ def make_response(status: HTTPStatus, text: str, kind: str = "text/plain", cooki
                   wait: float = 0) -> Response:
     """Returns an uncached response of a MIME type ``kind``; ``cookie`` is set, ``wait`` in s asks to retry later."""
     body = text.encode() + (b"\n" if kind == "text/plain" and text else b"")
+    further = {POLICY: content_security_policy(text) if kind == "text/html" else "", "Set-Cookie": cookie,
+               "Retry-After": str(max(1, round(wait))) if wait else ""}
     headers = Headers({"Content-Type": f"{kind}; charset=utf-8", "Content-Length": str(len(body)),
-                       "Cache-Control": "no-store", "Connection": "close"})
-    if kind == "text/html":
-        headers[POLICY] = content_security_policy(text)
-    if cookie:
-        headers["Set-Cookie"] = cookie
-    if wait:
-        headers["Retry-After"] = str(max(1, round(wait)))
+                       "Cache-Control": "no-store", "Connection": "close",
+                       **{name: value for name, value in further.items() if value}})
     return Response(status.value, status.phrase, headers, body)
 
 
@@ -91,38 +88,32 @@ class IndexPage:
     """Page that a browser loads first, by language: the viewer's html with ``ground()`` in it; ``icon`` is a URL."""
 
     def __init__(self, ground: Callable[[], str], icon: str):
-        self._pages = {code: _LocalisedIndexPage(code, with_language(ground, code)(), icon) for code in LANGUAGES}
+        self._pages = {code: _localised_page(code, with_language(ground, code)(), icon) for code in LANGUAGES}
 
     def answer_in_language(self, request: Request, code: str) -> Response:
         """Returns the response to a request with one valid Host header: the page in a language (code), or 404."""
         if not is_page_path(request.path.partition("?")[0]):
             return make_response(HTTPStatus.NOT_FOUND, "There is no such page.")
-        return self._pages[code].answer(request)
-
-
-class _LocalisedIndexPage:
-    """The page in the language ``code``, with the html ``own`` in it."""
-
-    def __init__(self, code: str, own: str, icon: str):
-        self._code = code
-        html = _VIEWERS.read_text(encoding="utf-8")
-        script = unpacked_script(html)
-        html = re.sub(r"<title>.*?</title>", "<title>mpm-lab</title>", html, count=1)
-        html = re.sub(r'(rel="icon"\s+href=)"[^"]*"', lambda found: f'{found[1]}"{icon}"', html, count=1)
-        html = re.sub(r'<html lang="\w+"', f'<html lang="{code}"', html, count=1)
-        html = html.replace('<div id="root"></div>', f'<div id="root"></div>\n{own}', 1)
-        self._body = html.encode()
-        self._packed = gzip.compress(self._body)
-        self._policy = content_security_policy(html, "{host}", None if script is None else (script,), unpacks=True)
-
-    def answer(self, request: Request) -> Response:
+        plain, packed, policy = self._pages[code]
         packs = "gzip" in ",".join(request.headers.get_all("Accept-Encoding"))
-        sent = self._packed if packs else self._body
+        sent = packed if packs else plain
         headers = Headers({"Content-Type": "text/html; charset=utf-8", "Content-Length": str(len(sent)),
                            "Content-Encoding": "gzip" if packs else "identity", "Connection": "close",
-                           POLICY: self._policy.replace("{host}", request.headers["Host"]),
-                           "Content-Language": self._code, "Set-Cookie": language_cookie_header(self._code)})
+                           POLICY: policy.replace("{host}", request.headers["Host"]),
+                           "Content-Language": code, "Set-Cookie": language_cookie_header(code)})
         return Response(HTTPStatus.OK.value, HTTPStatus.OK.phrase, headers, sent)
+
+
+def _localised_page(code: str, own: str, icon: str) -> tuple[bytes, bytes, str]:
+    """Returns the page in the language ``code``, with the html ``own`` in it: plain, gzipped, and its policy."""
+    html = _VIEWERS.read_text(encoding="utf-8")
+    script = unpacked_script(html)
+    html = re.sub(r"<title>.*?</title>", "<title>mpm-lab</title>", html, count=1)
+    html = re.sub(r'(rel="icon"\s+href=)"[^"]*"', lambda found: f'{found[1]}"{icon}"', html, count=1)
+    html = re.sub(r'<html lang="\w+"', f'<html lang="{code}"', html, count=1)
+    html = html.replace('<div id="root"></div>', f'<div id="root"></div>\n{own}', 1)
+    policy = content_security_policy(html, "{host}", None if script is None else (script,), unpacks=True)
+    return html.encode(), gzip.compress(html.encode()), policy
 
 
 def unpacked_script(html: str) -> str | None:

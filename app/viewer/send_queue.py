@@ -166,9 +166,7 @@ class SendBuffer(AsyncMessageBuffer):
         self.generator_cursors[client_id] = last
         try:
             while not self.done:
-                newest = self.message_counter - 1
-                if self.atomic_counter:
-                    newest = last
+                newest = last if self.atomic_counter else self.message_counter - 1
                 window, last = self._next_window(last, newest if marker is None else min(newest, backlog_last_id),
                                                  client_id)
                 self.generator_cursors[client_id] = last

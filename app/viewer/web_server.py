@@ -102,7 +102,6 @@ class AccessControl:
         self._server, self._visitors = server, visitors
         server.access, server.visitors = self, visitors
 
-
     @contextmanager
     def guard_servers(self, index: IndexPage) -> Iterator[None]:
         """Context manager: web servers started within use this access control, and send ``index`` as their page."""

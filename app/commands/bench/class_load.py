@@ -107,8 +107,7 @@ class Visitor:
         return seen / seconds if seconds else None
 
     def max_freeze(self, begin: float, end: float, own: bool = False) -> float:
-        """Returns the longest pause in s without a frame between two times in s: of those that begin with the
-        visitor's ``own`` choice, or of the others."""
+        """Returns the longest pause between frames from ``begin`` to ``end`` in s: after ``own`` choices, or others."""
         def is_own(since: float, until: float) -> bool:  # by bisection: an hour has 100,000 frames and 1,000 choices
             following = bisect_right(self.choices, since - ON_ITS_WAY)
             return following < len(self.choices) and self.choices[following] < until
@@ -117,8 +116,7 @@ class Visitor:
                    default=0.0)
 
     def _pauses(self, begin: float, end: float) -> list[tuple[float, float]]:
-        """Returns begin and end, in s, of all pauses between frames from ``begin`` to ``end``, without those after a
-        run broke down."""
+        """Returns begin and end, in s, of pauses between frames from ``begin`` to ``end``, except after breakdowns."""
         times = [-math.inf, *self.frames, math.inf]
         broken = self.broken | ({len(self.frames)} if self.notice else set())
         return [(max(earlier, begin), min(later, end)) for k, (earlier, later) in enumerate(pairwise(times))

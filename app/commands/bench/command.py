@@ -20,14 +20,12 @@ class Bench:
 
     One thread of the processor, in its own time; takes about a minute. Beside them stand rates of C++ that is compiled
     here. With --class, have so many visitors use the page on a server of this machine instead.
-    Exit status: 0 ok, 1 could not run or write, 2 bad input.
-    """
+    Exit status: 0 ok, 1 could not run or write, 2 bad input."""
 
     EXAMPLE: ClassVar[str] = "mpm-lab bench --quick"
-    GONE: ClassVar[dict[str, str]] = {
-        "--history": "mpm-lab bench itself has the ratios to C++; --json keeps them",
-        "--waits": "assets/speed.md keeps what it has measured",
-        "--beside": "it went with --waits"}
+    GONE: ClassVar[dict[str, str]] = {"--history": "mpm-lab bench itself has the ratios to C++; --json keeps them",
+                                      "--waits": "assets/speed.md keeps what it has measured",
+                                      "--beside": "it went with --waits"}
 
     json: Annotated[PathFlag, default_hint("a table is printed instead")] = None
     """File for the result as a JSON object; - is standard output."""
@@ -52,8 +50,8 @@ class Bench:
                 values, table = run_benchmarks(self.quick, (*ITSELF, "--version"), show), bench_table
             else:
                 from app.commands.bench.class_load import ClassLoadSettings, class_load_table, run_class_load
-                values, table = run_class_load(ClassLoadSettings(self.visitors, 60 * self.minutes),
-                                               show), class_load_table
+                load = ClassLoadSettings(self.visitors, 60 * self.minutes)
+                values, table = run_class_load(load, show), class_load_table
         put_result(values, target, table)
         return 0
 
@@ -96,11 +94,10 @@ def _gpu_table(gpu: dict) -> str:
     name = f", {gpu['name']}" if gpu["name"] else ""
     lines = [title, f"  {gpu['arch']}{name}; a copy moves {gpu['bandwidth']:.0f} GB/s",
              _table_row("", "particles", "GPU", "of the limit", "serial", "parallel")]
-    for row in gpu["rows"]:
-        rates = row["rates"]
-        lines.append(_table_row(_scene_text(row), f"{row['particles']:,}", _format_rate(rates["gpu"]),
-                                NOTHING if row["share"] is None else f"{100 * row['share']:.0f} %",
-                                *(format_value(rates[plan], ".1f") for plan in ("serial", "parallel"))))
+    lines += [_table_row(_scene_text(row), f"{row['particles']:,}", _format_rate(row["rates"]["gpu"]),
+                         NOTHING if row["share"] is None else f"{100 * row['share']:.0f} %",
+                         *(format_value(row["rates"][plan], ".1f") for plan in ("serial", "parallel")))
+              for row in gpu["rows"]]
     return "\n".join([*lines, "  limit: what the memory allows, each particle's numbers moved once in each phase\n"
                       "  serial, parallel: the processor's plans, on one thread and on all"])
 
@@ -130,10 +127,9 @@ def _cpp_table(problems: list[dict]) -> str:
     lines = ["our rate over that of hand-written C++, million particle-steps per second",
              _table_row("", "ratio", "quartiles", "ours", "C++")]
     for problem in problems:
-        lines += [_table_row(_scene_text({"problem": problem["problem"], **row}), f"{row['ratio']:.3f}",
-                             f"{row['low']:.3f}..{row['high']:.3f}", _format_rate(row["rate"]),
-                             _format_rate(row["limit"]))
-                  for row in problem["cases"]]
+        lines += [_table_row(_scene_text({"problem": problem["problem"], **row}),
+                             f"{row['ratio']:.3f}", f"{row['low']:.3f}..{row['high']:.3f}",
+                             _format_rate(row["rate"]), _format_rate(row["limit"])) for row in problem["cases"]]
         lines += [f"  {problem['problem']}: {problem['missing']}"] if problem["missing"] else []
     return "\n".join(lines)
 

@@ -27,8 +27,7 @@ class ContradictionCheck:
     FILES are .csv, .npz, .vtk, .vtu or .vtp with the particles of one run at two or more moments: positions x, and X or
     id, v, F, stress, mass and volume as there are. That no contradiction was found does not mean that the run is right.
     Exit status: 0 no contradiction found, 1 not as expected or could not write, 2 bad input, 3 suspicious or broken
-    (with --expect the claims alone decide).
-    """
+    (with --expect the claims alone decide)."""
 
     EXAMPLE: ClassVar[str] = "mpm-lab check mine-*.vtu --out checked"
 

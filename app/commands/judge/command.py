@@ -2,27 +2,21 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from operator import itemgetter
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 
 import numpy as np
 import tyro
 
+from app import names_and_units
 from app.commands import lenient_flag_types
 from app.commands.expect_flag import ClaimChecker
 from app.commands.output import OutputFolder, put_report, put_text
 from app.commands.progress import show_progress
 from app.commands.scene_flags import SceneFlags
 from app.lessons.claims import NORMS
-from app.names_and_units import (
-    NOTHING,
-    QUANTITIES,
-    format_ratio,
-    method_name,
-    motion_text,
-    particles_per_cell,
-    with_unit,
-)
+from app.names_and_units import NOTHING, QUANTITIES, format_ratio, method_name, motion_text, with_unit
 from app.problems.views import VIEWS
 from app.templates import render_template
 from solvers.judging.error_norms import QUANTITIES as JUDGED
@@ -53,8 +47,7 @@ class Judge(SceneFlags):
     FILES are .csv, .npz, .vtk, .vtu or .vtp with particles at one or many times, of one grid or several: positions, id
     or material position, and velocity, F or stress as there are (`mpm-lab problem` says how, and writes one). The flags
     say what was run.
-    Exit status: 0 judged, 1 not as expected or could not write, 2 bad input.
-    """
+    Exit status: 0 judged, 1 not as expected or could not write, 2 bad input."""
     EXAMPLE: ClassVar[str] = "mpm-lab judge {problem} mine.csv --cells 40 --out verdict"
     LEFT_OUT: ClassVar[frozenset[str]] = METHOD_FIELDS - {"dt", "cfl"}
 
@@ -92,9 +85,8 @@ class Judge(SceneFlags):
         words = given.replace(",", " ").split() if isinstance(given, str) else []
         cells = [lenient_flag_types.parse_number_or_text([word]) for word in words] or [given]
         if len(cells) > 1 and len(cells) != len(self.files):
-            raise lenient_flag_types.BadInput("cells", given,
-                                              f"gives {len(cells)} grids for {len(self.files)} files; give one "
-                                                 "number for all or one for each")
+            raise lenient_flag_types.BadInput("cells", given, f"gives {len(cells)} grids for {len(self.files)} files; "
+                                              "give one number for all or one for each")
         return cells
 
     def _write_reports(self, folder: OutputFolder | None, judged: Any) -> int:
@@ -112,13 +104,11 @@ class Judge(SceneFlags):
 def grid_values_for_claims(values: Mapping[str, Any]) -> list[Mapping[str, Any]]:
     """Returns each grid's part of the report with the keys that claims use, as those of a run's JSON object."""
     orders = values["order"] or {}
-    return [{
-        "scene": {"cells": grid["cells"], "estimator": [COMPANION]}, "error": grid["error"],
-        "estimate": grid["estimate"][COMPANION], "index": grid["estimate"]["index"],
-        "distance": grid["estimate"]["distance"],
-        "order": {q: (orders.get(q) or {}).get("order") for q in JUDGED},
-        "contradictions": sum(one["verdict"] == OFF for one in grid["checks"]), "particles": grid["particles"]}
-        for grid in values["grids"]]
+    return [{"scene": {"cells": grid["cells"], "estimator": [COMPANION]},
+             "error": grid["error"], "estimate": grid["estimate"][COMPANION], "index": grid["estimate"]["index"],
+             "distance": grid["estimate"]["distance"], "order": {q: (orders.get(q) or {}).get("order") for q in JUDGED},
+             "contradictions": sum(one["verdict"] == OFF for one in grid["checks"]), "particles": grid["particles"]}
+            for grid in values["grids"]]
 
 
 CAPTIONS = {"norms.png": "Error norms over time: against the truth where there is one, and as the companion sees them",
@@ -137,8 +127,8 @@ def judgement_text(values: dict, judged: "Judgement") -> str:
     head = [f"# {scene.title.capitalize()}: {len(files)} file{'s' * (len(files) != 1)} judged",
             f"{values['problem'].capitalize()}: {motion_text(scene)}, E = {asked['modulus']:g} Pa, density "
             f"{asked['density']:g} kg/m³, {''.join(f'{one}, ' for one in more)}body force {asked['body_force']}, "
-            f"{particles_per_cell(values['problem'], asked['ppc'])} unless files say which they are, against the "
-            f"{values['against']}.", _largest_error_table(values, judged)]
+            f"{names_and_units.particles_per_cell(values['problem'], asked['ppc'])} unless files say which they are, "
+            f"against the {values['against']}.", _largest_error_table(values, judged)]
     head += [_grid_verdict(g, values) for g in values["grids"]]
     if values["order"]:
         known = [f"{fit['order']:.2f} of {QUANTITIES[q].symbol}" for q, fit in values["order"].items() if fit]
@@ -178,14 +168,13 @@ def _grid_verdict(g: dict, values: dict) -> str:
     x = _true_or_estimated_errors(g)["x"]["max"]
     sentences = [f"**{g['cells']} cells:** the error of x is up to {_format_size(x, 'x')}." if any(g["times"]) else
                  f"**{g['cells']} cells: only the start was given, t = 0, and nothing that was computed.**"]
-    ours = [run for run in g["ours"] if run["status"] == "ok" and run["error"]["x"]["max"]]
+    ours = [(size, _full_method_name(run)) for run in g["ours"]
+            if run["status"] == "ok" and (size := run["error"]["x"]["max"])]
     if ours and x is not None:
-        best = min(ours, key=lambda run: run["error"]["x"]["max"])
-        worst = max(ours, key=lambda run: run["error"]["x"]["max"])
-        sentences.append(f"Of our methods on this grid {_full_method_name(best)} has the least, "
-                         f"{_format_size(best['error']['x']['max'], 'x')} (these particles: "
-                         f"{format_ratio(x / best['error']['x']['max'])} times), and {_full_method_name(worst)} the "
-                         f"most, {_format_size(worst['error']['x']['max'], 'x')}.")
+        (least, best), (most, worst) = min(ours, key=itemgetter(0)), max(ours, key=itemgetter(0))
+        sentences.append(f"Of our methods on this grid {best} has the least, {_format_size(least, 'x')} (these "
+                         f"particles: {format_ratio(x / least)} times), and {worst} the most, "
+                         f"{_format_size(most, 'x')}.")
     sentences += [f"**{check['says'][:1].upper()}{check['says'][1:]}.**" for check in g["checks"]
                   if check["verdict"] == OFF and check["check"] != BY_PLACE]
     if found := g["neighbour_gap"]:
@@ -202,16 +191,16 @@ def _grid_section(g: dict, values: dict, several: bool) -> str:
     rows = [[str(QUANTITIES[q]), _format_size(found["size"], q), str(found["particle"]), _format_point(found["X"]),
              _region_name(values["problem"], found["X"]), f"{found['t']:.4g} s", code_span(file_name(found['file']))]
             for q, found in g["worst"].items() if found]
+    worst = markdown_table(["error of", "size", "particle", "X", "where", "t", "file"], rows,
+                           words=("error of", "where", "file"))
     parts = [f"## {g['cells']} cells" if several else "## Errors", _error_table(g),
-             "Worst of all particles and times:\n\n" + markdown_table(["error of", "size", "particle", "X", "where",
-                                                                       "t", "file"],
-                                                           rows, words=("error of", "where", "file"))]
+             f"Worst of all particles and times:\n\n{worst}"]
     parts.append(f"At least {g['crossings_at_least']:,} grid crossings between the times given.")
-    rows = [[check["check"], _format_number(check["measured"]), _format_number(check["tolerance"]), check["unit"],
+    rows = [[check["check"], *(_format_number(check[key], ".3g") for key in ("measured", "tolerance")), check["unit"],
              check["verdict"], check["says"]] for check in g["checks"]]
-    parts.append("What was compared, with what tolerance:\n\n" + markdown_table(
-        ["compared", "measured", "tolerance", "in", "verdict", "remark"], rows,
-        words=("compared", "in", "verdict", "remark")))
+    compared = markdown_table(["compared", "measured", "tolerance", "in", "verdict", "remark"], rows,
+                              words=("compared", "in", "verdict", "remark"))
+    parts.append(f"What was compared, with what tolerance:\n\n{compared}")
     if g["ours"]:
         parts += ["Our own methods on the same grid, at the same times:", _own_methods_table(g)]
     told = {check["says"] for check in g["checks"]}  # shown in the table and above
@@ -224,12 +213,11 @@ def _grid_section(g: dict, values: dict, several: bool) -> str:
 
 def _error_table(g: dict) -> str:
     heads = ["error of", "final", "largest", "mean", "companion: largest", "index", "distance", "companion's own error"]
-    estimate, rows = g["estimate"], []
-    for q in JUDGED:
-        true = (g["error"] or {}).get(q, {"final": None, "max": None, "mean": None})
-        rows.append([str(QUANTITIES[q]), *(_format_size(true[part], q) for part in ("final", "max", "mean")),
-                     _format_size(estimate["companion"][q]["max"], q), _format_ratio((estimate["index"] or {}).get(q)),
-                     _format_ratio((estimate["distance"] or {}).get(q)), _format_size(estimate["own_error"][q], q)])
+    estimate, unknown = g["estimate"], dict.fromkeys(("final", "max", "mean"))
+    rows = [[str(QUANTITIES[q]), *(_format_size((g["error"] or {}).get(q, unknown)[part], q) for part in unknown),
+             _format_size(estimate["companion"][q]["max"], q),
+             *(_format_number((estimate[key] or {}).get(q), ".3f") for key in ("index", "distance")),
+             _format_size(estimate["own_error"][q], q)] for q in JUDGED]
     return markdown_table(heads, rows, words=("error of",))
 
 
@@ -275,9 +263,5 @@ def _format_size(value: Any, quantity: str) -> str:
     return NOTHING if value is None else f"{value:.3e} {QUANTITIES[quantity].unit}"
 
 
-def _format_number(value: float | None) -> str:
-    return NOTHING if value is None else f"{value:.3g}"
-
-
-def _format_ratio(value: float | None) -> str:
-    return NOTHING if value is None else f"{value:.3f}"
+def _format_number(value: float | None, form: str) -> str:
+    return NOTHING if value is None else format(value, form)

@@ -33,8 +33,7 @@ class ProblemCommand(SceneFlags):
 
     {setting} The directory gets the initial particles (CSV and VTU), the body force as a table in space and time, the
     exact solution at the times asked for, in the form that `mpm-lab judge` reads, and a page of text with the formulas.
-    Exit status: 0 ok, 1 could not write, 2 bad input.
-    """
+    Exit status: 0 ok, 1 could not write, 2 bad input."""
     EXAMPLE: ClassVar[str] = "mpm-lab problem {problem} --cells 40 --out handout"
     LEFT_OUT: ClassVar[frozenset[str]] = METHOD_FIELDS
 
@@ -61,7 +60,6 @@ class ProblemCommand(SceneFlags):
 def _handout_files(scene: Scene, times: list[float]) -> dict[str, bytes]:
     """Returns the contents of the files for another code, by name; ``times`` of the exact solution are in s."""
     from solvers.judging import particle_writers, problem_handout  # here: bad input must not wait for them
-
     start, first = problem_handout.start(scene), problem_handout.initial_frame(scene)
     more = {"volume": start.volume, "mass": problem_handout.particle_masses(scene), **start.more}
     force = problem_handout.body_force_table(scene, TABLE_POINTS, TABLE_TIMES)

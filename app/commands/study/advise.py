@@ -31,8 +31,7 @@ class Advise:
 
     HELP: ClassVar[str] = """Find the cheapest run of the {title} whose own estimate meets a tolerance.
 
-    Exit status: 0 ok, 1 nothing within the budget meets it (the best within reach is named), 2 bad input.
-    """
+    Exit status: 0 ok, 1 nothing within the budget meets it (the best within reach is named), 2 bad input."""
     EXAMPLE: ClassVar[str] = "mpm-lab advise {problem} --tolerance 1e-3"
     SCENE: ClassVar[type[Scene]]
 
@@ -83,7 +82,6 @@ class Advise:
     def _search(self, base: Scene, quantity: str, tolerance: float, check_interrupts) -> Advice:
         """Returns the advice for a tolerance in the quantity's unit; ``check_interrupts`` raises a recorded Ctrl-C."""
         from solvers.study.advise import SearchGoal, advise, refinement_families
-
         def report_run(looks: int, certain: int, scene: Scene) -> None:
             check_interrupts()
             if not self.quiet and sys.stderr.isatty():
@@ -110,11 +108,10 @@ def search_flags(scene: type[Scene]) -> dict[str, Any]:
     """Returns the types of the flags, by field, that take several values to search instead of one."""
     preserving = "; uGIMP with and without linearity preservation" * (("ugimp", True) in scene.candidates())
     per_cell_help = scene.__dataclass_fields__["ppc"].metadata["help"]
-    return {"method": lenient_flag_types.choices_of(scene.choices("method"), "all",
-                                                    f"Methods to choose from{preserving}."),
-            "ppc": lenient_flag_types.choices_of(("N",), _join(PARTICLES_PER_CELL), f"{per_cell_help} to choose from."),
-            "cfl": lenient_flag_types.choices_of(("X",), _join(COURANT_NUMBERS),
-                                    "Lengths of the time step, dt c/h, to choose from.")}
+    choices_of = lenient_flag_types.choices_of
+    return {"method": choices_of(scene.choices("method"), "all", f"Methods to choose from{preserving}."),
+            "ppc": choices_of(("N",), _join(PARTICLES_PER_CELL), f"{per_cell_help} to choose from."),
+            "cfl": choices_of(("X",), _join(COURANT_NUMBERS), "Lengths of the time step, dt c/h, to choose from.")}
 
 
 def _join(numbers: tuple[float, ...]) -> str:
@@ -152,8 +149,7 @@ def as_text(values: dict) -> str:
             (f"error of {values['quantity']}", f"{got['error']:.3g}, {got['relative']:.3g} of its size, {said}"
              + (f"; {predicted['error']:.3g} was expected" if values["verified"] else "")),
             ("time", f"{predicted['seconds']:.2g} s for the bare run on one thread"),
-            ("runner-up", values["why"]),
-            ("search", f"{values['runs']} runs in {values['seconds']:.1f} s")]
+            ("runner-up", values["why"]), ("search", f"{values['runs']} runs in {values['seconds']:.1f} s")]
     return "\n".join(f"{name:<12}{text}" for name, text in rows)
 
 

@@ -28,8 +28,7 @@ class Coverage(StudyFlags):
     Runs are drawn at random: methods, cells, particles, amplitudes, steps and ends. Each has all estimators, those that
     refuse too, and runs on cells two and four times as wide beside it, for the grid convergence index. The same seed
     draws the same runs, and more of them with a larger --runs and --resume.
-    Exit status: 0 every row is there, 1 could not run or write, 2 bad input, 130 stopped by Ctrl-C (rows are kept).
-    """
+    Exit status: 0 every row is there, 1 could not run or write, 2 bad input, 130 stopped by Ctrl-C (rows are kept)."""
     EXAMPLE: ClassVar[str] = "mpm-lab coverage {problem} --runs 50 --out coverage"
     SCENE: ClassVar[type[Scene]]
     TIMED = False
@@ -51,7 +50,6 @@ class Coverage(StudyFlags):
 
     def write_tables(self, rows: list[dict]) -> int:
         from app.pictures.study_parts import coverage_figure
-
         counted = tally(self.SCENE.problem, self.seed, rows[:self.runs])
         return self.write({"coverage": coverage_figure}, [counted], lambda drawn: {
             "coverage.json": json_text(counted), "coverage.md": coverage_summary(counted, *drawn)},

@@ -8,15 +8,8 @@ from typing import Annotated
 
 import tyro
 
-from app.commands.lenient_flag_types import (
-    BadInput,
-    PathFlag,
-    ProcessesFlag,
-    Switch,
-    TextFlag,
-    default_hint,
-    process_count,
-)
+from app.commands import lenient_flag_types
+from app.commands.lenient_flag_types import BadInput, PathFlag, ProcessesFlag, Switch, TextFlag
 from app.commands.output import OutputTarget, json_text, print_message
 from app.commands.study.study_command import INCOMPLETE, Study
 from app.names_and_units import NOTHING, QUANTITIES, method_name
@@ -24,16 +17,8 @@ from solvers.problems import PROBLEMS
 from solvers.study.markdown_tables import markdown_table
 from solvers.study.parameter_grid import Task
 from solvers.study.row import FAILED
-from solvers.study.tables import paper_table_definitions
+from solvers.study.tables import paper_table_definitions, table_runs
 from solvers.study.tables.paper_table_definitions import PaperTableDefinition, format_digits
-from solvers.study.tables.table_runs import (
-    MEASURED,
-    PAPERS_ESTIMATOR,
-    all_runs,
-    results_by_row,
-    rows_by_part,
-    table_to_dict,
-)
 
 UNSTABLE = 3
 KINDS = ("json", "md", "png")  # suffixes of a table's files
@@ -49,7 +34,7 @@ class PaperTables(Study):
     """
 
     EXAMPLE = "mpm-lab tables 1 --out tables"
-    MEASURED = MEASURED
+    MEASURED = table_runs.MEASURED
     WORK = "solvers.study.tables.table_runs:measure_in_worker"
 
     table: Annotated[TextFlag, tyro.conf.Positional, tyro.conf.arg(metavar="{1,2,3,all}")] = "all"
@@ -58,7 +43,7 @@ class PaperTables(Study):
     """Directory for table1.md, table1.json, table1.png and so on; it is made if it is not there."""
     processes: ProcessesFlag = None
     """Processes that make runs side by side; what estimators cost is timed afterwards, alone."""
-    quiet: Annotated[Switch, default_hint("off")] = False
+    quiet: Annotated[Switch, lenient_flag_types.default_hint("off")] = False
     """No remarks on standard error."""
 
     @property
@@ -69,8 +54,8 @@ class PaperTables(Study):
         if self.table not in (*paper_table_definitions.NUMBERS, "all"):
             raise BadInput("", self.table,
                            f"is not a table of the paper; give {', '.join(paper_table_definitions.NUMBERS)} or all")
-        process_count(self.processes)
-        wanted = all_runs(tables := self._tables())
+        lenient_flag_types.process_count(self.processes)
+        wanted = table_runs.all_runs(tables := self._tables())
         self.check_study_flags(len(wanted))
         for path in (f"{self.out.rstrip('/')}/table{table.number}.{kind}" for table in tables for kind in KINDS):
             if os.path.isdir(path):
@@ -93,17 +78,16 @@ class PaperTables(Study):
         return row
 
     def _worker_count(self) -> int:
-        return process_count(self.processes)
+        return lenient_flag_types.process_count(self.processes)
 
     def write_tables(self, rows: list[dict]) -> int:
         from app.pictures.paper_tables import table_figure
-
         wanted = self._tables()
-        keys = {task.key for task in all_runs(wanted)}
+        keys = {task.key for task in table_runs.all_runs(wanted)}
         if failed := [row for row in rows if row["key"] in keys and row["status"] == FAILED]:
             print_message(f"{len(failed)} runs failed, the first of them: {failed[0]['reason']}; the others are kept")
             return INCOMPLETE
-        made = [table_to_dict(table, results_by_row(table, rows)) for table in wanted]
+        made = [table_runs.table_to_dict(table, table_runs.results_by_row(table, rows)) for table in wanted]
         status = self.write({f"table{table['table']}": functools.partial(lambda table, _: table_figure(table), table)
                              for table in made}, made,
                             lambda _: {f"table{table['table']}.{kind}": text for table in made
@@ -119,8 +103,7 @@ class PaperTables(Study):
 INPUTS = {"1": ("cells",), "2": ("method", "cells"), "3": ("method", "cells")}
 #: Columns compared with the paper in each table: key and heading with the unit.
 COMPARED = {"1": {"x": "x (m)", "v": "v (m/s)", "sigma_log": "σ (Pa)", "grid_crossings": "crossings"},
-            "2": {"x": "x (m)", "v": "v (m/s)", "a_nodes": "Err A (m/s²)"},
-            "3": {"index_x": "index of x, transport"}}
+            "2": {"x": "x (m)", "v": "v (m/s)", "a_nodes": "Err A (m/s²)"}, "3": {"index_x": "index of x, transport"}}
 Footnotes = dict[str, int]  # distinct sentences below the table, with their numbers
 
 
@@ -128,7 +111,7 @@ def table_markdown(table: dict) -> str:
     """Returns a table of the paper, with ours beside it, in Markdown, from its JSON object."""
     notes: Footnotes = {}
     blocks = [f"# {table['title']}", *table["setup"]]
-    for part, rows in rows_by_part(table).items():
+    for part, rows in table_runs.rows_by_part(table).items():
         blocks += [f"## {part}", _paper_comparison(table["table"], rows, notes)]
         if table["table"] != "2":
             blocks += [f"Index of each estimator, its distance and its cost — {part}:",
@@ -150,16 +133,17 @@ def _paper_comparison(number: str, rows: list[dict], notes: Footnotes) -> str:
         ours = [f"{heading} to {rows[0]['inputs'][end]:g} s" for end in ("t_end_crossings", "t_end")] \
             if key == "grid_crossings" else [heading]
         heads += [*ours, "paper", "ratio"]
-    others = [name for name in rows[0]["estimators"] if name != PAPERS_ESTIMATOR] if number == "3" else []
+    others = [name for name in rows[0]["estimators"] if name != table_runs.PAPERS_ESTIMATOR] if number == "3" else []
     heads += others
     lines = []
     for row in rows:
         cells = _row_cells(number, row, notes)
         for key in COMPARED[number]:
             if key == "index_x":
-                cells.append(_index_of_x(row, PAPERS_ESTIMATOR, notes))
+                cells.append(_index_of_x(row, table_runs.PAPERS_ESTIMATOR, notes))
             elif key == "grid_crossings":
-                cells += map(_format_count, (row["ours"][key], row["ours"]["grid_crossings_short"]))
+                cells += [NOTHING if count is None else f"{count:,}"
+                          for count in (row["ours"][key], row["ours"]["grid_crossings_short"])]
             else:
                 cells.append(NOTHING if row["ours"][key] is None else format_digits(row["ours"][key], 3))
             cells += [_format_printed(key, row["paper"][key]), _format_factor(row["ratio"][key])]
@@ -206,14 +190,10 @@ def _format_printed(key: str, value: float | None) -> str:
     if value is None:
         return NOTHING
     if key == "grid_crossings":
-        return _format_count(round(value))
+        return f"{round(value):,}"
     if key.startswith("index"):
         return f"{value:.1f}" if value < 10 and value == round(value, 1) else f"{value:g}"
     return format_digits(value, 2)
-
-
-def _format_count(value: int | None) -> str:
-    return NOTHING if value is None else f"{value:,}"
 
 
 def _format_factor(value: float | None) -> str:

@@ -4,14 +4,8 @@ from dataclasses import dataclass
 from typing import Annotated, Any, ClassVar
 
 from app import __version__
-from app.commands.lenient_flag_types import (
-    ProcessesFlag,
-    RealFlag,
-    choices_of,
-    default_hint,
-    parse_number_or_text,
-    several_of,
-)
+from app.commands import lenient_flag_types
+from app.commands.lenient_flag_types import ProcessesFlag, choices_of, default_hint, parse_number_or_text, several_of
 from app.commands.output import json_text
 from app.commands.study.study_command import StudyFlags
 from app.names_and_units import unit_of
@@ -32,8 +26,7 @@ class StabilityMap(StudyFlags):
 
     A run counts until its error of x exceeds a tenth of the amplitude or it breaks. Tables and a picture follow at the
     end, with each remedy's price per step and the life that FLIP's drift predicts.
-    Exit status: 0 every row is there, 1 could not run or write, 2 bad input, 130 stopped by Ctrl-C (rows are kept).
-    """
+    Exit status: 0 every row is there, 1 could not run or write, 2 bad input, 130 stopped by Ctrl-C (rows are kept)."""
     EXAMPLE: ClassVar[str] = "mpm-lab stability {problem} --periods 20 --out map"
     SCENE: ClassVar[type[Scene]]
     TIMED = False
@@ -45,7 +38,7 @@ class StabilityMap(StudyFlags):
     cfl: Any = ()
     cells: Any = None
     ppc: Any = None
-    periods: RealFlag = 50.0
+    periods: lenient_flag_types.RealFlag = 50.0
     """Longest life that is looked for, in periods."""
     workers: ProcessesFlag = None
     """Processes on this machine that run rows side by side; what a step costs is timed alone, at the end."""
@@ -59,7 +52,6 @@ class StabilityMap(StudyFlags):
 
     def write_tables(self, rows: list[dict]) -> int:
         from app.pictures.study_parts import stability_map_figure
-
         values = as_dict(self.SCENE.problem, rows, measure_prices(self.SCENE, rows))
         return self.write({"stability": stability_map_figure}, rows, lambda _: {
             "stability.csv": csv_text(rows), "stability.json": json_text(values, lines=True),
@@ -69,12 +61,10 @@ class StabilityMap(StudyFlags):
         """Returns all values of each input of the map's scenes, by the name of its flag; raises SceneError."""
         for method in self.method:
             require_choice("method", method, self.SCENE.choices("method"))
-        axes = {
-            "method": list(self.method or self.SCENE.choices("method")),
-            **{name: [getattr(self, name)] for name in ("cells", "ppc", "periods")},
-            "amplitude": [parse_number_or_text([word]) for word in self.amplitude] or list(self.SCENE.HARD_AMPLITUDES),
-            "cfl": [parse_number_or_text([word]) for word in self.cfl] or list(DEFAULT_CFL),
-        }
+        amplitudes, cfls = ([parse_number_or_text([word]) for word in words] for words in (self.amplitude, self.cfl))
+        axes = {"method": list(self.method or self.SCENE.choices("method")),
+                **{name: [getattr(self, name)] for name in ("cells", "ppc", "periods")},
+                "amplitude": amplitudes or list(self.SCENE.HARD_AMPLITUDES), "cfl": cfls or list(DEFAULT_CFL)}
         for name, values in axes.items():
             for value in values:
                 self.SCENE(**{name: value})  # validates it
@@ -87,4 +77,4 @@ def map_flags(scene: type[Scene]) -> dict[str, Any]:
             "amplitude": choices_of(("X",), " ".join(f"{a:g}" for a in scene.HARD_AMPLITUDES),
                                     f"Amplitudes, {unit_of(scene, 'amplitude')}."),
             "cfl": choices_of(("X",), " ".join(map(str, DEFAULT_CFL)), "Lengths of the time step, dt c/h."),
-            "periods": RealFlag}
+            "periods": lenient_flag_types.RealFlag}

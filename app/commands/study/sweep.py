@@ -22,8 +22,7 @@ class Sweep(StudyFlags, SceneFlags):
 
     Give any flag of a scene several values: --cells 20 40 80 --method {methods}. Each combination is a row with its
     errors, estimates, times and status; rows are kept as they finish. Tables and pictures follow at the end.
-    Exit status: 0 every row is there, 1 could not run or write, 2 bad input, 130 stopped by Ctrl-C (rows are kept).
-    """
+    Exit status: 0 every row is there, 1 could not run or write, 2 bad input, 130 stopped by Ctrl-C (rows are kept)."""
     EXAMPLE: ClassVar[str] = "mpm-lab sweep {problem} --cells 20 40 80 --method {methods} --out sweep"
     LISTS: ClassVar[frozenset[str]] = frozenset({"estimator", "effects", "remedies"})
 
@@ -43,7 +42,6 @@ class Sweep(StudyFlags, SceneFlags):
 
     def write_tables(self, rows: list[dict]) -> int:
         from app.pictures.cost_and_convergence import FIGURES
-
         problem = self.SCENE.problem
         return self.write(FIGURES, rows, lambda drawn: {
             "table.csv": table.csv_text(rows), "table.json": json_text(table.study_to_dict(problem, rows), lines=True),

@@ -214,8 +214,7 @@ class SlowMotionStage(ABC):
         return np.all((spots - reach >= (x0, y0)) & (spots + reach <= (x1, y1)), axis=1)
 
     def _picture_entry_points(self, starts: np.ndarray, ends: np.ndarray) -> np.ndarray:
-        """Returns the points (m, 2) where lines from starts (m, 2) to ends (m, 2), which lie in the picture, enter it;
-        starts within it are returned as they are."""
+        """Returns points (m, 2) where lines from starts (m, 2) to ends (m, 2) in the picture enter, or begin in, it."""
         x0, x1, y0, y1 = self._picture
         with np.errstate(divide="ignore", invalid="ignore"):
             share = np.where(starts < (x0, y0), ((x0, y0) - starts) / (ends - starts),
@@ -229,8 +228,7 @@ class SlowMotionStage(ABC):
 
     @abstractmethod
     def _split_text_and_picture(self, metrics: StageMetrics) -> tuple[float, Rectangle]:
-        """Returns the width of lines of text, beside or around the picture, and the picture's x0, x1, y0, y1, all in
-        stage coordinates."""
+        """Returns the width of lines of text and the picture's x0, x1, y0, y1, all in stage coordinates."""
 
     @abstractmethod
     def _fit_step_in_picture(self, a: ParticleStepBreakdown) -> None:
@@ -250,8 +248,7 @@ class SlowMotionStage(ABC):
 
     @abstractmethod
     def _draw_domains(self, x: np.ndarray, edges: np.ndarray, colour: Colour, thickness: float) -> None:
-        """Draws the domains of particles at x (k, D) in m with half edge vectors ``edges`` (k, D, D) in m; the
-        thickness is in pixels."""
+        """Draws domains of particles at x (k, D) with half edge vectors (k, D, D), in m; the thickness is in pixels."""
 
     @abstractmethod
     def _draw_cells(self, a: ParticleStepBreakdown) -> None:

@@ -79,8 +79,7 @@ def _force_equation(scene: Scene) -> str:
     forces = FORCE_OF_PIECES if PIECES in scene.remedies else FORCE
     words = forces.get(scene.body_force, forces[""])
     corrected = tr(", corrected to be exact for linear stress") if scene.linearity_preserving else ""
-    volume = tr("volume at rest") if scene.frozen else tr("volume")
-    return tr(words, volume=volume, corrected=corrected)
+    return tr(words, volume=tr("volume at rest") if scene.frozen else tr("volume"), corrected=corrected)
 
 
 def _stress_equation(scene: Scene) -> str:
@@ -165,10 +164,8 @@ def format_amount(values: np.ndarray, unit: str, digits: int = 4) -> str:
 
 
 def format_change(before: np.ndarray, after: np.ndarray | None, unit: str, digits: int = 6) -> str:
-    """Formats a number (1,) or vector (D,) in ``unit`` before and after a step, with an arrow between; without an arrow
-    if ``after`` is None."""
-    both = before[None] if after is None else np.stack([before, after])
-    texts, unit = format_scaled(both, unit, digits)
+    """Formats a number (1,) or vector (D,) in ``unit`` before a step and, unless None, after it, an arrow between."""
+    texts, unit = format_scaled(before[None] if after is None else np.stack([before, after]), unit, digits)
     return " → ".join(f"({text})" if len(before) > 1 else text for text in texts) + f" {unit}".rstrip()
 
 

@@ -19,8 +19,7 @@ HOME = next(folder for folder in (HERE / "packages", *HERE.parents) if (folder /
 
 
 def import_own_package(name: str) -> None:
-    """Imports ``app``, ``solvers``, ``lessons`` or ``assets`` from the lab's folder; raises ImportError if a package of
-    that name was imported from elsewhere."""
+    """Imports ``app`` or another of the lab's packages; raises ImportError if another of its name is imported."""
     sys.path.insert(0, str(HOME))
     try:
         found = importlib.import_module(name)
@@ -49,7 +48,6 @@ else:  # names are imported on first use
             return solvers.__getattr__(name)
         import_own_package("app")
         from app.notebook import show
-
         return show
 
 
@@ -57,5 +55,4 @@ def main(arguments: list[str] | None = None) -> int:
     """Runs ``mpm-lab`` with ``arguments``, by default the process's, and returns its exit status."""
     sys.path.insert(0, str(HOME))
     from app.cli import main
-
     return main(arguments)

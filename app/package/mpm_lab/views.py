@@ -9,7 +9,6 @@ def plot(result: Any) -> Any:
     """Returns the picture of a run's Result, a matplotlib figure."""
     import_own_package("app")
     from app.notebook.result_display import result_picture
-
     return result_picture(result)
 
 
@@ -17,5 +16,4 @@ def table(result: Any) -> str:
     """Returns the table of a run's Result, as HTML."""
     import_own_package("app")
     from app.notebook.result_display import result_table
-
     return result_table(result)

@@ -55,8 +55,7 @@ class BarSlowMotionStage(SlowMotionStage):
         self._sketch.outline(np.concatenate([low, high[:, ::-1]], axis=1), colour, thickness)
 
     def _draw_cells(self, a: ParticleStepBreakdown) -> None:
-        first = np.ceil(self._left / a.spacing)
-        edges = a.spacing * np.arange(first, np.floor(self._right / a.spacing) + 1)
+        edges = a.spacing * np.arange(np.ceil(self._left / a.spacing), np.floor(self._right / a.spacing) + 1)
         low, high = self._row_height(PARTICLES_AT - 0.08), self._row_height(NODES_AT)
         self._sketch.line(self._stage_points(edges, low), self._stage_points(edges, high), DOMAINS)
         ends = np.array([self._left, self._right])

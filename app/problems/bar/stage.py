@@ -51,8 +51,7 @@ class BarStage(Stage[BarScene]):
         return (x >= low[0]) & (x <= high[0])
 
     def nearest_particle(self, point: tuple[float, float], arrays: FrameArrays) -> int | None:
-        """Returns the index of the particle nearest to a point of the stage: in the lanes by x alone, elsewhere by its
-        dot in the field plot; None if none is near."""
+        """Returns the index of the particle nearest to a stage point, in lanes by x, elsewhere by dot; None if far."""
         (x, y), places = point, self._layout
         if abs(y - 0.5 * (places.truth + places.estimate)) < 0.5 * (places.estimate - places.truth) + places.lane:
             return int(np.argmin(np.abs(self._stage_x(arrays) - x))) if -TOUCH < x < 1 + TOUCH else None
@@ -64,8 +63,7 @@ class BarStage(Stage[BarScene]):
         return np.stack([*lanes, self._field.dot_positions(particles, len(x))])
 
     def _stage_x(self, arrays: FrameArrays) -> np.ndarray:
-        """Returns the stage x (P,) of a frame's particles, the same as their positions in m, within the period of a
-        periodic bar; between -0.5 and 1.5 for a broken run."""
+        """Returns particles' stage x (P,), as in m, within a periodic bar's period; -0.5 to 1.5 for a broken run."""
         x = arrays.position[:, 0]
         if self._drawn_scene is not None:
             x = self._drawn_scene.wrap_into_period(x)
@@ -123,8 +121,7 @@ class BarStage(Stage[BarScene]):
 
 
 def _equal_lanes_label(text: str, places: BarLayout, taken: tuple[float, float] = (0.0, 0.0)) -> Label:
-    """Returns the label with a hint about equal lanes, below the lower one: right, or left if that is ``taken`` (from x
-    to x); empty if there is no space."""
+    """Returns the hint about equal lanes, below and right or, if ``taken`` (from x to x), left; "" without room."""
     metrics, below = places.stage_metrics, places.truth - 0.5 * places.lane - 8 * places.stage_metrics.pixel
     wide = metrics.text_extent(text + "  ")[0]
     right = taken[1] < 1 - wide
@@ -212,8 +209,7 @@ class _LanePointTiling:
             lane[..., 1] = (at - middle + up)[:, None, None]
 
     def dots(self, x: np.ndarray, *shades: np.ndarray) -> Dots:
-        """Returns dots for particles at the stage x (P,), in the colours ``shades`` (P, 3), uint8, of the estimate's
-        lane and of the truth's."""
+        """Returns dots for particles at the stage x (P,), in colours (P, 3), uint8, of the lanes: estimate, truth."""
         points, colours = self._points.copy(), np.empty(self._points.shape, np.uint8)
         inside = np.minimum(np.maximum(x[:, None] + self._beside, self.size / 2), 1 - self.size / 2)
         points[..., 0] = (inside - self.origin[0]).astype(np.float16)
