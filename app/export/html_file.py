@@ -2,7 +2,6 @@
 
 import json
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import replace
 from html import escape
 from pathlib import Path
 from typing import Any
@@ -15,7 +14,6 @@ from app.export.recording import RecordingRequest, record_scene, record_scenes
 from app.export.stage_export_plan import StageExportPlan, export_plan_to_json, make_export_plan
 from app.language.translation import current_language, load_catalogue, tr
 from app.logo_and_font import ICON, MARK, font_faces_css
-from app.problems.views import VIEWS
 from app.templates import render_template
 
 PLAYER = Path(__file__).parent / "player"
@@ -35,8 +33,6 @@ def scene_page(text: str, processes: int, on_progress: ProgressCallback,
 
     ``text`` is that of a state, or a problem's name; ``counts`` the most values of each field on its slider."""
     shown = shareable_state.parse_state(text)
-    if text.strip() in VIEWS and (judges := VIEWS[text.strip()].estimators):
-        shown = replace(shown, scene=replace(shown.scene, estimators=judges))
     one = make_export_plan(shown, (), recorded_quantities(shown))
     one = make_export_plan(one.state, slider_grid.axes_around(one.scene, counts), one.quantities)
     return assemble_page(_page_title(one), [one], record_plans([one], processes, on_progress), None)

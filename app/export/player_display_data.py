@@ -47,7 +47,8 @@ def shared_display_data(problems: Iterable[str]) -> dict[str, Any]:
             "budget": {"causes": {name: {"words": tr(cause), "meaning": tr(budget_chart_data.MEANINGS[name]),
                                          "colour": CAUSES[name].light} for name, cause in error_causes.CAUSES.items()},
                        "fields": error_causes.FIELDS, "units": budget_chart_data.UNITS, "seen": budget_chart_data.SEEN,
-                       "caption": tr(budget_chart_data.CAPTION), "question": tr(budget_chart_data.QUESTION)},
+                       "caption": tr(budget_chart_data.CAPTION), "below": tr(budget_chart_data.BELOW_ZERO),
+                       "question": tr(budget_chart_data.QUESTION)},
             "magnifications": names_and_units.MAGNIFICATIONS,
             "estimators": {name: {"colour": one.colour, "dashes": one.dashes} for name, one in ESTIMATORS.items()},
             "problems": {name: static_stage_data(VIEWS[name].stage) for name in sorted(problems)}}

@@ -108,7 +108,7 @@ def export_plan_to_json(plan: StageExportPlan, numbers: Mapping[str, int]) -> di
             "view": {"quantity": state.quantity, "difference": state.difference, "domains": state.domains,
                      "magnified": state.magnified, "logarithmic": state.logarithmic,
                      "speed": state.speed or VIEWS[scene.problem].speed,
-                     "estimator": state.estimator or next(iter(scene.active_estimators), "")}}
+                     "estimator": state.estimator or scene.first_estimator or ""}}
 
 
 def format_axis_label(kind: type[Scene], field: str, value: Any) -> str:

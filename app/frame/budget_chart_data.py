@@ -1,6 +1,6 @@
 """The error budget of a run over time as data and words, for the page, exported files and pictures."""
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -14,6 +14,7 @@ from solvers.solver import budget_shares
 QUESTION = lazy("Who made this error?")
 CAPTION = lazy("The line is the error, RMS over particles; each colour is the part from one cause, below zero if the "
                "cause reduces the error.")
+BELOW_ZERO = lazy("; below zero: reduces it, all add up to 100 %")
 #: Short explanation of each cause.
 MEANINGS = {"crossings": lazy("counted in the wrong cell"), "coarse_grid": lazy("cells too wide for the motion"),
             "body_force": lazy("taken at nodes, not at particles"),
@@ -71,6 +72,12 @@ def budget_field(quantity: str) -> str:
 def format_percent(share: float | None) -> str:
     """Returns a share, 1 for the whole, as text in whole per cent (97 %, −4 %); "–" for None."""
     return "–" if share is None else f"{round(100 * share) + 0:d} %".replace("-", "−")
+
+
+def below_zero_note(shares: Iterable[float | None]) -> str:
+    """Returns a note to append if a share is shown below zero, which makes others add up to more than 100 %; else
+    ""."""
+    return tr(BELOW_ZERO) if any(format_percent(share).startswith("−") for share in shares) else ""
 
 
 def largest_share(series: Mapping[str, np.ndarray], field: str) -> tuple[str, float] | None:

@@ -45,11 +45,13 @@ class ColourScale:
         self._begun = self._begun and self.held
 
     def update(self, estimated: np.ndarray | None, true: np.ndarray | None, run: Hashable = None,
-               beside: tuple[np.ndarray | None, np.ndarray | None] = (None, None), least: float = 0.0) -> None:
+               beside: tuple[np.ndarray | None, np.ndarray | None] = (None, None), least: float = 0.0,
+               settled: bool = False) -> None:
         """Sets ``top``, unless ``held``, and ``exceeded`` from a frame's errors, all sizes (P,) in one unit or None.
 
         ``run`` identifies the run of the ``estimated`` and ``true`` ones, whose largest error so far counts; ``beside``
-        has the estimated and true ones of a second run on the stage. The top is at least ``least``."""
+        has the estimated and true ones of a second run on the stage. The top is at least ``least``, and grows at once
+        if the frame is ``settled``: a run that pauses, or has broken, may send no later one."""
         truth, estimate = (max(largest_finite(true), largest_finite(beside[1])),
                            max(largest_finite(estimated), largest_finite(beside[0])))
         top = max(truth, min(estimate, BEYOND * truth)) if truth > 0 else estimate
@@ -59,13 +61,15 @@ class ColourScale:
             if len(self._largest) > REMEMBERED:
                 del self._largest[next(iter(self._largest))]
         if not self.held:
-            self._raise_top(max(top, known, least))
+            self._raise_top(max(top, known, least), settled)
         self.exceeded = max(truth, estimate) > self.top
 
-    def _raise_top(self, size: float) -> None:
-        """Raises the top to at least a size, unless it has just grown and the size is not far above it."""
+    def _raise_top(self, size: float, settled: bool) -> None:
+        """Raises the top to at least a size, unless it has just grown, the size is not far above it and the frame not
+        ``settled``."""
         now = self._clock()
-        if size <= SMALLEST or (self._begun and (size <= self.top or (now < self._next and size < HIDDEN * self.top))):
+        waits = now < self._next and size < HIDDEN * self.top and not settled
+        if size <= SMALLEST or (self._begun and (size <= self.top or waits)):
             return
         self.top, step = round_up(size, TOPS)
         self._parts = TOPS[step]

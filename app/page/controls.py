@@ -185,7 +185,7 @@ class Controls:
     @property
     def state(self) -> State:
         """The state that the visitor sees."""
-        session, stage, first = self._session, self.stage, next(iter(self._session.scene.estimators), None)
+        session, stage, first = self._session, self.stage, self._session.scene.first_estimator
         speed, pinned = VIEWS[session.scene.problem].speed, session.pinned
         return State(session.scene, stage.quantity, stage.estimator if stage.estimator != first else None,
                      self._drawing.difference, stage.magnified, self._scale.logarithmic, self._drawing.domains,

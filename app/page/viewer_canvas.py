@@ -15,6 +15,7 @@ from app.page.stage_source import StageContent, StageFrame, ViewChoice
 from app.page.visit.traced_particle_series import ParticleTracer
 from app.problems.views import VIEWS
 from app.renderers.viewer_renderer import LabelLayer, ViewerSurface
+from solvers.solver.soundness import UNSTABLE
 
 
 class ViewerCanvas:
@@ -82,8 +83,10 @@ class ViewerCanvas:
             self._coloured = content.scale_key
         if changed or not content.is_past:
             beside = content.beside.view if isinstance(content.beside, StageFrame) else None
-            self._scale.update(*content.sizes, (content.picture.report.scene, content.scale_key),
-                               (beside.left.sizes, beside.right.sizes) if beside else (None, None), content.least)
+            report = content.picture.report
+            self._scale.update(*content.sizes, (report.scene, content.scale_key),
+                               (beside.left.sizes, beside.right.sizes) if beside else (None, None), content.least,
+                               settled=not report.playing or report.status == UNSTABLE)
 
     def _show_stage(self, problem: str | None) -> None:
         """Shows the stage of a problem (by its key) and hides the others; hides all for None."""

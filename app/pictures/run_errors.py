@@ -98,7 +98,7 @@ def _draw_norm(axes: Axes, result: Result, quantity: str) -> None:
                       marker=_marker_if_few_samples(values), markersize=4)
             drawn.append((name, values, colour))
     _set_time_axis(axes, result)
-    axes.set_title(f"Error of {QUANTITIES[quantity]}" + ", RMS over particles" * (quantity == "x"))
+    axes.set_title(f"Error of {QUANTITIES[quantity]}" + ", RMS over particles, logarithmic" * (quantity == "x"))
     silent = _estimators_without_quantity(result, quantity)
     if not drawn:
         axes.set_yticks([])

@@ -9,12 +9,12 @@ from matplotlib.axes import Axes
 from matplotlib.colors import LogNorm
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
-from matplotlib.ticker import LogFormatterSciNotation, LogLocator, NullFormatter
+from matplotlib.ticker import FuncFormatter, LogFormatterSciNotation, LogLocator, NullFormatter
 
 from app.colour_palette import INK, INK3, LINE, LINE2, METHOD_COLOURS, METHOD_MARKS
 from app.names_and_units import METHODS, QUANTITIES, method_name, unit_of, with_unit
 from app.renderers.picture_panel_style import Look, write_note
-from app.renderers.picture_style import UnitPrefixTickFormatter, format_size_axis, make_figure
+from app.renderers.picture_style import UnitPrefixTickFormatter, make_figure
 from solvers.problems import PROBLEMS
 from solvers.running.quantities_of_interest import SAFETY
 from solvers.scene.estimator_registry import ESTIMATORS
@@ -181,13 +181,15 @@ def _draw_coverage_rows(axes: Axes, names: Sequence[str], counts: Callable[[str,
     axes.grid(axis="x", color=LINE2)
 
 
-PANEL = (2.5, 2.0)  # inches
+PANEL = (2.5, 1.7)  # inches
+SPELT_OUT = {"lp": "linearity\npreserving", "lp+zero-drift": "linearity\npreserving,\nzero drift",
+             "all-three": "linearity\npreserving,\nfilter+coupled"}  # treatments, where the short name says too little
 SHORTEST = 0.1  # periods, at the dark end of the scale
 
 
 def stability_map_figure(rows: Sequence[dict]) -> Figure:
-    """Returns the stability map: survived periods, bright for many, over amplitude and Courant number, a panel per
-    method and treatment; "✓" marks runs that stayed accurate to the end."""
+    """Returns the stability map: survived periods, bright for many, over amplitude and Courant number, a column per
+    method and a row per treatment; "✓" marks runs that stayed accurate to the end."""
     shown = completed_rows(rows)
     if not shown:
         return empty_figure("Stability", "no run was possible")
@@ -197,12 +199,12 @@ def stability_map_figure(rows: Sequence[dict]) -> Figure:
     amplitudes, steps = (sorted({row["scene"][name] for row in shown}) for name in ("amplitude", "cfl"))
     longest = max(row["scene"]["periods"] for row in shown)
     unit = unit_of(kind, "amplitude")
-    size = (1.6 + PANEL[0] * len(treatments), 1.6 + PANEL[1] * len(methods))
-    figure = make_figure(*size, f"{kind.TITLE.capitalize()}: periods until x is off by A/10 or the run breaks, of "
+    size = (1.6 + PANEL[0] * len(methods), 1.8 + PANEL[1] * len(treatments))
+    figure = make_figure(*size, f"{kind.TITLE.capitalize()}: periods until x is off by A/10 or\nthe run breaks, of "
                           f"{longest:g} (✓: held to the end)")
-    axes = figure.subplots(len(methods), len(treatments), squeeze=False, sharex=True, sharey=True)
-    for line, method in zip(axes, methods, strict=True):
-        for panel, treatment in zip(line, treatments, strict=True):
+    axes = figure.subplots(len(treatments), len(methods), squeeze=False, sharex=True, sharey=True)
+    for line, treatment in zip(axes, treatments, strict=True):
+        for panel, method in zip(line, methods, strict=True):
             own = [row for row in shown if row["scene"]["method"] == method and treatment_of(row) == treatment]
             lives = np.full((len(steps), len(amplitudes)), np.nan)
             for row in own:
@@ -218,14 +220,14 @@ def stability_map_figure(rows: Sequence[dict]) -> Figure:
                       yticks=range(len(steps)), yticklabels=[f"{cfl:g}" for cfl in steps])
             if not own:
                 panel.text(0.5, 0.5, "not offered", transform=panel.transAxes, ha="center", va="center", color=INK3)
-    for panel, treatment in zip(axes[0], treatments, strict=True):
-        panel.set_title(treatment)
-    for panel, method in zip(axes[:, 0], methods, strict=True):
-        panel.set_ylabel(f"{method_name(method)}\ncfl")
+    for panel, method in zip(axes[0], methods, strict=True):
+        panel.set_title(method_name(method))
+    for panel, treatment in zip(axes[:, 0], treatments, strict=True):
+        panel.set_ylabel(f"{SPELT_OUT.get(treatment, treatment)}\ncfl")
     for panel in axes[-1]:
         panel.set_xlabel("amplitude A")
-    bar = figure.colorbar(axes[0, 0].images[0], ax=list(axes.ravel()), location="bottom", aspect=100, pad=0.02,
+    bar = figure.colorbar(axes[0, 0].images[0], ax=list(axes.ravel()), location="bottom", aspect=50, pad=0.02,
                           label="periods")
     bar.outline.set_visible(False)
-    format_size_axis(bar.ax.xaxis, "")
+    bar.ax.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))  # 0.1 periods, not 100 m
     return figure

@@ -83,9 +83,8 @@ class ProblemView:
     scene field among the "Method details", ``material`` the sliders beside the modulus, ``formula`` the name, label and
     hint of a text field; ``motion`` is None if the scene has one motion only.
 
-    ``estimators`` are the initial ones if not the scene's own, the first of them drawn. ``suggestions`` returns the
-    suggestions for a state of the page. ``prices`` are the estimators' shares of the run time in the usual scene, each
-    alone on one thread, as ``mpm-lab run`` reports them (median of three)."""
+    ``suggestions`` returns the suggestions for a state of the page. ``prices`` are the estimators' shares of the run
+    time in the usual scene, each alone on one thread, as ``mpm-lab run`` reports them (median of three)."""
 
     problem: str
     stage: type[Stage[Any]]
@@ -102,7 +101,6 @@ class ProblemView:
     formula: tuple[str, str, str] | None = None
     modulus_hint: str = lazy("Young's modulus: a stiffer body vibrates faster")
     material: Mapping[str, LinearSlider] = field(default_factory=dict)
-    estimators: tuple[str, ...] = ()
     suggestions: Callable[[State], tuple[SuggestedExperiment, ...]] = lambda _: ()
     prices: Mapping[str, float] = field(default_factory=dict)
 

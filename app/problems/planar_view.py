@@ -27,4 +27,4 @@ def planar_problem_view(problem: PlanarProblem) -> ProblemView:
         speed=speed, amplitude_hint=settings.amplitude_hint, modulus_hint=settings.modulus_hint, prices=settings.prices,
         details={**settings.details, "velocity": lazy("the velocity that moves the particles")},
         material={"poisson_ratio": poisson} if "poisson_ratio" in fields else {},
-        formula=FORMULA if FORMULA[0] in fields else None, estimators=settings.estimators, suggestions=lambda _: asks)
+        formula=FORMULA if FORMULA[0] in fields else None, suggestions=lambda _: asks)

@@ -52,7 +52,7 @@ class ComparedRuns:
         return QUANTITIES[self.state.quantity].noun
 
 
-Answer = tuple[str, str]  # a sentence, and a second one to think about
+Answer = tuple[str, ...]  # a sentence, a second one to think about, and maybe a question that the error budget answers
 
 
 @dataclass(frozen=True)
@@ -99,10 +99,10 @@ def _halving_cells_answer(runs: ComparedRuns) -> Answer:
     if not math.isfinite(by):
         return tr("Unknown: there is no true error to compare."), hint
     if by >= 1 + SAME:
-        return tr("It rose to {factor} times as much. Why?", factor=format_factor(by)), hint
+        return tr("It rose to {factor} times as much.", factor=format_factor(by)), hint, tr("Why?")
     if QUARTER[0] <= by <= QUARTER[1]:
         return tr("It fell to {factor}: a quarter.", factor=format_factor(by)), hint
-    return tr("It fell to {factor}, not to a quarter. Why?", factor=format_factor(by)), hint
+    return tr("It fell to {factor}, not to a quarter.", factor=format_factor(by)), hint, tr("Why?")
 
 
 def suggest_halving_cells(most: int) -> SuggestedExperiment:

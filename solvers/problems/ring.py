@@ -102,7 +102,6 @@ RING = PlanarProblem(RingScene, ViewSettings(
     amplitude_hint="largest displacement of the outer rim; from 0.115 m on the motion itself is unstable, above 0.198 "
                    "m a real ring wrinkles, from 0.386 m on the exact one turns inside out",
     prices={"transport": 0.06, "recovered": 0.12, "companion": 0.02, "two-grid": 0.09},
-    estimators=("companion",),  # transport estimates three to twelve times the error here
     details={"layout": "where particles begin: the Cartesian rim is a staircase",
              "body_force": "where the force is evaluated"},
     sparks=("halve", "transport", "break"),

@@ -114,7 +114,6 @@ VORTEX = PlanarProblem(VortexScene, ViewSettings(
     amplitude_hint="angle in radians by which the middle circle turns while the rims stay fixed; the largest shear is "
                    "seven times as large",
     prices={"transport": 0.07, "recovered": 0.24, "companion": 0.04}, speed=(0.01, 0.1, 2.0),
-    estimators=("companion", "transport"),  # transport alone would show only an estimate that fails
     details={"layout": "where particles begin: Cartesian rims are staircases", "body_force": "which force acts"},
     modulus_hint="Young's modulus: the body force keeps the motion the same, but the errors change",
     poisson_hint="resistance to a change of volume: not in the exact motion, which has none, but in the errors and, "

@@ -28,6 +28,7 @@ class DerivedSceneQuantities:
     body_force: str
     ppc: float
     arch: str
+    estimators: tuple[str, ...]
 
     @property
     def wave_speed(self) -> float:
@@ -38,6 +39,17 @@ class DerivedSceneQuantities:
     def angular_frequency(self) -> float:
         """Angular frequency w = c pi/l of the exact solution, in 1/s, l = 1 (eq 32)."""
         return self.wave_speed * math.pi
+
+    @property
+    @abstractmethod
+    def not_valid(self) -> dict[str, str]:
+        """Requested estimators that are known not to hold here and do not run, by name, each with a sentence why."""
+
+    @property
+    def first_estimator(self) -> str | None:
+        """Name of the estimator to show first: the first requested one that is valid here, or just the first; None
+        without any."""
+        return next((name for name in self.estimators if name not in self.not_valid), next(iter(self.estimators), None))
 
     @property
     def motion_amplitude(self) -> float:

@@ -21,6 +21,9 @@ EXPLANATIONS = Path(__file__).parents[1] / "estimators" / "explanations"
 MOVING_WEIGHTS = Limit("transport", "frozen", allowed=(False,), why="transport assumes weights that are computed anew "
                        "each step, and with frozen-weights estimates 2 to 20,000 times the error; leave that remedy "
                        "out, or take recovered or companion")
+#: Estimators of which a scene has the first that its problem offers, unless it names others. Measured with every method
+#: in the usual scenes: companion is valid in all of them, its indices are 0.99 to 1.01, and it is the cheaper one.
+DEFAULT_JUDGES = ("companion", "recovered")
 #: Reasons why an estimator is known not to hold, shared by several problems.
 PROCESSOR_REASON = ("{name} works on the particles in every step, which is not built for a GPU; take companion, which "
                     "the processor solves beside them, or --arch cpu")
@@ -96,6 +99,12 @@ def names(problem: str, own: tuple[str, ...]) -> tuple[str, ...]:
     :class:`~solvers.scene.extension_modules.ExtensionError` where an extension cannot be imported."""
     extension_modules.load_extensions()
     return tuple(name for name, estimator in ESTIMATORS.items() if name in own or problem in estimator.hooks)
+
+
+def default_estimators(own: tuple[str, ...]) -> tuple[str, ...]:
+    """Returns the estimator of scenes that name none: the first default judge, or else the first of a problem's
+    ``own``."""
+    return (*(name for name in DEFAULT_JUDGES if name in own), *own)[:1]
 
 
 def require_offered(chosen: object, problem: str, offered: tuple[str, ...]) -> None:

@@ -65,7 +65,7 @@ class Scene(DerivedSceneQuantities, ABC):
     body_force: str = option("material", "Body force", choices=("material",))
     linearity_preserving: bool = option(False, "Make the particle-grid transfers exact for linear fields")
     velocity: str = option("grid", "Velocity that moves the particles", choices=("grid", "particle"))
-    estimators: tuple[str, ...] = option((), ESTIMATORS_HELP)  # of each problem the first that it has
+    estimators: tuple[str, ...] = option((), ESTIMATORS_HELP)  # of each problem its default judge
     effects: tuple[str, ...] = option(tuple(EFFECTS), "What to compute beside the method, with commas between, in "
                                       "place of the default, or +NAME beside it; what is left out costs nothing",
                                       hint="all")
@@ -92,9 +92,9 @@ class Scene(DerivedSceneQuantities, ABC):
 
     def __init_subclass__(cls, **kwargs: Any) -> None:
         super().__init_subclass__(**kwargs)
-        if "ESTIMATORS" in vars(cls):  # the first one is the default
+        if "ESTIMATORS" in vars(cls):
             cls.__annotations__["estimators"] = Scene.__annotations__["estimators"]
-            cls.estimators = option(cls.ESTIMATORS[:1], ESTIMATORS_HELP)
+            cls.estimators = option(estimator_registry.default_estimators(cls.ESTIMATORS), ESTIMATORS_HELP)
 
     @classmethod
     def choices(cls, name: str) -> tuple[str, ...]:

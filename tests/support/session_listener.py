@@ -18,7 +18,8 @@ def assert_same(arrays, scene, steps):
     shot = solver.snapshot()
     np.testing.assert_array_equal(arrays.position, shot.position.astype(np.float32).reshape(-1, 1))
     np.testing.assert_array_equal(arrays.error, shot.error.astype(np.float32))
-    np.testing.assert_array_equal(arrays.estimate["transport"], shot.estimate["transport"].astype(np.float32))
+    for name in scene.active_estimators:
+        np.testing.assert_array_equal(arrays.estimate[name], shot.estimate[name].astype(np.float32))
 
 
 class Listener:

@@ -14,7 +14,8 @@ function budget() {
     row.firstChild.append(element("small", ` ${meaning}`));
     return row;
   });
-  const head = tableRow(tr("share of the error of {field} over the run", {field}) + run.budget.whose, "");
+  const head = tableRow(tr("share of the error of {field} over the run", {field}) + run.budget.whose
+    + (rows.some(row => row.lastChild.textContent.startsWith("−")) ? DATA.budget.below : ""), "");
   head.className = "head";
   document.getElementById("causes").replaceChildren(...silence ? [] : [head, ...rows]);
   put(document.getElementById("divided"), silence ? capital(silence) + "." : DATA.budget.caption);

@@ -31,8 +31,8 @@ WIDE = 1.0 + 1e-6  # cells from a particle that has crossed within which errors 
 #: period in which the first particles change their cell and the stress is wrong there; then it stops. At larger
 #: amplitudes, where all cross repeatedly, those that crossed err no more than the others.
 OPENING = shareable_state.parse_state(
-    "bar;method=mpm;amplitude=0.0034;periods=0.25;estimators=recovered,transport;error-of=sigma;speed=0.0125;stops;"
-    "pinned;method=bspline;amplitude=0.0034;periods=0.25;estimators=recovered,transport")
+    "bar;method=mpm;amplitude=0.0034;periods=0.25;estimators=recovered,companion;error-of=sigma;speed=0.0125;stops;"
+    "pinned;method=bspline;amplitude=0.0034;periods=0.25;estimators=recovered,companion")
 
 
 class OpeningTour(Feature):

@@ -21,6 +21,7 @@ from app.problems.views import VIEWS
 from solvers.engine.engine_messages import FrameReport
 from solvers.scene.scene import Scene
 from solvers.solver.particle_step_breakdown import ParticleStepBreakdown
+from solvers.solver.soundness import UNSTABLE
 
 NO_BREAK = "\N{NO-BREAK SPACE}"
 TICK = 0.06  # seconds between two pictures
@@ -28,6 +29,8 @@ SECONDS = (1.0, 10.0, 3.0)  # of a phase: least, most, initial
 MOVING = 0.7  # share of them with motion, before a rest for reading
 LAST = len(PHASES) - 1
 SLOW, NOT_SLOW = lazy("Slow motion"), lazy("Normal speed")
+NO_STEP = lazy("An unstable run takes no more steps, so there is none to show in slow motion: press Reset, and switch "
+               "it on before the run breaks.")
 
 
 class SlowMotion(Feature):
@@ -105,6 +108,8 @@ class SlowMotion(Feature):
                 self._request_breakdown()
             else:
                 self._leave()
+                if report.status == UNSTABLE:
+                    self._session.announce(tr(NO_STEP))
 
     def go_forward(self) -> None:
         """Shows the step's next phase, or the next time step; enters slow motion if it is off."""

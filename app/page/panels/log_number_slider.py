@@ -15,6 +15,7 @@ from app.page.panels.scene_widgets import SceneWidgetFactory
 from solvers.untrusted import quoting
 
 TYPING = 0.8  # seconds without a key after which the input is applied
+EMPTY = 5.0  # seconds after which an emptied field shows its number again
 STEP = 0.005  # of the slider, in powers of ten
 DIGITS = 6
 TYPE_SIZE, TYPE = lazy("type a number in {unit}, or with a prefix: {example}"), lazy("type a number: {example}")
@@ -99,10 +100,10 @@ class LogNumberSlider:
             self._value = value
 
     def _read_after_typing(self, text: str) -> None:
-        """Reads the text 0.8 s after the last key: half a number is another number."""
+        """Reads the text 0.8 s after the last key: half a number is another number; an empty one 5 s after it."""
         if self._typed:
             self._typed.cancel()
-        self._typed = threading.Timer(TYPING, with_language(self._read_in_turn), (text,))
+        self._typed = threading.Timer(TYPING if text.strip() else EMPTY, with_language(self._read_in_turn), (text,))
         self._typed.daemon = True
         self._typed.start()
 
@@ -115,6 +116,9 @@ class LogNumberSlider:
 
     def _read(self, text: str) -> None:
         if self._text.value != text:  # the slider has been moved since
+            return
+        if not text.strip():
+            self._text.value = self._format(self._value)  # type: ignore[misc]
             return
         try:
             value = parse_size(text, self._size.unit)

@@ -35,7 +35,7 @@ class QuantityAndEstimatorWidgets:
         self._session, self._scale, self._on_view = session, scale, on_view
         self._quantities = {str(quantity): key for key, quantity in names_and_units.QUANTITIES.items()}
         self.quantity = next(iter(names_and_units.QUANTITIES))  # key of the one whose error is shown
-        self.estimator = next(iter(session.scene.estimators), None)  # the one on the stage, if any
+        self.estimator = session.scene.first_estimator  # the one on the stage, if any
         self.magnified = 1
         self._by_problem: dict[str, str] = {}  # by problem, the estimator last chosen for the stage
         self._silent = False  # whether an estimator without values may be replaced: it was not chosen by name
@@ -87,7 +87,8 @@ class QuantityAndEstimatorWidgets:
         """Sets the names of the estimators that run; one of them is on the stage, redrawn if it has changed."""
         before = self.estimator
         if before not in estimators:
-            self.estimator = next(iter(estimators), None)
+            first = self._session.scene.first_estimator
+            self.estimator = first if first in estimators else next(iter(estimators), None)
         options, shown = estimators or (tr(NONE),), self.estimator or tr(NONE)
         if self._estimator.options != options:
             self._estimator.options = options
@@ -164,7 +165,7 @@ class EstimatorCards:
                      f"{tr('index, 1 is perfect · price')}</small></h2><div class='lab-judge-true'>{line_sample(TRUE)} "
                      f"<b>{tr(TRUE)}</b> <span>{tr('norm now')}</span> <strong></strong></div>")
         self._boxes = {}
-        usual = VIEWS[problem].estimators
+        usual = PROBLEMS[problem].scene().estimators
         for name in (*usual, *(name for name in PROBLEMS[problem].estimators if name not in usual)):
             gui.add_html("<i class='lab-switch'></i>")
             self._boxes[name] = gui.add_checkbox(ESTIMATORS[name].title, name in wished)
@@ -179,8 +180,8 @@ class EstimatorCards:
         self._html.content = f"<i class='lab-judged' data-said='{escape(cards_json)}'></i>"
 
     def _run_chosen_estimators(self) -> None:
-        self._stage.set_estimators(self.chosen_names)
         self._session.set_scene_fields(estimators=self.chosen_names)
+        self._stage.set_estimators(self.chosen_names)
 
     def _show_estimator_on_stage(self, name: Any) -> None:
         """Puts an estimator, by the name that the browser sends, on the stage; runs it if it does not run yet."""

@@ -33,7 +33,7 @@ class PinnedRun:
 
     def estimator(self, drawn: str | None) -> str | None:
         """Returns the estimator ``drawn`` on the stage if the pinned run has it, or its first; None if it has none."""
-        return drawn if drawn in self.scene.estimators else next(iter(self.scene.estimators), None)
+        return drawn if drawn in self.scene.estimators else self.scene.first_estimator
 
     def view(self, quantity: str, drawn: str | None, difference: bool) -> FrameErrorView | None:
         """Returns the errors to draw of the last frame: of a quantity ("x"), by :meth:`estimator` of ``drawn``, with

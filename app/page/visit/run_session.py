@@ -35,8 +35,7 @@ CROWDED_BELOW = 0.8  # of the requested speed, below which a message names other
 def first_scene(problem: str) -> Scene:
     """Returns the scene that the page shows first of a problem ("bar"): its defaults, for one period at most."""
     kind = PROBLEMS[problem].scene
-    scene = kind(periods=min(1, kind.DEFAULT_PERIODS))
-    return replace(scene, estimators=VIEWS[problem].estimators or scene.estimators)
+    return kind(periods=min(1, kind.DEFAULT_PERIODS))
 
 
 FIRST_SCENE = first_scene(next(iter(PROBLEMS)))
@@ -172,6 +171,11 @@ class RunSession:
         with self._lock:
             self.refused, self._asked_at = (field, sentence) if sentence else None, monotonic()
 
+    def announce(self, sentence: str) -> None:
+        """Shows a sentence as the notice for 8 s."""
+        with self._lock:
+            self._news = monotonic(), sentence
+
     def set_speed(self, speed: float) -> None:
         """Sets the speed in periods per second; refuses more than 1000."""
         with self._lock:
@@ -246,10 +250,12 @@ class RunSession:
         waited = monotonic() - self._asked_at
         if waiting and waited > SLOW_ANSWER and not (self.report and self.compiling):
             return Notice("wait", tr(PREPARING if waited <= SAID_AFTER else STILL_PREPARING, seconds=f"{waited:.0f}"))
+        happened, sentence = self._news
+        if monotonic() < happened + TO_BE_READ:
+            return Notice("wait", sentence)
         if self.report and self.report.status != OK and self.report.reason and not waiting:
             return Notice(self.report.status, f"{reword_for_page(self.report.reason)}.")
-        happened, sentence = self._news
-        return Notice("wait", sentence) if monotonic() < happened + TO_BE_READ else None
+        return None
 
     def _watch_speed(self) -> Notice | None:
         """Returns the message that other runs slow this one down, for 8 s after each time, as speeds fluctuate."""

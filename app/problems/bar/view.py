@@ -137,7 +137,7 @@ BAR = ProblemView(
     prices={"transport": 0.09, "recovered": 0.09, "companion": 0.06, "two-grid": 0.18},  # two-grid: of 80 cells
     formula=("displacement", lazy("Displacement u"),
              lazy("a formula of X, t, w and A in metres; empty for the built-in one")),
-    motion=MOTION, estimators=("recovered", "transport"), suggestions=bar_suggestions,
+    motion=MOTION, suggestions=bar_suggestions,
     details={"linearity_preserving": lazy("correct the gradient so that linear stress gives the exact force"),
              "body_force": lazy("where the force is evaluated"),
              "velocity": lazy("the velocity that moves the particles")})

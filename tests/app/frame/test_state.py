@@ -56,7 +56,7 @@ def test_defaults_are_left_out():
     ("bar;cells=x", "cells=x: give a whole number"), ("bar;amplitude=9", "inverts"),
     ("bar;dt=1e-3;cfl=.1", "one of the two"),
     ("ring;method=bspline", "give one of ugimp"), ("bar;error-of=q", "give one of x, v, sigma, a"),
-    ("bar;on-stage=companion", "does not run"), ("bar;trace=999", "particles 0 to 159"), ("bar;trace=-1", "0 or more"),
+    ("bar;on-stage=recovered", "does not run"), ("bar;trace=999", "particles 0 to 159"), ("bar;trace=-1", "0 or more"),
     ("bar;magnify=3", "give one of 1, 10, 100, 1000"), ("bar;speed=0", "above 0"), ("bar;speed=inf", "above 0"),
     ("bar;stops=perhaps", "give yes or no"), ("bar;linearity-preserving=x", "give yes or no"),
     ("bar;pinned;method=cpdi", "give one of mpm"), ("bar;" + "x" * 3000, "too long"),

@@ -185,6 +185,20 @@ def test_scale_grows_once_a_second():
     assert scale.top >= 100
 
 
+def test_scale_is_settled_when_a_run_pauses():
+    """Whenever frames came before: the paused picture has the same colours at each visit."""
+    def top_after(*times):
+        clock = Clock()
+        scale = ColourScale(clock)
+        for clock.now in times:
+            scale.update(None, np.array([5 + 3 * clock.now]))
+        scale.update(None, np.array([11.0]), settled=True)
+        assert not scale.exceeded
+        return scale.top
+
+    assert top_after(0.0, 0.9, 1.0) == top_after(1.0, 1.1) == top_after(1.9) == 12
+
+
 def test_a_run_that_is_shown_again_begins_with_what_it_has_come_to():
     scale = ColourScale()
     for size in (0.1, 7.3, 0.2):

@@ -40,7 +40,7 @@ class Gui:
         return self._add(label, options=options, value=initial_value or options[0])
 
     def __getattr__(self, kind):
-        return lambda label, value="", **_: self._add(label, value=value)
+        return lambda label, value="", *_, **__: self._add(label, value=value)
 
     def _add(self, label, **what):
         self.made.append(widget := Widget(**{"content": "", "visible": True} | what))

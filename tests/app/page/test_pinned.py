@@ -143,10 +143,10 @@ def test_a_pinned_run_stays_while_the_session_changes(visit):
     assert news and run.last[0].scene == run.scene == SCENE
     assert abs(run.last[0].time - visit.report.time) < 0.5 * SCENE.period
     assert not visit.others_playing
-    view = run.view("x", "companion", False)
-    assert view.left.by == "by transport" and view.right.sizes.shape == (SCENE.particles,)
+    view = run.view("x", "recovered", False)
+    assert view.left.by == "by companion" and view.right.sizes.shape == (SCENE.particles,)
     series = visit.history.series
-    norm, estimate = pinned_curves(run, visit.history, series, "x", "transport", False)[0]
+    norm, estimate = pinned_curves(run, visit.history, series, "x", "companion", False)[0]
     assert len(norm) == len(estimate) == len(series["time"]) and np.isfinite(norm[:3]).all()
     visit.play(False)
     wait_until(lambda: not run.last[0].playing, "a pinned run paused", PATIENCE)
@@ -162,20 +162,20 @@ def test_grey_curves_are_put_at_the_same_number_of_periods():
     """A run of half the period is drawn at twice its times, interpolated, and not beyond its end."""
     def history(scene, end):
         time = np.linspace(0, end * scene.period, 41)
-        names = ("error_x", "transport/estimate_x", "transport/index_x")
+        names = ("error_x", "companion/estimate_x", "companion/index_x")
         return SimpleNamespace(scene=scene, crossings_per_second=lambda series: (time, time),
                                series={"time": time, **{name: time / scene.period for name in names}})
 
     live, fast = history(SCENE, 2.0), history(replace(SCENE, modulus=16.0), 1.0)
     run = SimpleNamespace(history=fast, estimator=lambda drawn: drawn)
-    (norm, estimate), (index,), (crossings,) = pinned_curves(run, live, live.series, "x", "transport", False)
+    (norm, estimate), (index,), (crossings,) = pinned_curves(run, live, live.series, "x", "companion", False)
     periods = live.series["time"] / SCENE.period
     there = periods <= 1.0
     for curve in (norm, estimate, index):
         np.testing.assert_allclose(curve[there], periods[there], atol=1e-12)  # rounding
         assert np.isnan(curve[periods > 1.06]).all()
     assert np.isnan(crossings[-1])
-    assert pinned_curves(None, live, live.series, "x", "transport", False) == [[], [], []]
+    assert pinned_curves(None, live, live.series, "x", "companion", False) == [[], [], []]
 
 
 def test_a_caption_names_what_differs():

@@ -89,6 +89,7 @@ def test_an_answer_is_the_ratio_of_the_runs_own_errors(key, quantity, says):
     sizes = [history.series[f"error_{quantity}"].mean() for history in (session.history, pinned.history)]
     answer = says.format(f"{sizes[0] / sizes[1]:.3g}")
     assert "The answer" in stage.look() and answer in stage.look() and "Next: " in stage.look()
+    assert ("&quot;Why?&quot;]" in stage.look()) == (key == "halve")  # a button: the error budget answers
     session.history = ran(session.scene, 1.5)
     assert answer in stage.look()
     session.scene = replace(session.scene, cells=25)  # the visitor has moved a slider

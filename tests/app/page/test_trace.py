@@ -25,7 +25,7 @@ from tests.app.page.test_frame_buffer import engine_frame
 from tests.support.recording_scene import RecordingScene, RecordingSurface
 
 BAR = BarScene(cells=10, ppc=2, periods=1, amplitude=0.1, estimators=("transport",))
-RING = RingScene(cells=12, periods=1)
+RING = RingScene(cells=12, periods=1, estimators=("transport",))
 GUI = SimpleNamespace(add_html=lambda content: SimpleNamespace())
 FRAMES, STEPS = 40, 10  # and between two frames
 

@@ -14,6 +14,7 @@ from app.colour_palette import CAUSES as CAUSE_COLOURS
 from app.colour_palette import ESTIMATE, TRUTH
 from app.frame.budget_chart_data import format_percent
 from app.pictures.run_errors import png_bytes, run_figure
+from app.problems.bar.picture_panels import _particle_intervals
 from solvers.problems.bar.scene import BarScene
 from solvers.problems.ring import RingScene
 from solvers.running.result import Result
@@ -21,8 +22,8 @@ from solvers.running.run import picture_step, run
 from solvers.scene.error_causes import CAUSES, FIELDS
 from solvers.scene.estimator_registry import ESTIMATORS, Estimator
 
-SCENE = BarScene(cells=8, ppc=2, periods=0.3)
-RING = RingScene(cells=12, periods=0.1)
+SCENE = BarScene(cells=8, ppc=2, periods=0.3, estimators=("transport",))
+RING = RingScene(cells=12, periods=0.1, estimators=("transport",))
 
 
 @pytest.fixture(scope="module")
@@ -54,6 +55,15 @@ def test_the_picture_of_a_bar_shows_its_result(result):
     assert truth.norm.vmax == max(truth.get_array().max(), estimate.get_array().max())
     np.testing.assert_allclose([line[0][0] for line in boundaries.get_segments()], np.arange(9) / 8)
     assert "uGIMP" in title and "8 cells" in title and "A = 0.025 m" in title
+
+
+def test_particles_fill_their_lane_and_bury_no_line(result):
+    """Without gaps that form a pattern, except where particles are missing; the exact line lies over the dots."""
+    left, right = _particle_intervals(np.array([0.3, 0.1, 0.2, 0.9]))
+    np.testing.assert_allclose((left, right), ([0.25, 0, 0.15, 0.7125], [0.4875, 0.15, 0.25, 1]))
+    shown = panels(run_figure(result))
+    assert shown["curve"].get_lines()[0].get_zorder() > shown["curve"].collections[0].get_zorder()
+    assert "logarithmic" in shown["norms"][0].get_title(loc="left")
 
 
 @pytest.mark.parametrize("changes, colours, named, ring_says", [

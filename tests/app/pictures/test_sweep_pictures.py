@@ -14,7 +14,7 @@ from app.pictures.cost_and_convergence import (
     error_time_step_figure,
 )
 from app.pictures.run_errors import png_bytes
-from app.pictures.study_parts import UNSTABLE_LOOK
+from app.pictures.study_parts import UNSTABLE_LOOK, stability_map_figure
 from solvers.study import convergence_analysis, row
 from solvers.study import csv_and_markdown_summary as table
 from solvers.study.parameter_grid import Task
@@ -122,3 +122,17 @@ def test_orders_and_balance_are_shown():
     rows = [fake_row(cells=20, cfl=cfl, error={"x": {"max": 1 + cfl / 0.1}}) for cfl in (0.025, 0.05, 0.1, 0.2)]
     stars = [line for line in error_time_step_figure(rows).axes[0].get_lines() if line.get_marker() == "*"]
     assert stars[0].get_xdata()[0] == pytest.approx(rows[2]["scene"]["dt"])
+
+
+def test_the_stability_map_is_narrow_and_names_what_it_shows():
+    """A column per method; treatments in words; periods without prefixes."""
+    rows = [fake_row(method, life={"accurate": 0.3, "sound": 0.3, "first_period": None})
+            for method in ("mpm", "ugimp", "cpgimp", "bspline")]
+    for row_of in rows[2:]:
+        row_of["scene"] |= {"linearity_preserving": True, "remedies": ["zero-drift"]}
+    figure = stability_map_figure(rows)
+    figure.draw_without_rendering()
+    assert figure.get_figwidth() < 13
+    assert {axes.get_title(loc="left") for axes in figure.axes} >= {"MPM", "uGIMP", "cpGIMP", "B-spline"}
+    assert any("zero drift" in axes.get_ylabel() for axes in figure.axes)
+    assert figure.axes[-1].xaxis.get_major_formatter()(0.1) == "0.1"

@@ -122,10 +122,12 @@ def cut_off(page):
 
 #: What has the most to say: a run that is lost and says why, with an estimator that does not hold, and a pinned run.
 STATES = {"a run gone bad": "bar;method=mpm;amplitude=0.1;estimators=companion,transport;speed=4",
+          "a lost patch test": "bar;motion=patch;method=mpm;cells=20;ppc=2.5;modulus=1000;cfl=0.2",
           "a pinned run": "bar;method=mpm;estimators=recovered;error-of=sigma;pinned;method=bspline"}
 
 
-@pytest.mark.parametrize("state", ["a run gone bad", pytest.param("a pinned run", marks=pytest.mark.slow)])
+@pytest.mark.parametrize("state", ["a run gone bad", "a lost patch test",
+                                   pytest.param("a pinned run", marks=pytest.mark.slow)])
 def test_words_in_every_state(server, chromium, state):
     """Whatever there is to be said has room in windows of all sizes."""
     with visit(chromium, server[0], f"#{STATES[state]}") as page:

@@ -209,7 +209,7 @@ def test_what_is_asked_for_comes_and_no_more(pool, scene):
     series = samples.read_rows(report.rows, scene, scene.particles)
     norm = np.sqrt(np.mean(sizes.astype(float) ** 2, axis=0))
     for column, quantity in enumerate(("x", "v")):
-        assert norm[column] == pytest.approx(series[f"transport/difference_{quantity}"][-1], rel=1e-5)
+        assert norm[column] == pytest.approx(series[f"companion/difference_{quantity}"][-1], rel=1e-5)
     solver = build(scene)
     solver.advance(steps)
     for quantity in ("v", "sigma"):

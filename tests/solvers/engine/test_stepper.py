@@ -212,9 +212,9 @@ def test_a_finding_of_an_estimator_that_does_not_hold_counts_no_longer():
 def test_frames_say_what_is_not_valid(monkeypatch):
     """Known beforehand or found out in the run: a frame has the sentence, and loses it again half a period later, for
     an estimator that has broken down seems to hold at moments."""
-    found = {"transport": "not valid here: it rains"}
-    doubting = replace(BarSolver.HOOKS["transport"], verdict=lambda scene, memory: found.get("transport"))
-    monkeypatch.setattr(BarSolver, "HOOKS", {"transport": doubting})
+    found = {"companion": "not valid here: it rains"}
+    doubting = replace(BarSolver.HOOKS["companion"], verdict=lambda scene, memory: found.get("companion"))
+    monkeypatch.setattr(BarSolver, "HOOKS", {"companion": doubting})
     with one_session(SessionRequest(1, 1, "", SCENE, Pace(False))) as session:
         assert session.write_frame().not_valid == found
         broken = dict(found)
@@ -224,9 +224,9 @@ def test_frames_say_what_is_not_valid(monkeypatch):
         assert session.write_frame().not_valid == broken
         session._advance(int(0.04 * half))
         assert session.write_frame().not_valid == {}
-        monkeypatch.setattr(BarScene, "LIMITS", (Limit("transport", "cells", least=17, why="it snows"),))
+        monkeypatch.setattr(BarScene, "LIMITS", (Limit("companion", "cells", least=17, why="it snows"),))
         session.accept(replace(session.wish, number=2, scene=replace(SCENE, cells=16)))
-        assert session.write_frame().not_valid == {"transport": "not valid here: it snows"}
+        assert session.write_frame().not_valid == {"companion": "not valid here: it snows"}
 
 
 def test_a_run_is_read_at_its_very_end(clock):

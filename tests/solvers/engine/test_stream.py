@@ -66,7 +66,7 @@ def test_a_redraw_is_cheap(frame):
     scale = ColourScale()
     stage = VIEWS["ring"].stage(ViewerSurface(SimpleNamespace(scene=RecordingScene()), LabelLayer(GUI), "/ring"), scale)
     stage.plotted = "sigma"
-    true, estimated = arrays.error[:, 0], arrays.estimate["transport"][:, 0]
+    true, estimated = arrays.error[:, 0], arrays.estimate["companion"][:, 0]
 
     def draw():
         scale.update(estimated, true)

@@ -50,7 +50,8 @@ def test_summary_leaves_out_the_start():
 @pytest.mark.parametrize("method", ["mpm", "ugimp", "cpgimp"])
 def test_a_rigid_motion_has_no_error(method, linear):
     """v = const is exact for every method, so the estimate stays at rounding, through cells and the seam."""
-    solver = BarSolver(BarScene(method=method, linearity_preserving=linear, body_force="none", cells=12, cfl=0.2))
+    solver = BarSolver(BarScene(method=method, linearity_preserving=linear, body_force="none", cells=12, cfl=0.2,
+                                estimators=("transport",)))
     solver._arrays.velocity[:] = 0.3
     solver.advance(100)
     assert solver.time * 0.3 > solver.scene.spacing
@@ -74,7 +75,7 @@ def test_it_begins_with_nothing_though_a_vortexs_acceleration_does_not():
 
 def test_it_says_where_its_terms_vanish_or_outgrow_the_motion():
     """From its errors at the nodes; nothing is said before the first of its steps."""
-    solver = BarSolver(replace(TABLE_SCENE, cells=20))
+    solver = BarSolver(replace(TABLE_SCENE, cells=20, estimators=("transport",)))
     assert solver.not_valid() == {}
     solver.advance(200)
     assert solver.not_valid() == {}

@@ -1,6 +1,7 @@
 """What a problem and an estimator are where their authors say no more than they must."""
 
 from dataclasses import dataclass, replace
+from itertools import product
 
 import numpy as np
 import pytest
@@ -29,14 +30,31 @@ def test_a_naive_estimator_calls_no_good_run_lost(monkeypatch, judges):
     assert set(findings(scene, series)) == ({"recovered"} if judges else set())
 
 
-@pytest.mark.parametrize("own", [("companion", "recovered"), ()])
-def test_a_scene_that_says_no_more_asks_the_first_of_its_estimators(own):
-    """Whichever it has: a problem without transport must not ask for it."""
+@pytest.mark.parametrize(("own", "first"), [(("transport", "recovered", "companion"), ("companion",)),
+                                            (("transport", "recovered"), ("recovered",)),
+                                            (("transport",), ("transport",)), ((), ())])
+def test_a_scene_that_says_no_more_asks_the_first_judge_of_its_estimators(own, first):
+    """Whichever it has: transport, which often fails, only where there is no judge."""
     @dataclass(frozen=True)
     class OwnScene(BarScene):
         ESTIMATORS = own
 
     scene = OwnScene()
-    assert scene.estimators == scene.active_estimators == own[:1]
+    assert scene.estimators == scene.active_estimators == first
     assert list(OwnScene.__dataclass_fields__) == list(BarScene.__dataclass_fields__)
-    assert all(problem.scene().estimators == problem.estimators[:1] for problem in PROBLEMS.values())
+
+
+@pytest.mark.parametrize("problem", PROBLEMS)
+def test_the_default_judge_is_valid_in_the_usual_scenes(problem):
+    kind = PROBLEMS[problem].scene
+    for method, cells in product(kind.choices("method"), (20, 40, 80, 160)):
+        scene = kind(method=method, cells=cells)
+        assert scene.active_estimators == scene.estimators == ("companion",) and not scene.not_valid
+
+
+def test_first_shown_is_the_first_that_is_valid():
+    asked = ("transport", "recovered", "companion")
+    assert BarScene(estimators=asked).first_estimator == "transport"
+    assert BarScene(method="bspline", estimators=asked).first_estimator == "recovered"
+    assert BarScene(method="bspline", estimators=asked[:1]).first_estimator == "transport"
+    assert BarScene(estimators=()).first_estimator is None

@@ -118,7 +118,7 @@ def test_help_tells_meaning_unit_choices_and_default_of_each_field(kind):
 
 def test_a_list_makes_the_same_hashable_scene_as_a_tuple():
     """Command line and page hand over lists; scenes are keys of caches."""
-    assert hash(BarScene(estimators=["transport"], effects=list(EFFECTS))) == hash(BarScene())
+    assert hash(BarScene(estimators=["companion"], effects=list(EFFECTS))) == hash(BarScene())
 
 
 @pytest.mark.parametrize(("inside", "outside", "field"), [
@@ -194,7 +194,7 @@ def test_effects_that_need_others():
     assert not BarScene(effects=("acceleration",)).has("acceleration")
     assert BarScene(effects=("acceleration", "truth")).has("acceleration")
     assert BarScene(effects=("truth",)).active_estimators == () and not BarScene(effects=("truth",)).has("estimate")
-    assert not BarScene(estimators=()).has("estimate") and BarScene().active_estimators == ("transport",)
+    assert not BarScene(estimators=()).has("estimate") and BarScene().active_estimators == ("companion",)
 
 
 def test_a_scene_that_is_sent_again_is_the_same_object():
@@ -211,7 +211,7 @@ def test_to_dict_has_every_input_filled_in():
     scene = BarScene()
     values = json.loads(json.dumps(scene.to_dict(), allow_nan=False))
     assert set(values) == {KEYS.get(f.name, f.name) for f in fields(BarScene)}
-    assert values["ppc"] == 4 and values["estimator"] == ["transport"] and values["cfl"] == 0.05
+    assert values["ppc"] == 4 and values["estimator"] == ["companion"] and values["cfl"] == 0.05
     assert [name for name, value in values.items() if value is None] == ["stretch", "initial_velocity"]
     assert (values["dt"], values["t_end"]) == (scene.time_step, scene.end_time)
     assert values["periods"] == pytest.approx(5) and values["sample_every"] == scene.sample_interval

@@ -50,7 +50,7 @@ def test_a_row_holds_the_run_and_what_it_cost():
     assert found["scene"] == BarScene(cells=8, ppc=2, periods=0.2).to_dict()
     assert found["particle_steps"] == found["steps"] * found["particles"] > 0
     for part in ("estimate", "index", "distance"):
-        assert set(found[part]) == {"transport"} and found[part]["transport"]["x"] is not None
+        assert set(found[part]) == {"companion"} and found[part]["companion"]["x"] is not None
     seconds = found["seconds"]
     assert len(seconds["repeats"]) >= 2 and seconds["min"] == min(seconds["repeats"]) > 0
     assert set(seconds["effects"]) == {"truth", "crossings", "energy", "acceleration", "soundness", "margin"}

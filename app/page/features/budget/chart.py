@@ -12,6 +12,7 @@ from app.frame.budget_chart_data import (
     CAPTION,
     MEANINGS,
     UNITS,
+    below_zero_note,
     error_rms,
     estimated_error_note,
     format_percent,
@@ -154,7 +155,8 @@ def _legend_html(runs: Sequence[RunBudget], field: str) -> str:
         f"<span>{tr(MEANINGS[cause])}</span></td>"
         f"{''.join(f'<td>{format_percent(one[cause])}</td>' for one in shares)}</tr>"
         for cause, words in CAUSES.items())
-    of = tr("share of the error of {field} over the run", field=field) + estimated_error_note(runs[-1].scene)
+    of = tr("share of the error of {field} over the run", field=field) + estimated_error_note(runs[-1].scene) \
+        + below_zero_note(share for one in shares for share in one.values())
     return f"<table class='lab-causes{' lab-two' * several}'><tr><th>{of}</th>{head}</tr>{rows}</table>"
 
 

@@ -33,7 +33,7 @@ ON_DEMAND = lazy("Which part of the error have crossings made, and which the coa
                  "beside your stage, from t = 0 to the end of the scene.")
 WAITING = lazy("The run starts again, with the errors of each cause.")
 PINNED, THIS = (lazy("pinned"), lazy("pinned: {run}")), (lazy("this run"), lazy("this run: {run}"))
-_NAMES = {"x": lazy("displacement x"), "v": lazy("velocity v"), "F": lazy("deformation F")}
+_NAMES = {"x": lazy("displacement x"), "v": lazy("velocity v"), "F": lazy("deformation F, which sets the stress")}
 
 
 def budget_button_html() -> str:
@@ -146,7 +146,8 @@ class BudgetPanel(Feature):
             self._outcome.content = ""
         elif not playing or now >= self._drawn_at + REDRAWN:
             self._drawn_at = now
-            self._chart.content = budget_chart(runs, field)
+            # The run on the stage first; one without a cause after the run as it is, as its outcome below.
+            self._chart.content = budget_chart(runs[::-1] if on and cause == NOTHING else runs, field)
             most = largest_share(runs[-1].series, field)  # the largest cause
             self._mark.content = widget_marker_html("lab-budget", words=tr("not valid here") if most is None else
                                                     f"{tr(CAUSES[most[0]])} {format_percent(most[1])}")

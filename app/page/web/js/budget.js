@@ -1,4 +1,4 @@
-// Who made this error? A press below the judges' cards, or in a lesson, asks for the budget, opens its fold and goes there.
+// Who made this error? A press below the judges' cards, in a lesson, or on an answer's "Why?" asks for the budget, opens its fold and goes there.
 // What opens makes room only when the page has it: so it is looked for a while. A chart that has to be waited for is gone
 // to when it comes, if the visitor has not gone elsewhere meanwhile.
 (() => {
@@ -19,8 +19,8 @@
     act(() => !moved.signal.aborted);
   }
 
-  document.getElementById("root").addEventListener("click", event => {
-    if (event.target.closest(".lab-who, .lab-act[data-act=budget]")) {
+  document.addEventListener("click", event => {
+    if (event.target.closest(".lab-who, .lab-why-so, .lab-act[data-act=budget]")) {
       dispatchEvent(new CustomEvent("lab-tell", {detail: {budget: true}}));
       let opened = false;  // once: a busy page is slow to open it, and another press would close it again
       let height = 0;

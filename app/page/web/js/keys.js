@@ -12,7 +12,7 @@
     const slider = document.querySelector("[data-lab~=lab-at-back] + div [role=slider]");
     slider?.dispatchEvent(new KeyboardEvent("keydown", {key: step < 0 ? "ArrowLeft" : "ArrowRight", bubbles: true}));
   };
-  const spark = k => document.querySelectorAll("#lab-sparks button")[k]?.click();
+  const spark = k => document.querySelectorAll("#lab-sparks .lab-spark")[k]?.click();
   const keys = new Map([
     [" ", [tr("Space"), tr("play or pause"), () => named("lab-at-run", playing() ? tr("Pause") : tr("Play"))?.click()]],
     [".", [".", tr("one time step"), () => named("lab-at-run", tr("Step"))?.click()]],

@@ -35,6 +35,17 @@
     return made;
   }
 
+  function answerBox(text, hint, why) {
+    const first = element("b", "", text);
+    if (why) {  // js/budget.js opens the error budget
+      const asked = element("button", "lab-why-so", why);
+      asked.type = "button";
+      asked.addEventListener("click", () => dispatchEvent(new CustomEvent("lab-tab", {detail: "Explore"})));
+      first.append(" ", asked);
+    }
+    return element("div", "lab-answer", first, element("small", "", hint));
+  }
+
   function look() {
     const said = document.querySelector(".lab-sparks")?.dataset.sparks || "";
     if (said === shown) return;
@@ -42,7 +53,7 @@
     const focused = box.contains(document.activeElement), key = document.activeElement.dataset?.key;
     if (!said) return box.replaceChildren();
     const {label, answer, cards} = JSON.parse(said), made = [element("span", "lab-question", label)];
-    if (answer) made.push(element("div", "lab-answer", element("b", "", answer[0]), element("small", "", answer[1])));
+    if (answer) made.push(answerBox(...answer));
     const buttons = cards.map(button);
     box.replaceChildren(...made, ...buttons);
     if (focused) (buttons.find(one => one.dataset.key === key) || buttons[0])?.focus({preventScroll: true});

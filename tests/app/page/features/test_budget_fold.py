@@ -12,6 +12,7 @@ import numpy as np
 
 from app import shareable_state
 from app.frame.budget_chart_data import (
+    BELOW_ZERO,
     MEANINGS,
     budget_field,
     error_rms,
@@ -115,6 +116,7 @@ def test_the_legend_has_shares_and_two_runs_have_one_scale():
     text = budget_chart([of(made())], "v")
     assert shares(text) == dict(zip(CAUSES, (["90 %"], ["20 %"], ["0 %"], ["−10 %"]), strict=True))
     assert all(words in text for words in (*CAUSES.values(), *MEANINGS.values()))
+    assert str(BELOW_ZERO) in text and str(BELOW_ZERO) not in budget_chart([of(made(0.9, 0.1))], "v")
     assert format_percent(-0.001) == "0 %" and format_percent(None) == "–"
     text = budget_chart([of(made(), "pinned: MPM"), of(made(0.4, 0.7, 3e-4), "this run: uGIMP", UGIMP)], "v")
     assert text.count("<figure>") == 2 and text.count(">pinned</th>") == 1
@@ -262,5 +264,6 @@ def test_another_pinned_run_foretells_nothing():
     stage, shown = Stage(State(taken)), past(taken, made(0.0, 1.0))
     text = stage.look(shown, SimpleNamespace(scene=UGIMP, history=past(UGIMP, made())), scene=taken)
     assert "predicted" not in text and text.count("<figure>") == 2
+    assert text.index("this run") < text.index("pinned")
     empty = SimpleNamespace(scene=HATS, history=past(HATS, {}))
     assert stage.look(shown, empty, scene=taken).count("<figure>") == 1

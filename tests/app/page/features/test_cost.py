@@ -67,8 +67,8 @@ def test_live_row_holds_the_errors_of_the_scene(scene, simulate):
     assert rows[1:] == [None] * 9
     for q in ("x", "v", "sigma", "a"):
         assert same(row["error"][q], result.to_dict()["error"][q])
-        assert same(row["estimate"]["transport"][q], result.estimate["transport"][q])
-        assert same({q: row["index"]["transport"][q]}, {q: result.index["transport"][q]})
+        assert same(row["estimate"]["companion"][q], result.estimate["companion"][q])
+        assert same({q: row["index"]["companion"][q]}, {q: result.index["companion"][q]})
     assert row["seconds"]["full"] == pytest.approx(scene.steps * scene.particles * 1e-7)
     assert row["status"] == "ok" and row["key"] == task_of(scene).key
     report, history = next(frames(scene))
