@@ -48,14 +48,19 @@ class SessionStepper:
         self._block = _attach(wish.memory)
         shared_frames.mark_as_read(self._block)  # left by an engine that died
         try:
-            self.rebuild()
+            self.solver = build(wish.scene)
+            self._begin_run()
         except BaseException:
             self.close()
             raise
 
     def rebuild(self) -> None:
         """Builds and compiles a new solver of the request's scene, at t = 0."""
-        self.solver = build(self.wish.scene)
+        if not self.solver.restart(self.wish.scene):
+            self.solver = build(self.wish.scene)
+        self._begin_run()
+
+    def _begin_run(self) -> None:
         self.solver.compile()
         self._watch = SoundnessMonitor(self.solver.scene)
         self._rows = [self.solver.measure()]  # samples since the last frame

@@ -7,6 +7,7 @@ a GPU.
 
 from typing import Any, NamedTuple
 
+import numpy as np
 import taichi as ti
 
 from solvers.estimators import estimator_loop
@@ -125,13 +126,22 @@ def make_cpu_kernels(parts: PlanarKernelFunctions) -> CpuKernels:
 
 
 class CpuStepper(SerialStepper):
-    """Stepper of a run's arrays in place, on ``threads`` threads if ``parallel``, else on one by the serial kernel."""
+    """Stepper of a run's arrays in place, on ``threads`` threads if ``parallel``, else on one by the serial kernel; the
+    ``arrays`` are parts of the ``buffers`` by name."""
 
-    def __init__(self, kernels: CpuKernels, scene: Scene, arrays: InstrumentedBody, on: KernelOptions, parallel: bool,
-                 threads: int):
-        super().__init__(kernels.serial, kernels.state(**arrays.members()), on)
+    def __init__(self, kernels: CpuKernels, scene: Scene, arrays: InstrumentedBody, buffers: dict[str, np.ndarray],
+                 on: KernelOptions, parallel: bool, threads: int):
+        super().__init__(kernels.serial, kernels.state(**arrays.members() | buffers), on)
         self._scene, self._arrays, self._parallel, self._threads = scene, arrays, parallel, threads
         self._step, self._inspect = (Launch(one, self.pack, on) for one in (kernels.step_in_slabs, kernels.inspect))
+
+    def restart(self, scene: Scene, state: InstrumentedBody) -> bool:
+        self._scene, self._arrays = scene, state
+        return super().restart(scene, state)
+
+    @property
+    def _is_compiled(self) -> bool:
+        return self._step.is_kept if self._parallel else super()._is_compiled
 
     def compile(self) -> None:
         if self._parallel:
