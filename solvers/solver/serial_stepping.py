@@ -73,6 +73,7 @@ class SerialStepper:
         self.pack = pack
         self._advance, self.compute_step_margin = (
             Launch(kernel, pack, on) for kernel in (kernels.advance, kernels.compute_step_margin))
+        self._main_launch = self._advance
         self._freeze = Launch(kernels.freeze, pack, on) if on.frozen else None
         if self._freeze:
             self._freeze()
@@ -80,7 +81,7 @@ class SerialStepper:
     def restart(self, scene: Scene, state: Members) -> bool:
         """Starts another run with the numbers of its initial ``state``, whose arrays have been written to those of the
         pack. Returns False if the pack cannot be used again: it has not been yet, or Taichi has restarted."""
-        if not self._is_compiled:
+        if not self._main_launch.is_kept:
             return False
         for name, value in state.members().items():
             if not isinstance(value, np.ndarray) and value != self.pack[name]:
@@ -88,10 +89,6 @@ class SerialStepper:
         if self._freeze:
             self._freeze()
         return True
-
-    @property
-    def _is_compiled(self) -> bool:
-        return self._advance.is_kept
 
     def compile(self) -> None:
         """Does nothing: all kernels are compiled by :meth:`run`."""

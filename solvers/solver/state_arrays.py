@@ -62,15 +62,8 @@ class DiagnosticsState(Members):
 
 
 class StateBuffers:
-    """Aligned arrays by name, in which the states of one run after another are stored.
-
-    Attributes
-    ----------
-    arrays
-        The buffers. Kernels get these whole arrays, and the numbers of the state say how much of them is used.
-    moved
-        Whether the last :meth:`store` has replaced any of them.
-    """
+    """Aligned ``arrays`` by name, in which the states of one run after another are stored. Kernels get them whole, and
+    the numbers of a state say how much it uses. ``moved`` is whether the last :meth:`store` has replaced any."""
 
     def __init__(self) -> None:
         self.arrays: dict[str, np.ndarray] = {}

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from app.page.visit import session as page
+from app.page.visit import run_session as page
 from solvers.running.run import run
 from tests.app.frame.test_view import report_of
 from tests.support.page_server import SilentPool
@@ -38,7 +38,7 @@ def show(visit, step):
 def visit(pool):
     """A session of the page whose run is paused a quarter of a period after its start, and the frames that come."""
     frames = []
-    one = page.Session(page.PageLinks(pool), SCENE, lambda report, arrays: frames.append(report), speed=5.0)
+    one = page.RunSession(page.PageEngineLinks(pool), SCENE, lambda report, arrays: frames.append(report), speed=5.0)
     wait_until(lambda: one.report and one.report.time > QUARTER, "a quarter of a period", PATIENCE)
     one.play(False)
     wait_until(lambda: not one.report.playing, "a pause", PATIENCE)
@@ -82,23 +82,24 @@ def test_a_pinned_run_comes_along(visit):
     """To the same number of periods, whatever the other's modulus is; pinning itself starts both at t = 0."""
     one, frames = visit
     one.pin(lambda: None)
-    wait_until(lambda: one.pinned.last and one.report.fresh and one.report.time == 0, "both at t = 0", PATIENCE)
+    wait_until(lambda: one.pinned.last and one.report.time == 0, "both at t = 0", PATIENCE)
     one.play(True)
     wait_until(lambda: one.report.time > QUARTER, "a quarter of a period", PATIENCE)
     one.play(False)
     wait_until(lambda: not (one.report.playing or one.pinned.last[0].playing), "a pause", PATIENCE)
     periods = one.report.time / SCENE.period
     report = answered(one, frames, lambda: one.set_scene_fields(modulus=16.0))
-    wait_until(lambda: one.pinned.last[0].fresh, "the pinned run's", PATIENCE)
-    for found in (report, one.pinned.last[0]):
-        assert found.step == round(periods * found.scene.period / found.scene.time_step)
+    scene = report.scene
+    assert report.fresh and report.step == round(periods * scene.period / scene.time_step)
+    wait_until(lambda: one.pinned.last[0].step == round(periods * SCENE.period / SCENE.time_step), "the pinned run's",
+               PATIENCE)
 
 
 @pytest.fixture
 def silent():
     """A session without an engine, and the paces that it asks for."""
     pool = Requests()
-    return page.Session(pool, SCENE, lambda *_: None), pool.paces
+    return page.RunSession(pool, SCENE, lambda *_: None), pool.paces
 
 
 def test_the_instant_does_not_drift_and_survives_what_is_on_its_way(silent):

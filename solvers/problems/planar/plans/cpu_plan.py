@@ -134,14 +134,11 @@ class CpuStepper(SerialStepper):
         super().__init__(kernels.serial, kernels.state(**arrays.members() | buffers), on)
         self._scene, self._arrays, self._parallel, self._threads = scene, arrays, parallel, threads
         self._step, self._inspect = (Launch(one, self.pack, on) for one in (kernels.step_in_slabs, kernels.inspect))
+        self._main_launch = self._step if parallel else self._advance
 
     def restart(self, scene: Scene, state: InstrumentedBody) -> bool:
         self._scene, self._arrays = scene, state
         return super().restart(scene, state)
-
-    @property
-    def _is_compiled(self) -> bool:
-        return self._step.is_kept if self._parallel else super()._is_compiled
 
     def compile(self) -> None:
         if self._parallel:
