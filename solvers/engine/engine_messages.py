@@ -16,13 +16,19 @@ FRAME_SECONDS = 1 / 30
 class Pace:
     """Pace of a run: whether it is ``playing``, its ``speed`` in periods per second, and whether it ``ends`` at its
     scene's end or continues. ``restarts`` and ``single_steps`` count the requests for a restart or a step so far: an
-    engine acts when they have increased."""
+    engine acts when they have increased. ``begin_at`` is the time in periods that a new run is stepped to, playing or
+    not, before its first frame."""
 
     playing: bool = True
     speed: float = 1.0
     restarts: int = 0
     single_steps: int = 0
     ends: bool = False
+    begin_at: float = 0.0
+
+    def first_step(self, scene: Scene) -> int:
+        """Returns the number of the step next to ``begin_at`` in a run of a scene."""
+        return round(self.begin_at * scene.period / scene.time_step)
 
 
 @dataclass(frozen=True)

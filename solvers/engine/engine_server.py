@@ -155,12 +155,12 @@ class EngineServer:
         partner = next((stepper for session, stepper in self._steppers.items()
                         if session == wish.partner or stepper.wish.partner == wish.session), None)
         if anew and partner:
-            self._run_guarded(partner.wish, partner.rebuild)
+            self._run_guarded(partner.wish, partial(partner.rebuild, wish.pace.begin_at))
 
     def _update_partners(self) -> None:
         """Sets, in every stepper, the number of moving sessions and its partner, and stores whether most sessions get
         their frames late."""
-        running = [stepper.frames_are_late for stepper in self._steppers.values() if stepper.running]
+        running = [stepper.frames_are_late for stepper in self._steppers.values() if stepper.moving]
         moving, self._late = len(running), 2 * sum(running) > len(running)
         for stepper in self._steppers.values():
             stepper.partner, stepper.sessions = None, max(1, moving)

@@ -23,6 +23,7 @@ SHORTEST_SLICE = 0.0004  # some ten launches' worth
 FRAME_WEIGHT = 0.1  # of the last frame in what frames cost, and in how late they go out
 LATE_SHARE = 0.25  # of the time between two frames, by which they are then late
 MOST_APART = 1 / 40  # of a period: partners, at speeds that are too high for one of them
+SILENT_SECONDS = 0.15  # for which a new run is stepped to its first moment before frames show it on its way there
 LAG_SECONDS = 0.1  # with more work than this in arrears the clock gives them up: the session is capped
 SPEED_WINDOW = 1.0  # seconds over which the real speed is measured
 GOAL_SECONDS = 0.5  # between two looks at numbers of the whole body, while it moves
@@ -48,14 +49,21 @@ class SessionStepper:
         self._block = _attach(wish.memory)
         shared_frames.mark_as_read(self._block)  # left by an engine that died
         try:
-            self.rebuild()
+            self.solver = build(wish.scene)
+            self._begin_run()
         except BaseException:
             self.close()
             raise
 
-    def rebuild(self) -> None:
-        """Builds and compiles a new solver of the request's scene, at t = 0."""
-        self.solver = build(self.wish.scene)
+    def rebuild(self, begin_at: float | None = None) -> None:
+        """Restarts the scene, and lets it begin at a time in periods (None: as requested)."""
+        if begin_at is not None:
+            self.wish = replace(self.wish, pace=replace(self.wish.pace, begin_at=begin_at))
+        if not self.solver.restart(self.wish.scene):
+            self.solver = build(self.wish.scene)
+        self._begin_run()
+
+    def _begin_run(self) -> None:
         self.solver.compile()
         self._watch = SoundnessMonitor(self.solver.scene)
         self._rows = [self.solver.measure()]  # samples since the last frame
@@ -68,6 +76,8 @@ class SessionStepper:
         self._before_step: tuple[int, dict[str, np.ndarray]] | None = None  # where that step began
         self._kernel_seconds, self._kernel_steps = 0.0, 0
         self._seconds_a_step = self.wish.scene.particles / EXPECTED_RATE
+        self._first_step = min(self.wish.pace.first_step(self.wish.scene), self._last_step)
+        self._silent_until = perf_counter() + SILENT_SECONDS
         self._start_clock()
 
     def _start_clock(self) -> None:
@@ -118,8 +128,12 @@ class SessionStepper:
     @property
     def is_behind(self) -> bool:
         """Whether it is time to step: a frame is due, or the run lags behind its clock by a whole time slice."""
-        if not self.running or (self._frame_due() and self._frame_is_unread):
+        if self._is_silent:
+            return True
+        if not self.moving or (self._frame_due() and self._frame_is_unread):
             return False
+        if self._is_catching_up:
+            return True
         if self._frame_due():
             return self._steps_wanted() >= 1
         enough = self._slice_steps
@@ -130,20 +144,27 @@ class SessionStepper:
     @property
     def frame_is_ready(self) -> bool:
         """Whether a frame can be sent: the page has read the last one, and the next is due."""
-        return (self._frame_wanted or (self.running and self._frame_due())) and not self._frame_is_unread
+        due = self._frame_wanted or (self.moving and self._frame_due())
+        return due and not self._is_silent and not self._frame_is_unread
 
     @property
     def next_due(self) -> float:
         """Time of the session's next action in s of ``perf_counter``: soon if the last frame is unread, inf if none."""
-        if not (self.running or self._frame_wanted):
+        if not (self.moving or self._frame_wanted):
             return float("inf")
         return max(self._due, perf_counter() + LOOK_SECONDS) if self._frame_is_unread else self._due
 
     def advance_slice(self) -> None:
-        """Takes at least one step, and at most those of one time slice, towards the clock's time."""
-        wanted = self._steps_wanted()
+        """Takes at least one step, and at most those of one time slice, towards the clock's time, or first to the time
+        at which the run is to begin."""
+        catches_up = self._is_catching_up
+        wanted = self._first_step - self.solver.step if catches_up else self._steps_wanted()
         self._advance(max(1, min(wanted, self._slice_steps, self.solver.longest_advance)))
-        if wanted * self._seconds_a_step > LAG_SECONDS:
+        if catches_up:
+            if self.solver.step == self._first_step:
+                self._sample()
+                self._start_clock()
+        elif wanted * self._seconds_a_step > LAG_SECONDS:
             self._anchor = (perf_counter(), self.solver.time)
         if self.wish.pace.ends and self.solver.step == self._last_step:
             self._sample()  # what a run has come to is read at its end
@@ -211,6 +232,19 @@ class SessionStepper:
     @property
     def running(self) -> bool:
         return self.wish.pace.playing and self.solver.sound and self.solver.step < self._last_step
+
+    @property
+    def moving(self) -> bool:
+        """Whether steps are to be taken: it plays, or is on its way to where it begins."""
+        return self.running or self._is_catching_up
+
+    @property
+    def _is_catching_up(self) -> bool:
+        return self.solver.sound and self.solver.step < self._first_step
+
+    @property
+    def _is_silent(self) -> bool:
+        return self._is_catching_up and perf_counter() < self._silent_until
 
     @property
     def _speed(self) -> float:

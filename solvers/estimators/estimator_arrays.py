@@ -1,5 +1,6 @@
 """Memory of a run's estimators: the types of their numbers and arrays, and their values at the start."""
 
+import functools
 from collections.abc import Mapping
 from typing import Any
 
@@ -12,7 +13,12 @@ from solvers.scene.scene import Scene
 
 def packing(estimators: Mapping[str, EstimatorHooks]) -> ArrayPacking:
     """Returns the layout of all estimators' memory in a state's arrays; ``estimators`` are the hooks by name."""
-    return ArrayPacking({name: kind for estimator in estimators.values() for name, kind in estimator.memory.items()})
+    return _packing_of(tuple(item for estimator in estimators.values() for item in estimator.memory.items()))
+
+
+@functools.cache
+def _packing_of(members: tuple[tuple[str, Any], ...]) -> ArrayPacking:
+    return ArrayPacking(dict(members))
 
 
 def allocate_memory(estimators: Mapping[str, EstimatorHooks], scene: Scene) -> dict:
@@ -32,6 +38,7 @@ def unpack_arrays(estimators: Mapping[str, EstimatorHooks], memory: Mapping) -> 
     return packing(estimators).unpack(memory)
 
 
+@functools.cache  # its arrays are copied where they are used
 def _blank(kind: Any) -> float | int | np.ndarray:
     """Returns zero for a number's Taichi type, or zeros of length one for an array's."""
     if not hasattr(kind, "ndim"):

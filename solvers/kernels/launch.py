@@ -37,6 +37,11 @@ class Launch:
             context.set_arg_int((k,), number)
         program.launch_kernel(compiled, context)
 
+    @property
+    def is_kept(self) -> bool:
+        """Whether it has been compiled, and Taichi has not restarted since."""
+        return self._kept is not None
+
     def compile(self, *numbers: int) -> None:
         """Compiles the kernel for a GPU, for any whole numbers as its first arguments, without launching it."""
         primal, program = self._kernel._primal, impl.get_runtime().prog

@@ -11,6 +11,7 @@ from solvers.problems import PROBLEMS
 from solvers.running.quantities_of_interest import evaluate_goal, mask_refused, parse_goals
 from solvers.running.repeated_step_timing import estimator_shares
 from solvers.running.result import Result
+from solvers.scene.kernel_options import kernel_key
 from solvers.scene.scene import Scene
 from solvers.scene.step_bound import gershgorin_to_linear_factor
 from solvers.scene.validation import SceneError, require_choice
@@ -22,12 +23,37 @@ from solvers.solver.verdict_basis import large_errors
 
 SMALL_MOTION = 0.5  # of the amplitude: a picture of less shows little
 SLICE_SECONDS = 0.1  # a kernel launch cannot be interrupted: keep it short enough for progress and Ctrl-C
+MOST_IDLE_SOLVERS, MOST_IDLE_BYTES = 4, 16 * 2**20  # that are kept for later runs, and of each
+
+_idle_solvers: dict[tuple, Solver] | None = None  # of finished runs, by kernel key, the oldest first; None: not kept
 
 
 def build(scene: Scene) -> Solver:
     """Returns a new solver for a scene, with its particles in place and no step taken. Raises :class:`SceneError` where
     the scene names a GPU that does not exist."""
     return PROBLEMS[scene.problem].solver(scene)
+
+
+def reuse_solvers() -> None:
+    """Lets later runs of this process restart solvers of earlier ones, which saves most of the time before the first
+    step: for worker processes, which run many similar scenes. Results are the same, to the bit."""
+    global _idle_solvers
+    if _idle_solvers is None:
+        _idle_solvers = {}
+
+
+def _take_solver(scene: Scene) -> Solver:
+    """Returns a solver for a scene, no step taken: an idle one restarted, or a new one."""
+    solver = _idle_solvers.pop(kernel_key(scene), None) if _idle_solvers else None
+    return solver if solver is not None and solver.restart(scene) else build(scene)
+
+
+def _give_back_solver(solver: Solver) -> None:
+    """Keeps the solver of a finished run for the next one with the same kernels, if it is small and not on a GPU."""
+    if _idle_solvers is not None and solver.plan != "gpu" and solver.bytes <= MOST_IDLE_BYTES:
+        _idle_solvers[kernel_key(solver.scene)] = solver
+        if len(_idle_solvers) > MOST_IDLE_SOLVERS:
+            del _idle_solvers[next(iter(_idle_solvers))]
 
 
 def as_scene(given: Scene | type[Scene] | str) -> Scene:
@@ -62,7 +88,7 @@ def run(scene: Scene | type[Scene] | str, on_progress: Callable[[float], None] |
     """
     scene = as_scene(scene)
     wanted = parse_goals(scene, goals)
-    solver = build(scene)
+    solver = _take_solver(scene)
     begun = time.perf_counter()
     solver.compile()
     compiled = time.perf_counter() - begun
@@ -106,10 +132,12 @@ def run(scene: Scene | type[Scene] | str, on_progress: Callable[[float], None] |
     seconds = WallTimes(solver.setup_seconds, compiled, ran, {name: part * ran for name, part in shares.items()})
     fields = solver.fields() if wanted else None
     reached = {goal.name: evaluate_goal(goal, fields, scene, solver.step) for goal in wanted} if fields else {}
-    return Result(scene=scene, status=status, reason=reason, broken_at=broken_at, time=solver.time, steps=solver.step,
-                  series=series, final=final, mid_run=kept if solver.sound else None, bytes=solver.bytes,
-                  not_valid=not_valid, seconds=seconds, arch=solver.arch, threads=solver.threads, plan=solver.plan,
-                  goals=mask_refused(reached, not_valid))
+    result = Result(scene=scene, status=status, reason=reason, broken_at=broken_at, time=solver.time, steps=solver.step,
+                    series=series, final=final, mid_run=kept if solver.sound else None, bytes=solver.bytes,
+                    not_valid=not_valid, seconds=seconds, arch=solver.arch, threads=solver.threads, plan=solver.plan,
+                    goals=mask_refused(reached, not_valid))
+    _give_back_solver(solver)
+    return result
 
 
 def picture_step(scene: Scene) -> int:

@@ -34,8 +34,8 @@ def bare_method_solver_class(Own: type[Solver]) -> type[Solver]:
                     phases.check(state, step)
 
     class Baseline(Own):
-        def __init__(self, scene: Scene):
-            super().__init__(scene)
+        def _start(self, scene: Scene) -> None:
+            super()._start(scene)
             self._baseline: Any = State(**{name: self._stepping.pack[name] for name in types})
 
         def _run(self, steps: int) -> None:

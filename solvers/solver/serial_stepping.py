@@ -3,13 +3,16 @@
 from collections.abc import Callable
 from typing import Any, NamedTuple
 
+import numpy as np
 import taichi as ti
 
 from solvers.estimators import estimator_loop
 from solvers.kernels.launch import Launch
 from solvers.kernels.scalar_hoisting import hoist_scalars
 from solvers.scene.kernel_options import KernelOptions
+from solvers.scene.scene import Scene
 from solvers.solver.base import CRUSHED, ESCAPED, INVERTED, MEASURE, REPORT, SOUND, STEP
+from solvers.solver.state_arrays import Members
 
 CHECK_EVERY = 8  # steps between two checks for an unstable run
 MIN_JACOBIAN = 1e-3  # det F below which a particle counts as crushed; the exact bar stays above 1 - 2 pi A
@@ -69,8 +72,22 @@ class SerialStepper:
         self.pack = pack
         self._advance, self.compute_step_margin = (
             Launch(kernel, pack, on) for kernel in (kernels.advance, kernels.compute_step_margin))
-        if on.frozen:
-            kernels.freeze(pack, on)
+        self._main_launch = self._advance
+        self._freeze = Launch(kernels.freeze, pack, on) if on.frozen else None
+        if self._freeze:
+            self._freeze()
+
+    def restart(self, scene: Scene, state: Members) -> bool:
+        """Starts another run with the numbers of its initial ``state``, whose arrays have been written to those of the
+        pack. Returns False if the pack cannot be used again: it has not been yet, or Taichi has restarted."""
+        if not self._main_launch.is_kept:
+            return False
+        for name, value in state.members().items():
+            if not isinstance(value, np.ndarray) and value != self.pack[name]:
+                self.pack[name] = value
+        if self._freeze:
+            self._freeze()
+        return True
 
     def compile(self) -> None:
         """Does nothing: all kernels are compiled by :meth:`run`."""

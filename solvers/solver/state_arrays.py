@@ -5,6 +5,7 @@ frees its own arrays), and the view and the tests can read them directly. They a
 """
 
 import functools
+import math
 from dataclasses import dataclass, fields
 from typing import Any, get_type_hints
 
@@ -19,16 +20,14 @@ from solvers.solver.samples import MAX_ROWS, column_names
 
 ALIGNMENT = 64  # bytes: a cache line, and the widest vector, of eight numbers
 REMEDY_TIME = 0.3  # tau c/h: time scale of filter and coupling, in the time in which a wave crosses a cell
+SPARE_ROOM = 1.3  # length of a grown buffer over what it needs, so that slowly growing scenes rarely grow it again
+MOST_SPARE_BYTES = 32 * 2**20  # that buffers may have beyond what their run needs
 REMEDY_INTERVAL = 4  # steps between two applications; the effect per time does not depend on it
 
 
 @dataclass
 class Members:
-    """Base of dataclasses of numbers and arrays for kernels; arrays are replaced by aligned copies on construction."""
-
-    def __post_init__(self) -> None:
-        for field in fields(self):
-            setattr(self, field.name, aligned_copies(getattr(self, field.name)))
+    """Base of dataclasses of numbers and arrays for kernels."""
 
     @classmethod
     @functools.cache
@@ -61,6 +60,41 @@ class DiagnosticsState(Members):
         return {**super().members(), **self.memory}
 
 
+class StateBuffers:
+    """Aligned ``arrays`` by name, in which the states of one run after another are stored. Kernels get them whole, and
+    the numbers of a state say how much it uses. ``moved`` is whether the last :meth:`store` has replaced any."""
+
+    def __init__(self) -> None:
+        self.arrays: dict[str, np.ndarray] = {}
+        self.moved = False
+        self._used: dict[str, int] = {}  # length of the last array stored in each
+
+    def store(self, members: dict[str, Any]) -> dict[str, Any]:
+        """Returns the members of a state by name, with each array replaced by a view of the buffer to which it is
+        copied; also those of its mapping ``memory``. A buffer that is too small is replaced by a larger one, and all
+        buffers are if they are far too large."""
+        flat = {**members, **members["memory"]}
+        arrays = {name: value for name, value in flat.items() if isinstance(value, np.ndarray)}
+        spare = sum(buffer.nbytes for buffer in self.arrays.values()) - sum(array.nbytes for array in arrays.values())
+        if spare > MOST_SPARE_BYTES:
+            self.arrays = {}
+        self.moved = False
+        views = {name: self._store_array(name, array) for name, array in arrays.items()}
+        return {**members, **{name: views[name] for name in views if name in members},
+                "memory": {name: views.get(name, value) for name, value in members["memory"].items()}}
+
+    def _store_array(self, name: str, array: np.ndarray) -> np.ndarray:
+        buffer = self.arrays.get(name)
+        if buffer is None or len(buffer) < len(array) or buffer.shape[1:] != array.shape[1:]:
+            length = len(array) if buffer is None else math.ceil(SPARE_ROOM * len(array))
+            buffer = self.arrays[name] = aligned_copy(np.zeros((length, *array.shape[1:]), array.dtype))
+            self._used[name], self.moved = 0, True
+        buffer[:len(array)] = array
+        buffer[len(array):self._used[name]] = 0
+        self._used[name] = len(array)
+        return buffer[:len(array)]
+
+
 def initial_diagnostics(scene: Scene, on: KernelOptions, particles: int, farthest: float,
                         hooks: dict[str, EstimatorHooks]) -> dict:
     """Returns the members of a :class:`DiagnosticsState` by name, at the start of a run with ``particles`` particles;
@@ -88,15 +122,10 @@ def zeros(length: int, width: int | None = None, *, when: bool = True, kind: typ
     return np.zeros(length if width is None else (length, width), kind)
 
 
-def aligned_copies(value: Any) -> Any:
-    """Returns a copy of an array, or of every array of a mapping, that starts at a multiple of ``ALIGNMENT`` (numpy
-    guarantees only 16 bytes), and anything else as it is."""
-    if isinstance(value, dict):
-        return {name: aligned_copies(item) for name, item in value.items()}
-    if not isinstance(value, np.ndarray):
-        return value
-    buffer = np.empty(value.nbytes + ALIGNMENT, np.uint8)
+def aligned_copy(array: np.ndarray) -> np.ndarray:
+    """Returns a copy of an array that starts at a multiple of ``ALIGNMENT``; numpy guarantees only 16 bytes."""
+    buffer = np.empty(array.nbytes + ALIGNMENT, np.uint8)
     start = -buffer.ctypes.data % ALIGNMENT
-    copy = buffer[start:start + value.nbytes].view(value.dtype).reshape(value.shape)
-    copy[...] = value
+    copy = buffer[start:start + array.nbytes].view(array.dtype).reshape(array.shape)
+    copy[...] = array
     return copy

@@ -96,6 +96,9 @@ def _row_of_future(task: MeasurementTask, future: Future[dict], lost: Counter[st
 
 def measure_in_worker(task: dict, answer: Callable[[dict], None]) -> None:
     """Measures a task (as a dict) in a worker process, and passes its row to ``answer``."""
+    from solvers.running.run import reuse_solvers  # here: Taichi is for workers
+
+    reuse_solvers()
     answer(measure(Task(**task)))
 
 

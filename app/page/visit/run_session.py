@@ -57,8 +57,8 @@ class RunSession:
         self._requested: dict[str, Any] = {}
         self._news = (-math.inf, "")  # time and text of the last event
         self._crowded_at = -math.inf
-        self.watched, self._rests = True, False
-        self._number = self._compiled_for = 0
+        self.watched, self._rests, self._beyond = True, False, False
+        self._number = self._compiled_for = self._run_number = 0
         self._pace, self._frame = Pace(), FrameOptions(plotted=QUANTITIES[0])
         self._start(scene, speed, ends)
         self.history = NormHistory(scene, scene.particles)
@@ -68,7 +68,8 @@ class RunSession:
         self._send_request()
 
     def set_scene_fields(self, **fields: object) -> None:
-        """Requests values of scene fields, by name; invalid ones set :attr:`refused`, and the present run continues."""
+        """Requests values of scene fields, by name, at the instant that the stage shows; invalid ones set
+        :attr:`refused`, and the present run continues."""
         with self._lock:
             wished = self._requested | fields
             try:
@@ -80,8 +81,17 @@ class RunSession:
             if crowd := scene_size_refusal(scene):
                 self.refuse(crowd, next(iter(fields)))
                 return
-            self._requested, self.scene, self._beyond = wished, scene, False
-            self._send_request()
+            begin_at, self._requested, self.scene = self._instant, wished, scene
+            self._beyond = self._beyond and begin_at * scene.period > scene.end_time
+            self._send_request(begin_at=begin_at)
+
+    @property
+    def _instant(self) -> float:
+        """The time on the stage in periods; the requested one while a run is on its way to it or stopped before."""
+        report, requested = self.report, self._pace.begin_at
+        if report is None or report.number < self._run_number or report.step <= self._pace.first_step(report.scene):
+            return requested
+        return report.time / report.scene.period
 
     def set_scene(self, scene: Scene, speed: float | None = None, ends: bool = False) -> None:
         """Requests a whole scene at a speed in periods per second (None: the problem's); one that ``ends`` stops at its
@@ -94,7 +104,7 @@ class RunSession:
                 self.unpin()
                 self._news = monotonic(), tr("Unpinned: only runs of the same problem can be compared.")
             self._start(scene, speed, ends)
-            self._send_request(restarts=self._pace.restarts + 1)  # also if it is the present scene
+            self._send_request(restarts=self._pace.restarts + 1, begin_at=0.0)  # also if it is the present scene
 
     def play(self, playing: bool, single_steps: int = 0) -> None:
         """Plays or pauses, and takes so many single time steps. A run that has reached its end continues beyond it."""
@@ -159,7 +169,7 @@ class RunSession:
     def reset(self) -> None:
         with self._lock:
             self._beyond = False
-            self._send_request(restarts=self._pace.restarts + 1)
+            self._send_request(restarts=self._pace.restarts + 1, begin_at=0.0)
 
     def continue_past_end(self) -> None:
         """Lets the run continue beyond the end of its scene; one that has already stopped there is paused."""
@@ -199,7 +209,7 @@ class RunSession:
             scene = scene or (shown if shown.problem == self.scene.problem else self.scene)
             self.unpin()
             self.pinned = PinnedRun(lambda run: self._pool.open(run, self._link), scene, on_frame)
-            self._send_request()
+            self._send_request(begin_at=0.0)
 
     def unpin(self) -> None:
         with self._lock:
@@ -304,5 +314,7 @@ class RunSession:
         self._error, self.refused, self._asked_at = None, None, monotonic()
         now = replace(self._pace, playing=self.playing and self.watched, ends=self.stops_at_end and not self._beyond)
         self._number = self._link.ask(self.scene, now, self._frame)
+        if "begin_at" in pace:
+            self._run_number = self._number
         if self.pinned:
             self.pinned.set_pace(now, self._frame)

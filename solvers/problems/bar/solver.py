@@ -1,6 +1,6 @@
 """BarSolver: solver of one bar, which steps and samples it."""
 
-import time
+from typing import Any
 
 import numpy as np
 
@@ -8,8 +8,7 @@ from solvers.kernels import runtime
 from solvers.problems.bar import exact_solution, particle_step_breakdown
 from solvers.problems.bar.scene import BarScene
 from solvers.problems.bar.serial_step_kernel import KERNELS, PHASES
-from solvers.problems.bar.state import HOOKS, BarState, InstrumentedBar, allocate_state, escape_distance
-from solvers.scene.kernel_options import kernel_options_of
+from solvers.problems.bar.state import HOOKS, BarState, InstrumentedBar, escape_distance, initial_state
 from solvers.scene.stabilisations import CENTRED, COUPLED, FILTER, FROZEN, PIECES
 from solvers.solver.base import REPORT, Solver
 from solvers.solver.particle_snapshot import TRUTH, ParticleFields, ParticleValues, Snapshot
@@ -28,12 +27,17 @@ class BarSolver(Solver):
 
     def __init__(self, scene: BarScene):
         super().__init__(scene)
+        self._start(scene)
+
+    def _start(self, scene: Any) -> None:
         self.arch = runtime.start("cpu", self.threads)  # also for "gpu": one step after another gains nothing there
-        begun = time.perf_counter()
-        self._switches = kernel_options_of(scene)
-        self._arrays = allocate_state(scene)
-        self._stepping = SerialStepper(KERNELS, BarState(**self._arrays.members()), self._switches)
-        self.setup_seconds = time.perf_counter() - begun
+        super()._start(scene)
+
+    def _initial_state(self, scene: Any) -> dict[str, Any]:
+        return initial_state(scene, self._switches)
+
+    def _make_stepper(self) -> SerialStepper:
+        return SerialStepper(KERNELS, BarState(**self._arrays.members() | self._buffers.arrays), self._switches)
 
     def snapshot(self, differences: bool = False, plotted: str | None = None) -> Snapshot:
         self._stepping.inspect_state(self.step, REPORT)
@@ -53,7 +57,7 @@ class BarSolver(Solver):
                      for k, name in enumerate(self._switches.estimators)}
         missed = {} if errors is None or not differences else {
             name: np.abs(estimate - errors) for name, estimate in estimates.items()}
-        return Snapshot(step=self.step, time=t, material_position=X, position=a.position.copy(),
+        return Snapshot(step=self.step, time=t, material_position=X.copy(), position=a.position.copy(),
                         velocity=a.velocity.copy(), deformation_gradient=F, error=errors, estimate=estimates,
                         difference=missed, plotted=None if plotted is None else self.plotted(plotted),
                         last_crossing=a.last_crossing.copy() if self._switches.crossings else None)

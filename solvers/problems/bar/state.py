@@ -1,6 +1,7 @@
 """State of the bar: its body and its diagnostics."""
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 import taichi as ti
@@ -11,7 +12,7 @@ from solvers.problems.bar.estimators import companion, recovered, transport, two
 from solvers.problems.bar.method.body import BarBody, initial_body
 from solvers.problems.bar.scene import BarScene
 from solvers.scene import estimator_registry
-from solvers.scene.kernel_options import kernel_options_of
+from solvers.scene.kernel_options import KernelOptions
 from solvers.solver.state_arrays import DiagnosticsState, initial_diagnostics
 
 #: What the solver calls of each estimator that the bar has, by name.
@@ -34,12 +35,12 @@ class InstrumentedBar(DiagnosticsState, BarBody):
 BarState = ti.types.argpack(**InstrumentedBar.types(), **packing(HOOKS).types, **BUDGET.types)
 
 
-def allocate_state(scene: BarScene) -> InstrumentedBar:
-    """Returns all arrays of a run of the scene, with their values before its first step."""
-    on = kernel_options_of(scene)
+def initial_state(scene: BarScene, on: KernelOptions) -> dict[str, Any]:
+    """Returns the members of an :class:`InstrumentedBar` by name before the first step of a scene's run. ``on``:
+    compile-time options."""
     watched = initial_diagnostics(scene, on, scene.particles, escape_distance(scene), HOOKS)
     watched["memory"] |= initial_budget_arrays(scene, on)
-    return InstrumentedBar(**initial_body(scene, on), **watched)
+    return {**initial_body(scene, on), **watched}
 
 
 def escape_distance(scene: BarScene) -> float:

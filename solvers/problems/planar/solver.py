@@ -1,7 +1,6 @@
 """PlanarSolver: solver of one plane body, which steps and samples it."""
 
 import functools
-import time
 from typing import Any, ClassVar
 
 import numpy as np
@@ -20,7 +19,6 @@ from solvers.problems.planar.problem_kernel_functions import PlanarKernelFunctio
 from solvers.problems.planar.scene import PlanarScene, motion_table
 from solvers.problems.planar.snapshot_errors import Errors, cauchy_stress_of, plotted_field, true_errors
 from solvers.scene import estimator_registry
-from solvers.scene.kernel_options import kernel_options_of
 from solvers.scene.scene import MOST_PARTICLES
 from solvers.scene.validation import SceneError
 from solvers.solver import gpu_detection
@@ -44,31 +42,36 @@ class PlanarSolver(Solver):
 
     def __init__(self, scene: Any):
         super().__init__(scene)
-        where = gpu_detection.resolve_arch(scene.arch)
-        if where == gpu_detection.CPU and scene.particles > MOST_PARTICLES:
+        self.plan = self._plan_of(scene)
+        self.threads = scene.threads if self.plan == "parallel" else 1
+        self._start(scene)
+
+    def _plan_of(self, scene: Any) -> str:
+        if gpu_detection.resolve_arch(scene.arch) != gpu_detection.CPU:
+            return "gpu"
+        if scene.particles > MOST_PARTICLES:
             raise SceneError("arch", scene.arch, "no GPU was found for these {particles:,} particles; at most {most:,} "
                              "are allowed on a processor", scene.particles, MOST_PARTICLES)
         large = scene.threads > 1 and scene.particles >= PARALLEL_FROM
-        self.plan = ("parallel" if large else "serial") if scene.plan == "auto" else scene.plan
-        if where != gpu_detection.CPU:
-            self.plan = "gpu"
-        self.threads = scene.threads if self.plan == "parallel" else 1
-        self.arch = runtime.start(where, self.threads)
-        begun = time.perf_counter()
-        self._switches = kernel_options_of(scene)
-        parts, on = self.PARTS, self._switches
+        return ("parallel" if large else "serial") if scene.plan == "auto" else scene.plan
+
+    def _start(self, scene: Any) -> None:
+        self.arch = runtime.start(gpu_detection.resolve_arch(scene.arch), self.threads)
+        vars(self).pop("_motion_table", None)  # of the previous scene
+        super()._start(scene)
+
+    def _initial_state(self, scene: Any) -> dict[str, Any]:
+        on, hooks = self._switches, self.PARTS.hooks
         own = initial_body(scene, on, self.threads)  # with a slab of particles for each thread
-        self._arrays = InstrumentedBody(**own, **initial_instruments(scene, on, own["particles"], scene.farthest,
-                                                                     parts.hooks))
-        if self.plan == "gpu":
-            makers = [make for name in on.estimators if (make := self.HOOKS[name].standalone)]
-            beside = CompanionOnCpu(makers[0](scene), self._estimator_arrays, scene.time_step) if makers else None
-            self._stepping: CpuStepper | GpuStepper = GpuStepper(
-                self.KERNELS.gpu_kernels, self.KERNELS.state, scene, self._arrays, self._switches, beside)
-        else:
-            self._stepping = CpuStepper(self.KERNELS, scene, self._arrays, self._switches, self.plan == "parallel",
-                                        self.threads)
-        self.setup_seconds = time.perf_counter() - begun
+        return {**own, **initial_instruments(scene, on, own["particles"], scene.farthest, hooks)}
+
+    def _make_stepper(self) -> CpuStepper | GpuStepper:
+        its, scene, on = self.KERNELS, self.scene, self._switches
+        if self.plan != "gpu":
+            return CpuStepper(its, scene, self._arrays, self._buffers.arrays, on, self.plan == "parallel", self.threads)
+        makers = [make for name in on.estimators if (make := self.HOOKS[name].standalone)]
+        beside = CompanionOnCpu(makers[0](scene), self._estimator_arrays, scene.time_step) if makers else None
+        return GpuStepper(its.gpu_kernels, its.state, scene, self._arrays, on, beside)
 
     def snapshot(self, differences: bool = False, plotted: str | None = None) -> Snapshot:
         a, on = self._arrays, self._switches
@@ -78,7 +81,7 @@ class PlanarSolver(Solver):
         true = true_errors(self.scene, a, self.step) if on.truth else None
         estimates = {name: estimated_errors(a, k) for k, name in enumerate(on.estimators)}
         missed = {name: distances(fields, true) for name, fields in estimates.items()} if true and differences else {}
-        return Snapshot(step=self.step, time=self.time, material_position=a.material_position,
+        return Snapshot(step=self.step, time=self.time, material_position=a.material_position.copy(),
                         position=a.position_velocity[:, :2].copy(), velocity=a.position_velocity[:, 2:].copy(),
                         deformation_gradient=F.copy(), error=error_sizes(true) if true else None,
                         estimate={name: error_sizes(fields) for name, fields in estimates.items()},

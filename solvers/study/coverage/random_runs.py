@@ -174,6 +174,9 @@ def _draw_choice(chance: np.random.Generator, choices: tuple, field: str = "") -
 
 def measure_in_worker(draw: dict, answer: Callable[[dict], None]) -> None:
     """Calls ``answer`` with the row of :func:`measure`, in a worker process, for the fields of a :class:`RandomRun`."""
+    from solvers.running.run import reuse_solvers  # here: Taichi is for workers
+
+    reuse_solvers()
     answer(measure(RandomRun(**draw)))
 
 

@@ -33,6 +33,9 @@ def all_runs(tables: Iterable[PaperTableDefinition]) -> list[Task]:
 
 def measure_in_worker(task: dict, answer: Callable[[dict], None]) -> None:
     """Measures the run of a task (fields of Task) in a worker process, with prices if it is timed; sends its row."""
+    from solvers.running.run import reuse_solvers  # here: Taichi is for workers
+
+    reuse_solvers()
     answer(measure(Task(**task), _run_to_row))
 
 

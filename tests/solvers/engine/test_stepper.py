@@ -268,3 +268,69 @@ def test_a_run_that_is_paused_is_read_where_it_stands(clock):
             rows.append(report.rows)
         every = np.concatenate(rows)[:, samples.column_index("step")]
     assert report.step % 50 and every[-1] == report.step and (np.diff(every) > 0).all()
+
+
+def until_frame(session, clock, apart=0.001):
+    """The next frame of a session whose turns take so many seconds each."""
+    while not session.frame_is_ready:
+        assert session.is_behind and session.moving
+        session.advance_slice()
+        clock.now += apart
+    report = session.write_frame()
+    memory.mark_as_read(session._block)
+    return report
+
+
+@pytest.mark.parametrize("playing", [False, True])
+@pytest.mark.parametrize("changes", [{"amplitude": 0.02}, {"modulus": 16.0}, {"cells": 33, "method": "ugimp"}], ids=str)
+def test_another_scene_begins_where_it_is_asked_to(clock, changes, playing):
+    """At the step next to that many periods, with all samples on the way and the errors of a plain run there; a run
+    that plays goes on from there, at the speed asked for."""
+    scene, at = replace(SCENE, **changes), 0.25
+    step = round(at * scene.period / scene.time_step)
+    with one_session(SessionRequest(1, 1, "", SCENE, Pace(playing))) as session:
+        session.write_frame()
+        memory.mark_as_read(session._block)
+        assert session.accept(replace(session.wish, number=2, scene=scene, pace=Pace(playing, begin_at=at)))
+        report = until_frame(session, clock)
+        assert (report.step, report.number, report.fresh, report.playing) == (step, 2, True, playing)
+        clock.now += 0.1
+        assert session._steps_wanted() == (pytest.approx(0.1 * scene.period / scene.time_step, abs=1))
+        assert session.is_behind == session.moving == playing
+    plain = run(replace(scene, periods=None, t_end=report.time), mid_run=False)
+    series = samples.read_rows(report.rows, scene, scene.particles)
+    np.testing.assert_array_equal(report.rows[:, 0], [*range(0, step, scene.sample_interval), step][:len(report.rows)])
+    for name in ("error_x", "error_v", "error_sigma", "transport/estimate_x"):
+        np.testing.assert_array_equal(series[name], plain.series[name], err_msg=name)
+
+
+def test_frames_show_the_way_to_an_instant_that_is_far(clock, monkeypatch):
+    """After 0.15 s, also while the run is paused; the last of them is at the instant."""
+    with one_session(SessionRequest(1, 1, "", SCENE, Pace(False, begin_at=3.0))) as session:
+        monkeypatch.setattr(SessionStepper, "_slice_steps", 8)
+        begun, reports = clock.now, [until_frame(session, clock, 0.008)]
+        assert 0.15 <= clock.now - begun < 0.17 and 0 < reports[0].step < round(3 * SCENE.period / SCENE.time_step)
+        while session.moving:
+            reports.append(until_frame(session, clock, 0.008))
+        assert reports[-1].step == round(3 * SCENE.period / SCENE.time_step) and session.next_due == float("inf")
+    steps = np.concatenate([report.rows[:, 0] for report in reports])
+    assert len(reports) > 3 and (np.diff(steps) > 0).all() and steps[-1] == reports[-1].step
+
+
+def test_a_run_that_breaks_before_its_instant_stops_there(clock):
+    """And says why, at once."""
+    scene = replace(SCENE, amplitude=0.1, cfl=3.0)
+    with one_session(SessionRequest(1, 1, "", scene, Pace(False, begin_at=0.9))) as session:
+        report = until_frame(session, clock)
+        assert report.status == "unstable" and report.reason and not session.moving
+        assert 0 < report.time < 0.9 * scene.period
+
+
+def test_an_instant_beyond_the_end_is_the_end(clock):
+    """Of a run that ends; and one that is handed over on its way comes there too."""
+    with one_session(SessionRequest(1, 1, "", SCENE, Pace(True, ends=True, begin_at=1.7))) as session:
+        session.advance_slice()
+        replacement = SessionStepper.from_state(session.state(), None)
+        for one in (session, replacement):
+            assert until_frame(one, clock).step == SCENE.steps and not one.moving
+        replacement.close()

@@ -105,7 +105,7 @@ def test_a_successor_has_solvers_in_place_for_what_it_will_get(monkeypatch):
 def test_frames_are_late_when_those_of_most_stages_that_move_are(late, all_late):
     """None is a stage that stands."""
     engine = EngineServer(Pipe())
-    engine._steppers = {k: SimpleNamespace(running=is_late is not None, frames_are_late=bool(is_late), wish=wish(k))
+    engine._steppers = {k: SimpleNamespace(moving=is_late is not None, frames_are_late=bool(is_late), wish=wish(k))
                         for k, is_late in enumerate(late)}
     engine._update_partners()
     assert engine._late is all_late

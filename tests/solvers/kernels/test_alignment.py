@@ -6,14 +6,14 @@ import pytest
 from solvers.problems.bar.scene import BarScene
 from solvers.problems.ring import RingScene
 from solvers.running.run import build
-from solvers.solver.state_arrays import ALIGNMENT, aligned_copies
+from solvers.solver.state_arrays import ALIGNMENT, aligned_copy
 
 
 @pytest.mark.parametrize("kind", [np.int32, np.float64])
 @pytest.mark.parametrize("shape", [(1,), (7,), (1001, 4), (50_000, 8)])
-def test_aligned_copies_are_equal_and_in_place(shape, kind):
+def test_aligned_copy_are_equal_and_in_place(shape, kind):
     array = np.arange(np.prod(shape)).reshape(shape).astype(kind)
-    copy = aligned_copies(array)
+    copy = aligned_copy(array)
     assert copy.ctypes.data % ALIGNMENT == 0 and copy.flags.c_contiguous and copy.dtype == kind
     np.testing.assert_array_equal(copy, array)
     copy[0] += 1

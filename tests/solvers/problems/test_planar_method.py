@@ -21,7 +21,7 @@ from solvers.problems.ring import RingScene
 from solvers.problems.vortex import VortexScene
 from solvers.running.run import build
 from solvers.solver.samples import read_rows
-from solvers.solver.state_arrays import aligned_copies
+from solvers.solver.state_arrays import aligned_copy
 
 BARE = {"cells": 16, "estimators": (), "effects": ()}
 RING, VORTEX = RingScene(**BARE), VortexScene(**BARE)
@@ -60,7 +60,7 @@ def to_nodes(solver: PlanarSolver, time: float = 0.0) -> None:
 
 def at_particles(solver: PlanarSolver) -> list[np.ndarray]:
     """The nodes' four numbers at the particles, and their derivatives in x and y, each (P, 4)."""
-    parts = [aligned_copies(np.zeros((len(solver._arrays.mass), 4))) for _ in range(3)]
+    parts = [aligned_copy(np.zeros((len(solver._arrays.mass), 4))) for _ in range(3)]
     kernels(type(solver))[1](solver._stepping.pack, *parts, solver._switches)
     return parts
 

@@ -22,7 +22,7 @@ from solvers.scene.validation import SceneError
 from solvers.solver import samples
 from solvers.solver.error_series import largest_finite_or_none
 from solvers.solver.soundness import BROKEN
-from solvers.solver.state_arrays import aligned_copies
+from solvers.solver.state_arrays import aligned_copy
 from tests.closed_forms import vortex as printed
 from tests.support.paths import ASSETS
 
@@ -165,10 +165,10 @@ def test_logarithms_are_good_to_rounding():
     near = np.concatenate([1 + np.geomspace(1e-15, edge - 1, 100), 1 - np.geomspace(1e-15, 1 - 1 / edge, 100)])
     far = np.concatenate([np.geomspace(1e-200, 1 / edge, 100), np.geomspace(edge, 1e10, 100)])
     J = np.concatenate([near, far])
-    found = aligned_copies(J)
+    found = aligned_copy(J)
     take_logarithms(found, len(J) // 4)
     np.testing.assert_allclose(found, np.concatenate([np.log1p(near - 1), np.log(far)]), rtol=4 * np.finfo(float).eps)
-    broken = aligned_copies(np.array([1.0, -1.0, 0.0, np.nan]))
+    broken = aligned_copy(np.array([1.0, -1.0, 0.0, np.nan]))
     take_logarithms(broken, 1)
     assert broken[0] == 0 and broken[1] < -600 and broken[2] < -600
 

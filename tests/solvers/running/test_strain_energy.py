@@ -14,7 +14,7 @@ from solvers.problems.square import SquareScene
 from solvers.problems.vortex import VortexScene
 from solvers.running.run import build
 from solvers.scene.kernel_options import kernel_options_of
-from solvers.solver.state_arrays import aligned_copies
+from solvers.solver.state_arrays import aligned_copy
 
 BARE = {"effects": (), "estimators": ()}
 SCENES = {"ring": RingScene(cells=12, modulus=3e6, density=1300.0, **BARE),
@@ -39,7 +39,7 @@ def kernel(solver):
 def measured(measure, solver, F: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Energies (P,) in J/m and Kirchhoff stresses (P, 2, 2) in Pa of the particles, deformed by F (P, 2, 2)."""
     solver._arrays.deformation_gradient[:] = F.reshape(-1, 4)
-    energy, stress = aligned_copies(np.zeros(len(F))), aligned_copies(np.zeros((len(F), 4)))
+    energy, stress = aligned_copy(np.zeros(len(F))), aligned_copy(np.zeros((len(F), 4)))
     measure(solver._stepping.pack, energy, stress, kernel_options_of(solver.scene))
     return energy, stress.reshape(-1, 2, 2)
 

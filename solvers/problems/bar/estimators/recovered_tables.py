@@ -1,5 +1,6 @@
 """The recovered estimator of the bar outside kernels: its operators as tables of rows, and its verdict."""
 
+import functools
 from collections.abc import Mapping
 
 import numpy as np
@@ -23,18 +24,23 @@ MOST_MISSED, MOST_ADDED = 0.09, 0.3
 
 
 def operators(scene: BarScene) -> dict[str, Rows]:
-    """Returns the operators as tables of rows, by the names ``TABLES``. Cells are alike, and so are particles to a fit:
-    most have one row of weights."""
-    cells, per_cell = scene.cells, int(scene.ppc)
-    few = min(cells, PATTERN_CELLS)
-    line = LatticeLine(few * per_cell, few, few * scene.spacing, "periodic")
-    fit = line.fit_operator(recovered_common.fit_width(scene), DEGREE).repeat_over_cells(cells * per_cell, 1, 1)
+    """Returns the operators as tables of rows, by the names ``TABLES``; callers must not change them."""
+    return _lattice_operators(scene.cells, int(scene.ppc), scene.spacing, recovered_common.fit_width(scene))
+
+
+@functools.lru_cache(maxsize=32)  # scenes that differ in numbers only are often run one after the other
+def _lattice_operators(cells: int, per_cell: int, spacing: float, width: int) -> dict[str, Rows]:
+    """Returns the operators of so many cells, ``spacing`` m wide, of so many particles, with fits over ``width`` of
+    them. Cells are alike, and so are particles to a fit: most have one row of weights."""
+    few, particles = min(cells, PATTERN_CELLS), cells * per_cell
+    line = LatticeLine(few * per_cell, few, few * spacing, "periodic")
+    fit = line.fit_operator(width, DEGREE).repeat_over_cells(cells * per_cell, 1, 1)
     spread = line.interpolation_operator().repeat_over_cells(cells, per_cell, 1)
     gather = line.projection_operator(4, 2).repeat_over_cells(cells, 1, per_cell)
     smoothing = line.smoothing_operator().repeat_over_cells(cells, 1, 1)
-    drive, stiffness = np.zeros((scene.particles, 4)), np.zeros((cells, 4))
+    drive, stiffness = np.zeros((particles, 4)), np.zeros((cells, 4))
     for p, (value, slope, _) in zip(gather.first[0] + np.arange(gather.width), gather.weights[0, :, 0], strict=True):
-        p = p % scene.particles
+        p = p % particles
         drive[p, :2] += value
         np.add.at(drive[:, 2], (fit.first[p] + np.arange(fit.width)) % len(drive), slope * fit.weights[0, :, 0, 1])
         np.add.at(stiffness[:, 0], (spread.first[p] + np.arange(3)) % cells,

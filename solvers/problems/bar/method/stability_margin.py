@@ -3,7 +3,7 @@
 import taichi as ti
 
 from solvers.problems.bar.method.gapless_pieces import nodes_per_corner, stored_corner_stencil
-from solvers.problems.bar.method.periodic_nodes import EMPTY, add_periodic_images, stencil_of
+from solvers.problems.bar.method.periodic_nodes import EMPTY, GHOSTS, add_periodic_images, stencil_of
 
 NODES_PER_PIECE = 5  # nodes that the two corners of a piece meet, up to two cells apart
 
@@ -12,7 +12,7 @@ NODES_PER_PIECE = 5  # nodes that the two corners of a piece meet, up to two cel
 def step_margin(bar: ti.template(), on: ti.template()):
     """Stores dt over Gershgorin's bound of the stable step in ``bar.step_margin[0]``; NaN before the first step.
     ``on``: compile-time options."""
-    for i in range(bar.node_stiffness.shape[0]):
+    for i in range(bar.cells + GHOSTS):
         bar.node_stiffness[i] = 0.0
     if ti.static(on.pieces):
         add_piece_rows(bar, on)

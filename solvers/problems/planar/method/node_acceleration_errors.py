@@ -44,12 +44,19 @@ def make_circular_acceleration_error(kind: type[PlanarScene], first: int) -> Cal
     nearest, middle, half = MIN_RADIUS * inner, 0.5 * (outer + inner), 0.5 * (outer - inner)
 
     @ti.func
+    def term_count(body: ti.template()):
+        """Returns the number M of terms of the polynomials, which follow the samples in ``body.exact``."""
+        entries = table_size(body, GRID, PRESENT) - table_size(body, GRID, MODES)
+        return entries // ti.max(1, table_size(body, GRID, RANK))
+
+    @ti.func
     def expansion(body: ti.template(), s):
         """Returns (u, a) at the radius s, -1 to 1 from rim to rim, as a vector of four, and its derivative by s:
         Clenshaw's recurrence for sum c_m T_m(s), and for its derivative."""
         b, older = ti.Vector([0.0] * 4), ti.Vector([0.0] * 4)
         d, older_d = ti.Vector([0.0] * 4), ti.Vector([0.0] * 4)
-        start, terms = 3 * body.orbits, body.exact.shape[0]
+        start = 3 * body.orbits
+        terms = start + term_count(body)
         for n in range(terms - start - 1):
             c = body.exact[terms - 1 - n]
             d, older_d = 2 * b + 2 * s * d - older_d, d
@@ -61,7 +68,7 @@ def make_circular_acceleration_error(kind: type[PlanarScene], first: int) -> Cal
         """Returns the mean squared error of the acceleration, m^2/s^4, over the nodes that carry mass."""
         rank, modes = table_size(body, GRID, RANK), table_size(body, GRID, MODES)
         out = table_size(body, GRID, PRESENT)
-        for m in range(body.exact.shape[0] - 3 * body.orbits):
+        for m in range(term_count(body)):
             now = ti.Vector([0.0] * 4)
             for k in range(rank):
                 T, c = body.tables[out + k], body.tables[modes + m * rank + k]

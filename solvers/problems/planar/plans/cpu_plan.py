@@ -6,6 +6,7 @@ several threads, slabs of particles side by side; ``solvers.problems.planar.plan
 
 from typing import Any, NamedTuple
 
+import numpy as np
 import taichi as ti
 
 from solvers.estimators import estimator_loop
@@ -118,13 +119,19 @@ def make_cpu_kernels(parts: PlanarKernelFunctions) -> CpuKernels:
 
 
 class CpuStepper(SerialStepper):
-    """Stepper of a run's arrays in place, on ``threads`` threads if ``parallel``, else on one by the serial kernel."""
+    """Stepper of a run's arrays in place, on ``threads`` threads if ``parallel``, else on one by the serial kernel; the
+    ``arrays`` are parts of the ``buffers`` by name."""
 
-    def __init__(self, kernels: CpuKernels, scene: Scene, arrays: InstrumentedBody, on: KernelOptions, parallel: bool,
-                 threads: int):
-        super().__init__(kernels.serial, kernels.state(**arrays.members()), on)
+    def __init__(self, kernels: CpuKernels, scene: Scene, arrays: InstrumentedBody, buffers: dict[str, np.ndarray],
+                 on: KernelOptions, parallel: bool, threads: int):
+        super().__init__(kernels.serial, kernels.state(**arrays.members() | buffers), on)
         self._scene, self._arrays, self._parallel, self._threads = scene, arrays, parallel, threads
         self._step, self._inspect = (Launch(one, self.pack, on) for one in (kernels.step_in_slabs, kernels.inspect))
+        self._main_launch = self._step if parallel else self._advance
+
+    def restart(self, scene: Scene, state: InstrumentedBody) -> bool:
+        self._scene, self._arrays = scene, state
+        return super().restart(scene, state)
 
     def compile(self) -> None:
         if self._parallel:
