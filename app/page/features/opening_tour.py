@@ -76,8 +76,8 @@ class OpeningTour(Feature):
     def refresh(self, view: VisiblePageState) -> None:
         """Goes on to the tour's next step when it is time; ends the tour if anything else takes the stage."""
         session, report = self._session, self._session.report
-        pinned, restarts = session.pinned.scene if session.pinned else None, session.playback_request_key[1]
-        if (session.scene, pinned) != (OPENING.scene, OPENING.pinned) or not view.has_stage:
+        restarts = session.playback_request_key[1]
+        if (session.scene, session.pinned_scene) != (OPENING.scene, OPENING.pinned) or not view.has_stage:
             if self._opened and restarts == self._restarts:  # changed, not replaced
                 session.continue_past_end()
             self._opened = False

@@ -28,6 +28,8 @@ QUARTER = 0.25
 class Visit:
     """A session that does what it is asked to, and the story told there."""
 
+    pinned_scene = property(lambda self: self.pinned and self.pinned.scene)
+
     def __init__(self):
         self.now, self.asked, self.report, self.is_over = 0.0, [], None, False
         self.playback_request_key = None, 0
