@@ -6,6 +6,8 @@
 
   // Of a number of any size the row is the text's, which stands below its slider's; of a judge it is the card.
   function places(id) {
+    const tiles = document.querySelector(".lab-methods");
+    if (tiles?.id === id) return [tiles.parentElement, null];
     const flex = document.getElementById(id)?.closest(".mantine-Flex-root:has(label)"), own = flex?.parentElement;
     if (!own) return [null, null];
     if (own.matches("[data-lab~=lab-switch] + div")) return Array(2).fill(own.nextElementSibling.querySelector(".lab-judge"));

@@ -2,9 +2,11 @@
 (() => {
   const root = document.getElementById("root");
   const write = (element, text) => { if (element && element.textContent !== text) element.textContent = text; };
-  let said = "", filled = null;
+  let said = "", filled = null, takesFocus = false;
 
   function look() {
+    if (takesFocus && document.activeElement === document.body)  // the buttons of the methods were made anew
+      document.querySelector(".lab-methods [aria-checked=true]")?.focus({preventScroll: true});
     const data = document.querySelector("i.lab-judged")?.dataset.said, first = document.querySelector(".lab-judge");
     if (!data || (data === said && first === filled)) return;
     [said, filled] = [data, first];
@@ -33,6 +35,7 @@
     const name = event.target.closest(".lab-judge-name"), method = event.target.closest(".lab-method");
     if (name) tell({judge: name.closest(".lab-judge").dataset.judge});
     if (method) tell({method: method.dataset.method});
+    takesFocus = Boolean(method);
   });
   new MutationObserver(look).observe(root, {childList: true, subtree: true});
 })();
