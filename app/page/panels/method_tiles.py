@@ -11,7 +11,6 @@ from app.names_and_units import METHODS, MethodName, choice_labels
 from app.page.panels.browser_store_and_window import BrowserStore
 from app.page.panels.scene_widgets import SceneWidgetFactory
 from app.page.visit.run_session import RunSession
-from app.viewer.widget_validation import widget_id
 from solvers.scene.step_bound import stencil
 
 REACH = 1.6  # cells at either side of the node
@@ -33,14 +32,14 @@ class MethodTiles:
     def build(self, gui: viser.GuiApi) -> None:
         """Builds the buttons for the methods of the session's problem."""
         self._names = choice_labels(type(self._session.scene), "method")
-        self._html, self._shown = gui.add_html(""), ""
-        self.refresh()
+        self._shown = self._session.scene.method
+        self._html = gui.add_html(method_tiles(self._names, self._shown))
 
     def refresh(self) -> None:
         """Marks the method of the session's scene, if it has changed."""
         if self._shown != self._session.scene.method:
             self._shown = self._session.scene.method
-            self._html.content = method_tiles(self._names, self._shown, widget_id(self._html))
+            self._html.content = method_tiles(self._names, self._shown)
 
     def _choose(self, method: Any) -> None:
         """Switches to the method (key) that the visitor has clicked."""
@@ -69,9 +68,8 @@ def _shape_function_values(method: str, at: np.ndarray, half_width: np.ndarray) 
     return np.where((first <= 0) & (first > -3), values[np.arange(len(at)), here], 0.0)
 
 
-def method_tiles(names: dict[str, str], chosen: str, group: str) -> str:
-    """Returns html of a radio button for each method, by key with its name, the ``chosen`` one checked, in a group of
-    this id."""
+def method_tiles(names: dict[str, str], chosen: str) -> str:
+    """Returns html of a radio button for each method, by key with its name, the ``chosen`` one checked."""
     def short_name(method: str) -> str:
         return tr(NAMES[method]) if method in NAMES else (METHODS[method].name if method in METHODS else method)
 
@@ -79,8 +77,7 @@ def method_tiles(names: dict[str, str], chosen: str, group: str) -> str:
                f"aria-checked='{'true' if method == chosen else 'false'}' tabindex='{0 if method == chosen else -1}' "
                f"aria-label='{escape(name)}' title='{escape(str(METHODS.get(method) or MethodName(method)))}'>"
                f"{_shape_function_svg(method)}{escape(short_name(method))}</button>" for method, name in names.items())
-    return f"<div class='lab-methods' id='{group}' role='radiogroup' aria-label='{tr('Method')}'>" \
-           f"{''.join(buttons)}</div>"
+    return f"<div class='lab-methods' role='radiogroup' aria-label='{tr('Method')}'>{''.join(buttons)}</div>"
 
 
 def _shape_function_svg(method: str) -> str:

@@ -27,6 +27,6 @@ def test_what_tells_the_methods_apart():
 
 def test_methods_are_radio_buttons_with_one_stop_of_the_tab_key():
     """Each is called by its whole name, of which the tile shows a part."""
-    html = method_tiles({"mpm": "MPM (hat functions)", "ugimp": "uGIMP", "a <method>": "a <method>"}, "ugimp", "7")
+    html = method_tiles({"mpm": "MPM (hat functions)", "ugimp": "uGIMP", "a <method>": "a <method>"}, "ugimp")
     assert html.count("role='radio'") == 3 and html.count("aria-checked='true' tabindex='0'") == 1
     assert "aria-label='MPM (hat functions)'" in html and "<polyline" in html and "<method>" not in html
