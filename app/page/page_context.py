@@ -47,10 +47,12 @@ class CurrentLesson(Protocol):
 
 class PageContext:
     """Everything that features share: the visitor's run (``session``), its ``landscapes``, ``stage``, ``controls``,
-    ``tabs``, the folder ``own_data`` and more. Features set ``lesson`` and ``is_touring``. The page sets
-    ``show_run_on_stage``, which ends whatever replaces the run on the stage, and ``store_state``, which stores the
-    visitor's state in the browser's address."""
+    ``tabs``, the folder ``own_data`` and more. Features set ``lesson``, ``is_touring`` and ``show_phase``, which shows
+    a particle's phase (from 1) of one time step in slow motion. The page sets ``show_run_on_stage``, which ends
+    whatever replaces the run on the stage, and ``store_state``, which stores the visitor's state in the browser's
+    address."""
 
+    show_phase: Callable[[int, int], None]
     show_run_on_stage: Callable[[], None]
     store_state: Callable[[], None]
 
