@@ -10,14 +10,14 @@ import viser
 from app.language.translation import lazy, tr
 from app.names_and_units import functions_name
 from app.page.panels.frame_and_drawing_controls import FrameAndTraceControls
-from app.page.panels.log_number_slider import LogNumberSlider, SliderSpec
 from app.page.panels.scene_widgets import SceneWidgetFactory
 from app.page.visit.run_session import RunSession
-from app.problems.views import VIEWS
 from app.shareable_state import State
 
 PLAY, PAUSE, STEP, RESET = lazy("Play"), lazy("Pause"), lazy("Step"), lazy("Reset")
 PIN, UNPIN = lazy("Pin this run"), lazy("Unpin")
+SLOW = 0.0125  # periods per second, at which one sees single particles change their cell
+SPEEDS = {SLOW: lazy("slow"), 0.25: "¼", 0.5: "½", 1.0: "1", 2.0: "2"}
 NOTHING, PINNED, KEEP = "nothing", "pinned", "keep"  # choices beside the methods
 NAMES = {NOTHING: lazy("nothing"), PINNED: lazy("the pinned run"), KEEP: lazy("this run, as it is now")}
 
@@ -35,7 +35,11 @@ class PlaybackControls:
         gui.add_html("<i class='lab-at-run'></i>")
         buttons = gui.add_button_group(tr("Run"), tuple(shown))
         buttons.on_click(lambda event: shown[event.target.value]())
-        self._speed = LogNumberSlider(gui, bound, self._speed_slider_spec, session.speed, session.set_speed)
+        speed_mark = gui.add_html("<i class='lab-at-speed'></i>")
+        self._speeds = _offered_speeds(session.speed)
+        self._speed = gui.add_dropdown(tr("Speed"), tuple(self._speeds), initial_value=_speed_name(session.speed),
+                                       hint=tr("periods of the exact vibration in a second of yours"))
+        bound.on_change(self._speed, lambda name: session.set_speed(self._speeds[name]))
         pin_mark = gui.add_html("<i class='lab-at-pin'></i>")
         self._pin = gui.add_button(tr(PIN), hint=tr("keep this run on the stage for comparison: both runs advance "
                                                     "together, period by period"))
@@ -44,7 +48,7 @@ class PlaybackControls:
         self._back = history.build_slider(gui)
         # Removed with its widget, as it would otherwise mark the next one.
         self.parts: dict[str, tuple[Any, ...]] = {
-            "pin": (pin_mark, self._pin), "look-back": (back_mark, self._back), "speed": (self._speed,)}
+            "pin": (pin_mark, self._pin), "look-back": (back_mark, self._back), "speed": (speed_mark, self._speed)}
 
     def show_second_run(self, state: State) -> None:
         """Begins the second run of a state, if it has one, beside that on the stage."""
@@ -66,8 +70,12 @@ class PlaybackControls:
         self._on_view()
 
     def show(self) -> None:
-        """Updates range and value of the speed, and the pin's label, for the session's present scene."""
-        self._speed.set_range_and_value(self._speed_slider_spec, self._session.speed)
+        """Updates the speed and the pin's label for the session's present scene."""
+        speed = self._session.speed
+        if speed not in self._speeds.values():
+            self._speeds = _offered_speeds(speed)
+            self._speed.options = tuple(self._speeds)
+        self._speed.value = _speed_name(speed)  # type: ignore[misc]
         self.refresh()
 
     def refresh(self) -> None:
@@ -80,12 +88,6 @@ class PlaybackControls:
             (KEEP, tr(NAMES[KEEP]))]}
         self._choices.content = f"<i class='lab-compared' data-said='{escape(json.dumps(said))}'></i>"
 
-    @property
-    def _speed_slider_spec(self) -> SliderSpec:
-        view = VIEWS[self._session.scene.problem]
-        return SliderSpec(tr("Speed"), "", view.slider_ranges.speed, view.speed,
-                          tr("periods of the exact vibration in a second of yours"), place="lab-at-speed")
-
     def _toggle_pin(self) -> None:
         self.on_choice(KEEP if self._session.pinned_scene is None else NOTHING)
 
@@ -93,3 +95,13 @@ class PlaybackControls:
         """Redraws the stage for a new frame of the pinned run, unless the run beside it plays and redraws it anyway."""
         if not (self._session.report and self._session.report.playing):
             self._on_view()
+
+
+def _offered_speeds(present: float) -> dict[str, float]:
+    """Returns the speeds offered in periods per second, by name; the ``present`` one of a link may be another."""
+    return {_speed_name(speed): speed for speed in sorted({*SPEEDS, present})}
+
+
+def _speed_name(speed: float) -> str:
+    """Returns the name of a speed in periods per second: "slow", "½", or its number."""
+    return tr(SPEEDS[speed]) if speed in SPEEDS else f"{speed:g}"

@@ -88,8 +88,8 @@ class VisitorRunSource:
 
     def sentence(self, choice: ViewChoice, picture: StageFrame) -> HeadlineWithFacts:
         """Returns the headline of the frame drawn, with a comparison to a second run; empty for another run's frame."""
-        if picture.foreign or self._session.history.scene != picture.report.scene:
-            return HeadlineWithFacts()  # another run has begun just now
+        if picture.foreign or not self._session.scene == self._session.history.scene == picture.report.scene:
+            return HeadlineWithFacts()  # another run has begun just now, or is being compiled
         report, arrays = self._told_frame((picture.report, picture.arrays))
         view, other = frame_error_view(report, arrays, choice.quantity, choice.estimator, False), ""
         if (run := self._session.pinned) and (theirs := run.view(choice.quantity, choice.estimator, False)):

@@ -7,7 +7,7 @@ import numpy as np
 
 from app.frame.field_plot import ROOM, FieldPlotDefinition
 from app.frame.layout import HALVES
-from app.frame.primitives import Anchor, Dots, Label, Lines, Mark, Role, Sign, Tone, in_plane, join_points
+from app.frame.primitives import Anchor, Dots, Label, Lines, Mark, Role, Sign, StageMetrics, Tone, in_plane, join_points
 from app.frame.recent_crossings import MOST_CHANGED
 from app.frame.stage import TOUCH, Stage, StageLabels, WorstRegionMark, title_labels
 from app.language.translation import lazy, tr
@@ -50,7 +50,7 @@ class BarStage(Stage[BarScene]):
         yield from title_labels(words, metrics, places.heading)
         yield Label.of_spans("compared", words.compared if gutter else (), -gutter,
                              places.field.middle - 0.6 * places.field.half, "center-left", "gutter")
-        yield from _legend_labels(words, places)
+        yield from legend_labels(words.crossings, metrics, places.legend, words.before)
 
     def particles_in(self, low: tuple[float, float], high: tuple[float, float], arrays: FrameArrays) -> np.ndarray:
         """Returns which particles lie between the x of ``low`` and of ``high`` on the stage, at any height, (P,)."""
@@ -104,17 +104,16 @@ class BarStage(Stage[BarScene]):
         yield from ()
 
 
-def _legend_labels(words: StageLabels, places: BarLayout) -> Iterator[Label]:
-    """Yields the legend below the lanes, a label for each key, centred; empty ones for a run without it."""
-    metrics = places.stage_metrics
+def legend_labels(crossings: str, metrics: StageMetrics, y: float | None, before: str = "") -> Iterator[Label]:
+    """Yields the legend of a bar's field plot, a label for each key, centred below the height y; empty ones for None.
+    ``crossings`` explains the rings, ``before`` the curve before a change, if there is one."""
     keys: tuple[tuple[str, str, Tone, Sign], ...] = (
         ("exact", tr("exact"), "truth", "line"), ("particle", tr("particle"), "plain", "dot"),
-        ("crossings-note", words.crossings, "crossing", "ring"), ("before", words.before, "before", "line"))
+        ("crossings-note", crossings, "crossing", "ring"), ("before", before, "before", "line"))
     widths = [metrics.text_extent(text)[0] + KEY * metrics.pixel if text else 0.0 for _, text, _, _ in keys]
     x = 0.5 * (1 - sum(widths))
     for (name, text, tone, sign), width in zip(keys, widths, strict=True):
-        shown = text if places.legend is not None else ""
-        yield Label(name, shown, x, places.legend or 0.0, "top-left", "note", tone=tone, sign=sign)
+        yield Label(name, "" if y is None else text, x, y or 0.0, "top-left", "note", tone=tone, sign=sign)
         x += width
 
 
