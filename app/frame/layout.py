@@ -15,7 +15,7 @@ Rectangle = tuple[float, float, float, float]  # x0, x1, y0, y1
 HALVES: tuple[Tone, Tone] = ("estimate", "truth")
 EDGE = 0.015  # drawn beyond x = 0 and 1
 #: In pixels: height of the colour bar, distance to its numbers, from these to the rest, and space above it.
-BAR, TICK, TICK_LINE, ABOVE = 12.0, 5.0, 17.0, 4.0
+BAR, TICK, TICK_LINE, ABOVE = 10.0, 4.0, 17.0, 4.0
 POINTS = 256  # of the colour bar
 
 
@@ -90,22 +90,22 @@ class ColourBarDrawing:
 
     def __init__(self, sheet: Surface, scale: ColourScale):
         self.sheet, self._scale = sheet, scale
-        self._drawn: tuple[StageMetrics, float, str, float, bool, bool] | None = None
+        self._drawn: tuple | None = None
 
-    def draw(self, quantity: str, high: float) -> None:
+    def draw(self, quantity: str, size: float, high: float) -> None:
         """Draws the bar on a stage of the height ``high``, unless nothing has changed; ``quantity`` is the key (x, v,
-        sigma or a) of the quantity whose errors the scale measures."""
+        sigma or a) of the quantity whose errors the scale measures, ``size`` its largest exact value in its unit."""
         scale, metrics = self._scale, self.sheet.stage_metrics
-        now = (metrics, high, quantity, scale.top, scale.logarithmic, scale.exceeded)
+        now = (metrics, high, quantity, size, scale.top, scale.logarithmic, scale.exceeded, scale.absolute)
         if now == self._drawn:
             return
-        place, unit = colour_bar_box(metrics.rounded(), high), QUANTITIES[quantity].unit
+        place = colour_bar_box(metrics.rounded(), high)
         if self._drawn is None or now[:2] != self._drawn[:2]:
             ends = place.high / 2
             self.sheet.show_marks(Dots("bar", in_plane(np.linspace(ends, 1 - ends, POINTS), place.middle),
                                        scale.gradient(POINTS), place.high, "square"))
         self._drawn = now
-        self.sheet.show_marks(*colour_bar_labels(place, metrics.gutter > 0, quantity, scale.ticks(unit)))
+        self.sheet.show_marks(*colour_bar_labels(place, metrics.gutter > 0, quantity, scale.ticks(quantity, size)))
 
 
 def colour_bar_labels(place: ColourBarBox, gutter: bool, quantity: str,

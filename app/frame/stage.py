@@ -128,6 +128,11 @@ class Stage(ABC, Generic[AnyScene]):
         """Whether the stage must be redrawn because the run beside it has changed the value axis of their plots."""
         return self._field.shared_axis_changed
 
+    @property
+    def is_outdated(self) -> bool:
+        """Whether the stage has to be drawn again, although no frame has come."""
+        return self._field.is_outdated
+
     def show_title(self, name: Spans, facts: Spans, compared: Spans) -> None:
         """Shows the run's title: its name, facts about it, and what it could be compared with if it is alone."""
         self._update_labels(name=name, facts=facts, compared=compared)
@@ -176,6 +181,7 @@ class Stage(ABC, Generic[AnyScene]):
             if self.plotted:
                 marks += self._field.draw(self._layout, scene, self.plotted, self.magnified,
                                           self._plot_axis_positions(arrays), arrays.plotted, t, crossed)
+                self._update_labels(before=tr("before") if self._field.shows_before else "")
             self.sheet.show_marks(*marks)
 
     def _particles_to_mark(self, since: np.ndarray, scene: AnyScene, speed: float) -> np.ndarray:
