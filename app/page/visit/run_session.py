@@ -166,15 +166,12 @@ class RunSession:
         return self.stops_at_end and not self._beyond and self.report is not None \
             and self.report.step >= self.report.scene.steps
 
-    def reset(self) -> None:
+    def reset(self, begin_at: float = 0.0, **pace: Any) -> None:
+        """Starts the run again, at a time in periods and with other fields of its
+        :class:`~solvers.engine.engine_messages.Pace`."""
         with self._lock:
             self._beyond = False
-            self._send_request(restarts=self._pace.restarts + 1, begin_at=0.0)
-
-    def continue_past_end(self) -> None:
-        """Lets the run continue beyond the end of its scene; one that has already stopped there is paused."""
-        with self._lock:
-            self._send_request(playing=self.playing and not self.is_over, ends=False)
+            self._send_request(restarts=self._pace.restarts + 1, begin_at=begin_at, **pace)
 
     def refuse(self, sentence: str, field: str = "") -> None:
         """Sets :attr:`refused` to a sentence without a full stop and the ``field`` that it is about; "" clears it."""
