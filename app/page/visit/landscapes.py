@@ -96,7 +96,7 @@ class Landscapes:
                                BUDGET_SECONDS[D], POINT_SECONDS)
         for point, dear in zip(points, costly, strict=True):
             if not (dear or self._is_known(point.key, horizon) or (playing and _rank(point, in_hand) == LAST)):
-                self._missing[point.key] = SurveyPoint(point.parameter, point.value, horizon, point.level)
+                self._missing.setdefault(point.key, SurveyPoint(point.parameter, point.value, horizon, point.level))
         for name, request in requests.items():
             own = sorted((point.value, point.key, dear)
                          for point, dear in zip(points, costly, strict=True) if point.parameter == name)
