@@ -12,7 +12,11 @@
     if (head) known.add(head);
   }, true);
 
-  const expanded = head => set(head, "aria-expanded", String(!head.nextElementSibling?.inert));
+  const ownData = () => document.querySelector(`[data-lab~=lab-own-data] + div :is(${heads})`);
+  function expanded(head) {
+    set(head, "aria-expanded", String(!head.nextElementSibling?.inert));
+    if (head === ownData()) document.body.classList.toggle("lab-own-data-open", head.ariaExpanded === "true");
+  }
 
   function unfold(head) {
     const name = head.firstChild.textContent, now = !head.nextElementSibling?.inert;
@@ -52,7 +56,7 @@
     particle = now;
     const head = document.querySelector(`[data-lab~=lab-numbers] + div :is(${heads})`);
     if (!now || !head) return;
-    if (head.getAttribute("aria-expanded") === "false") head.click();
+    for (const fold of [ownData(), head]) if (fold?.ariaExpanded === "false") fold.click();
     setTimeout(() => traced.scrollIntoView({block: "nearest"}), 700);  // it has its height by then
   }
 
