@@ -10,7 +10,7 @@ function drawLanes(pen, run, view, at, place, {sizes, scale, flashed}) {
     Object.assign(pen, {strokeStyle: colour, lineWidth: Math.min(1, 120 / count)});
     for (let k = 0; k <= count; k++) stroke(pen, [low, high].map((y) => [place.x(k / count), place.y(y)]));
   }
-  [estimate, truth].forEach((y, half) => drawLane(pen, run, places, sizes[half], scale, place, place.y(y + lane / 2), lane * place.unit));
+  [estimate, truth].forEach((y, half) => drawLane(pen, run, places, sizes[half], scale, place, place.y(y + lane / 2), place.y(y - lane / 2) - place.y(y + lane / 2)));
   for (const [p, age] of flashed) {
     pen.fillStyle = faded(age);
     disc(pen, place.x(places[p]), place.y(crossings), 4.5 * place.pixel);
