@@ -83,7 +83,7 @@ def _labels_beside_body(words: StageLabels, places: PlanarLayout) -> Iterator[La
     yield Label("alike", words.alike, right, y - 1.6 * metrics.line_height, "top-left", "note", width=width,
                 tone="faint")
     yield Label("size-note", words.note, right, 2 * metrics.pixel, "bottom-left", "note", width=width, tone="faint")
-    yield Label("run", "", right, y, "bottom-left", "name")
+    yield Label.of_spans("compared", words.compared, left, 4 * metrics.line_height, "bottom-left", "gutter")
     yield _crossing_label(words, places)
 
 
@@ -99,7 +99,7 @@ def _labels_above_body(words: StageLabels, places: PlanarLayout) -> Iterator[Lab
     yield Label("estimate-by", text, by, up, "bottom-left", "note")
     yield Label("truth-by", "", x, up, "bottom-left", "title")
     yield from _empty_half_labels(words, places)
-    for other in ("alike", "size-note", "run"):
+    for other in ("alike", "size-note"):
         yield Label(other, "", x, up, "bottom-left", "note")
     yield _crossing_label(words, places)
 
@@ -115,9 +115,7 @@ def _paired_run_labels(words: StageLabels, places: PlanarLayout) -> Iterator[Lab
                 "center-left" if gutter else "bottom-center", "gutter" if gutter else "note")
     yield Label("truth-by", "", x, y, "bottom-left", "note")
     yield from _empty_half_labels(words, places)
-    run = words.run[:1].upper() + words.run[1:]
-    yield Label("run", run, x - reach, y + reach + 2 * metrics.pixel, "bottom-left", "name", 1.0,
-                metrics.letters_per_line(2 * reach, 1.2), "plain" if first else "faint", True)
+    yield Label.of_spans("name", words.name, x - reach, y + reach + 2 * metrics.pixel, "bottom-left", "name")
     for other in ("alike", "size-note"):
         yield Label(other, "", x, y, "bottom-left", "note")
     yield _crossing_label(words, places)

@@ -102,7 +102,7 @@ class PlanarStage(Stage[PlaneScene]):
         return self._radii
 
     def _moving_marks(self, scene: PlaneScene, arrays: FrameArrays, estimated: np.ndarray, true: np.ndarray, t: float,
-                      crossed: np.ndarray, age: np.ndarray) -> Iterator[Mark]:
+                      crossed: np.ndarray) -> Iterator[Mark]:
         x = clip_to_view(arrays.position)
         yield from self._particle_marks(x, estimated, true)
         marks = self._mirror_images(x[crossed], self.MIRRORS, 0.018)
