@@ -20,7 +20,7 @@ Colour = tuple[int, int, int]
 @dataclass(frozen=True)
 class Palette:
     """Colours of a light or dark stage: background; plotted particles and lines beside labels; axes; grid lines; cell
-    edges; crossings; particles without a known error; exact curve; outlines of domains."""
+    edges; crossings; particles without a known error; exact curve; outlines of domains; estimated errors."""
 
     ground: Colour
     dot: Colour
@@ -31,9 +31,11 @@ class Palette:
     unknown: Colour
     exact: Colour
     outline: Colour
+    estimate: Colour
 
 
-_NAMES = ("ground", "dot", "line2", "line", "cell", "cross", "cell", "truth", "ground")  # of a palette's colours
+_NAMES = ("ground", "dot", "line2", "line", "cell", "cross", "cell", "truth", "ground",
+          "estimate")  # of a palette's colours
 LIGHT, DARK = (Palette(*(rgb(getattr(PALETTE[name], ground)) for name in _NAMES)) for ground in ("light", "dark"))
 
 AWAY = -50.0  # coordinate of points that cannot be shown, far outside the view
@@ -48,7 +50,7 @@ Anchor = Literal["top-left", "top-center", "top-right", "center-left", "center-c
 Role = Literal["gutter", "title", "silence", "name", "note", "number", "caption", "step", "place"]
 #: What a label belongs to, which sets its colour.
 Tone = Literal["plain", "faint", "estimate", "truth", "crossing"]
-Sign = Literal["", "dot", "line"]  # legend key before the text, in the label's tone
+Sign = Literal["", "dot", "ring", "line"]  # legend key before the text, in the label's tone
 
 
 @dataclass(frozen=True)

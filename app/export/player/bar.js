@@ -4,7 +4,7 @@
 const alongBar = (run, at) => row(run.tracks.position, at).map((x) => run.moves_on ? x - Math.floor(x) : x);
 
 function drawLanes(pen, run, view, at, place, {sizes, scale, flashed}) {
-  const {estimate, truth, lane, crossings, box} = place, places = alongBar(run, at), over = 6 / place.pixels;
+  const {estimate, truth, lane, crossings, field: box} = place, places = alongBar(run, at), over = 6 / place.pixels;
   const count = Math.round(1 / run.spacing), end = ROOM * box.half;
   for (const [colour, low, high] of [[GRID, box.middle - end, box.middle + end], [CELL, truth - lane / 2 - over, estimate + lane / 2 + over]]) {
     Object.assign(pen, {strokeStyle: colour, lineWidth: Math.min(1, 120 / count)});

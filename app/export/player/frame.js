@@ -42,7 +42,15 @@ function writeLabels(pen, place, labels, texts) {
 function drawSign(pen, sign, colour, x, y, letters) {
   Object.assign(pen, {fillStyle: colour, strokeStyle: colour, lineWidth: 3});
   if (sign === "line") return stroke(pen, [[x, y], [x + letters, y]]);
+  if (sign === "ring") return ring(pen, x + 0.4 * letters, y, 0.33 * letters, 1.5);
   disc(pen, x + 0.4 * letters, y, 0.33 * letters);
+}
+
+function ring(pen, x, y, radius, wide) {
+  pen.lineWidth = wide;
+  pen.beginPath();
+  pen.arc(x, y, radius, 0, 7);
+  pen.stroke();
 }
 
 function disc(pen, x, y, radius) {

@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 
 from app.frame.field_plot import ROOM
-from app.frame.layout import ComparedRunSlot, PlotBox, Spot, StageLayout, colour_bar_box, drawing_rectangle
+from app.frame.layout import ComparedRunSlot, FieldPlotLayout, PlotBox, Spot, colour_bar_box, drawing_rectangle
 from app.frame.primitives import StageMetrics
 
 #: In pixels: space above the upper and below the lower lane; least lane and gap, height of a strip, distance between
@@ -13,7 +13,7 @@ LANE, MOST_LANE, GAP = 0.155, 96.0, 0.62  # of the height below the numbers; in 
 
 
 @dataclass(frozen=True)
-class BarLayout(StageLayout):
+class BarLayout(FieldPlotLayout):
     """Layout of the bar: the heights on the stage of the middles of the lanes of ``estimate`` and ``truth``, of
     ``crossings`` (None if they are not drawn) and of a ``heading``; a ``lane`` is so high."""
 
