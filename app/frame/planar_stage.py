@@ -22,8 +22,8 @@ MOST_DOMAINS = 5000  # particles with domains drawn: more would be a grey area
 FILLED: dict[str, tuple[Literal["circle", "square"], float]] = {"polar": ("circle", 1.5), "cartesian": ("square", 1.06),
                                                                 "box": ("square", 1.06)}
 #: In pixels: width of the ring around a particle that crossed a cell boundary, length of a dash of the line between the
-#: halves with the gap after it, share of the dash, and distance of the mark of a worst region from the region.
-RING, DASH, DRAWN, AWAY = 1.75, 9.0, 0.55, 5.0
+#: halves, and distance of the mark of a worst region from the region.
+RING, DASH, AWAY = 1.75, 5.0, 5.0
 BELOW = np.array([0, 0, 0.002], np.float32)
 PlaneScene = TypeVar("PlaneScene", bound=PlanarScene)
 Mirrors = tuple[tuple[int, int], ...]
@@ -130,14 +130,16 @@ class PlanarStage(Stage[PlaneScene]):
         yield self._dividing_line(x)
 
     def _dividing_line(self, x: np.ndarray) -> Lines:
-        """Returns the dashed line between the halves, where it is in the body of particles at x (P, 2) in m."""
-        dash, parts = DASH * self._layout.stage_metrics.pixel / self._per_metre, [np.empty((0, 2, 2))]
+        """Returns the line between the halves, where it is in the body of particles at x (P, 2) in m: in dashes, dark
+        and light by turns, so that it is seen on particles of any colour."""
+        metrics, parts, colours = self._layout.stage_metrics, list[np.ndarray](), list[np.ndarray]()
+        inks = np.array([metrics.palette.dot, metrics.palette.ground], np.uint8)
         for low, high in self._wall_heights(x):
-            starts = np.linspace(low, high, max(2, round((high - low) / dash)), endpoint=False)
-            ends = starts + DRAWN * (starts[1] - starts[0])
-            parts.append(np.stack([np.zeros((len(starts), 2)), np.stack([starts, ends], axis=1)], axis=2))
-        return Lines("planes", self._segments(np.concatenate(parts), 0.012), self._layout.stage_metrics.palette.dot,
-                     1.5)
+            ends = np.linspace(low, high, 2 + int((high - low) * self._per_metre / (DASH * metrics.pixel)))
+            heights = np.stack([ends[:-1], ends[1:]], axis=1)
+            parts.append(np.stack([np.zeros_like(heights), heights], axis=2))
+            colours.append(np.repeat(inks[np.arange(len(heights)) % 2, None], 2, axis=1))
+        return Lines("planes", self._segments(np.concatenate(parts), 0.012), np.concatenate(colours), 1.5)
 
     def _worst_region_marks(self, worst: tuple[WorstRegionMark | None, WorstRegionMark | None],
                             arrays: FrameArrays) -> Iterator[Mark]:
