@@ -11,7 +11,7 @@ from app.export import recording_compression
 from app.frame import budget_chart_data, colour_scale, error_view_captions, field_plot, headline, layout
 from app.frame.layout import ComparedRunSlot
 from app.frame.primitives import LIGHT, StageMetrics
-from app.frame.recent_crossings import LEAST_SECONDS, WINDOW
+from app.frame.recent_crossings import LEAST_SECONDS, MOST_CHANGED, WINDOW
 from app.frame.stage import Stage, StageLabels
 from app.language.translation import tr
 from app.problems.views import VIEWS
@@ -34,7 +34,7 @@ def shared_display_data(problems: Iterable[str]) -> dict[str, Any]:
             "scale": {"tops": list(colour_scale.TOPS.items()), "decades": colour_scale.DECADES,
                       "beyond": colour_scale.BEYOND, "smallest": colour_scale.SMALLEST, "zero": tr(colour_scale.ZERO)},
             "axis": {"steps": field_plot.STEPS, "room": field_plot.ROOM, "stems": field_plot.MOST_STEMS},
-            "crossings": {"window": WINDOW, "seconds": LEAST_SECONDS},
+            "crossings": {"window": WINDOW, "seconds": LEAST_SECONDS, "most": MOST_CHANGED},
             "colours": _colour_map_data(), "edge": layout.EDGE,
             "quantities": {key: {"noun": of.noun, "symbol": of.symbol, "unit": of.unit}
                            for key, of in names_and_units.QUANTITIES.items()},
@@ -67,7 +67,7 @@ def _stage_layout(stage: type[Stage], room: StageMetrics) -> dict[str, Any]:
     places = stage.layout(room, ComparedRunSlot.ALONE)
     top = layout.colour_bar_box(room, room.high)
     halves = tr(error_view_captions.ESTIMATE[0]), tr(error_view_captions.TRUTH)
-    said = StageLabels(halves, (LATER, LATER), (LATER, LATER), "", LATER, LATER, LATER)
+    said = StageLabels(halves, (LATER, LATER), (LATER, LATER), note=LATER, crossings=LATER, alike=LATER)
     labels = list(stage.labels(said, places))
     if isinstance(places, layout.FieldPlotLayout):
         labels += field_plot.plot_labels(places, stage.PLOT.ends, error_view_captions.FieldPlotCaption(LATER, LATER), 1,
@@ -82,9 +82,8 @@ def _colour_map_data() -> dict[str, Any]:
     """Returns a JSON object with the colour map (bytes r, g, b in base64) and the named colours as CSS."""
     marks = {name: f"rgb{colour}" for name, colour in vars(LIGHT).items()}
     tones = {"plain": "ink2", "bold": "ink", "faint": "ink3", "estimate": "estimate-ink", "truth": "truth-ink",
-             "crossing": "cross"}
+             "crossing": "cross", "before": "before"}
     return {"map": base64.b64encode(colour_table().tobytes()).decode(), "pinned": PINNED, **marks,
-            "fading": (LIGHT.crossing, LIGHT.ground),
             "tones": {tone: PALETTE[name].light for tone, name in tones.items()}}
 
 

@@ -16,7 +16,6 @@ from solvers.solver import samples
 SIDE_BY_SIDE, DIFFERENCE = lazy("estimate | truth"), lazy("estimate − truth | truth")
 ESTIMATE, TRUTH = (lazy("Estimate"), lazy("Estimate − truth")), lazy("Truth")  # the halves' names
 EXACT_SOLUTION = lazy("exact solution")
-PARTICLES, CURVE = lazy("particles"), lazy("exact curve")  # keys of the field plot
 #: Hints about two equal halves: for a run, and for a lost one.
 ALIKE = lazy("{} alike? Then the estimate is right.")
 ALIKE_LOST = lazy("{} alike: the estimate is right, the run is not.")

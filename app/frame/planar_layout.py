@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 from app.frame.error_plot import HEADING, ErrorPlotBox
 from app.frame.layout import HALVES, ComparedRunSlot, StageLayout, colour_bar_box, drawing_rectangle
 from app.frame.primitives import Anchor, Label, StageMetrics
-from app.frame.stage import StageLabels
+from app.frame.stage import StageLabels, title_labels
 from app.language.translation import tr
 from app.names_and_units import short_reason
 
@@ -17,13 +17,14 @@ LEAST = 0.3  # least width of the cells with labels beside them
 #: In pixels: gap beside the body, from x = 0 to a body whose name is left of it, names at its right, numbers of the
 #: plot with its colour bar, and space below the plot.
 GAP, INDENT, NAMES, NUMBERS, BELOW = 10.0, 30.0, 88.0, 58.0, 20.0
+TITLE = 22.0  # height in pixels of the run's title
 
 
 @dataclass(frozen=True)
 class PlanarLayout(StageLayout):
     """Layout of a plane problem, in stage coordinates: ``middle`` and largest ``radius`` of the body, the height
-    ``end`` below the colour bar, above which nothing of the run is drawn, and the box of the error ``plot``; None
-    where there is no room for it."""
+    ``end`` below the colour bar and the run's title, above which nothing is drawn, and the box of the error ``plot``;
+    None where there is no room for it."""
 
     middle: tuple[float, float]
     radius: float
@@ -38,7 +39,7 @@ def make_planar_layout(metrics: StageMetrics, slot: ComparedRunSlot) -> PlanarLa
         metrics = replace(metrics, gutter=0.0)
     if slot != ComparedRunSlot.ALONE:
         return _paired_run_layout(metrics, slot)
-    end = colour_bar_box(metrics, metrics.high).end
+    end = colour_bar_box(metrics, metrics.high).end - TITLE * pixel
     if not metrics.gutter:
         low, high = 1.3 * metrics.line_height, end - 1.3 * metrics.line_height
         wide = min(high - low - 4 * pixel, 1.0)
@@ -59,7 +60,7 @@ def _paired_run_layout(metrics: StageMetrics, slot: ComparedRunSlot) -> PlanarLa
     if the stage has a gutter."""
     pixel, line, second = metrics.pixel, metrics.line_height, slot == ComparedRunSlot.SECOND
     end, under = colour_bar_box(metrics, metrics.high).end, 0.0 if metrics.gutter else 1.3 * line
-    free = end - 1.3 * line - under - 4 * pixel  # between the run's name and the legend
+    free = end - 2.4 * line - under - 4 * pixel  # between the run's name with its facts and the legend
     wide = min(free, PAIRED[0 if metrics.gutter else 1])
     next_one = wide + GAP * pixel
     middle = 0.5 * wide + next_one * second, under + 2 * pixel + 0.5 * free
@@ -92,9 +93,11 @@ def _labels_beside_body(words: StageLabels, places: PlanarLayout) -> Iterator[La
         yield Label(f"{name}-by", by, at, y - 0.1 * metrics.line_height, under, "note")
         yield Label(f"{name}-silence", short_reason(silence), at, y - 1.9 * metrics.line_height, under, "title",
                     width=width, tone="faint")
-    yield Label("size-note", words.note, -metrics.gutter, 4.4 * metrics.line_height, "top-left", "gutter",
+    yield Label("size-note", words.note, -metrics.gutter, 3.3 * metrics.line_height, "top-left", "gutter",
                 width=metrics.letters_per_line(metrics.gutter), tone="faint")
-    yield Label("run", "", x, y, "bottom-left", "name")
+    yield Label.of_spans("compared", words.compared, -metrics.gutter, 3.6 * metrics.line_height, "bottom-left",
+                         "gutter")
+    yield from title_labels(words, metrics, places.end + 0.5 * TITLE * metrics.pixel)
     yield _crossing_label(words, places)
 
 
@@ -109,9 +112,11 @@ def _labels_above_body(words: StageLabels, places: PlanarLayout) -> Iterator[Lab
     yield Label("estimate-by", words.by[0], by, up, "top-left", "note")
     yield Label("truth-by", "", 1.0, up, "top-right", "note")
     yield from _empty_half_labels(words, places)
-    for other in ("size-note", "run"):
-        yield Label(other, "", 0.0, up, "bottom-left", "note")
+    yield Label("size-note", "", 0.0, up, "bottom-left", "note")
+    yield from title_labels(words, metrics, places.end + 0.5 * TITLE * metrics.pixel)
     yield _crossing_label(words, places)
+
+
 def _paired_run_labels(words: StageLabels, places: PlanarLayout) -> Iterator[Label]:
     """Yields labels for one of two runs: its name above the body, the halves' titles in the corners of its square."""
     metrics, (x, y), reach = places.stage_metrics, places.middle, AROUND * places.radius
@@ -124,9 +129,9 @@ def _paired_run_labels(words: StageLabels, places: PlanarLayout) -> Iterator[Lab
                 "center-left" if gutter else "bottom-center", "gutter" if gutter else "note")
     yield Label("truth-by", "", x, y, "bottom-left", "note")
     yield from _empty_half_labels(words, places)
-    run = words.run[:1].upper() + words.run[1:]
-    yield Label("run", run, x - reach, y + reach + 2 * metrics.pixel, "bottom-left", "name", 1.0,
-                metrics.letters_per_line(2 * reach, 1.2), "plain" if first else "faint", True)
+    up = y + reach + 2 * metrics.pixel
+    yield Label.of_spans("name", words.name, x - reach, up + metrics.line_height, "bottom-left", "name")
+    yield Label.of_spans("facts", words.facts, x - reach, up, "bottom-left", "note")
     yield Label("size-note", "", x, y, "bottom-left", "note")
     yield _crossing_label(words, places)
 
@@ -146,5 +151,5 @@ def _crossing_label(words: StageLabels, places: PlanarLayout) -> Label:
     metrics, note = places.stage_metrics, words.crossings if places.slot != ComparedRunSlot.SECOND else ""
     if metrics.gutter:
         return Label("crossings-note", note, -metrics.gutter, 2 * metrics.pixel, "bottom-left", "gutter",
-                     width=max(1, metrics.letters_per_line(metrics.gutter) - 2), tone="crossing", sign="dot")
-    return Label("crossings-note", note, 0.0, 0.0, "bottom-left", "note", tone="crossing", sign="dot")
+                     width=max(1, metrics.letters_per_line(metrics.gutter) - 2), tone="crossing", sign="ring")
+    return Label("crossings-note", note, 0.0, 0.0, "bottom-left", "note", tone="crossing", sign="ring")

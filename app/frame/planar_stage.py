@@ -116,11 +116,11 @@ class PlanarStage(Stage[PlaneScene]):
         return ErrorPlot(self.PLOT, self._scale)
 
     def _plot_marks(self, scene: PlaneScene, arrays: FrameArrays, sizes: tuple[np.ndarray | None, np.ndarray | None],
-                    shades: np.ndarray, t: float, crossed: np.ndarray) -> Iterator[Mark]:
+                    t: float, crossed: np.ndarray) -> Iterator[Mark]:
         return self._plot.draw(self._layout.plot, self._layout.stage_metrics, self.plotted, self._plotted_at, *sizes)
 
     def _moving_marks(self, scene: PlaneScene, arrays: FrameArrays, estimated: np.ndarray, true: np.ndarray, t: float,
-                      crossed: np.ndarray, age: np.ndarray) -> Iterator[Mark]:
+                      crossed: np.ndarray) -> Iterator[Mark]:
         x = clip_to_view(arrays.position)
         yield from self._particle_marks(x, estimated, true)
         size = self._width + 2 * RING * self._layout.stage_metrics.pixel

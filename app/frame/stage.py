@@ -10,8 +10,8 @@ import numpy as np
 from app.frame.colour_scale import ColourScale
 from app.frame.error_view_captions import ALIKE, ALIKE_LOST, StageHalfErrors, crossing_marks_legend
 from app.frame.layout import ComparedRunSlot, Rectangle
-from app.frame.primitives import Label, Mark, StageMetrics, Surface, error_colours
-from app.frame.recent_crossings import crossing_ages, is_recent_crossing
+from app.frame.primitives import Label, Mark, Spans, StageMetrics, Surface, error_colours
+from app.frame.recent_crossings import is_recent_crossing
 from app.language.translation import lazy, tr
 from app.names_and_units import short_reason
 from solvers.engine.shared_frames import FrameArrays
@@ -19,21 +19,28 @@ from solvers.scene.scene import Scene
 
 AnyScene = TypeVar("AnyScene", bound=Scene)
 TOUCH = 0.03  # distance on the stage within which a click selects a particle: wide enough for a finger
+TITLE_SIZE = 1.08  # of the letters of a title
+NARROWEST_TITLE = 0.9  # width of the words of a title, as a share of the stage's, from which some are left out
 Names = tuple[str, str]  # of the estimate and of the truth
 
 
 @dataclass(frozen=True)
 class StageLabels:
     """Texts of the labels on a stage: of the estimate's and the truth's half, the ``titles``, the sources ``by`` which
-    the errors are known and the reasons why they are empty (``silences``); besides, the run's name, the note on the
-    scale of the drawing, the legend of marks at crossings, and the hint about two halves that look alike."""
+    the errors are known and the reasons why they are empty (``silences``); besides, the run's ``name``, the ``facts``
+    at the other end of that line, and what the run could be ``compared`` with if it is alone; the note on the scale of
+    the drawing, the legends of marks at crossings and of the curve ``before`` a change, and the hint about two halves
+    that look alike."""
 
     titles: Names = ("", "")
     by: Names = ("", "")
     silences: Names = ("", "")
-    run: str = ""
+    name: Spans = ()
+    facts: Spans = ()
+    compared: Spans = ()
     note: str = ""
     crossings: str = ""
+    before: str = ""
     alike: str = ""
 
 
@@ -69,7 +76,7 @@ class Stage(ABC, Generic[AnyScene]):
     PLOT: ClassVar[Any]  # settings of the plot: a FieldPlotDefinition or an ErrorPlotDefinition
     MOST_MARKED: ClassVar[int]  # particles whose crossings are marked
     LINES: ClassVar[int] = 0  # material lines drawn by the exact solution
-    MARKED: ClassVar[str] = lazy("crosses an edge")  # legend of the marks
+    MARKED: ClassVar[str] = lazy("has changed its cell")  # legend of the marks
     HALVES: ClassVar[str]  # name of the parts for estimate and truth
     MIRRORS: ClassVar[tuple[tuple[int, int], ...]] = ()  # signs of x and y in each image of a body in the plane
     OUTLINED: ClassVar[tuple[tuple[int, int], ...]] = ()  # images whose domains are drawn
@@ -124,9 +131,9 @@ class Stage(ABC, Generic[AnyScene]):
         """Whether the stage must be redrawn because the run beside it has changed the value axis of their plots."""
         return self._plot.shared_axis_changed
 
-    def show_run_name(self, text: str) -> None:
-        """Shows a text as the run's name; it appears only if there are two runs."""
-        self._update_labels(run=text)
+    def show_title(self, name: Spans, facts: Spans, compared: Spans) -> None:
+        """Shows the run's title: its name, facts about it, and what it could be compared with if it is alone."""
+        self._update_labels(name=name, facts=facts, compared=compared)
 
     def show_captions(self, estimate: StageHalfErrors, truth: StageHalfErrors) -> None:
         """Shows titles and sources of both halves, and the reason in an empty one, shortened beside another run."""
@@ -167,13 +174,16 @@ class Stage(ABC, Generic[AnyScene]):
         since = arrays.steps_since_crossing
         with np.errstate(all="ignore"):  # a run gone bad holds anything
             halves = [error_colours(self._scale, sizes, count, unknown) for sizes in (estimated, true)]
-            crossed = is_recent_crossing(since, scene, speed) & self._marked
-            marks = [*self._moving_marks(scene, arrays, halves[0], halves[1], t, crossed,
-                                         crossing_ages(since[crossed], scene, speed))]
+            crossed = self._particles_to_mark(since, scene, speed)
+            marks = [*self._moving_marks(scene, arrays, halves[0], halves[1], t, crossed)]
             if self.plotted:
-                shades = halves[1] if true is not None else halves[0]
-                marks += self._plot_marks(scene, arrays, (estimated, true), shades, t, crossed)
+                marks += self._plot_marks(scene, arrays, (estimated, true), t, crossed)
             self.sheet.show_marks(*marks)
+
+    def _particles_to_mark(self, since: np.ndarray, scene: AnyScene, speed: float) -> np.ndarray:
+        """Returns which particles are marked as having changed their cell, (P,) of bool, from the steps ``since`` the
+        last time, (P,), -1 for never; at a playing ``speed`` in simulated s per s."""
+        return is_recent_crossing(since, scene, speed) & self._marked
 
     def _select_marked_particles(self, particles: int) -> None:
         """Selects, of so many particles, those whose crossings are marked, and shows the legend of the marks."""
@@ -245,10 +255,9 @@ class Stage(ABC, Generic[AnyScene]):
 
     @abstractmethod
     def _moving_marks(self, scene: AnyScene, arrays: FrameArrays, estimated: np.ndarray, true: np.ndarray, t: float,
-                      crossed: np.ndarray, age: np.ndarray) -> Iterator[Mark]:
+                      crossed: np.ndarray) -> Iterator[Mark]:
         """Yields marks that move, at the time t in s, with the colours (P, 3) of the ``estimated`` and ``true`` errors;
-        ``crossed`` (P,) of bool are particles to be marked, which crossed a cell boundary, and ``age`` (n,) their ages,
-        0 to 1."""
+        ``crossed`` (P,) of bool are particles to be marked, which crossed a cell boundary."""
 
     @staticmethod
     @abstractmethod
@@ -258,14 +267,27 @@ class Stage(ABC, Generic[AnyScene]):
 
     @abstractmethod
     def _plot_marks(self, scene: AnyScene, arrays: FrameArrays, sizes: tuple[np.ndarray | None, np.ndarray | None],
-                    shades: np.ndarray, t: float, crossed: np.ndarray) -> Iterator[Mark]:
-        """Yields the marks of the plot at the time t in s, from the ``sizes`` (P,) of the estimated and the true errors
-        in their unit, None if unknown, and the colours (P, 3) of either; ``crossed`` as in :meth:`_moving_marks`."""
+                    t: float, crossed: np.ndarray) -> Iterator[Mark]:
+        """Yields the marks of the plot at the time t in s, with the ``sizes`` (P,) of the estimated and the true errors
+        in their unit, None if unknown; ``crossed`` as in :meth:`_moving_marks`."""
 
     @abstractmethod
     def _worst_region_marks(self, worst: tuple[WorstRegionMark | None, WorstRegionMark | None],
                             arrays: FrameArrays) -> Iterator[Mark]:
         """Yields marks at the ``worst`` regions of estimate and truth in a frame, always the same number of marks."""
+
+
+def title_labels(words: StageLabels, metrics: StageMetrics, y: float) -> Iterator[Label]:
+    """Yields the labels of a run's title in a line at the height y: its name at the left, facts at the right. What does
+    not fit is left out: settings of the run first, then its time."""
+    name, facts = words.name, words.facts
+    if sum(metrics.text_extent(text)[0] for _, text in (*name, *facts)) > NARROWEST_TITLE:
+        name = tuple(span for span in name if span[0] != "settings")
+    if sum(metrics.text_extent(text)[0] for _, text in (*name, *facts)) > NARROWEST_TITLE and facts[-1:] \
+            and facts[-1][0] == "duration":
+        facts = facts[:-2]
+    yield Label.of_spans("name", name, 0.0, y, "center-left", "name", size=TITLE_SIZE)
+    yield Label.of_spans("facts", facts, 1.0, y, "center-right", "note", size=TITLE_SIZE)
 
 
 def marking_stride(particles: int, most: int) -> int:

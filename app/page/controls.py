@@ -16,7 +16,8 @@ from app.page.panels.scene_widgets import SceneWidgetFactory, WidgetStatusMessag
 from app.page.panels.simulation_parameter_widgets import SimulationParameterWidgets
 from app.page.playback_controls import PlaybackControls
 from app.page.stage_source import ViewChoice
-from app.page.visit.run_session import RunSession, first_scene
+from app.page.visit.first_scene import first_scene
+from app.page.visit.run_session import RunSession
 from app.problems.views import VIEWS
 from app.shareable_state import State
 from solvers.engine.engine_messages import FrameReport
@@ -53,7 +54,7 @@ class Controls:
         self._drawing = DrawingWidgets(session, scale, history, self.stage, on_view)
         self._run = SimulationParameterWidgets(session, self._bound, store)
         self.estimator_cards = EstimatorCards(gui, session, self.stage, self._bound, store)
-        store.heard["entered"] = self._on_entered
+        store.heard |= {"entered": self._on_entered, "compare": self._transport.on_choice}
 
     def add_extension(self, control: str, build: Callable[[], Any], *widgets: Any) -> None:
         """Adds ``build``, which makes widgets in the tab beside a control (its name in lessons) and is called at each
@@ -65,9 +66,7 @@ class Controls:
         """Sets view options and pinned run to a state whose scene the session already has, before :meth:`build`."""
         self.stage.show(state.quantity, state.estimator, state.magnified)
         self._session.set_frame_options(plotted=state.quantity)
-        if state.pinned is not None:
-            self._transport.pin(state.pinned)
-            self._transport.refresh()
+        self._transport.show_second_run(state)
 
     def build(self, tab: viser.GuiTabHandle) -> None:
         """Builds the scene's widgets within a tab."""
@@ -121,8 +120,7 @@ class Controls:
             self._scale.reset()
             session.unpin()
             session.set_scene(state.scene, state.speed, state.stops)
-            if state.pinned is not None:
-                self._transport.pin(state.pinned)
+            self._transport.show_second_run(state)
             session.set_frame_options(differences=state.difference, plotted=state.quantity)
             self._history.trace(state.traced)
             self._rebuild()
@@ -179,11 +177,11 @@ class Controls:
     def state(self) -> State:
         """The state that the visitor sees."""
         session, stage, first = self._session, self.stage, self._session.scene.first_estimator
-        speed, pinned = VIEWS[session.scene.problem].speed, session.pinned
+        speed = VIEWS[session.scene.problem].speed
         return State(session.scene, stage.quantity, stage.estimator if stage.estimator != first else None,
                      self._drawing.difference, stage.magnified, self._scale.logarithmic, self._drawing.domains,
                      session.speed if session.speed != speed else None, self._history.traced_particle,
-                     session.stops_at_end, pinned.scene if pinned else None)
+                     session.stops_at_end, session.pinned.follows if session.pinned else None, session.pinned_scene)
 
     def _rebuild(self) -> None:
         """Rebuilds the widgets for the session's present scene."""

@@ -100,8 +100,8 @@ class WholeAnnulusStage(QuarterAnnulusStage):
         return scene.EXACT.position(scene, X.reshape(-1, 2), t).reshape(X.shape)
 
     def _moving_marks(self, scene: CircularScene, arrays: FrameArrays, estimated: np.ndarray, true: np.ndarray,
-                      t: float, crossed: np.ndarray, age: np.ndarray) -> Iterator[Mark]:
-        yield from super()._moving_marks(scene, arrays, estimated, true, t, crossed, age)
+                      t: float, crossed: np.ndarray) -> Iterator[Mark]:
+        yield from super()._moving_marks(scene, arrays, estimated, true, t, crossed)
         lines = self.exact_material_lines(scene, t, SPOKES * scene.solution_known)
         x = self._to_stage(lines.reshape(-1, 2), 0.015).reshape(-1, SPOKE_POINTS, 3)
         yield Lines("spokes", join_points(x[:, :-1].reshape(-1, 3), x[:, 1:].reshape(-1, 3)),

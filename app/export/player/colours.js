@@ -2,7 +2,7 @@
 // the first period on, which a recording knows; it only grows, as in app/frame/colour_scale.py.
 
 const {tops: TOPS, decades: DECADES, beyond: BEYOND, smallest: SMALLEST} = DATA.scale;
-const {exact: TRUTH, pinned: PINNED, crossing: CROSSING, dot: DOT, axis: AXIS, grid: GRID, cell: CELL, ground: GROUND, unknown: UNKNOWN} = DATA.colours;
+const {exact: TRUTH, pinned: PINNED, crossing: CROSSING, dot: DOT, axis: AXIS, grid: GRID, ground: GROUND, stem: STEM, unknown: UNKNOWN} = DATA.colours;
 const TABLE = Uint8Array.from(atob(DATA.colours.map), (letter) => letter.charCodeAt(0));
 const SHADES = Array.from({length: 256}, (_, k) => `rgb(${TABLE[3 * k]},${TABLE[3 * k + 1]},${TABLE[3 * k + 2]})`);
 

@@ -27,11 +27,11 @@ function writeLabels(pen, place, labels, texts) {
     const lines = linesOf(pen, text, width ? Math.min(room, 0.53 * letters * width) : room, sign ? 1.3 * letters : 0), step = 1.3 * letters;
     const long = Math.max(...lines.map((line) => pen.measureText(line).width)) + (sign ? 1.3 * letters : 0), high = step * lines.length;
     const left = Math.min(Math.max(place.x(x) - long * SHARES[side], 2), place.width - long - 2), top = place.y(y) - high * SHARES[upright];
-    if (role === "silence" || role === "place") {
+    if (role === "silence" || role === "place" || role === "chip") {
       pen.fillStyle = "#fff";
       pen.fillRect(left - 4, top - 1, long + 8, high + 2);
     }
-    if (sign) drawSign(pen, sign, name.startsWith("field") && tone === "plain" ? DATA.colours.dot : colour, left, top + step / 2, letters);
+    if (sign) drawSign(pen, sign, tone === "plain" ? DATA.colours.dot : colour, left, top + step / 2, letters);
     const start = sign ? left + 1.3 * letters : left, room_for = sign ? long - 1.3 * letters : long;
     lines.forEach((line, k) => words(pen, line, start + room_for * SHARES[side], top + step * (k + 0.5), side, "middle", colour));
   }
@@ -40,10 +40,10 @@ function writeLabels(pen, place, labels, texts) {
 
 // What a label explains looks like this.
 function drawSign(pen, sign, colour, x, y, letters) {
-  Object.assign(pen, {fillStyle: colour, strokeStyle: colour, lineWidth: 3});
+  Object.assign(pen, {fillStyle: colour, strokeStyle: colour, lineWidth: sign === "line" ? 2.5 : 1.75});
   if (sign === "line") return stroke(pen, [[x, y], [x + letters, y]]);
-  if (sign === "ring") return ring(pen, x + 0.4 * letters, y, 0.33 * letters, 1.5);
-  disc(pen, x + 0.4 * letters, y, 0.33 * letters);
+  if (sign === "dot") return disc(pen, x + 0.5 * letters, y, 0.18 * letters);
+  ring(pen, x + 0.5 * letters, y, 0.36 * letters, 1.75);
 }
 
 function ring(pen, x, y, radius, wide) {

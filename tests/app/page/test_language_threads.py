@@ -15,7 +15,8 @@ from app.page.features import background_job
 from app.page.features.budget.jobs import BudgetJobs
 from app.page.page_server import OVER, Visitors
 from app.page.visit.engine_links import PageEngineLinks
-from app.page.visit.run_session import RunSession, first_scene
+from app.page.visit.first_scene import first_scene
+from app.page.visit.run_session import RunSession
 from app.viewer.upload import TOO_LARGE
 from solvers.workers.worker_pool import Slots
 from solvers.workers.worker_process import ProcessDied

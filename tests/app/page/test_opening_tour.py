@@ -52,6 +52,8 @@ class Session:
 class Visit:
     """A page without a browser, and the tour there."""
 
+    pinned_scene = property(lambda self: self.pinned and self.pinned.scene)
+
     def __init__(self):
         self.now, self.session, self.html, self.drawn = 0.0, Session(), SimpleNamespace(content=""), 0
         self.surfaces = []

@@ -12,7 +12,8 @@ from viser import _messages
 
 from app.page.controls import Controls
 from app.page.visit.engine_links import FASTEST, MOST_WATCHED, PageEngineLinks, scene_size_refusal
-from app.page.visit.run_session import FIRST_SCENE, RunSession
+from app.page.visit.first_scene import FIRST_SCENE
+from app.page.visit.run_session import RunSession
 from app.problems.views import VIEWS
 from app.viewer import incoming_messages, web_server, widget_validation
 from solvers.problems import PROBLEMS

@@ -23,7 +23,8 @@ from app.page.panels.page_header import BARE
 from app.page.readout_panel import ReadoutContent
 from app.page.stage.worst_region import WorstRegions
 from app.page.stage_source import StageContent, StageFrame, ViewChoice
-from app.page.visit.run_session import RunSession, first_scene
+from app.page.visit.first_scene import first_scene
+from app.page.visit.run_session import RunSession
 from app.page.visit.status_message import Notice
 from app.viewer.upload import LARGEST, TOO_LARGE, VisitorUploads
 from solvers.engine.engine_messages import FrameReport
