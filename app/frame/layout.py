@@ -47,11 +47,17 @@ class PlotBox:
 
 @dataclass(frozen=True)
 class StageLayout:
-    """Layout of a run in a ``slot`` of a stage: its rounded metrics, the ``rectangle`` of all, the field plot's box."""
+    """Layout of a run in a ``slot`` of a stage: its rounded metrics, and the ``rectangle`` of everything."""
 
     stage_metrics: StageMetrics
     slot: ComparedRunSlot
     rectangle: Rectangle
+
+
+@dataclass(frozen=True)
+class FieldPlotLayout(StageLayout):
+    """Layout of a run with a field plot, which is in the box ``field``."""
+
     field: PlotBox
 
 

@@ -44,8 +44,13 @@ function drawSign(pen, sign, colour, x, y, letters) {
   Object.assign(pen, {fillStyle: colour, strokeStyle: colour, lineWidth: sign === "line" ? 2.5 : 1.75});
   if (sign === "line") return stroke(pen, [[x, y], [x + letters, y]]);
   if (sign === "dot") return disc(pen, x + 0.5 * letters, y, 0.18 * letters);
+  ring(pen, x + 0.5 * letters, y, 0.36 * letters, 1.75);
+}
+
+function ring(pen, x, y, radius, wide) {
+  pen.lineWidth = wide;
   pen.beginPath();
-  pen.arc(x + 0.5 * letters, y, 0.36 * letters, 0, 7);
+  pen.arc(x, y, radius, 0, 7);
   pen.stroke();
 }
 
