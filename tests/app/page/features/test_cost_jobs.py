@@ -13,9 +13,9 @@ import pytest
 from app.page.features import background_job
 from app.page.features.cost import cost_texts
 from app.page.features.cost import jobs as cost_jobs
-from app.page.features.cost.jobs import CostJobs, CostJobStatus, SearchCache, WarmWorker, search_job, small_sweep
+from app.page.features.cost.jobs import CostJobs, CostJobStatus, SearchCache, WarmWorker, search_job, sweep_tasks
 from app.page.features.cost.panel import CostTab
-from app.page.features.cost.visitor_run_list import VisitorRunList, advice_key, cheapest_run
+from app.page.features.cost.visitor_run_list import VisitorRunList, advice_key, cheapest_run, run_key
 from solvers.problems.bar.scene import BarScene
 from solvers.problems.ring import RingScene
 from solvers.study.parameter_grid import task_of
@@ -76,16 +76,17 @@ def jobs():
 
 def few(tolerance):
     """A search among two families."""
-    return replace(search_job(SCENE, tolerance, 5.0), methods=(("ugimp", False), ("mpm", False)), ppc=(2,),
+    return replace(search_job(SCENE, "x", tolerance, 5.0), methods=(("ugimp", False), ("mpm", False)), ppc=(2,),
                    courant_numbers=(0.5,))
 
 
 @pytest.mark.parametrize("scene", [
     SCENE, BarScene(method="cpgimp", velocity="corners", effects=(), periods=1), RingScene(periods=1, dt=1e-5)],
     ids=["bar", "corners", "ring"])
-def test_small_sweep_is_valid_and_like_the_scene(scene):
-    tasks = small_sweep(scene)
-    assert len(tasks) == 16 == len({task.key for task in tasks})
+def test_a_sweep_is_valid_and_like_the_scene(scene):
+    """It begins with the scene itself, and has every grid of every method."""
+    tasks = sweep_tasks(scene)
+    assert len({task.key for task in tasks}) == len(tasks) >= 16 and run_key(tasks[0].scene()) == run_key(scene)
     for task in tasks:
         other = task.scene()
         assert (other.amplitude, other.dt, other.periods) == (scene.amplitude, scene.dt, scene.periods)
@@ -97,7 +98,7 @@ def test_a_sweep_and_a_search_in_processes_of_their_own(jobs):
     """Each of a search's runs is a row as soon as it is made, with an estimate, no true error, and a scene to watch;
     the advice is a scene with the truth and the estimate by which it was found. Another visitor's search for the same
     makes none of them again."""
-    jobs.start_sweep(small_sweep(SCENE)[:1])
+    jobs.start_sweep(sweep_tasks(SCENE)[:1])
     wait_until(lambda: not jobs.status.running, "the end of a sweep")
     [run] = jobs.runs.all()
     assert jobs.status == CostJobStatus("sweep", done=1, total=1) and run.row["seconds"]["min"] > 0
@@ -115,7 +116,7 @@ def test_a_sweep_and_a_search_in_processes_of_their_own(jobs):
     taken = cheapest_run(found, 1e-2)
     assert taken.row["asked"] == advice["task"]["inputs"] and taken.scene.has("truth")
     assert taken.seconds == advice["seconds"] and taken.error_or_estimate == advice["error"] / SCENE.amplitude
-    assert cost_texts.advice_text({**advice, "met": False, "error": None}).startswith("No run within the limits")
+    assert cost_texts.advice_text({**advice, "met": False, "error": None}, "x").startswith("No run within the limits")
     assert other.status.known == other.status.done == searcher.status.done and other.status.task is None
     assert other.status.advice == advice and [run.row for run in other.runs.all()] == [run.row for run in found]
     assert f"{other.status.known} of them had been made by earlier searches" in cost_texts.job_status_text(other.status)
@@ -125,18 +126,18 @@ def test_a_sweep_and_a_search_in_processes_of_their_own(jobs):
 
 def test_a_job_is_told_of_and_makes_room(jobs, pools):
     """While one runs nothing else begins, and no other visitor's; cancelled it keeps its rows; what ends it is said."""
-    jobs.start_sweep(small_sweep(SCENE))
+    jobs.start_sweep(sweep_tasks(SCENE))
     jobs.start_search(few(1e-2))
     assert (
         len(pools) == 1
         and pools[0].work == "solvers.study.sweep_and_search_worker:sweep"
-        and len(pools[0].question) == 16
+        and len(pools[0].question) == 25
     )
     other = CostJobs(VisitorRunList(), jobs.slots)
-    other.start_sweep(small_sweep(SCENE))
+    other.start_sweep(sweep_tasks(SCENE))
     assert "server busy" in cost_texts.job_status_text(other.status) and not other.status.running and other.others_busy
     pools[0].hear({"row": fake_row()})
-    assert cost_texts.job_status_text(jobs.status) == "Sweep: 1 of 16 runs."
+    assert cost_texts.job_status_text(jobs.status) == "Sweep: 1 of 25 runs."
     jobs.cancel()
     wait_until(lambda: not jobs.status.running, "the end of a job that was cancelled")
     assert (
@@ -146,7 +147,7 @@ def test_a_job_is_told_of_and_makes_room(jobs, pools):
     )
     for error, said in ((ProcessDied("was ended by SIGKILL"), "SIGKILL"),
                         (OSError(11, "Resource temporarily unavailable"), "temporarily unavailable")):
-        jobs.start_sweep(small_sweep(SCENE))
+        jobs.start_sweep(sweep_tasks(SCENE))
         pools[-1].end(error)
         assert said in cost_texts.job_status_text(jobs.status) and not jobs.status.running and jobs.slots.taken == 0
     other.start_search(few(1e-2))
@@ -159,10 +160,10 @@ def test_a_job_is_told_of_and_makes_room(jobs, pools):
 
 def test_visitor_who_leaves_takes_the_process_along(jobs, pools):
     """After that none begins. That the page closes its jobs is seen in ``tests/browser/features/test_cost.py``."""
-    jobs.start_sweep(small_sweep(SCENE))
+    jobs.start_sweep(sweep_tasks(SCENE))
     jobs.close()
     wait_until(lambda: not jobs.status.running and pools[0].closed, "the end of the job")
-    jobs.start_sweep(small_sweep(SCENE))
+    jobs.start_sweep(sweep_tasks(SCENE))
     assert not jobs.status.running and len(pools) == 1
 
 
@@ -206,7 +207,7 @@ def test_a_search_takes_the_process_that_is_ready(jobs, ready, pools):
     assert first.ways == 1 and ready._pool is None and first.closed
     jobs.prepare(few(1e-2), undisturbed=True)
     second = ready._pool
-    jobs.start_sweep(small_sweep(SCENE)[:1])
+    jobs.start_sweep(sweep_tasks(SCENE)[:1])
     assert jobs._pool is not second
     wait_until(lambda: second.closed, "the end of what was ready")
 
@@ -236,7 +237,7 @@ def test_who_opens_the_tab_has_a_process_made_ready(tab):
     tab.open({"what": "ever"})
     tab.stage.scene = BarScene(motion="patch")
     tab.open(True)
-    assert [quiet for _, quiet in asked] == [True, False] and asked[0][0] == search_job(SCENE, 1e-3, 10.0)
+    assert [quiet for _, quiet in asked] == [True, False] and asked[0][0] == search_job(SCENE, "x", 1e-3, 10.0)
 
 
 def test_what_is_kept_is_bounded_and_times_hold_for_an_hour():
@@ -338,7 +339,7 @@ def test_advice_goes_when_what_was_asked_changes(tab):
     tab.stage.scene = replace(SCENE, method="cpgimp", cells=28, ppc=3, cfl=0.5, effects=(), estimators=())
     tab.refresh()
     assert tab.jobs.status.advice and "advice is on the stage" not in tab.widgets.said
-    tab.widgets.by_label["Tolerance / A"].value = "1e-2"
+    tab.widgets.by_label["Tolerance"].value = "1e-2"
     tab.refresh()
     assert tab.jobs.status == CostJobStatus()
     for change in ({"amplitude": 0.01}, {"modulus": 8.0}, {"body_force": "none"}, {"periods": 2.0}):
