@@ -9,7 +9,7 @@ from time import monotonic
 import viser
 
 from app.language.translation import tr
-from app.names_and_units import command_line
+from app.names_and_units import command_line, format_number
 from app.page.feature import Feature, VisiblePageState
 from app.page.features.cost import cost_texts, visitor_run_list
 from app.page.features.cost.cost_answer import (
@@ -122,7 +122,7 @@ class CostTab(Feature):
                 self._charted, self._next = charted, monotonic() + STREAM_SECONDS
                 self._follow_own_error(scene)
                 self._show_runs(scene)
-            told = (charted, self._tolerance.value, status, self._remark, stage)
+            told = (charted, self._tolerance.value, status, self._remark, stage, self._is_past_end)
             if told != self._written:
                 self._written = told
                 self._show_answer(scene, status, stage)
@@ -138,6 +138,12 @@ class CostTab(Feature):
     def notice(self) -> Notice | None:
         """Returns the reason why the stage is paused, if that is for a job."""
         return Notice("wait", tr(cost_texts.PAUSED[self.jobs.status.kind])) if self._quiet.paused else None
+
+    @property
+    def _is_past_end(self) -> bool:
+        """Whether the run on the stage has gone on beyond the end of its scene."""
+        report = self._session.report
+        return report is not None and report.step > report.scene.steps
 
     def _disturbance_note(self, status: CostJobStatus) -> str:
         """Returns a note on what disturbs a running job, "" without; lowers its priority if a stage runs."""
@@ -234,6 +240,10 @@ class CostTab(Feature):
             end = tr("The search has ended. A clearly cheaper run is unlikely, but "
                      "possible.") if status.advice["met"] else tr("The search has ended.")
             more = f"{more} {escape(end)}"
+        elif self._is_past_end:
+            gone = tr("The chart counts until t = {time} s, the end of the scene; the stage has gone on.",
+                      time=format_number(scene.end_time))
+            more = f"{more} {gone}"
         self._line.content = (f"<template class='lab-cost-says'><h2>{says}</h2><p>{more}</p></template>"
                               f"{tolerance_line(answer, self._inside)}")
         self._box.content = f"<div class='lab-cost'>{answer_box(answer)}</div>"

@@ -16,6 +16,7 @@ from app.page.features.cost import jobs as cost_jobs
 from app.page.features.cost.jobs import CostJobs, CostJobStatus, SearchCache, WarmWorker, search_job, sweep_tasks
 from app.page.features.cost.panel import CostTab
 from app.page.features.cost.visitor_run_list import VisitorRunList, advice_key, cheapest_run, run_key
+from app.page.visit.run_session import first_scene
 from solvers.problems.bar.scene import BarScene
 from solvers.problems.ring import RingScene
 from solvers.study.parameter_grid import task_of
@@ -261,7 +262,7 @@ class Stage:
     """As much of a session as a job takes note of."""
 
     def __init__(self, playing=True, others=False):
-        self.scene, self.playing, self.others_playing = SCENE, playing, others
+        self.scene, self.playing, self.others_playing, self.report = SCENE, playing, others, None
 
     def play(self, playing):
         self.playing = playing
@@ -311,6 +312,27 @@ def test_tab_says_what_disturbs_the_times_and_gives_way_to_it(tab):
     assert "<p>Your stage is running" in said() and tab.notice() is None
     tab.jobs.status = CostJobStatus("sweep")
     assert "Your stage" not in said() and "Other visitors" not in said() and "paused" not in said()
+
+
+def test_tab_opens_with_shipped_runs_and_follows_the_error_of_the_own_one(tab):
+    """Until the visitor sets another tolerance; where the stage goes on after the scene, it says when the chart ends."""
+    tab.jobs.prepare = lambda job, undisturbed: None
+    tab.stage.scene = first_scene("bar")
+    tab.refresh()
+    assert not tab.runs.all() and "Nothing measured" in tab.widgets.said
+    tab.open(True)
+    tab.refresh()
+    tolerance = tab.widgets.by_label["Tolerance"]
+    assert "does as well in" in tab.widgets.said and "Load the better" in tab.widgets.said
+    assert tolerance.value == "0.5\N{NO-BREAK SPACE}%" and "the stage has gone on" not in tab.widgets.said
+    tab.stage.scene = replace(tab.stage.scene, method="mpm")
+    tab.stage.report = SimpleNamespace(scene=tab.stage.scene, step=tab.stage.scene.steps + 1)
+    tab.refresh()
+    assert tolerance.value == "10\N{NO-BREAK SPACE}%" and "until t = 1 s" in tab.widgets.said
+    tolerance.value = "2 %"
+    tab.stage.scene = first_scene("bar")
+    tab.refresh()
+    assert tolerance.value == "2 %" and "For an error of <b>2" in tab.widgets.said
 
 
 def test_a_search_gives_way_once_it_has_shown_a_run(jobs):
