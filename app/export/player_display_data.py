@@ -10,7 +10,7 @@ from app.colour_palette import CAUSES, PALETTE, PINNED, colour_table
 from app.export import recording_compression
 from app.frame import budget_chart_data, colour_scale, error_view_captions, field_plot, headline, layout
 from app.frame.layout import ComparedRunSlot
-from app.frame.primitives import LIGHT, Label, StageMetrics
+from app.frame.primitives import LIGHT, StageMetrics
 from app.frame.recent_crossings import LEAST_SECONDS, MOST_CHANGED, WINDOW
 from app.frame.stage import Stage, StageLabels
 from app.language.translation import tr
@@ -55,10 +55,9 @@ def shared_display_data(problems: Iterable[str]) -> dict[str, Any]:
 
 
 def static_stage_data(stage: type[Stage]) -> dict[str, Any]:
-    """Returns a JSON object with what all frames of a problem's stage share: mirror images, plot axis, and layout and
-    labels in the bounds of a window and of a phone. A label's text is ``LATER`` if a run or frame has it."""
+    """Returns a JSON object with what all frames of a problem's stage share: mirror images, and layout and labels in
+    the bounds of a window and of a phone. A label's text is ``LATER`` if a run or frame has it."""
     return {"mirrors": stage.MIRRORS, "outlined": stage.OUTLINED, "lines": stage.LINES,
-            "plot": {"start": stage.PLOT.start, "end": stage.PLOT.end, "along": stage.PLOT.where is not None},
             "alike": tr(error_view_captions.ALIKE).format(tr(stage.HALVES)),
             "rooms": {name: _stage_layout(stage, room.rounded()) for name, room in ROOMS.items()}}
 
@@ -69,13 +68,14 @@ def _stage_layout(stage: type[Stage], room: StageMetrics) -> dict[str, Any]:
     top = layout.colour_bar_box(room, room.high)
     halves = tr(error_view_captions.ESTIMATE[0]), tr(error_view_captions.TRUTH)
     said = StageLabels(halves, (LATER, LATER), (LATER, LATER), note=LATER, crossings=LATER, alike=LATER)
-    labels: list[Label] = [*stage.labels(said, places), *field_plot.plot_labels(
-        places, stage.PLOT.ends, error_view_captions.FieldPlotCaption(LATER, LATER), 1, LATER, True)]
+    labels = list(stage.labels(said, places))
+    if isinstance(places, layout.FieldPlotLayout):
+        labels += field_plot.plot_labels(places, stage.PLOT.ends, error_view_captions.FieldPlotCaption(LATER, LATER), 1,
+                                         LATER, True)
     of = [label for label in layout.colour_bar_labels(top, room.gutter > 0, "x", []) if label.text]
-    left_out = ("stage_metrics", "slot", "rectangle", "field")
-    own = {name: value for name, value in vars(places).items() if name not in left_out}
-    return {"pixels": room.pixels, "high": room.high, "gutter": room.gutter, "box": asdict(places.field), **own,
-            "bar": asdict(top), "labels": [asdict(label) for label in (*of, *labels)]}
+    own = {name: value for name, value in asdict(places).items() if name not in ("stage_metrics", "slot", "rectangle")}
+    return {"pixels": room.pixels, "high": room.high, "gutter": room.gutter, **own, "bar": asdict(top),
+            "labels": [asdict(label) for label in (*of, *labels)]}
 
 
 def _colour_map_data() -> dict[str, Any]:
@@ -92,9 +92,8 @@ def missing_value_texts(scene: Scene, not_valid: Mapping[str, str], silent: Mapp
     """Returns a JSON object of texts by quantity (x, v, ...): why a row of the readout has no number, the field plot's
     caption, and by estimator ("" if none) captions of both halves and headline templates. ``not_valid`` maps estimators
     to reasons, ``silent`` quantities to estimators without values; ``difference`` adds captions of that view."""
-    component = VIEWS[scene.problem].stage.PLOT.component
     return {key: {"rows": error_view_captions.why_no_numbers(scene, not_valid, key, silent[key]),
-                  "field": vars(error_view_captions.field_plot_caption(scene, component, key)),
+                  "field": vars(error_view_captions.field_plot_caption(scene, key)),
                   "by": {name: _estimator_texts(scene, not_valid, key, name, silent[key], difference)
                          for name in scene.estimators or ("",)}} for key in silent}
 

@@ -39,6 +39,7 @@ class ColourScale:
         self._begun, self._is_anew, self._next = False, False, 0.0
         self.logarithmic = self.held = self.absolute = False
         self.top, self._parts = 1.0, TOPS[1.0]
+        self.whole = 1.0  # the largest exact value, in the quantity's unit
         self.exceeded = False  # whether an error is above the top
 
     def reset(self) -> None:
@@ -53,6 +54,11 @@ class ColourScale:
     def is_outdated(self) -> bool:
         """Whether it is time to fit the top to a run that has begun, by the next update."""
         return self._is_anew and not self.held and self._clock() > self._next
+
+    @property
+    def look(self) -> tuple[Hashable, ...]:
+        """Everything on which colours and ticks depend."""
+        return self.top, self.exceeded, self.logarithmic, self.absolute and self.whole
 
     def update(self, estimated: np.ndarray | None, true: np.ndarray | None, run: Hashable = None,
                beside: tuple[np.ndarray | None, np.ndarray | None] = (None, None), least: float = 0.0,
@@ -87,27 +93,30 @@ class ColourScale:
     def colours(self, sizes: np.ndarray) -> np.ndarray:
         """Returns colours (P, 3), uint8 RGB, for sizes (P,) of errors; NaN counts as above the top. Callers silence
         numpy's warnings about such sizes, once for everything drawn: that takes as long as the colours do."""
-        share = 1 + np.log10(sizes / self.top) / DECADES if self.logarithmic else sizes / self.top
-        row = np.fmax(np.fmin(255 * share, 255), 0)  # fmin ignores NaN
+        row = np.fmax(np.fmin(255 * self.shares(sizes), 255), 0)  # fmin ignores NaN
         return self._table.take(row.astype(np.uint8), axis=0)
+
+    def shares(self, sizes: np.ndarray) -> np.ndarray:
+        """Returns the positions (P,) of sizes (P,) of errors along the scale, 0 to 1 from its bottom to its top."""
+        return 1 + np.log10(sizes / self.top) / DECADES if self.logarithmic else sizes / self.top
 
     def gradient(self, steps: int) -> np.ndarray:
         """Returns evenly spaced colours (steps, 3), uint8 RGB, from the bottom of the scale to its top."""
         return self._table[np.linspace(0, 255, steps).astype(np.int32)]
 
-    def ticks(self, quantity: str, size: float) -> list[tuple[float, str]]:
+    def ticks(self, quantity: str, says_of_what: bool = True) -> list[tuple[float, str]]:
         """Returns ticks, from the bottom up: positions 0 to 1 along the scale and the texts there, for a quantity by
-        its key, whose largest exact value is ``size`` in its unit."""
+        its key; the last one ``says_of_what`` it is a share, unless that is False."""
         if self.logarithmic:
             shares = [(k / DECADES, self.top * 10.0 ** (k - DECADES)) for k in range(DECADES + 1)]
         else:
             shares = [(k / self._parts, self.top * k / self._parts) for k in range(self._parts + 1)]
         words = QUANTITIES[quantity]
-        texts = [with_unit(share * size, words.unit) if self.absolute else f"{format_number(100 * share)} %"
+        texts = [with_unit(share * self.whole, words.unit) if self.absolute else f"{format_number(100 * share)} %"
                  for _, share in shares]
         if not self.logarithmic:
             texts[0] = tr(ZERO)
-        if not self.absolute:
+        if says_of_what and not self.absolute:
             texts[-1] = tr("{share} of the largest {noun}", share=texts[-1], noun=words.noun)
         if self.exceeded:
             texts[-1] = f"≥ {texts[-1]}"

@@ -10,7 +10,7 @@ import numpy as np
 
 from app.frame.colour_scale import LEAST_REACH, SMALLEST, largest_finite, round_up
 from app.frame.error_view_captions import FieldPlotCaption, add_unknown_count, field_plot_caption
-from app.frame.layout import ComparedRunSlot, StageLayout
+from app.frame.layout import ComparedRunSlot, FieldPlotLayout
 from app.frame.primitives import AWAY, Dots, Label, Lines, Mark, Role, in_plane, join_points
 from app.language.translation import tr
 from app.names_and_units import QUANTITIES, with_unit
@@ -72,16 +72,14 @@ class ValueAxis:
 class FieldPlotDefinition:
     """Settings of a field plot: its horizontal axis from ``start`` to ``end`` in m, with texts at its ``ends``.
 
-    ``exact(scene, quantity, X, t)`` returns exact values (n,), of the ``component`` that is plotted ("" for the only
-    one), at reference positions X (n,) in m and the time t in s; ``where(scene, X, t)`` returns their positions along
-    the axis (n,) in m, and is None if these are X."""
+    ``exact(scene, quantity, X, t)`` returns exact values (n,) at reference positions X (n,) in m and the time t in s,
+    and ``where(scene, X, t)`` their positions along the axis (n,) in m."""
 
     start: float
     end: float
     ends: tuple[str, str]
     exact: Callable[[Any, str, np.ndarray, float], np.ndarray]
-    component: str = ""
-    where: Callable[[Any, np.ndarray, float], np.ndarray] | None = None
+    where: Callable[[Any, np.ndarray, float], np.ndarray]
 
 
 class FieldPlot:
@@ -94,7 +92,7 @@ class FieldPlot:
         self._values: tuple[np.ndarray, np.ndarray] | None = None  # places and values of the particles drawn last
         self._before: tuple[np.ndarray, np.ndarray] | None = None  # those before a change of the run ...
         self._before_until = -math.inf  # ... which are shown until then
-        self._drawn: tuple[Scene, str, int, StageLayout] | None = None
+        self._drawn: tuple[Scene, str, int, FieldPlotLayout] | None = None
         self._labelled: tuple[int, float] | None = None  # as drawn: count of NaN values, and end of the axis
         self._time = 0.0
         self._dots = np.empty((0, 3), np.float32)
@@ -114,8 +112,8 @@ class FieldPlot:
         """Whether this plot, or the one beside it, shows the curve before a change."""
         return self._before is not None or (self._beside is not None and self._beside.shows_before)
 
-    def draw(self, places: StageLayout, scene: Scene, quantity: str, magnified: int, at: np.ndarray, field: np.ndarray,
-             t: float, crossed: np.ndarray) -> Iterator[Mark]:
+    def draw(self, places: FieldPlotLayout, scene: Scene, quantity: str, magnified: int, at: np.ndarray,
+             field: np.ndarray, t: float, crossed: np.ndarray) -> Iterator[Mark]:
         """Yields the marks of the field of a quantity (key x, v, sigma or a) at the time t in s in a layout ``places``.
 
         ``at`` (P,) are the particles' positions along the axis in m; ``field`` (P, 2) has their values and the
@@ -158,11 +156,11 @@ class FieldPlot:
     def _keep_curve_before(self) -> None:
         """Keeps what is drawn, at the first of several changes, until 1.4 s after the last one."""
         clock = self.axis.clock()
-        if self._before is None and self._beside is None and self._plotted.where:
+        if self._before is None and self._beside is None:
             self._before = self._values
         self._before_until = clock + SETTLING
 
-    def _curve_before(self, places: StageLayout) -> Lines:
+    def _curve_before(self, places: FieldPlotLayout) -> Lines:
         """Returns the curve through the particles' values before a change, while it is to be seen."""
         if self.axis.clock() > self._before_until:
             self._before = None
@@ -174,7 +172,7 @@ class FieldPlot:
             curve = join_points(points[:-1], points[1:])
         return Lines("field/before", curve, places.stage_metrics.palette.before, CURVE_WIDTH)
 
-    def _prepare_value_range(self, places: StageLayout, scene: Scene, quantity: str) -> None:
+    def _prepare_value_range(self, places: FieldPlotLayout, scene: Scene, quantity: str) -> None:
         """Prepares the plot of another scene, quantity or layout: stores its box, and the range of the exact field."""
         self._at: np.ndarray | None = None
         plotted, box, self._least = self._plotted, places.field, 0.5 * DOT * places.stage_metrics.pixel
@@ -189,7 +187,7 @@ class FieldPlot:
             times = scene.time_step + scene.period * np.arange(INSTANTS) / INSTANTS
             self._reach = max(largest_finite(np.abs(plotted.exact(scene, quantity, self._line, t))) for t in times)
 
-    def _axis_marks(self, places: StageLayout, scene: Scene, quantity: str, magnified: int,
+    def _axis_marks(self, places: FieldPlotLayout, scene: Scene, quantity: str, magnified: int,
                     unknown: int) -> Iterator[Mark]:
         """Yields the axes with their labels; ``unknown`` is the number of particles without a value."""
         box, colours = self._box, places.stage_metrics.palette
@@ -198,25 +196,24 @@ class FieldPlot:
         axes = in_plane(np.array([box.left, box.right, box.left, box.left]),
                         box.middle + np.array([0, 0, -end, end]), -0.005).reshape(2, 2, 3)
         yield Lines("field/axes", axes, colours.axis, 1.0)
-        words = field_plot_caption(scene, self._plotted.component, quantity)
+        words = field_plot_caption(scene, quantity)
         number = with_unit(self.axis.top, QUANTITIES[quantity].unit)
         yield from plot_labels(places, self._plotted.ends,
                                FieldPlotCaption(words.name, add_unknown_count(words.remark, unknown)), magnified,
                                number, scene.solution_known)
 
-    def _exact_curve_marks(self, places: StageLayout, scene: Scene, quantity: str, t: float) -> Iterator[Mark]:
+    def _exact_curve_marks(self, places: FieldPlotLayout, scene: Scene, quantity: str, t: float) -> Iterator[Mark]:
         """Yields the exact curve at the time t in s, without segments if it is not known."""
         curve = self._level if scene.solution_known else self._level[:0]
         if scene.solution_known and scene.swings:
             curve = curve.copy()
             heights = self._heights(self._plotted.exact(scene, quantity, self._line, t))
             curve[:, 0, 1], curve[:, 1, 1] = heights[:-1], heights[1:]
-            if self._plotted.where:
-                along = self._abscissae(self._plotted.where(scene, self._line, t))
-                curve[:, 0, 0], curve[:, 1, 0] = along[:-1], along[1:]
+            along = self._abscissae(self._plotted.where(scene, self._line, t))
+            curve[:, 0, 0], curve[:, 1, 0] = along[:-1], along[1:]
         yield Lines("field/exact", curve, places.stage_metrics.palette.exact, CURVE_WIDTH)
 
-    def _deviation_stems(self, places: StageLayout, scene: Scene, field: np.ndarray, magnified: int) -> Lines:
+    def _deviation_stems(self, places: FieldPlotLayout, scene: Scene, field: np.ndarray, magnified: int) -> Lines:
         """Returns stems from exact values to the particles', where they are longer than a dot."""
         dots = self._dots
         if not scene.solution_known or len(dots) > MOST_STEMS:
@@ -249,7 +246,7 @@ class FieldPlot:
         return self._box.middle + self._box.half / self.axis.top * values
 
 
-def plot_labels(places: StageLayout, ends: tuple[str, str], words: FieldPlotCaption, magnified: int, number: str,
+def plot_labels(places: FieldPlotLayout, ends: tuple[str, str], words: FieldPlotCaption, magnified: int, number: str,
                 exact: bool) -> Iterator[Label]:
     """Yields the labels of a field plot in a layout, always the same ones: the text ``number`` at the upper end of its
     value axis, the texts ``ends`` at those of the other, name and remark from ``words``, and the factor ``magnified``

@@ -47,11 +47,17 @@ class PlotBox:
 
 @dataclass(frozen=True)
 class StageLayout:
-    """Layout of a run in a ``slot`` of a stage: its rounded metrics, the ``rectangle`` of all, the field plot's box."""
+    """Layout of a run in a ``slot`` of a stage: its rounded metrics, and the ``rectangle`` of everything."""
 
     stage_metrics: StageMetrics
     slot: ComparedRunSlot
     rectangle: Rectangle
+
+
+@dataclass(frozen=True)
+class FieldPlotLayout(StageLayout):
+    """Layout of a run with a field plot, which is in the box ``field``."""
+
     field: PlotBox
 
 
@@ -92,11 +98,11 @@ class ColourBarDrawing:
         self.sheet, self._scale = sheet, scale
         self._drawn: tuple | None = None
 
-    def draw(self, quantity: str, size: float, high: float) -> None:
+    def draw(self, quantity: str, high: float) -> None:
         """Draws the bar on a stage of the height ``high``, unless nothing has changed; ``quantity`` is the key (x, v,
-        sigma or a) of the quantity whose errors the scale measures, ``size`` its largest exact value in its unit."""
+        sigma or a) of the quantity whose errors the scale measures."""
         scale, metrics = self._scale, self.sheet.stage_metrics
-        now = (metrics, high, quantity, size, scale.top, scale.logarithmic, scale.exceeded, scale.absolute)
+        now = (metrics, high, quantity, *scale.look)
         if now == self._drawn:
             return
         place = colour_bar_box(metrics.rounded(), high)
@@ -105,7 +111,7 @@ class ColourBarDrawing:
             self.sheet.show_marks(Dots("bar", in_plane(np.linspace(ends, 1 - ends, POINTS), place.middle),
                                        scale.gradient(POINTS), place.high, "square"))
         self._drawn = now
-        self.sheet.show_marks(*colour_bar_labels(place, metrics.gutter > 0, quantity, scale.ticks(quantity, size)))
+        self.sheet.show_marks(*colour_bar_labels(place, metrics.gutter > 0, quantity, scale.ticks(quantity)))
 
 
 def colour_bar_labels(place: ColourBarBox, gutter: bool, quantity: str,

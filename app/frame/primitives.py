@@ -21,7 +21,7 @@ Colour = tuple[int, int, int]
 class Palette:
     """Colours of a light or dark stage: background; plotted particles and lines beside labels; axes; grid lines; cell
     edges; crossings; particles without a known error; exact curve; outlines of domains; deviations from the exact
-    curve; the curve before a change."""
+    curve; the curve before a change; estimated errors."""
 
     ground: Colour
     dot: Colour
@@ -34,10 +34,11 @@ class Palette:
     outline: Colour
     stem: Colour
     before: Colour
+    estimate: Colour
 
 
 #: Names of a palette's colours.
-_NAMES = ("ground", "dot", "line2", "line", "cell", "cross", "cell", "truth", "ground", "stem", "before")
+_NAMES = ("ground", "dot", "line2", "line", "cell", "cross", "cell", "truth", "ground", "stem", "before", "estimate")
 LIGHT, DARK = (Palette(*(rgb(getattr(PALETTE[name], ground)) for name in _NAMES)) for ground in ("light", "dark"))
 
 AWAY = -50.0  # coordinate of points that cannot be shown, far outside the view

@@ -9,7 +9,6 @@ import numpy as np
 
 from app.frame.colour_scale import ColourScale
 from app.frame.error_view_captions import ALIKE, ALIKE_LOST, StageHalfErrors, crossing_marks_legend
-from app.frame.field_plot import FieldPlot, FieldPlotDefinition
 from app.frame.layout import ComparedRunSlot, Rectangle
 from app.frame.primitives import Label, Mark, Spans, StageMetrics, Surface, error_colours
 from app.frame.recent_crossings import is_recent_crossing
@@ -70,11 +69,11 @@ class Stage(ABC, Generic[AnyScene]):
     """Stage that draws frames of a problem's runs on the surface ``sheet``; halves and colour bar share a ``scale``.
 
     The attribute ``domains`` sets whether the particles' domains are outlined, if supported; ``plotted`` is the key of
-    the quantity whose field is plotted, None for no plot, and ``magnified`` the factor of its drawn deviation from the
+    the quantity that is plotted, None for no plot, and ``magnified`` the factor of its drawn deviation from the
     exact one. A pinned run has a stage of its own, ``beside`` the first; their field plots share a value axis."""
 
     HIGH: ClassVar[tuple[float, float]] = (0.3, 0.9)  # least and greatest height of the stage
-    PLOT: ClassVar[FieldPlotDefinition]  # settings of the field plot
+    PLOT: ClassVar[Any]  # settings of the plot: a FieldPlotDefinition or an ErrorPlotDefinition
     MOST_MARKED: ClassVar[int]  # particles whose crossings are marked
     LINES: ClassVar[int] = 0  # material lines drawn by the exact solution
     MARKED: ClassVar[str] = lazy("has changed its cell")  # legend of the marks
@@ -94,8 +93,12 @@ class Stage(ABC, Generic[AnyScene]):
         self._labels, self._shown = StageLabels(), (StageLabels(), None)
         self._captioned: tuple | None = None  # arguments of the present captions
         self._remarks: WorstRegionAnnotations | None = None
-        self._field: FieldPlot = FieldPlot(self.PLOT, beside._field if beside else None)
+        self._plot = self._make_plot(beside)
         self._lay_out()
+
+    @abstractmethod
+    def _make_plot(self, beside: Any) -> Any:
+        """Returns the plot of the run, which shares its value axis with that of the stage ``beside``, if any."""
 
     def _lay_out(self) -> None:
         """Computes the layout for the surface's present metrics; all is drawn anew."""
@@ -126,12 +129,12 @@ class Stage(ABC, Generic[AnyScene]):
     @property
     def shared_axis_changed(self) -> bool:
         """Whether the stage must be redrawn because the run beside it has changed the value axis of their plots."""
-        return self._field.shared_axis_changed
+        return self._plot.shared_axis_changed
 
     @property
     def is_outdated(self) -> bool:
         """Whether the stage has to be drawn again, although no frame has come."""
-        return self._field.is_outdated
+        return self._plot.is_outdated
 
     def show_title(self, name: Spans, facts: Spans, compared: Spans) -> None:
         """Shows the run's title: its name, facts about it, and what it could be compared with if it is alone."""
@@ -179,9 +182,7 @@ class Stage(ABC, Generic[AnyScene]):
             crossed = self._particles_to_mark(since, scene, speed)
             marks = [*self._moving_marks(scene, arrays, halves[0], halves[1], t, crossed)]
             if self.plotted:
-                marks += self._field.draw(self._layout, scene, self.plotted, self.magnified,
-                                          self._plot_axis_positions(arrays), arrays.plotted, t, crossed)
-                self._update_labels(before=tr("before") if self._field.shows_before else "")
+                marks += self._plot_marks(scene, arrays, (estimated, true), t, crossed)
             self.sheet.show_marks(*marks)
 
     def _particles_to_mark(self, since: np.ndarray, scene: AnyScene, speed: float) -> np.ndarray:
@@ -208,9 +209,9 @@ class Stage(ABC, Generic[AnyScene]):
     def layout(metrics: StageMetrics, slot: ComparedRunSlot) -> Any:
         """Returns the :class:`~app.frame.layout.StageLayout` of a run in a slot of a stage; ``metrics`` are rounded."""
 
-    @staticmethod
+    @classmethod
     @abstractmethod
-    def labels(words: StageLabels, places: Any) -> Iterator[Label]:
+    def labels(cls, words: StageLabels, places: Any) -> Iterator[Label]:
         """Yields the labels of halves, run and marks, with texts from ``words``, at their places in a layout."""
 
     @staticmethod
@@ -263,9 +264,17 @@ class Stage(ABC, Generic[AnyScene]):
         """Yields marks that move, at the time t in s, with the colours (P, 3) of the ``estimated`` and ``true`` errors;
         ``crossed`` (P,) of bool are particles to be marked, which crossed a cell boundary."""
 
+    @staticmethod
     @abstractmethod
-    def _plot_axis_positions(self, arrays: FrameArrays) -> np.ndarray:
-        """Returns the particles' positions (P,) along the axis of the field plot, in m."""
+    def plot_axis_positions(scene: AnyScene, X: np.ndarray) -> np.ndarray:
+        """Returns the positions (P,) along the axis of the plot, in m at rest, of particles at X (P,) or (P, 2) in m at
+        rest; NaN for those not plotted."""
+
+    @abstractmethod
+    def _plot_marks(self, scene: AnyScene, arrays: FrameArrays, sizes: tuple[np.ndarray | None, np.ndarray | None],
+                    t: float, crossed: np.ndarray) -> Iterator[Mark]:
+        """Yields the marks of the plot at the time t in s, with the ``sizes`` (P,) of the estimated and the true errors
+        in their unit, None if unknown; ``crossed`` as in :meth:`_moving_marks`."""
 
     @abstractmethod
     def _worst_region_marks(self, worst: tuple[WorstRegionMark | None, WorstRegionMark | None],

@@ -29,6 +29,8 @@ from solvers.scene.stabilisations import REMEDIES
 
 ELSEWHERE = lazy("A lesson is open: its controls are in <b>Lessons</b>, below its text.")
 
+OF_FILES = ("problem", "quantity", "magnify", "speed")  # controls, by their names in lessons
+
 
 class Controls:
     """Widgets of one visitor for everything in a scene, and the view options read from them. Those outside the tab are
@@ -109,6 +111,14 @@ class Controls:
                     for part in parts:
                         part.visible = not controls or control in controls
                 self._rebuild()
+
+    def show_for_file(self, play: Callable[[bool], None] | None) -> None:
+        """Shows only what a file on the stage has in common with the run, and has Play and Pause call ``play``; for
+        None all controls, for the run. A lesson keeps its own controls."""
+        with self._turn:
+            self._transport.play = play or self._session.play
+            if self._parent is self._home:
+                self.show_only(OF_FILES if play else ())
 
     def show(self, state: State) -> None:
         """Puts a state on the stage and into the widgets."""

@@ -28,7 +28,8 @@ class PlaybackControls:
     def __init__(self, gui: viser.GuiApi, session: RunSession, history: FrameAndTraceControls,
                  bound: SceneWidgetFactory, on_view: Callable[[], None]):
         self._session, self._on_view = session, on_view
-        self.acts = {PLAY: lambda: session.play(True), PAUSE: lambda: session.play(False),
+        self.play: Callable[[bool], None] = session.play  # or that of what replaces the run on the stage
+        self.acts = {PLAY: lambda: self.play(True), PAUSE: lambda: self.play(False),
                      STEP: lambda: session.play(False, single_steps=1), RESET: session.reset}
         shown = {tr(name): act for name, act in self.acts.items()}
         self._choices = gui.add_html("")

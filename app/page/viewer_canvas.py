@@ -55,7 +55,7 @@ class ViewerCanvas:
                 self._rings.hide()
             else:
                 self._rings.update(stage, arrays)
-            self._colour_bar.draw(choice.quantity, picture.report.scene.size_of(choice.quantity), stage.rectangle[3])
+            self._colour_bar.draw(choice.quantity, stage.rectangle[3])
             rectangle = content.hidden or stage.rectangle
             self.lettering.set_visible_rectangle(rectangle)
             self.lettering.send()
@@ -95,12 +95,12 @@ class ViewerCanvas:
     def _update_colour_scale(self, content: StageContent, quantity: str) -> None:
         """Fits the colour scale to the content's errors; an earlier frame leaves it, so that frames can be compared."""
         report = content.picture.report
+        size = self._scale.whole = report.scene.size_of(quantity)
         if changed := (key := (report.scene.problem, content.scale_key)) != self._coloured:
             self._scale.reset()
             self._coloured = key
         if changed or not content.is_past:
             beside = _error_shares(content.beside, quantity) if isinstance(content.beside, StageFrame) else (None, None)
-            size = report.scene.size_of(quantity)
             left, right = _shares(content.sizes, size)
             self._scale.update(left, right, (report.scene, content.scale_key), beside, content.least / size,
                                settled=not report.playing or report.status == UNSTABLE)

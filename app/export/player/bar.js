@@ -4,10 +4,11 @@
 const alongBar = (run, at) => row(run.tracks.position, at).map((x) => run.moves_on ? x - Math.floor(x) : x);
 
 function drawLanes(pen, run, view, at, place, {sizes, scale}) {
-  const {estimate, truth, lane, box} = place, places = alongBar(run, at), count = Math.round(1 / run.spacing), end = ROOM * box.half;
+  const {estimate, truth, lane, field: box} = place, places = alongBar(run, at), count = Math.round(1 / run.spacing), end = ROOM * box.half;
   Object.assign(pen, {strokeStyle: GRID, lineWidth: Math.min(1, 120 / count)});
   for (let k = 0; k <= count; k++) stroke(pen, [-end, end].map((y) => [place.x(k / count), place.y(box.middle + y)]));
-  [estimate, truth].forEach((y, half) => drawLane(pen, run, places, sizes[half], scale, place, place.y(y + lane / 2), lane * place.unit));
+  [estimate, truth].forEach((y, half) => drawLane(pen, run, places, sizes[half], scale, place, place.y(y + lane / 2),
+    place.y(y - lane / 2) - place.y(y + lane / 2)));
 }
 
 // Columns a little wider than a particle at rest, so that a gap shows only where the bar is stretched a lot.

@@ -25,8 +25,10 @@ function topsOf(run, view) {
   return run[key] = tops;
 }
 
+const shareOf = (size, scale) => scale.logarithmic ? 1 + Math.log10(size / scale.top) / DECADES : size / scale.top;
+
 function shade(size, scale) {
-  const share = scale.logarithmic ? 1 + Math.log10(size / scale.top) / DECADES : size / scale.top;
+  const share = shareOf(size, scale);
   return SHADES[share < 0 ? 0 : share < 1 ? Math.floor(255 * share) : 255];
 }
 

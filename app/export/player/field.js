@@ -8,22 +8,12 @@ function exactAt(curve, share) {
   return curve[low] + (place - low) * (curve[low + 1] - curve[low]);
 }
 
-// Shares of the way of all particles, from their places at rest.
-function sharesOf(run) {
-  if (!run.shares) {
-    const {start, end} = DATA.problems[run.problem].plot, rest = run.tracks.rest.values, n = run.shown;
-    const along = rest.length > n ? (p) => Math.hypot(rest[p], rest[n + p]) : (p) => rest[p];
-    run.shares = Float32Array.from({length: n}, (_, p) => (along(p) - start) / (end - start));
-  }
-  return run.shares;
-}
-
 // What the particles should have as it is drawn, and what they have: with so many times the deviation, where the exact one is
 // known. Of a motion without swings deviations alone: the rest is the same everywhere.
 function fieldOf(run, view, at) {
   const deviation = row(run.tracks[`deviation.${view.quantity}`], at), curve = run.tracks[`curve.${view.quantity}`];
   if (!curve) return {exact: null, values: deviation};
-  const shares = sharesOf(run), line = run.moves_on ? null : row(curve, at);
+  const shares = run.tracks.along.values, line = run.moves_on ? null : row(curve, at);
   const exact = deviation.map((_, p) => line ? exactAt(line, shares[p]) : 0);
   return {exact, values: deviation.map((value, p) => exact[p] + view.magnified * value)};
 }
@@ -41,16 +31,15 @@ function axisTop(run, view) {
   return run[key];
 }
 
-// Where the particles are along the plot's axis, and the exact curve: at rest, or along the bar.
+// Where the particles are along the plot's axis, and the exact curve.
 function alongOf(run, at) {
-  const {along} = DATA.problems[run.problem].plot, moved = run.tracks["curve.x"];
-  if (!along) return [sharesOf(run), (share) => share];
+  const moved = run.tracks["curve.x"];
   return [alongBar(run, at), moved && !run.moves_on ? (share) => share + exactAt(row(moved, at), share) : (share) => share];
 }
 
 // Particles around the exact curve; those in `flashed` in a colour of their own; a pinned run's in grey. Returns the texts of its labels.
 function drawField(pen, run, pinned, view, at, {name, remark}, place, flashed) {
-  const {box} = place, own = axisTop(run, view), top = pinned ? Math.max(own, axisTop(pinned.run, view)) : own, end = ROOM * box.half;
+  const {field: box} = place, own = axisTop(run, view), top = pinned ? Math.max(own, axisTop(pinned.run, view)) : own, end = ROOM * box.half;
   const y = (value) => place.y(box.middle + Math.min(Math.max(box.half * value / top, -end), end));
   const x = (share) => place.x(box.left + share * (box.right - box.left)), [along, exactAlong] = alongOf(run, at);
   Object.assign(pen, {lineWidth: 1, strokeStyle: AXIS});

@@ -8,7 +8,8 @@ function placeOf(problem, width, height) {
   const room = DATA.problems[problem].rooms[width < NARROW ? "narrow" : "wide"], beside = room.gutter + 2 * DATA.edge;
   const unit = Math.min(width / (1 + beside), height / room.high), letters = Math.max(LEAST_LETTERS, LETTERS * unit / room.pixels);
   const left = (width - unit * (1 + beside)) / 2 + unit * (room.gutter + DATA.edge), pixel = unit / room.pixels;
-  const x = (share) => left + share * unit, y = (up) => (room.high - up) * unit;
+  const tall = room.radius ? 1 : Math.min(1.4, height / (room.high * unit));  // lanes and field take what room there is
+  const x = (share) => left + share * unit, y = (up) => (room.high - up) * unit * tall;
   return {...room, width, height, unit, left, across: unit, letters, pixel, x, y};
 }
 
@@ -43,8 +44,13 @@ function drawSign(pen, sign, colour, x, y, letters) {
   Object.assign(pen, {fillStyle: colour, strokeStyle: colour, lineWidth: sign === "line" ? 2.5 : 1.75});
   if (sign === "line") return stroke(pen, [[x, y], [x + letters, y]]);
   if (sign === "dot") return disc(pen, x + 0.5 * letters, y, 0.18 * letters);
+  ring(pen, x + 0.5 * letters, y, 0.36 * letters, 1.75);
+}
+
+function ring(pen, x, y, radius, wide) {
+  pen.lineWidth = wide;
   pen.beginPath();
-  pen.arc(x + 0.5 * letters, y, 0.36 * letters, 0, 7);
+  pen.arc(x, y, radius, 0, 7);
   pen.stroke();
 }
 

@@ -119,7 +119,8 @@ function draw() {
   const flashed = flashedAt(run, view, stage.time), scale = {...topsOf(run, view)[Math.floor(at)], logarithmic: view.logarithmic};
   const measured = drawColourBar(pen, place, scale, view.quantity);
   (place.radius ? drawBody : drawLanes)(pen, run, view, at, place, {scale, flashed, sizes: shown});
-  const field = drawField(pen, run, pinned, view, at, said.field, place, place.radius ? flashed.map(([p]) => p) : changedAt(run, stage.time));
+  const field = place.field ? drawField(pen, run, pinned, view, at, said.field, place, changedAt(run, stage.time))
+    : drawErrors(pen, run, place, measured, shown, scale, said.titles);
   const halves = ["estimate", "truth"].flatMap((half, k) => [[`${half}-title`, said.titles[k]], [`${half}-by`, said.by[k]], [`${half}-silence`, said.silences[k]]]);
   const alike = place.gutter && shown[0] && shown[1] && !view.difference && !isBroken(run) ? DATA.problems[run.problem].alike : "";
   writeLabels(pen, place, [...measured, ...place.labels], {...Object.fromEntries(halves), alike, quantity: `${DATA.quantities[view.quantity].noun} ${DATA.quantities[view.quantity].symbol}`, "size-note": run.note, "crossings-note": run.marks, ...field});

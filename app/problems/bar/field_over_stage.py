@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 
 from app.frame.field_plot import ROOM, FieldPlot
-from app.frame.layout import ComparedRunSlot, PlotBox, Rectangle, StageLayout, drawing_rectangle
+from app.frame.layout import ComparedRunSlot, FieldPlotLayout, PlotBox, Rectangle, drawing_rectangle
 from app.frame.primitives import Label, Lines, Mark, StageMetrics, Surface, in_plane, join_points
 from app.language.translation import tr
 from app.names_and_units import format_number, motion_text
@@ -25,7 +25,7 @@ class FieldOverStage:
 
     def __init__(self, sheet: Surface):
         self.sheet, self._plot = sheet, FieldPlot(BarStage.PLOT)
-        self._layout: StageLayout | None = None
+        self._layout: FieldPlotLayout | None = None
 
     def draw(self, scene: BarScene, report: FrameReport, arrays: FrameArrays) -> Rectangle:
         """Draws a frame of a scene that has the values of a field; returns the rectangle of the picture."""
@@ -42,17 +42,17 @@ class FieldOverStage:
         return self._layout.rectangle
 
 
-def _layout(metrics: StageMetrics) -> StageLayout:
+def _layout(metrics: StageMetrics) -> FieldPlotLayout:
     """Returns the layout of a plot as high as the stage, with a line of words above and below it."""
     line = metrics.line_height
     half, middle = 0.5 * (metrics.high - 3 * line) / ROOM, 0.5 * metrics.high
     below = middle - ROOM * half - 0.2 * line
     box = PlotBox(0.0, 1.0, middle, half, below, None, (0.5, metrics.high, "top-center"),
                   (-metrics.gutter, middle) if metrics.gutter else None)
-    return StageLayout(metrics, ComparedRunSlot.ALONE, drawing_rectangle(metrics.high), box)
+    return FieldPlotLayout(metrics, ComparedRunSlot.ALONE, drawing_rectangle(metrics.high), box)
 
 
-def _still_marks(places: StageLayout, scene: BarScene) -> Iterator[Mark]:
+def _still_marks(places: FieldPlotLayout, scene: BarScene) -> Iterator[Mark]:
     """Yields the edges of the cells, the run's name above the plot, and the legend below it."""
     box, metrics = places.field, places.stage_metrics
     edges = np.arange(scene.cells + 1) * scene.spacing

@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 
 from app.frame.field_plot import ROOM
-from app.frame.layout import ComparedRunSlot, PlotBox, Spot, StageLayout, colour_bar_box, drawing_rectangle
+from app.frame.layout import ComparedRunSlot, FieldPlotLayout, PlotBox, Spot, colour_bar_box, drawing_rectangle
 from app.frame.primitives import StageMetrics
 
 #: In pixels: height of a title, gap below the plot, between the lanes and between two runs, and least height of a lane.
@@ -12,7 +12,7 @@ LANE = 0.152  # height of a lane as a share of its run's
 
 
 @dataclass(frozen=True)
-class BarLayout(StageLayout):
+class BarLayout(FieldPlotLayout):
     """Layout of a run of the bar: the heights on the stage of the middles of the lanes of ``estimate`` and ``truth``,
     of its title, the ``heading``, and of the ``legend`` (None if there is none); a ``lane`` is so high."""
 

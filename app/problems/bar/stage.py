@@ -5,7 +5,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from app.frame.field_plot import ROOM, FieldPlotDefinition
+from app.frame.field_plot import ROOM, FieldPlot, FieldPlotDefinition
 from app.frame.layout import HALVES
 from app.frame.primitives import Anchor, Dots, Label, Lines, Mark, Role, Sign, StageMetrics, Tone, in_plane, join_points
 from app.frame.recent_crossings import MOST_CHANGED
@@ -39,8 +39,8 @@ class BarStage(Stage[BarScene]):
     MOST_MARKED, HALVES = 200, lazy("Lanes")
     layout = staticmethod(make_bar_layout)
 
-    @staticmethod
-    def labels(words: StageLabels, places: BarLayout) -> Iterator[Label]:
+    @classmethod
+    def labels(cls, words: StageLabels, places: BarLayout) -> Iterator[Label]:
         metrics, gutter = places.stage_metrics, places.stage_metrics.gutter
         for name, silence, lane in zip(HALVES, words.silences, (places.estimate, places.truth), strict=True):
             text, width = metrics.first_fitting_text((silence, short_reason(silence)), LONGEST, places.lane)
@@ -67,7 +67,7 @@ class BarStage(Stage[BarScene]):
     def drawn_particle_points(self, arrays: FrameArrays, particles: slice) -> np.ndarray:
         x = self._stage_x(arrays)[particles]
         lanes = [in_plane(x, lane) for lane in (self._layout.estimate, self._layout.truth)]
-        return np.stack([*lanes, self._field.dot_positions(particles, len(x))])
+        return np.stack([*lanes, self._plot.dot_positions(particles, len(x))])
 
     def _particles_to_mark(self, since: np.ndarray, scene: BarScene, speed: float) -> np.ndarray:
         """Returns the particles that have changed their cell since the start; none if these are too many to see."""
@@ -83,8 +83,18 @@ class BarStage(Stage[BarScene]):
             x = self._drawn_scene.wrap_into_period(x)
         return np.fmin(np.fmax(x, -0.5), 1.5)  # fmax ignores NaN
 
-    def _plot_axis_positions(self, arrays: FrameArrays) -> np.ndarray:
-        return self._now
+    @staticmethod
+    def plot_axis_positions(scene: BarScene, X: np.ndarray) -> np.ndarray:
+        return X.ravel()
+
+    def _make_plot(self, beside: "BarStage | None") -> FieldPlot:
+        return FieldPlot(self.PLOT, beside._plot if beside else None)
+
+    def _plot_marks(self, scene: BarScene, arrays: FrameArrays, sizes: tuple[np.ndarray | None, np.ndarray | None],
+                    t: float, crossed: np.ndarray) -> Iterator[Mark]:
+        yield from self._plot.draw(self._layout, scene, self.plotted, self.magnified, self._now, arrays.plotted, t,
+                                   crossed)
+        self._update_labels(before=tr("before") if self._plot.shows_before else "")
 
     def _static_marks(self, scene: BarScene, particles: int, at_rest: np.ndarray | None) -> Iterator[Mark]:
         edges, places = np.arange(scene.cells + 1) * scene.spacing, self._layout

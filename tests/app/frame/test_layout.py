@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from app.frame.field_plot import ROOM
-from app.frame.layout import ComparedRunSlot, colour_bar_box
+from app.frame.layout import ComparedRunSlot, FieldPlotLayout, colour_bar_box
 from app.frame.planar_layout import AROUND, make_planar_layout, planar_labels
 from app.frame.primitives import StageMetrics
 from app.frame.recent_crossings import LEAST_SECONDS, WINDOW, crossing_window, is_recent_crossing
@@ -27,14 +27,24 @@ def test_everything_stands_in_the_rectangle_below_the_scale(problem, seat, room)
     """But for names in the gutter, which are as high as the rest."""
     stage = VIEWS[problem].stage
     places = stage.layout(room.rounded(), seat)
-    (x0, x1, y0, y1), box = places.rectangle, places.field
+    x0, x1, y0, y1 = places.rectangle
     end = colour_bar_box(places.stage_metrics, room.high).end
     assert y0 == 0 and y1 == pytest.approx(room.high)
-    assert 0 <= box.left < box.right <= 1 and box.half * room.pixels > 15
-    assert y0 < box.middle - ROOM * box.half and box.middle + ROOM * box.half < end
     for label in stage.labels(SAID, places):
         assert y0 - 1e-9 <= label.y <= end + 1e-9, label
         assert x0 <= label.x <= x1 or (room.gutter and -room.gutter - 0.01 <= label.x < 0), label
+    if isinstance(places, FieldPlotLayout):
+        box = places.field
+        low, high = box.middle - ROOM * box.half, box.middle + ROOM * box.half
+    else:
+        (x, y), reach, box = places.middle, AROUND * places.radius, places.plot
+        assert 0 <= x - reach < x + reach <= 1 and y0 < y - reach < y + reach < end and reach * room.pixels > 60
+        assert (box is None) == (room.gutter == 0)
+        if box is None:
+            return
+        assert seat == ComparedRunSlot.SECOND or x + reach < box.left
+        low, high = box.low, box.high
+    assert 0 <= box.left < box.right <= 1 and y0 < low < high < end and (high - low) * room.pixels > 30
 
 
 def test_a_crossing_is_shown_for_a_part_of_a_period_and_long_enough_to_be_seen():

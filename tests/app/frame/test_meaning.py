@@ -102,5 +102,5 @@ def test_the_colour_at_a_tick_is_that_of_its_number(size, logarithmic):
     scale.update(None, np.array([size]))
     scale.absolute, scale.exceeded = True, False
     table = [tuple(shade) for shade in scale.gradient(256)]
-    assert_shades(scale.ticks("x", 1.0), logarithmic,
+    assert_shades(scale.ticks("x"), logarithmic,
                   lambda value: table.index(tuple(scale.colours(np.array([value]))[0])))

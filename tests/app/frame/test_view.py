@@ -111,11 +111,11 @@ def test_scale_says_when_something_exceeds_it():
     scale = ColourScale(clock)
     scale.update(np.full(3, 0.2), np.full(3, 0.01))
     clock.now = 2.0
-    assert scale.top == 0.1 and scale.ticks("x", 2.0)[-1][1] == "≥ 10 % of the largest displacement"
+    assert scale.top == 0.1 and scale.ticks("x")[-1][1] == "≥ 10 % of the largest displacement"
     scale.update(np.full(3, 0.09), np.full(3, 0.01))
-    assert not scale.exceeded and scale.ticks("x", 2.0)[-1][1] == "10 % of the largest displacement"
-    scale.absolute = True
-    assert [text for _, text in scale.ticks("x", 2.0)] == ["0, exact", "40 mm", "80 mm", "120 mm", "160 mm", "200 mm"]
+    assert not scale.exceeded and scale.ticks("x")[-1][1] == "10 % of the largest displacement"
+    scale.absolute, scale.whole = True, 2.0
+    assert [text for _, text in scale.ticks("x")] == ["0, exact", "40 mm", "80 mm", "120 mm", "160 mm", "200 mm"]
 
 
 def test_two_runs_share_one_scale():
@@ -140,7 +140,7 @@ def test_scale_is_used_and_its_numbers_are_round(logarithmic):
         scale.logarithmic = logarithmic
         scale.update(np.array([value]), None)
         assert 0.45 - 1e-12 <= value / scale.top <= 1.5 + 1e-12 and scale.top <= 1
-        ticks = scale.ticks("x", 1.0)
+        ticks = scale.ticks("x")
         assert len(ticks) <= MOST_TICKS and ticks[-1][0] == 1
         for at, text in ticks[not logarithmic:]:
             exact = scale.top * 10 ** (DECADES * (at - 1)) if logarithmic else scale.top * at
