@@ -56,7 +56,7 @@ class ColourScale:
         return self._is_anew and not self.held and self._clock() > self._next
 
     @property
-    def look(self) -> tuple[Hashable, ...]:
+    def appearance(self) -> tuple[Hashable, ...]:
         """Everything on which colours and ticks depend."""
         return self.top, self.exceeded, self.logarithmic, self.absolute and self.whole
 

@@ -67,7 +67,7 @@ class ErrorPlot:
         sizes = true if true is not None else estimated
         self._box, self._sizes = box, np.empty(0) if sizes is None else sizes
         scale, pixel, colours = self._scale, metrics.pixel, metrics.palette
-        now = box, metrics, quantity, scale.look
+        now = box, metrics, quantity, scale.appearance
         if now != self._labelled:
             self._labelled = now
             yield from self._axis_marks(metrics, quantity)

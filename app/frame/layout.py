@@ -102,7 +102,7 @@ class ColourBarDrawing:
         """Draws the bar on a stage of the height ``high``, unless nothing has changed; ``quantity`` is the key (x, v,
         sigma or a) of the quantity whose errors the scale measures."""
         scale, metrics = self._scale, self.sheet.stage_metrics
-        now = (metrics, high, quantity, *scale.look)
+        now = (metrics, high, quantity, *scale.appearance)
         if now == self._drawn:
             return
         place = colour_bar_box(metrics.rounded(), high)
@@ -111,16 +111,18 @@ class ColourBarDrawing:
             self.sheet.show_marks(Dots("bar", in_plane(np.linspace(ends, 1 - ends, POINTS), place.middle),
                                        scale.gradient(POINTS), place.high, "square"))
         self._drawn = now
-        self.sheet.show_marks(*colour_bar_labels(place, metrics.gutter > 0, quantity, scale.ticks(quantity)))
+        self.sheet.show_marks(*colour_bar_labels(place, metrics, quantity, scale.ticks(quantity)))
 
 
-def colour_bar_labels(place: ColourBarBox, gutter: bool, quantity: str,
+def colour_bar_labels(place: ColourBarBox, metrics: StageMetrics, quantity: str,
                       ticks: list[tuple[float, str]]) -> Iterator[Label]:
-    """Yields the labels of a colour bar: its titles, beside it in a ``gutter`` or above it, with a quantity's name (by
-    its key), and ``ticks``, positions 0 to 1 along the bar with their texts."""
+    """Yields the labels of a colour bar: its titles, beside it in the gutter or above it, with a quantity's name (by
+    its key), and ``ticks``, positions 0 to 1 along the bar with their texts, without those that the last one covers."""
+    last = 1 - 1.2 * metrics.text_extent(ticks[-1][1])[0] if ticks else 1.0
+    ticks = [(at, text) for at, text in ticks if at == 1 or at + 0.6 * metrics.text_extent(text)[0] < last]
     for name, text, (x, y, anchor) in (("title", tr("Error of"), place.title),
                                        ("quantity", str(QUANTITIES[quantity]), place.quantity)):
-        yield Label(name, text, x, y, anchor, "gutter" if gutter else "caption", bold=True)
+        yield Label(name, text, x, y, anchor, "gutter" if metrics.gutter else "caption", bold=True)
     for k, (at, text) in enumerate(ticks + [(0.5, "")] * (MOST_TICKS - len(ticks))):
         anchor = "top-left" if at == 0 else "top-right" if at == 1 else "top-center"
         yield Label(f"tick{k}", text, at, place.numbers, anchor, "number")

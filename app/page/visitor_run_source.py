@@ -115,7 +115,7 @@ class VisitorRunSource:
     def _own_title(self, frame: Frame, choice: ViewChoice, alone: bool) -> RunTitle:
         """Returns the title of the visitor's run in a ``frame``; that of a run ``alone`` offers a comparison."""
         scene = frame[0].scene
-        name = ("", tr("This run: {functions}", functions=functions_name(scene.method))), \
+        name = ("what", tr("This run:") + " "), ("", functions_name(scene.method)), \
             ("settings", main_settings_text(scene))
         view = frame_error_view(*frame, choice.quantity, choice.estimator, False)
         compared = (("", tr(COMPARE)), (COMPARED, tr(NOTHING_TO_COMPARE)))
@@ -129,7 +129,7 @@ class VisitorRunSource:
         facts: Spans = (("settings", tr("being prepared")),)
         if run.last and (view := run.view(choice.quantity, choice.estimator, False)):
             facts = self._facts(run.last[0], view, choice.quantity, run.estimator(choice.estimator))
-        return (("", tr(COMPARE)), (COMPARED, named), ("settings", told)), facts, ()
+        return (("what", tr(COMPARE)), (COMPARED, named), ("settings", told)), facts, ()
 
     def _other_in_words(self, run: PinnedRun) -> str:
         """Returns what a second ``run`` is called in a sentence."""

@@ -16,7 +16,7 @@ from app.page.features.cost import jobs as cost_jobs
 from app.page.features.cost.jobs import CostJobs, CostJobStatus, SearchCache, WarmWorker, search_job, sweep_tasks
 from app.page.features.cost.panel import CostTab
 from app.page.features.cost.visitor_run_list import VisitorRunList, advice_key, cheapest_run, run_key
-from app.page.visit.run_session import first_scene
+from app.page.visit.first_scene import first_scene
 from solvers.problems.bar.scene import BarScene
 from solvers.problems.ring import RingScene
 from solvers.study.parameter_grid import task_of
