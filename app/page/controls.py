@@ -11,6 +11,7 @@ from app.language.translation import lazy, tr
 from app.names_and_units import choice_labels
 from app.page.panels.browser_store_and_window import BrowserStore
 from app.page.panels.frame_and_drawing_controls import DrawingWidgets, FrameAndTraceControls
+from app.page.panels.landscape_strips import LandscapeStrips
 from app.page.panels.page_header import add_widget_marker, widget_marker_html
 from app.page.panels.quantity_and_estimator_widgets import EstimatorCards, QuantityAndEstimatorWidgets
 from app.page.panels.scene_widgets import SceneWidgetFactory, WidgetStatusMessage
@@ -52,7 +53,8 @@ class Controls:
         self._parts: dict[str, tuple[Any, ...]] = {
             "problem": (problem_mark, self.problem), **self.stage.parts, **self._transport.parts}
         self._drawing = DrawingWidgets(session, scale, history, on_view)
-        self._run = SimulationParameterWidgets(session, self._bound, store)
+        self._strips = LandscapeStrips(session, store, lambda: (self.stage.quantity, self.stage.estimator))
+        self._run = SimulationParameterWidgets(session, self._bound, store, self._strips)
         self.estimator_cards = EstimatorCards(gui, session, self.stage, self._bound, store)
         store.heard["entered"] = self._on_entered
 
@@ -78,9 +80,11 @@ class Controls:
         self._build()
 
     def on_frame(self, report: FrameReport, arrays: FrameArrays) -> None:
-        """Replaces the estimator on the stage if the new frame shows that it has no values of the quantity chosen."""
+        """Replaces the estimator on the stage if the frame shown has no values of the quantity chosen, and shows the
+        error over each slider until that instant."""
         with self._turn:
             self.stage.ensure_estimator_has_values(report.scene, arrays)
+            self._strips.refresh(report)
 
     def reset_speed(self) -> None:
         """Sets the run's speed to the default of its problem."""
@@ -242,10 +246,12 @@ class Controls:
                 with self._gui.add_folder(tr("Effects: compute only what you need"), expand_by_default=False):
                     self._bound.add_checkboxes("effects", ALL)
 
-    def _on_entered(self, text: Any) -> None:
-        """Applies the text field whose widget id the browser sends when the visitor has finished typing in it."""
-        for bound in (self._bound, self._lasting):
-            bound.apply_entered_text(str(text))
+    def _on_entered(self, said: Any) -> None:
+        """Applies the text that a visitor has finished typing: the browser sends the field's widget id and the text."""
+        match said:
+            case [str() as widget, str() as text]:
+                for bound in (self._bound, self._lasting):
+                    bound.apply_entered_text(widget, text)
 
     def _build_extension(self, control: str) -> None:
         if build := self._extensions.get(control):

@@ -4,5 +4,5 @@ const tr = (text, values = {}) => (WORDS[text] || text).replace(/\{(\w+)\}/g, (p
 // And what the style says (content).
 for (const [name, text] of [["drop", tr("Drop a file of particles to judge it and show it here")], ["speed", tr("periods/s")],
   ["magnify", tr("Magnify error")], ["magnify-short", tr("Magnify")], ["magnified", tr("error")],
-  ["compiling", tr("compiling …")], ["price", tr("time")]])
+  ["time-step", tr("Time step")], ["compiling", tr("compiling …")], ["price", tr("time")]])
   document.documentElement.style.setProperty(`--says-${name}`, JSON.stringify(text));
