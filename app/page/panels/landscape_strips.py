@@ -10,12 +10,13 @@ import viser
 
 from app.colour_palette import ESTIMATE
 from app.language.translation import tr
-from app.names_and_units import unit_of, with_unit
+from app.names_and_units import with_unit
 from app.page.panels.browser_store_and_window import BrowserStore
 from app.page.panels.log_number_slider import LogNumberSlider, SliderSpec
 from app.page.panels.page_header import widget_marker_html
 from app.page.panels.readout_tables import TRUE, line_sample, line_svg
 from app.page.panels.scene_widgets import SceneWidgetFactory
+from app.page.visit.landscapes import Landscapes
 from app.page.visit.run_session import RunSession
 from app.viewer.widget_validation import is_number_between
 from solvers.engine.engine_messages import FrameReport
@@ -28,12 +29,13 @@ DIGITS = 4  # of the numbers in a strip
 
 
 class LandscapeStrips:
-    """Strips of one visitor. ``session.landscapes`` computes them for the quantity and the estimator on the stage, as
-    returned by ``on_stage``, while the browser shows any; the slider in the visitor's hand comes first."""
+    """Strips of one visitor: the ``landscapes`` of the session's scene, for the quantity and the estimator on the
+    stage, as returned by ``on_stage``; requested while the browser shows any strip."""
 
-    def __init__(self, session: RunSession, store: BrowserStore, on_stage: Callable[[], tuple[str, str | None]]):
-        self._session, self._on_stage = session, on_stage
-        self._rows: dict[str, LogNumberSlider] = {}
+    def __init__(self, session: RunSession, landscapes: Landscapes, store: BrowserStore,
+                 on_stage: Callable[[], tuple[str, str | None]]):
+        self._session, self._landscapes, self._on_stage = session, landscapes, on_stage
+        self._rows: dict[str, tuple[viser.GuiHtmlHandle, LogNumberSlider]] = {}
         self._seen, self._hand, self._held = False, None, False
         store.heard["strips"] = self._on_hand
         store.heard["point"] = self._on_point
@@ -45,25 +47,26 @@ class LandscapeStrips:
     def add(self, gui: viser.GuiApi, bound: SceneWidgetFactory, parameter: str, size: SliderSpec, value: float,
             act: Callable[[float], None]) -> LogNumberSlider:
         """Adds a slider for one of the ``PARAMETERS`` with a strip under it; arguments as of ``LogNumberSlider``."""
-        self._rows[parameter] = LogNumberSlider(gui, bound, size, value, act, self._row_html(parameter, None))
-        return self._rows[parameter]
+        mark = gui.add_html(self._row_html(parameter, size, None))
+        slider = LogNumberSlider(gui, bound, size, value, act)
+        self._rows[parameter] = mark, slider
+        return slider
 
     def refresh(self, report: FrameReport) -> None:
         """Requests the landscapes of the session's scene until the instant of a frame, and shows what is known."""
         if not self._seen:
             return
         quantity, estimator = self._on_stage()
-        landscapes = self._session.landscapes
-        landscapes.wish(self._hand, report.time / report.scene.period, quantity, estimator, held=self._held)
-        curves, heading = landscapes.curves(), heading_html(estimator)
+        self._landscapes.request(self._hand, report.time / report.scene.period, quantity, estimator, held=self._held)
+        curves, heading = self._landscapes.curves(), heading_html(estimator)
         if self._heading.content != heading:
             self._heading.content = heading
-        for parameter, slider in self._rows.items():
-            if slider.mark.content != (content := self._row_html(parameter, curves.get(parameter))):
-                slider.mark.content = content
+        for parameter, (mark, slider) in self._rows.items():
+            if mark.content != (content := self._row_html(parameter, slider.size, curves.get(parameter))):
+                mark.content = content
 
-    def _row_html(self, parameter: str, landscape: Landscape | None) -> str:
-        return row_html(parameter, self._session.scene, line_of(self._on_stage()[1]), landscape)
+    def _row_html(self, parameter: str, size: SliderSpec, landscape: Landscape | None) -> str:
+        return row_html(parameter, size, self._session.scene, line_of(self._on_stage()[1]), landscape)
 
     def _on_hand(self, said: Any) -> None:
         """Notes whether the browser shows any strip, which slider is in the visitor's hand, and whether it is held."""
@@ -76,7 +79,7 @@ class LandscapeStrips:
         """Sets a slider to a point of its strip, which the visitor has clicked or reached by a key."""
         match said:
             case [str() as parameter, value] if parameter in self._rows and is_number_between(value, 1e-12, 1e12):
-                self._rows[parameter].choose(float(value))
+                self._rows[parameter][1].choose(float(value))
 
 
 def line_of(estimator: str | None) -> tuple[str, tuple[int, ...]]:
@@ -107,12 +110,11 @@ def words_beside(parameter: str, scene: Scene) -> str:
     return ""
 
 
-def row_html(parameter: str, scene: Scene, line: tuple[str, tuple[int, ...]], landscape: Landscape | None) -> str:
+def row_html(parameter: str, size: SliderSpec, scene: Scene, line: tuple[str, tuple[int, ...]],
+             landscape: Landscape | None) -> str:
     """Returns the mark before a slider with all that the browser needs for its row; ``line`` as of :func:`line_of`."""
-    said: dict[str, Any] = {"unit": "Pa" if parameter == "modulus" else unit_of(type(scene), parameter),
-                            "line": [line[0], " ".join(map(str, line[1]))]}
-    if parameter in ("cells", "ppc"):
-        said["multiple"] = 0.5 if parameter == "ppc" and not scene.swings else 1
+    colour, dashes = line
+    said: dict[str, Any] = {"unit": size.unit, "multiple": size.multiple, "line": [colour, " ".join(map(str, dashes))]}
     if parameter == "modulus":
         said["keeps"] = "dt" if isinstance(scene.dt, float) else "cfl"
     if landscape:

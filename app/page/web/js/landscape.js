@@ -25,9 +25,10 @@
   const bad = (data, k) => ["unstable", "lost"].includes(data.state[k]) || data.state[k] === "ok" && error(data, k) >= 1;
   const ends = row => ["min", "max"].map(end => Number(row.thumb.getAttribute(`aria-value${end}`)));
   function at(row) {  // the slider's value
-    const value = 10 ** Number(row.thumb.getAttribute("aria-valuenow")), {multiple} = row.data;
+    const value = 10 ** Number(row.thumb.getAttribute("aria-valuenow")), {v, multiple} = row.data;
     if (row.wished && Date.now() < row.wished.until) return row.wished.value;
-    return multiple ? Math.max(multiple, multiple * Math.round(value / multiple)) : value;
+    const k = v ? nearest(row.data, value) : 0;
+    return v && isPoint(row.data, value, k) ? v[k] : multiple ? Math.max(multiple, multiple * Math.round(value / multiple)) : value;
   }
   const nearest = (data, value) => data.v.reduce((best, v, k) =>
     Math.abs(Math.log(v / value)) < Math.abs(Math.log(data.v[best] / value)) ? k : best, 0);
@@ -47,11 +48,11 @@
     return {value, wrong, est, sec, good: wrong !== null || est !== null, state: wrong ?? est ? "ok" : bad(data, k) ? data.state[k] : "pending"};
   }
   const named = (row, value) => VALUES[row.parameter].replace("{count}", sized(value, row.data.unit, row.data.multiple ? 6 : 3));
-  function sentence(row, point) {
-    const {wrong, est, sec, state, exact} = point, most = exact ? tr("at most {share} wrong") : tr("about {share} wrong");
+  function sentence(row, point, short = 0) {  // in a narrow panel without the time
+    const {wrong, est, sec, state, exact} = point, most = exact ? tr("up to {share} wrong") : tr("about {share} wrong");
     const said = state !== "ok" ? [STATES[state]] : [
       wrong === null ? null : wrong >= 1 ? tr("over 100 % wrong") : most.replace("{share}", share(wrong)),
-      point.good && est !== null && tr("estimate {share}", {share: share(est)}), sec !== null && sized(sec, "s", 2)];
+      point.good && est !== null && (short ? tr("est. {share}", {share: share(est)}) : tr("estimate {share}", {share: share(est)})), sec !== null && short < 2 && sized(sec, "s", 2)];
     return `${named(row, point.value)}: ${said.filter(Boolean).join(", ")}`;
   }
 
@@ -114,7 +115,7 @@
     if (data.cross !== null && data.complete && px(data.cross) > where[0] && px(data.cross) < where[1]) {
       const x = px(data.cross), left = x > 78;
       svg += `<path d="M${x} 0V${H}" style="stroke:var(--cross);stroke-width:1.25;stroke-dasharray:${speaks ? "none" : "2 2"}"/>`;
-      if (speaks) svg += words(left ? x - 3 : x + 4, tr("first crossing"), "cross", left ? "end" : "start", left ? undefined : H - 4);
+      if (speaks) svg += words(left ? x - 3 : x + 10, tr("first crossing"), "cross", left ? "end" : "start", left ? undefined : H - 4);
     }
     if (data.bound !== null && data.complete) {
       svg += `<path d="M${px(data.bound)} 0V${H}" style="stroke:var(--ink3);stroke-dasharray:2 2"/>`;
@@ -122,7 +123,7 @@
     }
     if (data.flat) {
       const right = px(at(row)) < W / 2;
-      svg += words(right ? W - 6 : 6, tr("no effect: only the units change"), "ink2", right ? "end" : "start");
+      svg += words(right ? W - 6 : 6, tr("no effect: only the units change"), "ink2", right ? "end" : "start", H > 30 ? 16 : 11);
     }
     const here = read(row, at(row)), x = px(at(row)), height = here.good ? y(here.wrong ?? here.est) : H;
     if (here.state !== "pending") svg += `<path d="M${x} -6V${height}" style="stroke:var(--accent);stroke-width:1.5"/>`;
@@ -143,11 +144,19 @@
     const value = row.hover ?? at(row), point = read(row, value);
     const speaks = Boolean(!row.named && (row.held || row.over || row.hover !== null || row.focused) && point);
     const said = point && sentence(row, point), own = row.hover === null ? said : row.data.v && sentence(row, read(row, at(row)));
-    const key = [row.said, at(row), ...ends(row), row.hover, speaks, row.width, row.height, row.label.dataset.words].join();
+    const key = [row.said, row.stale, at(row), ...ends(row), row.hover, speaks, row.width, row.height, row.label.dataset.words,
+      document.body.classList.contains("lab-playing")].join();
     if (key === row.key) return;
     row.key = key;
     row.element.classList.toggle("lab-speaks", speaks);
-    if (row.read.textContent !== (said || "")) row.read.textContent = said || "";
+    row.element.classList.toggle("lab-stale", row.stale);
+    row.read.textContent = said || "";
+    row.read.classList.remove("lab-tight");
+    for (const short of [1, 2]) {
+      if (!speaks || row.read.scrollWidth <= row.read.clientWidth) break;
+      row.read.textContent = sentence(row, point, short);
+      row.read.classList.add("lab-tight");
+    }
     if (row.width) row.svg.innerHTML = strip(row, speaks);
     // A run that plays would be read out all the time.
     if (at(row) !== row.told || !document.body.classList.contains("lab-playing")) {
@@ -285,6 +294,18 @@
     input.dataset.typed = "";
   }
 
+  // While a run plays or a slider is held not every point is computed, and one alone may come late: the curve goes through
+  // those that are known. Where none is known yet, what was known before stays, faint.
+  function take(row, data) {
+    const known = (data.v || []).map((_, k) => k).filter(k => data.state[k] !== "pending");
+    const computed = known.filter(k => data.state[k] !== "costly").length, waiting = (data.v || []).length - known.length;
+    row.stale = Boolean(data.v && !computed && row.data.v && row.data.flat === data.flat);
+    if (row.stale) return;
+    const settles = computed > 1 && (waiting < 3 || document.body.classList.contains("lab-playing") || [...rows.values()].some(one => one.held));
+    row.data = !settles ? data : {...data, complete: true,
+      ...Object.fromEntries(["v", "true", "est", "sec", "state"].map(name => [name, known.map(k => data[name][k])]))};
+  }
+
   function look() {
     for (const mark of root.querySelectorAll("i.lab-row")) {
       const element = mark.parentElement.nextElementSibling;
@@ -293,7 +314,7 @@
       if (row?.element !== element) continue;
       if (row.said !== mark.dataset.said) {
         row.said = mark.dataset.said;
-        row.data = JSON.parse(row.said);
+        take(row, JSON.parse(row.said));
       }
       if (row.wished && Math.abs(Math.log10(row.wished.value) - Number(row.thumb.getAttribute("aria-valuenow"))) < 1e-6) row.wished = null;
       draw(row);

@@ -5,7 +5,7 @@
   let said = "", high = 0;
 
   // Widgets stand where the labels would that say what they are set to: to the gutter, or to a place of the stage.
-  const LAID = {"/estimate-by": "estimator", "/colours/quantity": "quantity", "/field/magnified": "magnify"};
+  const LAID = {"/estimate-by": "estimator", "/colours/quantity": "quantity"};
   // Where nobody judges the run, somebody is offered.
   const NOBODY = tr("no estimator is chosen"), JUDGE = "companion";
   function offer() {
@@ -18,8 +18,6 @@
   function lay(widget, label, vertical, horizontal, element) {
     const left = label.role === "gutter" ? "var(--pad)" : `calc(var(--stage-left) + (${1.03 * label.x} - 0.015) * var(--u))`;
     const top = `calc(var(--stage-top) + ${label.y} * var(--lab-high) * var(--u))`;
-    if (label.text.endsWith("× 1")) element.textContent = "";
-    document.body.classList.toggle(`lab-${widget}-aside`, horizontal === "right");
     element.classList.add("lab-laid", `lab-under-${widget}`);
     for (const [name, value] of [["left", left], ["top", top], ["up", `-${UP[vertical]}`], ["aside", `-${ASIDE[horizontal]}`]])
       document.body.style.setProperty(`--${widget}-${name}`, value);
@@ -49,12 +47,13 @@
     const data = document.querySelector("i.lab-stage")?.dataset;
     if (!data || data.said === said) return;
     said = data.said;
-    const {labels, high: height} = JSON.parse(said), names = new Set(labels.map(label => label.name));
+    const {labels, high: height, box} = JSON.parse(said), names = new Set(labels.map(label => label.name));
     for (const [name, element] of drawn) if (!names.has(name)) { element.remove(); drawn.delete(name); }
     labels.forEach(put);
     for (const widget of Object.values(LAID))  // what changes nothing that is shown goes
       document.body.classList.toggle(`lab-no-${widget}`, !stage.querySelector(`.lab-under-${widget}`));
     if (height !== high) document.body.style.setProperty("--lab-high", high = height);
+    dispatchEvent(new CustomEvent("lab-laid", {detail: box}));
   }
 
   new MutationObserver(look).observe(document.getElementById("root"), {childList: true, subtree: true});
