@@ -1,7 +1,7 @@
 """HistoryRunner: runs scenes one after the other for their error histories, several times as fast as ``run``.
 
-Solvers are used again, samples are taken only where contradictions are looked for, and no particles are stored. Errors
-are those of ``run`` to the bit; the status follows from the same rules.
+Solvers are used again, and no particles are stored. Errors are those of ``run`` to the bit, and the status follows from
+the same rules.
 """
 
 from collections.abc import Callable
@@ -41,7 +41,6 @@ class HistoryRunner:
         try:
             wanted = replace(varied_scene(scene, parameter, value), estimators=scene.active_estimators, t_end=None,
                              periods=until, sample_every=None)
-            wanted = replace(wanted, sample_every=wanted.look_interval)
             solver = self._solver(scene, wanted)
         except SceneError:
             return ErrorHistory(np.inf, status=REFUSED, broken_at=0.0)
@@ -93,12 +92,12 @@ def _history(solver: Solver, rows: np.ndarray, until: float, rate: float) -> Err
     finding = earliest_finding(findings(scene, series), not_valid)
     status = UNSTABLE if not solver.sound else LOST if finding else OK
     since = finding.time if finding else np.inf if solver.sound else solver.time
-    errors = {TRUTH: _columns(series, "error")} if scene.has("truth") else {}
-    errors |= {name: _columns(series, f"{name}/estimate") for name in scene.active_estimators if name not in not_valid}
+    kinds = {TRUTH: "error"} if scene.has("truth") else {}
+    kinds |= {name: f"{name}/estimate" for name in scene.active_estimators if name not in not_valid}
+    kept = rows[:, samples.column_index("step")] % scene.look_interval == 0
+    kept[-1] = True
+    errors = {source: np.fmax.accumulate([series[f"{kind}_{quantity}"] for quantity in QUANTITIES], axis=1)[:, kept]
+              for source, kind in kinds.items()}
     sizes = np.array([scene.size_of(quantity) for quantity in QUANTITIES])
-    return ErrorHistory(until if solver.sound else np.inf, series["time"] / scene.period, errors, sizes, status,
+    return ErrorHistory(until if solver.sound else np.inf, series["time"][kept] / scene.period, errors, sizes, status,
                         since / scene.period, rate)
-
-
-def _columns(series: dict[str, np.ndarray], kind: str) -> np.ndarray:
-    return np.stack([series[f"{kind}_{quantity}"] for quantity in QUANTITIES], axis=1)
