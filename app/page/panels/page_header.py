@@ -65,9 +65,10 @@ def add_widget_marker(gui: viser.GuiApi, *names: str, words: str = "") -> viser.
     return gui.add_html(widget_marker_html(*names, words=words))
 
 
-def widget_marker_html(*names: str, words: str = "") -> str:
-    """Returns the html of a mark for :func:`add_widget_marker`."""
-    return f"<i class='{' '.join(('lab-words', *names))}' data-words='{escape(words)}'></i>"
+def widget_marker_html(*names: str, words: str = "", **data: str) -> str:
+    """Returns the html of a mark for :func:`add_widget_marker`, with further ``data`` for scripts."""
+    said = "".join(f" data-{name}='{escape(text)}'" for name, text in data.items())
+    return f"<i class='{' '.join(filter(None, ('lab-words', *names)))}' data-words='{escape(words)}'{said}></i>"
 
 
 _BUTTON, _ON = "<i class='lab-present'></i>", "<i class='lab-present lab-presenting'></i>"
