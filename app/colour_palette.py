@@ -37,6 +37,7 @@ LINES = {"truth": Shades("#0072b2", "#4fb0ea"), "estimate": Shades("#cf5a00", "#
 FAINT = {"line": Shades("#e2e5eb", "#2c313a"), "line2": Shades("#c5cad4", "#4a515e"),
          "cell": Shades("#cfd4dd", "#3a404b")}
 PALETTE = GROUNDS | TEXTS | LINES | FAINT
+PIECE_COLOURS = TEXTS["accent"], Shades("#7a71d6", "#7a71d6")  # of neighbours, where a bar is drawn in pieces
 #: Areas of the causes of error, by the names of ``solvers.scene.error_causes``: crossings darker than their line, so
 #: that any two of these, and the background, differ by 20 or more in CIE L*a*b*, also with common colour blindness.
 CAUSES = {"crossings": Shades("#a8005f", "#ff80c4"), "coarse_grid": Shades("#2f86e0", "#2a7bd6"),

@@ -82,12 +82,6 @@ class Controls:
         with self._turn:
             self.stage.ensure_estimator_has_values(report.scene, arrays)
 
-    def reset_speed(self) -> None:
-        """Sets the run's speed to the default of its problem."""
-        with self._turn:
-            self._session.set_speed(VIEWS[self._session.scene.problem].speed)
-            self._transport.show()
-
     def enable_problem_choice(self) -> None:
         """Makes the dropdown of problems work, once the page is built, and applies a choice made in it before."""
         self.problem.on_update(lambda _: self._choose_problem())

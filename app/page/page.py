@@ -12,7 +12,7 @@ from app.frame.headline import HeadlineWithFacts
 from app.language.translation import current_language, with_language
 from app.page.feature import Feature, VisiblePageState
 from app.page.features import all_features
-from app.page.features.opening_tour import OPENING
+from app.page.features.opening_tour import OPENING, QUARTER
 from app.page.features.sharing import BrowserAddress
 from app.page.page_context import PageContext
 from app.page.panels.about_tab import add_about
@@ -50,6 +50,7 @@ class Page:
         context.stage.build(context.store, context.history.seek)
         controls = context.controls
         controls.set_initial_state(OPENING)
+        context.session.reset(QUARTER)
         with context.tabs["explore"] as explore:
             controls.build(explore)
         with context.tabs["about"]:
@@ -119,8 +120,9 @@ class Page:
         if numbers := context.stage.read_numbers(choice):
             controls.estimator_cards.fill_cards(numbers.readout.cards_json)
         headline = next(filter(None, (feature.headline(context.recent.shown_frame) for feature in self._features)),
-                        HeadlineWithFacts()) if on_stage else HeadlineWithFacts()
-        context.stage.refresh(choice, numbers, in_lesson, headline)
+                        HeadlineWithFacts()) if on_stage or context.is_touring() else HeadlineWithFacts()
+        if context.store.has_answered:  # else it may ask for something else than what is there at first
+            context.stage.refresh(choice, numbers, in_lesson, headline)
         view = VisiblePageState(choice, numbers, in_lesson, on_stage and not in_lesson)
         for feature in self._features:
             feature.refresh(view)

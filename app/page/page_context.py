@@ -15,6 +15,7 @@ from app.page.panels.page_header import PresentationMode, widget_marker_html
 from app.page.stage_and_readout_view import StageAndReadoutView
 from app.page.viewer_canvas import ViewerCanvas
 from app.page.visit.engine_links import PageEngineLinks
+from app.page.visit.landscapes import Landscapes
 from app.page.visit.recent_frames import RecentFrames
 from app.page.visit.run_session import RunSession
 from app.page.visit.status_message import Notice
@@ -45,11 +46,13 @@ class CurrentLesson(Protocol):
 
 
 class PageContext:
-    """Everything that features share: the visitor's run (``session``), ``stage``, ``controls``, ``tabs``, the folder
-    ``own_data`` and more. Features set ``lesson`` and ``is_touring``. The page sets ``show_run_on_stage``, which ends
+    """Everything that features share: the visitor's run (``session``), its ``landscapes``, ``stage``, ``controls``,
+    ``tabs``, the folder ``own_data`` and more. Features set ``lesson``, ``is_touring`` and ``show_phase``, which shows
+    a particle's phase (from 1) of one time step in slow motion. The page sets ``show_run_on_stage``, which ends
     whatever replaces the run on the stage, and ``store_state``, which stores the visitor's state in the browser's
     address."""
 
+    show_phase: Callable[[int, int], None]
     show_run_on_stage: Callable[[], None]
     store_state: Callable[[], None]
 
@@ -67,7 +70,8 @@ class PageContext:
         self.presenter = PresentationMode(self.gui)
         self.canvas = ViewerCanvas(client, self.scale, self.trace, opening.scene.problem)
         self.stage, self._on_frame = StageAndReadoutView(client, self.canvas), on_frame
-        self.session = RunSession(links, opening.scene, self._take_frame, opening.speed, opening.stops)
+        self.session = RunSession(links, opening.scene, self._take_frame, opening.speed)
+        self.landscapes = Landscapes(self.session, links.histories)
         self.history = FrameAndTraceControls(self.session, self.recent, self.trace, self.stage.draw)
         self.controls = Controls(self.gui, self.session, self.scale, self.stage.draw, self.history, self.store)
         self.run = VisitorRunSource(self.session, self.recent, self.trace, notice)

@@ -70,8 +70,9 @@ class StageAndReadoutView:
             if (notice := each.notice()) or each.is_on:
                 break
         self._notice.content = "" if notice is None else notice.html
-        if picture is not None:
-            self._headline.show(headline or source.sentence(choice, picture), source.needs_immediate_headline)
+        said = headline or (picture and source.sentence(choice, picture))
+        if said:
+            self._headline.show(said, source.needs_immediate_headline)
         self._canvas.camera.refit_while_settling()
 
     def _on_resized(self, size: LayoutMetrics) -> None:

@@ -7,7 +7,7 @@ import viser
 
 from app.colour_palette import GROUNDS, rgb
 from app.frame.colour_scale import ColourScale
-from app.frame.layout import ColourBarDrawing
+from app.frame.layout import ColourBarDrawing, Rectangle
 from app.frame.stage import Stage
 from app.names_and_units import QUANTITIES
 from app.page.stage.pointer_and_camera import FixedRectangleCamera, RectangleErrorProbe, TracedParticleRing
@@ -63,6 +63,13 @@ class ViewerCanvas:
         self.camera.show_rectangle(rectangle)
         self.probe.measure(stage, arrays, view.estimated, view.true, unit)
         self.picture = picture
+
+    def cover(self, rectangle: Rectangle) -> None:
+        """Hides the stage, until the next frame is drawn, and shows the rectangle of something else."""
+        self._show_stage(None)
+        self.lettering.set_visible_rectangle(rectangle)
+        self.lettering.send()
+        self.camera.show_rectangle(rectangle)
 
     def set_dark(self, dark: bool) -> None:
         self.lettering.dark = dark

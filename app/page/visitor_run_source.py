@@ -81,8 +81,8 @@ class VisitorRunSource:
     def sentence(self, choice: ViewChoice, picture: StageFrame) -> HeadlineWithFacts:
         """Returns the headline of the frame drawn, with a comparison to a pinned run; empty for another run's frame."""
         history, pinned, report = self._session.history, self._session.pinned, picture.report
-        if picture.foreign or not history.scene == report.scene == self._worst.scene:
-            return HeadlineWithFacts()  # another run has begun just now
+        if picture.foreign or not self._session.scene == history.scene == report.scene == self._worst.scene:
+            return HeadlineWithFacts()  # another run has begun just now, or is being compiled
         beside = "" if pinned is None else compare_with_pinned(history.series, pinned.history.series, choice.quantity,
                                                                (report.scene, pinned.scene))
         return frame_headline(report, picture.arrays, picture.view, self._worst, history.series, choice.quantity,

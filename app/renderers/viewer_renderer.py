@@ -44,6 +44,7 @@ class LabelLayer:
         (1 is usual); returns whether any has changed."""
         before = self._box, self._letters
         self._box, self._letters = (max(120.0, width), max(60.0, height), max(0.0, gutter)), max(0.5, letters)
+        self._changed |= before != (self._box, self._letters)
         return before != (self._box, self._letters)
 
     def set_visible_rectangle(self, rectangle: tuple[float, float, float, float]) -> None:
@@ -85,7 +86,7 @@ class LabelLayer:
             x0, x1, y0, y1 = self._rectangle
             labels = [self._encode(sheet, label, x0, y1, x1 - x0, y1 - y0) for sheet, label in self.visible_labels]
             high = round((1 + 2 * EDGE) * (y1 - y0) / (x1 - x0), 4)
-            said = json.dumps({"high": high, "labels": labels}, separators=(",", ":"))
+            said = json.dumps({"high": high, "box": self._box[:2], "labels": labels}, separators=(",", ":"))
         self._html.content = f"<i class='lab-stage' data-said='{escape(said)}'></i>"
 
     def _encode(self, sheet: str, label: Label, left: float, top: float, width: float, height: float) -> dict:

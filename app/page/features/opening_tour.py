@@ -1,62 +1,65 @@
-"""The opening tour in four steps with the runs' own numbers, and the pause at its end."""
+"""The opening tour: in 22 s from a bar in pieces to two runs of it, in four steps with the runs' own numbers."""
 
 import math
+import threading
 from collections.abc import Callable
-from time import monotonic
+from dataclasses import replace
+from time import monotonic, thread_time
 from typing import Any
 
 import numpy as np
-import viser
 
-from app import shareable_state
+from app.access.rate_limited_log import log_failure
 from app.frame.headline import HeadlineWithFacts
-from app.language.translation import tr, trn
-from app.names_and_units import METHODS, per_cent, with_unit
+from app.language.translation import tr, with_language
+from app.names_and_units import per_cent
 from app.page.feature import Feature, VisiblePageState
 from app.page.page_context import PageContext
-from app.page.visit.pinned_run import PinnedRun
+from app.page.stage_source import StageContent, StageSource, ViewChoice
 from app.page.visit.recent_frames import Frame
-from app.page.visit.run_session import RunSession
-from solvers.engine.engine_messages import FrameReport
-from solvers.engine.shared_frames import FrameArrays
+from app.page.visit.status_message import Notice
+from app.problems.bar.field_over_stage import FieldOverStage
+from app.problems.bar.stretching_bar import StretchingBar
+from app.shareable_state import State
+from solvers.problems.bar.scene import BarScene
 from solvers.solver import samples
 
-HALF_WAY = 0.125  # periods at the end of the first step
-BEAT = 10.0  # seconds of each of the last two steps
+#: Seconds of each step: the bar in pieces, slow motion of hat functions, their errors, B-splines beside them.
+SECONDS = {1: 5.5, 2: 6.5, 3: 5.0, 4: 5.0}
 LAST = 4
+#: In periods: where slow motion begins, shortly before the first particle changes its cell, and where it stops: at a
+#: quarter, where hat functions are most wrong. At larger amplitudes all particles cross repeatedly, and those that
+#: crossed err no more than the others.
+BEFORE_CROSSING, QUARTER = 0.17, 0.25
+SLOW = (QUARTER - BEFORE_CROSSING) / 5.8  # periods per second of slow motion
+STILL = 0.5  # seconds after its start at which the bar in pieces is stretched most
+TICK, SHARE = 0.04, 8  # seconds between two pictures; in times what drawing one takes, if that is longer
 SIGMA = samples.QUANTITIES.index("sigma")
-WIDE = 1.0 + 1e-6  # cells from a particle that has crossed within which errors are attributed to it
 
-#: First state without a link: hat functions beside B-splines, slowly, for the quarter of a
-#: period in which the first particles change their cell and the stress is wrong there; then it stops. At larger
-#: amplitudes, where all cross repeatedly, those that crossed err no more than the others.
-OPENING = shareable_state.parse_state(
-    "bar;method=mpm;amplitude=0.0034;periods=0.25;estimators=recovered,companion;error-of=sigma;speed=0.0125;stops;"
-    "pinned;method=bspline;amplitude=0.0034;periods=0.25;estimators=recovered,companion")
+SPEED = 0.025  # periods per second afterwards: slow enough to see single particles change their cells
+
+#: The state of a page without a link, from a quarter of the period on: hat functions beside B-splines.
+BAR = BarScene(method="mpm", amplitude=0.0034, periods=QUARTER, estimators=("recovered",))
+OPENING = State(BAR, "sigma", speed=SPEED, pinned=replace(BAR, method="bspline"))
 
 
 class OpeningTour(Feature):
-    """One visitor's tour of the page: ``show_opening`` puts its first state on the stage, ``restore_speed`` ends its
-    slow playback; ``story.js`` starts it. ``clock`` returns seconds."""
+    """One visitor's tour of the page: ``beat`` is its step, 1 to 4, and 0 outside it. ``story.js`` starts it, lets it
+    wait for a button at each step if its visitor wants no motion, and ends it. ``clock`` returns seconds."""
 
-    def __init__(self, gui: viser.GuiApi, session: RunSession, show_opening: Callable[[], None],
-                 restore_speed: Callable[[], None], clock: Callable[[], float] = monotonic):
-        self._session, self._clock, self._mark = session, clock, gui.add_html("")
-        self._show_opening, self._restore_speed = show_opening, restore_speed
+    def __init__(self, page: PageContext, clock: Callable[[], float] = monotonic):
+        self._page, self._session, self._clock = page, page.session, clock
+        self._mark = page.gui.add_html("")
         self.messages = {"story": self.on_message}
-        self._opened, self._restarts = True, 0  # whether the opening is on the stage before its end; number of restarts
-        self.beat = 0  # 1 to LAST during the tour
-        self._since = 0.0
+        self.source = OpeningSource(self, page.run)
+        self.beat, self._since, self._waits, self._restarts = 0, 0.0, False, 0
+        self._turn, self._over = threading.RLock(), threading.Event()
+        self._bar = StretchingBar(page.canvas.add_surface("/opening-bar"), BAR)
+        self._field = FieldOverStage(page.canvas.add_surface("/opening-field"))
 
     @classmethod
     def build(cls, page: PageContext) -> "OpeningTour":
-        def show_opening() -> None:  # without slow rebuilding of widgets if nothing has changed
-            if page.controls.state == OPENING and page.session.playing and not page.session.refused:
-                page.session.reset()
-            else:
-                page.controls.show(OPENING)
-
-        tour = cls(page.gui, page.session, show_opening, page.controls.reset_speed)
+        tour = cls(page)
         page.is_touring = lambda: tour.beat > 0
         with page.tabs["about"]:
             page.gui.add_html("<i class='lab-replay'></i>")
@@ -66,101 +69,178 @@ class OpeningTour(Feature):
         return tour
 
     def on_message(self, message: Any) -> None:
-        """Starts the tour at the browser's message "play", ends it at "skip"; ignores others."""
-        if message == "play":
-            self._show_opening()
-            self._opened, self.beat = True, 1
-        elif message == "skip" and self.beat:
-            self._end()
+        """Starts the tour at the browser's message "play", or at "stills" with steps that wait for "next"; "skip" ends
+        it. Ignores others."""
+        with self._turn:
+            if message in ("play", "stills"):
+                self._begin(waits=message == "stills")
+            elif message == "next" and self.beat and self._waits:
+                self._go_on()
+            elif message == "skip" and self.beat:
+                self._land()
 
     def refresh(self, view: VisiblePageState) -> None:
         """Goes on to the tour's next step when it is time; ends the tour if anything else takes the stage."""
-        session, report = self._session, self._session.report
-        pinned, restarts = session.pinned.scene if session.pinned else None, session.playback_request_key[1]
-        if (session.scene, pinned) != (OPENING.scene, OPENING.pinned) or not view.has_stage:
-            if self._opened and restarts == self._restarts:  # changed, not replaced
-                session.continue_past_end()
-            self._opened = False
-            self._end()
-        if report is None or report.scene != OPENING.scene:
-            return
-        self._restarts, periods = restarts, report.time / report.scene.period
-        # A pinned run that is compiled late restarts both; they would stay at t = 0 if the first were paused.
-        if self._opened and session.is_over and ((other := session.pinned) is None or other.stop_reason() or (
-                other.last is not None and other.last[0].step >= other.scene.steps)):
-            self._opened = False
-            session.continue_past_end()
-            self._restore_speed()
-        if self.beat == 1 and periods >= HALF_WAY:
-            self._go(2)
-        elif (self.beat == 2 and not self._opened) or (self.beat == 3 and self._clock() > self._since + BEAT):
-            self._go(self.beat + 1)
-        elif self.beat == LAST and self._clock() > self._since + BEAT:
-            self._end()
-        self._show()
+        session = self._session
+        with self._turn:
+            pinned = session.pinned.scene if session.pinned else None
+            if not self.beat:
+                return
+            if view.in_lesson or session.playback_request_key[1] != self._restarts:  # replaced by something else
+                self._end()
+            elif (session.scene, pinned) != (BAR, OPENING.pinned):  # a control was moved
+                self._end()
+                session.set_speed(SPEED)
+                session.play(True)
+            elif not self._waits and self._clock() > self._since + SECONDS[self.beat] and self._is_ready:
+                self._go_on()
+            elif self.beat == 2 and session.playing and self._periods >= QUARTER:
+                self._restart(QUARTER, playing=False)
 
     def headline(self, frame: Frame | None) -> HeadlineWithFacts:
         """Returns the headline of the tour's present step for a ``frame`` of the run; an empty one outside it."""
-        if not self.beat or frame is None or frame[0].scene != OPENING.scene:
-            return HeadlineWithFacts()
-        headline, facts, places = _beat_headline(self.beat, *frame, self._session.pinned)
-        said = HeadlineWithFacts.from_template(headline, *facts, **places)
-        return HeadlineWithFacts(said.headline, said.facts, ("beat", self.beat))
+        beside = self._session.pinned.last if self._session.pinned else None
+        said = _beat_headline(self.beat, frame, beside) if self.beat else HeadlineWithFacts()
+        return replace(said, moment=("beat", self.beat))
 
-    def _go(self, beat: int) -> None:
-        self.beat, self._since = beat, self._clock()
+    def close(self) -> None:
+        """Ends the drawing thread when the visitor leaves."""
+        self._over.set()
+
+    @property
+    def _is_ready(self) -> bool:
+        """Whether the runs have the frames that the next step shows."""
+        report, pinned = self._session.report, self._session.pinned
+        return report is not None and report.scene == BAR and \
+            (self.beat != LAST - 1 or (pinned is not None and pinned.last is not None))
+
+    @property
+    def _periods(self) -> float:
+        report = self._session.report
+        return report.time / report.scene.period if report else 0.0
+
+    def _begin(self, waits: bool) -> None:
+        shown, drawing = self._page.controls.state, self.beat in (1, 2)
+        if (shown.scene, shown.pinned) != (BAR, OPENING.pinned) or self._session.refused:
+            self._page.controls.show(OPENING)  # rebuilds widgets, which is slow
+        self._waits, self.beat, self._since = waits, 1, self._clock()
+        self._restart(QUARTER if waits else BEFORE_CROSSING, playing=False, speed=SLOW)
+        self._show()
+        if not drawing:
+            threading.Thread(target=with_language(self._draw_loop), name="opening-tour", daemon=True).start()
+
+    def _go_on(self) -> None:
+        if self.beat == LAST:
+            return self._land()
+        self.beat, self._since = self.beat + 1, self._clock()
+        if self.beat == 2 and not self._waits:
+            self._session.play(True)
+        elif self.beat == 3 and self._session.playing:  # slower than was asked for
+            self._restart(QUARTER, playing=False)
+        self._show()
+
+    def _land(self) -> None:
+        """Ends the tour with both runs on the stage, at a quarter of the period, from which they go on unless motion is
+        unwanted."""
+        self._end()
+        self._restart(QUARTER, playing=not self._waits, speed=SPEED)
+
+    def _restart(self, periods: float, **pace: Any) -> None:
+        self._session.reset(periods, **pace)
+        self._restarts = self._session.playback_request_key[1]
 
     def _end(self) -> None:
-        if self.beat:
-            self.beat = 0
-            if self._opened:  # the rest of the quarter at once
-                self._restore_speed()
+        self.beat = 0
         self._show()
 
     def _show(self) -> None:
-        self._mark.content = f"<i class='lab-story' data-beat='{self.beat}'></i>"
+        """Tells the browser the step, and uncovers the stage from the third on."""
+        seconds = 0 if self._waits else SECONDS.get(self.beat, 0)
+        self._mark.content = f"<i class='lab-story' data-beat='{self.beat}' data-seconds='{seconds}'></i>"
+        if self.beat not in (1, 2):
+            self._bar.sheet.visible = self._field.sheet.visible = False
+            self._page.stage.draw()
+
+    def _draw_loop(self) -> None:
+        """Draws what covers the stage in the first two steps."""
+        rest = 0.0
+        while not self._over.wait(rest) and self.beat in (1, 2):
+            begun = thread_time()
+            try:
+                with self._turn:
+                    self._draw_cover()
+            except Exception as error:  # one bad picture must not end the tour
+                log_failure("the opening could not be drawn", error)
+            rest = max(TICK, SHARE * (thread_time() - begun))
+
+    def _draw_cover(self) -> None:
+        """Draws the bar in pieces in the first step, and in the second the field of the run's frame."""
+        frame, page = self._page.recent.shown_frame, self._page
+        with page.client.atomic():
+            if self.beat == 1:
+                rectangle = self._bar.draw(STILL if self._waits else self._clock() - self._since)
+            elif self.beat == 2 and frame is not None and frame[0].scene == BAR:
+                rectangle = self._field.draw(BAR, *frame)
+            else:
+                return
+            self._bar.sheet.visible, self._field.sheet.visible = self.beat == 1, self.beat == 2
+            page.canvas.cover(rectangle)
+            page.client.flush()
 
 
-def _beat_headline(beat: int, report: FrameReport, arrays: FrameArrays, pinned: PinnedRun | None,
-                   ) -> tuple[str, list[str], dict[str, str]]:
-    """Returns the headline template of the tour's step ``beat`` (1 to 4), facts, and the template's values."""
-    scene, size = report.scene, report.scene.size_of("sigma")
-    error = arrays.error[:, SIGMA].astype(float)
-    wrong, crossed = math.sqrt(np.mean(error**2)) / size, arrays.steps_since_crossing >= 0
+class OpeningSource:
+    """Source for the stage in the tour's first three steps: nothing while a picture of the ``tour`` covers it, then the
+    visitor's run alone, whose source is ``run``."""
+
+    needs_immediate_headline = False
+
+    def __init__(self, tour: OpeningTour, run: StageSource):
+        self._tour, self._run = tour, run
+        self.numbers, self.sentence = run.numbers, run.sentence
+
+    @property
+    def is_on(self) -> bool:
+        return self._tour.beat in (1, 2, 3)
+
+    def stage_content(self, choice: ViewChoice) -> StageContent | None:
+        sight = self._run.stage_content(choice) if self._tour.beat == 3 else None
+        return sight and replace(sight, picture=replace(sight.picture, name=""), beside=None)
+
+    def notice(self) -> Notice | None:
+        """Returns None: what the runs wait for is not to be seen yet."""
+        return None
+
+
+def _beat_headline(beat: int, frame: Frame | None, beside: Frame | None) -> HeadlineWithFacts:
+    """Returns the headline and fact of the tour's step ``beat``, with numbers of the run's ``frame`` and of that of the
+    run ``beside`` it; an empty one without the frames that it needs."""
     if beat == 1:
-        return (tr("The blue line is the exact stress at every point of this bar."),
-                [tr("The bar swings by {amplitude}. The dots are computed: will they stay on the line?",
-                    amplitude=with_unit(scene.amplitude, "m"))], {})
-    if beat == 2 and not crossed.any():
-        return (tr("{by}, the oldest method: does the stress stay on the line?"),
-                [tr("No particle has changed its cell yet. Watch for the magenta dots.")],
-                {"by": str(METHODS[scene.method])})
+        return HeadlineWithFacts.from_template(tr("A bar, cut into particles."), tr(
+            "A computer moves them through a fixed grid, step by step: the Material Point Method, MPM."))
     if beat == 2:
-        # The share of the squared error within a cell's width of particles that have changed their cell.
-        count = int(crossed.sum())
-        x, square = arrays.position[:, 0].astype(float), arrays.error[:, SIGMA].astype(float) ** 2
-        near = np.abs(x[:, None] - x[arrays.steps_since_crossing >= 0]).min(axis=1) <= WIDE * OPENING.scene.spacing
-        told = trn("{count} particle has changed its cell: {share} of the squared error lies within a cell's width.",
-                   "{count} particles have changed their cell: {share} of the squared error lies within a cell's "
-                   "width.", count, share=per_cent(float(square[near].sum() / square.sum()))) if square.sum() else \
-            trn("{count} particle has changed its cell: all of the squared error lies within a cell's width.",
-                "{count} particles have changed their cell: all of the squared error lies within a cell's width.",
-                count)
-        return (tr("The stress is {wrong} {off}: it leaves the line where a particle changes its cell."),
-                [told], {"wrong": per_cent(wrong), "off": tr("wrong")})
+        return HeadlineWithFacts.from_template(tr("Watch particles change cell. The stress jumps off the line."), tr(
+            "Slow motion. Blue is the exact stress, black is what MPM (with hat functions) computes for it."))
+    if frame is None or frame[0].scene != BAR:
+        return HeadlineWithFacts()
     if beat == 3:
-        estimate = arrays.estimate.get("recovered", np.full_like(arrays.error, np.nan))[:, SIGMA].astype(float)
-        index = math.sqrt(np.mean(estimate**2)) / (wrong * size) if wrong else math.nan
-        return (tr("{by} without the exact solution finds {wrong} of that error."),
-                [tr("The estimator recovered smooths the particles' motion. Upper lane: its estimate; lower lane: the "
-                    "true error.")], {"by": tr("An estimator"), "wrong": per_cent(index)})
-    if pinned is None or pinned.last is None:
-        return tr("The same bar with B-splines is being prepared."), [], {}
-    other = pinned.last[1]
-    its = math.sqrt(np.mean(other.error[:, SIGMA].astype(float)**2)) / size
-    same = int((other.steps_since_crossing >= 0).sum())
-    places = {"by": tr("B-splines"), "wrong": per_cent(its), "off": tr("wrong")}
-    headline = trn("{by}: {wrong} {off}, though a particle has, too.",
-                   "{by}: {wrong} {off}, though {count} particles have changed their cell there, too.", same,
-                   **{name: f"{{{name}}}" for name in places})
-    return headline, [tr("At what price? Ask one of the questions that come now, or open Cost.")], places
+        arrays = frame[1]
+        share = _rms(arrays.estimate["recovered"]) / _rms(arrays.error)
+        return HeadlineWithFacts.from_template(
+            tr("{wrong} wrong, and the simulation can tell you itself."), tr(
+                "An estimator that never saw the blue line finds {share} of the error, in the right places.",
+                share=per_cent(share)), wrong=_wrong(frame))
+    if beside is None:
+        return HeadlineWithFacts.from_template(tr("The same bar with B-splines is being prepared."))
+    return HeadlineWithFacts.from_template(tr("B-splines cross without a jump: {wrong} wrong."), tr(
+        "Same grid, same particles, nearly the same time. Your turn: drag Amplitude A."), wrong=_wrong(beside))
+
+
+def _wrong(frame: Frame) -> str:
+    """Returns the RMS error of the stress in a frame, over the largest stress, as text."""
+    report, arrays = frame
+    return per_cent(_rms(arrays.error) / report.scene.size_of("sigma"))
+
+
+def _rms(errors: np.ndarray) -> float:
+    """Returns the root mean square of the stress, in Pa, among the particles' errors (P, 4) of all quantities."""
+    return math.sqrt(np.mean(errors[:, SIGMA].astype(float) ** 2))

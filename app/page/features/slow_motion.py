@@ -49,7 +49,9 @@ class SlowMotion(Feature):
         self.on = self._walking = False
         self.sentence = HeadlineWithFacts()  # describes the stage while the mode is on
         self._phase, self._s, self._seconds, self._asked = 0, 0.0, SECONDS[2], 0
+        self._first = 0  # phase that the next step on the stage begins with
         self._drawn: tuple[int, float, StageMetrics] | None = None  # phase, progress in it, and bounds
+        page.show_phase = self.show_phase
 
         mark = page.gui.add_html("<i class='lab-at-slow'></i>")
         self._button = page.gui.add_button(tr(SLOW), hint=tr("pause, and walk through one time step phase by phase"))
@@ -107,7 +109,7 @@ class SlowMotion(Feature):
                     self._stages[problem] = VIEWS[problem].slow_motion_stage(surface)
                 before, self._step, self._drawn = self._step, (report.scene, report.breakdown), None
                 if before is None or (before[0], before[1].step) != (report.scene, report.step):
-                    self._phase, self._s = 0, 0.0
+                    self._phase, self._s, self._first = self._first, 0.0, 0
                 if before is None:
                     self._on_view()
             elif report.fresh and not report.playing:  # another scene, or a restart
@@ -116,6 +118,14 @@ class SlowMotion(Feature):
                 self._leave()
                 if report.status == UNSTABLE:
                     self._session.announce(tr(NO_STEP))
+
+    def show_phase(self, particle: int, phase: int) -> None:
+        """Takes the run's next time step apart around a particle, and shows it from its ``phase`` (from 1) on."""
+        with self._lock:
+            if self.on:
+                self._leave()
+            self._particle.value, self._first = particle, phase - 1  # type: ignore[misc]
+            self._enter()
 
     def go_forward(self) -> None:
         """Shows the step's next phase, or the next time step; enters slow motion if it is off."""

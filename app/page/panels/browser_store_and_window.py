@@ -20,11 +20,12 @@ MARK = "<i class='lab-store'></i>"
 
 
 class BrowserStore:
-    """State and answers that one visitor's browser stores, and messages from it. All messages are validated."""
+    """State and answers that one visitor's browser stores, and messages from it, of which the first has the address
+    (``has_answered``). All messages are validated."""
 
     def __init__(self, gui: viser.GuiApi):
         self.here = ""  # the address at which this browser has opened the lab
-        self._listening = False
+        self._listening = self.has_answered = False
         self._link = ""  # the state in the address
         self._pending: tuple[str, str, str] | None = None  # what to store when a change is complete
         self._changing = False
@@ -102,6 +103,7 @@ class BrowserStore:
             self.heard[name](message[name])
         if isinstance(lesson := message.get("lesson"), str) and isinstance(answers := message.get("answers"), str):
             self._on_answers(lesson, answers)
+        self.has_answered |= bool(message)
 
 
 WIDEST = 20_000.0  # pixels

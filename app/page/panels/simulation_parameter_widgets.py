@@ -12,12 +12,11 @@ from app.page.panels.log_number_slider import LogNumberSlider, SliderSpec
 from app.page.panels.method_tiles import MethodTiles
 from app.page.panels.page_header import add_widget_marker, widget_marker_html
 from app.page.panels.scene_widgets import SceneWidgetFactory
+from app.page.visit.landscapes import CFL
 from app.page.visit.run_session import RunSession
 from app.problems.views import VIEWS
 from solvers.scene.scene import AUTO, DEFAULT_CFL
 from solvers.scene.step_bound import SAFE
-
-CFL = (0.01, 2.0)
 
 
 class SimulationParameterWidgets:

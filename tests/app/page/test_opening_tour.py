@@ -1,18 +1,23 @@
-"""The opening: what its story says is true of its scene, in numbers of the runs themselves; it ends as it should."""
+"""The opening: its words are true of its runs, in their own numbers; its steps come in time; it ends as it should."""
 
 import math
+from contextlib import nullcontext
 from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
+from app.frame.primitives import StageMetrics
 from app.names_and_units import per_cent
-from app.page.features.opening_tour import BEAT, OPENING, OpeningTour
+from app.page.features.opening_tour import BAR, BEFORE_CROSSING, OPENING, QUARTER, SECONDS, SLOW, SPEED, OpeningTour
+from app.problems.bar.stretching_bar import MAGNIFIED, PIECES, StretchingBar
+from app.shareable_state import State
 from solvers.running.run import build
 from tests.app.frame.test_view import report_of
 from tests.app.page.panel import page_view
 from tests.app.page.test_frame_buffer import engine_frame
+from tests.support.recording_scene import RecordingSurface
 
 
 def frame(scene, periods):
@@ -22,123 +27,164 @@ def frame(scene, periods):
     return replace(report_of(scene), step=solver.step, time=solver.time), engine_frame(solver)
 
 
-QUARTER = 0.25
+class Session:
+    """A session that does at once what it is asked to, without a run."""
+
+    def __init__(self):
+        self.scene, self.refused, self.playing, self.speed, self.restarts, self.at = BAR, None, True, SPEED, 0, QUARTER
+        self.pinned = SimpleNamespace(scene=OPENING.pinned, last=None)
+        self.report = None
+
+    @property
+    def playback_request_key(self):
+        return self.scene, self.restarts
+
+    def reset(self, begin_at, playing, speed=None):
+        self.at, self.playing, self.speed, self.restarts = begin_at, playing, speed or self.speed, self.restarts + 1
+
+    def play(self, playing):
+        self.playing = playing
+
+    def set_speed(self, speed):
+        self.speed = speed
 
 
 class Visit:
-    """A session that does what it is asked to, and the story told there."""
+    """A page without a browser, and the tour there."""
 
     def __init__(self):
-        self.now, self.asked, self.report, self.is_over = 0.0, [], None, False
-        self.playback_request_key = None, 0
-        self.compiled = True  # the pinned run
-        self.scene = OPENING.scene
-        self.pinned = SimpleNamespace(scene=OPENING.pinned, last=None, stop_reason=lambda: None)
-        self.html = SimpleNamespace(content="")
-        gui = SimpleNamespace(add_html=lambda _: self.html)
-        self.story = OpeningTour(gui, self, lambda: self.asked.append("open"), lambda: self.asked.append("hurry"),
-                           lambda: self.now)
+        self.now, self.session, self.html, self.drawn = 0.0, Session(), SimpleNamespace(content=""), 0
+        self.surfaces = []
+        shown = SimpleNamespace(state=State(BAR), show=lambda state: setattr(self.session, "scene", state.scene))
+        page = SimpleNamespace(
+            gui=SimpleNamespace(add_html=lambda _: self.html), session=self.session, controls=shown,
+            run=SimpleNamespace(numbers=None, sentence=None, stage_content=lambda _: None),
+            recent=SimpleNamespace(shown_frame=None), client=SimpleNamespace(atomic=nullcontext, flush=lambda: None),
+            stage=SimpleNamespace(draw=self._draw),
+            canvas=SimpleNamespace(add_surface=self._surface, cover=lambda _: None))
+        self.tour = OpeningTour(page, lambda: self.now)
 
-    def continue_past_end(self):
-        self.asked.append("no end")
+    def _draw(self):
+        self.drawn += 1
 
-    def at(self, periods):
-        """The frame after so many periods."""
-        shown = frame(self.scene, periods)
-        self.report, self.is_over = shown[0], periods >= QUARTER
-        if self.pinned and self.compiled:
-            step, last = round(periods / QUARTER * OPENING.pinned.steps), self.pinned.last
-            self.pinned.last = replace(shown[0], step=step), last and last[1]
-        self.story.refresh(page_view())
-        return str(self.story.headline(shown))
+    def _surface(self, _):
+        self.surfaces.append(SimpleNamespace(visible=True, stage_metrics=StageMetrics(736), show_marks=lambda *_: None))
+        return self.surfaces[-1]
 
-
-@pytest.fixture(scope="module")
-def quarter():
-    """Both runs after a quarter of a period: the share of the errors and their sizes, computed here anew."""
-    shown, pinned = (frame(scene, QUARTER) for scene in (OPENING.scene, OPENING.pinned))
-    return shown, pinned
+    def after(self, seconds, periods=QUARTER):
+        """The step so many seconds later, with frames of both runs after so many periods."""
+        self.now += seconds
+        self.session.report = SimpleNamespace(scene=BAR, time=periods * BAR.period)
+        self.session.pinned.last = self.session.pinned.last or (None, None)
+        self.tour.refresh(page_view())
+        return self.tour.beat
 
 
-def test_four_beats_in_the_runs_own_numbers(quarter):
-    """The stress is several per cent wrong, most of it within a cell of the particles that have crossed; recovered
-    finds most of that; B-splines, whose particles cross as well, are better by a factor of ten."""
-    (_, arrays), (_, other) = quarter
-    size, error, crossed = OPENING.scene.size_of("sigma"), arrays.error[:, 2], arrays.steps_since_crossing >= 0
-    x, square = arrays.position[:, 0], error.astype(float) ** 2
-    near = np.abs(x[:, None] - x[crossed]).min(axis=1) <= OPENING.scene.spacing * (1 + 1e-6)
-    wrong, share = math.sqrt(square.mean()), square[near].sum() / square.sum()
-    found = math.sqrt(np.mean(arrays.estimate["recovered"][:, 2].astype(float) ** 2)) / wrong
-    splines = math.sqrt(np.mean(other.error[:, 2].astype(float) ** 2))
-    assert wrong / size > 0.05 and share > 0.8 and near.mean() < 0.35 and 0.85 < found < 1
-    assert splines < 0.1 * wrong and (other.steps_since_crossing >= 0).sum() == crossed.sum() == 10
-
+@pytest.fixture
+def visit():
     visit = Visit()
-    visit.story.on_message("play")
-    assert visit.asked == ["open"] and "exact stress" in visit.at(0.01) and "data-beat='1'" in visit.html.content
-    assert "No particle has changed its cell yet" in visit.at(0.15) and "data-beat='2'" in visit.html.content
-    visit.pinned.last = quarter[1]
-    assert f"The stress is {per_cent(wrong / size)} wrong" in (said := visit.at(QUARTER)) or "An estimator" in said
-    assert visit.asked[1:] == ["no end", "hurry"]
-    visit.story.beat = 2
-    said = str(visit.story.headline(quarter[0]))
-    assert f"The stress is {per_cent(wrong / size)} wrong" in said
-    assert f"10 particles have changed their cell: {per_cent(share)} of the squared error" in said
-    assert f"finds {per_cent(found)} of that error" in visit.at(QUARTER)
-    visit.now += BEAT + 1
-    assert f"B-splines: {per_cent(splines / size)} wrong, though 10 particles" in visit.at(QUARTER)
-    visit.now += BEAT + 1
-    assert visit.at(QUARTER) == "" and "data-beat='0'" in visit.html.content
+    yield visit
+    visit.tour.close()
 
 
-def test_it_can_be_left_and_anything_else_ends_it():
-    """Left, it hurries to the quarter; with another scene it does nothing more. Over a lesson it is not told."""
-    visit = Visit()
-    visit.story.on_message("skip")
-    assert visit.asked == []
-    visit.story.on_message("play")
-    visit.at(0.01)
-    visit.story.on_message("skip")
-    assert visit.story.beat == 0 and visit.asked == ["open", "hurry"]
-    visit.at(QUARTER)
-    assert visit.asked[2:] == ["no end", "hurry"]
-    for change in (lambda v: setattr(v, "scene", replace(v.scene, cells=20)), lambda v: setattr(v, "pinned", None)):
-        other = Visit()
-        other.story.on_message("play")
-        other.at(0.01)
-        change(other)
-        other.at(0.02)
-        assert other.story.beat == 0 and other.asked == ["open", "no end"]  # a slider was moved, or the run unpinned
-    chosen = Visit()
-    chosen.at(0.01)
-    chosen.scene, chosen.playback_request_key = replace(chosen.scene,
-                                                        cells=20), (None, 1)  # whole, and with an end of its own
-    chosen.at(0.02)
-    assert chosen.asked == []
-    lesson = Visit()
-    lesson.story.on_message("play")
-    lesson.story.refresh(page_view(alone=False))
-    assert lesson.story.beat == 0
-    lesson.story.on_message({"no": "word"})
+def test_four_steps_in_the_runs_own_numbers(visit):
+    """The stress is several per cent wrong after a quarter, and recovered finds most of that; B-splines, whose
+    particles cross as well, are better by a factor of ten. Nobody has crossed where slow motion begins."""
+    before, run, beside = frame(BAR, BEFORE_CROSSING), frame(BAR, QUARTER), frame(OPENING.pinned, QUARTER)
+    rms = [math.sqrt(np.mean(errors[:, 2].astype(float) ** 2)) for errors in
+           (run[1].error, run[1].estimate["recovered"], beside[1].error)]
+    wrong, splines = rms[0] / BAR.size_of("sigma"), rms[2] / BAR.size_of("sigma")
+    assert wrong > 0.05 and 0.85 < rms[1] / rms[0] < 1 and splines < 0.1 * wrong
+    assert [(arrays.steps_since_crossing >= 0).sum() for _, arrays in (before, run, beside)] == [0, 10, 10]
+
+    visit.session.pinned.last = beside
+    said = []
+    for visit.tour.beat in SECONDS:
+        said.append(str(visit.tour.headline(run)))
+    assert "Material Point Method" in said[0] and "The stress jumps off the line" in said[1]
+    assert said[2].startswith(f"{per_cent(wrong)} wrong,")
+    assert f"finds {per_cent(rms[1] / rms[0])} of the error" in said[2]
+    assert f"without a jump: {per_cent(splines)} wrong" in said[3]
+    visit.tour.beat = 0
+    assert not visit.tour.headline(run)
 
 
-def test_it_does_not_pause_before_the_pinned_run_is_there():
-    """That begins both anew once it is compiled: paused before, they would stand at t = 0 for good."""
-    visit = Visit()
-    visit.compiled = False
-    visit.story.on_message("play")
-    visit.at(0.01)
-    visit.story.on_message("skip")
-    visit.at(QUARTER)
-    assert visit.asked == ["open", "hurry"]
-    visit.compiled = True
-    visit.at(0.01)
-    visit.is_over = True  # as the frame before said
-    visit.story.refresh(page_view())
-    assert visit.asked == ["open", "hurry"]
-    visit.at(QUARTER)
-    assert visit.asked[2:] == ["no end", "hurry"]
-    failed = Visit()
-    failed.compiled, failed.pinned.stop_reason = False, lambda: "it could not be compiled"
-    failed.at(QUARTER)
-    assert failed.asked == ["no end", "hurry"]
+def test_the_first_particle_crosses_soon_after_slow_motion_begins():
+    """Within 7.5 s of the start."""
+    solver = build(BAR)
+    solver.advance(round(BEFORE_CROSSING * BAR.period / BAR.time_step))
+    while not (engine_frame(solver).steps_since_crossing >= 0).any():
+        solver.advance(1)
+    assert 1.0 < (solver.time / BAR.period - BEFORE_CROSSING) / SLOW < 7.5 - SECONDS[1]
+
+
+def test_its_steps_come_in_time_and_it_ends_playing(visit):
+    """22 s in all; a step waits for the frames that it shows."""
+    tour, session = visit.tour, visit.session
+    tour.on_message("play")
+    assert (tour.beat, session.at, session.playing, session.speed) == (1, BEFORE_CROSSING, False, SLOW)
+    visit.now += 2 * SECONDS[1]
+    tour.refresh(page_view())
+    assert tour.beat == 1  # no frame yet
+    assert visit.after(0, BEFORE_CROSSING) == 2 and session.playing and tour.source.is_on
+    assert visit.after(6.0) == 2 and not session.playing and session.at == QUARTER
+    assert visit.after(SECONDS[2] - 5.9) == 3 and tour.source.is_on
+    assert visit.after(SECONDS[3] + 0.1) == 4 and not tour.source.is_on and visit.drawn
+    assert "data-beat='4'" in visit.html.content and not any(surface.visible for surface in visit.surfaces)
+    assert visit.after(SECONDS[4] + 0.1) == 0 and sum(SECONDS.values()) == 22
+    assert (session.at, session.playing, session.speed) == (QUARTER, True, SPEED)
+
+
+@pytest.mark.parametrize("beat", SECONDS)
+def test_skip_lands_at_its_end_from_every_step(visit, beat):
+    visit.tour.on_message("play")
+    while visit.tour.beat < beat:
+        visit.after(7.0)
+    visit.tour.on_message("skip")
+    assert visit.tour.beat == 0 and "data-beat='0'" in visit.html.content
+    assert (visit.session.at, visit.session.playing, visit.session.speed) == (QUARTER, True, SPEED)
+
+
+def test_who_wants_no_motion_goes_on_by_a_button(visit):
+    """And nothing plays, not even at the end."""
+    visit.tour.on_message("stills")
+    assert visit.after(60.0) == 1 and visit.session.at == QUARTER
+    for beat in (2, 3, 4, 0):
+        assert not visit.session.playing
+        visit.tour.on_message("next")
+        assert visit.tour.beat == beat
+    assert not visit.session.playing and visit.session.speed == SPEED
+    visit.tour.on_message({"no": "word"})
+    visit.tour.on_message("next")
+    assert visit.tour.beat == 0
+
+
+def test_anything_else_ends_it(visit):
+    """A moved slider goes on from where it is, at the speed of afterwards; a lesson or another scene is left alone."""
+    tour, session = visit.tour, visit.session
+    tour.on_message("play")
+    session.scene = replace(BAR, amplitude=0.005)
+    assert visit.after(0.1) == 0 and session.playing and session.speed == SPEED and session.restarts == 1
+    tour.on_message("play")
+    assert session.scene == BAR
+    tour.refresh(page_view(alone=False))
+    assert tour.beat == 0 and not session.playing
+    tour.on_message("play")
+    session.scene, session.restarts = replace(BAR, cells=20), session.restarts + 1
+    assert visit.after(0.1) == 0 and not session.playing
+
+
+def test_pieces_tile_the_bar_and_cover_each_other_in_order():
+    """Each is drawn over what is too long of that before it, and so are the gaps; ends stand still, the middle of each
+    half moves 20 times as far as the bar's."""
+    surface = RecordingSurface()
+    bar = StretchingBar(surface, BAR)
+    for seconds, moved in ((0.0, 0.0), (0.5, MAGNIFIED * BAR.amplitude), (1.5, -MAGNIFIED * BAR.amplitude)):
+        bar.draw(seconds)
+        marks = surface.marks
+        left = marks["pieces"].points[:, 0] - 0.5 * marks["pieces"].size / 1.02
+        edges = left[:2 * PIECES:2]
+        assert (np.diff(edges) > 0).all() and edges[0] == pytest.approx(0, abs=2e-3)
+        assert edges[PIECES // 4] - 0.25 == pytest.approx(moved, abs=2e-3)
+        assert (np.diff(edges) < marks["pieces"].size).all()  # wide enough for the longest
+        assert len(marks["spots"].points) == PIECES

@@ -300,7 +300,7 @@ def test_another_scene_begins_where_it_is_asked_to(clock, changes, playing):
     plain = run(replace(scene, periods=None, t_end=report.time), mid_run=False)
     series = samples.read_rows(report.rows, scene, scene.particles)
     np.testing.assert_array_equal(report.rows[:, 0], [*range(0, step, scene.sample_interval), step][:len(report.rows)])
-    for name in ("error_x", "error_v", "error_sigma", "transport/estimate_x"):
+    for name in ("error_x", "error_v", "error_sigma", "companion/estimate_x"):
         np.testing.assert_array_equal(series[name], plain.series[name], err_msg=name)
 
 

@@ -26,6 +26,7 @@
   }
 
   function look() {
+    openSlowMotion();
     for (const mark of document.querySelectorAll("i[data-words]")) {
       const beside = mark.parentElement.nextElementSibling;
       const name = beside?.querySelector(`label[for], ${heads}`);
@@ -65,17 +66,20 @@
       event.target.click();
     }
   });
-  // The button below the stage that begins slow motion opens what belongs to it.
+  // Slow motion opens the fold with its numbers: when the button below the stage begins it, and when a lesson does.
+  let begun = null;
+  function openSlowMotion() {
+    const head = begun !== null && document.querySelector(".lab-slow")
+      && document.querySelector(`[data-lab~=lab-slow-fold] + div :is(${heads})`);
+    if (!head) return;
+    if (head.getAttribute("aria-expanded") === "false") head.click();
+    if (begun) head.scrollIntoView({block: "start"});
+    begun = null;
+  }
   root.addEventListener("click", event => {
-    if (!event.target.closest("[data-lab~=lab-at-slow] + div button")) return;
-    dispatchEvent(new CustomEvent("lab-tab", {detail: "Explore"}));
-    const unfold = left => {
-      const head = document.querySelector(`[data-lab~=lab-slow-fold] + div :is(${heads})`);
-      if (!head && left) return setTimeout(() => unfold(left - 1), 150);
-      if (head?.ariaExpanded === "false") head.click();
-      head?.scrollIntoView({block: "start"});
-    };
-    setTimeout(() => unfold(20), 300);
+    const button = event.target.closest("[data-lab~=lab-at-slow] + div button");
+    if (button) dispatchEvent(new CustomEvent("lab-tab", {detail: "Explore"}));
+    if (button || event.target.closest(".lab-act[data-act=phase]")) begun = Boolean(button);
   });
   let waiting = false;
   new MutationObserver(changes => {

@@ -47,12 +47,13 @@
     const data = document.querySelector("i.lab-stage")?.dataset;
     if (!data || data.said === said) return;
     said = data.said;
-    const {labels, high: height} = JSON.parse(said), names = new Set(labels.map(label => label.name));
+    const {labels, high: height, box} = JSON.parse(said), names = new Set(labels.map(label => label.name));
     for (const [name, element] of drawn) if (!names.has(name)) { element.remove(); drawn.delete(name); }
     labels.forEach(put);
     for (const widget of Object.values(LAID))  // what changes nothing that is shown goes
       document.body.classList.toggle(`lab-no-${widget}`, !stage.querySelector(`.lab-under-${widget}`));
     if (height !== high) document.body.style.setProperty("--lab-high", high = height);
+    dispatchEvent(new CustomEvent("lab-laid", {detail: box}));
   }
 
   new MutationObserver(look).observe(document.getElementById("root"), {childList: true, subtree: true});

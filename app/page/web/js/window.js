@@ -8,7 +8,19 @@
     .map(Math.round).concat(parseFloat(getComputedStyle(document.getElementById("lab-stage")).fontSize)),
     dark: dark.matches});
   const paint = () => { document.body.classList.toggle("lab-dark", dark.matches); look(); };
-  let last = "", soon = null;
+  let last = "", soon = null, shown = "", held = null;
+
+  // What changes the layout of the page tears the picture until it has been drawn for the new one: it is held back until then.
+  const release = wait => { clearTimeout(held); held = setTimeout(() => document.body.classList.remove("lab-settling"), wait); };
+  function hold() {
+    const size = `${innerWidth} ${innerHeight}`;
+    if (size === shown) { document.body.classList.add("lab-settling"); release(1200); }
+    shown = size;
+    look();
+  }
+  addEventListener("lab-laid", event => {  // by js/stage.js
+    if (document.body.classList.contains("lab-settling") && `${event.detail}` === `${told().room.slice(0, 2)}`) release(250);
+  });
 
   function look() {
     soon ??= setTimeout(() => {
@@ -18,7 +30,8 @@
     }, 120);
   }
 
-  for (const element of [room, axis]) new ResizeObserver(look).observe(element);
+  new ResizeObserver(hold).observe(room);
+  new ResizeObserver(look).observe(axis);
   dark.addEventListener("change", paint);
   paint();
   addEventListener("lab-asked", () => { last = ""; look(); });  // somebody listens from now on

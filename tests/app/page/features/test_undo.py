@@ -55,7 +55,7 @@ def test_changes_of_one_slider_in_a_row_are_one_step():
     (replace(BAR, estimator="companion"), "On the stage, recovered to companion"),
     (replace(BAR, pinned=BAR.scene), "back to the run as it was"),
     (changed(method="ugimp", cells=80), "back to MPM (hat functions), 40 cells"),
-    (changed(estimators=()), "Estimators, recovered, companion to none"),
+    (changed(estimators=()), "Estimator, recovered, companion to none"),
     (parse_state("ring"), "back to the vibrating bar")])
 def test_what_is_undone_is_said(after, said):
     visitor = Visitor()
