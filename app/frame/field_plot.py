@@ -216,7 +216,7 @@ def plot_labels(places: StageLayout, ends: tuple[str, str], words: FieldPlotCapt
     yield Label("field/start", ends[0] if written else "", box.left, below, "top-left", "number")
     yield Label("field/end", ends[1] if written else "", box.right, below, "top-right", "number")
     x, y, anchor = box.magnified or box.remark
-    larger = tr("error × {magnified}", magnified=magnified) if box.magnified and exact else ""
+    larger = tr("error × {magnified}", magnified=magnified) if box.magnified and exact and magnified > 1 else ""
     yield Label("field/magnified", larger, x, y, anchor, "caption")
     x, y, anchor = box.remark
     named = words.name if box.at is None and places.slot == ComparedRunSlot.ALONE else ""  # else the scale has it

@@ -113,6 +113,8 @@ def _structural_differences(original: Lesson, own: Lesson) -> Iterator[tuple[int
 
 
 def _untranslated_parts(step: Step) -> tuple[Any, Any, Any]:
-    """Returns the parts of a step that a translation must repeat: (runs, stage), question, claims; without lines."""
+    """Returns the parts of a step that a translation must repeat: runs with stage and phase, question, claims; without
+    lines."""
     asked = step.question and replace(step.question, line=0, options=("",) * len(step.question.options))
-    return ([replace(run, line=0) for run in step.runs], step.stage), asked, [claim.text for claim in step.claims]
+    runs = [replace(run, line=0) for run in step.runs], step.stage, step.shown_phase
+    return runs, asked, [claim.text for claim in step.claims]

@@ -106,7 +106,7 @@ def _section_to_step(part: LessonSection) -> Step:
         if kind not in ALLOWED:
             raise LessonError(line - 1, f"a page for a class has no {kind} block; it may have {', '.join(ALLOWED)}")
         if kind == "run":
-            runs, stage = fenced_blocks.parse_runs_and_stage(text, line, ({},))
+            runs, stage, _ = fenced_blocks.parse_runs_and_stage(text, line, ({},))
             step = replace(step, runs=runs, stage=stage)
         else:
             step = replace(step, claims=fenced_blocks.parse_claims(text, line))

@@ -87,7 +87,7 @@ def _reading_seconds(text: str) -> float:
 
 def _running_seconds(step: Step, lesson: Lesson) -> float:
     """Returns the seconds to carry out the instructions in a step's text, and to watch the runs on the stage."""
-    acts = ACT.findall(step.text)
+    acts = ACT.findall(step.text)[:1 if step.shown_phase else None]  # one button does them all
     taken = 60 * sum(map(int, TAKE.findall(step.text)))
     put = any(name == STAGE for verb, name in acts if verb == "Press") or step.kind == RUN
     seconds = len(acts) * ACT_SECONDS + taken

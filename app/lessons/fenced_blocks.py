@@ -6,8 +6,20 @@ from collections.abc import Callable, Mapping
 from typing import Any
 
 from app import shareable_state
+from app.frame.slow_motion.step_phases import PHASES
 from app.lessons.interval_bets import BETTORS
-from app.lessons.lesson import CHOICE, QUESTIONS, REACH, Claim, LessonError, LessonRun, Numbers, Question, fill_numbers
+from app.lessons.lesson import (
+    CHOICE,
+    QUESTIONS,
+    REACH,
+    Claim,
+    LessonError,
+    LessonRun,
+    Numbers,
+    Question,
+    ShownPhase,
+    fill_numbers,
+)
 from solvers.untrusted import quoting
 
 if sys.version_info >= (3, 11):
@@ -16,7 +28,7 @@ else:
     import tomli as tomllib
 
 NAME = re.compile(r"[a-z][a-z0-9_]*")
-STAGE = "stage"
+STAGE, SHOWN = "stage", "on-the-stage"
 DRAGGED = tuple(REACH)  # fields of a scene that a student may drag
 VARIED = (*DRAGGED, "dt")  # fields that may have several values in a run
 MOST_OPTIONS = 8
@@ -63,10 +75,13 @@ def require_texts(values: Mapping[str, Any], key: str, line: int) -> tuple[str, 
     return tuple(found)
 
 
-def parse_runs_and_stage(text: str, line: int, variants: tuple[Numbers, ...]) -> tuple[tuple[LessonRun, ...], str]:
-    """Returns the runs of a block, which begins at ``line`` of the file, and the text of the state that it puts on the
-    stage: of a named run, a scene, or the first run. Raises :class:`LessonError` if any is invalid for a variant."""
+def parse_runs_and_stage(text: str, line: int, variants: tuple[Numbers, ...]
+                         ) -> tuple[tuple[LessonRun, ...], str, ShownPhase | None]:
+    """Returns the runs of a block, which begins at ``line`` of the file, the text of the state that it puts on the
+    stage (of a named run, a scene, or the first run), and the phase in slow motion that it begins with or None. Raises
+    :class:`LessonError` if any is invalid for a variant."""
     values, found = parse_toml(text, line), dict[str, LessonRun]()
+    shown = values.pop(SHOWN, None)
     for name, scene in values.items():
         at = line_of_key(name, text, line)
         if not NAME.fullmatch(name):
@@ -79,9 +94,22 @@ def parse_runs_and_stage(text: str, line: int, variants: tuple[Numbers, ...]) ->
     if not stage:
         raise LessonError(line, "a run without a scene: give lines such as hat = \"bar method=mpm cells=40\"")
     if stage in found:
-        return tuple(found.values()), found[stage].texts[0]
-    _check_state(stage, line_of_key(STAGE, text, line), variants)
-    return tuple(found.values()), stage
+        stage = found[stage].texts[0]
+    else:
+        _check_state(stage, line_of_key(STAGE, text, line), variants)
+    most = shareable_state.parse_state(fill_numbers(stage, variants[0])).scene.particles
+    return tuple(found.values()), stage, None if shown is None else _parse_shown_phase(
+        shown, most, line_of_key(SHOWN, text, line))
+
+
+def _parse_shown_phase(values: Any, particles: int, line: int) -> ShownPhase:
+    """Returns the phase that ``on-the-stage`` names, of a run with so many particles; raises :class:`LessonError`."""
+    limits = {"particle": range(particles), "phase": range(1, len(PHASES) + 1)}
+    if not isinstance(values, dict) or values.keys() != limits.keys() \
+            or any(type(values[key]) is not int or values[key] not in limit for key, limit in limits.items()):
+        raise LessonError(line, f"{SHOWN} = {str(values)[:60]}: give {{particle = 0, phase = 1}}, with a particle up "
+                                f"to {particles - 1} and a phase up to {len(PHASES)}")
+    return ShownPhase(**values)
 
 
 def _parse_run(name: str, text: str, line: int, variants: tuple[Numbers, ...]) -> LessonRun:

@@ -59,6 +59,14 @@ class LessonRun:
 
 
 @dataclass(frozen=True)
+class ShownPhase:
+    """A ``phase`` (from 1) of a run's first time step, to be shown in slow motion round a ``particle`` (from 0)."""
+
+    particle: int
+    phase: int
+
+
+@dataclass(frozen=True)
 class Question:
     """Question of a step. A number is right within the relative ``tolerance`` of ``expected``; of the ``options`` the
     one is right whose claim in ``holds`` holds, or the ``correct`` one, counted from 1. ``control`` is the scene's
@@ -88,7 +96,8 @@ class Claim:
 @dataclass(frozen=True)
 class Step:
     """Step of a lesson. ``key`` identifies it in a handed-in file, ``text`` is Markdown, ``notes`` are the teacher's,
-    ``stage`` is a template of its button's state, ``bets`` are the bettors compared. It is optional if not ``core``."""
+    ``stage`` is a template of its button's state, which begins with ``shown_phase`` if not None, ``bets`` are the
+    bettors compared. It is optional if not ``core``."""
 
     kind: str
     title: str
@@ -98,6 +107,7 @@ class Step:
     notes: str = ""
     runs: tuple[LessonRun, ...] = ()
     stage: str = ""
+    shown_phase: ShownPhase | None = None
     question: Question | None = None
     claims: tuple[Claim, ...] = ()
     core: bool = True

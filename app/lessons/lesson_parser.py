@@ -180,8 +180,8 @@ def _parse_step(part: LessonSection, lesson: Lesson) -> Step:
     step = Step(kind, title, key, part.line, "\n".join(part.text).strip(), teacher_notes(part), core=core)
     for name, text, line in part.blocks:
         if name == "run":
-            found, stage = fenced_blocks.parse_runs_and_stage(text, line, lesson.variants)
-            step = replace(step, runs=found, stage=stage)
+            found, stage, shown = fenced_blocks.parse_runs_and_stage(text, line, lesson.variants)
+            step = replace(step, runs=found, stage=stage, shown_phase=shown)
         elif name == "question":
             step = replace(step, question=fenced_blocks.parse_question(text, line))
         elif name == "claims":

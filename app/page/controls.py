@@ -8,7 +8,6 @@ import viser
 
 from app.frame.colour_scale import ColourScale
 from app.language.translation import lazy, tr
-from app.names_and_units import choice_labels
 from app.page.panels.browser_store_and_window import BrowserStore
 from app.page.panels.frame_and_drawing_controls import DrawingWidgets, FrameAndTraceControls
 from app.page.panels.page_header import add_widget_marker, widget_marker_html
@@ -51,7 +50,7 @@ class Controls:
         self._transport = PlaybackControls(gui, session, history, self._lasting, on_view)
         self._parts: dict[str, tuple[Any, ...]] = {
             "problem": (problem_mark, self.problem), **self.stage.parts, **self._transport.parts}
-        self._drawing = DrawingWidgets(session, scale, history, on_view)
+        self._drawing = DrawingWidgets(session, scale, history, self.stage, on_view)
         self._run = SimulationParameterWidgets(session, self._bound, store)
         self.estimator_cards = EstimatorCards(gui, session, self.stage, self._bound, store)
         store.heard["entered"] = self._on_entered
@@ -204,37 +203,35 @@ class Controls:
     def _build(self) -> None:
         self._widgets = self._gui.add_folder(None)  # without a label: only a container, to remove all at once
         self._folds: dict[str, viser.GuiHtmlHandle] = {}
-        says = self._folder_summaries()
-        view, scene = VIEWS[self._session.scene.problem], self._session.scene
         with self._widgets:
             self._run.build(self._gui, self._add_part)
             with self._add_part("estimators"):
                 self.estimator_cards.build(self._gui)
                 self._build_extension("estimators")
-            with self._add_folder("drawn", tr("What is drawn"), "estimators", "colours", "trace", "domains"):
-                self._drawing.build(self._gui, self._add_part)
-            if view.motion or view.material:
-                with self._add_folder("motion", tr("Motion and material"), "motion", "modulus"):
-                    with self._add_part("motion"):
-                        self._bound.add_motion_dropdown(self._on_motion)
-                        if view.formula and scene.swings:
-                            self._bound.add_formula(*view.formula)
-                    with self._add_part("modulus"):
-                        self._bound.add_sliders(view.material)
             with self._add_part("slow-motion"):
                 self._build_extension("slow-motion")
-            with self._add_part("details"):
-                self._folds["details"] = add_widget_marker(self._gui, words=says["details"])
-                with self._gui.add_folder(tr("Method details and remedies"), expand_by_default=False):
-                    for field, hint in view.details.items():
-                        if field != "body_force" or scene.swings:
-                            self._bound.add_field(field, hint)
-                    self._gui.add_html(f"<div class='lab-group'>{tr('Remedies for long and large motions')}</div>")
-                    self._bound.add_checkboxes("remedies", REMEDIES)
-            with self._add_part("effects"):
-                self._folds["effects"] = add_widget_marker(self._gui, words=says["effects"])
-                with self._gui.add_folder(tr("Effects: compute only what you need"), expand_by_default=False):
-                    self._bound.add_checkboxes("effects", ALL)
+            with self._add_folder("look", tr("Look"), "estimators", "colours", "trace", "domains", "magnify"):
+                self._drawing.build(self._gui, self._add_part)
+            with self._add_folder("physics", tr("Physics and method"), "motion", "modulus", "details", "effects"):
+                self._build_physics()
+
+    def _build_physics(self) -> None:
+        """Builds the widgets for motion, material, method details, remedies and effects."""
+        view, scene = VIEWS[self._session.scene.problem], self._session.scene
+        with self._add_part("motion"):
+            self._bound.add_motion_dropdown(self._on_motion)
+            if view.formula and scene.swings:
+                self._bound.add_formula(*view.formula)
+        with self._add_part("modulus"):
+            self._bound.add_sliders(view.material)
+        with self._add_part("details"), self._add_fold("details", tr("Method details and remedies")):
+            for field, hint in view.details.items():
+                if field != "body_force" or scene.swings:
+                    self._bound.add_field(field, hint)
+            self._gui.add_html(f"<div class='lab-group'>{tr('Remedies for long and large motions')}</div>")
+            self._bound.add_checkboxes("remedies", REMEDIES)
+        with self._add_part("effects"), self._add_fold("effects", tr("What is computed")):
+            self._bound.add_checkboxes("effects", ALL)
 
     def _on_entered(self, text: Any) -> None:
         """Applies the text field whose widget id the browser sends when the visitor has finished typing in it."""
@@ -252,17 +249,19 @@ class Controls:
         """Returns a collapsible folder for controls of lessons; without a label if a lesson shows only a few."""
         if self._offered:
             return self._gui.add_folder(None, visible=not {*controls}.isdisjoint(self._offered))
+        return self._add_fold(name, label)
+
+    def _add_fold(self, name: str, label: str) -> viser.GuiFolderHandle:
+        """Returns a collapsible folder with a summary of its settings beside its ``label``."""
         self._folds[name] = add_widget_marker(self._gui, words=self._folder_summaries()[name])
         return self._gui.add_folder(label, expand_by_default=False)
 
     def _folder_summaries(self) -> dict[str, str]:
         """Returns a summary of each collapsible folder's settings, shown to the right of its name."""
-        scene, view = self._session.scene, VIEWS[self._session.scene.problem]
-        values = scene.to_dict()
-        motion = [choice_labels(type(scene), "motion")[values["motion"]]] if view.motion else []
-        material = [f"{tr(slider[0]).split()[-1]} = {values[field]:g}" for field, slider in view.material.items()]
-        return {"drawn": self._drawing.summary, "motion": ", ".join([*motion, *material]),
-                "details": ", ".join(tr(REMEDIES[name].label) for name in scene.remedies) or tr("none"),
+        scene = self._session.scene
+        remedies = ", ".join(tr(REMEDIES[name].label) for name in scene.remedies)
+        return {"look": self._drawing.summary, "physics": remedies or tr("motion, remedies, effects"),
+                "details": remedies or tr("none"),
                 "effects": tr("{n} of {all}", n=len(scene.effects), all=len(scene.choices("effects")))}
 
     def _on_motion(self, changed: Scene, quantity: str | None, speed: float | None) -> None:

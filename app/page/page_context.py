@@ -11,10 +11,11 @@ from app.language.translation import tr
 from app.page.controls import Controls
 from app.page.panels.browser_store_and_window import BrowserStore
 from app.page.panels.frame_and_drawing_controls import FrameAndTraceControls
-from app.page.panels.page_header import PresentationMode
+from app.page.panels.page_header import PresentationMode, widget_marker_html
 from app.page.stage_and_readout_view import StageAndReadoutView
 from app.page.viewer_canvas import ViewerCanvas
 from app.page.visit.engine_links import PageEngineLinks
+from app.page.visit.landscapes import Landscapes
 from app.page.visit.recent_frames import RecentFrames
 from app.page.visit.run_session import RunSession
 from app.page.visit.status_message import Notice
@@ -23,6 +24,8 @@ from app.page.visitor_run_source import VisitorRunSource
 from app.shareable_state import State
 from solvers.engine.engine_messages import FrameReport
 from solvers.engine.shared_frames import FrameArrays
+
+LAST = 1e9  # order within the panel, whatever is rebuilt above
 
 
 class CurrentLesson(Protocol):
@@ -43,10 +46,13 @@ class CurrentLesson(Protocol):
 
 
 class PageContext:
-    """Everything that features share: the visitor's run (``session``), ``stage``, ``controls``, ``tabs`` and more.
-    Features set ``lesson`` and ``is_touring``. The page sets ``show_run_on_stage``, which ends whatever replaces the
-    run on the stage, and ``store_state``, which stores the visitor's state in the browser's address."""
+    """Everything that features share: the visitor's run (``session``), its ``landscapes``, ``stage``, ``controls``,
+    ``tabs``, the folder ``own_data`` and more. Features set ``lesson``, ``is_touring`` and ``show_phase``, which shows
+    a particle's phase (from 1) of one time step in slow motion. The page sets ``show_run_on_stage``, which ends
+    whatever replaces the run on the stage, and ``store_state``, which stores the visitor's state in the browser's
+    address."""
 
+    show_phase: Callable[[int, int], None]
     show_run_on_stage: Callable[[], None]
     store_state: Callable[[], None]
 
@@ -65,6 +71,7 @@ class PageContext:
         self.canvas = ViewerCanvas(client, self.scale, self.trace, opening.scene.problem)
         self.stage, self._on_frame = StageAndReadoutView(client, self.canvas), on_frame
         self.session = RunSession(links, opening.scene, self._take_frame, opening.speed)
+        self.landscapes = Landscapes(self.session, links.histories)
         self.history = FrameAndTraceControls(self.session, self.recent, self.trace, self.stage.draw)
         self.controls = Controls(self.gui, self.session, self.scale, self.stage.draw, self.history, self.store)
         self.run = VisitorRunSource(self.session, self.recent, self.trace, notice)
@@ -73,6 +80,10 @@ class PageContext:
             ("explore", tr("Explore"), viser.Icon.ADJUSTMENTS_HORIZONTAL),
             ("lessons", tr("Lessons"), viser.Icon.SCHOOL), ("cost", tr("Cost"), viser.Icon.HOURGLASS),
             ("about", tr("About"), viser.Icon.INFO_CIRCLE))}
+        with self.tabs["explore"]:
+            mark = widget_marker_html("lab-own-data", words=tr("file, link, numbers"))
+            self.gui.add_html(mark, order=LAST - 1)
+            self.own_data = self.gui.add_folder(tr("Your own data"), order=LAST, expand_by_default=False)
 
     @property
     def shortcuts(self) -> dict[str, Callable[[], None]]:

@@ -18,14 +18,13 @@ from app.shareable_state import State
 @dataclass(frozen=True)
 class SliderRanges:
     """Ranges of a problem's sliders: of ``cells`` along a side (low, high, step), of particles per cell in a direction
-    (low, high), and of logarithmic ones (low, high): amplitude in m, modulus in Pa, speed in periods per second. Some
-    ranges exceed what is valid; the page then shows the instructive reason."""
+    (low, high), and of logarithmic ones (low, high): amplitude in m, modulus in Pa. Some ranges exceed what
+    is valid; the page then shows the instructive reason."""
 
     cells: tuple[int, int, int]
     ppc: tuple[int, int]
     amplitude: tuple[float, float]
     modulus: tuple[float, float]
-    speed: tuple[float, float]
 
 
 #: (label, low, high, step, hint) of a linear slider.

@@ -18,13 +18,12 @@ def planar_problem_view(problem: PlanarProblem) -> ProblemView:
     kind: type[Any] = problem.scene
     settings, fields = problem.showing, kind.__dataclass_fields__
     body = box.BODY if kind.layout == "box" else annulus.annulus_body_view(kind)
-    lowest, speed, highest = settings.speed
     poisson = (lazy("Poisson's ratio ν"), -0.5, 0.49, 0.01, settings.poisson_hint)
     asks = planar_suggestions(settings)
     return ProblemView(
         kind.problem, body.stage, PlanarSlowMotionStage, body.draw_picture, body.regions, body.division, body.picture,
-        SliderRanges(settings.cells, settings.ppc, settings.amplitude, settings.modulus, (lowest, highest)),
-        speed=speed, amplitude_hint=settings.amplitude_hint, modulus_hint=settings.modulus_hint, prices=settings.prices,
+        SliderRanges(settings.cells, settings.ppc, settings.amplitude, settings.modulus), speed=settings.speed,
+        amplitude_hint=settings.amplitude_hint, modulus_hint=settings.modulus_hint, prices=settings.prices,
         details={**settings.details, "velocity": lazy("the velocity that moves the particles")},
         material={"poisson_ratio": poisson} if "poisson_ratio" in fields else {},
         formula=FORMULA if FORMULA[0] in fields else None, suggestions=lambda _: asks)

@@ -1,6 +1,8 @@
 """Messages between the page and an engine. All are small and pickle quickly."""
 
+from collections.abc import Hashable
 from dataclasses import dataclass, field
+from typing import NamedTuple
 
 import numpy as np
 
@@ -8,6 +10,7 @@ from solvers.engine.shared_frames import FrameOptions
 from solvers.scene.scene import Scene
 from solvers.solver.particle_step_breakdown import ParticleStepBreakdown
 from solvers.solver.soundness import OK
+from solvers.study.landscape.error_history import ErrorHistory
 
 FRAME_SECONDS = 1 / 30
 
@@ -56,6 +59,33 @@ class SessionClosed:
     """Message that the visitor of the ``session`` of this number has left: the engine frees its resources."""
 
     session: int
+
+
+class SurveyPoint(NamedTuple):
+    """Point of a landscape: a run of a session's scene with another value of a parameter, until a time in periods.
+    Points of a lower ``level`` come first, of all sessions."""
+
+    parameter: str
+    value: float
+    until: float
+    level: int
+
+
+@dataclass(frozen=True)
+class Survey:
+    """Request for points of the landscapes of a session's scene, in this order, in place of those that it requested
+    before; none, and no scene, to end these."""
+
+    session: int
+    scene: Scene | None = None
+    points: tuple[SurveyPoint, ...] = ()
+
+
+@dataclass(frozen=True)
+class SurveyResults:
+    """Message with histories of runs that were requested, by their keys (``parameter_values.history_key``)."""
+
+    histories: tuple[tuple[Hashable, ErrorHistory], ...]
 
 
 @dataclass(frozen=True)
@@ -134,8 +164,9 @@ class CompilePending:
 
 
 @dataclass(frozen=True)
-class CompilingForkStarted:
-    """Message that the engine has a child, of this process id, that compiles; the page reaps it if the engine dies."""
+class EngineForked:
+    """Message that the engine has a child, of this process id, that compiles or computes landscapes; the page reaps it
+    if the engine dies."""
 
     process_id: int
 

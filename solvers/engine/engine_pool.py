@@ -11,10 +11,19 @@ from multiprocessing.shared_memory import SharedMemory
 from time import monotonic
 
 from solvers.engine import shared_frames
-from solvers.engine.engine_messages import FRAME_SECONDS, FrameReport, Pace, SessionClosed, SessionRequest
+from solvers.engine.engine_messages import (
+    FRAME_SECONDS,
+    FrameReport,
+    Pace,
+    SessionClosed,
+    SessionRequest,
+    Survey,
+    SurveyPoint,
+)
 from solvers.engine.engine_process import CANNOT_START, EngineProcess, SessionListener
 from solvers.engine.shared_frames import FrameOptions
 from solvers.scene.scene import Scene
+from solvers.study.landscape.error_history import HistoryCache
 from solvers.translatable_message import Message
 from solvers.workers.worker_process import adopt_orphans
 
@@ -24,12 +33,14 @@ DEATHS_ALLOWED = 3  # engines a session may lose without a frame in between befo
 
 class EnginePool:
     """Pool of so many engine processes, with their sessions: all compile the scene ``warm_up`` before they are ready;
-    two frames of a session are at least ``frame_seconds`` s apart."""
+    two frames of a session are at least ``frame_seconds`` s apart. ``histories`` are the points of landscapes that any
+    session has requested."""
 
     def __init__(self, warm_up: Scene, engines: int = 1, frame_seconds: float = FRAME_SECONDS):
         self._numbers, self._frame_seconds = itertools.count(1), frame_seconds
         adopt_orphans()
-        self._engines = [EngineProcess(warm_up) for _ in range(engines)]
+        self.histories = HistoryCache()
+        self._engines = [EngineProcess(warm_up, self.histories) for _ in range(engines)]
 
     def prewarm(self, usual: Sequence[Scene]) -> None:
         """Lets every engine compile the ``usual`` scenes beside its work, in this order."""
@@ -113,6 +124,12 @@ class SessionLink:
         if self.engine.given_up:
             self.listener.on_error(CANNOT_START)
         return number
+
+    def survey(self, scene: Scene | None, points: Sequence[SurveyPoint] = ()) -> None:
+        """Requests points of landscapes of a scene, in place of those before; their histories come to the pool."""
+        with self._lock:
+            if not self._closed:
+                self.engine.send(Survey(self.session, scene, tuple(points)))
 
     def close(self) -> None:
         """Closes the session and frees its memory. Frames on their way are dropped; a second call does nothing."""

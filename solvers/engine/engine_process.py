@@ -16,9 +16,10 @@ from time import monotonic, sleep
 from typing import Protocol
 
 from solvers.engine import engine_messages
-from solvers.engine.engine_messages import FrameReport, SessionClosed, SessionRequest
+from solvers.engine.engine_messages import FrameReport, SessionClosed, SessionRequest, Survey
 from solvers.engine.shared_frames import FrameArrays
 from solvers.scene.scene import Scene
+from solvers.study.landscape.error_history import HistoryCache
 from solvers.translatable_message import Message
 from solvers.workers import worker_process
 
@@ -60,24 +61,26 @@ def run_engine_process(pipe: Connection, warm_up: Scene, usual: Sequence[Scene])
 
 class EngineProcess:
     """Handle of an engine process: starts it, with the scene ``warm_up`` to compile first, restarts it when it dies,
-    and passes messages to and from ``links``, by session number. A child may replace the process
-    (:class:`~solvers.engine.engine_messages.EngineReplacedByFork`) on the same pipe. Frames that arrive at once are
-    passed on within a context that ``together()`` returns."""
+    and passes messages to and from ``links``, by session number, and error histories to ``histories``. A child may
+    replace the process (:class:`~solvers.engine.engine_messages.EngineReplacedByFork`) on the same pipe. Frames that
+    arrive at once are passed on within a context that ``together()`` returns."""
 
-    def __init__(self, warm_up: Scene):
+    def __init__(self, warm_up: Scene, histories: HistoryCache):
+        self.histories = histories
         self.together: Callable[[], AbstractContextManager] = nullcontext
         self.ready = threading.Event()
         self.given_up = False  # whether it kept dying before it was ready, and is no longer restarted
         self.links: dict[int, SessionLinkProtocol] = {}
         self._failures = 0
         self._leaving: list[int] = []  # processes that were engines, or will end soon
-        self._successor = 0  # the process that the engine has forked last, if any
+        self._forks: list[int] = []  # processes that the engine has forked
         self._warm_up = warm_up
         self._usual: tuple[Scene, ...] = ()
         self._closing = False
         self._news = threading.Condition()
         self._outbox: deque[SessionClosed | engine_messages.Prewarm] = deque()
         self._wishes: dict[int, SessionRequest] = {}
+        self._surveys: dict[int, Survey] = {}
         self._start()
         for work in (self._read_messages, self._write_messages):
             threading.Thread(target=work, name=f"engine{work.__name__}", daemon=True).start()
@@ -89,17 +92,20 @@ class EngineProcess:
             self._outbox.append(engine_messages.Prewarm(self._usual))
             self._news.notify_all()
 
-    def send(self, message: SessionRequest | SessionClosed) -> None:
+    def send(self, message: SessionRequest | SessionClosed | Survey) -> None:
         """Queues a message for the engine and returns at once; a session's newer request replaces one in the queue."""
         with self._news:
             if self.given_up:
                 return
             if isinstance(message, SessionRequest):
                 self._wishes[message.session] = message
+            elif isinstance(message, Survey):
+                self._surveys[message.session] = message
             else:
                 self._outbox.append(message)
             if isinstance(message, SessionClosed):  # a wish sent after it would bring the session back
                 self._wishes.pop(message.session, None)
+                self._surveys.pop(message.session, None)
             self._news.notify_all()
 
     @property
@@ -140,16 +146,19 @@ class EngineProcess:
     def _write_messages(self) -> None:
         while True:
             with self._news:
-                self._news.wait_for(lambda: self._closing or self._outbox or self._wishes)
-                queued = [None] if self._closing else [*self._outbox, *self._wishes.values()]
-                self._outbox.clear()
-                self._wishes.clear()
+                self._news.wait_for(lambda: self._closing or self._outbox or self._wishes or self._surveys)
+                queued = [None] if self._closing else [*self._outbox, *self._wishes.values(), *self._surveys.values()]
+                self._clear_queues()
                 pipe = self._pipe
             with suppress(OSError):  # the process died; the reader notices, restarts it and sends the wishes again
                 for message in queued:
                     pipe.send(message)
             if self._closing:
                 return
+
+    def _clear_queues(self) -> None:
+        for queue in (self._outbox, self._wishes, self._surveys):
+            queue.clear()
 
     def _start(self) -> None:
         context = multiprocessing.get_context("spawn")  # a fork would copy the locks of the page's threads
@@ -165,10 +174,11 @@ class EngineProcess:
         too many in a row have failed; informs all links."""
         self._process.join(1)
         self._leaving.append(self.process_id)
-        with suppress(ChildProcessError):  # it had ended before
-            if self._successor and os.waitpid(self._successor, os.WNOHANG) == (0, 0):
-                self._leaving.append(self._successor)
-        self._successor = 0
+        for fork in self._forks:
+            with suppress(ChildProcessError):  # it had ended before
+                if os.waitpid(fork, os.WNOHANG) == (0, 0):
+                    self._leaving.append(fork)
+        self._forks.clear()
         had_worked = self.ready.is_set()
         self.ready.clear()
         self._failures += not had_worked
@@ -178,8 +188,7 @@ class EngineProcess:
         with self._news:
             if self._news.wait_for(lambda: self._closing, pause):
                 return  # a process started now would outlive the pool
-            self._outbox.clear()
-            self._wishes.clear()
+            self._clear_queues()
             try:
                 self._start()
             except OSError:  # the old pipe stays and fails again: one more failure, and a longer pause
@@ -190,8 +199,7 @@ class EngineProcess:
     def _give_up(self) -> None:
         with self._news:
             self.given_up = True
-            self._outbox.clear()
-            self._wishes.clear()
+            self._clear_queues()
         logging.getLogger(__name__).error("%d simulation processes in a row ended before they were ready; "
                                           "no more are started", self._failures)
         for link in list(self.links.values()):
@@ -213,7 +221,8 @@ class EngineProcess:
 
     def _dispatch(self, message: engine_messages.FrameBatch
                   | engine_messages.CompilePending
-                  | engine_messages.CompilingForkStarted
+                  | engine_messages.EngineForked
+                  | engine_messages.SurveyResults
                   | engine_messages.EngineReplacedByFork
                   | engine_messages.EngineError
                   | engine_messages.EngineReady) -> None:
@@ -229,9 +238,13 @@ class EngineProcess:
             self.ready.set()
         elif isinstance(message, engine_messages.EngineReplacedByFork):
             self._leaving.append(self.process_id)
-            self.process_id, self._successor = message.process_id, 0
-        elif isinstance(message, engine_messages.CompilingForkStarted):
-            self._successor = message.process_id
+            self.process_id = message.process_id
+            self._forks.clear()
+        elif isinstance(message, engine_messages.EngineForked):
+            self._forks.append(message.process_id)
+        elif isinstance(message, engine_messages.SurveyResults):
+            for key, history in message.histories:
+                self.histories.put(key, history)
         elif link := self.links.get(message.session):
             if isinstance(message, engine_messages.CompilePending):
                 link.listener.on_compiling(message.number)

@@ -20,8 +20,9 @@ from time import perf_counter
 
 from solvers.engine import compiling_fork, engine_messages
 from solvers.engine.compiling_fork import CompilingFork
-from solvers.engine.engine_messages import FrameReport, SessionRequest
+from solvers.engine.engine_messages import FrameReport, SessionRequest, Survey, SurveyResults
 from solvers.engine.session_stepper import BlockFreed, SessionStepper
+from solvers.engine.surveyor import Surveyor, SurveyQueue, fork_surveyor
 from solvers.kernels import runtime
 from solvers.running.run import build
 from solvers.scene.kernel_options import kernel_key
@@ -67,12 +68,21 @@ class EngineServer:
         self._waiting: dict[int, SessionRequest] = {}  # for the compiler, by session
         self._prepared: dict[int, Solver] = {}  # in a fork, for sessions that it will get
         self._successor: CompilingFork | None = None
+        self._surveys: dict[int, Survey] = {}  # that wait for the compiler, or to be passed on, by session
+        self._surveyor: Surveyor | None = None
+        self._queue = SurveyQueue()  # of the surveys, where no surveyor can be forked
         self._frames: list[FrameReport] = []  # that go together, soon
         self._first = 0.0  # when the first of them was made, by perf_counter
         self._late = False  # whether most sessions that move get their frames late
 
     def serve(self) -> None:
         """Serves sessions until a fork has taken over from this process. Raises EOFError when the page has exited."""
+        try:
+            self._serve()
+        finally:
+            self._end_surveyor()
+
+    def _serve(self) -> None:
         while True:
             self._read_messages()
             self._act_on_requests()
@@ -82,10 +92,41 @@ class EngineServer:
             if self._successor and self._try_hand_over(self._successor):
                 return
             inherited = compiling_fork.CAN_FORK and self._compile_in_fork()
-            if not (any(busy) or inherited or self._wishes):  # sleep until a message comes or a frame or step is due
+            surveys = self._survey(any(busy))
+            # Sleep until a message comes or a frame or step is due.
+            if not (any(busy) or inherited or surveys or self._wishes):
                 due = min((s.next_due for s in self._steppers.values()), default=float("inf"))
-                pipes = [self._pipe, *([self._successor.pipe] if self._successor else [])]
+                pipes = [self._pipe, *(child.pipe for child in (self._successor, self._surveyor) if child)]
                 connection.wait(pipes, min(IDLE_SECONDS, max(0.001, due - perf_counter())))
+
+    def _survey(self, busy: bool) -> bool:
+        """Passes on surveys whose scenes are compiled, and results; without forks computes a point, unless ``busy``.
+        Returns whether there is more to do."""
+        ready = [survey for survey in self._surveys.values()
+                 if survey.scene is None or kernel_key(survey.scene) in self._compiled or not compiling_fork.CAN_FORK]
+        for survey in ready:
+            del self._surveys[survey.session]
+            if not compiling_fork.CAN_FORK:
+                self._queue.accept(survey)
+                continue
+            if not self._surveyor and survey.points:
+                self._surveyor = fork_surveyor([self._pipe, *([self._successor.pipe] if self._successor else [])])
+                self._pipe.send(engine_messages.EngineForked(self._surveyor.process_id))
+            if self._surveyor:
+                self._surveyor.pipe.send(survey)
+        try:
+            while self._surveyor and self._surveyor.pipe.poll(0):
+                self._pipe.send_bytes(self._surveyor.pipe.recv_bytes())
+        except (EOFError, ConnectionError):  # it has died: what was requested is requested again
+            self._end_surveyor()
+        if self._queue and not busy and (result := self._queue.compute_next()):
+            self._pipe.send(SurveyResults((result,)))
+        return bool(self._queue)
+
+    def _end_surveyor(self) -> None:
+        if self._surveyor:
+            self._surveyor.close()
+        self._surveyor = None
 
     def _run_session_turn(self, stepper: SessionStepper) -> bool:
         """Runs one turn of one session; returns whether there was anything to do."""
@@ -123,8 +164,11 @@ class EngineServer:
                     raise EOFError  # the pool closes
                 case engine_messages.Prewarm():
                     self._usual = list(message.scenes)
+                case Survey():
+                    self._surveys[message.session] = message
                 case engine_messages.SessionClosed():
                     self._wishes.pop(message.session, None)
+                    self._surveys[message.session] = Survey(message.session)
                     self._drop_session(message.session)
 
     def _act_on_requests(self) -> None:
@@ -188,7 +232,7 @@ class EngineServer:
                 self._take_over_sessions(*answer)
                 return True
             self._successor = answer
-            self._pipe.send(engine_messages.CompilingForkStarted(answer.process_id))
+            self._pipe.send(engine_messages.EngineForked(answer.process_id))
         return False
 
     def _try_hand_over(self, replacement: CompilingFork) -> bool:
@@ -199,7 +243,8 @@ class EngineServer:
                                                       for session, stepper in self._steppers.items()}):
                 return False
             states = {session: (stepper.wish, stepper.state()) for session, stepper in self._steppers.items()}
-            replacement.hand_over((states, {**self._waiting, **self._wishes},
+            self._end_surveyor()  # one of the fork's own knows the new kernels
+            replacement.hand_over((states, {**self._waiting, **self._wishes}, self._surveys,
                                    self._compiled | set(map(kernel_key, replacement.compiled)), self._usual))
             return True
         except MemoryError:
@@ -233,10 +278,11 @@ class EngineServer:
         gc.freeze()
 
     def _take_over_sessions(self, states: dict[int, tuple[SessionRequest, dict]], wishes: dict[int, SessionRequest],
-                            compiled: set[tuple], usual: list[Scene]) -> None:
+                            surveys: dict[int, Survey], compiled: set[tuple], usual: list[Scene]) -> None:
         """Takes over, in a fork, the engine's sessions: the request and the state of each stepper, the pending requests
-        ``wishes`` by session, the keys of scenes that are ``compiled``, and the ``usual`` scenes."""
+        ``wishes`` and ``surveys`` by session, the keys of scenes that are ``compiled``, and the ``usual`` scenes."""
         self._wishes, self._waiting, self._successor = wishes, {}, None
+        self._surveys, self._surveyor = surveys, None
         self._compiled, self._usual = compiled, usual
         self._pipe.send(engine_messages.EngineReplacedByFork(os.getpid()))
         for wish, state in states.values():

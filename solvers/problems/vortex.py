@@ -113,7 +113,7 @@ VORTEX = PlanarProblem(VortexScene, ViewSettings(
     cells=(12, 96, 2), ppc=(1, 3), amplitude=(0.01, MOST_AMPLITUDE), modulus=(100.0, 10_000.0),
     amplitude_hint="angle in radians by which the middle circle turns while the rims stay fixed; the largest shear is "
                    "seven times as large",
-    prices={"transport": 0.07, "recovered": 0.24, "companion": 0.04}, speed=(0.01, 0.1, 2.0),
+    prices={"transport": 0.07, "recovered": 0.24, "companion": 0.04}, speed=0.1,
     details={"layout": "where particles begin: Cartesian rims are staircases", "body_force": "which force acts"},
     modulus_hint="Young's modulus: the body force keeps the motion the same, but the errors change",
     poisson_hint="resistance to a change of volume: not in the exact motion, which has none, but in the errors and, "

@@ -54,15 +54,20 @@ class Solver(ABC):
         self._buffers = StateBuffers()
         self._stepping = None
 
-    def restart(self, scene: Scene) -> bool:
+    def restart(self, scene: Scene, idle_estimators: bool = False) -> bool:
         """Starts another scene with the same kernels at t = 0, in the arrays that are there, several times as fast as a
         new solver and equal to it, to the bit. Arrays that have no room for it are replaced.
 
-        Returns False, and changes nothing, where a new solver is needed: for other compile-time options, another plan,
-        and on a GPU. Raises :class:`SceneError` where a new solver would. States and bookmarks of the previous scene
-        cannot be restored afterwards.
+        With ``idle_estimators`` the kernels may have estimators that are not active in the scene: they do nothing, and
+        their columns of samples mean nothing. Returns False, and changes nothing, where a new solver is needed: for
+        other compile-time options, another plan, and on a GPU. Raises :class:`SceneError` where a new solver would.
+        States and bookmarks of the previous scene cannot be restored afterwards.
         """
-        if self.plan == "gpu" or kernel_key(scene) != kernel_key(self.scene) or self._plan_of(scene) != self.plan:
+        options, own = kernel_options_of(scene), self._switches
+        if idle_estimators and set(options.estimators) < set(own.estimators):
+            options = options._replace(estimators=own.estimators)
+        same = options == own and kernel_key(scene)[:-1] == kernel_key(self.scene)[:-1]
+        if self.plan == "gpu" or not same or self._plan_of(scene) != self.plan:
             return False
         self._start(scene)
         return True
@@ -80,6 +85,16 @@ class Solver(ABC):
     @property
     def time(self) -> float:
         return self.step * self.scene.time_step
+
+    @property
+    def options(self) -> KernelOptions:
+        """Compile-time options of the kernels."""
+        return self._switches
+
+    @property
+    def particles(self) -> int:
+        """Number of particles, of which a layout may have a few more than its scene says."""
+        return len(self._arrays.members()["material_position"])
 
     @property
     def bytes(self) -> int:
@@ -103,16 +118,18 @@ class Solver(ABC):
         if self.scene.has("margin"):
             self._stepping.compute_step_margin()
 
-    def advance(self, steps: int) -> np.ndarray:
+    def advance(self, steps: int, margins: bool = True) -> np.ndarray:
         """Takes steps, 0 to :attr:`longest_advance`; returns the rows of samples on the way (n, columns), as in
         ``solvers.solver.samples``.
 
         An unstable run stops where it was noticed; see :attr:`sound` and :meth:`reason`. If the step margin is
-        requested, launches end at the steps where it is evaluated, so that calls of any length give the same run.
+        requested, launches end at the steps where it is evaluated, so that calls of any length give the same run;
+        without ``margins`` they do not, which is faster and leaves most margins out.
         """
         interval, end, rows = self.scene.margin_interval, self.step + steps, []
         while True:
-            stop = min(end, (self.step // interval + 1) * interval) if self.scene.has("margin") else end
+            ends_early = margins and self.scene.has("margin")
+            stop = min(end, (self.step // interval + 1) * interval) if ends_early else end
             rows.append(self._launch(stop - self.step))
             if self.step >= end or not self.sound:
                 return np.concatenate(rows) if len(rows) > 1 else rows[0]
@@ -159,7 +176,8 @@ class Solver(ABC):
     @property
     def estimate_intervals(self) -> tuple[int, ...]:
         """Number of run steps between two steps of each active estimator."""
-        return tuple(int(n) for n in self._arrays.estimate_intervals[:len(self.scene.active_estimators)])
+        intervals = zip(self._switches.estimators, self._arrays.estimate_intervals, strict=False)
+        return tuple(int(n) for name, n in intervals if name in self.scene.active_estimators)
 
     def bookmark(self) -> Callable[[], None]:
         """Saves the present state; returns a function () that restores it to the bit, any number of times."""
@@ -193,7 +211,7 @@ class Solver(ABC):
 
     def disable_estimator(self, estimator: str) -> None:
         """Stops the active estimator of this name, for timings; restoring a bookmarked state starts it again."""
-        self._arrays.estimate_intervals[self.scene.active_estimators.index(estimator)] = NEVER
+        self._arrays.estimate_intervals[self._switches.estimators.index(estimator)] = NEVER
 
     def reason(self) -> str:
         """Returns in one sentence why an unstable run stopped, and what to change."""

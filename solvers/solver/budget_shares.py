@@ -28,6 +28,17 @@ def shares(series: Mapping[str, np.ndarray], field: str) -> dict[str, float | No
 
 
 @IGNORE_OVERFLOW
+def shares_at(series: Mapping[str, np.ndarray], field: str, time: float) -> dict[str, float]:
+    """Returns each cause's part of the RMS error of "x", "v" or "F" at a ``time`` in s over that error; {} if the error
+    is 0 or not finite there."""
+    at = {name: float(np.interp(time, series["time"], series[f"budget/{name}"]))
+          for name in (f"error_{field}", *(f"part_{field}_{cause}" for cause in CAUSES))}
+    if not at[f"error_{field}"] or not np.isfinite([*at.values()]).all():
+        return {}
+    return {cause: at[f"part_{field}_{cause}"] / at[f"error_{field}"] for cause in CAUSES}
+
+
+@IGNORE_OVERFLOW
 def final_parts(series: Mapping[str, np.ndarray], field: str) -> dict[str, float | None]:
     """Returns each cause's part of the RMS error of "x" (m), "v" (m/s) or "F" at the end; they add up to it."""
     return {cause: finite_or_none(series[f"budget/part_{field}_{cause}"][-1]) for cause in CAUSES}

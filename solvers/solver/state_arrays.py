@@ -99,7 +99,7 @@ def initial_diagnostics(scene: Scene, on: KernelOptions, particles: int, farthes
                         hooks: dict[str, EstimatorHooks]) -> dict:
     """Returns the members of a :class:`DiagnosticsState` by name, at the start of a run with ``particles`` particles;
     ``farthest`` is in m, ``hooks`` are of the problem's estimators. ``on``: compile-time options."""
-    intervals = [hooks[name].interval(scene) for name in scene.active_estimators]
+    intervals = [hooks[name].interval(scene) if name in scene.active_estimators else NEVER for name in on.estimators]
     return {"sample_interval": scene.sample_interval, "look_interval": scene.look_interval,
             "step_margin": np.full(1, np.nan), "farthest": farthest,
             "last_crossing": np.full(particles if on.crossings else 1, -1, np.int32),

@@ -89,8 +89,9 @@ def downloaded(page, act):
 
 
 def choose(page, label, option):
-    """Choose an option, or one whose name begins so, of a dropdown; problems are buttons where there is room."""
-    if label == "Problem" and (button := page.get_by_role("radio", name=option)).is_visible():
+    """Choose an option, or one whose name begins so, of a dropdown; methods are buttons, and problems where there is
+    room."""
+    if label in ("Problem", "Method") and (button := page.get_by_role("radio", name=option)).is_visible():
         return again_until(button.click, lambda: button.get_attribute("aria-checked") == "true", option)
     box, offered = page.get_by_label(label, exact=True), page.get_by_role("option", name=option)
 

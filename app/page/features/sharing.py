@@ -15,7 +15,6 @@ from app.page.panels.page_header import BESIDE
 
 LESSON = "lesson="
 SAFE = ";=,.+-_:"  # need no escaping in a link's fragment
-LAST = 1e9  # order within the panel, whatever is rebuilt above
 MOST_QR = 1200  # characters that a phone still reads off a projector
 HERE = ("localhost", "127.0.0.1", "::1")
 OF_NO_USE = lazy("Only this computer can open this address, no phone can: serve with --host 0.0.0.0 for a class.")
@@ -73,7 +72,7 @@ class Sharing(Feature):
     def __init__(self, page: PageContext):
         self._page, gui = page, page.gui
         self.shortcuts = {"code": self.show_qr_code}
-        with page.tabs["explore"], gui.add_folder(None, order=LAST):
+        with page.own_data:
             gui.add_html("<i class='lab-beside lab-copy'></i>")
             gui.add_button(tr("Copy link"), icon=viser.Icon.LINK, hint=tr(
                 "the address of just this scene, view and pinned run: it opens for everyone who can reach this server"))

@@ -4,6 +4,7 @@ import logging
 import threading
 from dataclasses import replace
 from html import escape
+from typing import Any
 
 import viser
 
@@ -15,7 +16,7 @@ from app.frame.slow_motion.step_phases import PHASES, format_scaled
 from app.language.translation import lazy, tr, with_language
 from app.page.feature import Feature, VisiblePageState
 from app.page.page_context import PageContext
-from app.page.panels.page_header import BARE, add_widget_marker
+from app.page.panels.page_header import BARE, widget_marker_html
 from app.page.stage_source import StageContent, StageFrame, StageSource, ViewChoice
 from app.problems.views import VIEWS
 from solvers.engine.engine_messages import FrameReport
@@ -48,12 +49,15 @@ class SlowMotion(Feature):
         self.on = self._walking = False
         self.sentence = HeadlineWithFacts()  # describes the stage while the mode is on
         self._phase, self._s, self._seconds, self._asked = 0, 0.0, SECONDS[2], 0
+        self._first = 0  # phase that the next step on the stage begins with
         self._drawn: tuple[int, float, StageMetrics] | None = None  # phase, progress in it, and bounds
+        page.show_phase = self.show_phase
 
         mark = page.gui.add_html("<i class='lab-at-slow'></i>")
         self._button = page.gui.add_button(tr(SLOW), hint=tr("pause, and walk through one time step phase by phase"))
         self._button.on_click(lambda _: self.leave_stage() if self.on else self.go_forward())
-        page.controls.add_extension("slow-motion", lambda: self._build_fold(page.gui), mark, self._button)
+        page.controls.add_extension("slow-motion", lambda: self._build_fold(page.gui, bool(page.lesson_name)), mark,
+                                    self._button)
 
     @property
     def is_showing(self) -> bool:
@@ -66,11 +70,15 @@ class SlowMotion(Feature):
         step = self._step  # without the lock: the drawing thread reads it, and holders of the lock wait for that thread
         return None if step is None else self._stages[step[0].problem].rectangle
 
-    def _build_fold(self, gui: viser.GuiApi) -> None:
-        """Builds the widgets among the controls, for the session's present scene."""
-        add_widget_marker(gui, "lab-slow-fold", words=tr("phase by phase"))
+    def _build_fold(self, gui: viser.GuiApi, in_lesson: bool) -> None:
+        """Builds the widgets among the controls, for the session's present scene; a lesson shows them before they are
+        needed."""
+        self._in_lesson, shown = in_lesson, self.on or in_lesson
+        mark = gui.add_html(widget_marker_html("lab-slow-fold", words=tr("phase by phase")), visible=shown)
+        fold = gui.add_folder(tr("One step in slow motion"), expand_by_default=False, visible=shown)
+        self._fold: tuple[Any, ...] = mark, fold
         least, most, _ = SECONDS
-        with self._lock, gui.add_folder(tr("One step in slow motion"), expand_by_default=False):
+        with self._lock, fold:
             self._box = gui.add_checkbox(tr("Slow motion"), self.on, hint=tr(
                 "pause, take one time step and show its phases on the stage, around one particle; every number is the "
                 "solver's own"))
@@ -101,7 +109,7 @@ class SlowMotion(Feature):
                     self._stages[problem] = VIEWS[problem].slow_motion_stage(surface)
                 before, self._step, self._drawn = self._step, (report.scene, report.breakdown), None
                 if before is None or (before[0], before[1].step) != (report.scene, report.step):
-                    self._phase, self._s = 0, 0.0
+                    self._phase, self._s, self._first = self._first, 0.0, 0
                 if before is None:
                     self._on_view()
             elif report.fresh and not report.playing:  # another scene, or a restart
@@ -110,6 +118,14 @@ class SlowMotion(Feature):
                 self._leave()
                 if report.status == UNSTABLE:
                     self._session.announce(tr(NO_STEP))
+
+    def show_phase(self, particle: int, phase: int) -> None:
+        """Takes the run's next time step apart around a particle, and shows it from its ``phase`` (from 1) on."""
+        with self._lock:
+            if self.on:
+                self._leave()
+            self._particle.value, self._first = particle, phase - 1  # type: ignore[misc]
+            self._enter()
 
     def go_forward(self) -> None:
         """Shows the step's next phase, or the next time step; enters slow motion if it is off."""
@@ -157,14 +173,20 @@ class SlowMotion(Feature):
             if self.on:
                 self._request_breakdown(step=self._step is None)
 
+    def _show_fold(self) -> None:
+        for part in self._fold:
+            part.visible = self.on or self._in_lesson
+
     def _enter(self) -> None:
         self.on, self._box.value, self._over = True, True, threading.Event()  # type: ignore[misc]
+        self._show_fold()
         self._request_breakdown()
         threading.Thread(target=with_language(self._draw_loop), args=(self._over,), name="slow-motion",
                          daemon=True).start()
 
     def _leave(self) -> None:
         self.on = self._walking = self._box.value = False  # type: ignore[misc]
+        self._show_fold()
         self._over.set()
         self._text.content, self.sentence = "", HeadlineWithFacts()
         self._step = self._drawn = None

@@ -7,6 +7,7 @@ import viser
 from app.frame.colour_scale import ColourScale
 from app.frame.error_view_captions import DIFFERENCE, SIDE_BY_SIDE
 from app.language.translation import lazy, tr
+from app.page.panels.quantity_and_estimator_widgets import QuantityAndEstimatorWidgets
 from app.page.visit.history import LAST_PERIODS
 from app.page.visit.recent_frames import RecentFrames
 from app.page.visit.run_session import RunSession
@@ -121,8 +122,9 @@ class DrawingWidgets:
     """One visitor's drawing options; ``on_view`` redraws the stage."""
 
     def __init__(self, session: RunSession, scale: ColourScale, history: FrameAndTraceControls,
-                 on_view: Callable[[], None]):
+                 stage: QuantityAndEstimatorWidgets, on_view: Callable[[], None]):
         self._session, self._scale, self._looking, self._on_view = session, scale, history, on_view
+        self._stage = stage
         self.difference = self.domains = False
 
     @property
@@ -132,34 +134,15 @@ class DrawingWidgets:
         said = [tr("difference")] * self.difference + [tr(LOGARITHMIC)] * self._scale.logarithmic \
             + [tr("colours held")] * self._scale.held + [tr("domains")] * self.domains \
             + [tr("particle {particle}", particle=traced)] * (traced is not None)
-        return ", ".join(said) or tr("colours, trace, comparison")
+        return ", ".join(said) or tr("colours, trace, domains")
 
     def build(self, gui: viser.GuiApi, part: Callable[[str], viser.GuiFolderHandle]) -> None:
         """Builds the widgets for the session's scene; ``part`` returns the folder for a control of lessons (name)."""
         scale = self._scale
-        with part("estimators"):
-            compare = gui.add_dropdown(
-                tr("Compare"), (tr(SIDE_BY_SIDE), tr(DIFFERENCE)),
-                initial_value=tr(DIFFERENCE if self.difference else SIDE_BY_SIDE),
-                hint=tr("the colours show the size of the vector estimate − truth; its norm divided by the norm of the "
-                        "truth is the distance"))
-        with part("colours"):
-            kind = gui.add_dropdown(tr("Colours"), (tr(LINEAR), tr(LOGARITHMIC)),
-                                    hint=tr("of estimate and truth alike"),
-                                    initial_value=tr(LOGARITHMIC if scale.logarithmic else LINEAR))
-            hold = gui.add_checkbox(tr("Hold colours"), scale.held,
-                                    hint=tr("keep the colour scale while settings change"))
-        with part("trace"):
-            self._looking.build_plot_widgets(gui)
-        if hint := VIEWS[self._session.scene.problem].stage.DOMAINS_HINT:
-            with part("domains"):
-                domains = gui.add_checkbox(tr("Show domains"), self.domains, hint=tr(hint))
 
-            def on_domains(_: viser.GuiEvent) -> None:
-                self.domains = domains.value
-                self._on_view()
-
-            domains.on_update(on_domains)
+        def on_domains(_: viser.GuiEvent) -> None:
+            self.domains = domains.value
+            self._on_view()
 
         def on_difference(_: viser.GuiEvent) -> None:
             self.difference = compare.value == tr(DIFFERENCE)
@@ -171,6 +154,26 @@ class DrawingWidgets:
             scale.reset()
             self._on_view()
 
-        for widget in (kind, hold):
-            widget.on_update(on_colours)
+        with part("colours"):
+            kind = gui.add_dropdown(tr("Colours"), (tr(LINEAR), tr(LOGARITHMIC)),
+                                    hint=tr("of estimate and truth alike"),
+                                    initial_value=tr(LOGARITHMIC if scale.logarithmic else LINEAR))
+            hold = gui.add_checkbox(tr("Hold colours"), scale.held,
+                                    hint=tr("keep the colour scale while settings change"))
+            for widget in (kind, hold):
+                widget.on_update(on_colours)
+        with part("magnify"):
+            self._stage.build_magnification(gui)
+        if hint := VIEWS[self._session.scene.problem].stage.DOMAINS_HINT:
+            with part("domains"):
+                domains = gui.add_checkbox(tr("Show domains"), self.domains, hint=tr(hint))
+            domains.on_update(on_domains)
+        with part("trace"):
+            self._looking.build_plot_widgets(gui)
+        with part("estimators"):
+            compare = gui.add_dropdown(
+                tr("Compare"), (tr(SIDE_BY_SIDE), tr(DIFFERENCE)),
+                initial_value=tr(DIFFERENCE if self.difference else SIDE_BY_SIDE),
+                hint=tr("the colours show the size of the vector estimate − truth; its norm divided by the norm of the "
+                        "truth is the distance"))
         compare.on_update(on_difference)

@@ -1,5 +1,6 @@
 """What the stage shows: quantity, estimator and magnification. These widgets are built once, before the tabs, and laid
-onto the stage (``css/10-shell.css``). And the estimators' cards, with switch, line, idea, error index and price."""
+onto the stage (``css/10-shell.css``). And the estimators' cards, with switch, line, how much of the error each finds,
+and its price."""
 
 from collections.abc import Callable
 from html import escape
@@ -10,7 +11,6 @@ import viser
 
 from app import names_and_units
 from app.frame.colour_scale import ColourScale
-from app.frame.error_view_captions import TRUE
 from app.language.translation import lazy, tr
 from app.page.panels.browser_store_and_window import BrowserStore
 from app.page.panels.readout_tables import line_sample
@@ -47,27 +47,27 @@ class QuantityAndEstimatorWidgets:
         self._estimator = gui.add_dropdown(
             tr("On the stage"), session.scene.estimators or (tr(NONE),), initial_value=self.estimator or tr(NONE),
             hint=tr("the estimator whose errors are drawn, of those that run"))
-        magnify_mark = gui.add_html("<i class='lab-at-magnify'></i>")
-        self._magnify = gui.add_dropdown(
-            tr("Magnify error"), tuple(_FACTORS), initial_value=_NAMES[1],
-            hint=tr("in the plot of the field: how many times the deviation of the particles from the exact curve is "
-                    "drawn"))
         # Removed with its widget; it would otherwise mark the next one.
         self.parts: dict[str, tuple[Any, ...]] = {
-            "quantity": (quantity_mark, self._quantity), "estimators": (estimator_mark, self._estimator),
-            "magnify": (magnify_mark, self._magnify)}
+            "quantity": (quantity_mark, self._quantity), "estimators": (estimator_mark, self._estimator)}
         self._quantity.on_update(
             lambda event: self.show_quantity(self._quantities[event.target.value]) if event.client else None)
         self._estimator.on_update(lambda event: self.show_estimator(
             None if event.target.value == tr(NONE) else event.target.value) if event.client else None)
+
+    def build_magnification(self, gui: viser.GuiApi) -> None:
+        """Builds the widget for the magnification, which is made anew for another scene."""
+        self._magnify = gui.add_dropdown(
+            tr("Magnify error"), tuple(_FACTORS), initial_value=_NAMES[self.magnified],
+            hint=tr("in the plot of the field: how many times the deviation of the particles from the exact curve is "
+                    "drawn"))
         self._magnify.on_update(lambda event: self._choose_magnification() if event.client else None)
 
     def show(self, quantity: str, estimator: str | None, magnified: int) -> None:
-        """Sets quantity ("x"), estimator and magnification (factor) to show; the dropdown of estimators follows later
-        by :meth:`set_estimators`."""
+        """Sets quantity ("x"), estimator and magnification (factor) to show; the widgets of the last two follow by
+        :meth:`set_estimators` and :meth:`build_magnification`."""
         self.quantity, self.estimator, self.magnified = quantity, estimator, magnified
-        for widget, shown in ((self._quantity, self._shown_quantity), (self._magnify, _NAMES[magnified])):
-            widget.value = shown  # type: ignore[misc]
+        self._quantity.value = self._shown_quantity  # type: ignore[misc]
 
     def restore_last_estimator(self, problem: str) -> None:
         """Sets the estimator to that last shown for a problem ("bar") that is put on the stage."""
@@ -138,12 +138,12 @@ class QuantityAndEstimatorWidgets:
 #: Short descriptions of estimators that fit on a card; others show their summary.
 IDEAS = {"recovered": lazy("smooths the particles' motion"), "transport": lazy("the method's own equations"),
          "companion": lazy("a hidden, finer solve beside it"), "two-grid": lazy("the same run on wider cells")}
-INDEX = lazy("error index: estimated over true, summed over the run so far; price: the running time that it adds to "
-             "the usual scene")
+FINDS = lazy("now: the estimated error in per cent of the true one; price: the running time that it adds to the usual "
+             "scene")
 
 
 class EstimatorCards:
-    """One visitor's cards of estimators, with a checkbox that runs each; a click on a name puts it on the ``stage``."""
+    """One visitor's cards of estimators, with a checkbox that runs each; a click on a card puts it on the ``stage``."""
 
     def __init__(self, gui: viser.GuiApi, session: RunSession, stage: QuantityAndEstimatorWidgets,
                  bound: SceneWidgetFactory, store: BrowserStore):
@@ -161,15 +161,16 @@ class EstimatorCards:
     def build(self, gui: viser.GuiApi) -> None:
         """Builds a card for each estimator of the session's problem."""
         wished, problem = self._session.scene.estimators, self._session.scene.problem
-        gui.add_html(f"<h2 class='lab-h2'>{tr('Who judges the run?')}<small title='{escape(tr(INDEX))}'>"
-                     f"{tr('index, 1 is perfect · price')}</small></h2><div class='lab-judge-true'>{line_sample(TRUE)} "
-                     f"<b>{tr(TRUE)}</b> <span>{tr('norm now')}</span> <strong></strong></div>")
+        gui.add_html(f"<h2 class='lab-h2'>{tr('Who judges the run?')}<small title='{escape(tr(FINDS))}'>"
+                     f"{tr('finds, now · price')}</small></h2>")
         self._boxes = {}
         usual = PROBLEMS[problem].scene().estimators
         for name in (*usual, *(name for name in PROBLEMS[problem].estimators if name not in usual)):
             gui.add_html("<i class='lab-switch'></i>")
             self._boxes[name] = gui.add_checkbox(ESTIMATORS[name].title, name in wished)
             gui.add_html(_estimator_card_html(name, problem))
+        gui.add_html(f"<button type='button' class='lab-ask' aria-expanded='false' hidden>{tr('Ask another judge')}: "
+                     "<span></span></button>")
         for box in self._boxes.values():
             self._bound.on_change_or_reset(box, lambda _: self._run_chosen_estimators())
         self._stage.set_estimators(wished)
@@ -199,10 +200,9 @@ def _estimator_card_html(name: str, problem: str) -> str:
     """Returns an estimator's card, whose numbers the browser fills in; the price is its added run time in per cent."""
     estimator, price = ESTIMATORS[name], VIEWS[problem].prices.get(name)
     cost = "" if price is None else f"+{100 * price / (1 - price):.0f}\N{NO-BREAK SPACE}%"
-    idea, stage = escape(tr(IDEAS.get(name, estimator.summary))), tr("put it on the stage: {summary}",
-                                                                     summary=tr(estimator.summary))
-    return (f"<div class='lab-judge lab-off' data-judge='{escape(name)}' data-problem='{escape(problem)}'>"
-            f"<button type='button' class='lab-judge-name' title='{escape(stage)}'>"
-            f"{line_sample(name)} {escape(estimator.title)}</button><span class='lab-tag'>{tr('on the stage')}</span>"
-            f"<p class='lab-idea'>{idea}</p><p class='lab-index'><strong></strong> <span>{cost}</span></p>"
-            "<i class='lab-gauge' aria-hidden='true'><b></b></i><p class='lab-trust'></p><p class='lab-why'></p></div>")
+    idea, stage = tr(IDEAS.get(name, estimator.summary)), tr("put it on the stage: {summary}",
+                                                             summary=tr(estimator.summary))
+    return (f"<div class='lab-judge lab-off' data-judge='{escape(name)}' data-problem='{escape(problem)}' "
+            f"data-idea='{escape(idea)}' title='{escape(stage)}'><b>{line_sample(name)} {escape(estimator.title)} "
+            f"<span class='lab-tag'>{tr('on the stage')}</span></b>"
+            f"<p class='lab-finds'><strong></strong> <span>{cost}</span></p><p class='lab-trust'></p></div>")

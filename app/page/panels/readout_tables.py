@@ -11,7 +11,7 @@ import numpy as np
 from app.colour_palette import ESTIMATE, PINNED, TRUTH
 from app.frame.error_view_captions import ESTIMATED, TRUE, why_no_numbers
 from app.language.translation import lazy, tr, translate_message
-from app.names_and_units import NOTHING, QUANTITIES, difference_text, format_ratio, with_unit
+from app.names_and_units import NOTHING, QUANTITIES, difference_text, format_ratio, per_cent, with_unit
 from app.page.stage.worst_region import BodyRegionErrors, WorstRegions
 from app.page.visit.history import NormHistory, last_value, series_until
 from app.page.visit.pinned_run import PinnedRun
@@ -83,32 +83,22 @@ def estimator_cards_json(report: FrameReport, series: dict[str, np.ndarray], qua
     """Returns as JSON the data of the estimators' cards, for a quantity ("x") and the sampled ``series`` up to the
     frame.
 
-    Keys: the ``problem``; the ``true`` error's norm, or why it is not ``known``; the estimator on the ``stage``; and
-    for each of the ``judges`` its ``index`` so far as text, its position ``at`` from 0 to 1 on a gauge of factors from
-    0.1 to 10, and how often it was right in similar runs (``trust``), or what it ``says`` instead."""
+    Keys: the ``problem``; the estimator on the ``stage``; and for each of the ``judges`` how much of the true error it
+    ``finds`` now as text, and how often it was right in similar runs (``trust``), or what it ``says`` instead."""
     why_not = missing_reasons(report, series, quantity)
-    judges: dict[str, dict[str, object]] = {}
+    true = last_value(series, f"error_{quantity}")
+    judges: dict[str, dict[str, str]] = {}
     for name in report.scene.estimators:
         if says := why_not[name]:
             judges[name] = {"says": says[:1].upper() + says[1:]}
         else:
-            at = gauge_position(last_value(series, f"{name}/index_{quantity}"))
             counts = track_record_and_bets.accurate_run_counts(report.scene, name, quantity)  # None if not counted
-            judges[name] = {"index": _ratio(series, f"{name}/index_{quantity}"), "at": at,
+            found = last_value(series, f"{name}/estimate_{quantity}") / true if true else math.nan
+            judges[name] = {"finds": per_cent(found) if math.isfinite(found) else NOTHING,
                             "trust": "" if counts is None else tr(
-                                "right within 10\N{NO-BREAK SPACE}% in {n} of {all} runs like this",
+                                "within 10\N{NO-BREAK SPACE}% of the truth in {n} of {all} such runs",
                                 n=counts[0], all=counts[1])}
-    true = why_not[TRUE] or format_norm(series, f"error_{quantity}", QUANTITIES[quantity].unit)
-    return json.dumps({"problem": report.scene.problem, "true": true, "known": not why_not[TRUE], "stage": estimator,
-                       "judges": judges})
-
-
-def gauge_position(index: float) -> float | None:
-    """Returns where an error index (estimated over true error) lies on a gauge: 0 for 0.1 or less, 0.5 for 1, 1 for 10
-    or more, logarithmic; None if it is not finite."""
-    if not math.isfinite(index):
-        return None
-    return round(min(1.0, max(0.0, 0.5 + 0.5 * math.log10(index))), 2) if index > 0 else 0.0
+    return json.dumps({"problem": report.scene.problem, "stage": estimator, "judges": judges})
 
 
 def _run_table(session: RunSession, history: NormHistory, report: FrameReport, series: dict[str, np.ndarray],

@@ -139,6 +139,7 @@ class SceneWidgetFactory:
 
     def apply_or_reset(self, widget: Any, act: Callable[[], None], reset: Callable[[], None]) -> bool:
         """Calls ``act``; if the session refuses, says why below the widget, calls ``reset`` later and returns False."""
+        self._answers.record_change(widget)
         before = self._session.refused
         act()
         refused = self._session.refused

@@ -1,42 +1,29 @@
-"""Widgets of the run: method, with a picture of its weights, cells, particles, amplitude, modulus, step."""
+"""Widgets of the run: method, cells, particles, amplitude, modulus, step."""
 
 from collections.abc import Callable
-from html import escape
-from typing import Any
 
-import numpy as np
 import viser
 
 from app import names_and_units
-from app.language.translation import lazy, tr
-from app.names_and_units import METHODS, MethodName, with_unit
+from app.language.translation import tr
+from app.names_and_units import with_unit
 from app.page.panels.browser_store_and_window import BrowserStore
 from app.page.panels.log_number_slider import LogNumberSlider, SliderSpec
+from app.page.panels.method_tiles import MethodTiles
 from app.page.panels.page_header import add_widget_marker, widget_marker_html
 from app.page.panels.scene_widgets import SceneWidgetFactory
+from app.page.visit.landscapes import CFL
 from app.page.visit.run_session import RunSession
 from app.problems.views import VIEWS
 from solvers.scene.scene import AUTO, DEFAULT_CFL
-from solvers.scene.step_bound import SAFE, stencil
-
-CFL = (0.01, 2.0)
-
-# Pictures of methods:
-REACH = 1.6  # cells at either side of the node
-POINTS = 81
-WIDTH, HEIGHT = 44.0, 22.0  # of a picture, in svg units
-HALF_WIDTH = 0.125  # of a particle at rest, in cells: four in each
-STRETCHED = 0.32  # of a stretched one, for methods whose domains deform: wide enough to be visible
-FOLLOWS = ("cpgimp", "cpgimp-v", "cpdi")
-NAMES = {"mpm": lazy("hat")}  # where the picture has another name than the method
+from solvers.scene.step_bound import SAFE
 
 
 class SimulationParameterWidgets:
     """One visitor's widgets for method, cells, particles, amplitude, modulus and time step, made by ``bound``."""
 
     def __init__(self, session: RunSession, bound: SceneWidgetFactory, store: BrowserStore):
-        self._session, self._bound = session, bound
-        store.heard["method"] = self._choose_method
+        self._session, self._bound, self._methods = session, bound, MethodTiles(session, bound, store)
 
     def build(self, gui: viser.GuiApi, part: Callable[[str], viser.GuiFolderHandle]) -> None:
         """Builds the widgets for the session's scene; ``part`` returns the folder for a control of lessons (name)."""
@@ -44,7 +31,7 @@ class SimulationParameterWidgets:
         default = type(scene)()
         gui.add_html(f"<h2 class='lab-h2'>{tr('Change the run')}<small>{tr('takes effect at once')}</small></h2>")
         with part("method"):
-            self._build_method(gui)
+            self._methods.build(gui)
         with part("cells"):
             self._build_cells(gui)
         with part("ppc"):
@@ -70,27 +57,6 @@ class SimulationParameterWidgets:
                             lambda value: session.set_scene_fields(modulus=value))
         with part("step"):
             self._build_time_step(gui)
-
-    def _build_method(self, gui: viser.GuiApi) -> None:
-        scene = self._session.scene
-        self._names = names_and_units.choice_labels(type(scene), "method")
-        codes = {name: code for code, name in self._names.items()}
-        self._shown_method = gui.add_dropdown(
-            tr("Method"), tuple(codes), initial_value=self._names[scene.method],
-            hint=tr("shape functions that carry data between particles and grid"))
-        self._pictured = scene.method
-        self._pictures = gui.add_html(method_pictures(tuple(self._names), scene.method))
-        self._bound.on_change_or_reset(self._shown_method,
-                                       lambda name: self._session.set_scene_fields(method=codes[name]))
-
-    def _choose_method(self, method: Any) -> None:
-        """Switches to the method (key) whose picture the visitor has clicked."""
-        with self._bound.turn:
-            if isinstance(method, str) and method in self._names and self._shown_method.visible:
-                self._shown_method.value = self._names[method]  # type: ignore[misc]
-                self._bound.apply_or_reset(
-                    self._shown_method, lambda: self._session.set_scene_fields(method=method),
-                    lambda: setattr(self._shown_method, "value", self._names[self._session.scene.method]))
 
     def _build_cells(self, gui: viser.GuiApi) -> None:
         scene = self._session.scene
@@ -146,46 +112,4 @@ class SimulationParameterWidgets:
         if scene.dt == AUTO and scene.courant_number != self._shown_step:
             self._shown_step = scene.courant_number
             self._step_size.show(scene.courant_number)
-        if scene.method != self._pictured:
-            self._pictured = scene.method
-            self._pictures.content = method_pictures(tuple(self._names), scene.method)
-
-
-def shape_function_curve(method: str) -> tuple[np.ndarray, np.ndarray]:
-    """Returns particle positions (S,) relative to a node, in cells, and the node's weights (S,) for a particle at each,
-    for a method by its key."""
-    at = np.linspace(-REACH, REACH, POINTS)
-    half = np.full_like(at, STRETCHED if method in FOLLOWS else HALF_WIDTH)
-    if method == "cpdi":
-        left, right = (_shape_function_values("mpm", at + side * half, half) for side in (-1, 1))
-        return at, 0.5 * (left + right)
-    return at, _shape_function_values(method, at, half)
-
-
-def _shape_function_values(method: str, at: np.ndarray, half_width: np.ndarray) -> np.ndarray:
-    """Returns the weights (S,) of the node at 0 for particles at positions ``at`` (S,), all in cells."""
-    first, values, _ = stencil(method.removesuffix("-v"), at, half_width)
-    here = np.clip(-first, 0, 2)
-    return np.where((first <= 0) & (first > -3), values[np.arange(len(at)), here], 0.0)
-
-
-def method_pictures(methods: tuple[str, ...], chosen: str) -> str:
-    """Returns html with a picture of each method's shape function, the ``chosen`` one marked; methods are keys."""
-    def name(method: str) -> str:
-        return tr(NAMES[method]) if method in NAMES else (METHODS[method].name if method in METHODS else method)
-
-    pictures = (f"<span class='lab-method{' lab-chosen' * (method == chosen)}' data-method='{escape(method)}' "
-                f"title='{escape(str(METHODS.get(method) or MethodName(method)))}'>"
-                f"{_shape_function_svg(method)}{escape(name(method))}</span>" for method in methods)
-    return f"<div class='lab-methods' aria-hidden='true'>{''.join(pictures)}</div>"
-
-
-def _shape_function_svg(method: str) -> str:
-    if method not in METHODS:
-        return ""
-    at, weight = shape_function_curve(method)
-    points = " ".join(f"{(x / REACH + 1) / 2 * WIDTH:.1f},{HEIGHT - 3 - (HEIGHT - 6) * w:.1f}"
-                      for x, w in zip(at, weight, strict=True))
-    nodes = "".join(f"<circle cx='{(x / REACH + 1) / 2 * WIDTH:.1f}' cy='{HEIGHT - 3:.0f}' r='1.5'/>"
-                    for x in (-1, 0, 1))
-    return f"<svg viewBox='0 0 {WIDTH:.0f} {HEIGHT:.0f}'><polyline points='{points}'/>{nodes}</svg>"
+        self._methods.refresh()

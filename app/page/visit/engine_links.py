@@ -60,10 +60,11 @@ class _ListenerInLanguage:
 
 
 class PageEngineLinks:
-    """The engines for one page, which opens links to them. ``frames`` counts the frames of all pages."""
+    """The engines for one page, which opens links to them. ``frames`` counts the frames of all pages, ``histories`` are
+    the points of landscapes that any page has requested."""
 
     def __init__(self, pool: EnginePool, frames: EventRateCounter | None = None):
-        self._pool, self.frames = pool, frames or EventRateCounter()
+        self._pool, self.frames, self.histories = pool, frames or EventRateCounter(), pool.histories
         self._opening, self._closed = threading.Lock(), False
         self._links = WeakSet[SessionLink]()  # weak: a closed link and its listener are not kept alive
 

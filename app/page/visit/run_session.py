@@ -64,7 +64,7 @@ class RunSession:
         self.history = NormHistory(scene, scene.particles)
         self.report: FrameReport | None = None
         self.pinned: PinnedRun | None = None
-        self._pool, self._link = pool, pool.open(self)
+        self._pool, self.link = pool, pool.open(self)
         self._send_request()
 
     def set_scene_fields(self, **fields: object) -> None:
@@ -205,7 +205,7 @@ class RunSession:
             shown = self.report.scene if self.report else self.scene
             scene = scene or (shown if shown.problem == self.scene.problem else self.scene)
             self.unpin()
-            self.pinned = PinnedRun(lambda run: self._pool.open(run, self._link), scene, on_frame)
+            self.pinned = PinnedRun(lambda run: self._pool.open(run, self.link), scene, on_frame)
             self._send_request(begin_at=0.0)
 
     def unpin(self) -> None:
@@ -216,7 +216,7 @@ class RunSession:
 
     def close(self) -> None:
         self.unpin()
-        self._link.close()
+        self.link.close()
 
     @property
     def others_playing(self) -> bool:
@@ -310,7 +310,7 @@ class RunSession:
         self._pace = replace(self._pace, **pace)  # type: ignore[arg-type]
         self._error, self.refused, self._asked_at = None, None, monotonic()
         now = replace(self._pace, playing=self.playing and self.watched, ends=self.stops_at_end and not self._beyond)
-        self._number = self._link.ask(self.scene, now, self._frame)
+        self._number = self.link.ask(self.scene, now, self._frame)
         if "begin_at" in pace:
             self._run_number = self._number
         if self.pinned:

@@ -17,10 +17,10 @@ if TYPE_CHECKING:
 class ViewSettings(NamedTuple):
     """Display of a problem on the page: the ranges of its sliders, (low, high, step) or (low, high), and their hints.
 
-    ``prices`` are each estimator's share of the running time, alone on one thread; ``speed`` the lowest, the first and
-    the highest, in periods a second; ``details`` fields of the method, each with its hint; ``sparks`` names of
-    suggested experiments (``app/problems/planar_suggested_experiments.py``); ``breaking`` a run that will not last: a
-    hint, other fields of its scene, and how many periods it may hold.
+    ``prices`` are each estimator's share of the running time, alone on one thread; ``speed`` is the first one in
+    periods a second; ``details`` fields of the method, each with its hint; ``sparks`` names of suggested experiments
+    (``app/problems/planar_suggested_experiments.py``); ``breaking`` a run that will not last: a hint, other fields of
+    its scene, and how many periods it may hold.
     """
 
     cells: tuple[int, int, int]
@@ -29,7 +29,7 @@ class ViewSettings(NamedTuple):
     modulus: tuple[float, float]
     amplitude_hint: str
     prices: Mapping[str, float]
-    speed: tuple[float, float, float] = (0.01, 0.2, 10.0)
+    speed: float = 0.2
     details: Mapping[str, str] = MappingProxyType({"body_force": "whether the force acts"})
     modulus_hint: str = "Young's modulus: a stiffer body vibrates faster"
     poisson_hint: str = "resistance to a change of volume"

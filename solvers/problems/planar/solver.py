@@ -106,8 +106,8 @@ class PlanarSolver(Solver):
                                              stress]),
                               {name: error_columns(parts[:3]) for name, parts in said.items()})
 
-    def advance(self, steps: int) -> np.ndarray:
-        return self._with_exact_angular_momentum(super().advance(steps))
+    def advance(self, steps: int, margins: bool = True) -> np.ndarray:
+        return self._with_exact_angular_momentum(super().advance(steps, margins))
 
     def measure(self) -> np.ndarray:
         return self._with_exact_angular_momentum(super().measure())

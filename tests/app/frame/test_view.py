@@ -238,7 +238,6 @@ def test_every_problem_is_shown(problem):
     for field in ("cells", "ppc", "amplitude", "modulus"):
         low, high, *_ = getattr(view.slider_ranges, field)
         assert low <= getattr(scene, field) <= high
-    assert view.slider_ranges.speed[0] <= view.speed <= view.slider_ranges.speed[1]
     for field in view.details:
         value, names = getattr(scene, field), names_and_units.choice_labels(type(scene), field)
         assert value in names if scene.choices(field) else isinstance(value, bool)

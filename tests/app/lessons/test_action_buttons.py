@@ -35,6 +35,15 @@ def test_what_can_be_done_is_a_button_and_the_rest_is_text():
     assert "Set <strong>Particle</strong> to <code>10</code>." in shown
 
 
+def test_one_button_shows_a_phase_and_ticks_what_it_does():
+    lesson = catalogue.load_lesson("01-one-step")
+    step = next(step for step in lesson.steps if step.shown_phase)
+    for done in (False, True):
+        html = step_html(lesson, step, {}, "", False, done)
+        button, does = html.index(">Show phase 2 of particle 10</button>"), html.index("<ul class='lab-does")
+        assert button < does and html.count("<li", does) == 7 and ("<ul class='lab-does lab-did'" in html) == done
+
+
 def test_who_made_the_error_is_asked_by_a_button():
     html = text_html("- Press **On the stage**.\n- Press **Who made this error?**\n", {})
     assert find_instructions(html) == [] and budget_button_html() in with_buttons(html)
@@ -94,7 +103,7 @@ def _done(lesson, core):
     for step in lesson.steps_to_take(core):
         text = fill_numbers(step.stage, numbers) or text
         html = step_html(lesson, step, numbers, "", False)
-        assert html.count(run_on_stage_button_html()) == bool(step.stage)
+        assert html.count(run_on_stage_button_html()) == bool(step.stage) or "data-act='phase'" in html
         hand = Hand(text)
         for act in find_instructions(text_html(step.text, numbers)):
             if act.name == "On the stage":

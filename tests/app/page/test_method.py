@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from app.names_and_units import METHODS
-from app.page.panels.simulation_parameter_widgets import HALF_WIDTH, REACH, method_pictures, shape_function_curve
+from app.page.panels.method_tiles import HALF_WIDTH, REACH, method_tiles, shape_function_curve
 
 
 @pytest.mark.parametrize("method", METHODS)
@@ -25,8 +25,8 @@ def test_what_tells_the_methods_apart():
     assert np.ptp(middle) < 1e-12
 
 
-def test_pictures_are_for_pointers_only():
-    """Who hears the page has the dropdown: a second control would say the same again."""
-    html = method_pictures(("mpm", "ugimp", "a stranger's <method>"), "ugimp")
-    assert html.startswith("<div class='lab-methods' aria-hidden='true'>") and "<button" not in html
-    assert html.count("lab-chosen") == 1 and "<polyline" in html and "<method>" not in html
+def test_methods_are_radio_buttons_with_one_stop_of_the_tab_key():
+    """Each is called by its whole name, of which the tile shows a part."""
+    html = method_tiles({"mpm": "MPM (hat functions)", "ugimp": "uGIMP", "a <method>": "a <method>"}, "ugimp")
+    assert html.count("role='radio'") == 3 and html.count("aria-checked='true' tabindex='0'") == 1
+    assert "aria-label='MPM (hat functions)'" in html and "<polyline" in html and "<method>" not in html

@@ -20,12 +20,30 @@ class Session:
         return self.numbers
 
 
-def test_a_run_that_takes_no_more_steps_says_so():
-    session = Session()
-    slow = SlowMotion(SimpleNamespace(
-        client=None, canvas=None, session=session, gui=Gui(), stage=SimpleNamespace(draw=lambda: None),
+def make_page():
+    """A page on which slow motion has been built."""
+    return SimpleNamespace(
+        client=None, canvas=None, session=Session(), gui=Gui(), stage=SimpleNamespace(draw=lambda: None),
         run=SimpleNamespace(numbers=None, notice=None),
-        controls=SimpleNamespace(add_extension=lambda name, build, *parts: build())))
+        controls=SimpleNamespace(add_extension=lambda name, build, *parts: build()))
+
+
+def test_a_phase_is_shown_around_its_particle():
+    page = make_page()
+    slow = SlowMotion(page)
+    page.session.break_down = lambda particle, step=True: asked.append((particle, step)) or len(asked)
+    asked, drawn = [], SimpleNamespace(sheet=SimpleNamespace(visible=True))
+    slow._stages["bar"] = drawn
+    page.show_phase(10, 2)
+    assert slow.on and asked == [(10, True)]
+    slow.on_frame(SimpleNamespace(number=1, breakdown=object(), step=1, scene=page.session.scene))
+    assert slow._phase == 1
+    slow.close()
+
+
+def test_a_run_that_takes_no_more_steps_says_so():
+    page = make_page()
+    session, slow = page.session, SlowMotion(page)
     for status, said in ((OK, []), (UNSTABLE, [NO_STEP])):
         slow.go_forward()
         assert slow.on

@@ -42,13 +42,18 @@ def at_step(page, number, lesson):
     until(lambda: where in page.locator(".lab-lesson-head").inner_text(), where)
 
 
+def put_on_stage(page):
+    """Press the step's button; the curtain before the stage has it, too."""
+    page.locator(".lab-lesson").get_by_role("button", name="On the stage", exact=True).click()
+
+
 def play(page, lesson, first, last):
     """Go through the steps from the one numbered ``first`` on, which is shown."""
     for number in range(first, last + 1):
         step = lesson.steps[number - 1]
         at_step(page, number, lesson)
         if step.stage and number <= first + STAGED:
-            click(page, "On the stage")
+            put_on_stage(page)
         if step.question:
             following = page.get_by_role("button", name="Next", exact=True)
             if step.kind in (PREDICT, OBSERVE):
@@ -137,7 +142,7 @@ def test_a_lessons_controls_stand_below_its_text(server, chromium):
         go_on(page)
         play(page, lesson, 1, first - 1)
         at_step(page, first, lesson)
-        again_until(lambda: click(page, "On the stage"), lambda: scene(page)["cells"] == 20, "the step's run")
+        again_until(lambda: put_on_stage(page), lambda: scene(page)["cells"] == 20, "the step's run")
         again_until(lambda: click(page, "Set Cells to 80"), lambda: scene(page)["cells"] == 80, "what the text says")
         until(lambda: "80" in page.get_by_text("Cells, h").inner_text(), "the control that follows")
         page.get_by_role("tab", name="Explore").click()

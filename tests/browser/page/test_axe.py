@@ -41,6 +41,6 @@ def test_signs_are_seen_in_the_browsers_own_colours(server, chromium):
             const ground = (e, part) => getComputedStyle(e, part).backgroundColor;
             return [...document.querySelectorAll("[data-lab~=lab-at-run] + div button")]
                 .map(button => [ground(button), ground(button, "::before")]); }""")
-        chosen = page.locator(".lab-method.lab-chosen").evaluate("e => getComputedStyle(e).outlineStyle")
+        chosen = page.locator(".lab-method[aria-checked=true]").evaluate("e => getComputedStyle(e).outlineStyle")
     assert [sign for ground, sign in grounds if ground != "rgb(0, 0, 0)"] == ["rgb(0, 0, 0)"] * 4
     assert chosen == "solid"

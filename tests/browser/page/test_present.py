@@ -5,7 +5,7 @@ import pytest
 from app.names_and_units import in_a_line
 from solvers.problems import PROBLEMS
 from tests.browser.conftest import visit
-from tests.browser.driving import click, row, scene, stage_box, until
+from tests.browser.driving import click, scene, stage_box, until
 from tests.browser.page.test_sizes import LAPTOP, LARGE, SMALL, UPRIGHT, cut_off, fitted, none_in, resize, written_over
 
 #: Words that are seen, with how high their letters are on the screen in pixels.
@@ -74,13 +74,13 @@ def test_a_talk(presenter):
     resize(page, LAPTOP)
     shown = scene(page)
     assert page.locator("#lab-scene").inner_text() == in_a_line(PROBLEMS["bar"].scene(**shown))
-    assert not row(page, "Method").first.is_visible()
+    assert not page.locator(".lab-methods").is_visible()
     page.mouse.move(500, 300)
     until(lambda: opacity(page) == "1", "the transport")
     until(lambda: opacity(page) == "0", "the transport gone")
     keys_drive_it(page, shown)
     page.keyboard.press("Escape")
-    until(lambda: not presented(page) and row(page, "Method").first.is_visible(), "the page as it was")
+    until(lambda: not presented(page) and page.locator(".lab-methods").is_visible(), "the page as it was")
     click(page, "Present")
     until(lambda: presented(page), "the presenter's view again")
     click(page, "End")

@@ -88,6 +88,6 @@ def budget(question: dict[str, Any], tell: Tell) -> None:
 
 
 def _columns(result: Result) -> dict[str, list[float | None]]:
-    """Returns the times and budget columns of a run as JSON values, None where not finite."""
+    """Returns times, crossings and budget columns of a run as JSON values, None where not finite."""
     return {name: [finite_or_none(value) for value in np.asarray(values).tolist()]
-            for name, values in result.series.items() if name == "time" or name.startswith("budget/")}
+            for name, values in result.series.items() if name in ("time", "crossings") or name.startswith("budget/")}

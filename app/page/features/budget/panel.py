@@ -15,10 +15,19 @@ from app.language.translation import lazy, tr, translate_message
 from app.names_and_units import difference_text
 from app.page.feature import Feature, VisiblePageState
 from app.page.features.budget.chart import RunBudget, as_sentence, budget_chart, removal_outcome, removed_cause
-from app.page.features.budget.jobs import BudgetJobs, BudgetJobStatus
+from app.page.features.budget.jobs import BudgetJobs, BudgetJobStatus, Series
+from app.page.features.budget.line import (
+    BEING_FOUND,
+    ON_REQUEST,
+    budget_button_html,
+    budget_line_at,
+    budget_line_html,
+)
+from app.page.features.budget.shared_budgets import SHARED
 from app.page.page_context import PageContext
 from app.page.panels.page_header import widget_marker_html
 from app.page.readout_panel import ReadoutContent
+from app.page.visit.history import series_until
 from app.page.visit.run_session import RunSession
 from app.shareable_state import State
 from solvers.scene.error_causes import CAUSES, NOTHING
@@ -27,6 +36,7 @@ from solvers.scene.validation import SceneError
 
 EFFECT = "budget"
 REDRAWN = 0.9  # seconds between two redraws for a playing run
+REST = 1.4  # seconds without another scene after which its budget is computed
 OFFER = lazy("Which part of the error have crossings made, and which the coarse grid, the body force and the time "
              "step? Computed beside the run, from t = 0 on.")
 ON_DEMAND = lazy("Which part of the error have crossings made, and which the coarse grid and the time step? Found "
@@ -34,12 +44,6 @@ ON_DEMAND = lazy("Which part of the error have crossings made, and which the coa
 WAITING = lazy("The run starts again, with the errors of each cause.")
 PINNED, THIS = (lazy("pinned"), lazy("pinned: {run}")), (lazy("this run"), lazy("this run: {run}"))
 _NAMES = {"x": lazy("displacement x"), "v": lazy("velocity v"), "F": lazy("deformation F, which sets the stress")}
-
-
-def budget_button_html() -> str:
-    """Returns the button below the estimators' cards that opens the folder (``js/budget.js``), as html."""
-    return (f"<button type='button' class='lab-who'><b>{tr(QUESTION)}</b> "
-            f"<span>{tr('crossings, grid, body force or time step')}</span></button>")
 
 
 class BudgetPanel(Feature):
@@ -51,6 +55,10 @@ class BudgetPanel(Feature):
         self.jobs = BudgetJobs()
         self.messages = {"budget": self.on_button_click}
         self._followed, self._drawn_at = "", -math.inf
+        self._numbers: ReadoutContent | None = None  # the last ones
+        self._rests: tuple[Scene | None, float] = None, 0.0  # the scene on the stage, and since when it is that
+        self._line = gui.add_html("")
+        SHARED.open()
         self._mark = gui.add_html(widget_marker_html("lab-budget"))
         self._fold = gui.add_folder(tr(QUESTION), expand_by_default=False)
         with self._fold:
@@ -82,6 +90,7 @@ class BudgetPanel(Feature):
 
     def close(self) -> None:
         self.jobs.close()
+        SHARED.close()
 
     def on_button_click(self, message: object) -> None:
         """Requests a budget at the click on *Who made this error?*: the ``message`` is then True."""
@@ -94,12 +103,15 @@ class BudgetPanel(Feature):
         if EFFECT not in state.scene.OWN_EFFECTS:
             if self.jobs.status.scene != state.scene or self.jobs.status.series is None:
                 self.jobs.start_budget(state.scene)
-        elif EFFECT not in state.scene.effects:
+        elif EFFECT not in state.scene.effects and not self._known(state.scene):
             self._show(replace(state, scene=_with_budget(state.scene),
                                pinned=None if state.pinned is None else _with_budget(state.pinned)))
 
     def refresh(self, view: VisiblePageState) -> None:
         """Shows the budget of the run on the stage; in a lesson only if the run records it."""
+        self._numbers = view.numbers or self._numbers
+        if self._numbers is not None:
+            self._line.content = self._line_html(view, self._numbers)
         if (numbers := view.numbers) is None:
             return
         choice = view.choice
@@ -110,7 +122,8 @@ class BudgetPanel(Feature):
         _set_visible(scene is not None and (on or not view.in_lesson), self._mark, self._fold)
         if scene is None or not self._fold.visible:
             return
-        runs = _computed_runs(found) if not own else self._recorded_runs(numbers, scene, choice.latest) if on else []
+        runs = _computed_runs(found) if not own else self._recorded_runs(numbers, scene, choice.latest) if on else \
+            self._known_runs(scene, numbers.now.time)
         _set_visible(not on and not runs and not found.running, self._find)
         _set_visible(not own and found.running, self._cancel)
         _set_visible(not runs or (not own and (found.running or bool(found.trouble))), self._offer)
@@ -128,6 +141,34 @@ class BudgetPanel(Feature):
             self._followed, self._drawn_at = choice.quantity, -math.inf
             self._field.value = tr(_NAMES[budget_field(choice.quantity)])  # type: ignore[misc]
         self._draw(runs, self._removed_cause_between(runs) if own else found.cause, on, numbers.now.playing)
+
+    def _line_html(self, view: VisiblePageState, numbers: ReadoutContent) -> str:
+        """Returns the line for the instant shown; computes a budget once the scene has been the same for a while."""
+        scene, time = self._session.scene, numbers.now.time
+        if scene != self._rests[0]:
+            self._rests = scene, self._clock()
+        recorded = EFFECT in scene.effects
+        if numbers.scene is None or (view.in_lesson and not recorded):
+            return ""
+        if recorded:
+            past = numbers.past
+            series = past.series if past is not None and past.scene == scene and has_budget(past.series) else None
+        elif EFFECT in scene.OWN_EFFECTS:
+            series = SHARED.find(scene, time, starts=self._clock() > self._rests[1] + REST)
+        else:
+            status = self.jobs.status
+            series = status.series if status.scene == scene else None
+            if series is None and not status.running:
+                return budget_line_html(tr(ON_REQUEST))
+        return budget_line_html(BEING_FOUND) if series is None else budget_line_at(series, view.choice.quantity, time)
+
+    def _known(self, scene: Scene) -> Series | None:
+        """Returns the budget of a scene's run until now if it has been computed beside it, else {} or None."""
+        return SHARED.find(scene, self._numbers.now.time if self._numbers else 0.0, starts=False)
+
+    def _known_runs(self, scene: Scene, time: float) -> list[RunBudget]:
+        series = series_until(self._known(scene) or {}, time)
+        return [RunBudget("", scene, series, series)] if has_budget(series) else []
 
     def _status_after_cancelling_stale(self, scene: Scene | None) -> BudgetJobStatus:
         """Returns the jobs' status for a scene; if they are about another one, cancels them."""
@@ -183,7 +224,7 @@ class BudgetPanel(Feature):
         if EFFECT not in state.scene.OWN_EFFECTS:
             self.jobs.start_budget(state.scene, suspect)
             return
-        before = _scene_without(NOTHING, state.scene)
+        before = _scene_without(NOTHING, _with_budget(state.scene))
         try:
             after = _scene_without(suspect, before)
         except SceneError as error:

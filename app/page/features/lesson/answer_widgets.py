@@ -17,6 +17,7 @@ from solvers.untrusted import number_parsing
 
 SHORT = 4  # digits of a number beside the stage
 LOGARITHMIC = "<i class='lab-logarithmic'></i>"  # a slider whose number box would show a logarithm, and is hidden
+ENTER = "<i class='lab-enter'></i>"  # before a text in which Enter presses the main button
 
 
 class AnswerWidgets:
@@ -41,11 +42,13 @@ class AnswerWidgets:
             self.refresh()
         elif asked.kind == lesson.INTERVAL:
             ends = answer or ("", "")
+            gui.add_html(ENTER)
             self.texts = [gui.add_text(f"{side}{f', {asked.unit}' * bool(asked.unit)}", _format_answer(end),
                                        disabled=fixed, hint=_hint(asked))
                           for side, end in zip((tr("At least"), tr("At most")), ends, strict=True)]
         else:
             label = tr("Answer, {unit}", unit=asked.unit) if asked.unit else tr("Answer")
+            gui.add_html(ENTER)
             self.texts = [gui.add_text(label, _format_answer(answer), multiline=asked.kind == lesson.TEXT,
                                        disabled=fixed, hint=_hint(asked))]
 

@@ -12,6 +12,7 @@ import viser
 from app import names_and_units
 from app.frame.budget_chart_data import QUESTION
 from app.language.translation import ENGLISH, current_language, language_cache, lazy, tr, use_language, with_language
+from app.lessons.lesson import ShownPhase
 from app.lessons.markdown_html import FIELDS, SENTENCES
 from app.names_and_units import parse_size, unit_of
 from app.shareable_state import State
@@ -41,6 +42,7 @@ class LessonControls(Protocol):
         """Triggers the playback button of this name: Play, Pause, Reset or Step."""
 
 
+PUT, PHASE = "stage", "phase"  # messages of the buttons for a step's run
 STAGE = lazy("On the stage")  # as a button it shows the step's run; as a choice, an estimator
 LOOKS, PRESSED = (lazy("Error of"), STAGE), (lazy("Play"), lazy("Pause"), lazy("Reset"), lazy("Step"))
 ASKED = QUESTION  # opens the error budget (``js/budget.js``)
@@ -67,6 +69,20 @@ class Instruction:
 def run_on_stage_button_html() -> str:
     """Returns the button that puts a lesson step's run on the stage."""
     return f"<button type='button' class='lab-act lab-put' data-act='stage'>{tr(STAGE)}</button>"
+
+
+def phase_button_html(shown: ShownPhase) -> str:
+    """Returns the button that puts a lesson step's run on the stage and shows a phase of its first time step."""
+    name = tr("Show phase {phase} of particle {particle}", phase=shown.phase, particle=shown.particle)
+    return f"<button type='button' class='lab-act lab-put lab-all' data-act='phase'>{name}</button>"
+
+
+def list_below_phase_button(html: str, shown: ShownPhase, done: bool) -> str:
+    """Returns a step's html with the button of its phase above the first list, which says what it does or has done."""
+    kind = "lab-does lab-did" if done else "lab-does"
+    before, acts, after = re.split("(?s)<ul>(.*?)</ul>", html, maxsplit=1)
+    return f"{before}{phase_button_html(shown)}<ul class='{kind}' aria-label='{tr('what it does')}'>" \
+           f"{re.sub('[.](?=</li>)', '', acts)}</ul>{after}"
 
 
 def budget_button_html() -> str:
@@ -115,13 +131,13 @@ def _name_and_value(line: re.Match[str]) -> tuple[str, str]:
 
 
 def parse_click(message: object, step: int, instructions: Sequence[Instruction]) -> Instruction | str | None:
-    """Returns the one of a step's ``instructions`` that the browser's ``message`` [step, index] is about, :data:`STAGE`
-    for [step, "stage"]; None for other steps and invalid messages."""
+    """Returns the one of a step's ``instructions`` that the browser's ``message`` [step, index] is about, the second
+    itself for [step, "stage"] and [step, "phase"]; None for other steps and invalid messages."""
     if not isinstance(message, list) or len(message) != 2 or message[0] != step:
         return None
     number = message[1]
-    if number == "stage":
-        return STAGE
+    if number in (PUT, PHASE):
+        return str(number)
     return instructions[number] if type(number) is int and 0 <= number < len(instructions) else None
 
 

@@ -6,18 +6,20 @@ from time import monotonic
 
 import viser
 
-from app import shareable_state
 from app.classroom.class_board_state import VisitorBoardSeat
-from app.language.translation import tr, use_language, with_language
+from app.frame.headline import HeadlineWithFacts
+from app.language.translation import tr, with_language
 from app.lessons import catalogue
 from app.lessons import student_progress as kept
 from app.lessons.answer_marking import LONGEST, AnswerMark, why_invalid
-from app.lessons.lesson import EXPLAIN, PREDICT, TEXT, Lesson, Numbers, Step, draw_numbers, fill_numbers
+from app.lessons.lesson import EXPLAIN, PREDICT, TEXT, Lesson, Numbers, Step, draw_numbers
 from app.page.feature import Feature, VisiblePageState
 from app.page.features.lesson import answer_marking_queue, instruction_buttons, progress_and_navigation, step_html
 from app.page.features.lesson.answer_widgets import AnswerWidgets
+from app.page.features.lesson.lesson_stage import LessonStage
 from app.page.features.lesson.progress_and_navigation import KEPT, MAIN, PACED, StepNavigation
 from app.page.page_context import PageContext
+from app.page.visit.recent_frames import Frame
 from app.viewer.widget_validation import is_removed, set_max_length
 
 FIRST = -1e9  # order within the tab: a step, and then the controls that it needs
@@ -31,13 +33,13 @@ class LessonPlayer(Feature):
         self._tab, self._on_change = page.tabs["lessons"], page.store_state
         self._controls: instruction_buttons.LessonControls = page.controls
         self._lock = threading.RLock()
-        self.messages = {"open": self.open, "choice": self._choose_option, "do": self._on_instruction_click}
+        self._stage = LessonStage(page, self._rebuild)
+        self.messages = {"open": self.open, "choice": self._choose_option, "do": self._stage.perform}
         self._marker = answer_marking_queue.AnswerMarkingQueue(page.classroom.outcomes)
         self._lesson: Lesson | None = None
         self._progress = kept.StudentProgress("", "")  # in the open lesson
         self._restored = False  # whether the browser has sent its stored answers
         self._answer: AnswerWidgets | None = None  # for the question that is shown
-        self._acts: list[instruction_buttons.Instruction] = []  # with buttons in the step's text
         self._navigation: StepNavigation | None = None  # from the step that is shown
         if self._classroom.seat:
             self._classroom.seat.watch_open_steps(with_language(self._on_lecturer_opens_step))
@@ -74,6 +76,10 @@ class LessonPlayer(Feature):
         self._controls.show_only(lesson.controls, self._below)
         self._rebuild()
         self._on_change()
+
+    def headline(self, frame: Frame | None) -> HeadlineWithFacts:
+        """Returns the headline while the curtain before the stage is closed."""
+        return self._stage.headline
 
     def refresh(self, view: VisiblePageState) -> None:
         """Updates the text on the stage's value in the question shown."""
@@ -119,9 +125,10 @@ class LessonPlayer(Feature):
                 self._build()
 
     def _build(self) -> None:
-        self._shown_at, self._answer, self._acts, self._navigation = monotonic(), None, [], None
+        self._shown_at, self._answer, self._navigation = monotonic(), None, None
         if self._paced_seat:
             self._paced_seat.report_step(self._progress.step)
+        self._stage.show_step(self._lesson, self._progress.step, self._numbers)
         with self._widgets:
             if self._lesson is None:
                 self._gui.add_html(step_html.lesson_list_html(catalogue.load_lessons()))
@@ -171,8 +178,6 @@ class LessonPlayer(Feature):
         if (ahead := answer_marking_queue.upcoming_bets_step(lesson, step)) is not None:
             self._marker.compute_bets(lesson, ahead, self._progress,
                                       lambda: self._show(text, lambda: self._text_html(lesson, step)))
-        with use_language(lesson.language):
-            self._acts = instruction_buttons.find_instructions(step_html.text_html(step.text, self._numbers))
         if step.question is not None:
             return self._build_question(lesson, step)
         self._build_navigation(back=True, onward=True)
@@ -215,16 +220,6 @@ class LessonPlayer(Feature):
                     and self._step is not None and option[0] == self._step.key:
                 self._answer.choose(option[1])
 
-    def _on_instruction_click(self, message: object) -> None:
-        """Carries out a button in a step's text: the ``message`` is [step, instruction's index or "stage"]."""
-        with self._lock:
-            act, step = instruction_buttons.parse_click(message, self._progress.step, self._acts), self._step
-            stage = fill_numbers(step.stage, self._numbers) if step and act == instruction_buttons.STAGE else ""
-        if stage:
-            self._controls.show(shareable_state.parse_state(stage))
-        elif isinstance(act, instruction_buttons.Instruction):
-            instruction_buttons.perform_instruction(act, self._controls)
-
     @property
     def _step(self) -> Step | None:
         """The step that is shown; None at the beginning and the end, and without a lesson."""
@@ -256,7 +251,8 @@ class LessonPlayer(Feature):
             steps = answer_marking_queue.question_steps_of_round(lesson, step)
             before = step_html.answers_table_html(lesson, steps, answers, self._marker.marks, self._numbers)
         before += step_html.bets_html(self._marker.bets.get(step.key, step_html.WAITED_FOR)) if step.bets else ""
-        return step_html.step_html(lesson, step, self._numbers, before, self._classroom.teacher)
+        return step_html.step_html(lesson, step, self._numbers, before, self._classroom.teacher,
+                                   self._stage.has_shown_phase_of(step))
 
     def _mark_all(self, lesson: Lesson, step: Step | None, text: viser.GuiHtmlHandle) -> None:
         """Marks the answers that a step looks back on, all at the end (None), and shows marks in ``text``."""

@@ -62,17 +62,29 @@ def intro_html(lesson: Lesson, numbers: Numbers, teacher: bool) -> str:
            f"{_teacher_notes_html(lesson, lesson.notes, teacher)}</div>"
 
 
-def step_html(lesson: Lesson, step: Step, numbers: Numbers, before: str, teacher: bool) -> str:
-    """Returns a step's text as html below the html ``before``, with buttons, and notes for a teacher if ``teacher``."""
+def step_html(lesson: Lesson, step: Step, numbers: Numbers, before: str, teacher: bool, done: bool = False) -> str:
+    """Returns a step's text as html below the html ``before``, with buttons, ticks if the step's phase was shown
+    (``done``), and notes for a teacher if ``teacher``."""
     kind = f"<span class='lab-kind lab-kind-{step.kind}'>{tr(TITLES[step.kind])}</span>"
     deeper = "" if step.core else progress_and_navigation.optional_step_mark()
     title = f"<h2{lang_attribute(lesson)}>{escape(fill_numbers(step.title, numbers))}</h2>"
     with use_language(lesson.language):
         text = instruction_buttons.with_buttons(text_html(step.text, numbers))
-        if step.stage and instruction_buttons.run_on_stage_button_html() not in text:
+        if step.shown_phase:
+            text = instruction_buttons.list_below_phase_button(text, step.shown_phase, done)
+        elif step.stage and instruction_buttons.run_on_stage_button_html() not in text:
             text += f"<p>{tr('The run that this is about:')}</p>{instruction_buttons.run_on_stage_button_html()}"
     return f"<div class='lab-lesson' data-step='{lesson.steps.index(step) + 1}'>{kind}{deeper}{title}" \
            f"{before}{_in_lang(lesson, text)}{_teacher_notes_html(lesson, step.notes, teacher)}</div>"
+
+
+def curtain_html(step: Step, number: int) -> str:
+    """Returns what covers the stage until the run of a step, by its ``number``, is put there, as html."""
+    why = tr("The stage is closed until you load it, so that it does not show you another run, or the answer.")
+    button = instruction_buttons.phase_button_html(step.shown_phase) if step.shown_phase else \
+        instruction_buttons.run_on_stage_button_html()
+    return f"<section class='lab-curtain' data-step='{number}' aria-label='{tr('the stage')}'>" \
+           f"<b>{tr('This step has a run of its own.')}</b><p>{why}</p>{button}</section>"
 
 
 def choices_html(options: Sequence[str], chosen: int | None, fixed: bool, key: str, lang: str = "") -> str:

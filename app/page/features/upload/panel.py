@@ -34,7 +34,6 @@ from solvers.study.parameter_grid import Task
 
 TO_BE_READ = 30.0  # seconds that a refusal is shown; it stays beside the button
 FRAME_SECONDS = (0.12, 0.6)  # least and most seconds that a frame is shown
-LAST = 0.9e9  # order within the panel
 BACK, BACK_HINT = lazy("Back to our run"), lazy("go back to what was on the stage before")
 BUSY, ONE = lazy("A file is still on its way; wait until it is here."), lazy("Give one file at a time.")
 WHAT = lazy("Drop a file of particles anywhere on this page, or choose it ({kinds}; at most {most:g} MB): from any "
@@ -70,12 +69,12 @@ class UploadPanel(Feature):
     def build(cls, page: PageContext) -> "UploadPanel":
         panel = cls(page.client, page.session, page.stage.draw, page.show_run_on_stage, page.controls.load)
         with page.tabs["explore"]:
-            panel._build_folds(page.gui)
+            panel._build_folds(page.gui, page.own_data)
         return panel
 
-    def _build_folds(self, gui: viser.GuiApi) -> None:
-        """Builds the widgets in their tab."""
-        with gui.add_folder(tr("Your own code, judged"), order=LAST, expand_by_default=False):
+    def _build_folds(self, gui: viser.GuiApi, own_data: viser.GuiFolderHandle) -> None:
+        """Builds the widgets in their tab, those that begin with a file in the folder ``own_data``."""
+        with own_data:
             what = tr(WHAT, kinds=", ".join(KINDS), most=LARGEST / 1e6)
             gui.add_html(f"<div class='lab-own'>{what}</div>")
             gui.add_html("<i class='lab-choose'></i>")

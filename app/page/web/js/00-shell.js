@@ -17,5 +17,6 @@
     is("lab-to-see", ".lab-says, .lab-refused, .lab-trouble");
     is("lab-presented-view", "i.lab-presenting");
     is("lab-lesson-open", "i.lab-studying");
+    is("lab-stage-closed", ".lab-curtain");
   }).observe(document.getElementById("root"), {childList: true, subtree: true});
 })();

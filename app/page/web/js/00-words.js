@@ -2,7 +2,6 @@
 const WORDS = JSON.parse(document.getElementById("lab-words").textContent);
 const tr = (text, values = {}) => (WORDS[text] || text).replace(/\{(\w+)\}/g, (place, name) => values[name] ?? place);
 // And what the style says (content).
-for (const [name, text] of [["drop", tr("Drop a file of particles to judge it and show it here")], ["speed", tr("periods/s")],
-  ["magnify", tr("Magnify error")], ["magnify-short", tr("Magnify")], ["magnified", tr("error")],
+for (const [name, text] of [["drop", tr("Drop a file of particles to judge it and show it here")],
   ["compiling", tr("compiling …")], ["price", tr("time")]])
   document.documentElement.style.setProperty(`--says-${name}`, JSON.stringify(text));

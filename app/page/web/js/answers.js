@@ -6,7 +6,9 @@
 
   // Of a number of any size the row is the text's, which stands below its slider's; of a judge it is the card.
   function places(id) {
-    const flex = document.getElementById(id)?.closest(".mantine-Flex-root:has(label)"), own = flex?.parentElement;
+    const input = document.getElementById(id);
+    if (!input) return [document.querySelector(".lab-methods")?.parentElement, null];  // the methods are html, without an id
+    const flex = input.closest(".mantine-Flex-root:has(label)"), own = flex?.parentElement;
     if (!own) return [null, null];
     if (own.matches("[data-lab~=lab-switch] + div")) return Array(2).fill(own.nextElementSibling.querySelector(".lab-judge"));
     const below = own.matches("[data-lab~=lab-logarithmic] + div") ? own.nextElementSibling.nextElementSibling : own;

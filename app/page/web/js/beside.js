@@ -12,7 +12,11 @@
     if (head) known.add(head);
   }, true);
 
-  const expanded = head => set(head, "aria-expanded", String(!head.nextElementSibling?.inert));
+  const ownData = () => document.querySelector(`[data-lab~=lab-own-data] + div :is(${heads})`);
+  function expanded(head) {
+    set(head, "aria-expanded", String(!head.nextElementSibling?.inert));
+    if (head === ownData()) document.body.classList.toggle("lab-own-data-open", head.ariaExpanded === "true");
+  }
 
   function unfold(head) {
     const name = head.firstChild.textContent, now = !head.nextElementSibling?.inert;
@@ -22,6 +26,7 @@
   }
 
   function look() {
+    openSlowMotion();
     for (const mark of document.querySelectorAll("i[data-words]")) {
       const beside = mark.parentElement.nextElementSibling;
       const name = beside?.querySelector(`label[for], ${heads}`);
@@ -51,7 +56,7 @@
     particle = now;
     const head = document.querySelector(`[data-lab~=lab-numbers] + div :is(${heads})`);
     if (!now || !head) return;
-    if (head.getAttribute("aria-expanded") === "false") head.click();
+    for (const fold of [ownData(), head]) if (fold?.ariaExpanded === "false") fold.click();
     setTimeout(() => traced.scrollIntoView({block: "nearest"}), 700);  // it has its height by then
   }
 
@@ -61,15 +66,20 @@
       event.target.click();
     }
   });
-  // The button below the stage that begins slow motion opens what belongs to it.
+  // Slow motion opens the fold with its numbers: when the button below the stage begins it, and when a lesson does.
+  let begun = null;
+  function openSlowMotion() {
+    const head = begun !== null && document.querySelector(".lab-slow")
+      && document.querySelector(`[data-lab~=lab-slow-fold] + div :is(${heads})`);
+    if (!head) return;
+    if (head.getAttribute("aria-expanded") === "false") head.click();
+    if (begun) head.scrollIntoView({block: "start"});
+    begun = null;
+  }
   root.addEventListener("click", event => {
-    if (!event.target.closest("[data-lab~=lab-at-slow] + div button")) return;
-    dispatchEvent(new CustomEvent("lab-tab", {detail: "Explore"}));
-    setTimeout(() => {
-      const head = document.querySelector(`[data-lab~=lab-slow-fold] + div :is(${heads})`);
-      if (head?.getAttribute("aria-expanded") === "false") head.click();
-      head?.scrollIntoView({block: "start"});
-    }, 300);
+    const button = event.target.closest("[data-lab~=lab-at-slow] + div button");
+    if (button) dispatchEvent(new CustomEvent("lab-tab", {detail: "Explore"}));
+    if (button || event.target.closest(".lab-act[data-act=phase]")) begun = Boolean(button);
   });
   let waiting = false;
   new MutationObserver(changes => {

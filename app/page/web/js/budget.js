@@ -1,10 +1,30 @@
-// Who made this error? A press below the judges' cards, in a lesson, or on an answer's "Why?" asks for the budget, opens its fold and goes there.
+// Who made this error? The line below the judges' cards and its bar; a press on it, in a lesson, or on an answer's "Why?" asks for
+// the whole budget, opens its fold and goes there.
 // What opens makes room only when the page has it: so it is looked for a while. A chart that has to be waited for is gone
 // to when it comes, if the visitor has not gone elsewhere meanwhile.
 (() => {
   const ROOM = 150, PATIENCE = 20, LATE = 200;  // milliseconds between two looks, and how many
   const still = matchMedia("(prefers-reduced-motion: reduce)");
   const head = () => document.querySelector("[data-lab~=lab-budget] + div .mantine-Paper-root[style*='cursor: pointer']");
+
+  let said = null, filled = null;
+  function fill() {
+    const data = document.querySelector("i.lab-parts")?.dataset.said || "", line = document.querySelector(".lab-who");
+    if (!line || (data === said && line === filled)) return;
+    [said, filled] = [data, line];
+    line.hidden = !data;
+    if (!data) return;
+    const {says, parts} = JSON.parse(data);
+    line.querySelector("small").replaceChildren(...says.split(/([\d−]+ %)/).map((text, k) =>
+      k % 2 ? Object.assign(document.createElement("b"), {textContent: text}) : text));
+    line.querySelector("i").replaceChildren(...parts.filter(([, share]) => share > 0).map(([colour, share]) => {
+      const part = document.createElement("i");
+      part.style.cssText = `flex: ${share}; background: var(--${colour})`;
+      return part;
+    }));
+    line.classList.toggle("lab-no-parts", !parts.length);
+  }
+  new MutationObserver(fill).observe(document.getElementById("root"), {childList: true, subtree: true});
 
   const show = (element, block) => element.scrollIntoView({block, behavior: still.matches ? "auto" : "smooth"});
   function wait(found, act, left = PATIENCE) {

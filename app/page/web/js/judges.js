@@ -1,28 +1,31 @@
-// Fills the cards of the judges; a click on a name puts its errors on the stage. And a click on a picture of a method takes it.
+// Fills the cards of the judges; a click puts a card's errors on the stage. And a click on the picture of a method takes it.
 (() => {
   const root = document.getElementById("root");
   const write = (element, text) => { if (element && element.textContent !== text) element.textContent = text; };
-  let said = "", filled = null;
+  let said = "", filled = null, takesFocus = false;
 
   function look() {
+    if (takesFocus && document.activeElement === document.body)  // the buttons of the methods were made anew
+      document.querySelector(".lab-methods [aria-checked=true]")?.focus({preventScroll: true});
     const data = document.querySelector("i.lab-judged")?.dataset.said, first = document.querySelector(".lab-judge");
     if (!data || (data === said && first === filled)) return;
     [said, filled] = [data, first];
-    const {problem, true: norm, stage, judges, known} = JSON.parse(data);
-    const truth = document.querySelector(".lab-judge-true");
-    write(truth?.querySelector("strong"), norm);
-    truth?.classList.toggle("lab-unknown", !known);
+    const {problem, stage, judges} = JSON.parse(data), others = [];
     for (const card of document.querySelectorAll(".lab-judge")) {
-      const box = card.parentElement.previousElementSibling.querySelector("input"), gauge = card.querySelector(".lab-gauge");
-      const judge = card.dataset.problem === problem && box?.checked && judges[card.dataset.judge];
-      card.classList.toggle("lab-off", !box?.checked);
+      const row = card.parentElement.previousElementSibling, runs = row.querySelector("input")?.checked;
+      const judge = card.dataset.problem === problem && runs && judges[card.dataset.judge];
+      if (runs) delete row.dataset.off; else others.push(card.dataset.judge);
+      if (!runs) row.dataset.off = "yes";
+      card.classList.toggle("lab-off", !runs);
       card.classList.toggle("lab-silent", Boolean(judge?.says));
       card.classList.toggle("lab-on-stage", card.dataset.judge === stage && Boolean(judge));
-      write(card.querySelector(".lab-index strong"), judge?.index || "");
-      write(card.querySelector(".lab-why"), judge?.says || "");
-      write(card.querySelector(".lab-trust"), judge?.trust || "");
-      if (judge?.at != null) gauge.style.setProperty("--at", judge.at); else gauge.removeAttribute("style");
+      write(card.querySelector(".lab-finds strong"), judge?.finds || "");
+      write(card.querySelector(".lab-trust"), judge?.says || judge?.trust || card.dataset.idea);
     }
+    const ask = document.querySelector(".lab-ask");
+    write(ask?.querySelector("span"), others.join(", "));
+    if (ask) ask.hidden = !others.length;
+    ask?.setAttribute("aria-expanded", document.body.classList.contains("lab-judges-open"));
   }
 
   root.addEventListener("change", event => {
@@ -30,9 +33,12 @@
   });
   root.addEventListener("click", event => {
     const tell = detail => dispatchEvent(new CustomEvent("lab-tell", {detail}));
-    const name = event.target.closest(".lab-judge-name"), method = event.target.closest(".lab-method");
-    if (name) tell({judge: name.closest(".lab-judge").dataset.judge});
+    const card = event.target.closest(".lab-judge"), method = event.target.closest(".lab-method");
+    if (card) tell({judge: card.dataset.judge});
     if (method) tell({method: method.dataset.method});
+    takesFocus = Boolean(method);
+    const ask = event.target.closest(".lab-ask");
+    ask?.setAttribute("aria-expanded", document.body.classList.toggle("lab-judges-open"));
   });
   new MutationObserver(look).observe(root, {childList: true, subtree: true});
 })();

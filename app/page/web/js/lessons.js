@@ -53,16 +53,21 @@
 
   const back = () => document.querySelectorAll(".lab-enlarge.lab-large").forEach(one => one.classList.remove("lab-large"));
   addEventListener("keydown", event => { if (event.key === "Escape") back(); });
+  addEventListener("keydown", event => {  // of an answer, which the viewer passes on a moment later
+    if (event.key === "Enter" && event.target.matches("[data-lab~=lab-enter] ~ div input"))
+      setTimeout(() => document.querySelector("[data-lab~=lab-main] + div button:not(:disabled)")?.click(), 200);
+  });
   document.addEventListener("click", event => {
     const at = selector => event.target.closest?.(selector);
     at(".lab-enlarge")?.classList.toggle("lab-large");
     if (at(".lab-open")) tell({open: at(".lab-open").dataset.lesson});
     const act = at(".lab-act");
     if (!act) return;
-    act.classList.add("lab-did");
     const number = act.dataset.act;
+    if (number !== "phase")  // of a phase the page ticks what it has done
+      document.querySelectorAll(`.lab-act[data-act="${number}"]`).forEach(each => each.classList.add("lab-did"));
     if (number === "budget") return;  // js/budget.js hears that
-    tell({do: [Number(act.closest("[data-step]").dataset.step), number === "stage" ? number : Number(number)]});
+    tell({do: [Number(act.closest("[data-step]").dataset.step), Number.isNaN(Number(number)) ? number : Number(number)]});
   });
   document.addEventListener("change", event => {
     const {question} = event.target.dataset || {};

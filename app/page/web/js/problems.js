@@ -23,9 +23,10 @@
     }
   }
 
-  group.addEventListener("keydown", event => {  // arrows go round, as among radio buttons
-    const step = {ArrowRight: 1, ArrowDown: 1, ArrowLeft: -1, ArrowUp: -1}[event.key], all = [...buttons.values()];
-    if (!step) return;
+  document.addEventListener("keydown", event => {  // arrows go round, as among radio buttons: also those of the methods
+    const step = {ArrowRight: 1, ArrowDown: 1, ArrowLeft: -1, ArrowUp: -1}[event.key];
+    const all = [...event.target.closest("#lab-head [role=radiogroup], .lab-methods")?.querySelectorAll("[role=radio]") || []];
+    if (!step || !all.length) return;
     event.preventDefault();
     event.stopPropagation();
     const next = all[(all.indexOf(document.activeElement) + step + all.length) % all.length];

@@ -48,7 +48,7 @@
 
   function look() {
     body.classList.toggle("lab-phone", phone.matches);
-    const speed = document.querySelector("[data-lab~=lab-typed][data-lab~=lab-at-speed] + div input")?.value;
+    const speed = document.querySelector("[data-lab~=lab-at-speed] + div input")?.value;
     const said = speed ? `${speed} ×` : "…";
     if (more.textContent !== said) more.textContent = said;
     const place = phone.matches ? document.querySelector(".lab-sparks-here") : verdict;

@@ -5,7 +5,7 @@
   let said = "", high = 0;
 
   // Widgets stand where the labels would that say what they are set to: to the gutter, or to a place of the stage.
-  const LAID = {"/estimate-by": "estimator", "/colours/quantity": "quantity", "/field/magnified": "magnify"};
+  const LAID = {"/estimate-by": "estimator", "/colours/quantity": "quantity"};
   // Where nobody judges the run, somebody is offered.
   const NOBODY = tr("no estimator is chosen"), JUDGE = "companion";
   function offer() {
@@ -18,8 +18,6 @@
   function lay(widget, label, vertical, horizontal, element) {
     const left = label.role === "gutter" ? "var(--pad)" : `calc(var(--stage-left) + (${1.03 * label.x} - 0.015) * var(--u))`;
     const top = `calc(var(--stage-top) + ${label.y} * var(--lab-high) * var(--u))`;
-    if (label.text.endsWith("× 1")) element.textContent = "";
-    document.body.classList.toggle(`lab-${widget}-aside`, horizontal === "right");
     element.classList.add("lab-laid", `lab-under-${widget}`);
     for (const [name, value] of [["left", left], ["top", top], ["up", `-${UP[vertical]}`], ["aside", `-${ASIDE[horizontal]}`]])
       document.body.style.setProperty(`--${widget}-${name}`, value);
