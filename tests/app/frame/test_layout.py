@@ -6,11 +6,12 @@ import numpy as np
 import pytest
 
 from app.frame.field_plot import ROOM
+from app.frame.headline import InstantErrors, lane_facts
 from app.frame.layout import ComparedRunSlot, FieldPlotLayout, colour_bar_box
 from app.frame.planar_layout import AROUND, make_planar_layout, planar_labels
 from app.frame.primitives import StageMetrics
 from app.frame.recent_crossings import LEAST_SECONDS, WINDOW, crossing_window, is_recent_crossing
-from app.frame.stage import StageLabels
+from app.frame.stage import StageLabels, title_labels
 from app.problems.views import VIEWS
 from solvers.problems.bar.scene import BarScene
 
@@ -55,6 +56,17 @@ def test_a_crossing_is_shown_for_a_part_of_a_period_and_long_enough_to_be_seen()
         steps = np.array([-1.0, 0.0, 0.4 * long / scene.time_step, 1.1 * long / scene.time_step], np.float32)
         shown = is_recent_crossing(steps, scene, speed * scene.period)
         np.testing.assert_array_equal(shown, [False, True, True, False])
+
+
+def test_a_title_leaves_out_what_has_no_room():
+    """Settings of the run first, then its time, at last whose numbers these are."""
+    words = StageLabels(name=(("what", "This run: "), ("", "hat functions"), ("settings", "40 cells, 4 a cell")),
+                        facts=lane_facts(InstantErrors(0.064, 0.058), 1.0, "recovered", False, 0.0015))
+    said = {round(room.pixels): [label.text for label in title_labels(words, room, 0.1)] for room in ROOMS[::3]}
+    assert said[736] == ["This run: hat functions40 cells, 4 a cell", "6.4 % wrong · recovered finds 91 % · 1.5 ms"]
+    assert said[358] == ["hat functions", "6.4 % wrong · recovered finds 91 %"]
+    shortest = [label.text for label in title_labels(words, StageMetrics(250.0), 0.1)]
+    assert shortest == ["hat functions", "6.4 % wrong · finds 91 %"]
 
 
 @pytest.mark.parametrize("letters", (1.0, 1.7, 2.5))
