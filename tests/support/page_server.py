@@ -7,6 +7,7 @@ from app.access.allowed_hosts import Addresses
 from app.access.code_login import BOARD, CLASS, TEACHER
 from app.classroom.class_context import LessonContext
 from app.page.page_server import _start_server
+from solvers.study.landscape.error_history import HistoryCache
 from solvers.workers.worker_process import free_port
 
 
@@ -24,6 +25,7 @@ class SilentLink:
 
 
 class SilentPool:
+    histories = HistoryCache()
     playing_sessions = 0
     process_ids = ()
 
