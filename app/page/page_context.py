@@ -121,7 +121,6 @@ class PageContext:
         """Updates the widgets from the session, and pauses the run after ``idle_seconds`` without input."""
         if self.session.playing and not self.presenter.on and self.session.idle_seconds > idle_seconds:
             self.session.pause_until_return()
-        self.presenter.show_scene_name(self.session.scene)
         self.controls.refresh()
         if shown := self.recent.shown_frame:
             self.controls.on_frame(*shown)

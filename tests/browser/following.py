@@ -12,7 +12,7 @@ SAID = re.compile(r"^\s*[-*] (Press|Set|Choose|Tick|Untick|Open) \*\*(.+?)\*\*(?
                   r"|\*\*(norm|index|distance|share|RMS)\*\* of \*\*([\w -]+)\*\*", re.MULTILINE)
 PART = re.compile(r"(norm|index|distance) of ([\w-]+)")
 RECKONED = re.compile(r"`([^`]*(?:norm|index|distance) of [^`]*)`")
-ON_COST = ("Tolerance / A", "Find the cheapest run")  # all else stands below the lesson's text, or on the stage
+ON_COST = ("Tolerance", "Find the cheapest run")  # all else stands below the lesson's text, or on the stage
 COLUMNS = {"norm": 1, "index": 2, "distance": 3}
 SOON = 8.0  # seconds in which a change of scene is on the stage
 LONG = 120.0  # seconds in which a lesson's run comes to its end

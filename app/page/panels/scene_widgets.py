@@ -13,7 +13,8 @@ import viser
 from app import names_and_units
 from app.language.translation import tr, translate_message
 from app.page.panels.page_header import add_widget_marker
-from app.page.visit.run_session import RunSession, first_scene
+from app.page.visit.first_scene import first_scene
+from app.page.visit.run_session import RunSession
 from app.problems.interface import LinearSlider
 from app.problems.views import VIEWS
 from app.viewer.widget_validation import is_removed, set_max_length, widget_id

@@ -24,7 +24,7 @@ from solvers.study.landscape.parameter_values import varied_scene
 MOST_SOLVERS = 6  # that are kept, of as many compiled codes
 SLICE_SECONDS = 0.03  # of a launch, which cannot be interrupted
 EXPECTED_RATE = 2e7  # particle-steps per s, before the first measurement
-LEAST_MEASURED, RATE_WEIGHT = 5e-4, 0.3  # seconds of a launch that is a measurement; its weight in the mean
+LEAST_MEASURED, RATE_WEIGHT = 5e-4, 0.3  # seconds of a run that is a measurement; its weight in the mean
 
 
 class HistoryRunner:
@@ -51,7 +51,10 @@ class HistoryRunner:
     def _solver(self, scene: Scene, wanted: Scene) -> Solver:
         """Returns a solver of the scene ``wanted``, at its start, with the compiled code of ``scene`` if possible."""
         key = kernel_key(scene)
-        solver = self._solvers.pop(key, None) or build(scene)
+        solver = self._solvers.pop(key, None)
+        if solver is None:
+            solver = build(scene)
+            solver.compile()  # not while it is timed
         self._solvers[key] = solver
         if len(self._solvers) > MOST_SOLVERS:
             del self._solvers[next(iter(self._solvers))]
@@ -59,18 +62,16 @@ class HistoryRunner:
 
     def _advance(self, solver: Solver, key: tuple, goes_on: Callable[[], bool]) -> np.ndarray | None:
         """Runs a solver to its scene's end; returns its rows of samples, with one of the end, or None."""
-        rows, end, particles = [], solver.scene.steps, solver.particles
+        rows, end, particles, begun = [], solver.scene.steps, solver.particles, thread_time()
         while solver.step < end and solver.sound:
             most = int(SLICE_SECONDS * self._rates.get(key, EXPECTED_RATE) / particles)
-            steps = min(end - solver.step, max(1, most), solver.longest_advance)
-            begun = thread_time()
-            rows.append(solver.advance(steps, margins=False))
-            took = thread_time() - begun
-            if took > LEAST_MEASURED and solver.sound:
-                rate = particles * steps / took
-                self._rates[key] = rate + (1 - RATE_WEIGHT) * (self._rates.get(key, rate) - rate)
+            rows.append(solver.advance(min(end - solver.step, max(1, most), solver.longest_advance), margins=False))
             if not goes_on():
                 return None
+        took = thread_time() - begun
+        if took > LEAST_MEASURED:
+            rate = particles * solver.step / took
+            self._rates[key] = rate + (1 - RATE_WEIGHT) * (self._rates.get(key, rate) - rate)
         last = solver.measure()
         if solver.step % solver.scene.sample_interval or not len(rows[-1]):
             rows.append(last)

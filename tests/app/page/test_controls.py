@@ -11,7 +11,7 @@ import pytest
 
 from app import shareable_state
 from app.names_and_units import CHOICES
-from app.page.visit.run_session import FIRST_SCENE
+from app.page.visit.first_scene import FIRST_SCENE
 from solvers.scene.effects import ALL
 from solvers.scene.estimator_registry import ESTIMATORS
 from solvers.scene.stabilisations import REMEDIES

@@ -12,7 +12,8 @@ from viser import _messages
 
 from app.page.controls import Controls
 from app.page.visit.engine_links import FASTEST, MOST_WATCHED, PageEngineLinks, scene_size_refusal
-from app.page.visit.run_session import FIRST_SCENE, RunSession
+from app.page.visit.first_scene import FIRST_SCENE
+from app.page.visit.run_session import RunSession
 from app.problems.views import VIEWS
 from app.viewer import incoming_messages, web_server, widget_validation
 from solvers.problems import PROBLEMS
@@ -50,7 +51,7 @@ def state(handle):
 
 def settle(one, visitor):
     """Return when the server has done all that one of its visitors said: it does one thing after the other."""
-    widget, text = visitor.find("Tolerance / A"), str(time.perf_counter())
+    widget, text = visitor.find("Tolerance"), str(time.perf_counter())
     visitor.set(widget, text)
     pages = [client.gui._gui_input_handle_from_uuid for client in list(one._connected_clients.values())]
     wait_until(lambda: any(widget in page and page[widget].value == text for page in pages), "the server has heard")
@@ -107,7 +108,7 @@ def test_no_control_takes_what_a_browser_cannot_send(here, complete):
             visitor.set(name, widget.get("value"), **{other: 3})
         tried += len(bad) + 2 * len(PROPERTIES)
         settle(one, visitor)
-        if visitor.label(name) != "Tolerance / A":  # by which it is heard that all was said
+        if visitor.label(name) != "Tolerance":  # by which it is heard that all was said
             assert state(handles[name]) == before, visitor.label(name)
     assert tried > 2000 and visitor.closed is None
 
