@@ -163,16 +163,18 @@
     input.dataset.typed = "";
   }
 
-  // While a run plays or a slider is held not every point is computed, and one alone may come late: the curve goes through
-  // those that are known. Where none is known yet, what was known before stays, faint.
+  // The curve passes over what is too costly; and while a run plays or a slider is held, and where hardly any point is left,
+  // over what is not computed yet. Where nothing is known, what was known before stays, faint.
   function take(row, data) {
-    const known = (data.v || []).map((_, k) => k).filter(k => data.state[k] !== "pending");
-    const computed = known.filter(k => data.state[k] !== "costly").length, waiting = (data.v || []).length - known.length;
-    row.stale = Boolean(data.v && !computed && row.data.v && row.data.flat === data.flat);
+    if (!data.v) return void (row.data = data);
+    const all = data.v.map((_, k) => k), known = all.filter(k => !["pending", "costly"].includes(data.state[k]));
+    const waiting = all.filter(k => data.state[k] === "pending").length;
+    row.stale = Boolean(!known.length && row.data.v && row.data.flat === data.flat);
     if (row.stale) return;
-    const settles = computed > 1 && (waiting < 3 || playing() || [...rows.values()].some(one => one.held));
-    row.data = !settles ? data : {...data, complete: true,
-      ...Object.fromEntries(["v", "true", "est", "sec", "state"].map(name => [name, known.map(k => data[name][k])]))};
+    const settles = known.length > 1 && (waiting < 3 || playing() || [...rows.values()].some(one => one.held));
+    const kept = all.filter(k => data.state[k] === "costly" ? k < known[0] || k > known[known.length - 1] : !settles || known.includes(k));
+    row.data = {...data, complete: data.complete || settles,
+      ...Object.fromEntries(["v", "true", "est", "sec", "state"].map(name => [name, kept.map(k => data[name][k])]))};
   }
 
   function look() {
