@@ -5,14 +5,14 @@ from contextlib import suppress
 
 from app.lessons.lesson import NUMBER, OBSERVE, PREDICT, draw_numbers, fill_numbers
 from app.names_and_units import parse_size
-from tests.browser.driving import FOLDERS, again_until, click, row, scene, time, unfold, until
+from tests.browser.driving import FOLDERS, again_until, click, enter, row, scene, time, unfold, until
 
 #: An act on a line of its own, or a reading: "Read **norm** of **true**".
 SAID = re.compile(r"^\s*[-*] (Press|Set|Choose|Tick|Untick|Open) \*\*(.+?)\*\*(?: to)?(?: `(.+?)`)?"
                   r"|\*\*(norm|index|distance|share|RMS)\*\* of \*\*([\w -]+)\*\*", re.MULTILINE)
 PART = re.compile(r"(norm|index|distance) of ([\w-]+)")
 RECKONED = re.compile(r"`([^`]*(?:norm|index|distance) of [^`]*)`")
-ON_COST = ("Tolerance / A", "Find the cheapest run")  # all else stands below the lesson's text, or on the stage
+ON_COST = ("Tolerance", "Find the cheapest run")  # all else stands below the lesson's text, or on the stage
 COLUMNS = {"norm": 1, "index": 2, "distance": 3}
 SOON = 8.0  # seconds in which a change of scene is on the stage
 LONG = 120.0  # seconds in which a lesson's run comes to its end
@@ -53,11 +53,10 @@ def act(page, verb, name, value):
 
 
 def _set(page, name, value):
-    """A number in the box beside a slider, or a text."""
-    box = row(page, re.compile(f"^{re.escape(name)}(,|$)")).locator("input.mantine-NumberInput-input")
-    typed = page.get_by_role("textbox", name=f"{name}, typed", exact=True)
-    text = page.get_by_role("textbox", name=name, exact=True)
-    (typed if typed.count() else box if box.count() else text).fill(value)
+    """A number beside a slider, or a text."""
+    if page.get_by_role("slider", name=name, exact=True).count():
+        return enter(page, name, value)
+    page.get_by_role("textbox", name=name, exact=True).fill(value)
 
 
 def reading(page, column, name):

@@ -8,6 +8,8 @@ from html import escape
 from app.language.translation import lazy, tr, translate_message, trn
 from app.names_and_units import (
     NOTHING,
+    QUANTITIES,
+    format_number,
     format_power_of_ten,
     method_name,
     motion_text,
@@ -17,7 +19,7 @@ from app.names_and_units import (
     with_unit,
 )
 from app.page.features.cost.jobs import CostJobStatus
-from app.page.features.cost.visitor_run_list import MOST_RUNS, SEARCH, SWEEP, NumberedRun
+from app.page.features.cost.visitor_run_list import HERE, LIVE, SEARCH, SHIPPED, SWEEP, NumberedRun, comparable_runs
 from solvers.problems import PROBLEMS
 from solvers.scene.scene import Scene
 from solvers.scene.stabilisations import REMEDIES
@@ -64,6 +66,13 @@ def parse_positive(name: str, text: str, most: float = math.inf) -> float:
     return value
 
 
+def parse_tolerance(text: str) -> float:
+    """Returns the relative tolerance in a text such as "0.5 %", "0,5 %" or "5e-3"; raises :class:`InvalidNumber`."""
+    number = text.strip().replace(",", ".")
+    share = parse_positive(tr("Tolerance"), number.removesuffix("%"))
+    return share / 100 if number.endswith("%") else share
+
+
 def scene_summary(scene: Scene) -> str:
     """Returns method, cells, particles and Courant number of a scene in one line."""
     method = method_name(scene.method)
@@ -88,15 +97,16 @@ def run_sentence(run: NumberedRun) -> str:
              f"{motion_text(scene)}, E {with_unit(scene.modulus, 'Pa')}"]
     if run.outcome in (*BROKEN, FAILED):
         return "; ".join([*parts, f"{tr(ENDS[run.outcome])}: {translate_message(run.row['reason'] or '')}"])
-    of = reference_length_name(scene)
+    of, quantity = reference_size_name(scene, run.quantity), QUANTITIES[run.quantity].noun
     if run.error is not None:
-        parts.append(tr("true error of x {share} of {whole}", share=format_percent(run.error), whole=of))
+        parts.append(tr("true error of the {quantity} {share} of {whole}", quantity=quantity,
+                        share=format_percent(run.error), whole=of))
     if run.estimate is not None:
         parts.append(tr("{share} of {whole}, estimated by {estimator}", share=format_percent(run.estimate), whole=of,
                         estimator=run.estimator))
     time = format_seconds(run.seconds)
-    how = tr("{time} alone", time=time) if run.timed_alone else tr("{time} on the stage", time=time)
-    return "; ".join([*parts, how])
+    how = {LIVE: tr("{time} on the stage", time=time), SHIPPED: tr("{time} on the authors' machine", time=time)}
+    return "; ".join([*parts, how.get(run.source, tr("{time} alone", time=time))])
 
 
 def run_name(run: NumberedRun) -> str:
@@ -113,10 +123,17 @@ def run_details(run: NumberedRun) -> str:
                       *(tr(REMEDIES[name].label) for name in scene.remedies)])
 
 
-def reference_length_name(scene: Scene) -> str:
-    """Returns the name of the length that errors of x are divided by: "A" or "the largest displacement"."""
-    moved = "amplitude" in scene.motion_fields and scene.size_of("x") == scene.amplitude
-    return "A" if moved else tr("the largest displacement")
+def motion_until_end(scene: Scene) -> str:
+    """Returns what moves a scene's body and until when, as text: "A = 25 mm, E 4 Pa, until 1 s"."""
+    return tr("{motion}, E {modulus}, until {time}", motion=motion_text(scene), modulus=with_unit(scene.modulus, "Pa"),
+              time=f"{format_number(scene.end_time)} s")
+
+
+def reference_size_name(scene: Scene, quantity: str) -> str:
+    """Returns the name of the size that errors of a quantity ("x") are divided by: "A" or "the largest stress"."""
+    if quantity == "x" and "amplitude" in scene.motion_fields and scene.size_of("x") == scene.amplitude:
+        return "A"
+    return tr("the largest {quantity}", quantity=QUANTITIES[quantity].noun)
 
 
 def format_percent(value: float | None) -> str:
@@ -137,37 +154,49 @@ def format_seconds(value: float | None) -> str:
     return (f"{value:.0f} s" if value >= 99.5 else with_unit(value, "s", 2)).replace(" ", TOGETHER)
 
 
-def runs_table(runs: Sequence[NumberedRun]) -> str:
-    """Returns the newest runs as an html table, the newest first; their numbers are buttons."""
-    if not runs:
+def runs_table(runs: Sequence[NumberedRun], marked: Sequence[NumberedRun], own: NumberedRun | None) -> str:
+    """Returns an html table of the runs of a problem: those of the stage and of searches, the newest first; then of the
+    others the ``marked``, the ``own``, and what other methods reach on its grid. Each has a button that loads it."""
+    told = [run for run in reversed(runs) if run.source in (LIVE, SEARCH)][:MOST_LINES]
+    beside = [] if own is None else [run for run in comparable_runs(runs, own.scene)
+                                     if run.scene.cells == own.scene.cells]
+    chosen = {run.number: run for run in (*beside, *marked) if run.source in (SHIPPED, SWEEP)}
+    lines = [*told, *sorted(chosen.values(), key=lambda run: run.seconds)]
+    if not lines:
         return ""
-    said = [tr("Errors of x in % of {whole}: the RMS, largest over time.", whole=reference_length_name(runs[-1].scene)),
-            *[tr("{n} more are on the chart and in the file.", n=len(runs) - MOST_LINES)] * (len(runs) > MOST_LINES),
-            tr("The newest {n} runs are kept.", n=MOST_RUNS)]
-    lines = "".join(_run_row_html(run) for run in list(reversed(runs))[:MOST_LINES])
-    heads = "".join(f"<th>{head}</th>" for head in (tr("run"), tr("method, cells"), tr("error"), tr("time")))
-    return f"<table class='lab-runs'><thead><tr>{heads}</tr></thead>{lines}</table><p>{' '.join(said)}</p>"
+    shipped = sum(run.source == SHIPPED for run in runs)
+    notes = [trn("{count} run, measured on the authors' machine on one thread. Ratios hold elsewhere, milliseconds do "
+                 "not.", "{count} runs, measured on the authors' machine on one thread. Ratios hold elsewhere, "
+                 "milliseconds do not.", shipped)] if shipped else []
+    if shipped and any(run.source in HERE for run in runs):
+        notes.append(tr("They are hollow, and not compared with those measured here."))
+    if judges := dict.fromkeys(run.estimator for run in runs if run.error is None and run.estimate is not None):
+        notes.append(tr("Small hollow marks: the error is estimated by {judges}.", judges=join_names(judges)))
+    if len(runs) > len(lines):
+        notes.append(tr("{n} more are on the chart and in the file.", n=len(runs) - len(lines)))
+    heads = "".join(f"<th>{head}</th>" for head in (tr("method, cells"), tr("true"), tr("estimate"), tr("time")))
+    rows = "".join(_run_row_html(run, run in marked, run is own) for run in lines)
+    return f"<table class='lab-runs'><thead><tr>{heads}</tr></thead>{rows}</table><p>{' '.join(notes)}</p>"
 
 
-def _run_row_html(run: NumberedRun) -> str:
-    small = [run_details(run)]
+def _run_row_html(run: NumberedRun, marked: bool, own: bool) -> str:
     if run.outcome in (*BROKEN, FAILED):
-        error = f"<td class='lab-bad'>{tr(ENDS[run.outcome])}</td>"
+        errors = f"<td colspan=2 class='lab-bad'>{tr(ENDS[run.outcome])}</td>"
     else:
-        estimated = tr("est. {share}", share=format_percent(run.estimate))
-        error = f"<td>{estimated if run.error is None else format_percent(run.error)}</td>"
-        small += [f"{run.estimator}: {format_percent(run.estimate)}"] * (run.estimate is not None)
-    small += [tr("timed on the stage")] * (not run.timed_alone)
-    load = tr("load run {number}", number=run.number)
-    return (f"<tbody title='{escape(run_sentence(run), quote=True)}'><tr><td rowspan=2><button data-run='{run.number}' "
-            f"aria-label='{load}'>{run.number}</button></td><td>{escape(method_name(run.method))}, "
-            f"{run.scene.cells}</td>{error}<td>{format_seconds(run.seconds)}</td></tr>"
-            f"<tr><td colspan=3 class='lab-details'>{escape('; '.join(small))}</td></tr></tbody>")
+        errors = f"<td>{format_percent(run.error)}</td><td>{format_percent(run.estimate)}</td>"
+    name = f"{method_name(run.method)}, {run.scene.cells}"
+    small = [run_details(run), *[tr("timed on the stage")] * (not run.timed_alone)]
+    details = "" if run.source in (SHIPPED, SWEEP) else \
+        f"<tr><td colspan=4 class='lab-details'>{escape('; '.join(small))}</td></tr>"
+    return (f"<tbody title='{escape(run_sentence(run), quote=True)}'{' class=lab-marked' * marked}><tr>"
+            f"<td><button data-run='{run.number}' aria-label='{tr('load run {number}', number=run.number)}'>"
+            f"{escape(tr('{run} (yours)', run=name) if own else name)}</button></td>{errors}"
+            f"<td>{format_seconds(run.seconds)}</td></tr>{details}</tbody>")
 
 
 def other_runs_note(runs: Sequence[NumberedRun], problem: str) -> str:
-    """Returns a note on how many runs are of another problem than the one on the stage; "" for none."""
-    hidden = [run for run in runs if run.row["problem"] != problem]
+    """Returns a note on how many of a visitor's runs are of another problem than the one on the stage; "" for none."""
+    hidden = [run for run in runs if run.row["problem"] != problem and run.source != SHIPPED]
     if not hidden:
         return ""
     name = PROBLEMS[hidden[0].row["problem"]].scene.TITLE
@@ -202,7 +231,8 @@ def job_status_text(status: CostJobStatus) -> str:
     if status.advice:
         known = trn("{count} of them had been made by an earlier search on this server.",
                     "{count} of them had been made by earlier searches on this server.", status.known)
-        return f"{advice_text(status.advice)} {known}" if status.known else advice_text(status.advice)
+        advice = advice_text(status.advice, status.quantity)
+        return f"{advice} {known}" if status.known else advice
     return tr("The sweep is done: {n} runs.", n=status.done) if status.kind == SWEEP else ""
 
 
@@ -214,13 +244,13 @@ def timing_note(paused: bool, playing: bool, others: bool) -> str:
     return f"{own} {theirs}".strip()
 
 
-def advice_text(advice: dict) -> str:
-    """Returns the recommendation of a search as text, from the outcome that its process sends as ``advice``."""
+def advice_text(advice: dict, quantity: str) -> str:
+    """Returns the recommendation of a search by a quantity's error as text, from the outcome that its process sends as
+    ``advice``."""
     scene = Task(**advice["task"]).scene()
-    size = scene.size_of("x")
     error = tr("no usable error") if advice["error"] is None else tr(
-        "an error of {size}, {share} of {whole}", size=with_unit(advice["error"], "m"),
-        share=format_percent(advice["error"] / size), whole=reference_length_name(scene))
+        "an error of {size}, {share} of {whole}", size=with_unit(advice["error"], QUANTITIES[quantity].unit),
+        share=format_percent(advice["error"] / scene.size_of(quantity)), whole=reference_size_name(scene, quantity))
     known = tr("by its own estimate") if advice["measured"] else tr("expected, not run")
     run = tr("{run}: {error} ({known}), {seconds} for the bare run", run=scene_summary(scene), error=error, known=known,
              seconds=format_seconds(advice["seconds"]))

@@ -8,14 +8,15 @@ import json
 import threading
 import time
 from collections import OrderedDict
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
+from contextlib import suppress
 from dataclasses import asdict, dataclass, field, replace
 
 from app import __version__
 from app.language.translation import lazy
 from app.page.features.background_job import SLOTS, BackgroundJobs, JobStatus
 from app.page.features.cost import visitor_run_list
-from app.page.features.cost.visitor_run_list import LIVE, SEARCH, SWEEP, NumberedRun, VisitorRunList, advice_key
+from app.page.features.cost.visitor_run_list import SEARCH, SWEEP, VisitorRunList, advice_key
 from app.page.visit.run_session import RunSession
 from solvers.scene.scene import Scene
 from solvers.scene.validation import SceneError
@@ -114,48 +115,43 @@ class WarmWorker:
             threading.Thread(target=pool.close, name="no-longer-ready", daemon=True).start()
 
 
-#: Cells of a small sweep, by dimension.
-SMALL = {1: (10, 20, 40, 80), 2: (12, 24, 36, 48)}
+#: Grids of a sweep, by dimension, as multiples of the problem's own.
+GRIDS = {1: (0.5, 0.7, 1, 1.4, 2, 4), 2: (0.5, 0.75, 1, 1.5)}
 REPEATS = 2
 
 
-def small_sweep(scene: Scene) -> list[Task]:
-    """Returns tasks for a scene on four grids with each of its methods; invalid combinations are left out."""
+def sweep_tasks(scene: Scene) -> list[Task]:
+    """Returns the task of the scene and of the same on several grids with each of its methods; invalid combinations are
+    left out."""
+    effects = tuple(dict.fromkeys((*scene.effects, "truth", "estimate")))
+    scenes = [replace(scene, effects=effects)]
     if scene.velocity == "corners":  # valid with one method only
         scene = replace(scene, velocity="grid")
-    effects = tuple(dict.fromkeys((*scene.effects, "truth", "estimate")))
-    tasks = []
     for method in scene.choices("method"):
-        for cells in SMALL[scene.DIMENSIONS]:
-            try:
-                other = replace(scene, method=method, cells=cells, effects=effects)
-            except SceneError:
-                continue
-            tasks.append(task_of(other, repeats=REPEATS, version=__version__))
-    return tasks
+        for share in GRIDS[scene.DIMENSIONS]:
+            with suppress(SceneError):
+                scenes.append(replace(scene, method=method, cells=round(share * type(scene)().cells), effects=effects))
+    return [task_of(one, repeats=REPEATS, version=__version__) for one in dict.fromkeys(scenes)]
 
 
-def scenes_to_time(runs: Sequence[NumberedRun]) -> list[Task]:
-    """Returns tasks that time the runs known from the stage only, where times include drawing and every effect."""
-    return [Task(run.row["problem"], run.row["asked"], repeats=REPEATS, version=__version__)
-            for run in runs if run.source == LIVE]
-
-
-def search_job(scene: Scene, tolerance: float, budget: float) -> SearchJob:
-    """Returns the search for the cheapest run with an error of x up to ``tolerance`` times A, in up to ``budget`` s."""
+def search_job(scene: Scene, quantity: str, tolerance: float, budget: float) -> SearchJob:
+    """Returns the search for the cheapest run with an error of the quantity ("x") up to ``tolerance`` times the scene's
+    size of it, in up to ``budget`` s."""
     return SearchJob(task_of(visitor_run_list.without_search_options(scene)).to_dict(), scene.candidates(),
-                     PARTICLES_PER_CELL, COURANT_NUMBERS, "x", tolerance * scene.size_of("x"), budget)
+                     PARTICLES_PER_CELL, COURANT_NUMBERS, quantity, tolerance * scene.size_of(quantity), budget)
 
 
 @dataclass(frozen=True)
 class CostJobStatus(JobStatus):
-    """State of a sweep or search: ``done`` of ``total`` certain runs, ``known`` of them cached; ``task`` runs now."""
+    """State of a sweep or search: ``done`` of ``total`` certain runs, ``known`` of them cached; ``task`` runs now; a
+    search is by the error of ``quantity``."""
 
     done: int = 0
     total: int = 0
     task: Task | None = None
     known: int = 0
     advice: dict | None = None
+    quantity: str = "x"
 
 
 class CostJobs(BackgroundJobs[CostJobStatus]):
@@ -201,9 +197,10 @@ class CostJobs(BackgroundJobs[CostJobStatus]):
     def start_search(self, job: SearchJob, undisturbed: bool = True) -> None:
         """Starts a search; it is ``undisturbed`` if no job or stage of another visitor runs on this server."""
         if not self.status.running:
-            self._quiet, self._about = undisturbed, json.dumps(advice_key(Task(**job.base).scene()), sort_keys=True)
+            about = advice_key(Task(**job.base).scene()) | {"quantity": job.quantity}
+            self._quiet, self._about = undisturbed, json.dumps(about, sort_keys=True)
         known = self._kept.recent_points(self._about, undisturbed)
-        self._start(CostJobStatus("search"), asdict(replace(job, known=known)))
+        self._start(CostJobStatus("search", quantity=job.quantity), asdict(replace(job, known=known)))
 
     def share_cpu(self) -> None:
         """Lowers the running job's priority because something else runs; a search's only after its first run."""

@@ -1,4 +1,4 @@
-"""The Cost tab: what accuracy costs in time, from a visitor's own runs."""
+"""The Cost tab: what accuracy costs in time, from shipped runs and a visitor's own."""
 
 import math
 from collections.abc import Callable
@@ -9,12 +9,31 @@ from time import monotonic
 import viser
 
 from app.language.translation import tr
-from app.names_and_units import command_line
+from app.names_and_units import command_line, format_number
 from app.page.feature import Feature, VisiblePageState
 from app.page.features.cost import cost_texts, visitor_run_list
-from app.page.features.cost.cost_chart import Axes, answer_headline, axes_for, draw_runs, tolerance_line
-from app.page.features.cost.jobs import CostJobs, CostJobStatus, StagePauser, scenes_to_time, search_job, small_sweep
-from app.page.features.cost.visitor_run_list import LIVE, LiveRunRecorder, VisitorRunList, advice_key, comparable_runs
+from app.page.features.cost.cost_answer import (
+    CostAnswer,
+    answer_box,
+    answer_headline,
+    find_answer,
+    own_run,
+    tolerance_line,
+)
+from app.page.features.cost.cost_chart import draw_runs
+from app.page.features.cost.cost_texts import format_percent
+from app.page.features.cost.jobs import CostJobs, CostJobStatus, StagePauser, search_job, sweep_tasks
+from app.page.features.cost.log_axes import Axes, axes_for
+from app.page.features.cost.shipped_runs import shipped_rows
+from app.page.features.cost.visitor_run_list import (
+    LIVE,
+    SHIPPED,
+    LiveRunRecorder,
+    VisitorRunList,
+    advice_key,
+    comparable_runs,
+    runs_in_chart,
+)
 from app.page.page_context import PageContext
 from app.page.panels.page_header import BESIDE
 from app.page.visit.engine_links import scene_size_refusal
@@ -26,7 +45,7 @@ from solvers.study.parameter_grid import Task
 from solvers.untrusted import number_parsing
 
 FILE_NAME = "mpm-lab-runs.csv"
-TOLERANCE, BUDGET = "1e-3", "10"  # initial values: a fraction of A, and seconds of the longest run
+TOLERANCE, BUDGET = "0.1 %", "10"  # initial values: of the tolerance, and seconds of the longest run
 STREAM_SECONDS = 0.5  # between two updates of the chart while a job runs
 #: Marks of the text fields that receive a click on a run and the line's tolerance (``js/cost.js``).
 PICKED, WANTED = "<i class='lab-picked'></i>", "<i class='lab-wanted'></i>"
@@ -46,12 +65,14 @@ class CostTab(Feature):
         self._chartable: tuple | None = None  # what the chart depends on of those,
         self._charted: tuple | None = None  # and the same when it was drawn
         self._written: tuple | None = None
-        self._axes: dict[str, Axes] = {}  # by problem that has runs
+        self._axes: dict[tuple[str, str], Axes] = {}  # by problem that has runs, and quantity
         self._inside: Axes | None = None  # those of the chart that is drawn
         self._next = 0.0  # time of the next chart while a job runs
         self._last_query: tuple | None = None  # input of the last search
         self._remark = ""
         self._remarked_on: tuple | None = None
+        self._filled: set[str] | None = None  # problems whose shipped runs are in the list; None until the tab opens
+        self._followed = TOLERANCE  # the tolerance as this class has set it, to the own run's error
         self._build(client.gui)
 
     @classmethod
@@ -68,10 +89,12 @@ class CostTab(Feature):
             self.runs.add(row, LIVE)
 
     def open(self, _: object) -> None:
-        """Handles the opening of the tab: prepares a process for a search."""
+        """Handles the opening of the tab: shows shipped runs from now on, and prepares a process for a search."""
+        self._filled = self._filled or set()
         scene = self._session.scene
         if scene.swings:
-            self.jobs.prepare(search_job(scene, float(TOLERANCE), float(BUDGET)), self._is_alone())
+            self.jobs.prepare(search_job(scene, self.runs.quantity, cost_texts.parse_tolerance(TOLERANCE),
+                                         float(BUDGET)), self._is_alone())
 
     def _is_alone(self) -> bool:
         """Whether nothing of other visitors, jobs or stages, runs on this server."""
@@ -84,6 +107,12 @@ class CostTab(Feature):
             self._quiet.set_job_running(status.running)
             self._discard_outdated_search()
             scene, stage = self._session.scene, self._disturbance_note(status)
+            if view is not None:
+                self.runs.count_errors_of(view.choice.quantity)
+            if self._filled is not None and scene.problem not in self._filled:
+                self._filled.add(scene.problem)
+                for row in shipped_rows(scene.problem):
+                    self.runs.add(row, SHIPPED)
             if self._chart_key != (self.runs.version, scene):  # rarely: for many runs it takes a millisecond
                 self._chart_key = self.runs.version, scene
                 self._chartable = (self.runs.version, advice_key(scene),
@@ -91,16 +120,30 @@ class CostTab(Feature):
             charted = self._chartable
             if charted != self._charted and (not status.running or monotonic() >= self._next):
                 self._charted, self._next = charted, monotonic() + STREAM_SECONDS
+                self._follow_own_error(scene)
                 self._show_runs(scene)
-            told = (charted, self._tolerance.value, status, self._remark, stage)
+            told = (charted, self._tolerance.value, status, self._remark, stage, self._is_past_end)
             if told != self._written:
                 self._written = told
-                self._show_headline(scene, status, stage)
+                self._show_answer(scene, status, stage)
                 self._show_status(status, stage)
+
+    def _follow_own_error(self, scene: Scene) -> None:
+        """Sets the tolerance to the error of the run on the stage, unless the visitor has set another."""
+        own = own_run(comparable_runs(self.runs.all(), scene), scene)
+        if own and self._tolerance.value == self._followed != (text := format_percent(own.error_or_estimate)):
+            self._followed = text
+            self._tolerance.value = text  # type: ignore[misc]
 
     def notice(self) -> Notice | None:
         """Returns the reason why the stage is paused, if that is for a job."""
         return Notice("wait", tr(cost_texts.PAUSED[self.jobs.status.kind])) if self._quiet.paused else None
+
+    @property
+    def _is_past_end(self) -> bool:
+        """Whether the run on the stage has gone on beyond the end of its scene."""
+        report = self._session.report
+        return report is not None and report.step > report.scene.steps
 
     def _disturbance_note(self, status: CostJobStatus) -> str:
         """Returns a note on what disturbs a running job, "" without; lowers its priority if a stage runs."""
@@ -129,7 +172,7 @@ class CostTab(Feature):
         return self._tolerance.value, self._budget.value, self._session.scene
 
     def _search_question(self) -> tuple:
-        return self._tolerance.value, self._budget.value, advice_key(self._session.scene)
+        return self._tolerance.value, self._budget.value, self.runs.quantity, advice_key(self._session.scene)
 
     def _set_remark(self, remark: str) -> None:
         self._remarked_on, self._remark = self._entered_values(), remark
@@ -139,10 +182,12 @@ class CostTab(Feature):
         gui.add_html(PICKED)
         picked = gui.add_text(tr("Run to load"), "")
         picked.on_update(lambda event: self._load_picked_run(event.target.value))
-        gui.add_html(f"<h2 class='lab-h2'>{tr('How accurate must it be?')}</h2>" + WANTED)
-        self._tolerance = gui.add_text(tr("Tolerance / A"), TOLERANCE, hint=tr(
-            "largest RMS error of x that is allowed at any time of one period, as a part of the amplitude A"))
-        self._tolerance.on_update(lambda _: self.refresh())
+        gui.add_html(f"<h2 class='lab-h2'>{tr('How accurate must it be?')}</h2>")
+        self._box = gui.add_html("")
+        gui.add_html(WANTED)
+        self._tolerance = gui.add_text(tr("Tolerance"), TOLERANCE, hint=tr(
+            "largest RMS error that is allowed until the end of the run, in % of the largest exact value"))
+        self._tolerance.on_update(lambda event: None if event.client is None else self.refresh())
         self._budget = gui.add_text(tr("Longest run, s"), BUDGET, hint=tr("longest bare run that may be recommended"))
         gui.add_html("<i class='lab-primary'></i>")
         self._search = gui.add_button(tr("Find the cheapest run"), icon=viser.Icon.TARGET_ARROW, hint=tr(
@@ -156,61 +201,69 @@ class CostTab(Feature):
         self._take = gui.add_button(tr("Load this scene"), icon=viser.Icon.PLAYER_PLAY, visible=False,
                                     hint=tr("put the run that was found on the stage"))
         self._take.on_click(lambda _: self._load_advised_scene())
-        gui.add_html(f"<h2 class='lab-h2'>{tr('Runs so far')}</h2>")
+        gui.add_html(f"<h2 class='lab-h2'>{tr('Runs in the chart')}</h2>")
+        self._table = gui.add_html("")
         gui.add_html(BESIDE)
-        self._sweep = gui.add_button(tr("Small sweep"), icon=viser.Icon.CHART_DOTS, hint=tr(
-            "the problem on the stage on four grids with each of its methods, timed in the background"))
-        self._sweep.on_click(lambda _: self._start_sweep(small_sweep(self._session.scene)))
+        self._sweep = gui.add_button(tr("Measure here"), icon=viser.Icon.CHART_DOTS, hint=tr(
+            "measures the run on the stage, and the same on several grids with each method, on this machine, in the "
+            "background"))
+        self._sweep.on_click(lambda _: self._start_sweep())
         gui.add_html(BESIDE)
         self._download = gui.add_button(tr("Download CSV"), icon=viser.Icon.DOWNLOAD, disabled=True,
                                         hint=tr("all these runs, a row each, for a spreadsheet"))
         self._download.on_click(lambda _: self._client.send_file_download(
             FILE_NAME, visitor_run_list.csv_bytes(self.runs.all()), save_immediately=True))
-        self._time = gui.add_button(tr("Time my runs alone"), icon=viser.Icon.CLOCK, visible=False, hint=tr(
-            "runs on the stage are timed in small pieces and with every effect; this runs them bare and in one go, in "
-            "the background"))
-        self._time.on_click(lambda _: self._start_sweep(scenes_to_time(self.runs.all())))
-        self._table = gui.add_html("")
 
     def _show_runs(self, scene: Scene) -> None:
-        """Updates the chart and the table of the runs of the scene's problem."""
-        runs = self.runs.all()
-        of_problem = [run for run in runs if run.row["problem"] == scene.problem]
-        inside = self._inside = axes_for(of_problem, self._read_tolerance()[0], self._axes.get(scene.problem))
+        """Updates the chart of the runs of the scene's problem."""
+        of_problem, quantity = runs_in_chart(self.runs.all(), scene), self.runs.quantity
+        inside = axes_for(of_problem, self._find_answer(scene)[0].tolerance,
+                          self._axes.get((scene.problem, quantity)))
+        self._inside = inside
         if of_problem:  # an empty chart's axes are not kept
-            self._axes[scene.problem] = inside
-        drawing = draw_runs(of_problem, comparable_runs(of_problem, scene), scene, inside)
+            self._axes[scene.problem, quantity] = inside
+        drawing = draw_runs(of_problem, comparable_runs(of_problem, scene), scene, quantity, inside)
         self._chart.content = f"<template class='lab-cost-chart'>{drawing}</template>"
-        hidden = f"<p>{cost_texts.other_runs_note(runs, scene.problem)}</p>"
-        self._table.content = f"<div class='lab-cost'>{cost_texts.runs_table(of_problem)}{hidden}</div>"
-        self._download.disabled = not runs
-        self._time.visible = bool(scenes_to_time(runs))
+        self._download.disabled = not self.runs.all()
 
-    def _show_headline(self, scene: Scene, status: CostJobStatus, stage: str) -> None:
-        """Updates the headline above the chart, the tolerance's line, and what a job does (``stage`` is added)."""
-        like = comparable_runs(self.runs.all(), scene)
-        tolerance, trouble = self._read_tolerance()
-        if axes_for(like, tolerance, self._inside) != self._inside:
+    def _show_answer(self, scene: Scene, status: CostJobStatus, stage: str) -> None:
+        """Updates the headline above the chart, the tolerance's line, the answer and the table in the panel, and what a
+        job does (``stage`` is added)."""
+        runs = runs_in_chart(self.runs.all(), scene)
+        like, (answer, trouble) = comparable_runs(runs, scene), self._find_answer(scene)
+        if axes_for(like, answer.tolerance, self._inside) != self._inside:
             self._show_runs(scene)
-        says, more = answer_headline(like, scene, tolerance, trouble, len(small_sweep(scene)), status.running)
+        says, more = answer_headline(answer, runs, like, scene, trouble, status.running)
         if status.running:
             more = escape(f"{cost_texts.job_progress_text(status)} {stage}")
         elif status.advice:
             end = tr("The search has ended. A clearly cheaper run is unlikely, but "
                      "possible.") if status.advice["met"] else tr("The search has ended.")
             more = f"{more} {escape(end)}"
+        elif self._is_past_end:
+            gone = tr("The chart counts until t = {time} s, the end of the scene; the stage has gone on.",
+                      time=format_number(scene.end_time))
+            more = f"{more} {gone}"
         self._line.content = (f"<template class='lab-cost-says'><h2>{says}</h2><p>{more}</p></template>"
-                              f"{tolerance_line(like, scene, tolerance, self._inside)}")
+                              f"{tolerance_line(answer, self._inside)}")
+        self._box.content = f"<div class='lab-cost'>{answer_box(answer)}</div>"
+        marked = [run for run in (answer.cheaper, answer.more_accurate) if run]
+        others = cost_texts.other_runs_note(self.runs.all(), scene.problem)
+        self._table.content = f"<div class='lab-cost'>{cost_texts.runs_table(runs, marked, answer.own)}" \
+            f"<p>{others}</p></div>"
 
-    def _read_tolerance(self) -> tuple[float, str]:
-        """Returns the relative tolerance typed and "", or NaN and an error message."""
+    def _find_answer(self, scene: Scene) -> tuple[CostAnswer, str]:
+        """Returns the answer for the tolerance typed, and "" or an error message about that."""
+        tolerance, trouble = math.nan, ""
         try:
-            return cost_texts.parse_positive(tr("Tolerance"), self._tolerance.value), ""
+            tolerance = cost_texts.parse_tolerance(self._tolerance.value)
         except cost_texts.InvalidNumber as refusal:
-            return math.nan, str(refusal)
+            trouble = str(refusal)
+        follows = self._tolerance.value == self._followed
+        return find_answer(comparable_runs(self.runs.all(), scene), scene, tolerance, follows), trouble
 
     def _show_status(self, status: CostJobStatus, stage: str) -> None:
-        self._sweep.disabled = self._time.disabled = self._search.disabled = status.running
+        self._sweep.disabled = self._search.disabled = status.running
         self._cancel.visible = self._bar.visible = status.running
         if status.running:
             share = status.done / status.total if status.total else 0.0
@@ -227,9 +280,9 @@ class CostTab(Feature):
         if run:
             self._load_scene(run.scene, tr("Run {number} is on the stage.", number=run.number))
 
-    def _start_sweep(self, tasks: list[Task]) -> None:
+    def _start_sweep(self) -> None:
         self._remark, self._last_query = "", None
-        self.jobs.start_sweep(tasks)
+        self.jobs.start_sweep(sweep_tasks(self._session.scene))
         self._quiet.set_job_running(self.jobs.status.running)  # at once: else the first times are disturbed
 
     def _start_search(self) -> None:
@@ -237,7 +290,8 @@ class CostTab(Feature):
             self._set_remark(tr(cost_texts.NOTHING_TO_FIND))
             return
         try:
-            job = search_job(self._session.scene, cost_texts.parse_positive(tr("Tolerance"), self._tolerance.value),
+            job = search_job(self._session.scene, self.runs.quantity,
+                             cost_texts.parse_tolerance(self._tolerance.value),
                              cost_texts.parse_positive(tr("Longest run"), self._budget.value,
                                                        cost_texts.LONGEST_BUDGET))
         except cost_texts.InvalidNumber as refusal:

@@ -1,4 +1,5 @@
-"""A visitor's numbered runs, a row each, from sweeps, searches and the stage; Pareto front and cheapest run."""
+"""A visitor's numbered runs, a row each: shipped ones, and those of sweeps, searches and the stage; their Pareto front,
+and the cheapest and the most accurate of them."""
 
 import functools
 import math
@@ -21,18 +22,22 @@ from solvers.study.parameter_grid import Task, task_of
 from solvers.study.row import FAILED, unmeasured_row
 
 MOST_RUNS = 300  # beyond, the oldest is dropped
-LIVE, SEARCH, SWEEP = "live", "search", "sweep"
+LIVE, SHIPPED, SEARCH, SWEEP = "live", "shipped", "search", "sweep"
+HERE = (SEARCH, SWEEP)  # sources whose times were measured on this machine, and alone
 CHOSEN = {"method", "linearity_preserving", "cells", "ppc", "cfl"}  # fields that a search chooses
-KNOWN = {LIVE: 0, SEARCH: 1, SWEEP: 2}  # ranks of sources: of one scene the row of the highest rank is kept
+KNOWN = {LIVE: 0, SHIPPED: 1, SEARCH: 2, SWEEP: 3}  # ranks of sources: a run keeps the row of the highest
+SAME_TIME = 1.08  # longer than a run's time by up to this factor counts as the same time
 
 
 @dataclass(frozen=True)
 class NumberedRun:
-    """Row of a run (a dict as in ``solvers.study.row``), its number from 1, and source; derived values are cached."""
+    """Row of a run (a dict as in ``solvers.study.row``), its number from 1, its source, and the ``quantity`` ("x") of
+    whose errors it tells; derived values are cached."""
 
     number: int
     source: str
     row: dict
+    quantity: str = "x"
 
     @functools.cached_property
     def scene(self) -> Scene:
@@ -40,12 +45,12 @@ class NumberedRun:
 
     @functools.cached_property
     def error(self) -> float | None:
-        """The largest RMS error of x over time, divided by the scene's size of x (A); None if unknown."""
+        """The largest RMS error of the quantity over time, divided by the scene's size of it; None if unknown."""
         return self._relative(self.row.get("error") or {})
 
     @functools.cached_property
     def estimate(self) -> float | None:
-        """The :attr:`error` as estimated by :attr:`estimator`, divided by the size of x, too; None if unknown."""
+        """The :attr:`error` as estimated by :attr:`estimator`; None if unknown."""
         return self._relative((self.row.get("estimate") or {}).get(self.estimator) or {})
 
     @property
@@ -67,7 +72,7 @@ class NumberedRun:
 
     @property
     def timed_alone(self) -> bool:
-        """Whether the run was timed by itself, not on a stage with drawing, estimates and other visitors."""
+        """Whether the run was timed by itself, here or by the authors, not on a stage with drawing and estimates."""
         return self.source != LIVE
 
     @property
@@ -89,21 +94,32 @@ class NumberedRun:
         return 0 < self.seconds < math.inf and (self.broken or (self.outcome == OK and self.error_or_estimate > 0))
 
     def _relative(self, norms: dict) -> float | None:
-        largest = (norms.get("x") or {}).get("max")
-        return None if largest is None or not math.isfinite(largest) else largest / self.scene.size_of("x")
+        largest = (norms.get(self.quantity) or {}).get("max")
+        return None if largest is None or not math.isfinite(largest) else largest / self.scene.size_of(self.quantity)
 
 
 class VisitorRunList:
-    """Numbered runs of one visitor, at ``most`` so many. Thread-safe; ``version`` grows with every change."""
+    """Numbered runs of one visitor, at ``most`` so many. Thread-safe; ``version`` grows with every change, and
+    ``quantity`` is the one whose errors count."""
 
     def __init__(self, most: int = MOST_RUNS):
         self._lock, self._most = threading.Lock(), most
-        self._runs: dict[str, NumberedRun] = {}
+        self._runs: dict[tuple, NumberedRun] = {}
         self._numbers = self.version = 0
+        self.quantity = "x"
+
+    def count_errors_of(self, quantity: str) -> None:
+        """Lets the errors of another quantity ("sigma") count."""
+        with self._lock:
+            if quantity != self.quantity:
+                self.quantity = quantity
+                self._runs = {key: replace(run, quantity=quantity) for key, run in self._runs.items()}
+                self.version += 1
 
     def add(self, row: dict, source: str) -> None:
-        """Adds a row; a known scene's stays unless the new one ranks as high (``KNOWN``) and has not failed."""
-        key = row["key"]
+        """Adds a row; a known run's stays, whatever was computed beside it, unless the new one ranks as high
+        (``KNOWN``) and has not failed."""
+        key = run_key(Task(row["problem"], row["asked"]).scene())
         with self._lock:
             before = self._runs.get(key)
             if before and (KNOWN[before.source] > KNOWN[source] or row["status"] == FAILED):
@@ -112,7 +128,7 @@ class VisitorRunList:
                 self._numbers += 1
                 if len(self._runs) >= self._most:
                     del self._runs[next(iter(self._runs))]
-            self._runs[key] = NumberedRun(before.number if before else self._numbers, source, row)
+            self._runs[key] = NumberedRun(before.number if before else self._numbers, source, row, self.quantity)
             self.version += 1
 
     def all(self) -> list[NumberedRun]:
@@ -197,20 +213,35 @@ def comparable_runs(runs: Sequence[NumberedRun], scene: Scene) -> list[NumberedR
             and advice_key(replace(run.scene, remedies=())) == asked]
 
 
+def runs_in_chart(runs: Sequence[NumberedRun], scene: Scene) -> list[NumberedRun]:
+    """Returns the runs of the scene's problem; of the shipped ones those of its motion, or, before any of it was timed,
+    those of one other motion as an example."""
+    of_problem = [run for run in runs if run.row["problem"] == scene.problem]
+    shipped = [run for run in of_problem if run.source == SHIPPED]
+    if shipped and not measured_runs(comparable_runs(of_problem, scene)):
+        scene = shipped[0].scene
+    numbers = {run.number for run in comparable_runs(shipped, scene)}
+    return [run for run in of_problem if run.source != SHIPPED or run.number in numbers]
+
+
 def run_of_scene(runs: Sequence[NumberedRun], scene: Scene) -> NumberedRun | None:
-    """Returns the run that computes exactly this scene, preferably one that was timed alone; None if there is none."""
-    own = [run for run in runs if run.drawable and _run_key(run.scene) == _run_key(scene)]
-    return next((run for run in own if run.timed_alone), own[0] if own else None)
+    """Returns the run that computes exactly this scene; None if there is none."""
+    return next((run for run in runs if run.drawable and run_key(run.scene) == run_key(scene)), None)
 
 
 @functools.lru_cache(maxsize=1000)
-def _run_key(scene: Scene) -> tuple[Scene, float]:
+def run_key(scene: Scene) -> tuple[Scene, float]:
+    """Returns what runs have in common that compute the same, whatever is estimated beside and however the step is
+    given."""
     return replace(scene, estimators=(), effects=(), dt=None, cfl=None, sample_every=None), scene.time_step
 
 
 def measured_runs(runs: Sequence[NumberedRun]) -> list[NumberedRun]:
-    """Returns the runs that have an error or an estimate, and a time that was measured alone."""
-    return [run for run in runs if run.timed_alone and run.drawable and not run.broken]
+    """Returns the runs that have an error or an estimate, and a time that was measured alone on one machine: here, or
+    before any run was measured here on the authors'."""
+    here = any(run.source in HERE for run in runs)
+    return [run for run in runs if run.drawable and not run.broken
+            and (run.source in HERE if here else run.source == SHIPPED)]
 
 
 def pareto_front(runs: Sequence[NumberedRun]) -> list[NumberedRun]:
@@ -220,5 +251,38 @@ def pareto_front(runs: Sequence[NumberedRun]) -> list[NumberedRun]:
 
 
 def cheapest_run(runs: Sequence[NumberedRun], tolerance: float) -> NumberedRun | None:
-    """Returns the fastest run with an error of at most ``tolerance`` times A; None if there is none."""
+    """Returns the fastest run with a relative error of at most ``tolerance``; None if there is none."""
     return next((run for run in pareto_front(runs) if run.error_or_estimate <= tolerance), None)
+
+
+def cheaper_run(runs: Sequence[NumberedRun], own: NumberedRun) -> NumberedRun | None:
+    """Returns the fastest run that is as accurate as ``own``, if it is faster or the time of ``own`` was not measured
+    with theirs; None if there is none."""
+    best = cheapest_run(runs, own.error_or_estimate)
+    return best if best and (own not in measured_runs(runs) or best.seconds < own.seconds) else None
+
+
+def more_accurate_run(runs: Sequence[NumberedRun], own: NumberedRun) -> NumberedRun | None:
+    """Returns the most accurate run that takes as long as ``own``, and up to 8 % more, if it is more accurate; None if
+    there is none, or if the time of ``own`` was not measured with theirs."""
+    known = measured_runs(runs)
+    as_fast = [run for run in known if own in known and run.seconds <= SAME_TIME * own.seconds]
+    best = min(as_fast, key=lambda run: run.error_or_estimate, default=own)
+    return best if best.error_or_estimate < own.error_or_estimate else None
+
+
+def sweep_curves(runs: Sequence[NumberedRun]) -> list[list[NumberedRun]]:
+    """Groups shipped runs and those of sweeps that differ only in their number of cells; returns each group sorted by
+    cells."""
+    groups: dict[tuple, list[NumberedRun]] = {}
+    for run in runs:
+        if run.source in (SHIPPED, SWEEP) and run.drawable and not run.broken:
+            groups.setdefault(_curve_key(run.scene), []).append(run)
+    return [sorted(group, key=lambda run: run.scene.cells) for group in groups.values()]
+
+
+@functools.lru_cache(maxsize=1000)
+def _curve_key(scene: Scene) -> tuple:
+    """Returns what the runs of a curve have in common: all but their cells."""
+    given = task_of(run_key(scene)[0]).inputs | {"cells": 0}
+    return tuple(map(str, given.items())), scene.courant_number if scene.dt is None else scene.dt

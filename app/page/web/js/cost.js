@@ -5,7 +5,6 @@
   section.setAttribute("aria-label", tr("what accuracy costs"));
   const wanted = tr("accuracy wanted"), dear = tr("runs, from cheap to dear: arrow keys go from one to the next");
   section.innerHTML = `<header></header><div class="lab-plot"><div class="lab-shade"></div>
-    <div class="lab-drop"><span></span></div>
     <div class="lab-wish" role="slider" tabindex="0" aria-orientation="vertical" aria-label="${wanted}">
     <span></span></div>
     <div class="lab-dots" role="group" aria-label="${dear}"></div>
@@ -86,7 +85,7 @@
     event.stopPropagation();
   });
   document.addEventListener("click", ({target}) => {
-    const picked = target.closest?.("#lab-cost [data-run], .lab-runs [data-run]");
+    const picked = target.closest?.(":is(#lab-cost, .lab-cost) [data-run]");
     const pressed = target.closest?.("[data-press]")?.dataset.press;
     if (picked)  // the time makes every click another text
       dispatchEvent(new CustomEvent("lab-type", {detail: ["lab-picked", `${picked.dataset.run} ${Date.now()}`]}));

@@ -1,5 +1,5 @@
 // Names in the chart of the Cost tab keep apart, whatever the window: methods move down until they are free, and
-// numbers of cells, and ticks under the price, that would touch anything are not shown.
+// numbers of cells that would touch anything are not shown.
 (() => {
   const FEW = 40;  // runs between which a name finds a place
   const section = document.getElementById("lab-cost"), dots = section.querySelector(".lab-dots");
@@ -32,13 +32,6 @@
     if (marks.length >= FEW) taken.push(...marks);
     const shown = cells.map(cell => [cell, box(cell)]).map(([cell, at]) => [cell, free(at) && taken.push(at)]);
     for (const [cell, isFree] of shown) show(cell, isFree);
-    for (const keys of all(".lab-keys")) {  // above the line where it would go through them
-      keys.style.transform = "";
-      const {top, bottom} = box(keys), middle = wish.top + wish.height / 2;
-      if (middle > top - 4 && middle < bottom + 4) keys.style.transform = `translateY(${middle - bottom - 8}px)`;
-    }
-    const price = box(section.querySelector(".lab-drop span"));
-    for (const [tick, at] of all(".lab-across").map(tick => [tick, box(tick)])) show(tick, apart(at, price));
   }
 
   addEventListener("lab-cost-drawn", settle);

@@ -1,8 +1,8 @@
 // The line of the accuracy that is wanted, in the chart of the Cost tab: dragged, or moved by keys, it writes into the
-// box "Tolerance / A", and the page says which run is the cheapest below it.
+// box "Tolerance", and the page says which run is the cheapest below it.
 (() => {
   const section = document.getElementById("lab-cost"), part = name => section.querySelector(name);
-  const plot = part(".lab-plot"), dots = part(".lab-dots"), wish = part(".lab-wish"), price = part(".lab-drop span");
+  const plot = part(".lab-plot"), dots = part(".lab-dots"), wish = part(".lab-wish");
   const lines = document.getElementsByClassName("lab-cost-line");
   let line = null, value = -3, dragged = false, due = 0;  // value: a power of ten, as the axis' ends are
 
@@ -10,21 +10,23 @@
   const percent = power => Number((100 * 10 ** power).toPrecision(2));
 
   function put() {
-    const {text, spoken, best} = said(), [low, high] = ends(), words = `${percent(value)}\u00a0%`;
+    const {text, spoken, marks} = said(), [low, high] = ends(), words = `${percent(value)}\u00a0%`;
     section.classList.toggle("lab-wished", text !== undefined);
     plot.style.setProperty("--wish", `${100 * Math.min(1, Math.max(0, (high - value) / (high - low)))}%`);
     wish.firstElementChild.textContent = dragged ? words : text || words;
     for (const [name, power] of [["min", low], ["max", high], ["now", value]])
       wish.setAttribute(`aria-value${name}`, percent(power));
     wish.setAttribute("aria-valuetext", spoken || words);
-    const dot = best && dots.querySelector(`[data-run="${best}"]`);
-    dots.querySelector(".lab-best")?.classList.remove("lab-best");
-    section.classList.toggle("lab-met", !!dot);
-    if (dot) {
-      dot.classList.add("lab-best");
-      plot.style.setProperty("--best-x", dot.style.left);
-      plot.style.setProperty("--best-y", dot.style.top);
-      price.textContent = said().price;
+    for (const name of dots.querySelectorAll("span.lab-good")) name.remove();
+    for (const dot of dots.querySelectorAll(".lab-good")) dot.classList.remove("lab-good");
+    for (const [run, label] of JSON.parse(marks || "[]")) {  // the runs that answer
+      const dot = dots.querySelector(`[data-run="${run}"]`);
+      if (!dot) continue;
+      dot.classList.add("lab-good");
+      const name = Object.assign(document.createElement("span"), {className: "lab-on-stage lab-good", textContent: label});
+      Object.assign(name.style, {left: dot.style.left, top: dot.style.top});
+      name.ariaHidden = "true";
+      dots.append(name);
     }
     dispatchEvent(new Event("lab-cost-wished"));
   }
@@ -34,7 +36,7 @@
     value = Math.log10(wanted);
     put();
     clearTimeout(due);
-    due = setTimeout(() => dispatchEvent(new CustomEvent("lab-type", {detail: ["lab-wanted", String(wanted)]})), 40);
+    due = setTimeout(() => dispatchEvent(new CustomEvent("lab-type", {detail: ["lab-wanted", `${percent(value)} %`]})), 40);
   }
 
   function look() {

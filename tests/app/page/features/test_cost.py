@@ -6,12 +6,13 @@ from dataclasses import replace
 
 import pytest
 
+from app.names_and_units import NOTHING
 from app.page.features.cost import cost_texts
-from app.page.features.cost.jobs import scenes_to_time
 from app.page.features.cost.panel import CostTab
 from app.page.features.cost.visitor_run_list import (
     LIVE,
     SEARCH,
+    SHIPPED,
     SWEEP,
     LiveRunRecorder,
     VisitorRunList,
@@ -91,7 +92,7 @@ def test_live_run_that_goes_bad_is_a_row(status, steps, changes, said):
     run = run_of(bad, steps)
     assert run.row["status"] == status and run.row["reason"] and run.drawable and said in cost_texts.run_sentence(run)
     assert run.row["t"] < bad.end_time if status == "unstable" else run.row["steps"] == bad.steps
-    assert f">{status}</td>" in cost_texts.runs_table([run])
+    assert f">{status}</td>" in cost_texts.runs_table([run], [], run)
 
 
 def test_run_that_is_lost_after_its_scene_is_ok():
@@ -103,19 +104,22 @@ def test_run_that_is_lost_after_its_scene_is_ok():
 def test_live_run_without_truth_has_its_estimate():
     run = run_of(replace(SCENE, body_force="two-tone"))
     assert run.error is None and run.error_or_estimate == run.estimate > 0 and run.drawable
-    assert f"est. {cost_texts.format_percent(run.estimate)}" in cost_texts.runs_table([run])
+    errors = f"<td>{NOTHING}</td><td>{cost_texts.format_percent(run.estimate)}</td>"
+    assert errors in cost_texts.runs_table([run], [], None)
 
 
 def test_runs_keep_their_numbers_and_are_bounded():
-    """A scene seen again is no new dot, a live row does not replace a timed one, and the oldest goes."""
+    """A run seen again is no new dot, whatever was estimated beside it; a live row does not replace a timed one, and
+    the oldest goes."""
     runs = VisitorRunList(most=3)
     for cells in (10, 20, 10):
         runs.add(fake_row(cells=cells), LIVE)
+    bare = fake_row(cells=10)
+    runs.add({**bare, "key": "another", "asked": {**bare["asked"], "effects": [], "estimator": ["companion"]}}, LIVE)
     runs.add(fake_row(cells=20), SWEEP)
     runs.add(fake_row(cells=20), LIVE)
     runs.add(fake_row(cells=10, status="failed"), SWEEP)
     assert [(run.number, run.source) for run in runs.all()] == [(1, LIVE), (2, SWEEP)]
-    assert [task.inputs["cells"] for task in scenes_to_time(runs.all())] == [10]
     for cells in (30, 40):
         runs.add(fake_row(cells=cells), LIVE)
     assert [run.number for run in runs.all()] == [2, 3, 4]
@@ -152,7 +156,8 @@ def test_what_is_no_number_is_refused_in_words(text):
 def test_row_that_says_most_is_kept():
     """A search knows less of a run than a sweep, and more of its time than a stage; the number stays."""
     runs = VisitorRunList()
-    for source, kept in ((LIVE, LIVE), (SEARCH, SEARCH), (LIVE, SEARCH), (SWEEP, SWEEP), (SEARCH, SWEEP)):
+    for source, kept in ((LIVE, LIVE), (SHIPPED, SHIPPED), (LIVE, SHIPPED), (SEARCH, SEARCH), (SHIPPED, SEARCH),
+                         (SWEEP, SWEEP), (SEARCH, SWEEP)):
         runs.add(fake_row(), source)
         assert [(run.number, run.source) for run in runs.all()] == [(1, kept)]
 
@@ -167,8 +172,27 @@ def test_table_is_bounded_and_says_what_is_left_out():
     """It is made anew with every run that a search makes."""
     runs = VisitorRunList()
     for cells in range(10, 10 + cost_texts.MOST_LINES + 3):
-        runs.add(fake_row(cells=cells), SWEEP)
-    runs.add(failed_row(task_of(SCENE), "lost <b>"), SWEEP)
-    listed = cost_texts.runs_table(runs.all())
+        runs.add(fake_row(cells=cells), SEARCH)
+    runs.add(failed_row(task_of(SCENE), "lost <b>"), SEARCH)
+    listed = cost_texts.runs_table(runs.all(), [], None)
     assert listed.count("<button") == cost_texts.MOST_LINES and "4 more are on the chart" in listed
-    assert "lost <b>" not in listed and cost_texts.runs_table([]) == ""
+    assert "lost <b>" not in listed and cost_texts.runs_table([], [], None) == ""
+
+
+def test_table_has_the_own_run_and_its_shipped_neighbours():
+    """All of them would be too many; each is in the chart."""
+    runs = VisitorRunList()
+    for method, cells in (("ugimp", 20), ("bspline", 20), ("ugimp", 30), ("ugimp", 40)):
+        runs.add(fake_row(method, cells), SHIPPED)
+    own, *_, best = runs.all()
+    listed = cost_texts.runs_table(runs.all(), [best], own)
+    assert [f"load run {run.number}'" in listed for run in runs.all()] == [True, True, False, True]
+    assert "uGIMP, 20 (yours)" in listed and listed.count("lab-marked") == 1 and "4 runs, measured on the" in listed
+    assert "1 more are on the chart" in listed
+    runs.add(fake_row("mpm"), SWEEP)
+    assert "They are hollow" in cost_texts.runs_table(runs.all(), [best], own)
+
+
+@pytest.mark.parametrize(("text", "share"), [("0.5 %", 0.005), ("0,5%", 0.005), ("5e-3", 0.005), (" 12 % ", 0.12)])
+def test_a_tolerance_is_a_part_or_per_cent(text, share):
+    assert cost_texts.parse_tolerance(text) == pytest.approx(share, rel=1e-15)

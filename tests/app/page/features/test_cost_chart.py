@@ -9,24 +9,19 @@ import pytest
 
 from app.colour_palette import GROUNDS, METHOD_COLOURS
 from app.page.features.cost import visitor_run_list
-from app.page.features.cost.cost_chart import (
-    LogAxis,
-    answer_headline,
-    axes_for,
-    axis_around,
-    best_without_curve,
-    curve_names,
-    draw_runs,
-    tolerance_line,
-)
+from app.page.features.cost.cost_answer import answer_box, answer_headline, find_answer, tolerance_line
+from app.page.features.cost.cost_chart import best_without_curve, curve_names, draw_runs
 from app.page.features.cost.cost_texts import format_percent, format_seconds
+from app.page.features.cost.log_axes import LogAxis, axes_for, axis_around
 from app.page.features.cost.visitor_run_list import (
     LIVE,
     SEARCH,
+    SHIPPED,
     SWEEP,
     VisitorRunList,
     cheapest_run,
     comparable_runs,
+    measured_runs,
     pareto_front,
     run_of_scene,
 )
@@ -56,11 +51,16 @@ def numbered(*rows):
 
 
 def drawn(runs, scene=SCENE, tolerance=1e-3):
-    return draw_runs(runs, comparable_runs(runs, scene), scene, axes_for(runs, tolerance))
+    return draw_runs(runs, comparable_runs(runs, scene), scene, "x", axes_for(runs, tolerance))
 
 
-def sweep(*methods):
-    return [(fake_row(method, cells), SWEEP) for method in methods for cells in (10, 20, 40)]
+def sweep(*methods, source=SWEEP):
+    return [(fake_row(method, cells), source) for method in methods for cells in (10, 20, 40)]
+
+
+def headline(runs, tolerance=1e-3, scene=SCENE, follows=False, trouble="", **options):
+    like = comparable_runs(runs, scene)
+    return answer_headline(find_answer(like, scene, tolerance, follows), runs, like, scene, trouble, **options)
 
 
 def buttons(drawing):
@@ -81,7 +81,7 @@ def buttons(drawing):
 def test_every_run_is_a_button_where_its_error_and_time_are():
     """Every run with an error and a time alone is within the chart, cheap ones to the left, exact ones below; one that
     broke is at the top, one that failed nowhere; runs of a sweep are joined and named at the finest."""
-    runs = numbered(*sweep("ugimp"), (fake_row("mpm", status="unstable"), SWEEP), (judged("bspline", 40), SEARCH),
+    runs = numbered(*sweep("ugimp"), (fake_row("mpm", status="unstable"), SWEEP), (judged("bspline", 42), SEARCH),
                     (failed_row(task_of(SCENE), "lost <b>"), SWEEP))
     drawing = drawn(runs)
     found = buttons(drawing)
@@ -89,29 +89,43 @@ def test_every_run_is_a_button_where_its_error_and_time_are():
     assert found[1][1] < found[2][1] < found[3][1] and found[1][2] < found[2][2] < found[3][2]
     assert all(0 < left < 100 and 0 <= top < 100 for _, left, top, _ in found.values())
     assert found[4][0] == {"lab-dot", "lab-broken"} and found[4][2] == 0 and "too long" in found[4][3]
-    assert found[5][0] == {"lab-dot", "lab-judged"} and "estimated by companion" in found[5][3]
-    assert drawing.count("class='lab-curve'") == 2 and "hollow: estimated by companion" in drawing
+    assert found[5][0] == {"lab-dot", "lab-judged", "lab-small"} and "estimated by companion" in found[5][3]
+    assert drawing.count("class='lab-curve'") == 2
     assert [words for _,
             words in curve_names(runs)] == ["uGIMP"] and [run.method for run in best_without_curve(runs)] == ["bspline"]
     rows = [(fake_row("ugimp", cells, cfl), SWEEP) for cfl in (0.1, 0.5) for cells in (10, 20)]
     assert [words for _, words in curve_names(numbered(*rows))] == ["uGIMP, CFL 0.1", "uGIMP, CFL 0.5"]
-    assert not buttons(drawn([])) and "time of one run" in drawn([])  # what will be there
+    assert not buttons(drawn([])) and "Time of one run" in drawn([])  # what will be there
     lost = fake_row(status="lost", reason="<img src=x onerror='alert(1)'>")
     stranger = drawn([visitor_run_list.NumberedRun(1, SWEEP, lost)])
     assert "<img" not in stranger and "onerror=&#x27;" in stranger
 
 
 def test_times_of_a_stage_are_not_on_the_axis():
-    """They are taken beside pictures and estimates: such a run stands in a band, is never the answer, and no axis
-    reaches for it."""
+    """They are taken beside pictures and estimates: the own run then stands in a band, others nowhere; none is the
+    answer, and no axis reaches for it."""
     slow = fake_row("bspline", seconds={"full": 1e5})
     runs = numbered((slow, LIVE), *sweep("ugimp"))
-    found = buttons(drawn(runs))
-    assert found[1][0] == {"lab-dot", "lab-untimed"} and found[1][1] == 0 and "on the stage" in found[1][3]
-    assert axes_for(runs, 1e-3).time_axis.high < 2 and "not timed alone" in drawn(runs)
+    assert sorted(buttons(drawn(runs))) == [2, 3, 4] and "lab-band" not in drawn(runs)
+    own = replace(SCENE, method="bspline")
+    found = buttons(drawn(runs, own))
+    assert found[1][0] == {"lab-dot", "lab-untimed", "lab-own"} and found[1][1] == 0 and "on the stage" in found[1][3]
+    assert axes_for(runs, 1e-3).time_axis.high < 2 and "not timed alone" in drawn(runs, own)
     only = numbered((slow, LIVE))
-    assert not pareto_front(only) and cheapest_run(only, 1e9) is None and "lab-band" in drawn(only)
-    assert "lab-band" not in drawn(numbered(*sweep("ugimp")))
+    assert not pareto_front(only) and cheapest_run(only, 1e9) is None and "lab-band" in drawn(only, own)
+
+
+def test_runs_measured_here_replace_shipped_ones_mark_by_mark():
+    """Times of two machines are not compared: those that are yet to be measured are hollow, and no answer."""
+    runs = numbered(*sweep("ugimp", source=SHIPPED), *sweep("ugimp")[:2])
+    assert [run.source for run in runs] == [SWEEP, SWEEP, SHIPPED]
+    found = buttons(drawn(runs))
+    assert [number for number, (kinds, *_) in found.items() if "lab-elsewhere" in kinds] == [3]
+    assert "on the authors' machine" in found[3][3] and drawn(runs).count("class='lab-curve'") == 2
+    assert measured_runs(runs) == runs[:2] and cheapest_run(runs, 0.03) is None
+    before = numbered(*sweep("ugimp", source=SHIPPED))
+    assert cheapest_run(before, 0.03) is before[2] and not any(
+        "lab-elsewhere" in kinds for kinds, *_ in buttons(drawn(before)).values())
 
 
 def test_runs_of_another_scene_are_faint_and_no_answer():
@@ -141,38 +155,66 @@ def test_front_is_what_none_beats():
 def test_headline_is_the_answer_and_says_whose_word_it_is():
     runs = numbered(*sweep("ugimp"), (fake_row("mpm", 10, order=0.5), SWEEP), (fake_row("mpm", 20, order=0.1), SWEEP))
     best = cheapest_run(runs, 0.03)
-    says, more = answer_headline(runs, SCENE, 0.03, "", 16)
-    assert says == f"For <b>3{NBSP}% of A</b>, pay <strong>{format_seconds(best.seconds)}</strong>: uGIMP on 40 cells."
-    assert (
-        format_percent(best.error_or_estimate) in more
-        and "MPM (hat functions) gets worse" in more
-        and "estimate" not in more
-    )
-    so_far, still = answer_headline(runs, SCENE, 0.03, "", 16, provisional=True)
-    assert so_far == f"Cheapest so far for <b>3{NBSP}% of A</b>: <strong>{format_seconds(best.seconds)}</strong>, " \
-        "uGIMP on 40 cells." and still == more
-    assert answer_headline(runs, SCENE, 1e-9, "", 16)[0].startswith("No run so far comes below")
-    guessed = numbered((judged(size=0.02), SEARCH))
-    assert "estimated by companion" in answer_headline(guessed, SCENE, 0.03, "", 16)[1]
-    assert answer_headline(runs, SCENE, float("nan"), "give a <number>", 16)[1] == "give a &lt;number&gt;"
-    assert answer_headline([], SCENE, 1e-3, "", 16)[0] == "Nothing measured yet."
-    says, more = answer_headline(numbered((fake_row(), LIVE)), SCENE, 1e-3, "", 16)
-    assert says == "Nothing timed yet." and "data-press='Small sweep'" in more and "of 16 runs" in more
+    says, more = headline(runs, 0.03)
+    paid = f"<strong>{format_seconds(best.seconds)}</strong>"
+    assert says == f"For an error of <b>3{NBSP}%</b>, pay {paid}: uGIMP on 40 cells."
+    assert format_percent(best.error_or_estimate) in more and "MPM (hat functions) gets worse" in more
+    assert "estimate" not in more
+    so_far, still = headline(runs, 0.03, provisional=True)
+    assert so_far == f"Cheapest so far for <b>3{NBSP}%</b>: {paid}, uGIMP on 40 cells." and still == more
+    assert headline(runs, 1e-9)[0].startswith("No run so far comes below")
+    assert "estimated by companion" in headline(numbered((judged(size=0.02), SEARCH)), 0.03)[1]
+    assert headline(runs, float("nan"), trouble="give a <number>")[1] == "give a &lt;number&gt;"
+    assert headline([]) == ("Nothing measured for your run yet.", "No run of this motion has been timed yet.<br>"
+                            "<button data-press='Measure here'>Measure here</button>")
+    says, more = headline(numbered((fake_row(), LIVE)))
+    assert says.startswith("Your run is <b>") and "data-press='Measure here'" in more
+
+
+def test_a_run_is_set_beside_one_as_accurate_and_one_as_fast():
+    """The first has at most its error in the least time, the second the least error in at most 8 % more time."""
+    scene = replace(SCENE, method="mpm")
+    rows = [("mpm", 20, 1.0, 1e-2), ("ugimp", 10, 1.4, 4e-3), ("ugimp", 20, 1.4, 1.05e-2), ("bspline", 20, 1.7, 1.2e-2),
+            ("bspline", 10, 0.5, 1e-3)]
+    runs = numbered(*((fake_row(method, cells, order=order, seconds={"min": seconds}), SHIPPED)
+                      for method, cells, order, seconds in rows))
+    answer = find_answer(runs, scene, 0.5, follows=True)
+    assert answer.own is runs[0] and answer.cheaper is runs[1] and answer.more_accurate is runs[2]
+    assert answer.tolerance == runs[0].error and answer.is_own
+    box = answer_box(answer)
+    assert "uGIMP on 10 cells: 4 ms instead of 10 ms" in box.replace(NBSP, " ") and "data-run='2'" in box
+    assert "<b>As fast as your run, more accurate:</b><p>uGIMP on 20 cells" in box and "data-run='3'" in box
+    says = headline(runs, 0.5, scene, True)[0]
+    assert says.endswith(f"<b>uGIMP on 10 cells</b> does as well in <strong>4{NBSP}ms</strong>.")
+    best = find_answer(runs[1:2], replace(scene, method="ugimp", cells=10), 0.5, follows=True)
+    assert best.cheaper is best.more_accurate is None and answer_box(best) == ""
+    moved = find_answer(runs, scene, 1.6, follows=False)
+    assert moved.cheaper is runs[1] and not moved.is_own and answer_box(moved) == ""
+    untimed = numbered((fake_row("mpm", order=1.0), LIVE), *((run.row, SHIPPED) for run in runs[1:]))
+    found = find_answer(untimed, scene, 0.5, follows=True)
+    assert found.cheaper is not None and found.more_accurate is None
+    assert "has not been measured alone" in headline(untimed, 0.5, scene, True)[1]
+
+
+def test_other_motions_are_said_to_be_others():
+    says, more = headline(numbered(*sweep("ugimp", source=SHIPPED)), scene=replace(SCENE, amplitude=0.01))
+    assert says == "Nothing measured for your run yet." and "Measure here" in more
+    assert "of another motion: A = 25 mm, E 4 Pa, until 5 s. Yours: A = 10 mm, E 4 Pa, until 5 s." in more
 
 
 def test_line_says_what_it_lights_up():
     runs = numbered(*sweep("ugimp"))
-    mark = tolerance_line(runs, SCENE, 0.03, axes_for(runs, 0.03))
-    assert f"data-best='3' data-price='{format_seconds(runs[2].seconds)}'" in mark
-    assert f"data-spoken='3{NBSP}% of A: {format_seconds(runs[2].seconds)}, uGIMP on 40 cells'" in mark
-    out_of_reach = tolerance_line(runs, SCENE, 1e-9, axes_for(runs, 1e-9))
-    assert "data-best" not in out_of_reach and "no run so far" in out_of_reach
+    mark = tolerance_line(find_answer(runs, SCENE, 0.03, False), axes_for(runs, 0.03))
+    assert f"data-marks='[[3, &quot;{format_seconds(runs[2].seconds)}&quot;]]'".encode() in mark.replace(
+        "\\u00a0", NBSP).encode() and f"data-text='3{NBSP}% wanted'" in mark
+    assert f"data-spoken='3{NBSP}%: {format_seconds(runs[2].seconds)}, uGIMP on 40 cells'" in mark
+    out_of_reach = tolerance_line(find_answer(runs, SCENE, 1e-9, False), axes_for(runs, 1e-9))
+    assert "data-marks='[]'" in out_of_reach and "no run so far" in out_of_reach
+    own = tolerance_line(find_answer(runs, SCENE, 1.0, True), axes_for(runs, 1.0))
+    assert "as accurate as your run" in own
     nothing = "<i class='lab-cost-line'></i>"
-    assert (
-        tolerance_line(runs, SCENE, float("nan"), axes_for(runs, 0.03))
-        == tolerance_line([], SCENE, 0.03, None)
-        == nothing
-    )
+    assert tolerance_line(find_answer(runs, SCENE, float("nan"), False), axes_for(runs, 0.03)) == nothing
+    assert tolerance_line(find_answer([], SCENE, 0.03, False), None) == nothing
 
 
 def test_axes_hold_everything_and_only_grow():
@@ -198,16 +240,12 @@ def test_axis_holds_its_values_and_has_ticks(values):
 
 def test_run_on_the_stage_is_marked():
     """Whatever else is computed beside it, and where it was timed alone, if so; the step may be said either way."""
-    runs = numbered((fake_row("ugimp", 20, estimate=None, key="live"), LIVE), *sweep("ugimp"))
-    assert run_of_scene(runs, replace(SCENE, cfl=0.05, estimators=(), effects=())) is runs[2]
-    assert run_of_scene(runs[:1], SCENE) is runs[0] and "on the stage</span>" in drawn(runs[:1])
-    assert (
-        run_of_scene(runs, replace(SCENE, cells=40)) is runs[3] and run_of_scene(runs, replace(SCENE, cells=41)) is None
-    )
-    assert (
-        run_of_scene(runs, replace(SCENE, cfl=0.1)) is None
-        and run_of_scene(runs, replace(SCENE, amplitude=0.01)) is None
-    )
+    runs = numbered(*sweep("ugimp"))
+    assert run_of_scene(runs, replace(SCENE, cfl=0.05, estimators=(), effects=())) is runs[1]
+    assert "your run: uGIMP, 20 cells</span>" in drawn(runs) and "lab-own" in buttons(drawn(runs))[2][0]
+    assert run_of_scene(runs, replace(SCENE, cells=40)) is runs[2]
+    for other in ({"cells": 41}, {"cfl": 0.1}, {"amplitude": 0.01}):
+        assert run_of_scene(runs, replace(SCENE, **other)) is None
 
 
 def test_methods_have_the_colours_of_every_picture():

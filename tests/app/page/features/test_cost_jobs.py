@@ -13,9 +13,10 @@ import pytest
 from app.page.features import background_job
 from app.page.features.cost import cost_texts
 from app.page.features.cost import jobs as cost_jobs
-from app.page.features.cost.jobs import CostJobs, CostJobStatus, SearchCache, WarmWorker, search_job, small_sweep
+from app.page.features.cost.jobs import CostJobs, CostJobStatus, SearchCache, WarmWorker, search_job, sweep_tasks
 from app.page.features.cost.panel import CostTab
-from app.page.features.cost.visitor_run_list import VisitorRunList, advice_key, cheapest_run
+from app.page.features.cost.visitor_run_list import VisitorRunList, advice_key, cheapest_run, run_key
+from app.page.visit.first_scene import first_scene
 from solvers.problems.bar.scene import BarScene
 from solvers.problems.ring import RingScene
 from solvers.study.parameter_grid import task_of
@@ -76,16 +77,17 @@ def jobs():
 
 def few(tolerance):
     """A search among two families."""
-    return replace(search_job(SCENE, tolerance, 5.0), methods=(("ugimp", False), ("mpm", False)), ppc=(2,),
+    return replace(search_job(SCENE, "x", tolerance, 5.0), methods=(("ugimp", False), ("mpm", False)), ppc=(2,),
                    courant_numbers=(0.5,))
 
 
 @pytest.mark.parametrize("scene", [
     SCENE, BarScene(method="cpgimp", velocity="corners", effects=(), periods=1), RingScene(periods=1, dt=1e-5)],
     ids=["bar", "corners", "ring"])
-def test_small_sweep_is_valid_and_like_the_scene(scene):
-    tasks = small_sweep(scene)
-    assert len(tasks) == 16 == len({task.key for task in tasks})
+def test_a_sweep_is_valid_and_like_the_scene(scene):
+    """It begins with the scene itself, and has every grid of every method."""
+    tasks = sweep_tasks(scene)
+    assert len({task.key for task in tasks}) == len(tasks) >= 16 and run_key(tasks[0].scene()) == run_key(scene)
     for task in tasks:
         other = task.scene()
         assert (other.amplitude, other.dt, other.periods) == (scene.amplitude, scene.dt, scene.periods)
@@ -97,7 +99,7 @@ def test_a_sweep_and_a_search_in_processes_of_their_own(jobs):
     """Each of a search's runs is a row as soon as it is made, with an estimate, no true error, and a scene to watch;
     the advice is a scene with the truth and the estimate by which it was found. Another visitor's search for the same
     makes none of them again."""
-    jobs.start_sweep(small_sweep(SCENE)[:1])
+    jobs.start_sweep(sweep_tasks(SCENE)[:1])
     wait_until(lambda: not jobs.status.running, "the end of a sweep")
     [run] = jobs.runs.all()
     assert jobs.status == CostJobStatus("sweep", done=1, total=1) and run.row["seconds"]["min"] > 0
@@ -115,7 +117,7 @@ def test_a_sweep_and_a_search_in_processes_of_their_own(jobs):
     taken = cheapest_run(found, 1e-2)
     assert taken.row["asked"] == advice["task"]["inputs"] and taken.scene.has("truth")
     assert taken.seconds == advice["seconds"] and taken.error_or_estimate == advice["error"] / SCENE.amplitude
-    assert cost_texts.advice_text({**advice, "met": False, "error": None}).startswith("No run within the limits")
+    assert cost_texts.advice_text({**advice, "met": False, "error": None}, "x").startswith("No run within the limits")
     assert other.status.known == other.status.done == searcher.status.done and other.status.task is None
     assert other.status.advice == advice and [run.row for run in other.runs.all()] == [run.row for run in found]
     assert f"{other.status.known} of them had been made by earlier searches" in cost_texts.job_status_text(other.status)
@@ -125,18 +127,18 @@ def test_a_sweep_and_a_search_in_processes_of_their_own(jobs):
 
 def test_a_job_is_told_of_and_makes_room(jobs, pools):
     """While one runs nothing else begins, and no other visitor's; cancelled it keeps its rows; what ends it is said."""
-    jobs.start_sweep(small_sweep(SCENE))
+    jobs.start_sweep(sweep_tasks(SCENE))
     jobs.start_search(few(1e-2))
     assert (
         len(pools) == 1
         and pools[0].work == "solvers.study.sweep_and_search_worker:sweep"
-        and len(pools[0].question) == 16
+        and len(pools[0].question) == 25
     )
     other = CostJobs(VisitorRunList(), jobs.slots)
-    other.start_sweep(small_sweep(SCENE))
+    other.start_sweep(sweep_tasks(SCENE))
     assert "server busy" in cost_texts.job_status_text(other.status) and not other.status.running and other.others_busy
     pools[0].hear({"row": fake_row()})
-    assert cost_texts.job_status_text(jobs.status) == "Sweep: 1 of 16 runs."
+    assert cost_texts.job_status_text(jobs.status) == "Sweep: 1 of 25 runs."
     jobs.cancel()
     wait_until(lambda: not jobs.status.running, "the end of a job that was cancelled")
     assert (
@@ -146,7 +148,7 @@ def test_a_job_is_told_of_and_makes_room(jobs, pools):
     )
     for error, said in ((ProcessDied("was ended by SIGKILL"), "SIGKILL"),
                         (OSError(11, "Resource temporarily unavailable"), "temporarily unavailable")):
-        jobs.start_sweep(small_sweep(SCENE))
+        jobs.start_sweep(sweep_tasks(SCENE))
         pools[-1].end(error)
         assert said in cost_texts.job_status_text(jobs.status) and not jobs.status.running and jobs.slots.taken == 0
     other.start_search(few(1e-2))
@@ -159,10 +161,10 @@ def test_a_job_is_told_of_and_makes_room(jobs, pools):
 
 def test_visitor_who_leaves_takes_the_process_along(jobs, pools):
     """After that none begins. That the page closes its jobs is seen in ``tests/browser/features/test_cost.py``."""
-    jobs.start_sweep(small_sweep(SCENE))
+    jobs.start_sweep(sweep_tasks(SCENE))
     jobs.close()
     wait_until(lambda: not jobs.status.running and pools[0].closed, "the end of the job")
-    jobs.start_sweep(small_sweep(SCENE))
+    jobs.start_sweep(sweep_tasks(SCENE))
     assert not jobs.status.running and len(pools) == 1
 
 
@@ -206,7 +208,7 @@ def test_a_search_takes_the_process_that_is_ready(jobs, ready, pools):
     assert first.ways == 1 and ready._pool is None and first.closed
     jobs.prepare(few(1e-2), undisturbed=True)
     second = ready._pool
-    jobs.start_sweep(small_sweep(SCENE)[:1])
+    jobs.start_sweep(sweep_tasks(SCENE)[:1])
     assert jobs._pool is not second
     wait_until(lambda: second.closed, "the end of what was ready")
 
@@ -236,7 +238,7 @@ def test_who_opens_the_tab_has_a_process_made_ready(tab):
     tab.open({"what": "ever"})
     tab.stage.scene = BarScene(motion="patch")
     tab.open(True)
-    assert [quiet for _, quiet in asked] == [True, False] and asked[0][0] == search_job(SCENE, 1e-3, 10.0)
+    assert [quiet for _, quiet in asked] == [True, False] and asked[0][0] == search_job(SCENE, "x", 1e-3, 10.0)
 
 
 def test_what_is_kept_is_bounded_and_times_hold_for_an_hour():
@@ -260,7 +262,7 @@ class Stage:
     """As much of a session as a job takes note of."""
 
     def __init__(self, playing=True, others=False):
-        self.scene, self.playing, self.others_playing = SCENE, playing, others
+        self.scene, self.playing, self.others_playing, self.report = SCENE, playing, others, None
 
     def play(self, playing):
         self.playing = playing
@@ -312,6 +314,27 @@ def test_tab_says_what_disturbs_the_times_and_gives_way_to_it(tab):
     assert "Your stage" not in said() and "Other visitors" not in said() and "paused" not in said()
 
 
+def test_tab_opens_with_shipped_runs_and_follows_the_error_of_the_own_one(tab):
+    """Until the visitor sets another tolerance; where the stage goes on after the scene, it names the chart's end."""
+    tab.jobs.prepare = lambda job, undisturbed: None
+    tab.stage.scene = first_scene("bar")
+    tab.refresh()
+    assert not tab.runs.all() and "Nothing measured" in tab.widgets.said
+    tab.open(True)
+    tab.refresh()
+    tolerance = tab.widgets.by_label["Tolerance"]
+    assert "does as well in" in tab.widgets.said and "Load the better" in tab.widgets.said
+    assert tolerance.value == "0.5\N{NO-BREAK SPACE}%" and "the stage has gone on" not in tab.widgets.said
+    tab.stage.scene = replace(tab.stage.scene, method="mpm")
+    tab.stage.report = SimpleNamespace(scene=tab.stage.scene, step=tab.stage.scene.steps + 1)
+    tab.refresh()
+    assert tolerance.value == "10\N{NO-BREAK SPACE}%" and "until t = 1 s" in tab.widgets.said
+    tolerance.value = "2 %"
+    tab.stage.scene = first_scene("bar")
+    tab.refresh()
+    assert tolerance.value == "2 %" and "For an error of <b>2" in tab.widgets.said
+
+
 def test_a_search_gives_way_once_it_has_shown_a_run(jobs):
     """A sweep does at once: nobody waits for its first row in particular."""
     ways = []
@@ -338,7 +361,7 @@ def test_advice_goes_when_what_was_asked_changes(tab):
     tab.stage.scene = replace(SCENE, method="cpgimp", cells=28, ppc=3, cfl=0.5, effects=(), estimators=())
     tab.refresh()
     assert tab.jobs.status.advice and "advice is on the stage" not in tab.widgets.said
-    tab.widgets.by_label["Tolerance / A"].value = "1e-2"
+    tab.widgets.by_label["Tolerance"].value = "1e-2"
     tab.refresh()
     assert tab.jobs.status == CostJobStatus()
     for change in ({"amplitude": 0.01}, {"modulus": 8.0}, {"body_force": "none"}, {"periods": 2.0}):
