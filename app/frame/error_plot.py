@@ -18,7 +18,7 @@ TRUE_DOT, RING, HOLE = 4.5, 8.5, 5.5
 BAR, BESIDE, NUMBER = 6.0, 6.0, 12.0
 HEADING = 22.0  # height in pixels of the line above the plot
 BAR_POINTS = 128
-BOLD = 1.15  # width of bold letters over that of usual ones
+BOLD = 1.05  # width of bold letters over that of usual ones
 SIGNS: tuple[Sign, Sign] = ("ring", "dot")  # of estimate and truth
 NAME = lazy("Error")  # where there is no room for the plot's own
 
