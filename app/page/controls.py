@@ -2,6 +2,7 @@
 
 import threading
 from collections.abc import Callable
+from dataclasses import asdict
 from typing import Any
 
 import viser
@@ -93,7 +94,10 @@ class Controls:
         self._choose_problem()
 
     def choose_problem(self, problem: str) -> None:
-        """Puts the first scene of a problem, by its key ("bar"), on the stage, unless the stage has that problem."""
+        """Puts the first scene of a problem, by its key ("bar"), on the stage, unless the stage has that problem, with
+        its own motion."""
+        if problem == self._session.scene.problem and self._session.scene.to_dict().get("displacement"):
+            self.load(first_scene(problem))
         self.problem.value = tr(PROBLEMS[problem].scene.TITLE)  # type: ignore[misc]
         self._choose_problem()
 
@@ -138,6 +142,17 @@ class Controls:
             self._transport.show_second_run(state)
             session.set_frame_options(differences=state.difference, plotted=state.quantity)
             self._history.trace(state.traced)
+            self._rebuild()
+        self._on_view()
+
+    def restore(self, state: State) -> None:
+        """Puts an earlier state back: at the instant shown, where only fields of the scene differ."""
+        session, pinned = self._session, self._session.pinned
+        if state.scene.problem != session.scene.problem or state.pinned != (pinned and pinned.scene):
+            return self.show(state)
+        with self._turn:
+            session.set_scene_fields(**asdict(state.scene))
+            self.stage.show(self.stage.quantity, state.estimator or state.scene.first_estimator, self.stage.magnified)
             self._rebuild()
         self._on_view()
 

@@ -17,6 +17,7 @@ from app.logo_and_font import MARK, font_faces_css
 from app.page.panels.browser_store_and_window import BrowserStore
 from app.templates import render_template
 from solvers.problems import PROBLEMS
+from solvers.scene.scene import Scene
 
 CONTROLS_WIDTH = 368  # pixels, of the viewer's panel until the style lays it out
 
@@ -96,22 +97,21 @@ class PresentationMode:
         self._button.label = tr(END if self.on else PRESENT)
 
 
-TITLES = {problem: kind.scene.TITLE for problem, kind in PROBLEMS.items()}
-
-
 class ProblemButtons:
-    """One visitor's buttons for problems, in a narrow window a dropdown; ``choose`` receives a problem's key."""
+    """One visitor's choice of what moves: a button for each problem and one for a motion or particles of their own, in
+    a narrow window a dropdown; ``choose`` receives a problem's key."""
 
     def __init__(self, gui: viser.GuiApi, store: BrowserStore, choose: Callable[[str], None]):
         self._html, self._choose = gui.add_html(""), choose
         store.heard["problem"] = self._on_message
 
-    def show(self, chosen: str, offered: bool) -> None:
-        """Marks the chosen problem, by its key; shows no buttons unless ``offered``: lessons may hide the choice."""
-        titles = {problem: tr(title) for problem, title in TITLES.items() if offered}
-        said = json.dumps({"titles": titles, "chosen": chosen})
+    def show(self, scene: Scene, offered: bool) -> None:
+        """Marks the problem of the scene on the stage; shows no buttons unless ``offered``: lessons may hide them."""
+        titles = {name: tr(problem.scene.TITLE) for name, problem in PROBLEMS.items() if offered}
+        typed = bool(scene.to_dict().get("displacement"))
+        said = json.dumps({"titles": titles, "chosen": scene.problem, "typed": typed})
         self._html.content = f"<i class='lab-problems' data-said='{escape(said)}'></i>"
 
     def _on_message(self, said: Any) -> None:
-        if isinstance(said, str) and said in TITLES:
+        if isinstance(said, str) and said in PROBLEMS:
             self._choose(said)

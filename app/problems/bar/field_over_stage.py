@@ -15,7 +15,7 @@ from solvers.engine.engine_messages import FrameReport
 from solvers.engine.shared_frames import FrameArrays
 from solvers.problems.bar.scene import BarScene
 
-LOWEST = 0.3  # height of the picture
+LOWEST, HIGHEST = 0.3, 1.3  # least and greatest height of the picture
 TITLE = 1.08  # size of its letters
 
 
@@ -30,7 +30,7 @@ class FieldOverStage:
     def draw(self, scene: BarScene, report: FrameReport, arrays: FrameArrays) -> Rectangle:
         """Draws a frame of a scene that has the values of a field; returns the rectangle of the picture."""
         metrics = self.sheet.stage_metrics.rounded()
-        metrics = replace(metrics, high=max(metrics.high, LOWEST))
+        metrics = replace(metrics, high=min(max(metrics.high, LOWEST), HIGHEST))
         if self._layout is None or self._layout.stage_metrics != metrics:
             self._layout = _layout(metrics)
             self.sheet.show_marks(*_still_marks(self._layout, scene))
