@@ -119,7 +119,8 @@ def _axis_titles_svg(scene: Scene, quantity: str) -> str:
                time=f"{format_number(scene.end_time)} s")
     return f"<text x='0' y='0' class='lab-title lab-above'>{escape(error)} " \
         f"<tspan>{tr('RMS, in % of {whole}', whole=reference_size_name(scene, quantity))}</tspan></text>" \
-        f"<text x='100%' y='100%' dy='3.2em' text-anchor='end' class='lab-title'>{tr('Time of one run')}</text>"
+        f"<text x='100%' y='100%' dy='3.2em' text-anchor='end' class='lab-title'>{tr('Time of one run')} " \
+        f"<tspan>{tr('without estimates')}</tspan></text>"
 
 
 def _path(runs: Sequence[NumberedRun], axes: Axes, attributes: str) -> str:

@@ -315,7 +315,8 @@ def test_tab_says_what_disturbs_the_times_and_gives_way_to_it(tab):
 
 
 def test_tab_opens_with_shipped_runs_and_follows_the_error_of_the_own_one(tab):
-    """Until the visitor sets another tolerance; where the stage goes on after the scene, it says when the chart ends."""
+    """Until the visitor sets another tolerance; where the stage goes on after the scene, it says when the chart
+    ends."""
     tab.jobs.prepare = lambda job, undisturbed: None
     tab.stage.scene = first_scene("bar")
     tab.refresh()
