@@ -32,7 +32,8 @@ LINES = {"truth": Shades("#0072b2", "#4fb0ea"), "estimate": Shades("#cf5a00", "#
          "transport": Shades("#cf5a00", "#ff8b3d"), "recovered": Shades("#6b2a00", "#f0b08c"),
          "companion": Shades("#c97d00", "#ffc766"), "twogrid": Shades("#b0156b", "#f07fb8"),
          "cross": Shades("#cc0078", "#ff62b3"), "edge": Shades("#7f8796", "#757d8d"),
-         "dot": Shades("#15171c", "#f0f2f6")}
+         "dot": Shades("#15171c", "#f0f2f6"), "stem": Shades("#a8517f", "#d487ae"),
+         "before": Shades("#868e9d", "#7d8594")}
 #: Dividers and tints without meaning.
 FAINT = {"line": Shades("#e2e5eb", "#2c313a"), "line2": Shades("#c5cad4", "#4a515e"),
          "cell": Shades("#cfd4dd", "#3a404b")}

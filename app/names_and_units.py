@@ -98,6 +98,17 @@ def method_name(method: str) -> str:
     return METHODS[method].name if method in METHODS else method
 
 
+def functions_name(method: str) -> str:
+    """Returns the name of a method's shape functions by its key: "hat functions" for "mpm", "B-spline"."""
+    return tr("hat functions") if method == "mpm" else method_name(method)
+
+
+def main_settings_text(scene: Scene) -> str:
+    """Describes grid, particles and motion of a run in few words: "40 cells, 4 a cell, A = 3.4 mm"."""
+    per_each = tr("{said} a cell", said=per_cell(scene.problem, scene.ppc))
+    return ", ".join([tr("{count} cells", count=scene.cells), per_each, _moved_by(scene)])
+
+
 def motion_text(scene: Scene) -> str:
     """Describes what moves the material: "A = 25 mm"; for a patch test its stretch and velocity."""
     motion = scene.to_dict().get("motion")  # if the problem has several

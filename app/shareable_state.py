@@ -45,7 +45,8 @@ class State:
     ``quantity`` is the key of the quantity whose error is shown, ``estimator`` the one on the stage if it is not the
     first; ``difference`` shows estimate minus truth, ``magnified`` is the factor of a plotted field's deviation,
     ``logarithmic`` the scale of errors over time, ``domains`` shows those of the particles; ``speed`` is in periods per
-    second, None for the problem's own; ``traced`` is a particle's number; a run that ``stops`` pauses at its end."""
+    second, None for the problem's own; ``traced`` is a particle's number; a run that ``stops`` pauses at its end.
+    Beside it runs the same scene by the ``compared`` method (its key), or the scene ``pinned``."""
 
     scene: Scene
     quantity: str = next(iter(QUANTITIES))
@@ -57,6 +58,7 @@ class State:
     speed: float | None = None
     traced: int | None = None
     stops: bool = False
+    compared: str | None = None
     pinned: Scene | None = None
 
 
@@ -87,6 +89,9 @@ def parse_state(text: str) -> State:
                          ", ".join(scene.estimators) or Message("none, for none runs"))
     if state.traced is not None and state.traced >= scene.particles:
         raise StateError("trace={traced}: there are particles 0 to {particles}", state.traced, scene.particles - 1)
+    if state.compared is not None and (pinned or state.compared not in scene.choices("method")):
+        raise StateError("compare={compared}: give one of {methods}, and no pinned run",
+                         _quote_in_message(state.compared), ", ".join(scene.choices("method")))
     return state
 
 
@@ -228,4 +233,5 @@ VIEW: dict[str, tuple[str, Callable[[str, str], Any]]] = {
     "on-stage": ("estimator", lambda _, text: text), "difference": ("difference", _parse_yes_or_no),
     "magnify": ("magnified", _choice_parser({str(factor): factor for factor in MAGNIFICATIONS})),
     "logarithmic": ("logarithmic", _parse_yes_or_no), "domains": ("domains", _parse_yes_or_no),
-    "speed": ("speed", _parse_speed), "trace": ("traced", _parse_particle), "stops": ("stops", _parse_yes_or_no)}
+    "speed": ("speed", _parse_speed), "trace": ("traced", _parse_particle), "stops": ("stops", _parse_yes_or_no),
+    "compare": ("compared", lambda _, text: text)}

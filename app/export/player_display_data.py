@@ -10,8 +10,8 @@ from app.colour_palette import CAUSES, PALETTE, PINNED, colour_table
 from app.export import recording_compression
 from app.frame import budget_chart_data, colour_scale, error_view_captions, field_plot, headline, layout
 from app.frame.layout import ComparedRunSlot
-from app.frame.primitives import LIGHT, Label, StageMetrics
-from app.frame.recent_crossings import LEAST_SECONDS, WINDOW
+from app.frame.primitives import LIGHT, StageMetrics
+from app.frame.recent_crossings import LEAST_SECONDS, MOST_CHANGED, WINDOW
 from app.frame.stage import Stage, StageLabels
 from app.language.translation import tr
 from app.problems.views import VIEWS
@@ -34,7 +34,7 @@ def shared_display_data(problems: Iterable[str]) -> dict[str, Any]:
             "scale": {"tops": list(colour_scale.TOPS.items()), "decades": colour_scale.DECADES,
                       "beyond": colour_scale.BEYOND, "smallest": colour_scale.SMALLEST, "zero": tr(colour_scale.ZERO)},
             "axis": {"steps": field_plot.STEPS, "room": field_plot.ROOM, "stems": field_plot.MOST_STEMS},
-            "crossings": {"window": WINDOW, "seconds": LEAST_SECONDS},
+            "crossings": {"window": WINDOW, "seconds": LEAST_SECONDS, "most": MOST_CHANGED},
             "colours": _colour_map_data(), "edge": layout.EDGE,
             "quantities": {key: {"noun": of.noun, "symbol": of.symbol, "unit": of.unit}
                            for key, of in names_and_units.QUANTITIES.items()},
@@ -55,10 +55,9 @@ def shared_display_data(problems: Iterable[str]) -> dict[str, Any]:
 
 
 def static_stage_data(stage: type[Stage]) -> dict[str, Any]:
-    """Returns a JSON object with what all frames of a problem's stage share: mirror images, plot axis, and layout and
-    labels in the bounds of a window and of a phone. A label's text is ``LATER`` if a run or frame has it."""
+    """Returns a JSON object with what all frames of a problem's stage share: mirror images, and layout and labels in
+    the bounds of a window and of a phone. A label's text is ``LATER`` if a run or frame has it."""
     return {"mirrors": stage.MIRRORS, "outlined": stage.OUTLINED, "lines": stage.LINES,
-            "plot": {"start": stage.PLOT.start, "end": stage.PLOT.end, "along": stage.PLOT.where is not None},
             "alike": tr(error_view_captions.ALIKE).format(tr(stage.HALVES)),
             "rooms": {name: _stage_layout(stage, room.rounded()) for name, room in ROOMS.items()}}
 
@@ -68,23 +67,23 @@ def _stage_layout(stage: type[Stage], room: StageMetrics) -> dict[str, Any]:
     places = stage.layout(room, ComparedRunSlot.ALONE)
     top = layout.colour_bar_box(room, room.high)
     halves = tr(error_view_captions.ESTIMATE[0]), tr(error_view_captions.TRUTH)
-    said = StageLabels(halves, (LATER, LATER), (LATER, LATER), "", LATER, LATER, LATER)
-    labels: list[Label] = [*stage.labels(said, places), *field_plot.plot_labels(
-        places, stage.PLOT.ends, error_view_captions.FieldPlotCaption(LATER, LATER), 1, LATER, True)]
+    said = StageLabels(halves, (LATER, LATER), (LATER, LATER), note=LATER, crossings=LATER, alike=LATER)
+    labels = list(stage.labels(said, places))
+    if isinstance(places, layout.FieldPlotLayout):
+        labels += field_plot.plot_labels(places, stage.PLOT.ends, error_view_captions.FieldPlotCaption(LATER, LATER), 1,
+                                         LATER, True)
     of = [label for label in layout.colour_bar_labels(top, room.gutter > 0, "x", []) if label.text]
-    left_out = ("stage_metrics", "slot", "rectangle", "field")
-    own = {name: value for name, value in vars(places).items() if name not in left_out}
-    return {"pixels": room.pixels, "high": room.high, "gutter": room.gutter, "box": asdict(places.field), **own,
-            "bar": asdict(top), "labels": [asdict(label) for label in (*of, *labels)]}
+    own = {name: value for name, value in asdict(places).items() if name not in ("stage_metrics", "slot", "rectangle")}
+    return {"pixels": room.pixels, "high": room.high, "gutter": room.gutter, **own, "bar": asdict(top),
+            "labels": [asdict(label) for label in (*of, *labels)]}
 
 
 def _colour_map_data() -> dict[str, Any]:
     """Returns a JSON object with the colour map (bytes r, g, b in base64) and the named colours as CSS."""
     marks = {name: f"rgb{colour}" for name, colour in vars(LIGHT).items()}
     tones = {"plain": "ink2", "bold": "ink", "faint": "ink3", "estimate": "estimate-ink", "truth": "truth-ink",
-             "crossing": "cross"}
+             "crossing": "cross", "before": "before"}
     return {"map": base64.b64encode(colour_table().tobytes()).decode(), "pinned": PINNED, **marks,
-            "fading": (LIGHT.crossing, LIGHT.ground),
             "tones": {tone: PALETTE[name].light for tone, name in tones.items()}}
 
 
@@ -93,9 +92,8 @@ def missing_value_texts(scene: Scene, not_valid: Mapping[str, str], silent: Mapp
     """Returns a JSON object of texts by quantity (x, v, ...): why a row of the readout has no number, the field plot's
     caption, and by estimator ("" if none) captions of both halves and headline templates. ``not_valid`` maps estimators
     to reasons, ``silent`` quantities to estimators without values; ``difference`` adds captions of that view."""
-    component = VIEWS[scene.problem].stage.PLOT.component
     return {key: {"rows": error_view_captions.why_no_numbers(scene, not_valid, key, silent[key]),
-                  "field": vars(error_view_captions.field_plot_caption(scene, component, key)),
+                  "field": vars(error_view_captions.field_plot_caption(scene, key)),
                   "by": {name: _estimator_texts(scene, not_valid, key, name, silent[key], difference)
                          for name in scene.estimators or ("",)}} for key in silent}
 

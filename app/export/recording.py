@@ -94,7 +94,8 @@ def _run_and_record(wanted: RecordingRequest) -> dict[str, Any]:
             rows.append(solver.advance(min(int(step) - solver.step, solver.longest_advance)))
         own.append(solver.measure())  # the picture's norms; also checks the run
         shot = solver.snapshot(wanted.difference)
-        shots.append({key: replace(shot, plotted=solver.plotted(key)) for key in wanted.quantities})
+        shots.append({key: replace(shot, plotted=solver.plotted(key)) for key in wanted.quantities}
+                     if scene.DIMENSIONS == 1 else dict.fromkeys(wanted.quantities, shot))
         if not solver.sound:
             break
     kept = _select_particles(scene.DIMENSIONS, _particle_count(shots), wanted.particles)
@@ -138,12 +139,13 @@ def _particle_tracks(wanted: RecordingRequest, scene: Scene, kept: np.ndarray, m
     """Returns the tracks of particles: positions, errors, estimates, exact curves and lines, crossings. ``kept`` are
     indices of the particles recorded, ``marked`` of those with crossings, ``shots`` snapshots by time and quantity."""
     instants, stage = [_first_snapshot(shot) for shot in shots], VIEWS[scene.problem].stage
-    rest = _flatten_by_component(instants[0].material_position[kept])
+    along, plot = stage.plot_axis_positions(scene, instants[0].material_position[kept]), stage.PLOT
+    share = (along - plot.start) / (plot.end - plot.start)
     position = np.stack([_flatten_by_component(shot.position[kept]) for shot in instants])
     farthest = FARTHEST if scene.swings else np.inf  # the player follows steady motion
     with np.errstate(invalid="ignore"):
         position = np.fmax(np.fmin(position, farthest), -farthest)
-    tracks = [Track("rest", NUMBER, rest.reshape(1, -1)), Track("position", PLACE, position)]
+    tracks = [Track("along", NUMBER, share[None]), Track("position", PLACE, position)]
     if wanted.domains and issubclass(stage, PlanarStage):
         half = [stage.half_edge_vectors(scene, shot.deformation_gradient)[kept] for shot in instants]  # (n, 2 edges, 2)
         tracks.append(Track("edges", SIGNED, np.stack([one.transpose(1, 2, 0).ravel() for one in half])))
@@ -162,26 +164,31 @@ def _flatten_by_component(points: np.ndarray) -> np.ndarray:
 
 def _quantity_tracks(wanted: RecordingRequest, scene: Scene, key: str, shots: list[Snapshot],
                      kept: np.ndarray) -> list[Track]:
-    """Returns the tracks of the quantity ``key`` in its SI unit: the plotted field's signed deviation from the exact
-    one (the field if that is unknown), sizes of true errors (if others) and estimates, the exact field on a curve."""
-    column, known = samples.QUANTITIES.index(key), scene.solution_known
-    fields = np.stack([shot.plotted[kept, int(known)] for shot in shots if shot.plotted is not None])
-    tracks = [Track(f"deviation.{key}", SIGNED, fields)]
-    unknown = [[np.count_nonzero(~np.isfinite(shot.plotted[:, 0]))] for shot in shots if shot.plotted is not None]
-    if np.any(unknown) and not why_no_field(scene, key):
-        tracks.append(Track(f"unknown.{key}", NUMBER, np.array(unknown)))
-    errors = [shot.error for shot in shots]
-    if all(error is not None for error in errors):
-        sizes = np.abs(np.stack([error[kept, column] for error in errors if error is not None]))
-        if not np.allclose(sizes, np.abs(fields), rtol=1e-3, atol=0, equal_nan=True):
-            tracks.append(Track(f"error.{key}", SIZE, sizes))
+    """Returns the tracks of the quantity ``key`` in its SI unit: sizes of true errors and estimates; on the bar signed
+    deviations instead, from which these sizes follow, and the exact field on a curve."""
+    column = samples.QUANTITIES.index(key)
+    tracks = _field_tracks(scene, key, shots, kept) if scene.DIMENSIONS == 1 else []
+    errors = [shot.error[kept, column] for shot in shots if shot.error is not None]
+    if scene.DIMENSIONS > 1 and len(errors) == len(shots):
+        tracks.append(Track(f"error.{key}", SIZE, np.abs(np.stack(errors))))
     for name in scene.active_estimators:
         tracks.append(Track(f"estimate.{name}.{key}", SIZE,
                             np.abs(np.stack([shot.estimate[name][kept, column] for shot in shots]))))
         if wanted.difference and all(name in shot.difference for shot in shots):
             tracks.append(Track(f"difference.{name}.{key}", SIZE,
                                 np.stack([shot.difference[name][kept, column] for shot in shots])))
-    if known:
+    return tracks
+
+
+def _field_tracks(scene: Scene, key: str, shots: list[Snapshot], kept: np.ndarray) -> list[Track]:
+    """Returns the tracks of the bar's field plot of the quantity ``key`` in its SI unit: the field's signed deviation
+    from the exact one (the field if that is unknown), how many values are unknown, and the exact field on a curve."""
+    fields = np.stack([shot.plotted[kept, int(scene.solution_known)] for shot in shots if shot.plotted is not None])
+    tracks = [Track(f"deviation.{key}", SIGNED, fields)]
+    unknown = [[np.count_nonzero(~np.isfinite(shot.plotted[:, 0]))] for shot in shots if shot.plotted is not None]
+    if np.any(unknown) and not why_no_field(scene, key):
+        tracks.append(Track(f"unknown.{key}", NUMBER, np.array(unknown)))
+    if scene.solution_known:
         plot = VIEWS[scene.problem].stage.PLOT
         at = np.linspace(plot.start, plot.end, CURVE_POINTS)
         tracks.append(Track(f"curve.{key}", PLACE, np.stack([plot.exact(scene, key, at, shot.time) for shot in shots])))

@@ -57,18 +57,19 @@ class StageExportPlan:
 
 def make_export_plan(state: State, axes: Sequence[SliderAxis], quantities: Sequence[str]) -> StageExportPlan:
     """Returns the plan to record a state's scene, all combinations of the axes' values and its pinned scene, with the
-    errors of ``quantities`` (keys). A scene without an end is recorded for a period (see :func:`with_end_time`)."""
+    errors of ``quantities`` (keys). A scene without an end gets one (see :func:`with_end_time`)."""
     state = replace(state, scene=with_end_time(state.scene))
     return StageExportPlan(state, tuple(axes), tuple(quantities), tuple(slider_grid.scene_texts(state.scene, axes)))
 
 
 def with_end_time(scene: Scene, like: Scene | None = None) -> Scene:
-    """Returns the scene with an end: its own, else that of ``like``, else one period or a shorter default."""
+    """Returns the scene with an end: its own, else that of ``like``, else a period and a quarter, where the motion is
+    at its largest and errors are seen, or a shorter default."""
     if scene.t_end is not None or scene.periods is not None:
         return scene
     if like is not None:
         return replace(scene, periods=like.periods, t_end=like.t_end)
-    return replace(scene, periods=min(1.0, scene.DEFAULT_PERIODS))
+    return replace(scene, periods=min(1.25, scene.DEFAULT_PERIODS))
 
 
 def recordings_needed(plans: Sequence[StageExportPlan]) -> dict[tuple[int, str], RecordingRequest]:

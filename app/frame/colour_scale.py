@@ -78,9 +78,12 @@ class ColourScale:
     def colours(self, sizes: np.ndarray) -> np.ndarray:
         """Returns colours (P, 3), uint8 RGB, for sizes (P,) of errors; NaN counts as above the top. Callers silence
         numpy's warnings about such sizes, once for everything drawn: that takes as long as the colours do."""
-        share = 1 + np.log10(sizes / self.top) / DECADES if self.logarithmic else sizes / self.top
-        row = np.fmax(np.fmin(255 * share, 255), 0)  # fmin ignores NaN
+        row = np.fmax(np.fmin(255 * self.shares(sizes), 255), 0)  # fmin ignores NaN
         return self._table.take(row.astype(np.uint8), axis=0)
+
+    def shares(self, sizes: np.ndarray) -> np.ndarray:
+        """Returns the positions (P,) of sizes (P,) of errors along the scale, 0 to 1 from its bottom to its top."""
+        return 1 + np.log10(sizes / self.top) / DECADES if self.logarithmic else sizes / self.top
 
     def gradient(self, steps: int) -> np.ndarray:
         """Returns evenly spaced colours (steps, 3), uint8 RGB, from the bottom of the scale to its top."""

@@ -16,12 +16,9 @@ from solvers.solver import samples
 SIDE_BY_SIDE, DIFFERENCE = lazy("estimate | truth"), lazy("estimate − truth | truth")
 ESTIMATE, TRUTH = (lazy("Estimate"), lazy("Estimate − truth")), lazy("Truth")  # the halves' names
 EXACT_SOLUTION = lazy("exact solution")
-PARTICLES, CURVE = lazy("particles"), lazy("exact curve")  # keys of the field plot
 #: Hints about two equal halves: for a run, and for a lost one.
 ALIKE = lazy("{} alike? Then the estimate is right.")
 ALIKE_LOST = lazy("{} alike: the estimate is right, the run is not.")
-#: Components of a vector that a plot may show.
-COMPONENTS = {"radial": lazy("radial {noun}"), "angular": lazy("angular {noun}")}
 #: Translated by ``tr`` where they are used.
 UNKNOWN = lazy("true error unknown here: no exact solution is built in")
 TRUTH_OFF = lazy("true error not computed: its effect is off")
@@ -74,12 +71,10 @@ def make_captions(quantity: str, estimator: str | None, difference: bool, no_est
                              tr("size of the error of {quantity}", quantity=QUANTITIES[quantity]))
 
 
-def field_plot_caption(scene: Scene, component: str, quantity: str) -> FieldPlotCaption:
-    """Returns name and remark of the plot of the field of a quantity (key x, v, sigma or a), of which it shows a
-    ``component``: "radial" or "angular" of a vector, "" if there is only one."""
+def field_plot_caption(scene: Scene, quantity: str) -> FieldPlotCaption:
+    """Returns name and remark of the plot of the field of a quantity (key x, v, sigma or a)."""
     noun = QUANTITIES[quantity].noun
-    name = tr(COMPONENTS[component], noun=noun) if component else noun
-    name = name[:1].upper() + name[1:]
+    name = noun[:1].upper() + noun[1:]
     if off := why_no_field(scene, quantity):
         return FieldPlotCaption(name, off)
     if not scene.solution_known:

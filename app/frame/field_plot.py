@@ -7,9 +7,9 @@ from typing import Any
 import numpy as np
 
 from app.frame.colour_scale import LEAST_REACH, SMALLEST, largest_finite, round_up
-from app.frame.error_view_captions import CURVE, PARTICLES, FieldPlotCaption, add_unknown_count, field_plot_caption
-from app.frame.layout import ComparedRunSlot, StageLayout
-from app.frame.primitives import AWAY, Dots, Label, Lines, Mark, Role, Sign, Tone, in_plane, join_points
+from app.frame.error_view_captions import FieldPlotCaption, add_unknown_count, field_plot_caption
+from app.frame.layout import ComparedRunSlot, FieldPlotLayout
+from app.frame.primitives import AWAY, Dots, Label, Lines, Mark, Role, in_plane, join_points
 from app.language.translation import tr
 from app.names_and_units import QUANTITIES, with_unit
 from solvers.scene.scene import Scene
@@ -21,13 +21,14 @@ ROOM = 1.1  # length of the axis over its last number
 FADE = 0.985  # decay of the peak per frame when values shrink
 SLACK = 0.4  # share of the axis below which it shrinks
 MOST_STEMS = 2000  # particles with stems: more would be a grey area
-#: Diameters in pixels: of a particle, of one of many, of one that crossed a cell boundary, and of its halo.
-DOT, MANY_DOTS, CROSSED, HALO = 3.4, 2.8, 6.5, 9.5
-MOST_LARGE, CROWDED = 30, 0.66  # most crossings drawn at full size; if more, all are smaller by this factor
-CURVE_WIDTH = 6.0
-MANY = 300
-BELOW = np.array([0, 0, 0.002], np.float32)
-NO_STEMS = Lines("field/stems", np.empty((0, 2, 3), np.float32), np.empty((0, 2, 3), np.uint8), 2.5)
+#: Diameters in pixels: of a particle, of one of many, and in a narrow plot; thickness of lines.
+DOT, MANY_DOTS, NARROW_DOT = 4.0, 2.8, 2.3
+CURVE_WIDTH, STEM, RING_WIDTH = 2.5, 1.5, 1.75
+MANY, NARROW = 240, 480  # particles, pixels of the stage
+RING = 2.5  # pixels of the radius of a ring beyond that of its particle
+_TURNS = np.linspace(0, 2 * np.pi, 17)
+CIRCLE = np.stack([np.cos(_TURNS), np.sin(_TURNS), np.zeros(17)], axis=1).astype(np.float32)
+NO_STEMS = Lines("field/stems", np.empty((0, 2, 3), np.float32), (0, 0, 0), STEM)
 BEYOND = 0.01  # share of the axis by which dots may be outside it
 
 
@@ -54,26 +55,24 @@ class ValueAxis:
 class FieldPlotDefinition:
     """Settings of a field plot: its horizontal axis from ``start`` to ``end`` in m, with texts at its ``ends``.
 
-    ``exact(scene, quantity, X, t)`` returns exact values (n,), of the ``component`` that is plotted ("" for the only
-    one), at reference positions X (n,) in m and the time t in s; ``where(scene, X, t)`` returns their positions along
-    the axis (n,) in m, and is None if these are X."""
+    ``exact(scene, quantity, X, t)`` returns exact values (n,) at reference positions X (n,) in m and the time t in s,
+    and ``where(scene, X, t)`` their positions along the axis (n,) in m."""
 
     start: float
     end: float
     ends: tuple[str, str]
     exact: Callable[[Any, str, np.ndarray, float], np.ndarray]
-    component: str = ""
-    where: Callable[[Any, np.ndarray, float], np.ndarray] | None = None
+    where: Callable[[Any, np.ndarray, float], np.ndarray]
 
 
 class FieldPlot:
-    """Field plot: particles as dots around the exact curve, with stems in the colour of their errors; those that
-    have just crossed a cell boundary are highlighted. It shares the value axis of a plot ``beside`` it."""
+    """Field plot: particles as dots around the exact curve, with stems from it; those that have changed their cell
+    have rings. It shares the value axis of a plot ``beside`` it."""
 
     def __init__(self, plotted: FieldPlotDefinition, beside: "FieldPlot | None" = None):
         self._plotted = plotted
         self.axis: ValueAxis = beside.axis if beside else ValueAxis()
-        self._drawn: tuple[Scene, str, int, StageLayout] | None = None
+        self._drawn: tuple[Scene, str, int, FieldPlotLayout] | None = None
         self._labelled: tuple[int, float] | None = None  # as drawn: count of NaN values, and end of the axis
         self._time = 0.0
         self._dots = np.empty((0, 3), np.float32)
@@ -83,14 +82,13 @@ class FieldPlot:
         """Whether the plot that shares the value axis has changed it since this one was drawn."""
         return self._labelled is not None and self._labelled[1] != self.axis.top
 
-    def draw(self, places: StageLayout, scene: Scene, quantity: str, magnified: int, at: np.ndarray, field: np.ndarray,
-             t: float, crossed: np.ndarray, shades: np.ndarray) -> Iterator[Mark]:
+    def draw(self, places: FieldPlotLayout, scene: Scene, quantity: str, magnified: int, at: np.ndarray,
+             field: np.ndarray, t: float, crossed: np.ndarray) -> Iterator[Mark]:
         """Yields the marks of the field of a quantity (key x, v, sigma or a) at the time t in s in a layout ``places``.
 
         ``at`` (P,) are the particles' positions along the axis in m; ``field`` (P, 2) has their values and the
         deviations from the exact ones, in the unit of the quantity, which are drawn with the factor ``magnified``;
-        ``crossed`` (P,) of bool are those that have just crossed a cell boundary; ``shades`` (P, 3), uint8 RGB, are the
-        colours of their errors."""
+        ``crossed`` (P,) of bool are those that are marked as having changed their cell."""
         if (now := (scene, quantity, magnified, places)) != self._drawn or t < self._time:
             if self._drawn is None or now[:3] != self._drawn[:3] or t < self._time:
                 self.axis.reset()
@@ -106,14 +104,14 @@ class FieldPlot:
             yield from self._axis_marks(places, scene, quantity, magnified, unknown)
         self._dots = self._stage_points(at, values, known)
         yield from self._exact_curve_marks(places, scene, quantity, t)
-        yield self._deviation_stems(scene, field, magnified, shades)
-        pixel = places.stage_metrics.pixel
-        yield Dots("field/particles", self._dots, self._ink[0], (DOT if len(values) <= MANY else MANY_DOTS) * pixel)
-        over = self._dots[crossed]
-        over[:, 2] = 0.016
-        crowd = CROWDED if len(over) > MOST_LARGE else 1.0
-        yield Dots("field/around", over - BELOW, self._ink[1], crowd * HALO * pixel)
-        yield Dots("field/crossed", over, self._ink[2], crowd * CROSSED * pixel)
+        yield self._deviation_stems(places, scene, field, magnified)
+        metrics = places.stage_metrics
+        size = NARROW_DOT if metrics.pixels < NARROW else DOT if len(values) <= MANY else MANY_DOTS
+        yield Dots("field/particles", self._dots, self._ink, size * metrics.pixel)
+        rings = (0.5 * size + RING) * metrics.pixel * CIRCLE + self._dots[crossed][:, None]
+        rings[:, :, 2] = 0.016
+        yield Lines("field/crossed", np.stack([rings[:, :-1], rings[:, 1:]], axis=2).reshape(-1, 2, 3),
+                    metrics.palette.crossing, RING_WIDTH)
 
     def dot_positions(self, particles: slice, count: int) -> np.ndarray:
         """Returns the points (count, 3) of the stage where the dots of ``count`` particles (a slice of all) are drawn;
@@ -121,7 +119,7 @@ class FieldPlot:
         dots = self._dots[particles]
         return dots if len(dots) == count else np.full((count, 3), AWAY, np.float32)
 
-    def _prepare_value_range(self, places: StageLayout, scene: Scene, quantity: str) -> None:
+    def _prepare_value_range(self, places: FieldPlotLayout, scene: Scene, quantity: str) -> None:
         """Prepares the plot of another scene, quantity or layout: stores its box, and the range of the exact field."""
         self._at: np.ndarray | None = None
         plotted, box, self._least = self._plotted, places.field, 0.5 * DOT * places.stage_metrics.pixel
@@ -136,34 +134,33 @@ class FieldPlot:
             times = scene.time_step + scene.period * np.arange(INSTANTS) / INSTANTS
             self._reach = max(largest_finite(np.abs(plotted.exact(scene, quantity, self._line, t))) for t in times)
 
-    def _axis_marks(self, places: StageLayout, scene: Scene, quantity: str, magnified: int,
+    def _axis_marks(self, places: FieldPlotLayout, scene: Scene, quantity: str, magnified: int,
                     unknown: int) -> Iterator[Mark]:
         """Yields the axes with their labels; ``unknown`` is the number of particles without a value."""
         box, colours = self._box, places.stage_metrics.palette
-        self._ink = [np.array(colour, np.uint8) for colour in (colours.dot, colours.ground, colours.crossing)]
+        self._ink = np.array(colours.dot, np.uint8)
         end = ROOM * box.half
         axes = in_plane(np.array([box.left, box.right, box.left, box.left]),
                         box.middle + np.array([0, 0, -end, end]), -0.005).reshape(2, 2, 3)
         yield Lines("field/axes", axes, colours.axis, 1.0)
-        words = field_plot_caption(scene, self._plotted.component, quantity)
+        words = field_plot_caption(scene, quantity)
         number = with_unit(self.axis.top, QUANTITIES[quantity].unit)
         yield from plot_labels(places, self._plotted.ends,
                                FieldPlotCaption(words.name, add_unknown_count(words.remark, unknown)), magnified,
                                number, scene.solution_known)
 
-    def _exact_curve_marks(self, places: StageLayout, scene: Scene, quantity: str, t: float) -> Iterator[Mark]:
+    def _exact_curve_marks(self, places: FieldPlotLayout, scene: Scene, quantity: str, t: float) -> Iterator[Mark]:
         """Yields the exact curve at the time t in s, without segments if it is not known."""
         curve = self._level if scene.solution_known else self._level[:0]
         if scene.solution_known and scene.swings:
             curve = curve.copy()
             heights = self._heights(self._plotted.exact(scene, quantity, self._line, t))
             curve[:, 0, 1], curve[:, 1, 1] = heights[:-1], heights[1:]
-            if self._plotted.where:
-                along = self._abscissae(self._plotted.where(scene, self._line, t))
-                curve[:, 0, 0], curve[:, 1, 0] = along[:-1], along[1:]
+            along = self._abscissae(self._plotted.where(scene, self._line, t))
+            curve[:, 0, 0], curve[:, 1, 0] = along[:-1], along[1:]
         yield Lines("field/exact", curve, places.stage_metrics.palette.exact, CURVE_WIDTH)
 
-    def _deviation_stems(self, scene: Scene, field: np.ndarray, magnified: int, shades: np.ndarray) -> Lines:
+    def _deviation_stems(self, places: FieldPlotLayout, scene: Scene, field: np.ndarray, magnified: int) -> Lines:
         """Returns stems from exact values to the particles', where they are longer than a dot."""
         dots = self._dots
         if not scene.solution_known or len(dots) > MOST_STEMS:
@@ -176,7 +173,7 @@ class FieldPlot:
         segments = np.repeat(dots[drawn, None], 2, axis=1)
         segments[:, 0, 1] -= long[drawn]
         segments[:, :, 2] = 0.008
-        return Lines("field/stems", segments, np.repeat(shades[drawn, None], 2, axis=1), 2.5)
+        return Lines("field/stems", segments, places.stage_metrics.palette.stem, STEM)
 
     def _stage_points(self, at: np.ndarray, values: np.ndarray, known: np.ndarray) -> np.ndarray:
         """Returns points (n, 3) of the stage for values (n,) at positions ``at`` (n,) in m along the axis; where
@@ -196,16 +193,16 @@ class FieldPlot:
         return self._box.middle + self._box.half / self.axis.top * values
 
 
-def plot_labels(places: StageLayout, ends: tuple[str, str], words: FieldPlotCaption, magnified: int, number: str,
+def plot_labels(places: FieldPlotLayout, ends: tuple[str, str], words: FieldPlotCaption, magnified: int, number: str,
                 exact: bool) -> Iterator[Label]:
     """Yields the labels of a field plot in a layout, always the same ones: the text ``number`` at the upper end of its
-    value axis, the texts ``ends`` at those of the other, name and remark from ``words``, keys of particles and (if
-    ``exact``) of the exact curve, and the factor ``magnified`` of deviations."""
+    value axis, the texts ``ends`` at those of the other, name and remark from ``words``, and the factor ``magnified``
+    of deviations, if ``exact`` values are known."""
     box, metrics = places.field, places.stage_metrics
     beside = box.left > 0 or metrics.gutter > 0  # otherwise only the upper number fits, within the plot
-    left = box.at is not None and box.at[0] < 0 and not box.keys  # the name stands beside the zero
+    left = box.at is not None and box.at[0] < 0  # the name stands beside the zero
     crowded = left and 1.2 * metrics.text_extent(words.name)[0] + metrics.text_extent(" 0")[0] > metrics.gutter
-    for key, text, y in (("low", f"−{number.partition(' ')[0]}", -box.half), ("zero", "" if crowded else "0", 0.0)):
+    for key, text, y in (("low", f"−{number}", -box.half), ("zero", "" if crowded else "0", 0.0)):
         yield Label(f"field/{key}", text if beside else "", box.left - 0.01, box.middle + y, "center-right", "number")
     yield Label("field/high", f"+{number}", box.left - 0.01 if beside else 0.01,
                 box.middle + (box.half if beside else ROOM * box.half), "center-right" if beside else "top-left",
@@ -223,13 +220,8 @@ def plot_labels(places: StageLayout, ends: tuple[str, str], words: FieldPlotCapt
     yield Label("field/remark", ": ".join(filter(None, (named, words.remark))), x, y, anchor, "caption")
     x, y = box.at or (0.0, 0.0)
     role: Role = "gutter" if x < 0 else "title"
-    size = 1.1 if box.keys or x >= 0 else 1.0  # without keys it stands beside the axis's numbers
+    size = 1.1 if x >= 0 else 1.0  # in the gutter it stands beside the axis's numbers
     yield Label("field/name", words.name if box.at else "", x, y, "center-left", role, size, bold=True)
-    curve = tr(CURVE) if exact else ""
-    keys: tuple[tuple[str, Tone, Sign], ...] = (tr(PARTICLES), "plain", "dot"), (curve, "truth", "line")
-    for row, (text, tone, sign) in enumerate(keys, 1):
-        yield Label(f"field/key{row}", text if box.keys else "", x, y - 1.15 * row * metrics.line_height, "center-left",
-                    "gutter" if x < 0 else "note", tone=tone, sign=sign)
 
 
 def magnify_deviation(scene: Scene, field: np.ndarray, magnified: int) -> np.ndarray:

@@ -8,6 +8,10 @@ import re
 from collections.abc import Hashable, Mapping
 from dataclasses import dataclass
 
+import numpy as np
+
+from app.frame.error_view_captions import FrameErrorView
+from app.frame.primitives import Span, Spans
 from app.language.translation import lazy, tr
 from app.names_and_units import QUANTITIES, format_ratio, per_cent, short_reason, with_unit
 from solvers.scene.scene import Scene
@@ -17,13 +21,13 @@ ROUND_OFF = 1e-9  # of a quantity's size; far above the error of a patch test th
 UNSTABLE, LAST = lazy("the run went unstable and has stopped at t = {time} s"), lazy("this is its last picture")
 LOST = lazy("the run is lost from t = {since} s on")
 #: First words of a headline: the time it is about.
-SO_FAR, NOW, PAUSED, BACK = lazy("so far "), lazy("now "), lazy("at t = {time} s "), lazy("{ago} periods back ")
+NOW, PAUSED, BACK = lazy("now "), lazy("at t = {time} s "), lazy("{ago} periods back ")
 LESS, MORE = lazy("finds {share} of it"), lazy("estimates {factor} times as much")
 ALL_OF_IT = 1.005  # index up to which an estimate does not exceed the error
+OVER, RUN_LOST = lazy("over 100 % wrong"), lazy("run is lost")
 
 ENDS = (".", "?", "!")  # of a sentence
 
-Span = tuple[str, str]  # a kind, "" or one of KINDS, and a text
 #: Style of a placeholder's text by its name; redundant to the words.
 KINDS = {"wrong": "number", "off": "truth", "by": "estimate", "share": "figure", "factor": "figure", "lost": "bad"}
 #: Placeholders that are filled later, with numbers.
@@ -34,7 +38,7 @@ PLACES = {name: f"{{{name}}}" for name in ("wrong", "off", "by", "found", "true"
 class HeadlineWithFacts:
     """Headline about a run in spans, (kind, text) each, and facts, each of which becomes a sentence below it."""
 
-    headline: tuple[Span, ...] = ()
+    headline: Spans = ()
     facts: tuple[str, ...] = ()
     moment: Hashable = None  # identifies the situation: a new one is read aloud
 
@@ -107,15 +111,15 @@ def error_headline_templates(scene: Scene, quantity: str, estimator: str | None,
                                                                 largest_rounding_error(scene, quantity, scene.steps)))
 
 
-def format_error_headline(words: ErrorHeadlineTemplates, unit: str, true: float, estimate: float, index: float,
+def format_error_headline(words: ErrorHeadlineTemplates, unit: str, errors: "InstantErrors",
                           before: str = "") -> HeadlineWithFacts:
-    """Returns the headline with numbers in the templates ``words``: the RMS norms of true error and estimate in
-    ``unit`` (without prefix), of one moment or as means over time, and their ratio ``index``, estimate over true error;
-    NaN if unknown. ``before`` are the first words of the headline: the moment or time span."""
+    """Returns the headline with numbers in the templates ``words``: the ``errors``, in ``unit`` (without prefix).
+    ``before`` are the first words of the headline: the moment."""
+    true, index = errors.true, errors.index
     if true <= words.least:
         size = _format_size(true, unit) if true else tr("zero")
         return HeadlineWithFacts.from_template(before + words.still, words.trace.format(true=size))
-    norm = true if math.isfinite(true) else estimate
+    norm = true if math.isfinite(true) else errors.estimated
     if "{wrong}" not in words.told:
         return HeadlineWithFacts.from_template(words.told, words.why)
     if not math.isfinite(norm) or ("{found}" in words.told and not math.isfinite(index)):
@@ -130,6 +134,50 @@ def over_or_underestimates(index: float) -> str:
     """Returns the template that compares an estimate with the true error, for an index (estimate over true error): with
     the place {factor} if it is 1 or more, rounded, otherwise with {share}."""
     return tr(MORE if index >= ALL_OF_IT else LESS)
+
+
+@dataclass(frozen=True)
+class InstantErrors:
+    """Errors of a quantity at one instant: root mean squares over the particles of the ``true`` and the ``estimated``
+    error, in its unit; NaN if unknown. Headline, title of a lane and card of an estimator show these."""
+
+    true: float
+    estimated: float
+
+    @classmethod
+    def of_view(cls, view: FrameErrorView) -> "InstantErrors":
+        return cls(root_mean_square(view.true), root_mean_square(view.estimated))
+
+    @property
+    def index(self) -> float:
+        """Estimated over true error; NaN if either is unknown, or the true one is zero."""
+        return self.estimated / self.true if self.true else math.nan
+
+
+def root_mean_square(sizes: np.ndarray | None) -> float:
+    """Returns the root mean square of sizes (P,) of errors, in their unit; NaN for None."""
+    with np.errstate(all="ignore"):  # a run gone bad holds anything
+        return math.nan if sizes is None else float(np.sqrt(np.mean(sizes.astype(float) ** 2)))
+
+
+def lane_facts(errors: InstantErrors, size: float, estimator: str | None, lost: bool, seconds: float) -> Spans:
+    """Returns what the title of a run tells at its right end: how wrong it is, of the quantity's ``size``, how much of
+    that the ``estimator`` finds, and the run's time so far in ``seconds`` (0 if not measured)."""
+    wrong, parts = errors.true / size, list[Spans]()
+    if lost or wrong > 1:
+        return (("bad", tr(RUN_LOST if lost else OVER)),)
+    if math.isfinite(wrong):
+        parts.append(tuple(to_spans(tr("{wrong} wrong"), {"wrong": per_cent(wrong)})))
+    elif math.isfinite(errors.estimated):
+        parts.append(tuple(to_spans(tr("{who} estimates {wrong}"), {
+            "who": estimator or "", "wrong": per_cent(errors.estimated / size)})))
+    if math.isfinite(errors.index):
+        told = tr("{who} finds {share}") if errors.index < ALL_OF_IT else tr("{who} estimates {factor} times as much")
+        parts.append(tuple(to_spans(told, {"who": estimator or "", "share": per_cent(errors.index),
+                                           "factor": format_ratio(errors.index)})))
+    if seconds:
+        parts.append((("duration", with_unit(seconds, "s", 2)),))
+    return tuple(span for k, part in enumerate(parts) for span in (*((("", " · "),) if k else ()), *part))
 
 
 def _format_size(value: float, unit: str) -> str:

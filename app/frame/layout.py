@@ -32,8 +32,8 @@ Spot = tuple[float, float, Anchor]  # position and anchor of a text
 class PlotBox:
     """Box of a plot in stage coordinates: from x = ``left`` to ``right``, the zero of its values at the height
     ``middle`` and the ends of their axis ``half`` above and below. Labels of the horizontal axis are at the height
-    ``below``; the factor ``magnified`` and a ``remark`` are at spots; its name begins at a point ``at``, followed by a
-    legend if ``keys`` fit. None if something does not fit."""
+    ``below``; the factor ``magnified`` and a ``remark`` are at spots; its name begins at a point ``at``. None if
+    something does not fit."""
 
     left: float
     right: float
@@ -43,16 +43,21 @@ class PlotBox:
     magnified: Spot | None
     remark: Spot
     at: tuple[float, float] | None = None
-    keys: bool = False
 
 
 @dataclass(frozen=True)
 class StageLayout:
-    """Layout of a run in a ``slot`` of a stage: its rounded metrics, the ``rectangle`` of all, the field plot's box."""
+    """Layout of a run in a ``slot`` of a stage: its rounded metrics, and the ``rectangle`` of everything."""
 
     stage_metrics: StageMetrics
     slot: ComparedRunSlot
     rectangle: Rectangle
+
+
+@dataclass(frozen=True)
+class FieldPlotLayout(StageLayout):
+    """Layout of a run with a field plot, which is in the box ``field``."""
+
     field: PlotBox
 
 

@@ -1,4 +1,4 @@
-"""Stages of plane problems: a body on its cells, the particles' domains, and the field plot beside it."""
+"""Stages of plane problems: a body on its cells, the particles' domains, and the error plot beside it."""
 
 from abc import abstractmethod
 from collections.abc import Iterator
@@ -6,10 +6,11 @@ from typing import Any, ClassVar, Literal, TypeVar
 
 import numpy as np
 
-from app.frame.layout import EDGE, ComparedRunSlot
-from app.frame.planar_layout import AROUND, make_planar_layout, planar_labels
+from app.frame.error_plot import ErrorPlot, ErrorPlotDefinition, error_plot_labels
+from app.frame.layout import ComparedRunSlot
+from app.frame.planar_layout import AROUND, PlanarLayout, make_planar_layout, planar_labels
 from app.frame.primitives import Dots, Label, Lines, Mark, in_plane, join_points
-from app.frame.stage import Stage, WorstRegionMark
+from app.frame.stage import Stage, StageLabels, WorstRegionMark
 from app.language.translation import lazy, tr
 from solvers.engine.shared_frames import FrameArrays
 from solvers.problems.planar.particle_layout import half_edges, particle_layout
@@ -20,9 +21,10 @@ MOST_DOMAINS = 5000  # particles with domains drawn: more would be a grey area
 #: Shape of a particle, and its size over that at rest, so that the particles tile the body.
 FILLED: dict[str, tuple[Literal["circle", "square"], float]] = {"polar": ("circle", 1.5), "cartesian": ("square", 1.06),
                                                                 "box": ("square", 1.06)}
-CROSSED, HALO = 5.5, 8.0  # diameters in pixels of a particle that crossed a cell boundary, and of its halo
+#: In pixels: width of the ring around a particle that crossed a cell boundary, length of a dash of the line between the
+#: halves, and distance of the mark of a worst region from the region.
+RING, DASH, AWAY = 1.75, 5.0, 5.0
 BELOW = np.array([0, 0, 0.002], np.float32)
-ROOMY = 130.0  # radius in pixels of a body from which these have full size
 PlaneScene = TypeVar("PlaneScene", bound=PlanarScene)
 Mirrors = tuple[tuple[int, int], ...]
 QUARTERS: Mirrors = ((1, 1), (1, -1), (-1, 1), (-1, -1))  # the first two are the truth's half
@@ -31,7 +33,9 @@ WHOLE: Mirrors = ((1, 1),)
 
 class PlanarStage(Stage[PlaneScene]):
     """Stage of a plane problem: the body with the estimate in its left half and the truth in its right one, and the
-    field plot beside it. A quarter is drawn with its mirror images."""
+    plot of both errors beside it. A quarter is drawn with its mirror images."""
+
+    PLOT: ClassVar[ErrorPlotDefinition]
 
     MIRRORS: ClassVar[Mirrors] = QUARTERS
     OUTLINED: ClassVar[Mirrors] = QUARTERS[::2]
@@ -49,7 +53,12 @@ class PlanarStage(Stage[PlaneScene]):
         """Returns half edge vectors (P, 2, 2) in m, in rows, of all domains for deformation gradients F (P, 2, 2)."""
         return half_edges(scene, F, particle_layout(scene).edges)
 
-    layout, labels = staticmethod(make_planar_layout), staticmethod(planar_labels)
+    layout = staticmethod(make_planar_layout)
+
+    @classmethod
+    def labels(cls, words: StageLabels, places: PlanarLayout) -> Iterator[Label]:
+        yield from planar_labels(words, places)
+        yield from error_plot_labels(places.plot, places.stage_metrics, cls.PLOT, words.titles)
 
     def particles_in(self, low: tuple[float, float], high: tuple[float, float], arrays: FrameArrays) -> np.ndarray:
         """Returns which particles lie, or have a mirror image, in the rectangle with the lower left corner ``low`` and
@@ -60,7 +69,7 @@ class PlanarStage(Stage[PlaneScene]):
     def drawn_particle_points(self, arrays: FrameArrays, particles: slice) -> np.ndarray:
         x = clip_to_view(arrays.position[particles])
         return np.concatenate([self._mirror_images(x, self.MIRRORS).reshape(len(self.MIRRORS), -1, 3),
-                               self._field.dot_positions(particles, len(x))[None]])
+                               self._plot.dot_positions(particles, len(x))[None]])
 
     def _static_marks(self, scene: PlaneScene, particles: int, at_rest: np.ndarray | None) -> Iterator[Mark]:
         reach, places, colours = self.max_radius(scene), self._layout, self._layout.stage_metrics.palette
@@ -70,19 +79,15 @@ class PlanarStage(Stage[PlaneScene]):
         at = np.arange(np.ceil((-end - start) / scene.spacing), np.floor((end - start) / scene.spacing) + 1)
         at = at * scene.spacing + start
         upright = np.stack([np.repeat(at, 2), np.tile([-end, end], len(at))], axis=1)
-        yield Lines("cells", self._to_stage(np.concatenate([upright, upright[:, ::-1]]), -0.02).reshape(-1, 2, 3),
-                    colours.grid, 1.0)
-        yield Lines("planes", self._to_stage(np.array([[0, -end], [0, end]]), 0.012)[None], colours.dot, 1.2)
+        yield Lines("cells", self._segments(np.concatenate([upright, upright[:, ::-1]]), -0.02), colours.grid, 1.0)
         self._shape, size = self.particle_shape(scene)
         self._width = size * self._per_metre
-        self._ink = [np.array(colour, np.uint8) for colour in (colours.ground, colours.crossing)]
+        self._ink = np.array(colours.crossing, np.uint8)
         self._edges = None
         if at_rest is None:
             layout = particle_layout(scene)
-            self._radii = np.linalg.norm(layout.position, axis=1)
-            self._edges = layout.edges if scene.particles <= MOST_DOMAINS else None
-        else:
-            self._radii = np.linalg.norm(at_rest, axis=1)
+            at_rest, self._edges = layout.position, layout.edges if scene.particles <= MOST_DOMAINS else None
+        self._plotted_at = self.plot_axis_positions(scene, at_rest)
 
     @staticmethod
     def cell_edge_position(scene: Any) -> float:
@@ -98,50 +103,81 @@ class PlanarStage(Stage[PlaneScene]):
         """Returns about how many times as wide as at rest a particle's domain becomes."""
         return 1.0
 
-    def _plot_axis_positions(self, arrays: FrameArrays) -> np.ndarray:
-        return self._radii
+    @abstractmethod
+    def _wall_heights(self, x: np.ndarray) -> list[tuple[float, float]]:
+        """Returns the parts, each from y to y in m, of the line x = 0 that are in the body of particles at x (P, 2)."""
+
+    @abstractmethod
+    def _region_outline(self, x: np.ndarray, region: np.ndarray) -> np.ndarray:
+        """Returns segments (n, 2, 2), in m, that mark a region with particles at ``region`` (k, 2), of those of the
+        whole body at x (P, 2), without covering it."""
+
+    def _make_plot(self, beside: "PlanarStage | None") -> ErrorPlot:
+        return ErrorPlot(self.PLOT, self._scale)
+
+    def _plot_marks(self, scene: PlaneScene, arrays: FrameArrays, sizes: tuple[np.ndarray | None, np.ndarray | None],
+                    t: float, crossed: np.ndarray) -> Iterator[Mark]:
+        return self._plot.draw(self._layout.plot, self._layout.stage_metrics, self.plotted, self._plotted_at, *sizes)
 
     def _moving_marks(self, scene: PlaneScene, arrays: FrameArrays, estimated: np.ndarray, true: np.ndarray, t: float,
-                      crossed: np.ndarray, age: np.ndarray) -> Iterator[Mark]:
+                      crossed: np.ndarray) -> Iterator[Mark]:
         x = clip_to_view(arrays.position)
         yield from self._particle_marks(x, estimated, true)
-        marks = self._mirror_images(x[crossed], self.MIRRORS, 0.018)
-        pixel = self._layout.stage_metrics.pixel
-        pixel *= min(1.0, self._layout.radius / (ROOMY * pixel))
-        yield Dots("around", marks - BELOW, self._ink[0], HALO * pixel)
-        yield Dots("crossings", marks, self._ink[1], CROSSED * pixel)
+        size = self._width + 2 * RING * self._layout.stage_metrics.pixel
+        yield Dots("around", self._mirror_images(x[crossed], self.MIRRORS, 0.018) - BELOW, self._ink, size)
+        yield from self._particle_marks(x[crossed], estimated[crossed], true[crossed], "crossed-", 0.018)
         yield self._particle_domain_outlines(scene, arrays, x)
+        yield self._dividing_line(x)
+
+    def _dividing_line(self, x: np.ndarray) -> Lines:
+        """Returns the line between the halves, where it is in the body of particles at x (P, 2) in m: in dashes, dark
+        and light by turns, so that it is seen on particles of any colour."""
+        metrics, parts, colours = self._layout.stage_metrics, list[np.ndarray](), list[np.ndarray]()
+        inks = np.array([metrics.palette.dot, metrics.palette.ground], np.uint8)
+        for low, high in self._wall_heights(x):
+            ends = np.linspace(low, high, 2 + int((high - low) * self._per_metre / (DASH * metrics.pixel)))
+            heights = np.stack([ends[:-1], ends[1:]], axis=1)
+            parts.append(np.stack([np.zeros_like(heights), heights], axis=2))
+            colours.append(np.repeat(inks[np.arange(len(heights)) % 2, None], 2, axis=1))
+        return Lines("planes", self._segments(np.concatenate(parts), 0.012), np.concatenate(colours), 1.5)
 
     def _worst_region_marks(self, worst: tuple[WorstRegionMark | None, WorstRegionMark | None],
                             arrays: FrameArrays) -> Iterator[Mark]:
-        """Yields a line from the worst region of each half, if any, to a label beside the body."""
-        places, segments = self._layout, [np.empty((0, 2, 3), np.float32)]
-        metrics, (x, y) = places.stage_metrics, places.middle
-        wanted = places.slot == ComparedRunSlot.ALONE and metrics.gutter > 0
-        for found, name, sign in zip(worst, ("estimate", "truth"), (-1, 1), strict=True):
-            text, edge = "", x + AROUND * places.radius + 4 * metrics.pixel if sign > 0 else -EDGE
-            at = clip_to_view(arrays.position)[found.particles] if found and wanted else np.empty((0, 2))
-            height = y
-            if found and len(at):
-                upright = (1, 1) if self.MIRRORS == WHOLE else (sign, 1)
-                place = self._mirror_images(at.mean(axis=0, keepdims=True), (upright,), 0.02)
-                height = float(np.clip(place[0, 1], y + 3.2 * metrics.line_height, places.end - metrics.line_height))
-                bend = in_plane(np.array([edge - (8 * metrics.pixel if sign > 0 else 0), edge]), height, 0.02)
-                corners = np.concatenate([place, bend])
-                segments.append(join_points(corners[:-1], corners[1:]))
-                text = tr("worst: {size}", size=found.size)
-            yield Label(f"{name}-worst", text, edge + 3 * sign * metrics.pixel, height,
-                        "center-left" if sign > 0 else "center-right", "note", bold=True)
-        yield Lines("worst", np.concatenate(segments), metrics.palette.dot, 1.5)
+        """Yields an outline of the worst region of each half, if any, and the sizes of their errors."""
+        places, segments, sizes = self._layout, [np.empty((0, 2, 2))], list[str]()
+        for found, sign in zip(worst, (-1, 1), strict=True):
+            if found is None or places.slot != ComparedRunSlot.ALONE:
+                continue
+            x = clip_to_view(arrays.position)
+            region = x[found.particles]
+            if not len(region):
+                continue
+            half = np.array([sign, 1])
+            if self.MIRRORS == WHOLE:  # turned by half a turn, unless it is in its own half
+                half = np.ones(2) if sign * region[:, 0].mean() >= 0 else -np.ones(2)
+            segments.append(half * self._region_outline(x, region))
+            sizes.append(found.size)
+        yield from self._worst_labels(" | ".join(dict.fromkeys(sizes)))
+        yield Lines("worst", self._segments(np.concatenate(segments), 0.02), places.stage_metrics.palette.dot, 2.0)
 
-    def _particle_marks(self, x: np.ndarray, estimated: np.ndarray, true: np.ndarray) -> Iterator[Mark]:
+    def _worst_labels(self, sizes: str) -> Iterator[Label]:
+        """Yields the labels of the worst regions' errors with a text of their ``sizes``: in the hole of a ring."""
+        (x, y), metrics = self._layout.middle, self._layout.stage_metrics
+        free = 1.6 * metrics.line_height < 0.4 * self._layout.radius and not any(self._labels.silences)
+        yield Label("worst-name", tr("worst, at the arcs:") if sizes and free else "", x, y, "bottom-center", "note")
+        yield Label("worst-size", sizes if free else "", x, y, "top-center", "note", 1.1, bold=True)
+
+    def _particle_marks(self, x: np.ndarray, estimated: np.ndarray, true: np.ndarray, name: str = "",
+                        depth: float = 0.0) -> Iterator[Mark]:
         """Yields dots for the particles at x (P, 2) in m, in the colours (P, 3) of estimated and true errors."""
         if self.MIRRORS == WHOLE:
             colours = np.where(x[:, :1] < 0, estimated, true)
-            yield Dots("particles", self._mirror_images(x, self.MIRRORS), colours, self._width, self._shape)
+            yield Dots(f"{name}particles", self._mirror_images(x, self.MIRRORS, depth), colours, self._width,
+                       self._shape)
             return
         for half, mirrors, shades in (("truth", self.MIRRORS[:2], true), ("estimate", self.MIRRORS[2:], estimated)):
-            yield Dots(half, self._mirror_images(x, mirrors), np.tile(shades, (2, 1)), self._width, self._shape)
+            yield Dots(f"{name}{half}", self._mirror_images(x, mirrors, depth), np.tile(shades, (2, 1)), self._width,
+                       self._shape)
 
     def _particle_domain_outlines(self, scene: PlaneScene, arrays: FrameArrays, x: np.ndarray) -> Lines:
         """Returns outlines of the domains of particles at ``x`` (P, 2) in m: boxes for GIMP, parallelograms for CPDI;
@@ -158,6 +194,10 @@ class PlanarStage(Stage[PlaneScene]):
     def _to_stage(self, x: np.ndarray, depth: float = 0.0) -> np.ndarray:
         """Returns points (n, 3) of the stage, at the z ``depth``, for positions (n, 2) in m from the middle."""
         return in_plane(self._middle[0] + self._per_metre * x[:, 0], self._middle[1] + self._per_metre * x[:, 1], depth)
+
+    def _segments(self, ends: np.ndarray, depth: float) -> np.ndarray:
+        """Returns segments (n, 2, 3) of the stage, at the z ``depth``, for ``ends`` (n, 2, 2) in m from the middle."""
+        return self._to_stage(ends.reshape(-1, 2), depth).reshape(-1, 2, 3)
 
     def _mirror_images(self, x: np.ndarray, mirrors: Mirrors, depth: float = 0.0) -> np.ndarray:
         """Returns the mirror images, whose signs of x and y are ``mirrors``, of positions (n, 2) in m, as points of the

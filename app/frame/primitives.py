@@ -7,7 +7,7 @@ import textwrap
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from functools import lru_cache
-from typing import Literal, Protocol
+from typing import Any, Literal, Protocol
 
 import numpy as np
 
@@ -20,7 +20,8 @@ Colour = tuple[int, int, int]
 @dataclass(frozen=True)
 class Palette:
     """Colours of a light or dark stage: background; plotted particles and lines beside labels; axes; grid lines; cell
-    edges; crossings; particles without a known error; exact curve; outlines of domains."""
+    edges; crossings; particles without a known error; exact curve; outlines of domains; deviations from the exact
+    curve; the curve before a change; estimated errors."""
 
     ground: Colour
     dot: Colour
@@ -31,9 +32,13 @@ class Palette:
     unknown: Colour
     exact: Colour
     outline: Colour
+    stem: Colour
+    before: Colour
+    estimate: Colour
 
 
-_NAMES = ("ground", "dot", "line2", "line", "cell", "cross", "cell", "truth", "ground")  # of a palette's colours
+#: Names of a palette's colours.
+_NAMES = ("ground", "dot", "line2", "line", "cell", "cross", "cell", "truth", "ground", "stem", "before", "estimate")
 LIGHT, DARK = (Palette(*(rgb(getattr(PALETTE[name], ground)) for name in _NAMES)) for ground in ("light", "dark"))
 
 AWAY = -50.0  # coordinate of points that cannot be shown, far outside the view
@@ -43,18 +48,22 @@ LINE_HEIGHT = 16.0  # pixels of a line of such letters, with its margins
 Anchor = Literal["top-left", "top-center", "top-right", "center-left", "center-center", "center-right", "bottom-left",
                  "bottom-center", "bottom-right"]
 #: Role of a label: a name in the gutter, left of the rectangle, a half's title or why it is empty, the name of the
-#: run, the legend of marks, an axis's number or name, text at a step in slow motion, or text at a point of the
-#: body, which every renderer writes.
-Role = Literal["gutter", "title", "silence", "name", "note", "number", "caption", "step", "place"]
+#: run, the legend of marks, an axis's number or name, text at a step in slow motion, text at a point of the body,
+#: which every renderer writes, or text upon particles, with a ground of its own.
+Role = Literal["gutter", "title", "silence", "name", "note", "number", "caption", "step", "place",
+               "chip"]
+Span = tuple[str, str]  # a kind, which sets the style of a text, and the text
+Spans = tuple[Span, ...]
 #: What a label belongs to, which sets its colour.
-Tone = Literal["plain", "faint", "estimate", "truth", "crossing"]
-Sign = Literal["", "dot", "line"]  # legend key before the text, in the label's tone
+Tone = Literal["plain", "faint", "estimate", "truth", "crossing", "before"]
+Sign = Literal["", "dot", "line", "ring"]  # legend key before the text, in the label's tone
 
 
 @dataclass(frozen=True)
 class Label:
     """Text whose ``anchor`` is at (x, y) of the stage, wrapped at ``width`` letters (0: not), ``size`` times as large
-    as usual letters, with a ``sign`` before it. ``name`` identifies the label on its surface."""
+    as usual letters, with a ``sign`` before it. ``name`` identifies the label on its surface. The text may be given in
+    ``spans`` of several styles (:meth:`of_spans`)."""
 
     name: str
     text: str
@@ -67,6 +76,12 @@ class Label:
     tone: Tone = "plain"
     bold: bool = False
     sign: Sign = ""
+    spans: Spans = ()
+
+    @classmethod
+    def of_spans(cls, name: str, spans: Spans, x: float, y: float, anchor: Anchor, role: Role, **style: Any) -> "Label":
+        """Returns a label whose text consists of ``spans``; renderers that know one style show the plain text."""
+        return cls(name, "".join(text for _, text in spans), x, y, anchor, role, **style, spans=spans)
 
 
 @dataclass(eq=False, slots=True)
@@ -172,12 +187,6 @@ def error_colours(scale: ColourScale, sizes: np.ndarray | None, count: int, unkn
     if sizes is None or not any_finite(sizes):
         return np.full((count, 3), unknown, np.uint8)
     return scale.colours(sizes)
-
-
-def fade_colours(ages: np.ndarray, palette: Palette) -> np.ndarray:
-    """Returns colours (n, 3), uint8 RGB, for ages (n,): at 0 the palette's of crossings, at 1 almost its background."""
-    ground, crossing = np.array(palette.ground, np.float32), np.array(palette.crossing, np.float32)
-    return (crossing + (0.85 * ages)[:, None] * (ground - crossing)).astype(np.uint8)
 
 
 def in_plane(x: np.ndarray, y: np.ndarray | float, z: float = 0.0) -> np.ndarray:

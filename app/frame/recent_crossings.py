@@ -9,6 +9,7 @@ from solvers.scene.scene import Scene
 
 WINDOW = 1 / 20  # of a period
 LEAST_SECONDS = 0.4  # on the screen
+MOST_CHANGED = 0.4  # share of the particles: rings around more that have changed their cell would hide the rest
 
 
 def crossing_window(scene: Scene, speed: float) -> float:
@@ -20,9 +21,3 @@ def is_recent_crossing(steps_since: np.ndarray, scene: Scene, speed: float) -> n
     """Returns which particles' last cell crossings, (P,) steps ago or -1 for never, are recent enough to be shown, (P,)
     of bool, while a run plays at a ``speed`` in simulated s per s (:func:`crossing_window`)."""
     return (steps_since >= 0) & (steps_since <= crossing_window(scene, speed) / scene.time_step)
-
-
-def crossing_ages(steps_since: np.ndarray, scene: Scene, speed: float) -> np.ndarray:
-    """Returns the ages (n,) of cell crossings that were (n,) steps ago, as fractions of the time for which they are
-    shown (:func:`crossing_window`) at a ``speed`` in simulated s per s."""
-    return steps_since * np.float32(scene.time_step / crossing_window(scene, speed))

@@ -9,10 +9,9 @@ import numpy as np
 
 from app.frame.colour_scale import ColourScale
 from app.frame.error_view_captions import ALIKE, ALIKE_LOST, StageHalfErrors, crossing_marks_legend
-from app.frame.field_plot import FieldPlot, FieldPlotDefinition
 from app.frame.layout import ComparedRunSlot, Rectangle
-from app.frame.primitives import Label, Mark, StageMetrics, Surface, error_colours
-from app.frame.recent_crossings import crossing_ages, is_recent_crossing
+from app.frame.primitives import Label, Mark, Spans, StageMetrics, Surface, error_colours
+from app.frame.recent_crossings import is_recent_crossing
 from app.language.translation import lazy, tr
 from app.names_and_units import short_reason
 from solvers.engine.shared_frames import FrameArrays
@@ -20,21 +19,28 @@ from solvers.scene.scene import Scene
 
 AnyScene = TypeVar("AnyScene", bound=Scene)
 TOUCH = 0.03  # distance on the stage within which a click selects a particle: wide enough for a finger
+TITLE_SIZE = 1.08  # of the letters of a title
+NARROWEST_TITLE = 0.9  # width of the words of a title, as a share of the stage's, from which some are left out
 Names = tuple[str, str]  # of the estimate and of the truth
 
 
 @dataclass(frozen=True)
 class StageLabels:
     """Texts of the labels on a stage: of the estimate's and the truth's half, the ``titles``, the sources ``by`` which
-    the errors are known and the reasons why they are empty (``silences``); besides, the run's name, the note on the
-    scale of the drawing, the legend of marks at crossings, and the hint about two halves that look alike."""
+    the errors are known and the reasons why they are empty (``silences``); besides, the run's ``name``, the ``facts``
+    at the other end of that line, and what the run could be ``compared`` with if it is alone; the note on the scale of
+    the drawing, the legends of marks at crossings and of the curve ``before`` a change, and the hint about two halves
+    that look alike."""
 
     titles: Names = ("", "")
     by: Names = ("", "")
     silences: Names = ("", "")
-    run: str = ""
+    name: Spans = ()
+    facts: Spans = ()
+    compared: Spans = ()
     note: str = ""
     crossings: str = ""
+    before: str = ""
     alike: str = ""
 
 
@@ -63,14 +69,14 @@ class Stage(ABC, Generic[AnyScene]):
     """Stage that draws frames of a problem's runs on the surface ``sheet``; halves and colour bar share a ``scale``.
 
     The attribute ``domains`` sets whether the particles' domains are outlined, if supported; ``plotted`` is the key of
-    the quantity whose field is plotted, None for no plot, and ``magnified`` the factor of its drawn deviation from the
+    the quantity that is plotted, None for no plot, and ``magnified`` the factor of its drawn deviation from the
     exact one. A pinned run has a stage of its own, ``beside`` the first; their field plots share a value axis."""
 
     HIGH: ClassVar[tuple[float, float]] = (0.3, 0.9)  # least and greatest height of the stage
-    PLOT: ClassVar[FieldPlotDefinition]  # settings of the field plot
+    PLOT: ClassVar[Any]  # settings of the plot: a FieldPlotDefinition or an ErrorPlotDefinition
     MOST_MARKED: ClassVar[int]  # particles whose crossings are marked
     LINES: ClassVar[int] = 0  # material lines drawn by the exact solution
-    MARKED: ClassVar[str] = lazy("crosses an edge")  # legend of the marks
+    MARKED: ClassVar[str] = lazy("has changed its cell")  # legend of the marks
     HALVES: ClassVar[str]  # name of the parts for estimate and truth
     MIRRORS: ClassVar[tuple[tuple[int, int], ...]] = ()  # signs of x and y in each image of a body in the plane
     OUTLINED: ClassVar[tuple[tuple[int, int], ...]] = ()  # images whose domains are drawn
@@ -87,8 +93,12 @@ class Stage(ABC, Generic[AnyScene]):
         self._labels, self._shown = StageLabels(), (StageLabels(), None)
         self._captioned: tuple | None = None  # arguments of the present captions
         self._remarks: WorstRegionAnnotations | None = None
-        self._field: FieldPlot = FieldPlot(self.PLOT, beside._field if beside else None)
+        self._plot = self._make_plot(beside)
         self._lay_out()
+
+    @abstractmethod
+    def _make_plot(self, beside: Any) -> Any:
+        """Returns the plot of the run, which shares its value axis with that of the stage ``beside``, if any."""
 
     def _lay_out(self) -> None:
         """Computes the layout for the surface's present metrics; all is drawn anew."""
@@ -119,11 +129,11 @@ class Stage(ABC, Generic[AnyScene]):
     @property
     def shared_axis_changed(self) -> bool:
         """Whether the stage must be redrawn because the run beside it has changed the value axis of their plots."""
-        return self._field.shared_axis_changed
+        return self._plot.shared_axis_changed
 
-    def show_run_name(self, text: str) -> None:
-        """Shows a text as the run's name; it appears only if there are two runs."""
-        self._update_labels(run=text)
+    def show_title(self, name: Spans, facts: Spans, compared: Spans) -> None:
+        """Shows the run's title: its name, facts about it, and what it could be compared with if it is alone."""
+        self._update_labels(name=name, facts=facts, compared=compared)
 
     def show_captions(self, estimate: StageHalfErrors, truth: StageHalfErrors) -> None:
         """Shows titles and sources of both halves, and the reason in an empty one, shortened beside another run."""
@@ -164,14 +174,16 @@ class Stage(ABC, Generic[AnyScene]):
         since = arrays.steps_since_crossing
         with np.errstate(all="ignore"):  # a run gone bad holds anything
             halves = [error_colours(self._scale, sizes, count, unknown) for sizes in (estimated, true)]
-            crossed = is_recent_crossing(since, scene, speed) & self._marked
-            marks = [*self._moving_marks(scene, arrays, halves[0], halves[1], t, crossed,
-                                         crossing_ages(since[crossed], scene, speed))]
+            crossed = self._particles_to_mark(since, scene, speed)
+            marks = [*self._moving_marks(scene, arrays, halves[0], halves[1], t, crossed)]
             if self.plotted:
-                at, shown = self._plot_axis_positions(arrays), halves[1] if true is not None else halves[0]
-                marks += self._field.draw(self._layout, scene, self.plotted, self.magnified, at, arrays.plotted, t,
-                                          crossed, shown)
+                marks += self._plot_marks(scene, arrays, (estimated, true), t, crossed)
             self.sheet.show_marks(*marks)
+
+    def _particles_to_mark(self, since: np.ndarray, scene: AnyScene, speed: float) -> np.ndarray:
+        """Returns which particles are marked as having changed their cell, (P,) of bool, from the steps ``since`` the
+        last time, (P,), -1 for never; at a playing ``speed`` in simulated s per s."""
+        return is_recent_crossing(since, scene, speed) & self._marked
 
     def _select_marked_particles(self, particles: int) -> None:
         """Selects, of so many particles, those whose crossings are marked, and shows the legend of the marks."""
@@ -192,9 +204,9 @@ class Stage(ABC, Generic[AnyScene]):
     def layout(metrics: StageMetrics, slot: ComparedRunSlot) -> Any:
         """Returns the :class:`~app.frame.layout.StageLayout` of a run in a slot of a stage; ``metrics`` are rounded."""
 
-    @staticmethod
+    @classmethod
     @abstractmethod
-    def labels(words: StageLabels, places: Any) -> Iterator[Label]:
+    def labels(cls, words: StageLabels, places: Any) -> Iterator[Label]:
         """Yields the labels of halves, run and marks, with texts from ``words``, at their places in a layout."""
 
     @staticmethod
@@ -243,19 +255,39 @@ class Stage(ABC, Generic[AnyScene]):
 
     @abstractmethod
     def _moving_marks(self, scene: AnyScene, arrays: FrameArrays, estimated: np.ndarray, true: np.ndarray, t: float,
-                      crossed: np.ndarray, age: np.ndarray) -> Iterator[Mark]:
+                      crossed: np.ndarray) -> Iterator[Mark]:
         """Yields marks that move, at the time t in s, with the colours (P, 3) of the ``estimated`` and ``true`` errors;
-        ``crossed`` (P,) of bool are particles to be marked, which crossed a cell boundary, and ``age`` (n,) their ages,
-        0 to 1."""
+        ``crossed`` (P,) of bool are particles to be marked, which crossed a cell boundary."""
+
+    @staticmethod
+    @abstractmethod
+    def plot_axis_positions(scene: AnyScene, X: np.ndarray) -> np.ndarray:
+        """Returns the positions (P,) along the axis of the plot, in m at rest, of particles at X (P,) or (P, 2) in m at
+        rest; NaN for those not plotted."""
 
     @abstractmethod
-    def _plot_axis_positions(self, arrays: FrameArrays) -> np.ndarray:
-        """Returns the particles' positions (P,) along the axis of the field plot, in m."""
+    def _plot_marks(self, scene: AnyScene, arrays: FrameArrays, sizes: tuple[np.ndarray | None, np.ndarray | None],
+                    t: float, crossed: np.ndarray) -> Iterator[Mark]:
+        """Yields the marks of the plot at the time t in s, with the ``sizes`` (P,) of the estimated and the true errors
+        in their unit, None if unknown; ``crossed`` as in :meth:`_moving_marks`."""
 
     @abstractmethod
     def _worst_region_marks(self, worst: tuple[WorstRegionMark | None, WorstRegionMark | None],
                             arrays: FrameArrays) -> Iterator[Mark]:
         """Yields marks at the ``worst`` regions of estimate and truth in a frame, always the same number of marks."""
+
+
+def title_labels(words: StageLabels, metrics: StageMetrics, y: float) -> Iterator[Label]:
+    """Yields the labels of a run's title in a line at the height y: its name at the left, facts at the right. What does
+    not fit is left out: settings of the run first, then its time."""
+    name, facts = words.name, words.facts
+    if sum(metrics.text_extent(text)[0] for _, text in (*name, *facts)) > NARROWEST_TITLE:
+        name = tuple(span for span in name if span[0] != "settings")
+    if sum(metrics.text_extent(text)[0] for _, text in (*name, *facts)) > NARROWEST_TITLE and facts[-1:] \
+            and facts[-1][0] == "duration":
+        facts = facts[:-2]
+    yield Label.of_spans("name", name, 0.0, y, "center-left", "name", size=TITLE_SIZE)
+    yield Label.of_spans("facts", facts, 1.0, y, "center-right", "note", size=TITLE_SIZE)
 
 
 def marking_stride(particles: int, most: int) -> int:

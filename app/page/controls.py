@@ -2,6 +2,7 @@
 
 import threading
 from collections.abc import Callable
+from dataclasses import asdict
 from typing import Any
 
 import viser
@@ -10,13 +11,16 @@ from app.frame.colour_scale import ColourScale
 from app.language.translation import lazy, tr
 from app.page.panels.browser_store_and_window import BrowserStore
 from app.page.panels.frame_and_drawing_controls import DrawingWidgets, FrameAndTraceControls
+from app.page.panels.landscape_strips import LandscapeStrips
 from app.page.panels.page_header import add_widget_marker, widget_marker_html
 from app.page.panels.quantity_and_estimator_widgets import EstimatorCards, QuantityAndEstimatorWidgets
 from app.page.panels.scene_widgets import SceneWidgetFactory, WidgetStatusMessage
 from app.page.panels.simulation_parameter_widgets import SimulationParameterWidgets
 from app.page.playback_controls import PlaybackControls
 from app.page.stage_source import ViewChoice
-from app.page.visit.run_session import RunSession, first_scene
+from app.page.visit.first_scene import first_scene
+from app.page.visit.landscapes import Landscapes
+from app.page.visit.run_session import RunSession
 from app.problems.views import VIEWS
 from app.shareable_state import State
 from solvers.engine.engine_messages import FrameReport
@@ -28,13 +32,15 @@ from solvers.scene.stabilisations import REMEDIES
 
 ELSEWHERE = lazy("A lesson is open: its controls are in <b>Lessons</b>, below its text.")
 
+OF_FILES = ("problem", "quantity", "magnify", "speed")  # controls, by their names in lessons
+
 
 class Controls:
     """Widgets of one visitor for everything in a scene, and the view options read from them. Those outside the tab are
     built at once, the others by :meth:`build`; ``on_view`` redraws the stage."""
 
     def __init__(self, gui: viser.GuiApi, session: RunSession, scale: ColourScale, on_view: Callable[[], None],
-                 history: FrameAndTraceControls, store: BrowserStore):
+                 history: FrameAndTraceControls, store: BrowserStore, landscapes: Landscapes):
         self._gui, self._session, self._scale, self._on_view = gui, session, scale, on_view
         self._history = history
         self._extensions: dict[str, Callable[[], Any]] = {}
@@ -51,9 +57,10 @@ class Controls:
         self._parts: dict[str, tuple[Any, ...]] = {
             "problem": (problem_mark, self.problem), **self.stage.parts, **self._transport.parts}
         self._drawing = DrawingWidgets(session, scale, history, self.stage, on_view)
-        self._run = SimulationParameterWidgets(session, self._bound, store)
+        self._strips = LandscapeStrips(session, landscapes, store, lambda: (self.stage.quantity, self.stage.estimator))
+        self._run = SimulationParameterWidgets(session, self._bound, store, self._strips)
         self.estimator_cards = EstimatorCards(gui, session, self.stage, self._bound, store)
-        store.heard["entered"] = self._on_entered
+        store.heard |= {"entered": self._on_entered, "compare": self._transport.on_choice}
 
     def add_extension(self, control: str, build: Callable[[], Any], *widgets: Any) -> None:
         """Adds ``build``, which makes widgets in the tab beside a control (its name in lessons) and is called at each
@@ -65,9 +72,7 @@ class Controls:
         """Sets view options and pinned run to a state whose scene the session already has, before :meth:`build`."""
         self.stage.show(state.quantity, state.estimator, state.magnified)
         self._session.set_frame_options(plotted=state.quantity)
-        if state.pinned is not None:
-            self._transport.pin(state.pinned)
-            self._transport.refresh()
+        self._transport.show_second_run(state)
 
     def build(self, tab: viser.GuiTabHandle) -> None:
         """Builds the scene's widgets within a tab."""
@@ -77,9 +82,11 @@ class Controls:
         self._build()
 
     def on_frame(self, report: FrameReport, arrays: FrameArrays) -> None:
-        """Replaces the estimator on the stage if the new frame shows that it has no values of the quantity chosen."""
+        """Replaces the estimator on the stage if the frame shown has no values of the quantity chosen, and shows the
+        error over each slider until that instant."""
         with self._turn:
             self.stage.ensure_estimator_has_values(report.scene, arrays)
+            self._strips.refresh(report)
 
     def enable_problem_choice(self) -> None:
         """Makes the dropdown of problems work, once the page is built, and applies a choice made in it before."""
@@ -87,7 +94,10 @@ class Controls:
         self._choose_problem()
 
     def choose_problem(self, problem: str) -> None:
-        """Puts the first scene of a problem, by its key ("bar"), on the stage, unless the stage has that problem."""
+        """Puts the first scene of a problem, by its key ("bar"), on the stage, unless the stage has that problem, with
+        its own motion."""
+        if problem == self._session.scene.problem and self._session.scene.to_dict().get("displacement"):
+            self.load(first_scene(problem))
         self.problem.value = tr(PROBLEMS[problem].scene.TITLE)  # type: ignore[misc]
         self._choose_problem()
 
@@ -111,6 +121,14 @@ class Controls:
                         part.visible = not controls or control in controls
                 self._rebuild()
 
+    def show_for_file(self, play: Callable[[bool], None] | None) -> None:
+        """Shows only what a file on the stage has in common with the run, and has Play and Pause call ``play``; for
+        None all controls, for the run. A lesson keeps its own controls."""
+        with self._turn:
+            self._transport.play = play or self._session.play
+            if self._parent is self._home:
+                self.show_only(OF_FILES if play else ())
+
     def show(self, state: State) -> None:
         """Puts a state on the stage and into the widgets."""
         session = self._session
@@ -121,10 +139,20 @@ class Controls:
             self._scale.reset()
             session.unpin()
             session.set_scene(state.scene, state.speed, state.stops)
-            if state.pinned is not None:
-                self._transport.pin(state.pinned)
+            self._transport.show_second_run(state)
             session.set_frame_options(differences=state.difference, plotted=state.quantity)
             self._history.trace(state.traced)
+            self._rebuild()
+        self._on_view()
+
+    def restore(self, state: State) -> None:
+        """Puts an earlier state back: at the instant shown, where only fields of the scene differ."""
+        session, pinned = self._session, self._session.pinned
+        if state.scene.problem != session.scene.problem or state.pinned != (pinned and pinned.scene):
+            return self.show(state)
+        with self._turn:
+            session.set_scene_fields(**asdict(state.scene))
+            self.stage.show(self.stage.quantity, state.estimator or state.scene.first_estimator, self.stage.magnified)
             self._rebuild()
         self._on_view()
 
@@ -179,11 +207,11 @@ class Controls:
     def state(self) -> State:
         """The state that the visitor sees."""
         session, stage, first = self._session, self.stage, self._session.scene.first_estimator
-        speed, pinned = VIEWS[session.scene.problem].speed, session.pinned
+        speed = VIEWS[session.scene.problem].speed
         return State(session.scene, stage.quantity, stage.estimator if stage.estimator != first else None,
                      self._drawing.difference, stage.magnified, self._scale.logarithmic, self._drawing.domains,
                      session.speed if session.speed != speed else None, self._history.traced_particle,
-                     session.stops_at_end, pinned.scene if pinned else None)
+                     session.stops_at_end, session.pinned.follows if session.pinned else None, session.pinned_scene)
 
     def _rebuild(self) -> None:
         """Rebuilds the widgets for the session's present scene."""
@@ -233,10 +261,12 @@ class Controls:
         with self._add_part("effects"), self._add_fold("effects", tr("What is computed")):
             self._bound.add_checkboxes("effects", ALL)
 
-    def _on_entered(self, text: Any) -> None:
-        """Applies the text field whose widget id the browser sends when the visitor has finished typing in it."""
-        for bound in (self._bound, self._lasting):
-            bound.apply_entered_text(str(text))
+    def _on_entered(self, said: Any) -> None:
+        """Applies the text that a visitor has finished typing: the browser sends the field's widget id and the text."""
+        match said:
+            case [str() as widget, str() as text]:
+                for bound in (self._bound, self._lasting):
+                    bound.apply_entered_text(widget, text)
 
     def _build_extension(self, control: str) -> None:
         if build := self._extensions.get(control):

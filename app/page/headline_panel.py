@@ -10,33 +10,30 @@ import numpy as np
 import viser
 
 from app.frame import headline
-from app.frame.budget_chart_data import largest_cause_fact
 from app.frame.error_view_captions import FrameErrorView
-from app.frame.headline import BACK, LAST, LOST, PAUSED, SO_FAR, UNSTABLE, HeadlineWithFacts, fill_template
-from app.frame.recent_crossings import crossing_window, is_recent_crossing
+from app.frame.headline import BACK, LAST, LOST, PAUSED, UNSTABLE, HeadlineWithFacts, InstantErrors, fill_template
 from app.language.translation import lazy, tr, trn
-from app.names_and_units import QUANTITIES, difference_text, format_factor, format_number, reword_for_page
-from app.page.stage.worst_region import WorstRegions
-from app.page.visit.history import last_value, series_until
+from app.names_and_units import QUANTITIES, format_factor, format_number, reword_for_page
+from app.page.visit.history import series_until
 from solvers.engine.engine_messages import FrameReport
 from solvers.engine.shared_frames import FrameArrays
 from solvers.scene.scene import Scene
 from solvers.solver import soundness
 
 WAITING = lazy("Waiting for the first frame")
-SAY_SECONDS = 2.0  # least time between two sentences, so that they can be read
-MOST_DIFFERING = 40  # most characters of the difference to a pinned run
+SAY_SECONDS = 0.3  # least time between two sentences
+NEARLY_EVERY = 0.8  # of all particles
 
 
 class HeadlinePanel:
-    """The headline above the stage: shows only new ones, at least 2 s apart; ``verdict.js`` reads them aloud."""
+    """The headline above the stage: shows only new ones, at least 0.3 s apart; ``verdict.js`` reads them aloud."""
 
     def __init__(self, gui: viser.GuiApi, clock: Callable[[], float] = monotonic):
         self._html, self._clock = gui.add_html(""), clock
         self._last, self._next, self._aloud = HeadlineWithFacts(), 0.0, 0
 
     def show(self, headline: HeadlineWithFacts, is_immediate: bool = False) -> None:
-        """Shows a headline if it is new, 2 s after the last or at once; ``is_immediate``: it answers a click."""
+        """Shows a headline if it is new, 0.3 s after the last or at once; ``is_immediate``: it answers a click."""
         now, other = self._clock(), headline.moment != self._last.moment
         if not headline or str(headline) == str(self._last) or (now < self._next and not is_immediate and not other):
             return
@@ -48,41 +45,28 @@ class HeadlinePanel:
 
 
 def frame_headline(report: FrameReport | None, arrays: FrameArrays | None, view: FrameErrorView | None,
-                   worst: WorstRegions, series: dict[str, np.ndarray], quantity: str, estimator: str | None,
-                   periods_back: float = 0.0, comparison: str = "", speed: float = 0.0) -> HeadlineWithFacts:
-    """Returns the headline of a frame from the ``view`` of its errors, its worst regions and the run's sampled
-    ``series``.
+                   quantity: str, estimator: str | None, periods_back: float = 0.0,
+                   comparison: str = "") -> HeadlineWithFacts:
+    """Returns the headline of a frame from the ``view`` of its errors.
 
-    Errors and estimates are means so far for a playing run, present values for one that is paused or lost. ``quantity``
-    is a key (x, v, sigma, a), ``estimator`` the one on the stage, ``periods_back`` the periods from the frame to the
-    newest, ``comparison`` the text of :func:`compare_with_pinned`, ``speed`` in simulated seconds per second."""
+    ``quantity`` is a key (x, v, sigma, a), ``estimator`` the one on the stage, ``periods_back`` the periods from the
+    frame to the newest, ``comparison`` the text of :func:`compare_errors`."""
     if report is None or arrays is None or view is None:
         return HeadlineWithFacts.from_template(tr(WAITING))
-    series, when = series_until(series, report.time), format_number(report.time)
+    when = format_number(report.time)
     moment = report.scene, report.playing, report.status, periods_back
     if report.status == soundness.UNSTABLE:
         return HeadlineWithFacts((("bad", fill_template(tr(UNSTABLE), time=when)),),
                                  (*_lost_run_reason(report), tr(LAST)), moment)
-    lost = report.status == soundness.LOST
-    of_now = not report.playing or lost
-    true, estimate = map(_rms, (view.true, view.estimated)) if of_now else (
-        _mean(series, name) for name in (f"error_{quantity}", f"{estimator}/estimate_{quantity}"))
+    errors = InstantErrors.of_view(view)
     words = headline.error_headline_templates(report.scene, quantity, estimator,
                                               view.left.silence if view.estimated is None else "",
                                               view.right.silence if view.true is None else "")
-    before = "" if lost else tr(SO_FAR)
-    if not report.playing:
-        before = fill_template(tr(BACK), ago=f"{periods_back:.2f}") if periods_back else \
-            fill_template(tr(PAUSED), time=when)
-    present_index = estimate / true if true else math.nan
-    index = present_index if of_now else last_value(series, f"{estimator}/index_{quantity}")
-    said = headline.format_error_headline(words, QUANTITIES[quantity].unit, true, estimate, index, before)
-    region = None if true <= words.least else worst.by_truth or worst.by_estimate
-    who = largest_cause_fact(report.scene, series, quantity)
-    facts = [*said.facts[:1], who, *said.facts[1:],
-             tr("worst at {region}", region=region.name) if region else "", *_crossings_text(report, arrays, speed)]
-    if comparison:  # replaces the reference value
-        facts[:1] = [*said.facts[1:], comparison]
+    lost = report.status == soundness.LOST
+    before = fill_template(tr(BACK), ago=f"{periods_back:.2f}") if periods_back else \
+        "" if lost else fill_template(tr(PAUSED), time=when)
+    said = headline.format_error_headline(words, QUANTITIES[quantity].unit, errors, before)
+    facts = [*([*said.facts[1:], comparison] if comparison else said.facts), *_crossings_text(report.scene, arrays)]
     parts = said.headline
     if lost:
         facts = _lost_run_reason(report) or facts
@@ -90,20 +74,15 @@ def frame_headline(report: FrameReport | None, arrays: FrameArrays | None, view:
     return HeadlineWithFacts(parts, tuple(filter(None, facts)), moment)
 
 
-def compare_with_pinned(live: dict[str, np.ndarray], pinned: dict[str, np.ndarray], quantity: str,
-                        scenes: tuple[Scene, Scene]) -> str:
-    """Returns a text such as "3 times as wrong as the pinned run", by the mean true errors of a quantity ("x") over the
-    periods that both runs have; "" if unknown. ``live`` and ``pinned`` are the runs' sampled series."""
-    larger = live_to_pinned_ratio(live, pinned, f"error_{quantity}", scenes)
-    if not math.isfinite(larger) or larger <= 0:
+def compare_errors(own: float, other: float, run: str) -> str:
+    """Returns a text such as "21 times as wrong as B-spline at the same settings" from the relative true errors of the
+    visitor's run and of another ``run``, described in words; "" if either is unknown or zero."""
+    ratio = own / other if other > 0 else math.nan
+    if not math.isfinite(ratio) or ratio <= 0:
         return ""
-    said = difference_text(scenes[1], scenes[0])
-    if not 0 < len(said) <= MOST_DIFFERING:
-        return tr("{factor} times as wrong as the pinned run", factor=format_factor(larger)) if larger >= 1 else \
-            tr("the pinned run is {factor} times as wrong", factor=format_factor(1 / larger))
-    return tr("{factor} times as wrong as the pinned run, {run}", factor=format_factor(larger),
-              run=said) if larger >= 1 else \
-        tr("the pinned run, {run}, is {factor} times as wrong", factor=format_factor(1 / larger), run=said)
+    if ratio >= 1:
+        return tr("{factor} times as wrong as {run}", factor=format_factor(float(f"{ratio:.2g}")), run=run)
+    return tr("{run} is {factor} times as wrong", factor=format_factor(float(f"{1 / ratio:.2g}")), run=run)
 
 
 def live_to_pinned_ratio(live: dict[str, np.ndarray], pinned: dict[str, np.ndarray], name: str,
@@ -128,25 +107,20 @@ def _lost_run_reason(report: FrameReport) -> list[str]:
     return [reason.partition(": ")[2] or reason] if reason else []
 
 
-def _rms(sizes: np.ndarray | None) -> float:
-    """Returns the root mean square of sizes (P,) of errors, in their unit; NaN for None."""
-    with np.errstate(all="ignore"):  # a run gone bad holds anything
-        return math.nan if sizes is None else float(np.sqrt(np.mean(sizes.astype(float) ** 2)))
-
-
 def _mean(series: dict[str, np.ndarray], name: str) -> float:
     values = series.get(name, np.zeros(0))
     with np.errstate(all="ignore"):  # a run gone bad holds anything
         return float(np.mean(values)) if len(values) else math.nan
 
 
-def _crossings_text(report: FrameReport, arrays: FrameArrays, speed: float) -> list[str]:
-    """Returns how many particles crossed a cell boundary lately, as a list of one sentence; [] if not recorded."""
-    if not report.scene.has("crossings"):
+def _crossings_text(scene: Scene, arrays: FrameArrays) -> list[str]:
+    """Returns how many particles have changed their cell since the start, as a list of one sentence; [] if not
+    recorded."""
+    if not scene.has("crossings"):
         return []
-    count = int(np.count_nonzero(is_recent_crossing(arrays.steps_since_crossing, report.scene, speed)))
-    seconds = format_number(crossing_window(report.scene, speed))
+    count, particles = int(np.count_nonzero(arrays.steps_since_crossing >= 0)), len(arrays.steps_since_crossing)
     if not count:
-        return [tr("no particle crossed a cell boundary in the last {seconds} s", seconds=seconds)]
-    return [trn("{count:,} particle crossed a cell boundary in the last {seconds} s",
-                "{count:,} particles crossed a cell boundary in the last {seconds} s", count, seconds=seconds)]
+        return [tr("no particle has changed its cell yet")]
+    if count > NEARLY_EVERY * particles:
+        return [tr("nearly every particle has changed its cell")]
+    return [trn("{count:,} particle has changed its cell", "{count:,} particles have changed their cell", count)]

@@ -127,5 +127,5 @@ class Page:
         for feature in self._features:
             feature.refresh(view)
         context.refresh_and_pause_when_idle(UNTOUCHED)
-        self._problems.show(context.session.scene.problem, bool(controls.problem.visible))
+        self._problems.show(context.session.scene, bool(controls.problem.visible))
         self._link.keep()

@@ -46,8 +46,8 @@ class CurrentLesson(Protocol):
 
 
 class PageContext:
-    """Everything that features share: the visitor's run (``session``), its ``landscapes``, ``stage``, ``controls``,
-    ``tabs``, the folder ``own_data`` and more. Features set ``lesson``, ``is_touring`` and ``show_phase``, which shows
+    """Everything that features share: the visitor's run (``session``), ``stage``, ``controls``, ``tabs``, the
+    folder ``own_data`` and more. Features set ``lesson``, ``is_touring`` and ``show_phase``, which shows
     a particle's phase (from 1) of one time step in slow motion. The page sets ``show_run_on_stage``, which ends
     whatever replaces the run on the stage, and ``store_state``, which stores the visitor's state in the browser's
     address."""
@@ -71,9 +71,9 @@ class PageContext:
         self.canvas = ViewerCanvas(client, self.scale, self.trace, opening.scene.problem)
         self.stage, self._on_frame = StageAndReadoutView(client, self.canvas), on_frame
         self.session = RunSession(links, opening.scene, self._take_frame, opening.speed)
-        self.landscapes = Landscapes(self.session, links.histories)
         self.history = FrameAndTraceControls(self.session, self.recent, self.trace, self.stage.draw)
-        self.controls = Controls(self.gui, self.session, self.scale, self.stage.draw, self.history, self.store)
+        self.controls = Controls(self.gui, self.session, self.scale, self.stage.draw, self.history, self.store,
+                                 Landscapes(self.session, links.histories))
         self.run = VisitorRunSource(self.session, self.recent, self.trace, notice)
         group = self.gui.add_tab_group()
         self.tabs = {name: group.add_tab(title, icon) for name, title, icon in (
@@ -121,7 +121,6 @@ class PageContext:
         """Updates the widgets from the session, and pauses the run after ``idle_seconds`` without input."""
         if self.session.playing and not self.presenter.on and self.session.idle_seconds > idle_seconds:
             self.session.pause_until_return()
-        self.presenter.show_scene_name(self.session.scene)
         self.controls.refresh()
         if shown := self.recent.shown_frame:
             self.controls.on_frame(*shown)

@@ -12,7 +12,7 @@ from app import shareable_state
 from app.lessons.lesson import Lesson, fill_numbers
 from app.page.features.budget.panel import EFFECT
 from app.page.features.opening_tour import OPENING
-from app.page.visit.run_session import first_scene
+from app.page.visit.first_scene import first_scene
 from app.problems.views import VIEWS
 from solvers.problems import PROBLEMS
 from solvers.scene.scene import Scene

@@ -9,12 +9,15 @@ import numpy as np
 from app.frame.error_view_captions import FrameErrorView
 from app.frame.headline import HeadlineWithFacts
 from app.frame.layout import Rectangle
+from app.frame.primitives import Spans
 from app.frame.stage import NOTHING, WorstRegionAnnotations
 from app.page.readout_panel import ReadoutContent
 from app.page.visit.status_message import Notice
 from solvers.engine.engine_messages import FrameReport
 from solvers.engine.shared_frames import FrameArrays
 
+RunTitle = tuple[Spans, Spans, Spans]  # its name, facts, and what it could be compared with
+NO_TITLE: RunTitle = (), (), ()
 Sizes = tuple[np.ndarray | None, np.ndarray | None]  # of errors (P,), of what the left and the right half show
 
 
@@ -34,20 +37,21 @@ class ViewChoice:
 
 @dataclass(frozen=True)
 class StageFrame:
-    """A frame to draw: the ``view`` of its errors, the speed in simulated seconds per second, the run's ``name`` where
-    two are drawn, and whether its particles are ``foreign``: of a file, without a fixed order or initial positions."""
+    """A frame to draw: the ``view`` of its errors, the speed in simulated seconds per second, the run's ``title``
+    (:meth:`~app.frame.stage.Stage.show_title`), and whether its particles are ``foreign``: of a file, without a fixed
+    order or initial positions."""
 
     report: FrameReport
     arrays: FrameArrays
     view: FrameErrorView
     speed: float
-    name: str = ""
+    title: RunTitle = NO_TITLE
     foreign: bool = False
 
 
 @dataclass(frozen=True)
 class StageContent:
-    """Everything to draw: a picture, and ``beside`` it a second run, or that run's name before its first frame. The
+    """Everything to draw: a picture, and ``beside`` it a second run, or that run's title before its first frame. The
     colour scale follows the ``sizes`` of errors and reaches at least ``least`` (in their unit); it is reset when
     ``scale_key`` changes and kept for an earlier frame (``is_past``). ``annotations`` are notes in the picture. If
     something else is drawn in a rectangle ``hidden``, the stage itself is hidden."""
@@ -57,7 +61,7 @@ class StageContent:
     scale_key: Hashable
     least: float = 0.0
     is_past: bool = False
-    beside: StageFrame | str | None = None
+    beside: StageFrame | RunTitle | None = None
     annotations: WorstRegionAnnotations = NOTHING
     hidden: Rectangle | None = None
 

@@ -11,7 +11,7 @@ from app.frame.layout import ColourBarDrawing, Rectangle
 from app.frame.stage import Stage
 from app.names_and_units import QUANTITIES
 from app.page.stage.pointer_and_camera import FixedRectangleCamera, RectangleErrorProbe, TracedParticleRing
-from app.page.stage_source import StageContent, StageFrame, ViewChoice
+from app.page.stage_source import NO_TITLE, StageContent, StageFrame, ViewChoice
 from app.page.visit.traced_particle_series import ParticleTracer
 from app.problems.views import VIEWS
 from app.renderers.viewer_renderer import LabelLayer, ViewerSurface
@@ -49,7 +49,7 @@ class ViewerCanvas:
                 if stage.shared_axis_changed:
                     _draw(stage, picture, choice)
             elif second:
-                second.show_run_name(beside or "")
+                second.show_title(*beside or NO_TITLE)
             stage.annotate(content.annotations, arrays)
             if picture.foreign:  # its particles cannot be traced
                 self._rings.hide()
@@ -110,4 +110,4 @@ def _draw(stage: Stage, picture: StageFrame, choice: ViewChoice) -> None:
     stage.draw(report.scene, picture.arrays, view.left.sizes, view.right.sizes, report.time, picture.speed,
                foreign=picture.foreign)
     stage.show_captions(view.left, view.right)
-    stage.show_run_name(picture.name)
+    stage.show_title(*picture.title)

@@ -1,26 +1,33 @@
 """The visitor's run as a source of the stage: now or in the past, alone or beside a pinned run."""
 
 from collections.abc import Callable
+from time import monotonic
 
 from app.frame.colour_scale import LEAST_TOP
 from app.frame.error_view_captions import FrameErrorView, frame_error_view, why_no_index
-from app.frame.headline import HeadlineWithFacts
-from app.language.translation import tr
-from app.names_and_units import difference_text
-from app.page.headline_panel import compare_with_pinned, frame_headline
+from app.frame.headline import HeadlineWithFacts, InstantErrors, lane_facts
+from app.frame.primitives import Spans
+from app.language.translation import lazy, tr
+from app.names_and_units import difference_text, functions_name, main_settings_text
+from app.page.headline_panel import compare_errors, frame_headline
 from app.page.panels.error_timeline import TimelineState
 from app.page.panels.readout_tables import live_readout
 from app.page.readout_panel import ReadoutContent
 from app.page.stage.worst_region import WorstRegions
-from app.page.stage_source import StageContent, StageFrame, ViewChoice
-from app.page.visit.recent_frames import RecentFrames
+from app.page.stage_source import RunTitle, StageContent, StageFrame, ViewChoice
+from app.page.visit.pinned_run import PinnedRun
+from app.page.visit.recent_frames import Frame, RecentFrames
 from app.page.visit.run_session import RunSession
 from app.page.visit.status_message import Notice
 from app.page.visit.traced_particle_series import ParticleTracer
 from solvers.engine.engine_messages import FrameReport
 from solvers.engine.shared_frames import FrameArrays
-from solvers.solver.soundness import UNSTABLE
+from solvers.solver.soundness import OK, UNSTABLE
 
+READING_SECONDS = 0.5  # for which the words about a run that plays stay
+MOST_DIFFERING = 40  # most characters of the difference to a pinned run
+COMPARED = "compared"  # kind of the span in which the visitor chooses what to compare with
+COMPARE, NOTHING_TO_COMPARE, PINNED = lazy("Compare with"), lazy("nothing"), lazy("the pinned run")
 
 class VisitorRunSource:
     """The stage's default source: the visitor's run; ``further`` returns a notice or None if the session has none."""
@@ -28,9 +35,11 @@ class VisitorRunSource:
     is_on, needs_immediate_headline = True, False
 
     def __init__(self, session: RunSession, recent: RecentFrames, trace: ParticleTracer,
-                 further: Callable[[], Notice | None]):
+                 further: Callable[[], Notice | None], clock: Callable[[], float] = monotonic):
         self._session, self._recent, self._trace, self._further = session, recent, trace, further
-        self._worst = WorstRegions()
+        self._worst, self._clock = WorstRegions(), clock
+        self._told: Frame | None = None  # the frame that words are about, and until when they stay
+        self._told_until = 0.0
 
     def stage_content(self, choice: ViewChoice) -> StageContent | None:
         """Returns the frame on view, beside the pinned run if any; None before the first frame, and while a frame with
@@ -42,19 +51,18 @@ class VisitorRunSource:
         if choice.difference and scene.has("truth") and scene.active_estimators \
                 and not (report.holds.differences or back):
             return None
-        pinned = self._session.pinned
-        if pinned and pinned.scene.problem != scene.problem:
-            pinned = None  # removed with the next frame
-        said = difference_text(scene, pinned.scene) if pinned else ""
-        name = tr("this run: {run}", run=said) if said else tr("this run") if pinned else ""
-        picture = self._frame_view(report, arrays, frame_error_view(report, arrays, *asked), name)
+        told = self._told_frame(last)
+        other = self._session.pinned
+        if other and other.scene.problem != scene.problem:
+            other = None  # removed with the next frame
+        picture = self._frame_view(report, arrays, frame_error_view(report, arrays, *asked),
+                                   self._own_title(told, choice, other is None))
         if not report.playing:  # words that change with each frame could not be read
             self._worst.find(report, arrays, picture.view, choice.quantity)
-        beside: StageFrame | str | None = None  # a pinned run, or its name before its first frame
-        if pinned:
-            run, view = difference_text(pinned.scene, scene) or tr("the same so far"), pinned.view(*asked)
-            beside = tr("pinned: {run}, being prepared", run=run) if view is None or pinned.last is None else \
-                self._frame_view(*pinned.last, view, tr("pinned: {run}", run=run))
+        beside: StageFrame | RunTitle | None = None  # a second run, or its title before its first frame
+        if other:
+            title, view = self._other_title(other, choice), other.view(*asked)
+            beside = title if view is None or other.last is None else self._frame_view(*other.last, view, title)
         return StageContent(picture, (picture.view.left.sizes, picture.view.right.sizes), asked,
                             0.0 if scene.swings else LEAST_TOP * scene.size_of(choice.quantity), back,
                             beside, self._worst.annotations(scene))
@@ -68,7 +76,7 @@ class VisitorRunSource:
         history, pinned, traced, shown = session.history, session.pinned, self._trace.traced, recent.shown_frame
         if shown is None or shown[0].scene != history.scene:
             return None
-        report = shown[0]
+        report = self._told_frame(shown)[0]
         scene, valid = report.scene, report.valid_estimators
         text = live_readout(session, history, report, quantity, choice.estimator, probed, self._worst,
                             recent.periods_back)
@@ -79,18 +87,63 @@ class VisitorRunSource:
                               why_no_index(scene, valid, quantity), pinned, traced, scene)
 
     def sentence(self, choice: ViewChoice, picture: StageFrame) -> HeadlineWithFacts:
-        """Returns the headline of the frame drawn, with a comparison to a pinned run; empty for another run's frame."""
-        history, pinned, report = self._session.history, self._session.pinned, picture.report
-        if picture.foreign or not self._session.scene == history.scene == report.scene == self._worst.scene:
+        """Returns the headline of the frame drawn, with a comparison to a second run; empty for another run's frame."""
+        if picture.foreign or not self._session.scene == self._session.history.scene == picture.report.scene:
             return HeadlineWithFacts()  # another run has begun just now, or is being compiled
-        beside = "" if pinned is None else compare_with_pinned(history.series, pinned.history.series, choice.quantity,
-                                                               (report.scene, pinned.scene))
-        return frame_headline(report, picture.arrays, picture.view, self._worst, history.series, choice.quantity,
-                              choice.estimator, self._recent.periods_back, beside, picture.speed)
+        report, arrays = self._told_frame((picture.report, picture.arrays))
+        view, other = frame_error_view(report, arrays, choice.quantity, choice.estimator, False), ""
+        if (run := self._session.pinned) and (theirs := run.view(choice.quantity, choice.estimator, False)):
+            own, its = (InstantErrors.of_view(one).true / scene.size_of(choice.quantity)
+                        for one, scene in ((view, report.scene), (theirs, run.scene)))
+            other = compare_errors(own, its, self._other_in_words(run))
+        return frame_headline(report, arrays, view, choice.quantity, choice.estimator, self._recent.periods_back, other)
 
     def notice(self) -> Notice | None:
         """Returns the session's message for the visitor, or else one of ``further``; None if there is none."""
         return self._session.notice() or self._further()
 
-    def _frame_view(self, report: FrameReport, arrays: FrameArrays, view: FrameErrorView, name: str) -> StageFrame:
-        return StageFrame(report, arrays, view, self._session.speed * report.scene.period, name)
+    def _told_frame(self, drawn: Frame) -> Frame:
+        """Returns the frame that all words are about: the one ``drawn``, but for a run that plays one of the last half
+        second, so that they can be read, and say the same."""
+        told, now = self._told, self._clock()
+        if told is None or not drawn[0].playing or drawn[0].scene != told[0].scene or drawn[0].time < told[0].time \
+                or now > self._told_until:
+            self._told, self._told_until = drawn, now + READING_SECONDS
+        return self._told or drawn
+
+    def _own_title(self, frame: Frame, choice: ViewChoice, alone: bool) -> RunTitle:
+        """Returns the title of the visitor's run in a ``frame``; that of a run ``alone`` offers a comparison."""
+        scene = frame[0].scene
+        name = ("", tr("This run: {functions}", functions=functions_name(scene.method))), \
+            ("settings", main_settings_text(scene))
+        view = frame_error_view(*frame, choice.quantity, choice.estimator, False)
+        compared = (("", tr(COMPARE)), (COMPARED, tr(NOTHING_TO_COMPARE)))
+        return name, _facts(frame[0], view, choice.quantity, choice.estimator), compared if alone else ()
+
+    def _other_title(self, run: PinnedRun, choice: ViewChoice) -> RunTitle:
+        """Returns the title of the second ``run``, in which the visitor chooses what to compare with."""
+        told = tr("follows your sliders") if run.follows else \
+            tr("stays: {run}", run=difference_text(run.scene, self._session.scene) or tr("the same so far"))
+        named = functions_name(run.follows) if run.follows else tr(PINNED)
+        facts: Spans = (("settings", tr("being prepared")),)
+        if run.last and (view := run.view(choice.quantity, choice.estimator, False)):
+            facts = _facts(run.last[0], view, choice.quantity, run.estimator(choice.estimator))
+        return (("", tr(COMPARE)), (COMPARED, named), ("settings", told)), facts, ()
+
+    def _other_in_words(self, run: PinnedRun) -> str:
+        """Returns what a second ``run`` is called in a sentence."""
+        if run.follows:
+            return tr("{functions} at the same settings", functions=functions_name(run.follows))
+        said = difference_text(run.scene, self._session.scene)
+        return tr("the pinned run, {run}", run=said) if 0 < len(said) <= MOST_DIFFERING else tr(PINNED)
+
+    def _frame_view(self, report: FrameReport, arrays: FrameArrays, view: FrameErrorView,
+                    title: RunTitle) -> StageFrame:
+        return StageFrame(report, arrays, view, self._session.speed * report.scene.period, title)
+
+
+def _facts(report: FrameReport, view: FrameErrorView, quantity: str, estimator: str | None) -> Spans:
+    """Returns the facts in the title of a run, from a frame's ``report`` and the ``view`` of its errors."""
+    seconds = report.step * report.particles / (1e6 * report.rate) if report.rate else 0.0
+    return lane_facts(InstantErrors.of_view(view), report.scene.size_of(quantity), estimator, report.status != OK,
+                      seconds)

@@ -6,8 +6,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from app.frame.field_plot import FieldPlotDefinition
-from app.frame.planar_stage import WHOLE, PlanarStage
+from app.frame.error_plot import ErrorPlotDefinition
+from app.frame.planar_stage import AWAY, WHOLE, PlanarStage
 from app.frame.primitives import Lines, Mark, join_points
 from app.language.translation import lazy, tr
 from app.problems.interface import BodyRegions, PlanarBodyKindView
@@ -16,7 +16,7 @@ from solvers.problems.planar.circular_scene import CircularScene
 
 SPOKES, SPOKE_POINTS, RIM_POINTS = 12, 41, 361
 FULL = 2 * np.pi
-NO_BREAK = "\N{NO-BREAK SPACE}"
+ARC, ARC_POINTS = 0.44, 13  # length in rad of the mark of a worst region
 
 
 class AnnulusViewSettings(NamedTuple):
@@ -55,13 +55,32 @@ class QuarterAnnulusStage(PlanarStage[CircularScene]):
         return scene.OUTER + _outer_rim_displacement(scene)
 
     @staticmethod
-    def scale_note(scene: CircularScene) -> str:
-        h = f"h{NO_BREAK}={NO_BREAK}{scene.spacing:.3g}{NO_BREAK}m"
-        return tr("outer radius {radius} at rest, {h}", radius=f"{scene.OUTER:g}{NO_BREAK}m", h=h)
+    def plot_axis_positions(scene: CircularScene, X: np.ndarray) -> np.ndarray:
+        return np.linalg.norm(X, axis=1)
 
     @staticmethod
     def max_stretch(scene: CircularScene) -> float:
         return 1 + 0.5 * _outer_rim_displacement(scene) / scene.OUTER
+
+    def _wall_heights(self, x: np.ndarray) -> list[tuple[float, float]]:
+        low, high = self._wall_radii(x)
+        return [(-high, -low), (low, high)]
+
+    def _wall_radii(self, x: np.ndarray) -> tuple[float, float]:
+        """Returns the inner and the outer radius, in m, of the body with particles at x (P, 2) in m; the outer one at
+        most that of everything drawn."""
+        radii, half = np.hypot(*x.T), 0.5 * self._width / self._per_metre
+        farthest = self._layout.radius / self._per_metre
+        return max(0.0, float(radii.min()) - half), min(float(radii.max()) + half, farthest)
+
+    def _region_outline(self, x: np.ndarray, region: np.ndarray) -> np.ndarray:
+        """Returns an arc, on the free side of the nearer rim."""
+        (inner, outer), (across, up) = self._wall_radii(x), region.mean(axis=0)
+        gap = AWAY * self._layout.stage_metrics.pixel / self._per_metre
+        near = np.hypot(*region.T).mean() < 0.5 * (inner + outer)
+        angles = np.arctan2(up, across) + np.linspace(-0.5, 0.5, ARC_POINTS) * ARC
+        arc = (max(0.0, inner - gap) if near else outer + gap) * np.stack([np.cos(angles), np.sin(angles)], axis=1)
+        return join_points(arc[:-1], arc[1:])
 
 
 class WholeAnnulusStage(QuarterAnnulusStage):
@@ -72,9 +91,7 @@ class WholeAnnulusStage(QuarterAnnulusStage):
 
     @staticmethod
     def scale_note(scene: CircularScene) -> str:
-        if not scene.solution_known:
-            return f"h = {scene.spacing:.3g} m"
-        return tr("h = {h:.3g} m, blue: exact lines", h=scene.spacing)  # the plot shows its size
+        return tr("blue: exact lines") if scene.solution_known else ""
 
     @staticmethod
     def exact_material_lines(scene: CircularScene, t: float, count: int) -> np.ndarray:
@@ -83,8 +100,8 @@ class WholeAnnulusStage(QuarterAnnulusStage):
         return scene.EXACT.position(scene, X.reshape(-1, 2), t).reshape(X.shape)
 
     def _moving_marks(self, scene: CircularScene, arrays: FrameArrays, estimated: np.ndarray, true: np.ndarray,
-                      t: float, crossed: np.ndarray, age: np.ndarray) -> Iterator[Mark]:
-        yield from super()._moving_marks(scene, arrays, estimated, true, t, crossed, age)
+                      t: float, crossed: np.ndarray) -> Iterator[Mark]:
+        yield from super()._moving_marks(scene, arrays, estimated, true, t, crossed)
         lines = self.exact_material_lines(scene, t, SPOKES * scene.solution_known)
         x = self._to_stage(lines.reshape(-1, 2), 0.015).reshape(-1, SPOKE_POINTS, 3)
         yield Lines("spokes", join_points(x[:, :-1].reshape(-1, 3), x[:, 1:].reshape(-1, 3)),
@@ -96,8 +113,8 @@ def annulus_body_view(kind: type[Any]) -> PlanarBodyKindView:
     whole = kind.ANGLE >= FULL
     look = LOOKS["whole" if whole else "quarter"]
     base: type[QuarterAnnulusStage] = WholeAnnulusStage if whole else QuarterAnnulusStage
-    plotted = FieldPlotDefinition(kind.INNER, kind.OUTER, (f"R = {kind.INNER:g} m", f"{kind.OUTER:g} m"),
-                                  kind.exact_plotted_component, kind.PLOTTED)
+    plotted = ErrorPlotDefinition(kind.INNER, kind.OUTER, (f"R = {kind.INNER:g} m", f"{kind.OUTER:g} m"),
+                                  lazy("Error across the wall"))
     stage = type(base.__name__, (base,), {"PLOT": plotted})
     return PlanarBodyKindView(stage, partial(_draw_picture, stage, look), partial(_regions, kind, look), look.division,
                               look.picture)

@@ -5,17 +5,17 @@ from typing import Any
 
 import numpy as np
 
-from app.frame.field_plot import FieldPlotDefinition
+from app.frame.error_plot import ErrorPlotDefinition
+from app.frame.planar_layout import AROUND, GAP, NAMES
 from app.frame.planar_stage import PlanarStage
-from app.frame.primitives import Mark
+from app.frame.primitives import Label, join_points
 from app.language.translation import lazy, tr
 from app.problems.interface import BodyRegions, PlanarBodyKindView
 from solvers.problems.planar.box_scene import BoxScene
-from solvers.problems.planar.particle_layout import particle_layout
 
 REGIONS = 4  # a side
 HEIGHT = 0.3  # height of the plotted row of particles over that of the square
-NO_BREAK = "\N{NO-BREAK SPACE}"
+CORNER = 0.3  # length of the marks in the corners of a worst region, over that of its shorter side
 POINTS_PER_METRE = 240  # of the picture, roughly
 
 
@@ -28,26 +28,37 @@ def plotted_row(scene: BoxScene) -> float:
 class BoxStage(PlanarStage[BoxScene]):
     """Stage of the square, drawn with its mirror images; plots the field along a row of particles."""
 
-    PLOT = FieldPlotDefinition(0.0, 1.0, ("X = 0", "1 m"), lambda scene, quantity, X, t: scene.exact_plotted_component(
-        quantity, np.stack([X, np.full_like(X, plotted_row(scene))], axis=1), t))
+    PLOT = ErrorPlotDefinition(0.0, 1.0, ("X = 0", "1 m"), lazy("Error along a row"))
 
     @staticmethod
     def max_radius(scene: BoxScene) -> float:
         return scene.SIDE
 
     @staticmethod
-    def scale_note(scene: BoxScene) -> str:
-        return tr("side {side}, h = {h}", side=f"{scene.SIDE:g}{NO_BREAK}m", h=f"{scene.spacing:.3g}{NO_BREAK}m")
-
-    @staticmethod
     def max_stretch(scene: BoxScene) -> float:
         return 1 + 0.5 * scene.STRAIN_PER_AMPLITUDE * scene.amplitude
 
-    def _static_marks(self, scene: BoxScene, particles: int, at_rest: np.ndarray | None) -> Iterator[Mark]:
-        yield from super()._static_marks(scene, particles, at_rest)
-        X = particle_layout(scene).position if at_rest is None else at_rest
-        half = 0.5 * scene.spacing / scene.ppc
-        self._radii = np.where(np.abs(X[:, 1] - plotted_row(scene)) < half, X[:, 0], np.nan)
+    @staticmethod
+    def plot_axis_positions(scene: BoxScene, X: np.ndarray) -> np.ndarray:
+        return np.where(np.abs(X[:, 1] - plotted_row(scene)) < 0.5 * scene.spacing / scene.ppc, X[:, 0], np.nan)
+
+    def _wall_heights(self, x: np.ndarray) -> list[tuple[float, float]]:
+        end = self._layout.radius / self._per_metre
+        return [(-end, end)]
+
+    def _region_outline(self, x: np.ndarray, region: np.ndarray) -> np.ndarray:
+        """Returns the corners of the region's rectangle."""
+        low, high = np.percentile(region, (2, 98), axis=0)
+        at = np.array([low, (high[0], low[1]), high, (low[0], high[1])])
+        inwards = CORNER * (high - low).min() * np.sign(at.mean(axis=0) - at)
+        return np.concatenate([join_points(at, at + inwards * along) for along in ((1, 0), (0, 1))])
+
+    def _worst_labels(self, sizes: str) -> Iterator[Label]:
+        """Yields the label of the worst regions' errors right of the body, below the source of the truth."""
+        (x, y), metrics = self._layout.middle, self._layout.stage_metrics
+        yield Label("worst-name", tr("worst: {size}", size=sizes) if sizes and metrics.gutter else "",
+                    x + AROUND * self._layout.radius + GAP * metrics.pixel, y - 1.9 * metrics.line_height, "top-left",
+                    "note", width=metrics.letters_per_line(NAMES * metrics.pixel), bold=True)
 
 
 def regions(X: np.ndarray) -> BodyRegions:

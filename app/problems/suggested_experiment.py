@@ -80,8 +80,9 @@ def changed_state(state: State, changes: Mapping[str, Any], pinned: bool = True,
         after = replace(before, **changes)
     except SceneError as error:
         raise SuggestionNotApplicable(translate_message(error.sentence)) from None
-    return replace(state, **{"scene": after, "pinned": before if pinned and after != before else None, "speed": None,
-                             "stops": False, "traced": None, "magnified": 1, "difference": False, **view})
+    return replace(state, **{"scene": after, "pinned": before if pinned and after != before else None,
+                             "compared": None, "speed": None, "stops": False, "traced": None, "magnified": 1,
+                             "difference": False, **view})
 
 
 def work_ratio(runs: ComparedRuns) -> float:

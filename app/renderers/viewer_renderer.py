@@ -95,7 +95,7 @@ class LabelLayer:
                 "x": round((label.x - left) / width, 4), "y": round((top - label.y) / height, 4),
                 "anchor": label.anchor}
         further = {"size": (label.size, 1.0), "tone": (label.tone, "plain"), "bold": (label.bold, False),
-                   "sign": (label.sign, "")}
+                   "sign": (label.sign, ""), "spans": (label.spans, ())}
         return said | {name: value for name, (value, usual) in further.items() if value != usual}
 
 

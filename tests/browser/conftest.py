@@ -15,7 +15,7 @@ from dataclasses import asdict
 import pytest
 
 from app import shareable_state
-from app.page.visit.run_session import FIRST_SCENE
+from app.page.visit.first_scene import FIRST_SCENE
 from solvers.workers.worker_process import free_port
 from tests.browser.driving import PATIENCE
 from tests.browser.relay import Relay

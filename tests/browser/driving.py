@@ -110,10 +110,18 @@ def tick(page, label):
     again_until(lambda: box.is_checked() == before and box.click(), lambda: box.is_checked() != before, label)
 
 
+def enter(page, label, value):
+    """Enter a number in the row with this label."""
+    typed = page.get_by_label(f"{label}, typed", exact=True)
+    box = typed if typed.count() else row(page, label).locator("input.mantine-NumberInput-input")
+    box.fill(value)
+    box.press("Enter")
+
+
 def to_the_ring(page):
     """Choose the ring, and wait for its controls: what is clicked among those of the bar goes with them."""
     choose(page, "Problem", "expanding ring")
-    page.get_by_text("Cells, h = 1.2/24").wait_for()
+    page.locator("label[data-words='h = 50 mm']").wait_for()
 
 
 #: The controls' folders, by the beginning of their names, and what shows in them once they are open.

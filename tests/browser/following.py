@@ -5,7 +5,7 @@ from contextlib import suppress
 
 from app.lessons.lesson import NUMBER, OBSERVE, PREDICT, draw_numbers, fill_numbers
 from app.names_and_units import parse_size
-from tests.browser.driving import FOLDERS, again_until, click, row, scene, time, unfold, until
+from tests.browser.driving import FOLDERS, again_until, click, enter, row, scene, time, unfold, until
 
 #: An act on a line of its own, or a reading: "Read **norm** of **true**".
 SAID = re.compile(r"^\s*[-*] (Press|Set|Choose|Tick|Untick|Open) \*\*(.+?)\*\*(?: to)?(?: `(.+?)`)?"
@@ -53,11 +53,10 @@ def act(page, verb, name, value):
 
 
 def _set(page, name, value):
-    """A number in the box beside a slider, or a text."""
-    box = row(page, re.compile(f"^{re.escape(name)}(,|$)")).locator("input.mantine-NumberInput-input")
-    typed = page.get_by_role("textbox", name=f"{name}, typed", exact=True)
-    text = page.get_by_role("textbox", name=name, exact=True)
-    (typed if typed.count() else box if box.count() else text).fill(value)
+    """A number beside a slider, or a text."""
+    if page.get_by_role("slider", name=name, exact=True).count():
+        return enter(page, name, value)
+    page.get_by_role("textbox", name=name, exact=True).fill(value)
 
 
 def reading(page, column, name):

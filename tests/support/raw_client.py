@@ -44,8 +44,12 @@ class RawClient:
         """Say, as a browser does, which scene its address has: who has none sees the opening, beside a pinned run."""
         self.set(self.find("kept by the browser"), json.dumps({"link": link}))
 
+    def enter(self, widget, text, store="kept by the browser"):
+        """Type a text and finish it, as with Enter; ``store`` is the label of the widget through which that is said."""
+        self.set(self.find(store), json.dumps({"entered": [widget, text]}))
+
     def find(self, label):
-        """The id of the widget with this label, once it is there."""
+        """The id of the widget with this label or this hint, once it is there."""
         wait_until(lambda: label in self._labels(), label)
         return self._labels()[label]
 
@@ -69,7 +73,8 @@ class RawClient:
         self.close()
 
     def _labels(self):
-        return {widget["props"].get("label"): name for name, widget in dict(self.widgets).items()}
+        return {widget["props"].get(text): name for text in ("hint", "label")
+                for name, widget in dict(self.widgets).items()}
 
     def _read(self):
         try:

@@ -2,7 +2,7 @@
 // the first period on, which a recording knows; it only grows, as in app/frame/colour_scale.py.
 
 const {tops: TOPS, decades: DECADES, beyond: BEYOND, smallest: SMALLEST} = DATA.scale;
-const {exact: TRUTH, pinned: PINNED, crossing: CROSSING, dot: DOT, axis: AXIS, grid: GRID, cell: CELL, ground: GROUND, unknown: UNKNOWN} = DATA.colours;
+const {exact: TRUTH, pinned: PINNED, crossing: CROSSING, dot: DOT, axis: AXIS, grid: GRID, ground: GROUND, stem: STEM, unknown: UNKNOWN} = DATA.colours;
 const TABLE = Uint8Array.from(atob(DATA.colours.map), (letter) => letter.charCodeAt(0));
 const SHADES = Array.from({length: 256}, (_, k) => `rgb(${TABLE[3 * k]},${TABLE[3 * k + 1]},${TABLE[3 * k + 2]})`);
 
@@ -25,8 +25,10 @@ function topsOf(run, view) {
   return run[key] = tops;
 }
 
+const shareOf = (size, scale) => scale.logarithmic ? 1 + Math.log10(size / scale.top) / DECADES : size / scale.top;
+
 function shade(size, scale) {
-  const share = scale.logarithmic ? 1 + Math.log10(size / scale.top) / DECADES : size / scale.top;
+  const share = shareOf(size, scale);
   return SHADES[share < 0 ? 0 : share < 1 ? Math.floor(255 * share) : 255];
 }
 

@@ -8,22 +8,12 @@ function exactAt(curve, share) {
   return curve[low] + (place - low) * (curve[low + 1] - curve[low]);
 }
 
-// Shares of the way of all particles, from their places at rest.
-function sharesOf(run) {
-  if (!run.shares) {
-    const {start, end} = DATA.problems[run.problem].plot, rest = run.tracks.rest.values, n = run.shown;
-    const along = rest.length > n ? (p) => Math.hypot(rest[p], rest[n + p]) : (p) => rest[p];
-    run.shares = Float32Array.from({length: n}, (_, p) => (along(p) - start) / (end - start));
-  }
-  return run.shares;
-}
-
 // What the particles should have as it is drawn, and what they have: with so many times the deviation, where the exact one is
 // known. Of a motion without swings deviations alone: the rest is the same everywhere.
 function fieldOf(run, view, at) {
   const deviation = row(run.tracks[`deviation.${view.quantity}`], at), curve = run.tracks[`curve.${view.quantity}`];
   if (!curve) return {exact: null, values: deviation};
-  const shares = sharesOf(run), line = run.moves_on ? null : row(curve, at);
+  const shares = run.tracks.along.values, line = run.moves_on ? null : row(curve, at);
   const exact = deviation.map((_, p) => line ? exactAt(line, shares[p]) : 0);
   return {exact, values: deviation.map((value, p) => exact[p] + view.magnified * value)};
 }
@@ -41,16 +31,15 @@ function axisTop(run, view) {
   return run[key];
 }
 
-// Where the particles are along the plot's axis, and the exact curve: at rest, or along the bar.
+// Where the particles are along the plot's axis, and the exact curve.
 function alongOf(run, at) {
-  const {along} = DATA.problems[run.problem].plot, moved = run.tracks["curve.x"];
-  if (!along) return [sharesOf(run), (share) => share];
+  const moved = run.tracks["curve.x"];
   return [alongBar(run, at), moved && !run.moves_on ? (share) => share + exactAt(row(moved, at), share) : (share) => share];
 }
 
 // Particles around the exact curve; those in `flashed` in a colour of their own; a pinned run's in grey. Returns the texts of its labels.
-function drawField(pen, run, pinned, view, at, {name, remark}, place, flashed, sizes, scale) {
-  const {box} = place, own = axisTop(run, view), top = pinned ? Math.max(own, axisTop(pinned.run, view)) : own, end = ROOM * box.half;
+function drawField(pen, run, pinned, view, at, {name, remark}, place, flashed) {
+  const {field: box} = place, own = axisTop(run, view), top = pinned ? Math.max(own, axisTop(pinned.run, view)) : own, end = ROOM * box.half;
   const y = (value) => place.y(box.middle + Math.min(Math.max(box.half * value / top, -end), end));
   const x = (share) => place.x(box.left + share * (box.right - box.left)), [along, exactAlong] = alongOf(run, at);
   Object.assign(pen, {lineWidth: 1, strokeStyle: AXIS});
@@ -60,28 +49,30 @@ function drawField(pen, run, pinned, view, at, {name, remark}, place, flashed, s
   const {exact, values} = fieldOf(run, view, at), curve = run.tracks[`curve.${view.quantity}`];
   if (curve) {
     const line = run.moves_on ? [0, 0] : row(curve, at);
-    Object.assign(pen, {lineWidth: 5 * place.pixel, strokeStyle: TRUTH});
+    Object.assign(pen, {lineWidth: 2.5 * place.pixel, strokeStyle: TRUTH});
     stroke(pen, Array.from(line, (value, k) => [x(exactAlong(k / (line.length - 1))), y(value)]));
-    if (values.length <= MOST_STEMS) drawStems(pen, along, exact, values, x, y, sizes, scale, place.pixel);
+    if (values.length <= MOST_STEMS) drawStems(pen, along, exact, values, x, y, place.pixel);
   }
-  const size = (run.shown > 300 ? 1.4 : 1.8) * place.pixel;
+  const size = (run.shown > 240 ? 1.4 : 2) * place.pixel;
   drawDots(pen, along, values, x, y, () => DOT, size);
-  for (const [colour, radius] of [[GROUND, 4.7], [CROSSING, 3.2]]) {
-    pen.fillStyle = colour;
-    for (const p of flashed) if (Number.isFinite(values[p])) disc(pen, x(along[p]), y(values[p]), radius * place.pixel);
+  Object.assign(pen, {lineWidth: 1.75 * place.pixel, strokeStyle: CROSSING});
+  for (const p of flashed) {
+    if (!Number.isFinite(values[p])) continue;
+    pen.beginPath();
+    pen.arc(x(along[p]), y(values[p]), size + 2.5 * place.pixel, 0, 7);
+    pen.stroke();
   }
   const unknown = run.tracks[`unknown.${view.quantity}`], count = unknown ? unknown.values[Math.floor(at)] : 0;
   const number = withUnit(top, DATA.quantities[view.quantity].unit), told = count ? fill(DATA.unknown, {remark, unknown: count}).replace(/^; /, "") : remark;
   return {"field/high": `+${number}`, "field/zero": "0", "field/low": `−${number.split(" ")[0]}`, "field/name": box.at ? name : "",
-    "field/remark": (box.at ? [told] : [name, told]).filter(Boolean).join(": "), ...curve ? {} : {"field/key2": ""},
+    "field/remark": (box.at ? [told] : [name, told]).filter(Boolean).join(": "), ...curve ? {} : {exact: ""},
     "field/magnified": curve && view.magnified > 1 ? tr("error × {magnified}", view) : ""};
 }
 
-function drawStems(pen, along, exact, values, x, y, sizes, scale, pixel) {
-  pen.lineWidth = 2.5 * pixel;
+function drawStems(pen, along, exact, values, x, y, pixel) {
+  Object.assign(pen, {lineWidth: 1.5 * pixel, strokeStyle: STEM});
   for (let p = 0; p < values.length; p++) {
-    if (!sizes || !Number.isFinite(values[p]) || Math.abs(y(values[p]) - y(exact[p])) < 2) continue;
-    pen.strokeStyle = shade(sizes[p], scale);
+    if (!Number.isFinite(values[p]) || Math.abs(y(values[p]) - y(exact[p])) < 2) continue;
     stroke(pen, [[x(along[p]), y(exact[p])], [x(along[p]), y(values[p])]]);
   }
 }

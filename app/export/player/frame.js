@@ -8,7 +8,8 @@ function placeOf(problem, width, height) {
   const room = DATA.problems[problem].rooms[width < NARROW ? "narrow" : "wide"], beside = room.gutter + 2 * DATA.edge;
   const unit = Math.min(width / (1 + beside), height / room.high), letters = Math.max(LEAST_LETTERS, LETTERS * unit / room.pixels);
   const left = (width - unit * (1 + beside)) / 2 + unit * (room.gutter + DATA.edge), pixel = unit / room.pixels;
-  const x = (share) => left + share * unit, y = (up) => (room.high - up) * unit;
+  const tall = room.radius ? 1 : Math.min(1.4, height / (room.high * unit));  // lanes and field take what room there is
+  const x = (share) => left + share * unit, y = (up) => (room.high - up) * unit * tall;
   return {...room, width, height, unit, left, across: unit, letters, pixel, x, y};
 }
 
@@ -27,11 +28,11 @@ function writeLabels(pen, place, labels, texts) {
     const lines = linesOf(pen, text, width ? Math.min(room, 0.53 * letters * width) : room, sign ? 1.3 * letters : 0), step = 1.3 * letters;
     const long = Math.max(...lines.map((line) => pen.measureText(line).width)) + (sign ? 1.3 * letters : 0), high = step * lines.length;
     const left = Math.min(Math.max(place.x(x) - long * SHARES[side], 2), place.width - long - 2), top = place.y(y) - high * SHARES[upright];
-    if (role === "silence" || role === "place") {
+    if (role === "silence" || role === "place" || role === "chip") {
       pen.fillStyle = "#fff";
       pen.fillRect(left - 4, top - 1, long + 8, high + 2);
     }
-    if (sign) drawSign(pen, sign, name.startsWith("field") && tone === "plain" ? DATA.colours.dot : colour, left, top + step / 2, letters);
+    if (sign) drawSign(pen, sign, tone === "plain" ? DATA.colours.dot : colour, left, top + step / 2, letters);
     const start = sign ? left + 1.3 * letters : left, room_for = sign ? long - 1.3 * letters : long;
     lines.forEach((line, k) => words(pen, line, start + room_for * SHARES[side], top + step * (k + 0.5), side, "middle", colour));
   }
@@ -40,9 +41,17 @@ function writeLabels(pen, place, labels, texts) {
 
 // What a label explains looks like this.
 function drawSign(pen, sign, colour, x, y, letters) {
-  Object.assign(pen, {fillStyle: colour, strokeStyle: colour, lineWidth: 3});
+  Object.assign(pen, {fillStyle: colour, strokeStyle: colour, lineWidth: sign === "line" ? 2.5 : 1.75});
   if (sign === "line") return stroke(pen, [[x, y], [x + letters, y]]);
-  disc(pen, x + 0.4 * letters, y, 0.33 * letters);
+  if (sign === "dot") return disc(pen, x + 0.5 * letters, y, 0.18 * letters);
+  ring(pen, x + 0.5 * letters, y, 0.36 * letters, 1.75);
+}
+
+function ring(pen, x, y, radius, wide) {
+  pen.lineWidth = wide;
+  pen.beginPath();
+  pen.arc(x, y, radius, 0, 7);
+  pen.stroke();
 }
 
 function disc(pen, x, y, radius) {

@@ -6,21 +6,52 @@ function drawBody(pen, run, view, at, place, {sizes, scale, flashed}) {
   drawSquares(pen, run, middle, metre, 1.05 * run.outermost);
   const places = row(run.tracks.position, at), n = run.shown, [shape, wide] = run.tile;
   drawParticles(pen, places, n, sizes, scale, middle, metre, mirrors, shape, wide * metre * Math.sqrt(run.particles / n));
-  drawLevel(pen, middle, 1.05 * run.outermost * metre);
+  drawLevel(pen, places, n, middle, metre, run.outermost);
   if (run.tracks.line) drawLines(pen, row(run.tracks.line, at), lines, middle, metre);
   if (view.domains && run.tracks.edges) drawDomains(pen, places, row(run.tracks.edges, at), n, middle, metre, outlined);
-  for (const [colour, radius] of [[GROUND, 4.2], [CROSSING, 2.7]]) {
-    pen.fillStyle = colour;
-    for (const [p] of flashed) {
-      for (const [sx, sy] of mirrors) disc(pen, middle[0] + sx * metre * places[p], middle[1] - sy * metre * places[n + p], radius * place.pixel);
-    }
+  pen.strokeStyle = CROSSING;
+  for (const [p] of flashed) {
+    for (const [sx, sy] of mirrors) ring(pen, middle[0] + sx * metre * places[p], middle[1] - sy * metre * places[n + p], wide * metre / 2 + 1.5 * place.pixel, 2 * place.pixel);
   }
 }
 
-// The line between the halves.
-function drawLevel(pen, [x, y], end) {
-  Object.assign(pen, {strokeStyle: DOT, lineWidth: 1.2});
-  stroke(pen, [[x, y - end], [x, y + end]]);
+// The line between the halves, across the wall alone.
+function drawLevel(pen, places, n, [x, y], metre, end) {
+  let low = Infinity, high = 0;
+  for (let p = 0; p < n; p++) {
+    const far = Math.hypot(places[p], places[n + p]);
+    if (far < low) low = far;
+    if (far > high) high = Math.min(far, end);
+  }
+  Object.assign(pen, {strokeStyle: DOT, lineWidth: 1.5});
+  pen.setLineDash([5, 4]);
+  for (const side of [1, -1]) stroke(pen, [[x, y - side * low * metre], [x, y - side * high * metre]]);
+  pen.setLineDash([]);
+}
+
+// Errors of the particles across the body, on the scale of the colours: true ones as dots, estimates as rings. Returns the texts of its labels.
+function drawErrors(pen, run, place, ticks, [estimates, truths], scale, [estimate]) {
+  const box = place.plot, along = run.tracks.along.values;
+  if (!box) return {};
+  const x = (share) => place.x(box.left + share * (box.right - box.left)), y = (share) => place.y(box.low + share * (box.high - box.low));
+  const bar = place.x(box.left) - 9 * place.pixel, rows = Math.ceil(y(0) - y(1));
+  for (let k = 0; k < rows; k++) {
+    pen.fillStyle = SHADES[Math.floor(255 * k / rows)];
+    pen.fillRect(bar, y(0) - k - 1, 6 * place.pixel, 1.5);
+  }
+  for (const {x: share, text} of ticks) {
+    Object.assign(pen, {strokeStyle: GRID, lineWidth: 1});
+    stroke(pen, [[x(0), y(share)], [x(1), y(share)]]);
+    words(pen, text === DATA.scale.zero ? "0" : text, bar - 3 * place.pixel, y(share), "right", "middle", DATA.colours.tones.plain);
+  }
+  const dots = (sizes, act) => sizes && sizes.forEach((size, p) => {
+    if (Number.isFinite(size) && Number.isFinite(along[p])) act(x(along[p]), y(Math.min(Math.max(shareOf(size, scale), 0), 1)));
+  });
+  pen.strokeStyle = DATA.colours.estimate;
+  dots(estimates, (across, up) => ring(pen, across, up, 3.5 * place.pixel, 1.5 * place.pixel));
+  pen.fillStyle = TRUTH;
+  dots(truths, (across, up) => disc(pen, across, up, 2.25 * place.pixel));
+  return {"plot/estimate": estimate};
 }
 
 function drawSquares(pen, run, middle, metre, reach) {

@@ -81,6 +81,13 @@ function saidOf(run, view) {
   return {rows, field, ...captions[+view.difference], errors};
 }
 
+// Particles of the bar that have changed their cell since the start; none if these are too many to see.
+function changedAt(run, time) {
+  const who = run.tracks["crossings.who"].values, when = run.tracks["crossings.time"].values;
+  const changed = new Set([...who].filter((_, k) => when[k] <= time).map(Math.round));
+  return changed.size > DATA.crossings.most * run.shown ? [] : [...changed];
+}
+
 // Particles that have crossed a cell boundary within the window in which that is shown, with how much of it has gone by.
 function flashedAt(run, view, time) {
   const who = run.tracks["crossings.who"].values, when = run.tracks["crossings.time"].values, found = [];
@@ -112,7 +119,8 @@ function draw() {
   const flashed = flashedAt(run, view, stage.time), scale = {...topsOf(run, view)[Math.floor(at)], logarithmic: view.logarithmic};
   const measured = drawColourBar(pen, place, scale, view.quantity);
   (place.radius ? drawBody : drawLanes)(pen, run, view, at, place, {scale, flashed, sizes: shown});
-  const field = drawField(pen, run, pinned, view, at, said.field, place, flashed.map(([p]) => p), shown[1] || shown[0], scale);
+  const field = place.field ? drawField(pen, run, pinned, view, at, said.field, place, changedAt(run, stage.time))
+    : drawErrors(pen, run, place, measured, shown, scale, said.titles);
   const halves = ["estimate", "truth"].flatMap((half, k) => [[`${half}-title`, said.titles[k]], [`${half}-by`, said.by[k]], [`${half}-silence`, said.silences[k]]]);
   const alike = place.gutter && shown[0] && shown[1] && !view.difference && !isBroken(run) ? DATA.problems[run.problem].alike : "";
   writeLabels(pen, place, [...measured, ...place.labels], {...Object.fromEntries(halves), alike, quantity: `${DATA.quantities[view.quantity].noun} ${DATA.quantities[view.quantity].symbol}`, "size-note": run.note, "crossings-note": run.marks, ...field});

@@ -65,7 +65,8 @@ function row(track, at) {
 // Sizes of the true error of a quantity at a picture; null where nobody knows them.
 function trueSizes(run, quantity, at) {
   if (run.tracks[`error.${quantity}`]) return row(run.tracks[`error.${quantity}`], at);
-  return run.known ? row(run.tracks[`deviation.${quantity}`], at).map(Math.abs) : null;
+  const deviation = run.tracks[`deviation.${quantity}`];
+  return run.known && deviation ? row(deviation, at).map(Math.abs) : null;
 }
 
 // Sizes of what an estimator says, or of how far it is from the truth; null where it says nothing.

@@ -9,7 +9,9 @@ from app.page.features.opening_tour import OpeningTour
 from app.page.features.sharing import Sharing
 from app.page.features.slow_motion import SlowMotion
 from app.page.features.suggestions import Suggestions
+from app.page.features.undo import Undo
 from app.page.features.upload.panel import UploadPanel
 
 FEATURES: tuple[type[Feature], ...] = (
-    UploadPanel, SlowMotion, BudgetPanel, LessonPlayer, CostTab, Sharing, OpeningTour, Suggestions, LecturerBoardPanel)
+    UploadPanel, SlowMotion, BudgetPanel, LessonPlayer, CostTab, Sharing, OpeningTour, Suggestions, Undo,
+    LecturerBoardPanel)

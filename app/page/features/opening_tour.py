@@ -15,7 +15,7 @@ from app.language.translation import tr, with_language
 from app.names_and_units import per_cent
 from app.page.feature import Feature, VisiblePageState
 from app.page.page_context import PageContext
-from app.page.stage_source import StageContent, StageSource, ViewChoice
+from app.page.stage_source import NO_TITLE, StageContent, StageSource, ViewChoice
 from app.page.visit.recent_frames import Frame
 from app.page.visit.status_message import Notice
 from app.problems.bar.field_over_stage import FieldOverStage
@@ -204,7 +204,7 @@ class OpeningSource:
 
     def stage_content(self, choice: ViewChoice) -> StageContent | None:
         sight = self._run.stage_content(choice) if self._tour.beat == 3 else None
-        return sight and replace(sight, picture=replace(sight.picture, name=""), beside=None)
+        return sight and replace(sight, picture=replace(sight.picture, title=NO_TITLE), beside=None)
 
     def notice(self) -> Notice | None:
         """Returns None: what the runs wait for is not to be seen yet."""

@@ -191,8 +191,8 @@ class Suggestions(Feature):
     def _discard_outdated_suggestion(self) -> None:
         """Discards the running suggestion when another scene or pinned run is on the stage."""
         if self._running:
-            shown, pinned = self._running[2], self._session.pinned
-            if shown.scene != self._session.scene or shown.pinned != (pinned and pinned.scene):
+            shown = self._running[2]
+            if shown.scene != self._session.scene or shown.pinned != self._session.pinned_scene:
                 self._running = None
 
     def _answer(self) -> Answer | None:
@@ -207,7 +207,7 @@ class Suggestions(Feature):
     def _result(self, spark: SuggestedExperiment, state: State) -> ComparedRuns | None:
         """Returns a suggestion's runs up to its length; None until they are long enough."""
         session = self._session
-        report, pinned, scene = session.report, session.pinned, state.scene
+        report, pinned, scene = session.report, session.pinned if state.pinned else None, state.scene
         histories = [session.history, *([pinned.history] if pinned else [])]
         scenes = [scene, *([state.pinned] if state.pinned else [])]
         if report is None or [history.scene for history in histories] != scenes:

@@ -14,7 +14,6 @@ import viser
 from app.colour_palette import TEXTS, rgb
 from app.language.translation import LANGUAGES, current_language, lazy, load_catalogue, tr
 from app.logo_and_font import MARK, font_faces_css
-from app.names_and_units import in_a_line
 from app.page.panels.browser_store_and_window import BrowserStore
 from app.templates import render_template
 from solvers.problems import PROBLEMS
@@ -67,9 +66,10 @@ def add_widget_marker(gui: viser.GuiApi, *names: str, words: str = "") -> viser.
     return gui.add_html(widget_marker_html(*names, words=words))
 
 
-def widget_marker_html(*names: str, words: str = "") -> str:
-    """Returns the html of a mark for :func:`add_widget_marker`."""
-    return f"<i class='{' '.join(('lab-words', *names))}' data-words='{escape(words)}'></i>"
+def widget_marker_html(*names: str, words: str = "", **data: str) -> str:
+    """Returns the html of a mark for :func:`add_widget_marker`, with further ``data`` for scripts."""
+    said = "".join(f" data-{name}='{escape(text)}'" for name, text in data.items())
+    return f"<i class='{' '.join(filter(None, ('lab-words', *names)))}' data-words='{escape(words)}'{said}></i>"
 
 
 _BUTTON, _ON = "<i class='lab-present'></i>", "<i class='lab-present lab-presenting'></i>"
@@ -81,18 +81,10 @@ class PresentationMode:
 
     def __init__(self, gui: viser.GuiApi):
         self.on = False
-        self._scene: Scene | None = None
-        self._named = gui.add_html("")
         self._mark = gui.add_html(_BUTTON)
         self._button = gui.add_button(
             tr(PRESENT), hint=tr("for a projector: stage and one plot, large text; ? lists the keys"))
         self._button.on_click(lambda _: self._toggle())
-
-    def show_scene_name(self, scene: Scene) -> None:
-        """Sends a description of the scene, which the presenter's view shows."""
-        if scene != self._scene:
-            self._scene = scene
-            self._named.content = f"<i class='lab-named' data-scene='{escape(in_a_line(scene))}'></i>"
 
     def begin(self) -> None:
         """Switches the presenter's view on, if it is off."""
@@ -105,22 +97,21 @@ class PresentationMode:
         self._button.label = tr(END if self.on else PRESENT)
 
 
-TITLES = {problem: kind.scene.TITLE for problem, kind in PROBLEMS.items()}
-
-
 class ProblemButtons:
-    """One visitor's buttons for problems, in a narrow window a dropdown; ``choose`` receives a problem's key."""
+    """One visitor's choice of what moves: a button for each problem and one for a motion or particles of their own, in
+    a narrow window a dropdown; ``choose`` receives a problem's key."""
 
     def __init__(self, gui: viser.GuiApi, store: BrowserStore, choose: Callable[[str], None]):
         self._html, self._choose = gui.add_html(""), choose
         store.heard["problem"] = self._on_message
 
-    def show(self, chosen: str, offered: bool) -> None:
-        """Marks the chosen problem, by its key; shows no buttons unless ``offered``: lessons may hide the choice."""
-        titles = {problem: tr(title) for problem, title in TITLES.items() if offered}
-        said = json.dumps({"titles": titles, "chosen": chosen})
+    def show(self, scene: Scene, offered: bool) -> None:
+        """Marks the problem of the scene on the stage; shows no buttons unless ``offered``: lessons may hide them."""
+        titles = {name: tr(problem.scene.TITLE) for name, problem in PROBLEMS.items() if offered}
+        typed = bool(scene.to_dict().get("displacement"))
+        said = json.dumps({"titles": titles, "chosen": scene.problem, "typed": typed})
         self._html.content = f"<i class='lab-problems' data-said='{escape(said)}'></i>"
 
     def _on_message(self, said: Any) -> None:
-        if isinstance(said, str) and said in TITLES:
+        if isinstance(said, str) and said in PROBLEMS:
             self._choose(said)

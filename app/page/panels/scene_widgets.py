@@ -13,7 +13,8 @@ import viser
 from app import names_and_units
 from app.language.translation import tr, translate_message
 from app.page.panels.page_header import add_widget_marker
-from app.page.visit.run_session import RunSession, first_scene
+from app.page.visit.first_scene import first_scene
+from app.page.visit.run_session import RunSession
 from app.problems.interface import LinearSlider
 from app.problems.views import VIEWS
 from app.viewer.widget_validation import is_removed, set_max_length, widget_id
@@ -77,21 +78,25 @@ class SceneWidgetFactory:
     def __init__(self, gui: viser.GuiApi, session: RunSession, answers: WidgetStatusMessage, turn: threading.RLock):
         self._gui, self._session, self._answers = gui, session, answers
         self.turn, self._made = turn, object()
-        self._enters: dict[str, Callable[[], None]] = {}
+        self._enters: dict[str, Callable[[str], None]] = {}
 
     def disable_callbacks(self) -> None:
         """Disables the callbacks of all widgets made so far, because they are about to be removed."""
         self._made = object()
         self._enters = {}
 
-    def on_enter(self, text: viser.GuiTextHandle, act: Callable[[], None]) -> None:
-        """Calls ``act`` when the visitor has finished a text: pressed Enter, or left the field."""
-        self._enters[widget_id(text)] = self.serialised_callback(act)
+    def on_enter(self, text: viser.GuiTextHandle, act: Callable[[str], None]) -> None:
+        """Calls ``act`` with a text that the visitor has finished: pressed Enter, or left the field."""
+        def act_on_change(entered: str) -> None:
+            self._answers.record_change(text)
+            act(entered)
 
-    def apply_entered_text(self, widget: str) -> None:
+        self._enters[widget_id(text)] = self.serialised_callback(act_on_change)
+
+    def apply_entered_text(self, widget: str, entered: str) -> None:
         """Calls what :meth:`on_enter` registered for the text field of this widget id, if anything."""
         if act := self._enters.get(widget):
-            act()
+            act(entered[:MOST_CHARACTERS + 1])
 
     def serialised_callback(self, act: Callable[..., None]) -> Callable[..., None]:
         """Returns a callback that calls ``act`` under the lock, and does nothing after :meth:`disable_callbacks`."""
@@ -174,8 +179,8 @@ class SceneWidgetFactory:
                 sentence = translate_message(error.sentence)
                 said.content = f"<p class='lab-formula-says'>{escape(sentence[:1].upper() + sentence[1:])}.</p>"
 
-        def apply() -> None:
-            self.apply_or_reset(text, lambda: self._session.set_scene_fields(**{field: text.value}), lambda: None)
+        def apply(entered: str) -> None:
+            self.apply_or_reset(text, lambda: self._session.set_scene_fields(**{field: entered}), lambda: None)
 
         self.on_change(text, check)
         self.on_enter(text, apply)

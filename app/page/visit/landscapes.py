@@ -34,6 +34,7 @@ HORIZONS = (0.25, 0.5, 1.0, 2.0, MOST_PERIODS)  # periods that points of a playi
 BUDGET_SECONDS = {1: 1.0, 2: 2.0}  # of a processor for all points of a scene, by its dimensions
 POINT_SECONDS = 0.3  # for one of them
 EXPECTED_RATES = {1: 3e7, 2: 8e6}  # particle-steps per s, before the first measurement
+START_SECONDS = {1: 0.002, 2: 0.015}  # that a run takes before its first step
 PATIENCE = 1.5  # seconds without a result after which points are requested again, as an engine may have been replaced
 CLIFFS = ("cfl", "modulus")  # parameters with values in between, of which the place of the cliff is of interest
 
@@ -90,11 +91,12 @@ class Landscapes:
         points = [point for request in requests.values() for point in self._points(request, horizon)]
         points.sort(key=lambda one: (_rank(one, in_hand), one.level, one.price))
         rate = self._measured_rate(points)
-        costly = choose_costly([point.price / (rate or EXPECTED_RATES[scene.DIMENSIONS]) for point in points],
-                               BUDGET_SECONDS[scene.DIMENSIONS], POINT_SECONDS)
+        D = scene.DIMENSIONS
+        costly = choose_costly([START_SECONDS[D] + point.price / (rate or EXPECTED_RATES[D]) for point in points],
+                               BUDGET_SECONDS[D], POINT_SECONDS)
         for point, dear in zip(points, costly, strict=True):
             if not (dear or self._is_known(point.key, horizon) or (playing and _rank(point, in_hand) == LAST)):
-                self._missing[point.key] = SurveyPoint(point.parameter, point.value, horizon, point.level)
+                self._missing.setdefault(point.key, SurveyPoint(point.parameter, point.value, horizon, point.level))
         for name, request in requests.items():
             own = sorted((point.value, point.key, dear)
                          for point, dear in zip(points, costly, strict=True) if point.parameter == name)

@@ -1,6 +1,7 @@
-"""The pinned run: a scene that runs again beside later ones, for comparison."""
+"""The pinned run: a second run beside the visitor's, for comparison, which stays as it is or follows its scene."""
 
 from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import replace
 
 from app.frame.error_view_captions import FrameErrorView, frame_error_view
@@ -10,18 +11,28 @@ from solvers.engine.engine_messages import FrameReport, Pace
 from solvers.engine.engine_pool import SessionLink, SessionListener
 from solvers.engine.shared_frames import FrameArrays, FrameOptions
 from solvers.scene.scene import Scene
+from solvers.scene.validation import SceneError
 from solvers.solver.soundness import UNSTABLE
 
 
 class PinnedRun:
-    """A run beside the visitor's, for comparison: its scene, history, and ``last`` frame, None before the first."""
+    """A run beside the visitor's, for comparison: its scene, history, and ``last`` frame, None before the first. One
+    that ``follows`` has the visitor's scene with this method (its key) instead; another (None) stays."""
 
-    def __init__(self, open_link: Callable[[SessionListener], SessionLink], scene: Scene, on_frame: Callable[[], None]):
-        self.scene, self._on_frame = scene, on_frame
+    def __init__(self, open_link: Callable[[SessionListener], SessionLink], scene: Scene, on_frame: Callable[[], None],
+                 follows: str | None = None):
+        self.scene, self._on_frame, self.follows = scene, on_frame, follows
         self.history = NormHistory(scene, scene.particles)
         self.last: tuple[FrameReport, FrameArrays] | None = None
         self._error: str | None = None
         self._link = open_link(self)
+
+    def follow(self, scene: Scene) -> None:
+        """Takes over the visitor's new ``scene`` if the run follows it; the next request asks for it. Keeps its own if
+        its method does not allow the new one."""
+        if self.follows:
+            with suppress(SceneError):
+                self.scene = replace(scene, method=self.follows)
 
     def set_pace(self, pace: Pace, frame: FrameOptions) -> None:
         """Requests the session's pace and frame contents, without restarts of its own and step breakdowns."""

@@ -7,12 +7,12 @@ from dataclasses import asdict, replace
 from time import monotonic
 from typing import Any
 
-from app.language.translation import lazy, tr, translate_message
+from app.language.translation import tr, translate_message
 from app.names_and_units import reword_for_page
 from app.page.visit.engine_links import FASTEST, PageEngineLinks, scene_size_refusal
 from app.page.visit.history import NormHistory
 from app.page.visit.pinned_run import PinnedRun
-from app.page.visit.status_message import Notice, doubt_notice
+from app.page.visit.status_message import Notice, doubt_notice, preparing_notice
 from app.problems.views import VIEWS
 from solvers.engine.engine_messages import FrameReport, Pace
 from solvers.engine.shared_frames import FrameArrays, FrameOptions
@@ -23,22 +23,7 @@ from solvers.solver.samples import QUANTITIES
 from solvers.solver.soundness import OK
 
 TO_BE_READ = 8.0  # seconds that an event is shown
-SLOW_ANSWER = 0.4  # seconds without a frame after which the page shows that it is preparing
-SAID_AFTER = 2.0  # seconds after which it shows for how long
-PREPARING = lazy("Preparing this scene: a combination of method, estimators and effects is compiled the first time it "
-                 "is used; several estimators at once take longest.")
-STILL_PREPARING = lazy("Preparing this scene, for {seconds} s so far: a combination of method, estimators and effects "
-                       "is compiled the first time it is used; several estimators at once take longest.")
 CROWDED_BELOW = 0.8  # of the requested speed, below which a message names other runs as the reason
-
-
-def first_scene(problem: str) -> Scene:
-    """Returns the scene that the page shows first of a problem ("bar"): its defaults, for one period at most."""
-    kind = PROBLEMS[problem].scene
-    return kind(periods=min(1, kind.DEFAULT_PERIODS))
-
-
-FIRST_SCENE = first_scene(next(iter(PROBLEMS)))
 
 
 class RunSession:
@@ -82,6 +67,8 @@ class RunSession:
                 self.refuse(crowd, next(iter(fields)))
                 return
             begin_at, self._requested, self.scene = self._instant, wished, scene
+            if self.pinned:
+                self.pinned.follow(scene)
             self._beyond = self._beyond and begin_at * scene.period > scene.end_time
             self._send_request(begin_at=begin_at)
 
@@ -100,9 +87,12 @@ class RunSession:
             if crowd := scene_size_refusal(scene):
                 self.refuse(crowd)
                 return
-            if scene.problem != self.scene.problem and self.pinned:
+            if self.pinned and scene.problem != self.scene.problem:
+                if not self.pinned.follows:
+                    self._news = monotonic(), tr("Unpinned: only runs of the same problem can be compared.")
                 self.unpin()
-                self._news = monotonic(), tr("Unpinned: only runs of the same problem can be compared.")
+            elif self.pinned:
+                self.pinned.follow(scene)
             self._start(scene, speed, ends)
             self._send_request(restarts=self._pace.restarts + 1, begin_at=0.0)  # also if it is the present scene
 
@@ -198,15 +188,26 @@ class RunSession:
             self._frame = replace(self._frame, **options)  # type: ignore[arg-type]
             self._send_request()
 
-    def pin(self, on_frame: Callable[[], None], scene: Scene | None = None) -> None:
-        """Starts a second run for comparison, of ``scene`` or the one on the stage; both begin at t = 0. ``on_frame``
-        is called after each of its frames."""
+    def pin(self, on_frame: Callable[[], None], scene: Scene | None = None, method: str | None = None) -> None:
+        """Starts a second run for comparison, at the present instant: of ``scene`` or the one on the stage; or, given a
+        ``method`` (its key), of the session's scene with that, which it follows. ``on_frame`` is called after each of
+        its frames. Sets :attr:`refused` if the scene does not allow the method."""
         with self._lock:
             shown = self.report.scene if self.report else self.scene
-            scene = scene or (shown if shown.problem == self.scene.problem else self.scene)
+            if method:
+                try:
+                    scene = replace(self.scene, method=method)
+                except SceneError as refusal:
+                    return self.refuse(reword_for_page(str(refusal)))
+            begin_at, scene = self._instant, scene or (shown if shown.problem == self.scene.problem else self.scene)
             self.unpin()
-            self.pinned = PinnedRun(lambda run: self._pool.open(run, self.link), scene, on_frame)
-            self._send_request(begin_at=0.0)
+            self.pinned = PinnedRun(lambda run: self._pool.open(run, self.link), scene, on_frame, method)
+            self._send_request(begin_at=begin_at)
+
+    @property
+    def pinned_scene(self) -> Scene | None:
+        """The scene of a second run that stays; None for one that follows, or without any."""
+        return self.pinned.scene if self.pinned and not self.pinned.follows else None
 
     def unpin(self) -> None:
         with self._lock:
@@ -254,9 +255,8 @@ class RunSession:
         if self._rests and not self.playing:
             return Notice("wait", tr("The run is paused because this page was idle for a while. Press Play to "
                                      "continue."))
-        waited = monotonic() - self._asked_at
-        if waiting and waited > SLOW_ANSWER and not (self.report and self.compiling):
-            return Notice("wait", tr(PREPARING if waited <= SAID_AFTER else STILL_PREPARING, seconds=f"{waited:.0f}"))
+        if waiting and not (self.report and self.compiling) and (said := preparing_notice(self.idle_seconds)):
+            return said
         happened, sentence = self._news
         if monotonic() < happened + TO_BE_READ:
             return Notice("wait", sentence)

@@ -2,13 +2,19 @@
 
 from dataclasses import dataclass
 
-from app.language.translation import tr
+from app.language.translation import lazy, tr
 from app.names_and_units import format_ratio, reword_for_page
 from app.page.visit.history import NormHistory
 from solvers.untrusted.quoting import escape_html
 
 LONGEST = 1000  # most letters of a sentence; refusals have less
 BROKEN = 30.0  # error index from which an estimate is useless
+SLOW_ANSWER = 0.4  # seconds without a frame after which the page shows that it is preparing
+SAID_AFTER = 2.0  # seconds after which it shows for how long
+PREPARING = lazy("Preparing this scene: a combination of method, estimators and effects is compiled the first time it "
+                 "is used; several estimators at once take longest.")
+STILL_PREPARING = lazy("Preparing this scene, for {seconds} s so far: a combination of method, estimators and effects "
+                       "is compiled the first time it is used; several estimators at once take longest.")
 
 
 @dataclass(frozen=True)
@@ -24,6 +30,13 @@ class Notice:
     def html(self) -> str:
         return (f"<div class='lab-notice lab-{self.kind}{' lab-seen' * self.seen}' role='status'>"
                 f"{escape_html(self.sentence[:1].upper() + self.sentence[1:], LONGEST)}</div>")
+
+
+def preparing_notice(waited: float) -> Notice | None:
+    """Returns the message that a scene is being prepared, ``waited`` seconds after its request; None at first."""
+    if waited <= SLOW_ANSWER:
+        return None
+    return Notice("wait", tr(PREPARING if waited <= SAID_AFTER else STILL_PREPARING, seconds=f"{waited:.0f}"))
 
 
 def doubt_notice(history: NormHistory, valid: tuple[str, ...]) -> Notice | None:

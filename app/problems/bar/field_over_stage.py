@@ -5,19 +5,17 @@ from dataclasses import replace
 
 import numpy as np
 
-from app.colour_palette import PALETTE, rgb
-from app.frame.error_view_captions import CURVE, PARTICLES
 from app.frame.field_plot import ROOM, FieldPlot
-from app.frame.layout import ComparedRunSlot, PlotBox, Rectangle, StageLayout, drawing_rectangle
-from app.frame.primitives import Label, Lines, Mark, Sign, StageMetrics, Surface, Tone, in_plane, join_points
+from app.frame.layout import ComparedRunSlot, FieldPlotLayout, PlotBox, Rectangle, drawing_rectangle
+from app.frame.primitives import Label, Lines, Mark, StageMetrics, Surface, in_plane, join_points
 from app.language.translation import tr
 from app.names_and_units import format_number, motion_text
-from app.problems.bar.stage import BarStage
+from app.problems.bar.stage import BarStage, legend_labels
 from solvers.engine.engine_messages import FrameReport
 from solvers.engine.shared_frames import FrameArrays
 from solvers.problems.bar.scene import BarScene
 
-LOWEST = 0.3  # height of the picture
+LOWEST, HIGHEST = 0.3, 1.3  # least and greatest height of the picture
 TITLE = 1.08  # size of its letters
 
 
@@ -27,35 +25,34 @@ class FieldOverStage:
 
     def __init__(self, sheet: Surface):
         self.sheet, self._plot = sheet, FieldPlot(BarStage.PLOT)
-        self._layout: StageLayout | None = None
+        self._layout: FieldPlotLayout | None = None
 
     def draw(self, scene: BarScene, report: FrameReport, arrays: FrameArrays) -> Rectangle:
         """Draws a frame of a scene that has the values of a field; returns the rectangle of the picture."""
         metrics = self.sheet.stage_metrics.rounded()
-        metrics = replace(metrics, high=max(metrics.high, LOWEST))
+        metrics = replace(metrics, high=min(max(metrics.high, LOWEST), HIGHEST))
         if self._layout is None or self._layout.stage_metrics != metrics:
             self._layout = _layout(metrics)
             self.sheet.show_marks(*_still_marks(self._layout, scene))
         assert report.holds.plotted
-        stems = np.array(rgb(PALETTE["cross"][metrics.dark]), np.uint8)
         self.sheet.show_marks(
             *self._plot.draw(self._layout, scene, report.holds.plotted, 1, arrays.position[:, 0], arrays.plotted,
-                             report.time, arrays.steps_since_crossing >= 0, np.tile(stems, (len(arrays.position), 1))),
+                             report.time, arrays.steps_since_crossing >= 0),
             Label("time", f"t = {format_number(report.time)} s", 1.0, metrics.high, "top-right", "title", TITLE))
         return self._layout.rectangle
 
 
-def _layout(metrics: StageMetrics) -> StageLayout:
+def _layout(metrics: StageMetrics) -> FieldPlotLayout:
     """Returns the layout of a plot as high as the stage, with a line of words above and below it."""
     line = metrics.line_height
     half, middle = 0.5 * (metrics.high - 3 * line) / ROOM, 0.5 * metrics.high
     below = middle - ROOM * half - 0.2 * line
     box = PlotBox(0.0, 1.0, middle, half, below, None, (0.5, metrics.high, "top-center"),
                   (-metrics.gutter, middle) if metrics.gutter else None)
-    return StageLayout(metrics, ComparedRunSlot.ALONE, drawing_rectangle(metrics.high), box)
+    return FieldPlotLayout(metrics, ComparedRunSlot.ALONE, drawing_rectangle(metrics.high), box)
 
 
-def _still_marks(places: StageLayout, scene: BarScene) -> Iterator[Mark]:
+def _still_marks(places: FieldPlotLayout, scene: BarScene) -> Iterator[Mark]:
     """Yields the edges of the cells, the run's name above the plot, and the legend below it."""
     box, metrics = places.field, places.stage_metrics
     edges = np.arange(scene.cells + 1) * scene.spacing
@@ -68,9 +65,4 @@ def _still_marks(places: StageLayout, scene: BarScene) -> Iterator[Mark]:
     room = 1 - beside - metrics.text_extent("t = 0.2222 s ")[0]
     yield Label("settings", metrics.first_fitting_text((said, ""), room, metrics.line_height)[0], beside, metrics.high,
                 "top-left", "note", tone="faint")
-    keys: tuple[tuple[str, Tone, Sign], ...] = (
-        (tr(CURVE), "truth", "line"), (tr(PARTICLES), "plain", "dot"), (tr("has changed its cell"), "crossing", "dot"))
-    start = 0.22 if metrics.gutter else 0.16
-    for k, (text, tone, sign) in enumerate(keys):
-        yield Label(f"key{k}", text, start, box.below or 0.0, "top-left", "note", tone=tone, sign=sign)
-        start += metrics.text_extent(f"{text}      ")[0]
+    yield from legend_labels(tr(BarStage.MARKED), metrics, box.below)

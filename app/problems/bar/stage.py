@@ -1,14 +1,15 @@
-"""The stage of the bar: two lanes of particles, the estimate above the truth, and the field plot below."""
+"""The stage of the bar: the field plot, and below it two lanes of particles, the estimate above the truth."""
 
 import math
 from collections.abc import Iterator
 
 import numpy as np
 
-from app.frame.field_plot import ROOM, FieldPlotDefinition
-from app.frame.layout import HALVES, ComparedRunSlot
-from app.frame.primitives import Anchor, Dots, Label, Lines, Mark, Tone, fade_colours, in_plane, join_points
-from app.frame.stage import TOUCH, Stage, StageLabels, WorstRegionMark
+from app.frame.field_plot import ROOM, FieldPlot, FieldPlotDefinition
+from app.frame.layout import HALVES
+from app.frame.primitives import Anchor, Dots, Label, Lines, Mark, Role, Sign, StageMetrics, Tone, in_plane, join_points
+from app.frame.recent_crossings import MOST_CHANGED
+from app.frame.stage import TOUCH, Stage, StageLabels, WorstRegionMark, title_labels
 from app.language.translation import lazy, tr
 from app.names_and_units import short_reason
 from app.problems.bar.layout import BarLayout, make_bar_layout
@@ -19,10 +20,11 @@ from solvers.problems.bar.scene import BarScene
 LONGEST, WIDEST_LINE = 0.96, 90  # most width of text in a lane, as a share and in letters
 LANE_POINTS = 2000  # most points in a lane
 WIDEST, STRETCHED = 0.016, 1.25  # largest point; width of a particle's points over that at rest
-NONE = np.empty((0, 3), np.float32)
 TIGHT = 1.02  # factor on the size of points, to close gaps from half precision
-CROSSING = 9.0  # pixels across
-BRACKET, NEAR = 7.0, 0.1  # height in pixels; greatest distance from the middle of a region
+KEY = 40.0  # pixels of a key of the legend beside its text
+#: Where the name of a lane is, in a gutter and without one: x, anchor and role.
+LANE_NAME: tuple[float, Anchor, Role] = (-0.01, "center-right", "number")
+LANE_NAME_WITHIN: tuple[float, Anchor, Role] = (0.008, "center-left", "chip")
 
 
 def exact_positions(scene: BarScene, X: np.ndarray, t: float) -> np.ndarray:
@@ -37,13 +39,18 @@ class BarStage(Stage[BarScene]):
     MOST_MARKED, HALVES = 200, lazy("Lanes")
     layout = staticmethod(make_bar_layout)
 
-    @staticmethod
-    def labels(words: StageLabels, places: BarLayout) -> Iterator[Label]:
+    @classmethod
+    def labels(cls, words: StageLabels, places: BarLayout) -> Iterator[Label]:
+        metrics, gutter = places.stage_metrics, places.stage_metrics.gutter
         for name, silence, lane in zip(HALVES, words.silences, (places.estimate, places.truth), strict=True):
-            text, width = places.stage_metrics.first_fitting_text((silence, short_reason(silence)), LONGEST,
-                                                                  places.lane)
+            text, width = metrics.first_fitting_text((silence, short_reason(silence)), LONGEST, places.lane)
             yield Label(f"{name}-silence", text, 0.5, lane, "center-center", "silence", width=min(width, WIDEST_LINE))
-        yield from (_single_run_labels if places.slot == ComparedRunSlot.ALONE else _paired_run_labels)(words, places)
+            x, anchor, role = LANE_NAME if gutter else LANE_NAME_WITHIN
+            yield Label(f"{name}-title", tr(name), x, lane, anchor, role, tone=name, bold=not gutter)
+        yield from title_labels(words, metrics, places.heading)
+        yield Label.of_spans("compared", words.compared if gutter else (), -gutter,
+                             places.field.middle - 0.6 * places.field.half, "center-left", "gutter")
+        yield from legend_labels(words.crossings, metrics, places.legend, words.before)
 
     def particles_in(self, low: tuple[float, float], high: tuple[float, float], arrays: FrameArrays) -> np.ndarray:
         """Returns which particles lie between the x of ``low`` and of ``high`` on the stage, at any height, (P,)."""
@@ -60,7 +67,14 @@ class BarStage(Stage[BarScene]):
     def drawn_particle_points(self, arrays: FrameArrays, particles: slice) -> np.ndarray:
         x = self._stage_x(arrays)[particles]
         lanes = [in_plane(x, lane) for lane in (self._layout.estimate, self._layout.truth)]
-        return np.stack([*lanes, self._field.dot_positions(particles, len(x))])
+        return np.stack([*lanes, self._plot.dot_positions(particles, len(x))])
+
+    def _particles_to_mark(self, since: np.ndarray, scene: BarScene, speed: float) -> np.ndarray:
+        """Returns the particles that have changed their cell since the start; none if these are too many to see."""
+        changed = since >= 0
+        many = np.count_nonzero(changed) > MOST_CHANGED * len(changed)
+        self._update_labels(crossings=tr("nearly all changed cell") if many else tr(self.MARKED))
+        return np.zeros(len(changed), bool) if many else changed & self._marked
 
     def _stage_x(self, arrays: FrameArrays) -> np.ndarray:
         """Returns particles' stage x (P,), as in m, within a periodic bar's period; -0.5 to 1.5 for a broken run."""
@@ -69,121 +83,46 @@ class BarStage(Stage[BarScene]):
             x = self._drawn_scene.wrap_into_period(x)
         return np.fmin(np.fmax(x, -0.5), 1.5)  # fmax ignores NaN
 
-    def _plot_axis_positions(self, arrays: FrameArrays) -> np.ndarray:
-        return self._now
+    @staticmethod
+    def plot_axis_positions(scene: BarScene, X: np.ndarray) -> np.ndarray:
+        return X.ravel()
+
+    def _make_plot(self, beside: "BarStage | None") -> FieldPlot:
+        return FieldPlot(self.PLOT, beside._plot if beside else None)
+
+    def _plot_marks(self, scene: BarScene, arrays: FrameArrays, sizes: tuple[np.ndarray | None, np.ndarray | None],
+                    t: float, crossed: np.ndarray) -> Iterator[Mark]:
+        return self._plot.draw(self._layout, scene, self.plotted, self.magnified, self._now, arrays.plotted, t, crossed)
 
     def _static_marks(self, scene: BarScene, particles: int, at_rest: np.ndarray | None) -> Iterator[Mark]:
         edges, places = np.arange(scene.cells + 1) * scene.spacing, self._layout
-        colours = places.stage_metrics.palette
-        box, over = places.field, 6 * places.stage_metrics.pixel
-        for name, low, high, colour, depth in (
-                ("cells", places.truth - 0.5 * places.lane - over, places.estimate + 0.5 * places.lane + over,
-                 colours.cell, -0.01),
-                ("cells-below", box.middle - ROOM * box.half, box.middle + ROOM * box.half, colours.grid, -0.02)):
-            yield Lines(name, join_points(*(in_plane(edges, y, depth) for y in (low, high))), colour, 1.0)
+        box = places.field
+        low, high = (in_plane(edges, box.middle + side * ROOM * box.half, -0.02) for side in (-1, 1))
+        yield Lines("cells", join_points(low, high), places.stage_metrics.palette.grid, 1.0)
         self._lanes = _LanePointTiling(particles, places)
 
     def _moving_marks(self, scene: BarScene, arrays: FrameArrays, estimated: np.ndarray, true: np.ndarray, t: float,
-                      crossed: np.ndarray, age: np.ndarray) -> Iterator[Mark]:
+                      crossed: np.ndarray) -> Iterator[Mark]:
         self._now = x = self._stage_x(arrays)
-        metrics, between = self._layout.stage_metrics, self._layout.crossings
         yield self._lanes.dots(x, estimated, true)
-        if between is None:
-            yield Dots("crossings", NONE, NONE, 1.0)
-        else:
-            yield Dots("crossings", in_plane(x[crossed], between, 0.02), fade_colours(age, metrics.palette),
-                       CROSSING * metrics.pixel)
 
     def _worst_region_marks(self, worst: tuple[WorstRegionMark | None, WorstRegionMark | None],
                             arrays: FrameArrays) -> Iterator[Mark]:
-        """Yields a bracket with a label above the estimate's lane and below the truth's, around the worst region, if it
-        is known and labels leave space; and the hint that both lanes look alike."""
-        places, segments = self._layout, [np.empty((0, 2, 3), np.float32)]
-        metrics, wanted = places.stage_metrics, places.stage_metrics.gutter > 0 and places.slot == ComparedRunSlot.ALONE
-        for found, name, lane, up in zip(worst, HALVES, (places.estimate, places.truth), (1, -1), strict=True):
-            at = self._stage_x(arrays)[found.particles] if found and wanted else np.empty(0)
-            at = at[(at >= 0) & (at <= 1)]
-            at = at[np.abs(at - np.median(at)) < NEAR] if len(at) else at  # without those at the other end, or lost
-            text, x, y = "", 0.5, lane
-            if found and len(at):
-                y = lane + up * (0.5 * places.lane + 4 * metrics.pixel)
-                ends, high = np.array([at.min(), at.max()]), y + up * BRACKET * metrics.pixel
-                corners = in_plane(ends[[0, 0, 1, 1]], np.array([y, high, high, y]), 0.02)
-                segments.append(join_points(corners[:-1], corners[1:]))
-                text, y = tr("worst: {size}", size=found.size), high + up * 2 * metrics.pixel
-                beside = 1.1 * metrics.text_extent(text)[0]
-                x = float(np.clip(ends.mean(), 0.5 * beside, 1 - 0.5 * beside))
-            yield Label(f"{name}-worst", text, x, y, "bottom-center" if up > 0 else "top-center", "note", bold=True)
-            taken = (x - 0.5 * beside, x + 0.5 * beside) if text else (0.0, 0.0)
-        if places.slot == ComparedRunSlot.ALONE:
-            yield _equal_lanes_label(self._labels.alike, places, taken)  # where the truth's bracket leaves space
-        yield Lines("worst", np.concatenate(segments), metrics.palette.dot, 1.5)
+        """Yields nothing: the lanes show where the error is largest."""
+        yield from ()
 
 
-def _equal_lanes_label(text: str, places: BarLayout, taken: tuple[float, float] = (0.0, 0.0)) -> Label:
-    """Returns the hint about equal lanes, below and right or, if ``taken`` (from x to x), left; "" without room."""
-    metrics, below = places.stage_metrics, places.truth - 0.5 * places.lane - 8 * places.stage_metrics.pixel
-    wide = metrics.text_extent(text + "  ")[0]
-    right = taken[1] < 1 - wide
-    fits = metrics.gutter > 0 and (right or taken[0] > wide)
-    x: float = 1.0 if right else 0.0
-    anchor: Anchor = "top-right" if right else "top-left"
-    return Label("alike", text if fits else "", x, below, anchor, "note", tone="faint")
-
-
-def _single_run_labels(words: StageLabels, places: BarLayout) -> Iterator[Label]:
-    """Yields the labels of a bar that is alone: titles in the gutter beside the lanes, or above and below them."""
-    metrics, half = places.stage_metrics, 0.5 * places.lane
-    below = places.truth - half - 8 * metrics.pixel
-    if metrics.gutter:
-        left = -metrics.gutter
-        for name, title, by, y in _lane_titles(words, places):
-            yield Label(f"{name}-title", title, left, y + 0.1 * metrics.line_height, "bottom-left", "gutter", 1.1,
-                        tone=name, bold=True)
-            yield Label(f"{name}-by", by, left, y - 0.1 * metrics.line_height, "top-left", "gutter")
-        note, _ = metrics.first_fitting_text((words.crossings, words.crossings.partition(" ")[0]),
-                                             metrics.gutter - metrics.text_extent("key")[0], metrics.line_height)
-        yield Label("crossings-note", note, left, places.crossings or 0.0, "center-left", "gutter", tone="crossing",
-                    sign="dot")
-    else:
-        off = half + 4 * metrics.pixel
-        sides: tuple[tuple[float, Anchor], ...] = (off, "bottom-left"), (-off, "top-left")
-        for (name, title, by, y), (up, anchor) in zip(_lane_titles(words, places), sides, strict=True):
-            yield Label(f"{name}-title", title, 0.0, y + up, anchor, "title", tone=name, bold=True)
-            x = 1.25 * metrics.text_extent(title)[0] + 6 * metrics.pixel
-            yield Label(f"{name}-by", by, x, y + up, anchor, "note")
-        yield Label("crossings-note", words.crossings, 1.0, below + 4 * metrics.pixel, "top-right", "note",
-                    tone="crossing", sign="dot")
-    yield _equal_lanes_label(words.alike, places)
-    yield Label("run", "", 0.0, places.heading, "bottom-left", "name")
-
-
-def _paired_run_labels(words: StageLabels, places: BarLayout) -> Iterator[Label]:
-    """Yields the labels of one of two bars: a heading above the plot, and titles beside the strips."""
-    metrics, first = places.stage_metrics, places.slot == ComparedRunSlot.FIRST
-    for name, _, _, y in _lane_titles(words, places):
-        yield Label(f"{name}-title", tr(name) if metrics.gutter else "", -0.01, y, "center-right", "number", tone=name)
-        by = words.by[0] if first and name == "estimate" else ""
-        if metrics.gutter:
-            yield Label(f"{name}-by", by, -metrics.gutter, places.field.middle - 0.5 * places.field.half, "center-left",
-                        "gutter")
-        else:
-            yield Label(f"{name}-by", by, 1.0, places.heading, "bottom-right", "note")
-    parts = (words.run[:1].upper() + words.run[1:]).split(", ")
-    beside = 0.0 if metrics.gutter else 1.3 * metrics.text_extent(words.by[0] + "  ")[0]
-    run, _ = metrics.first_fitting_text((", ".join(parts[:k]) for k in range(len(parts), 0, -1)), (1 - beside) / 1.2,
-                                        metrics.line_height)
-    yield Label("run", run, 0.0, places.heading, "bottom-left", "name", 1.1, tone="plain" if first else "faint",
-                bold=True)
-    note = words.crossings if first else ""
-    yield Label("crossings-note", note if metrics.gutter else "", 1.0, places.heading, "bottom-right", "note",
-                tone="crossing", sign="dot")
-    yield Label("alike", "", 1.0, places.heading, "bottom-right", "note", tone="faint")
-
-
-def _lane_titles(words: StageLabels, places: BarLayout) -> Iterator[tuple[Tone, str, str, float]]:
-    """Returns name, title, source and height on the stage of the lanes of estimate and truth."""
-    return zip(HALVES, words.titles, words.by, (places.estimate, places.truth), strict=True)
+def legend_labels(crossings: str, metrics: StageMetrics, y: float | None, before: str = "") -> Iterator[Label]:
+    """Yields the legend of a bar's field plot, a label for each key, centred below the height y; empty ones for None.
+    ``crossings`` explains the rings, ``before`` the curve before a change, if there is one."""
+    keys: tuple[tuple[str, str, Tone, Sign], ...] = (
+        ("exact", tr("exact"), "truth", "line"), ("particle", tr("particle"), "plain", "dot"),
+        ("crossings-note", crossings, "crossing", "ring"), ("before", before, "before", "line"))
+    widths = [metrics.text_extent(text)[0] + KEY * metrics.pixel if text else 0.0 for _, text, _, _ in keys]
+    x = 0.5 * (1 - sum(widths))
+    for (name, text, tone, sign), width in zip(keys, widths, strict=True):
+        yield Label(name, "" if y is None else text, x, y or 0.0, "top-left", "note", tone=tone, sign=sign)
+        x += width
 
 
 class _LanePointTiling:

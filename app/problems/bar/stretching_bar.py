@@ -14,7 +14,7 @@ from solvers.problems.bar.scene import BarScene
 PIECES, MAGNIFIED = 80, 20
 SECONDS = 2.0  # that a period of the motion takes on the screen
 HEIGHT, LEAST, MOST = 0.076, 40.0, 84.0  # of the bar, as a share of its length, and in pixels
-GAP, SPOT = 1.5, 4.8  # pixels between two pieces, and across the spot in the middle of each
+GAP, SPOT = 1.5, 4.8  # pixels between two pieces, and across the spot in the middle of one
 LOWEST = 0.3  # height of the picture
 OVER, OVER_TENTH = 26.0, 34.0  # pixels by which the grid's lines are longer than the bar is high, to either side
 TIGHT = 1.02  # factor on the size of points, to close gaps from rounding
@@ -56,6 +56,7 @@ class StretchingBar:
         columns[::2, 0], columns[1::2, 0], columns[:, 1] = *tones, colours.ground
         self._colours = np.tile(columns.reshape(-1, 3), (rows, 1))
         self._spot_colour = np.array(colours.ground, np.uint8)
+        self._apart = int(np.ceil(SPOT * pixel * PIECES / (1 - slope)))  # pieces from one with a spot to the next
 
     def _still_marks(self, metrics: StageMetrics) -> list[Mark]:
         """Returns the grid, every tenth line longer, and the words above and below it."""
@@ -82,6 +83,6 @@ class StretchingBar:
         gap, half = 0.5 * GAP * pixel, 0.5 * self._size
         across = np.stack([edges[:-1] + gap, edges[1:] - gap], axis=1).ravel() + half
         rows = in_plane(np.tile(across, len(self._up)), np.repeat(self._up, len(across)))
-        spots = in_plane(0.5 * (edges[:-1] + edges[1:]), self._middle, 0.02)
+        spots = in_plane(0.5 * (edges[:-1] + edges[1:])[::self._apart], self._middle, 0.02)
         return [Dots("pieces", rows, self._colours, TIGHT * self._size, "square"),
                 Dots("spots", spots, self._spot_colour, SPOT * pixel)]

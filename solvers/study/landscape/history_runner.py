@@ -1,7 +1,7 @@
 """HistoryRunner: runs scenes one after the other for their error histories, several times as fast as ``run``.
 
-Solvers are used again, samples are taken only where contradictions are looked for, and no particles are stored. Errors
-are those of ``run`` to the bit; the status follows from the same rules.
+Solvers are used again, and no particles are stored. Errors are those of ``run`` to the bit, and the status follows from
+the same rules.
 """
 
 from collections.abc import Callable
@@ -24,7 +24,7 @@ from solvers.study.landscape.parameter_values import varied_scene
 MOST_SOLVERS = 6  # that are kept, of as many compiled codes
 SLICE_SECONDS = 0.03  # of a launch, which cannot be interrupted
 EXPECTED_RATE = 2e7  # particle-steps per s, before the first measurement
-LEAST_MEASURED, RATE_WEIGHT = 5e-4, 0.3  # seconds of a launch that is a measurement; its weight in the mean
+LEAST_MEASURED, RATE_WEIGHT = 5e-4, 0.3  # seconds of a run that is a measurement; its weight in the mean
 
 
 class HistoryRunner:
@@ -41,7 +41,6 @@ class HistoryRunner:
         try:
             wanted = replace(varied_scene(scene, parameter, value), estimators=scene.active_estimators, t_end=None,
                              periods=until, sample_every=None)
-            wanted = replace(wanted, sample_every=wanted.look_interval)
             solver = self._solver(scene, wanted)
         except SceneError:
             return ErrorHistory(np.inf, status=REFUSED, broken_at=0.0)
@@ -52,7 +51,10 @@ class HistoryRunner:
     def _solver(self, scene: Scene, wanted: Scene) -> Solver:
         """Returns a solver of the scene ``wanted``, at its start, with the compiled code of ``scene`` if possible."""
         key = kernel_key(scene)
-        solver = self._solvers.pop(key, None) or build(scene)
+        solver = self._solvers.pop(key, None)
+        if solver is None:
+            solver = build(scene)
+            solver.compile()  # not while it is timed
         self._solvers[key] = solver
         if len(self._solvers) > MOST_SOLVERS:
             del self._solvers[next(iter(self._solvers))]
@@ -60,18 +62,16 @@ class HistoryRunner:
 
     def _advance(self, solver: Solver, key: tuple, goes_on: Callable[[], bool]) -> np.ndarray | None:
         """Runs a solver to its scene's end; returns its rows of samples, with one of the end, or None."""
-        rows, end, particles = [], solver.scene.steps, solver.particles
+        rows, end, particles, begun = [], solver.scene.steps, solver.particles, thread_time()
         while solver.step < end and solver.sound:
             most = int(SLICE_SECONDS * self._rates.get(key, EXPECTED_RATE) / particles)
-            steps = min(end - solver.step, max(1, most), solver.longest_advance)
-            begun = thread_time()
-            rows.append(solver.advance(steps, margins=False))
-            took = thread_time() - begun
-            if took > LEAST_MEASURED and solver.sound:
-                rate = particles * steps / took
-                self._rates[key] = rate + (1 - RATE_WEIGHT) * (self._rates.get(key, rate) - rate)
+            rows.append(solver.advance(min(end - solver.step, max(1, most), solver.longest_advance), margins=False))
             if not goes_on():
                 return None
+        took = thread_time() - begun
+        if took > LEAST_MEASURED:
+            rate = particles * solver.step / took
+            self._rates[key] = rate + (1 - RATE_WEIGHT) * (self._rates.get(key, rate) - rate)
         last = solver.measure()
         if solver.step % solver.scene.sample_interval or not len(rows[-1]):
             rows.append(last)
@@ -93,12 +93,12 @@ def _history(solver: Solver, rows: np.ndarray, until: float, rate: float) -> Err
     finding = earliest_finding(findings(scene, series), not_valid)
     status = UNSTABLE if not solver.sound else LOST if finding else OK
     since = finding.time if finding else np.inf if solver.sound else solver.time
-    errors = {TRUTH: _columns(series, "error")} if scene.has("truth") else {}
-    errors |= {name: _columns(series, f"{name}/estimate") for name in scene.active_estimators if name not in not_valid}
+    kinds = {TRUTH: "error"} if scene.has("truth") else {}
+    kinds |= {name: f"{name}/estimate" for name in scene.active_estimators if name not in not_valid}
+    kept = rows[:, samples.column_index("step")] % scene.look_interval == 0
+    kept[-1] = True
+    errors = {source: np.fmax.accumulate([series[f"{kind}_{quantity}"] for quantity in QUANTITIES], axis=1)[:, kept]
+              for source, kind in kinds.items()}
     sizes = np.array([scene.size_of(quantity) for quantity in QUANTITIES])
-    return ErrorHistory(until if solver.sound else np.inf, series["time"] / scene.period, errors, sizes, status,
+    return ErrorHistory(until if solver.sound else np.inf, series["time"][kept] / scene.period, errors, sizes, status,
                         since / scene.period, rate)
-
-
-def _columns(series: dict[str, np.ndarray], kind: str) -> np.ndarray:
-    return np.stack([series[f"{kind}_{quantity}"] for quantity in QUANTITIES], axis=1)

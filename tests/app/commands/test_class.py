@@ -66,7 +66,7 @@ def test_frames_are_counted_between_two_times():
     visitor._handle_text_update("9", "")  # said before the first frame of the run that was asked for came
     visitor.frames.append(7.0)
     assert visitor.max_freeze(0.0, 8.0) == 2.0
-    visitor.controls["7"] = Control("GuiSliderMessage", {"label": "Cells, h = 1/40"})
+    visitor.controls["7"] = Control("GuiSliderMessage", {"label": "Cells"})
     visitor.controls["8"] = Control("GuiTextMessage", {"label": "Cells, typed"})
     assert (visitor.find_control("Cells", "Slider"), visitor.find_control("Cells", "Text"),
             visitor.find_control("Cells", "Button")) == \

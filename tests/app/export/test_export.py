@@ -118,7 +118,7 @@ def test_a_recording_holds_the_numbers_of_the_run(text, simulate):
     assert len(found["time"]) == 9 and found["time"][-1] == pytest.approx(result.time)
     assert near(found["position"][-1], result.final.position.T.ravel(), 1 / 65534)
     for k, key in enumerate(ALL):
-        sizes = found.get(f"error.{key}", np.abs(found[f"deviation.{key}"]))[-1]
+        sizes = np.abs(found[f"{'deviation' if scene.DIMENSIONS == 1 else 'error'}.{key}"])[-1]
         assert near(sizes, np.abs(result.final.error[:, k]), 1 / 254)
         assert found["norm.true"][-1, k] == pytest.approx(result.series[f"error_{key}"][-1], rel=1e-6)
         for name in scene.active_estimators:

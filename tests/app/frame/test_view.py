@@ -15,7 +15,7 @@ from app.frame.stage import Stage
 from app.names_and_units import with_unit
 from app.page.panels.readout_tables import _percent, live_readout
 from app.page.stage.worst_region import SteadyMaximum, WorstRegions
-from app.page.visit.run_session import first_scene
+from app.page.visit.first_scene import first_scene
 from app.problems.bar.view import BAR as BAR_VIEW
 from app.problems.bar.view import LENGTHS
 from app.problems.views import VIEWS

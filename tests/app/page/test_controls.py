@@ -11,7 +11,7 @@ import pytest
 
 from app import shareable_state
 from app.names_and_units import CHOICES
-from app.page.visit.run_session import FIRST_SCENE
+from app.page.visit.first_scene import FIRST_SCENE
 from solvers.scene.effects import ALL
 from solvers.scene.estimator_registry import ESTIMATORS
 from solvers.scene.stabilisations import REMEDIES
@@ -19,10 +19,10 @@ from tests.support import page_server
 from tests.support.processes import wait_until
 from tests.support.raw_client import RawClient
 
-#: What a problem is called, and its label of the cells at first.
-BEGINNINGS = {"bar": ("vibrating bar", "Cells, h = 1/40"), "ring": ("expanding ring", "Cells, h = 1.2/24"),
-              "vortex": ("generalized vortex", "Cells, h = 3/48")}
-#: Labels of sliders that show logarithms.
+#: What a problem is called, and the hint of its cells.
+BEGINNINGS = {"bar": ("vibrating bar", "grid cells across 1 m"), "ring": ("expanding ring", "grid cells across 1.2 m"),
+              "vortex": ("generalized vortex", "grid cells across 3 m")}
+#: Labels of sliders, which show logarithms.
 LOGARITHMS = {"Amplitude A": "amplitude", "Modulus E": "modulus", "CFL number": "cfl"}
 DROPDOWNS = {"Body force": "body_force", "Velocity": "velocity", "Layout": "layout"}
 TOGETHER = ("corners",)  # goes with one method only
@@ -93,8 +93,8 @@ def driver(request, here, asked):
 def test_numbers(driver):
     """Sliders whose steps are factors say logarithms."""
     before = driver.scene
-    driver.move(BEGINNINGS[before.problem][1], before.cells + 12.0, cells=before.cells + 12)
-    driver.move("Particles / cell", before.ppc - 1.0, ppc=before.ppc - 1)
+    for label, field, to in (("Cells", "cells", before.cells + 12), ("Particles / cell", "ppc", before.ppc - 1)):
+        driver.move(label, math.log10(to), **{field: to})
     for label, field in LOGARITHMS.items():
         to = math.log10(before.courant_number if field == "cfl" else getattr(before, field)) - 0.1
         driver.move(label, to, **{field: pytest.approx(10**to, rel=6e-3)})

@@ -2,21 +2,18 @@
 
 import re
 from dataclasses import replace
-from itertools import product
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 from app.frame.error_view_captions import NONE_CHOSEN, UNKNOWN, frame_error_view
-from app.frame.headline import HeadlineWithFacts
-from app.frame.recent_crossings import WINDOW
+from app.frame.headline import HeadlineWithFacts, InstantErrors, lane_facts
 from app.frame.stage import NOTHING
 from app.names_and_units import per_cent
-from app.page.headline_panel import SAY_SECONDS, WAITING, HeadlinePanel, compare_with_pinned, frame_headline
+from app.page.headline_panel import SAY_SECONDS, WAITING, HeadlinePanel, compare_errors, frame_headline
 from app.page.stage.worst_region import WorstRegions
 from app.problems.views import VIEWS
-from solvers.scene.error_causes import CAUSES, FIELDS
 from solvers.solver.soundness import LOST, UNSTABLE
 from tests.app.frame.test_view import BAR, arrays_of, report_of
 
@@ -24,30 +21,38 @@ ERROR = np.full(20, 0.001)
 ERROR[6] = 0.004  # the worst place, X = 0.325
 
 
-SERIES = {"time": [0.0, 0.35], "error_x": [0.001, 0.004], "transport/estimate_x": [0.0005, 0.0017],
-          "transport/index_x": [0.5, 0.44]}
-
-
-def told(scene=BAR, drawn="transport", series=SERIES, crossed=(), ago=0.0, **changes):
+def told(scene=BAR, drawn="transport", crossed=(), ago=0.0, comparison="", estimated=ERROR / 2, **changes):
     """What is said of a frame of the bar whose estimate is half the error; ``crossed`` steps ago."""
-    report, arrays = replace(report_of(scene), time=0.35, **changes), arrays_of(ERROR / 2, ERROR)
+    report, arrays = replace(report_of(scene), time=0.35, **changes), arrays_of(estimated, ERROR)
     arrays.steps_since_crossing[:len(crossed)] = crossed
-    view, worst = frame_error_view(report, arrays, "x", drawn, False), WorstRegions()
-    worst.find(report, arrays, view, "x")
-    return frame_headline(report, arrays, view, worst, {name: np.array(v) for name, v in series.items()}, "x", drawn,
-                          ago)
+    return frame_headline(report, arrays, frame_error_view(report, arrays, "x", drawn, False), "x", drawn, ago,
+                          comparison)
 
 
 def said(*given, **changes):
     return str(told(*given, **changes))
 
 
-def test_how_wrong_comes_first_then_whether_it_is_known_then_where():
-    """Of a run that plays both are of all its time so far: the mean error over the amplitude, and the index."""
-    assert said() == ("So far the displacement is 10 % wrong; transport finds 44 % of it. 2.5 mm of 25 mm at most. "
-                      "Worst at X = 0.30–0.35 m. No particle crossed a cell boundary in the last 0.05 s.")
-    assert "; transport estimates 1.30 times as much. " in said(series=SERIES | {"transport/index_x": [1.0, 1.3]})
-    assert "; transport finds 100 % of it. " in said(series=SERIES | {"transport/index_x": [1.0, 1.004]})
+def test_how_wrong_comes_first_then_whether_it_is_known():
+    """Of one instant, whether the run plays or not: the norm of the error over the amplitude, and its estimated share;
+    a comparison takes the place of the sizes."""
+    assert said() == ("At t = 0.35 s the displacement is 5.3 % wrong; transport finds 50 % of it. 1.3 mm of 25 mm at "
+                      "most. No particle has changed its cell yet.")
+    assert "; transport estimates 1.30 times as much. " in said(estimated=1.3 * ERROR)
+    assert "; transport finds 100 % of it. " in said(estimated=1.004 * ERROR)
+    assert said(comparison="twice as wrong").endswith("of it. Twice as wrong. No particle has changed its cell yet.")
+
+
+def test_a_lane_tells_the_same_numbers_and_the_time_of_the_run():
+    """Of a run that is lost, or wrong by more than the quantity, only that; what is unknown is not told."""
+    def facts(true, estimated, lost=False, seconds=0.0):
+        return "".join(text for _, text in lane_facts(InstantErrors(true, estimated), 2.0, "companion", lost, seconds))
+
+    assert facts(0.128, 0.1165, seconds=0.0015) == "6.4 % wrong · companion finds 91 % · 1.5 ms"
+    assert facts(0.1, 0.2) == "5 % wrong · companion estimates 2.00 times as much"
+    assert facts(np.nan, 0.1) == "companion estimates 5 %"
+    assert facts(0.1, np.nan) == "5 % wrong"
+    assert facts(2.1, 0.1, seconds=1.0) == "over 100 % wrong" and facts(0.1, 0.1, lost=True) == "run is lost"
 
 
 def test_no_place_of_a_run_is_marked_in_another_one(monkeypatch):
@@ -86,19 +91,18 @@ def test_where_it_is_worst_is_looked_for_in_each_of_the_two():
 def test_the_eye_gets_the_same_in_spans():
     """The number is marked, what is true and what is estimated, and that a run is lost."""
     assert {text: kind for kind, text in told().spans if kind} == {
-        "10 %": "number", "wrong": "truth", "transport": "estimate", "44 %": "figure"}
+        "5.3 %": "number", "wrong": "truth", "transport": "estimate", "50 %": "figure"}
     assert told(status=LOST, since=0.2).spans[0] == ("bad", "The run is lost from t = 0.2 s on")
     assert said(status=UNSTABLE, playing=False) == \
         "The run went unstable and has stopped at t = 0.35 s. This is its last picture."
     assert " ".join(["".join(text for _, text in told().spans), *told().fact_sentences]) == said()
 
 
-@pytest.mark.parametrize(("beyond", "who"), [(1, "2 particles"), (0, "3 particles")])
-def test_crossings_are_those_of_the_last_twentieth_of_a_period(beyond, who):
-    assert "1 particle crossed" in said(crossed=[3])
-    assert "crossed" not in said(replace(BAR, effects=("truth", "estimate")))
-    steps = WINDOW * BAR.period / BAR.time_step
-    assert f" {who} crossed a cell boundary in the last 0.05 s." in said(crossed=[0, 1, int(steps) + beyond])
+def test_particles_that_have_changed_their_cell_are_counted_from_the_start():
+    assert "1 particle has changed its cell." in said(crossed=[3])
+    assert " 2 particles have changed their cell." in said(crossed=[0, 10_000])
+    assert "Nearly every particle has changed its cell." in said(crossed=[1] * 19)
+    assert "cell" not in said(replace(BAR, effects=("truth", "estimate")))
 
 
 @pytest.mark.parametrize(("begins", "given", "changes"), [
@@ -106,22 +110,19 @@ def test_crossings_are_those_of_the_last_twentieth_of_a_period(beyond, who):
     ("0.25 periods back the displacement is 5.3 % wrong; transport", {}, {"playing": False, "ago": 0.25}),
     ("The run is lost from t = 0.2 s on: the displacement is 5.3 % wrong; transport finds 50 % ", {},
      {"status": LOST, "since": 0.2}),
-    (f"So far transport estimates that the displacement is 4.4 % wrong. 1.1 mm of 25 mm at most. {UNKNOWN[:1].upper()}"
-     f"{UNKNOWN[1:]}. Worst at X = 0.30", {"body_force": "two-tone"}, {"series": SERIES | {"error_x": [np.nan] * 2}}),
-    (f"So far the displacement is 10 % wrong; {NONE_CHOSEN}. 2.5 mm of 25 mm at most. Worst at X", {"estimators": ()},
+    (f"At t = 0.35 s transport estimates that the displacement is 2.6 % wrong. 660 µm of 25 mm at most. "
+     f"{UNKNOWN[:1].upper()}{UNKNOWN[1:]}. No", {"body_force": "two-tone"}, {}),
+    (f"At t = 0.35 s the displacement is 5.3 % wrong; {NONE_CHOSEN}. 1.3 mm of 25 mm at most. No", {"estimators": ()},
      {"drawn": None}),
-    ("So far the displacement is 10 % wrong; transport is not valid here. 2.5 mm", {},
+    ("At t = 0.35 s the displacement is 5.3 % wrong; transport is not valid here. 1.3 mm", {},
      {"not_valid": {"transport": "not valid here: it rains"}}),
     ("Nothing is known of the error of the displacement. ", {"effects": ("estimate",), "estimators": ()},
-     {"drawn": None}),
-    ("So far no error of the displacement has been measured. ", {}, {"series": {}}),
-    ("So far no error of the displacement has ", {}, {"series": SERIES | {"transport/index_x": [np.nan]}})],
-    ids=["stands", "back", "lost", "no truth", "no estimate", "none that holds", "neither", "no sample yet",
-         "no index yet"])
-def test_a_run_that_stands_is_told_of_its_moment_and_what_is_not_known_is_not_told(begins, given, changes):
-    """That it is lost or unstable comes first. Without truth the worst place is that of the estimate."""
+     {"drawn": None})],
+    ids=["plays", "back", "lost", "no truth", "no estimate", "none that holds", "neither"])
+def test_a_run_is_told_of_its_moment_and_what_is_not_known_is_not_told(begins, given, changes):
+    """That it is lost or unstable comes first."""
     assert said(replace(BAR, **given), **changes).startswith(begins)
-    assert frame_headline(None, None, None, WorstRegions(), {}, "x", None) == HeadlineWithFacts.from_template(WAITING)
+    assert frame_headline(None, None, None, "x", None) == HeadlineWithFacts.from_template(WAITING)
 
 
 def test_sentences_come_calmly():
@@ -142,32 +143,15 @@ def test_sentences_come_calmly():
     assert heard[3:] == [("A click&#x27;s answer.", 2)]
 
 
-def test_a_pinned_run_is_compared_by_its_true_error():
-    """Over the periods that both have; nothing is said where either is unknown."""
-    live, pinned = ({"time": np.array(t), "error_v": np.array(v)} for t, v in (
-        ([0.0, 0.5], [1.0, 3.0]), ([0.0, 0.5, 1.0], [2.0, 6.0, 40.0])))
-    scenes = BAR, replace(BAR, method="bspline")
-    assert compare_with_pinned(live, pinned, "v", scenes) == "the pinned run, B-spline, is 2 times as wrong"
-    assert compare_with_pinned(pinned, live, "v", scenes) == "2 times as wrong as the pinned run, B-spline"
-    for unknown in ({}, {"error_v": np.array([np.nan, 1.0])}, {"error_v": np.zeros(2)}, {"error_v": np.zeros(0)}):
-        assert compare_with_pinned(unknown, live, "v", scenes) == compare_with_pinned(live, unknown, "v", scenes) == ""
+def test_a_second_run_is_compared_by_its_relative_true_error():
+    """Nothing is said where either is unknown."""
+    assert compare_errors(0.064, 0.003, "B-spline at the same settings") == \
+        "21 times as wrong as B-spline at the same settings"
+    assert compare_errors(0.003, 0.006, "the pinned run") == "the pinned run is 2 times as wrong"
+    assert compare_errors(np.nan, 0.1, "") == compare_errors(0.1, np.nan, "") == compare_errors(0.1, 0.0, "") == ""
 
 
 def test_shares_have_two_digits_and_no_exponents():
     shares = {0.0: "0 %", 3e-6: "0.0003 %", 0.00286: "0.29 %", 0.0642: "6.4 %", 0.0999: "10 %", 0.534: "53 %",
               23.0: "2,300 %", 1e6: "1 × 10⁸ %"}
     assert {share: per_cent(share) for share in shares} == shares
-
-
-def test_who_made_most_of_the_error_is_a_fact():
-    """Of a run whose error is divided; after the size, before the place."""
-    scene = replace(BAR, effects=(*BAR.effects, "budget"))
-    series = SERIES | {f"budget/{kind}_{field}_{cause}": [0.0, 0.0]
-                       for kind, field, cause in product(("part", "size"), FIELDS, CAUSES)}
-    series |= {f"budget/error_{field}": [0.0, 0.004] for field in FIELDS}
-    series |= {"budget/part_x_crossings": [0.0, 0.0035], "budget/part_x_coarse_grid": [0.0, 0.0005],
-               "budget/size_x_crossings": [0.0, 0.0035], "budget/size_x_coarse_grid": [0.0, 0.0005]}
-    fact = "2.5 mm of 25 mm at most. Crossings made 88 % of the error of x. Worst at X = 0.30"
-    assert fact in said(scene, series=series)
-    assert "made" not in said(series=series)
-    assert "made" not in said(scene, series=series | {"budget/size_x_crossings": [0.0, 0.05]})

@@ -15,7 +15,8 @@ from app.page.features import background_job
 from app.page.features.budget.jobs import BudgetJobs
 from app.page.page_server import OVER, Visitors
 from app.page.visit.engine_links import PageEngineLinks
-from app.page.visit.run_session import RunSession, first_scene
+from app.page.visit.first_scene import first_scene
+from app.page.visit.run_session import RunSession
 from app.viewer.upload import TOO_LARGE
 from solvers.workers.worker_pool import Slots
 from solvers.workers.worker_process import ProcessDied
@@ -54,7 +55,8 @@ def reads(visitor, pattern):
 
 
 def test_a_refusal_is_in_the_language_of_the_hand_that_typed(visitors):
-    """It is found on a timer's thread, and shown on the refresh's, where both visitors' words are made side by side."""
+    """It is found on the thread of a message, and shown on the refresh's, where both visitors' words are made side
+    by side."""
     boxes = {code: visitor.find(label(code, "{name}, typed", name=label(code, "Modulus E")))
              for code, visitor in visitors.items()}
     visitors["de"].find(label("de", "Tolerance"))
@@ -62,7 +64,7 @@ def test_a_refusal_is_in_the_language_of_the_hand_that_typed(visitors):
     refused = {"de": "E-Modul E: „much“ ist keine Zahl über 0 in Pa",
                "en": "Modulus E: 'much' is not a number above 0 in Pa"}
     for code, visitor in visitors.items():
-        visitor.set(boxes[code], "much")
+        visitor.enter(boxes[code], "much", label(code, "kept by the browser"))
     for code, visitor in visitors.items():
         wait_until(lambda v=visitor, c=code: reads(v, refused[c]), refused[code])
     other = {"de": "is not a number", "en": "ist keine Zahl"}

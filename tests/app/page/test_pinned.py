@@ -9,6 +9,7 @@ import pytest
 from app.names_and_units import difference_text
 from app.page.panels.time_plots import pinned_curves
 from app.page.visit import run_session as page
+from app.page.visit.first_scene import first_scene
 from solvers.engine import compiling_fork
 from solvers.engine.engine_messages import FRAME_SECONDS, Pace
 from solvers.engine.session_stepper import MOST_APART
@@ -136,6 +137,7 @@ def test_a_pinned_run_stays_while_the_session_changes(visit):
     when another problem is chosen."""
     news = []
     visit.pin(lambda: news.append(1))
+    assert visit.pinned_scene == SCENE
     run = visit.pinned
     visit.set_scene_fields(cells=24)
     wait_until(lambda: run.last and run.last[0].time > 0.1 and visit.report.scene.cells == 24, "both under way",
@@ -150,7 +152,7 @@ def test_a_pinned_run_stays_while_the_session_changes(visit):
     assert len(norm) == len(estimate) == len(series["time"]) and np.isfinite(norm[:3]).all()
     visit.play(False)
     wait_until(lambda: not run.last[0].playing, "a pinned run paused", PATIENCE)
-    visit.set_scene(page.first_scene("ring"))
+    visit.set_scene(first_scene("ring"))
     assert visit.pinned is None
     visit.report = replace(visit.report, number=visit._number)  # as if the ring were there
     assert visit._urgent_notice(False).sentence.startswith("Unpinned: ")

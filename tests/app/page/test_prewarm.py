@@ -9,7 +9,7 @@ from app.lessons import catalogue
 from app.lessons.lesson import fill_numbers
 from app.page.features.opening_tour import OPENING
 from app.page.precompiled_scenes import usual_scenes
-from app.page.visit.run_session import first_scene
+from app.page.visit.first_scene import first_scene
 from solvers.problems import PROBLEMS
 from solvers.scene.kernel_options import kernel_key
 

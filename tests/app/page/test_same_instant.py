@@ -79,20 +79,32 @@ def test_a_restart_and_another_scene_begin_at_zero(visit):
 
 
 def test_a_pinned_run_comes_along(visit):
-    """To the same number of periods, whatever the other's modulus is; pinning itself starts both at t = 0."""
+    """To the same number of periods, whatever the other's modulus is; and it comes there when it is pinned."""
     one, frames = visit
-    one.pin(lambda: None)
-    wait_until(lambda: one.pinned.last and one.report.time == 0, "both at t = 0", PATIENCE)
-    one.play(True)
-    wait_until(lambda: one.report.time > QUARTER, "a quarter of a period", PATIENCE)
-    one.play(False)
-    wait_until(lambda: not (one.report.playing or one.pinned.last[0].playing), "a pause", PATIENCE)
     periods = one.report.time / SCENE.period
+    one.pin(lambda: None)
+    step = round(periods * SCENE.period / SCENE.time_step)
+    wait_until(lambda: one.pinned.last and one.pinned.last[0].step == step, "the pinned run's", PATIENCE)
     report = answered(one, frames, lambda: one.set_scene_fields(modulus=16.0))
     scene = report.scene
     assert report.fresh and report.step == round(periods * scene.period / scene.time_step)
     wait_until(lambda: one.pinned.last[0].step == round(periods * SCENE.period / SCENE.time_step), "the pinned run's",
                PATIENCE)
+
+
+def test_a_run_by_another_method_follows_every_change(visit):
+    """It has the visitor's scene but for the method, at the same instant; where its method does not allow a change, it
+    stays as it is; a scene that is put on the stage is followed, too."""
+    one, frames = visit
+    one.pin(lambda: None, method="mpm")
+    assert one.pinned.scene == replace(SCENE, method="mpm") and one.pinned_scene is None
+    for change in ({"cells": 32}, {"modulus": 16.0}, {"method": "bspline"}):
+        report = answered(one, frames, lambda: one.set_scene_fields(**change))  # noqa: B023
+        wanted = replace(report.scene, method="mpm")
+        wait_until(lambda: one.pinned.last and one.pinned.last[0].scene == wanted, "the same change", PATIENCE)  # noqa: B023
+        assert one.pinned.last[0].step == report.step > 0
+    one.set_scene(replace(SCENE, amplitude=0.01))
+    assert one.pinned.scene == replace(SCENE, amplitude=0.01, method="mpm")
 
 
 @pytest.fixture

@@ -8,8 +8,8 @@ import pytest
 from app import shareable_state
 from app.names_and_units import per_cent
 from app.page.features.suggestions import Suggestions, lost_run_cards
+from app.page.visit.first_scene import first_scene
 from app.page.visit.history import NormHistory
-from app.page.visit.run_session import first_scene
 from app.problems.suggested_experiment import SuggestionNotApplicable
 from app.problems.views import VIEWS
 from app.shareable_state import State
@@ -59,7 +59,8 @@ class Stage:
 
     def __init__(self, scene):
         self.state, self.report = State(scene), report_of(scene)
-        self.session = SimpleNamespace(scene=scene, report=self.report, pinned=None, history=None)
+        self.session = SimpleNamespace(scene=scene, report=self.report, pinned=None, pinned_scene=None,
+                                       history=None)
         self.html = SimpleNamespace(content="")
         gui = SimpleNamespace(add_html=lambda _: self.html)
         self.sparks = Suggestions(gui, self.session, lambda: self.state, self.show, lambda _: False,
@@ -68,6 +69,7 @@ class Stage:
     def show(self, shown):
         self.state, session = shown, self.session
         session.scene, session.report = shown.scene, report_of(shown.scene)
+        session.pinned_scene = shown.pinned
         session.pinned = shown.pinned and SimpleNamespace(scene=shown.pinned, history=None)
 
     def look(self):

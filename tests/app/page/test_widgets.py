@@ -1,6 +1,7 @@
 """Widgets that are made anew while callbacks of the old ones still run, which the viewer calls side by side."""
 
 import json
+import math
 from types import SimpleNamespace
 from typing import get_type_hints
 from zipfile import ZipFile
@@ -26,8 +27,7 @@ class Listener(RawClient):
 
     def cells(self, length):
         """The slider of the cells across this length, once it is there."""
-        begins = f"Cells, h = {length}/"
-        return next((widget for label, widget in self._labels().items() if label and label.startswith(begins)), None)
+        return self._labels().get(f"grid cells across {length} m")
 
     def pin(self):
         """The button that pins a run, or lets it go."""
@@ -49,11 +49,11 @@ def test_nothing_is_said_of_widgets_that_have_gone(caplog):
             name, length, others = ("expanding ring", "1", "1.2") if turn % 2 == 0 else ("vibrating bar", "1.2", "1")
             wait_until(lambda of=length: visitor.cells(of) and visitor.pin(), "the widgets")
             cells = visitor.cells(length)
-            visitor.set(cells, 30 + turn)
+            visitor.set(cells, math.log10(30 + turn))
             if turn % 3 == 0:
                 visitor.set(visitor.pin(), True)
             visitor.set(problem, name)
-            visitor.set(cells, 31 + turn)
+            visitor.set(cells, math.log10(31 + turn))
             wait_until(lambda of=others: visitor.cells(of), name)
         assert visitor.ghosts == []
     assert "Traceback" not in caplog.text and visitor.gone
@@ -70,7 +70,7 @@ def test_the_story_begins_on_the_widgets_that_are_there():
         (story,) = (feature for feature in page._features if isinstance(feature, OpeningTour))
         store, begun = visitor.find("kept by the browser"), session.playback_request_key[1]
         for known, cells in ((True, 40), (False, 30)):
-            visitor.set(visitor.cells("1"), cells)
+            visitor.set(visitor.cells("1"), math.log10(cells))
             wait_until(lambda of=cells: session.scene.cells == of, "the choice")
             story.beat = 0
             visitor.set(store, json.dumps({"story": "play", "known": known}))  # another text each time

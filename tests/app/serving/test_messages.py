@@ -12,7 +12,8 @@ from viser import _messages
 
 from app.page.controls import Controls
 from app.page.visit.engine_links import FASTEST, MOST_WATCHED, PageEngineLinks, scene_size_refusal
-from app.page.visit.run_session import FIRST_SCENE, RunSession
+from app.page.visit.first_scene import FIRST_SCENE
+from app.page.visit.run_session import RunSession
 from app.problems.views import VIEWS
 from app.viewer import incoming_messages, web_server, widget_validation
 from solvers.problems import PROBLEMS
@@ -86,7 +87,7 @@ def good_values(widget):
 def complete(here, visitor, request):
     """The visitor, once all of a problem's controls are there."""
     visitor.set(visitor.find("Problem"), request.param)
-    visitor.find("Cells, h = 1.2/24" if request.param == "expanding ring" else "Cells, h = 1/40")
+    visitor.find(f"grid cells across {1.2 if request.param == 'expanding ring' else 1} m")
     visitor.find("step margin")
     settle(here[0], visitor)
     return visitor
@@ -236,7 +237,7 @@ def test_problem_that_is_chosen_while_the_page_is_made(here, monkeypatch):
     monkeypatch.setattr(Controls, "_build", slowly)
     with RawClient(here[1], arrive=False) as visitor:
         visitor.send(CAMERA)
-        visitor.find("Cells, h = 1.2/24")
+        visitor.find("grid cells across 1.2 m")
 
 
 def test_socket_that_never_speaks_is_closed(monkeypatch, here):

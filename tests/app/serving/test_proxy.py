@@ -149,7 +149,7 @@ def test_page_and_websocket_come_through(proxied):
     assert answer.status == 200 and b"lab-ground" in body
     with visit(proxied, Cookie=cookie) as visitor:
         visitor.set(visitor.find("Problem"), "expanding ring")
-        visitor.find("Cells, h = 1.2/24")
+        visitor.find("grid cells across 1.2 m")
 
 
 def test_foreign_page_is_refused_behind_the_proxy_too(proxied):

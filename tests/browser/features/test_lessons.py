@@ -136,7 +136,7 @@ def test_a_lessons_controls_stand_below_its_text(server, chromium):
     first = next(k for k, step in enumerate(lesson.steps, 1) if "Set **Cells**" in step.text)
     with visit(chromium, server[0], f"#lesson={lesson.name}") as page:
         until(page.locator(".lab-lesson-head").is_visible, "the lesson")
-        until(page.get_by_text("Cells, h").is_visible, "its controls")
+        until(page.get_by_text("Cells", exact=True).is_visible, "its controls")
         assert "cells" in lesson.controls and "modulus" not in lesson.controls
         assert not page.get_by_text("Modulus E", exact=True).is_visible()
         go_on(page)
@@ -144,7 +144,7 @@ def test_a_lessons_controls_stand_below_its_text(server, chromium):
         at_step(page, first, lesson)
         again_until(lambda: put_on_stage(page), lambda: scene(page)["cells"] == 20, "the step's run")
         again_until(lambda: click(page, "Set Cells to 80"), lambda: scene(page)["cells"] == 80, "what the text says")
-        until(lambda: "80" in page.get_by_text("Cells, h").inner_text(), "the control that follows")
+        until(lambda: page.get_by_label("Cells, typed").input_value() == "80", "the control that follows")
         page.get_by_role("tab", name="Explore").click()
         until(page.get_by_text("A lesson is open").is_visible, "where the controls are")
         page.get_by_role("tab", name="Lessons").click()

@@ -53,7 +53,9 @@ def test_a_file_is_chosen_judged_and_left(page, ring):
     page.keyboard.press("Home")
     until(lambda: f"frame\t1 of {last}" in readout(page), "its first time")
     until(lambda: np.any(np.abs(stage(page) - picture) > 30, axis=2).mean() > 0.01, "another picture")
-    page.get_by_role("button", name="Back to our run", exact=True).first.click()
+    click(page, "Play")
+    until(lambda: f"frame\t{last} of {last}" in readout(page), "the file is played again", PATIENCE)
+    click(page, "Back to our run")
     until(lambda: "periods" in readout(page) and "mine.npz" not in readout(page), "our run")
     before = steps(page)
     until(lambda: steps(page) > before, "it goes on")
@@ -61,7 +63,7 @@ def test_a_file_is_chosen_judged_and_left(page, ring):
 
 @pytest.mark.short
 def test_a_file_that_cannot_be_judged_is_said_and_nothing_is_lost(page):
-    """Dropped on the stage; then one that can, which the run's own Play takes away again."""
+    """Dropped on the stage; then one that can, beside which there is nothing of the run."""
     until(lambda: steps(page) > 20, "a run under way")
     page.evaluate(DROP, ["wrong.csv", "id,x\n0,0.5\n"])
     until(lambda: "The file wrong.csv has no time; give a column t" in notice(page), "why not", PATIENCE)
@@ -72,8 +74,10 @@ def test_a_file_that_cannot_be_judged_is_said_and_nothing_is_lost(page):
     said = readout(page)  # once: what is at work now may have ended a moment later
     assert "velocity" in said or "still at work" in said
     until(lambda: "no velocity in the files" in readout(page).lower(), "what it has not", PATIENCE)
-    page.get_by_role("button", name="Play", exact=True).first.click()  # the other one is the file's
-    until(lambda: "right.csv" not in readout(page), "our run")
+    until(lambda: not page.get_by_text("Cells, h").is_visible(), "no controls of the run")
+    assert page.get_by_role("button", name=re.compile("^(Play|Pause)$")).count() == 1
+    click(page, "Back to our run")
+    until(lambda: "right.csv" not in readout(page) and page.get_by_text("Cells, h").is_visible(), "our run")
 
 
 def test_a_file_that_is_too_large_is_not_even_sent(page):

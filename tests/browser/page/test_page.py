@@ -7,7 +7,7 @@ import pytest
 
 from app.names_and_units import parse_size
 from tests.browser import driving
-from tests.browser.driving import click, plotted, press, readout, row, stage, steps, tick, time, until
+from tests.browser.driving import click, enter, plotted, press, readout, row, stage, steps, tick, time, until
 
 
 def the_bar_moves_and_is_coloured(page):
@@ -75,12 +75,12 @@ def test_a_first_look(page):
 @pytest.mark.short
 def test_what_is_refused(page):
     """An amplitude that no exact bar has is refused, the present run goes on, and a good one clears the notice."""
-    press(page, "Amplitude A", "End")
+    enter(page, "Amplitude A", "0.2")
     page.locator(".lab-refused").wait_for()
     assert "0.159" in page.locator(".lab-refused").inner_text()
     before = time(page)
     until(lambda: time(page) > before, "the run going on")
-    press(page, "Amplitude A", "ArrowLeft", 150)
+    press(page, "Amplitude A", "Home")
     page.locator(".lab-refused").wait_for(state="detached")
 
 
@@ -89,7 +89,7 @@ def test_auto_step_follows_the_scene_and_gives_way_to_the_slider(page):
     tick(page, "Auto step")
     until(lambda: 0.4 < chosen(page, "CFL number", "") < 0.7, "the step of the motion ahead")
     before = chosen(page, "CFL number", "")
-    row(page, "Particles / cell").locator("input.mantine-NumberInput-input").fill("1")
+    enter(page, "Particles / cell", "1")
     until(lambda: chosen(page, "CFL number", "") != before, "another bound")
     press(page, "CFL number", "Home")
     until(lambda: not page.get_by_label("Auto step").is_checked(), "the box unticked")
@@ -98,7 +98,7 @@ def test_auto_step_follows_the_scene_and_gives_way_to_the_slider(page):
 
 def test_lost_run_is_said_and_goes_on(page):
     """With one particle per cell: since when, why, where and what to do; it moves on."""
-    row(page, "Particles / cell").locator("input.mantine-NumberInput-input").fill("1")
+    enter(page, "Particles / cell", "1")
     page.locator(".lab-notice.lab-lost").wait_for()
     said = page.locator(".lab-notice.lab-lost").inner_text()
     assert re.match(r"The run is lost from t = 0\.\d+ s on: .+, most at particle \d+ \(X = .+give two or more\.$", said)

@@ -2,8 +2,6 @@
 
 import pytest
 
-from app.names_and_units import in_a_line
-from solvers.problems import PROBLEMS
 from tests.browser.conftest import visit
 from tests.browser.driving import click, scene, stage_box, until
 from tests.browser.page.test_sizes import LAPTOP, LARGE, SMALL, UPRIGHT, cut_off, fitted, none_in, resize, written_over
@@ -37,10 +35,6 @@ def presented(page):
     return page.evaluate("document.body.classList.contains('lab-presented-view')")
 
 
-def opacity(page):
-    return page.locator("[data-lab~=lab-at-run] + div").evaluate("e => getComputedStyle(e).opacity")
-
-
 def small(page, least):
     """Words that the last row cannot read, and words beyond the window's edges."""
     width = page.viewport_size["width"]
@@ -56,10 +50,10 @@ def presenter(server, chromium):
 
 @pytest.mark.slow
 def test_a_talk(presenter):
-    """Letters for the last row, the scene named, one plot, no panel; keys and a remote drive it, and it ends."""
+    """Letters for the last row, one plot, no panel; keys and a remote drive it, and it ends."""
     page = presenter
     until(lambda: presented(page), "the presenter's view")
-    for size, least, headline in ((UPRIGHT, 16, 25), (SMALL, 16, 32), (LAPTOP, 16, 37), (LARGE, 22, 56)):
+    for size, least, headline in ((UPRIGHT, 16, 23), (SMALL, 16, 29), (LAPTOP, 16, 34), (LARGE, 19, 51)):
         resize(page, size)
         until(lambda size=size: fitted(page), f"the stage in {size}")
         none_in(page, size, lambda page: written_over(page) + cut_off(page))  # what has no room is left out
@@ -73,11 +67,7 @@ def test_a_talk(presenter):
         assert drawn["x"] + drawn["width"] <= plot["x"] or drawn["y"] + drawn["height"] <= plot["y"]
     resize(page, LAPTOP)
     shown = scene(page)
-    assert page.locator("#lab-scene").inner_text() == in_a_line(PROBLEMS["bar"].scene(**shown))
     assert not page.locator(".lab-methods").is_visible()
-    page.mouse.move(500, 300)
-    until(lambda: opacity(page) == "1", "the transport")
-    until(lambda: opacity(page) == "0", "the transport gone")
     keys_drive_it(page, shown)
     page.keyboard.press("Escape")
     until(lambda: not presented(page) and page.locator(".lab-methods").is_visible(), "the page as it was")

@@ -5,7 +5,7 @@ import re
 
 import pytest
 
-from app.page.visit.run_session import FIRST_SCENE
+from app.page.visit.first_scene import FIRST_SCENE
 from solvers.problems import PROBLEMS
 from tests.browser.driving import choose, drawn, readout, tick, unfold, until
 

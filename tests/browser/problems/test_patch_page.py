@@ -4,13 +4,9 @@ import re
 
 import pytest
 
-from tests.browser.driving import choose, row, scene, summary, unfold, until
+from tests.browser.driving import choose, enter, scene, summary, unfold, until
 
 PASSED = "nothing happens, as expected"
-
-
-def fill(page, label, value):
-    row(page, label).locator("input.mantine-NumberInput-input").fill(value)
 
 
 @pytest.mark.slow
@@ -24,12 +20,12 @@ def test_the_patch_test_comes_and_goes(page):
     assert scene(page)["estimators"] == ["companion"] and scene(page)["body_force"] == "none"
     until(lambda: PASSED in summary(page), "that nothing happens")
     choose(page, "Method", "MPM (hat functions)")
-    fill(page, "Particles / cell", "2.5")
+    enter(page, "Particles / cell", "2.5")
     until(lambda: scene(page)["ppc"] == 2.5, "particles that do not fit")
     until(lambda: re.search(r"run is lost", summary(page), re.I), "that the stress is lost")
-    fill(page, "Stretch F", "1")
+    enter(page, "Stretch F", "1")
     page.get_by_text("the test could not fail").first.wait_for()  # refused in words; the run before it goes on
-    fill(page, "Stretch F", "1.1")
+    enter(page, "Stretch F", "1.1")
     until(lambda: scene(page)["stretch"] == 1.1, "another stretch")
     unfold(page, "Motion and material")
     choose(page, "Motion", "vibration")

@@ -46,7 +46,7 @@ def test_the_ring_moves_and_is_probed(page):
 def test_the_vortex_moves_and_its_numbers_are_said(page):
     """Angular momentum is among them."""
     choose(page, "Problem", "generalized vortex")
-    page.get_by_text("Cells, h = 3/48").wait_for()
+    page.locator("label[data-words='h = 62.5 mm']").wait_for()
     until(lambda: "layout" in scene(page) and time(page) > 1e-3, "the vortex running")
     both_halves_move_and_are_coloured(page)
     assert "turning" in readout(page) and "energy" in readout(page)

@@ -15,7 +15,7 @@ from app.language.translation import lazy, tr, translate_message
 from app.names_and_units import difference_text
 from app.page.feature import Feature, VisiblePageState
 from app.page.features.budget.chart import RunBudget, as_sentence, budget_chart, removal_outcome, removed_cause
-from app.page.features.budget.jobs import BudgetJobs, BudgetJobStatus, Series
+from app.page.features.budget.jobs import BudgetJobs, BudgetJobStatus
 from app.page.features.budget.line import (
     BEING_FOUND,
     ON_REQUEST,
@@ -23,7 +23,7 @@ from app.page.features.budget.line import (
     budget_line_at,
     budget_line_html,
 )
-from app.page.features.budget.shared_budgets import SHARED
+from app.page.features.budget.shared_budgets import SHARED, SharedBudgets
 from app.page.page_context import PageContext
 from app.page.panels.page_header import widget_marker_html
 from app.page.readout_panel import ReadoutContent
@@ -50,15 +50,17 @@ class BudgetPanel(Feature):
     """Error budget of one visitor's run: ``state`` returns the state shown, ``show`` puts another one on the stage."""
 
     def __init__(self, gui: viser.GuiApi, session: RunSession, state: Callable[[], State],
-                 show: Callable[[State], None], clock: Callable[[], float] = monotonic):
-        self._session, self._state, self._show, self._clock = session, state, show, clock
+                 show: Callable[[State], None], clock: Callable[[], float] = monotonic,
+                 budgets: SharedBudgets = SHARED):
+        self._session, self._state, self._show, self._clock, self._budgets = session, state, show, clock, budgets
         self.jobs = BudgetJobs()
         self.messages = {"budget": self.on_button_click}
         self._followed, self._drawn_at = "", -math.inf
         self._numbers: ReadoutContent | None = None  # the last ones
+        self._in_lesson = self._asked = False
         self._rests: tuple[Scene | None, float] = None, 0.0  # the scene on the stage, and since when it is that
         self._line = gui.add_html("")
-        SHARED.open()
+        budgets.open()
         self._mark = gui.add_html(widget_marker_html("lab-budget"))
         self._fold = gui.add_folder(tr(QUESTION), expand_by_default=False)
         with self._fold:
@@ -90,11 +92,12 @@ class BudgetPanel(Feature):
 
     def close(self) -> None:
         self.jobs.close()
-        SHARED.close()
+        self._budgets.close()
 
     def on_button_click(self, message: object) -> None:
         """Requests a budget at the click on *Who made this error?*: the ``message`` is then True."""
         if message is True:
+            self._asked = True
             self.request_budget()
 
     def request_budget(self) -> None:
@@ -103,17 +106,23 @@ class BudgetPanel(Feature):
         if EFFECT not in state.scene.OWN_EFFECTS:
             if self.jobs.status.scene != state.scene or self.jobs.status.series is None:
                 self.jobs.start_budget(state.scene)
-        elif EFFECT not in state.scene.effects and not self._known(state.scene):
+        elif EFFECT not in state.scene.effects and (self._in_lesson or self._has_none(state.scene)):
             self._show(replace(state, scene=_with_budget(state.scene),
                                pinned=None if state.pinned is None else _with_budget(state.pinned)))
 
+    def _has_none(self, scene: Scene) -> bool:
+        """Whether no budget of a scene is computed beside it."""
+        return self._budgets.find(scene, self._numbers.now.time if self._numbers else 0.0, starts=True) == {}
+
     def refresh(self, view: VisiblePageState) -> None:
         """Shows the budget of the run on the stage; in a lesson only if the run records it."""
-        self._numbers = view.numbers or self._numbers
-        if self._numbers is not None:
-            self._line.content = self._line_html(view, self._numbers)
-        if (numbers := view.numbers) is None:
+        self._numbers, self._in_lesson = view.numbers or self._numbers, view.in_lesson
+        if (numbers := self._numbers) is None:
             return
+        line = self._line_html(view, numbers)
+        if view.numbers is None and line == self._line.content:
+            return
+        self._line.content = line
         choice = view.choice
         scene = self._session.scene if numbers.scene is not None else None
         own = scene is not None and EFFECT in scene.OWN_EFFECTS
@@ -123,7 +132,7 @@ class BudgetPanel(Feature):
         if scene is None or not self._fold.visible:
             return
         runs = _computed_runs(found) if not own else self._recorded_runs(numbers, scene, choice.latest) if on else \
-            self._known_runs(scene, numbers.now.time)
+            self._runs_beside(scene, numbers)
         _set_visible(not on and not runs and not found.running, self._find)
         _set_visible(not own and found.running, self._cancel)
         _set_visible(not runs or (not own and (found.running or bool(found.trouble))), self._offer)
@@ -154,7 +163,7 @@ class BudgetPanel(Feature):
             past = numbers.past
             series = past.series if past is not None and past.scene == scene and has_budget(past.series) else None
         elif EFFECT in scene.OWN_EFFECTS:
-            series = SHARED.find(scene, time, starts=self._clock() > self._rests[1] + REST)
+            series = self._budgets.find(scene, time, starts=self._clock() > self._rests[1] + REST)
         else:
             status = self.jobs.status
             series = status.series if status.scene == scene else None
@@ -162,13 +171,15 @@ class BudgetPanel(Feature):
                 return budget_line_html(tr(ON_REQUEST))
         return budget_line_html(BEING_FOUND) if series is None else budget_line_at(series, view.choice.quantity, time)
 
-    def _known(self, scene: Scene) -> Series | None:
-        """Returns the budget of a scene's run until now if it has been computed beside it, else {} or None."""
-        return SHARED.find(scene, self._numbers.now.time if self._numbers else 0.0, starts=False)
-
-    def _known_runs(self, scene: Scene, time: float) -> list[RunBudget]:
-        series = series_until(self._known(scene) or {}, time)
-        return [RunBudget("", scene, series, series)] if has_budget(series) else []
+    def _runs_beside(self, scene: Scene, numbers: ReadoutContent) -> list[RunBudget]:
+        """Returns the pinned run and the one on the stage until now, as far as their budgets have been computed beside
+        them; that of a pinned run once the visitor has asked."""
+        time, pinned = numbers.now.time, numbers.pinned.scene if numbers.pinned and self._asked else None
+        named = [("", scene)] if pinned is None else [
+            (_run_name(PINNED, pinned, scene), pinned), (_run_name(THIS, scene, pinned), scene)]
+        found = [(name, one, series_until(self._budgets.find(one, time, starts=one == pinned) or {}, time))
+                 for name, one in named]
+        return [RunBudget(name, one, series, series) for name, one, series in found if has_budget(series)]
 
     def _status_after_cancelling_stale(self, scene: Scene | None) -> BudgetJobStatus:
         """Returns the jobs' status for a scene; if they are about another one, cancels them."""

@@ -18,7 +18,6 @@ from solvers.workers.worker_pool import WorkerPool
 EFFECTS = ("truth", "crossings", "budget")
 MOST_KEPT = 64
 MOST_WORK = 2e7  # particle-steps: what takes longer is found on request
-PATIENCE = 30.0  # timeout of a run in s
 
 
 class SharedBudgets:
@@ -61,7 +60,7 @@ class SharedBudgets:
                 self._found.popitem(last=False)
             self._pool = pool = self._pool or WorkerPool(f"{jobs.__name__}:budget")
         pool.submit({"task": task_of(asked).to_dict(), "cause": "nothing"},
-                    patience=PATIENCE).add_done_callback(lambda job: self._store(asked, job))
+                    patience=jobs.PATIENCE).add_done_callback(lambda job: self._store(asked, job))
         pool.lower_priority()
         return None
 

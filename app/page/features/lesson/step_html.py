@@ -29,10 +29,14 @@ def lesson_list_html(lessons: Mapping[str, Lesson]) -> str:
         f"<li><button type='button' class='lab-open' data-lesson='{escape(name)}' data-steps='{len(lesson.steps)}' "
         f"data-core='{in_core[name]}' data-fingerprint='{lesson.fingerprint}'>"
         f"<span class='lab-number'>{k}</span><b{lang_attribute(lesson)}>{escape(lesson.title)}</b>"
-        f"<small>{minutes_text(lesson)}</small><small class='lab-come'></small></button></li>"
+        f"<small>{minutes_text(lesson)}{_language_note(lesson)}</small><small class='lab-come'></small></button></li>"
         for k, (name, lesson) in enumerate(lessons.items(), 1))
     return f"<div class='lab-lesson lab-shelf'><p>{tr('You predict, run, observe, and then read why.')}</p>" \
            f"<div class='lab-go-on'></div><ol>{rows}</ol></div>"
+
+
+def _language_note(lesson: Lesson) -> str:
+    return ", " + tr("in English") if lang_attribute(lesson) else ""
 
 
 def lang_attribute(lesson: Lesson) -> str:

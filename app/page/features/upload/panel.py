@@ -2,7 +2,6 @@
 
 import contextlib
 import threading
-from collections.abc import Callable
 from html import escape
 from pathlib import Path
 from time import monotonic
@@ -19,17 +18,15 @@ from app.page.features.upload.judging_process import FIRST, FileProblemButtons, 
 from app.page.features.upload.uploaded_run import JUDGE, UploadedRun, file_readout, loaded_notice, page_scene_for_file
 from app.page.page_context import PageContext
 from app.page.panels.error_timeline import TimelineState
-from app.page.panels.page_header import BARE
 from app.page.readout_panel import ReadoutContent
 from app.page.stage.worst_region import WorstRegions
 from app.page.stage_source import StageContent, StageFrame, ViewChoice
-from app.page.visit.run_session import RunSession, first_scene
+from app.page.visit.first_scene import first_scene
 from app.page.visit.status_message import Notice
 from app.viewer.upload import LARGEST, TOO_LARGE, VisitorUploads
 from solvers.engine.engine_messages import FrameReport
 from solvers.judging.particle_readers import KINDS
 from solvers.judging.uploaded_file_worker import FileSummary
-from solvers.scene.scene import Scene
 from solvers.study.parameter_grid import Task
 
 TO_BE_READ = 30.0  # seconds that a refusal is shown; it stays beside the button
@@ -42,14 +39,12 @@ WHAT = lazy("Drop a file of particles anywhere on this page, or choose it ({kind
 
 
 class UploadPanel(Feature):
-    """Upload panel of one visitor. ``on_view`` redraws the stage, ``on_begin`` is called before a file takes it,
-    ``on_scene`` with the scene of a file of another problem. While a file is :attr:`shown_frame`, in a colour scale
-    common to all its times, the run pauses; that ends when something advances the run."""
+    """Upload panel of one visitor. While a file is :attr:`shown_frame`, in a colour scale common to all its times, the
+    run pauses; that ends when something advances the run."""
 
-    def __init__(self, client: viser.ClientHandle, session: RunSession, on_view: Callable[[], None],
-                 on_begin: Callable[[], None], on_scene: Callable[[Scene], None]):
-        gui = client.gui
-        self._session, self._on_view, self._on_begin, self._on_scene = session, on_view, on_begin, on_scene
+    def __init__(self, page: PageContext):
+        gui, self._controls = page.gui, page.controls
+        self._session, self._on_view, self._on_begin = page.session, page.stage.draw, page.show_run_on_stage
         self.source = self
         self._lock = threading.RLock()
         self._judging: JudgeJob | None = None
@@ -64,13 +59,9 @@ class UploadPanel(Feature):
         button = gui.add_upload_button(tr("file of particles"), mime_type=",".join(KINDS))
         self._upload = VisitorUploads(gui, button, with_language(self._on_file),
                                       with_language(lambda text: self._refuse(tr(text))))
-
-    @classmethod
-    def build(cls, page: PageContext) -> "UploadPanel":
-        panel = cls(page.client, page.session, page.stage.draw, page.show_run_on_stage, page.controls.load)
+        self._mark = gui.add_html("")  # for the style, while a file is on the stage
         with page.tabs["explore"]:
-            panel._build_folds(page.gui, page.own_data)
-        return panel
+            self._build_folds(gui, page.own_data)
 
     def _build_folds(self, gui: viser.GuiApi, own_data: viser.GuiFolderHandle) -> None:
         """Builds the widgets in their tab, those that begin with a file in the folder ``own_data``."""
@@ -80,20 +71,16 @@ class UploadPanel(Feature):
             gui.add_html("<i class='lab-choose'></i>")
             gui.add_button(tr("Choose a file"), icon=viser.Icon.UPLOAD,
                            hint=tr("of particles, as any code may write them"))
-            self._back = gui.add_button(tr(BACK), icon=viser.Icon.ARROW_BACK_UP, visible=False, hint=tr(BACK_HINT))
             self._text = gui.add_html("")
-        self._back.on_click(lambda _: self.leave())
         self._question = FileProblemButtons(gui, self._on_problem_chosen)
         self._folder = gui.add_folder(tr("Your file on the stage"), order=FIRST, visible=False)
         with self._folder:
             self._slider = gui.add_slider(tr("Frame"), 1, 2, 1, 1,
                                           hint=tr("the times in the file, one after the other"))
-            gui.add_html(BARE)
-            acts = {tr("Play"): lambda: self._play(True), tr("Pause"): lambda: self._play(False), tr(BACK): self.leave}
-            buttons = gui.add_button_group(tr("File"), tuple(acts), hint=tr(
-                "play the times in the file, or go back to what was on the stage before"))
+            gui.add_html("<i class='lab-back'></i>")
+            back = gui.add_button(tr(BACK), icon=viser.Icon.ARROW_BACK_UP, hint=tr(BACK_HINT))
         self._slider.on_update(lambda event: self._go_to(event.target.value) if event.client else None)
-        buttons.on_click(lambda event: acts[event.target.value]())
+        back.on_click(lambda _: self.leave())
         self._upload.open()
 
     @property
@@ -126,10 +113,11 @@ class UploadPanel(Feature):
             if self._run is None:
                 return
             self._drop_run()
-            self._folder.visible = self._back.visible = False
+            self._folder.visible, self._mark.content = False, ""
             self._show_sentence("")
             if self._resumes:
                 self._session.play(True)
+        self._controls.show_for_file(None)
         self._on_view()
 
     def close(self) -> None:
@@ -167,7 +155,7 @@ class UploadPanel(Feature):
             # A file of another problem switches the page to that problem.
             own = Task(**FileSummary(**message["frames"]).task).scene()
             if own.problem != self._session.scene.problem:
-                self._on_scene(page_scene_for_file(own, first_scene(own.problem)))
+                self._controls.load(page_scene_for_file(own, first_scene(own.problem)))
         with self._lock:
             if judging is not self._judging:
                 return
@@ -203,7 +191,7 @@ class UploadPanel(Feature):
             self._cancel_judging()
             if waiting is None or problem is None:
                 return
-        self._on_scene(first_scene(problem))  # its controls show the settings of the judgement
+        self._controls.load(first_scene(problem))  # its controls show the settings of the judgement
         with self._lock:
             self._judging = JudgeJob(waiting.name, waiting.file, self._session.scene, self._on_message, chosen=True)
 
@@ -218,7 +206,8 @@ class UploadPanel(Feature):
         self._show_sentence(loaded_notice(run, self._session.scene))
         self._slider.max, self._slider.value = max(2, len(run)), 1  # type: ignore[misc]
         self._slider.disabled = len(run) < 2
-        self._folder.visible = self._back.visible = True
+        self._folder.visible, self._mark.content = True, "<i class='lab-file-shown'></i>"
+        self._controls.show_for_file(self._play)
         self._play(True)
 
     def _refuse(self, sentence: str) -> None:
@@ -289,8 +278,7 @@ class UploadPanel(Feature):
             return None
         run, k = shown
         return ReadoutContent(file_readout(run, k, choice.quantity, probed), None if run.estimate is None else run,
-                              (JUDGE,), (JUDGE,), JUDGE, TimelineState(run.times[k], (run.times[0], run.times[-1]),
-                                                                       self.playing),
+                              (JUDGE,), (JUDGE,), JUDGE, TimelineState(run.times[k], 2 * (run.times[k],), self.playing),
                               "" if run.true is not None else tr(NO_INDEX))
 
     def sentence(self, choice: ViewChoice, picture: StageFrame) -> HeadlineWithFacts:

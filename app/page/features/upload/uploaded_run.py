@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from app.frame.error_view_captions import TRUE, UNKNOWN, FrameErrorView, error_view_of_sizes
-from app.frame.headline import HeadlineWithFacts, error_headline_templates, format_error_headline
+from app.frame.headline import HeadlineWithFacts, InstantErrors, error_headline_templates, format_error_headline
 from app.language.translation import lazy, tr, translate_message
 from app.names_and_units import NOTHING, QUANTITIES, difference_text, format_number, format_ratio, with_unit
 from app.page.panels.readout_tables import DRAG, ReadoutTables, name_with_line_sample, row_html, table_html
@@ -124,7 +124,7 @@ def file_headline(run: UploadedRun, k: int, view: FrameErrorView, worst: WorstRe
     words = error_headline_templates(run.scene, quantity, JUDGE, view.left.silence if estimated is None else "",
                                      view.right.silence if true is None else "")
     wrong, says = (np.nan if norm is None else norm for norm in (true, estimated))
-    said = format_error_headline(words, QUANTITIES[quantity].unit, wrong, says, says / wrong if wrong else np.nan,
+    said = format_error_headline(words, QUANTITIES[quantity].unit, InstantErrors(wrong, says),
                                  tr("at t = {time} s in {file} ", time=format_number(run.times[k]), file=run.name))
     region = worst.by_truth or worst.by_estimate
     return replace(said, facts=(*said.facts, tr("worst at {region}", region=region.name)) if region else said.facts)

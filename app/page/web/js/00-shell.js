@@ -18,5 +18,6 @@
     is("lab-presented-view", "i.lab-presenting");
     is("lab-lesson-open", "i.lab-studying");
     is("lab-stage-closed", ".lab-curtain");
+    is("lab-file-on-stage", "i.lab-file-shown");
   }).observe(document.getElementById("root"), {childList: true, subtree: true});
 })();

@@ -50,7 +50,7 @@
     const name = typed?.closest(".mantine-Flex-root").querySelector("label");
     if (typed && typed.dataset.typed === "yes") {
       typed.dataset.typed = "";
-      dispatchEvent(new CustomEvent("lab-tell", {detail: {entered: name.htmlFor}}));
+      dispatchEvent(new CustomEvent("lab-tell", {detail: {entered: [name.htmlFor, typed.value]}}));
     }
   };
   root.addEventListener("input", event => {

@@ -43,7 +43,7 @@
     if (!event.target.files.length || !fits(event.target.files[0])) event.stopImmediatePropagation();
   }, true);
   document.addEventListener("click", event => {
-    if (!event.target.closest("[data-lab~=lab-choose] + div button") || !field()) return;
+    if (!event.target.closest("[data-lab~=lab-choose] + div button, [data-own=file]") || !field()) return;
     field().value = "";
     field().click();
   });

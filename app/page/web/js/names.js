@@ -14,8 +14,8 @@
       set(next?.querySelector("input"), "aria-label", label?.textContent);
     });
     all("[role=progressbar]", bar => set(bar, "aria-label", tr("progress")));
-    all("[role=slider]", slider => {  // a logarithm is no number that anybody wants to hear
-      const text = slider.closest("[data-lab~=lab-logarithmic] + div")?.nextElementSibling?.nextElementSibling;
+    all("[role=slider]", slider => {  // a logarithm is no number that anybody wants to hear; a row's own script reads more
+      const text = slider.closest("[data-lab=\"lab-words lab-logarithmic\"] + div")?.nextElementSibling?.nextElementSibling;
       set(slider, "aria-valuetext", text?.querySelector("input")?.value);
     });
     all(".uplot-container", plot => {

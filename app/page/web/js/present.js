@@ -1,10 +1,10 @@
-// A talk: what a speaker's keys and remote do in the presenter's view, what stands on the slide, and when the transport goes.
+// A talk: what a speaker's keys and remote do in the presenter's view, and what stands on the slide.
 (() => {
   const {tell, named, buttons, panel, playing, slow, back, keys} = window.lab, body = document.body;
   const presenting = () => body.classList.contains("lab-presented-view");
   const open = name => dispatchEvent(new CustomEvent("lab-tab", {detail: name}));
   const studying = () => body.classList.contains("lab-lesson-open");
-  const scene = document.getElementById("lab-scene"), black = document.getElementById("lab-black");
+  const black = document.getElementById("lab-black");
 
   function turn(by) {  // a lesson's step, a phase of a step, or a step of time
     if (studying()) panel(by > 0 ? tr("Next") : tr("Back"))?.click();
@@ -46,30 +46,18 @@
   }, true);
   black.addEventListener("click", () => dark(false));
 
-  let rest = null;
-  const seen = () => {
-    body.classList.add("lab-stirred");
-    clearTimeout(rest);
-    rest = setTimeout(() => body.classList.remove("lab-stirred"), 3000);
-  };
-  for (const act of ["pointermove", "pointerdown"]) addEventListener(act, seen, {passive: true});
-  addEventListener("focusin", event => event.target.matches(":focus-visible") && seen());
-
   let asked = new URLSearchParams(location.search).has("present");
   addEventListener("lab-asked", () => { if (asked) { asked = false; tell("present"); } });
 
   let was = false;
   new MutationObserver(() => {
-    const said = document.querySelector("i.lab-named")?.dataset.scene || "", now = presenting();
-    if (scene.textContent !== said) scene.textContent = said;
-    if (scene.hidden === now) scene.hidden = !now;
+    const now = presenting();
     body.classList.toggle("lab-slowly", now && slow());
     if (now && !was) {
-      seen();
       document.activeElement?.blur();  // of the button that ends it: a space is for the run
       if (studying()) open("Lessons");
     }
     if (!now && was) { dark(false); body.classList.remove("lab-view-alone", "lab-view-cost"); }
     was = now;
-  }).observe(document.getElementById("root"), {childList: true, subtree: true, characterData: true});
+  }).observe(document.getElementById("root"), {childList: true, subtree: true});
 })();

@@ -1,25 +1,83 @@
-// The problems as buttons in the head: one of them is on the stage. Where there is no room for them the viewer's dropdown is.
+// The problems as buttons in the head, called by the last word of their titles: one of them is on the stage. The last button has
+// a menu for what is one's own. Where there is no room for them the viewer's dropdown is.
 (() => {
   const group = document.querySelector("#lab-head [role=radiogroup]"), buttons = new Map();
+  const own = radio(tr("Your own")), menu = document.createElement("div");
   let said = "";
 
-  function make(problem, title) {
-    const button = group.appendChild(document.createElement("button"));
-    Object.assign(button, {type: "button", textContent: title});
+  function radio(text) {
+    const button = Object.assign(document.createElement("button"), {type: "button", textContent: text});
     button.setAttribute("role", "radio");
+    return button;
+  }
+
+  function make(problem, title) {
+    const word = title.split(" ").at(-1), button = group.insertBefore(radio(word[0].toUpperCase() + word.slice(1)), own);
+    button.setAttribute("aria-label", title);
     button.addEventListener("click", () => dispatchEvent(new CustomEvent("lab-tell", {detail: {problem}})));
     buttons.set(problem, button);
   }
 
+  function item(title, hint, act) {
+    const button = menu.appendChild(Object.assign(document.createElement("button"), {type: "button"}));
+    button.setAttribute("role", "menuitem");
+    button.append(...[["b", title], ["small", hint]].map(([tag, text]) =>
+      Object.assign(document.createElement(tag), {textContent: text})));
+    button.addEventListener("click", () => { open(false); act(); });
+    return button;
+  }
+
+  function open(on) {
+    menu.hidden = !on;
+    if (on) menu.firstChild.focus();
+  }
+
+  // The formula's field is in a fold, of a problem that has one.
+  function toFormula(left = 40) {
+    const formula = document.querySelector("[data-lab~=lab-formula] + div input");
+    if (formula?.offsetParent) return formula.focus();
+    const fold = [...document.querySelectorAll("[aria-expanded=false]")].find(head =>
+      head.firstChild.textContent === tr("Physics and method"));
+    if (left % 8 === 0) fold?.click();
+    if (left) setTimeout(() => toFormula(left - 1), 150);
+  }
+
+  own.setAttribute("aria-haspopup", "menu");
+  own.addEventListener("click", () => open(menu.hidden));
+  menu.setAttribute("role", "menu");
+  menu.setAttribute("aria-label", tr("Your own"));
+  menu.hidden = true;
+  item(tr("A motion, typed"), tr("a formula of the displacement u(X, t)"), () => {
+    dispatchEvent(new CustomEvent("lab-tab", {detail: "Explore"}));
+    if (!document.querySelector("[data-lab~=lab-formula]")) dispatchEvent(new CustomEvent("lab-tell", {detail: {problem: "bar"}}));
+    toFormula();
+  });
+  item(tr("Particles from a file"), tr("of any code; or drop the file anywhere"), () => {}).dataset.own = "file";  // drop.js asks for it
+  group.append(own);
+  group.after(menu);
+  menu.addEventListener("keydown", event => {
+    const step = {ArrowDown: 1, ArrowUp: -1}[event.key], all = [...menu.children];
+    if (event.key === "Escape") { open(false); own.focus(); }
+    if (step) all[(all.indexOf(document.activeElement) + step + all.length) % all.length].focus();
+    if (!step && event.key !== "Escape") return;
+    event.preventDefault();
+    event.stopPropagation();
+  });
+  document.addEventListener("pointerdown", event => {
+    if (!menu.hidden && !event.target.closest("#lab-head [role=menu]") && !own.contains(event.target)) open(false);
+  });
+
   function look() {
     const data = document.querySelector("i.lab-problems")?.dataset;
     if (!data || data.said === said) return;
-    const {titles, chosen} = JSON.parse(said = data.said);
+    const {titles, chosen, typed} = JSON.parse(said = data.said);
     if (!buttons.size) for (const [problem, title] of Object.entries(titles)) make(problem, title);
     group.hidden = !Object.keys(titles).length;
-    for (const [problem, button] of buttons) {
-      button.setAttribute("aria-checked", problem === chosen);
-      button.tabIndex = problem === chosen ? 0 : -1;
+    own.textContent = typed ? tr("Your motion") : tr("Your own");
+    for (const [problem, button] of [...buttons, ["", own]]) {
+      const checked = problem === (typed ? "" : chosen);
+      button.setAttribute("aria-checked", checked);
+      button.tabIndex = checked ? 0 : -1;
     }
   }
 
@@ -31,7 +89,7 @@
     event.stopPropagation();
     const next = all[(all.indexOf(document.activeElement) + step + all.length) % all.length];
     next.focus();
-    next.click();
+    if (next !== own) next.click();
   });
   new MutationObserver(look).observe(document.getElementById("root"), {childList: true, subtree: true});
 })();

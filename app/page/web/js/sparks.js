@@ -55,6 +55,7 @@
     const {label, answer, cards} = JSON.parse(said), made = [element("span", "lab-question", label)];
     if (answer) made.push(answerBox(...answer));
     const buttons = cards.map(button);
+    box.classList.toggle("lab-pills", !answer && cards.some(card => card.done));
     box.replaceChildren(...made, ...buttons);
     if (focused) (buttons.find(one => one.dataset.key === key) || buttons[0])?.focus({preventScroll: true});
     const spoken = answer ? answer.join(" ") : "";

@@ -14,6 +14,41 @@
     return button;
   }
 
+  // What the run is compared with is chosen within the second run's title, or in the gutter of a run that is alone.
+  const choice = Object.assign(document.createElement("select"), {className: "lab-compare"});
+  choice.setAttribute("aria-label", tr("Compare with"));
+  choice.addEventListener("change", () => dispatchEvent(new CustomEvent("lab-tell", {detail: {compare: choice.value}})));
+  let offered = "";
+  function offerChoices() {
+    const data = document.querySelector("i.lab-compared")?.dataset.said;
+    if (!data || data === offered) return;
+    const {chosen, choices} = JSON.parse(offered = data);
+    choice.replaceChildren(...choices.map(([value, text]) => new Option(text, value, false, value === chosen)));
+  }
+  const OFFERS = {
+    compared: text => [Object.assign(document.createElement("span"), {textContent: text}), choice],
+    duration: text => {
+      const button = Object.assign(document.createElement("button"), {textContent: text,
+        title: tr("time of this run so far, at the speed measured on this machine; opens Cost")});
+      button.addEventListener("click", () => dispatchEvent(new CustomEvent("lab-tab", {detail: "Cost"})));
+      return [button];
+    }};
+  function writeSpans(element, spans) {
+    const kinds = spans.map(([kind]) => kind).join();
+    if (element.dataset.kinds !== kinds) {
+      element.dataset.kinds = kinds;
+      element.replaceChildren(...spans.map(([kind, text]) => {
+        const span = Object.assign(document.createElement("span"), {className: kind && `lab-${kind}`});
+        span.append(...OFFERS[kind]?.(text) || [text]);
+        return span;
+      }));
+    }
+    spans.forEach(([kind, text], k) => {
+      const shown = OFFERS[kind] ? element.children[k].firstChild : element.children[k];
+      if (shown.textContent !== text) shown.textContent = text;
+    });
+  }
+
   const UP = {top: "0px", center: "50%", bottom: "100%"}, ASIDE = {left: "0px", center: "50%", right: "100%"};
   function lay(widget, label, vertical, horizontal, element) {
     const left = label.role === "gutter" ? "var(--pad)" : `calc(var(--stage-left) + (${1.03 * label.x} - 0.015) * var(--u))`;
@@ -34,7 +69,7 @@
     element.dataset.key = key;
     element.className = `lab-label lab-role-${label.role} lab-tone-${label.tone || "plain"} lab-${vertical} lab-to-${horizontal}`
       + (label.bold ? " lab-bold" : "") + (label.sign ? ` lab-sign-${label.sign}` : "");
-    element.textContent = label.text;
+    if (label.spans) writeSpans(element, label.spans); else element.textContent = label.text;
     if (label.text === NOBODY && label.name.endsWith("/estimate-silence")) element.append(offer());
     const place = Object.keys(LAID).find(end => label.name.endsWith(end));
     if (place) lay(LAID[place], label, vertical, horizontal, element);
@@ -44,6 +79,7 @@
   }
 
   function look() {
+    offerChoices();
     const data = document.querySelector("i.lab-stage")?.dataset;
     if (!data || data.said === said) return;
     said = data.said;

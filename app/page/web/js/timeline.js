@@ -12,6 +12,12 @@
 
   const say = (element, text) => { if (element.textContent !== text) element.textContent = text; };
 
+  function thin() {  // the last one has a unit, and is within the axis
+    for (const tick of ticks) tick.hidden = false;
+    const end = ticks.at(-1)?.getBoundingClientRect().left - 6;
+    for (const tick of ticks.slice(0, -1)) tick.hidden = tick.getBoundingClientRect().right > end;
+  }
+
   function write(at) {
     const [from, to] = at.reach;
     [[top, at.top[1]], [begin, at.start], [zero, "0"]].forEach(([element, text]) => say(element, text));
@@ -23,6 +29,7 @@
       say(ticks[k], text);
       ticks[k].classList.toggle("lab-last", part > 0.97);  // within the axis
     });
+    thin();
     Object.assign(reach.style, {left: percent(from), width: percent(to - from)});
     reach.dataset.says = to > 0.12 ? tr("look back") : "";
     now.style.left = percent(at.now);
@@ -62,5 +69,6 @@
   axis.addEventListener("pointerleave", () => dispatchEvent(new CustomEvent("lab-tell", {detail: {read: null}})));
   for (const end of ["pointerup", "pointercancel"])
     axis.addEventListener(end, event => { if (held && end === "pointerup") ask("seek", event); held = false; });
+  new ResizeObserver(thin).observe(axis);
   new MutationObserver(look).observe(document.getElementById("root"), {childList: true, subtree: true});
 })();

@@ -3,7 +3,7 @@
 (() => {
   const room = document.getElementById("lab-room"), axis = document.querySelector("#lab-timeline .lab-axis");
   const dark = matchMedia("(prefers-color-scheme: dark)");
-  const gutter = () => parseFloat(getComputedStyle(document.body).getPropertyValue("--gutter"));
+  const gutter = () => room.offsetLeft - document.getElementById("lab-verdict").offsetLeft;
   const told = () => ({room: [room.clientWidth, room.clientHeight, gutter(), axis.clientWidth, axis.clientHeight]
     .map(Math.round).concat(parseFloat(getComputedStyle(document.getElementById("lab-stage")).fontSize)),
     dark: dark.matches});

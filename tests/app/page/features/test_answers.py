@@ -5,7 +5,7 @@ from types import SimpleNamespace
 
 import pytest
 
-from app.page.panels import log_number_slider, scene_widgets
+from app.page.panels import scene_widgets
 from app.page.panels.scene_widgets import REST, TO_BE_READ, WidgetStatusMessage
 from tests.support.processes import wait_until
 from tests.support.raw_client import RawClient
@@ -83,14 +83,14 @@ def test_what_is_refused_goes_back_on_the_page(here, monkeypatch):
         at, words = (visitor.widgets[one]["value"] for one in (slider, text))
         for one, value, why in ((slider, visitor.widgets[slider]["props"]["max"], "0.159"), (text, "0.3 m", "0.159"),
                                 (text, "a lot", "is not a number above 0 in m")):
-            visitor.set(one, value)
+            (visitor.set if one == slider else visitor.enter)(one, value)
             wait_until(lambda w=why: any("lab-answer" in html and w in html for html in visitor.html.values()), why)
             wait_until(lambda: visitor.widgets[text]["value"] == words, "the text from before")
             wait_until(lambda: visitor.widgets[slider]["value"] == pytest.approx(at), "the slider from before")
-        monkeypatch.setattr(log_number_slider, "EMPTY", 0.05)
         visitor.widgets[text]["value"] = ""
         visitor.set(text, "")
+        visitor.enter(text, "")
         wait_until(lambda: visitor.widgets[text]["value"] == words, "the number of a field left empty")
         assert not any("no value" in html for html in visitor.html.values())
-        visitor.set(text, "24mm")
+        visitor.enter(text, "24mm")
         wait_until(lambda: visitor.widgets[slider]["value"] != pytest.approx(at), "another amplitude")

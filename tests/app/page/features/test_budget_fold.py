@@ -4,6 +4,7 @@ made by hand: that the numbers are those of runs, ``tests/browser/features/test_
 import json
 import re
 from dataclasses import replace
+from html import unescape
 from importlib import import_module
 from itertools import pairwise
 from types import SimpleNamespace
@@ -24,6 +25,7 @@ from app.names_and_units import difference_text, per_cent, with_unit
 from app.page.feature import VisiblePageState
 from app.page.features.budget.chart import HEIGHT, MOST, WIDTH, RunBudget, budget_chart
 from app.page.features.budget.panel import BudgetPanel
+from app.page.features.budget.shared_budgets import SharedBudgets
 from app.page.panels.error_timeline import TimelineState
 from app.page.readout_panel import ReadoutContent
 from app.page.stage_source import ViewChoice
@@ -61,20 +63,33 @@ def past(scene, series):
     return SimpleNamespace(scene=scene, series=series, latest_periods_series=series)
 
 
+class Beside(SharedBudgets):
+    """Budgets that are there, by scene, and those that were asked for; others are none."""
+
+    def __init__(self, found):
+        super().__init__()
+        self.found, self.asked = found, []
+
+    def find(self, scene, time, starts):
+        self.asked += [scene] * starts
+        return self.found.get(scene, {})
+
+
 class Stage:
     """A visitor's fold, and a session that shows at once what it is told."""
 
     def __init__(self, shown):
         self.state, self.gui, self.refused, self.time = shown, Gui(), [], 0.0
         self.session = SimpleNamespace(scene=shown.scene, refuse=self.refused.append)
-        self.fold = BudgetPanel(self.gui, self.session, lambda: self.state, self.show, lambda: self.time)
+        self.budgets = Beside({})
+        self.fold = BudgetPanel(self.gui, self.session, lambda: self.state, self.show, lambda: self.time, self.budgets)
 
     def show(self, shown):
         self.state, self.session.scene = shown, shown.scene
 
-    def look(self, history=None, pinned=None, quantity="x", studying=False, scene=HATS, playing=False):
+    def look(self, history=None, pinned=None, quantity="x", studying=False, scene=HATS, playing=False, time=0.0):
         """What is read in the fold after another refresh."""
-        now = TimelineState(0.0, (0.0, 0.0), playing)
+        now = TimelineState(time, (0.0, 0.0), playing)
         numbers = ReadoutContent(SimpleNamespace(), history, (), (), None, now, "", pinned, scene=scene)
         self.fold.refresh(VisiblePageState(ViewChoice(quantity, None, False, False, 1, False), numbers, studying, True))
         fold = self.fold
@@ -163,6 +178,46 @@ def test_it_is_asked_for_by_a_button_and_follows_the_quantity():
     stage.gui.by_label["Divide the error of"].value = "velocity v"
     assert "share of the error of v over the run" in stage.look(history, quantity="sigma")
     assert "crossings" in stage.fold._mark.content
+
+
+def line(stage):
+    """What the line says, and the parts of its bar."""
+    return json.loads(unescape(re.search("data-said='(.*?)'", stage.fold._line.content)[1])).values()
+
+
+def test_the_line_divides_the_error_of_the_instant_shown():
+    """It is asked for once the scene has been the same for a while. What no particle has crossed is no crossing's."""
+    plain = replace(HATS, effects=("truth", "crossings"))
+    stage, series = Stage(State(plain)), made() | {"crossings": np.arange(41.0) - 20}
+    stage.budgets.found[plain] = None
+    stage.look(scene=plain, time=0.5)
+    assert [*line(stage)] == ["…", []] and not stage.budgets.asked
+    stage.time += 2
+    stage.look(scene=plain, time=0.5)
+    assert stage.budgets.asked == [plain]
+    stage.budgets.found[plain] = series
+    stage.look(scene=plain, time=1.0 * HATS.period)
+    said, parts = line(stage)
+    assert said == "crossings 90 % · coarse grid 20 %" and parts[0] == ["made-crossings", 0.9] and parts[3][1] == 0
+    stage.look(scene=plain, time=0.25 * HATS.period)
+    assert next(iter(line(stage))) == "particle sums 90 % · coarse grid 20 %"
+    stage.look(scene=plain, time=0.0)
+    assert [*line(stage)] == ["no error yet", []]
+    stage.budgets.found[plain] = {}
+    stage.look(scene=plain, time=0.5)
+    assert [*line(stage)] == ["not for this run", []]
+    stage.look(scene=plain, studying=True)
+    assert stage.fold._line.content == "", "it might be an answer"
+
+
+def test_the_press_on_it_shows_the_chart_of_the_same_run():
+    plain = replace(HATS, effects=("truth", "crossings"))
+    stage = Stage(State(plain))
+    stage.budgets.found = {plain: made(), replace(plain, method="ugimp"): made(0.4, 0.7)}
+    pinned = SimpleNamespace(scene=replace(plain, method="ugimp"), history=past(plain, {}))
+    stage.fold.on_button_click(True)
+    assert stage.state.scene == plain, "it goes on"
+    assert shares(stage.look(scene=plain, pinned=pinned, time=HATS.period))["crossings"] == ["40 %", "90 %"]
 
 
 def test_a_chart_that_moves_is_drawn_about_once_a_second():

@@ -1,0 +1,129 @@
+"""Strips under the sliders of a run: its error and its time over each parameter (``js/landscape.js`` draws them)."""
+
+import json
+import math
+from collections.abc import Callable
+from html import escape
+from typing import Any
+
+import viser
+
+from app.colour_palette import ESTIMATE
+from app.language.translation import tr
+from app.names_and_units import with_unit
+from app.page.panels.browser_store_and_window import BrowserStore
+from app.page.panels.log_number_slider import LogNumberSlider, SliderSpec
+from app.page.panels.page_header import widget_marker_html
+from app.page.panels.readout_tables import TRUE, line_sample, line_svg
+from app.page.panels.scene_widgets import SceneWidgetFactory
+from app.page.visit.landscapes import Landscapes
+from app.page.visit.run_session import RunSession
+from app.viewer.widget_validation import is_number_between
+from solvers.engine.engine_messages import FrameReport
+from solvers.scene.estimator_registry import ESTIMATORS
+from solvers.scene.scene import Scene
+from solvers.study.landscape.landscape import Landscape
+
+PARAMETERS = ("cells", "ppc", "amplitude", "modulus", "cfl")
+DIGITS = 4  # of the numbers in a strip
+
+
+class LandscapeStrips:
+    """Strips of one visitor: the ``landscapes`` of the session's scene, for the quantity and the estimator on the
+    stage, as returned by ``on_stage``; requested while the browser shows any strip."""
+
+    def __init__(self, session: RunSession, landscapes: Landscapes, store: BrowserStore,
+                 on_stage: Callable[[], tuple[str, str | None]]):
+        self._session, self._landscapes, self._on_stage = session, landscapes, on_stage
+        self._rows: dict[str, tuple[viser.GuiHtmlHandle, LogNumberSlider]] = {}
+        self._seen, self._hand, self._held = False, None, False
+        store.heard["strips"] = self._on_hand
+        store.heard["point"] = self._on_point
+
+    def build_heading(self, gui: viser.GuiApi) -> None:
+        """Builds the panel's heading with the legend of the strips, and forgets the strips of sliders built before."""
+        self._rows, self._heading = {}, gui.add_html(heading_html(self._on_stage()[1]))
+
+    def add(self, gui: viser.GuiApi, bound: SceneWidgetFactory, parameter: str, size: SliderSpec, value: float,
+            act: Callable[[float], None]) -> LogNumberSlider:
+        """Adds a slider for one of the ``PARAMETERS`` with a strip under it; arguments as of ``LogNumberSlider``."""
+        mark = gui.add_html(self._row_html(parameter, size, None))
+        slider = LogNumberSlider(gui, bound, size, value, act)
+        self._rows[parameter] = mark, slider
+        return slider
+
+    def refresh(self, report: FrameReport) -> None:
+        """Requests the landscapes of the session's scene until the instant of a frame, and shows what is known."""
+        if not self._seen:
+            return
+        quantity, estimator = self._on_stage()
+        self._landscapes.request(self._hand, report.time / report.scene.period, quantity, estimator, held=self._held)
+        curves, heading = self._landscapes.curves(), heading_html(estimator)
+        if self._heading.content != heading:
+            self._heading.content = heading
+        for parameter, (mark, slider) in self._rows.items():
+            if mark.content != (content := self._row_html(parameter, slider.size, curves.get(parameter))):
+                mark.content = content
+
+    def _row_html(self, parameter: str, size: SliderSpec, landscape: Landscape | None) -> str:
+        return row_html(parameter, size, self._session.scene, line_of(self._on_stage()[1]), landscape)
+
+    def _on_hand(self, said: Any) -> None:
+        """Notes whether the browser shows any strip, which slider is in the visitor's hand, and whether it is held."""
+        if isinstance(said, dict):
+            hand = said.get("hand")
+            self._hand = hand if hand in PARAMETERS else None
+            self._seen, self._held = said.get("seen") is True, said.get("held") is True
+
+    def _on_point(self, said: Any) -> None:
+        """Sets a slider to a point of its strip, which the visitor has clicked or reached by a key."""
+        match said:
+            case [str() as parameter, value] if parameter in self._rows and is_number_between(value, 1e-12, 1e12):
+                self._rows[parameter][1].choose(float(value))
+
+
+def line_of(estimator: str | None) -> tuple[str, tuple[int, ...]]:
+    """Returns the colour, as CSS, and the dashes in pixels of an estimator's line."""
+    known = ESTIMATORS.get(estimator or "")
+    return (f"var(--{known.name.replace('-', '')}, {known.colour})", known.dashes) if known else (ESTIMATE, ())
+
+
+def heading_html(estimator: str | None) -> str:
+    """Returns the heading of the rows, with a legend of the lines in the strips."""
+    lines = (tr(TRUE), line_sample(TRUE)), (tr("estimate"), line_svg(*line_of(estimator))), \
+        (tr("time"), line_svg("var(--time)"))
+    legend = "".join(f"<span>{sample} {escape(word)}</span>" for word, sample in lines)
+    return f"<h2 class='lab-h2'>{tr('Change the run')}<small class='lab-legend'>{legend}</small></h2>"
+
+
+def words_beside(parameter: str, scene: Scene) -> str:
+    """Returns the words beside the name of a parameter: the cells' size, the time step in s, or what it is."""
+    match parameter:
+        case "cells":
+            return f"h = {with_unit(scene.spacing, 'm')}"
+        case "cfl":
+            return f"CFL {scene.courant_number:.3g} = {with_unit(scene.time_step, 's')}"
+        case "ppc":
+            return tr("how fine the body is")
+        case "amplitude":
+            return tr("how far it swings")
+    return ""
+
+
+def row_html(parameter: str, size: SliderSpec, scene: Scene, line: tuple[str, tuple[int, ...]],
+             landscape: Landscape | None) -> str:
+    """Returns the mark before a slider with all that the browser needs for its row; ``line`` as of :func:`line_of`."""
+    colour, dashes = line
+    said: dict[str, Any] = {"unit": size.unit, "multiple": size.multiple, "line": [colour, " ".join(map(str, dashes))]}
+    if parameter == "modulus":
+        said["keeps"] = "dt" if isinstance(scene.dt, float) else "cfl"
+    if landscape:
+        said |= {"v": list(landscape.values), "true": _rounded(landscape.true), "est": _rounded(landscape.estimated),
+                 "sec": _rounded(landscape.seconds), "state": list(landscape.status), "flat": landscape.flat,
+                 "cross": landscape.first_crossing, "bound": landscape.step_bound, "complete": landscape.complete}
+    return widget_marker_html("lab-logarithmic", "lab-row", words=words_beside(parameter, scene),
+                              parameter=parameter, said=json.dumps(said, separators=(",", ":")))
+
+
+def _rounded(numbers: tuple[float, ...]) -> list[float | None]:
+    return [float(f"{number:.{DIGITS}g}") if math.isfinite(number) else None for number in numbers]
