@@ -17,6 +17,7 @@ from app.logo_and_font import MARK, font_faces_css
 from app.page.panels.browser_store_and_window import BrowserStore
 from app.templates import render_template
 from solvers.problems import PROBLEMS
+from solvers.scene.scene import Scene
 
 CONTROLS_WIDTH = 368  # pixels, of the viewer's panel until the style lays it out
 

@@ -14,7 +14,7 @@ from typing import Any
 
 from app import shareable_state
 from app.page.features.cost.jobs import sweep_tasks
-from app.page.visit.run_session import first_scene
+from app.page.visit.first_scene import first_scene
 from solvers.scene.scene import Scene
 from solvers.solver.samples import QUANTITIES
 from solvers.solver.soundness import OK

@@ -16,7 +16,7 @@ from app.page.features.cost import jobs as cost_jobs
 from app.page.features.cost.jobs import CostJobs, CostJobStatus, SearchCache, WarmWorker, search_job, sweep_tasks
 from app.page.features.cost.panel import CostTab
 from app.page.features.cost.visitor_run_list import VisitorRunList, advice_key, cheapest_run, run_key
-from app.page.visit.run_session import first_scene
+from app.page.visit.first_scene import first_scene
 from solvers.problems.bar.scene import BarScene
 from solvers.problems.ring import RingScene
 from solvers.study.parameter_grid import task_of
@@ -315,7 +315,7 @@ def test_tab_says_what_disturbs_the_times_and_gives_way_to_it(tab):
 
 
 def test_tab_opens_with_shipped_runs_and_follows_the_error_of_the_own_one(tab):
-    """Until the visitor sets another tolerance; where the stage goes on after the scene, it says when the chart ends."""
+    """Until the visitor sets another tolerance; where the stage goes on after the scene, it names the chart's end."""
     tab.jobs.prepare = lambda job, undisturbed: None
     tab.stage.scene = first_scene("bar")
     tab.refresh()

@@ -18,7 +18,7 @@ from app.page.features.cost.visitor_run_list import (
     runs_in_chart,
 )
 from app.page.features.opening_tour import OPENING
-from app.page.visit.run_session import first_scene
+from app.page.visit.first_scene import first_scene
 from solvers.solver.soundness import UNSTABLE
 
 OPENED = {"opening": OPENING.scene} | {name: first_scene(name) for name in shipped_runs.BUILT_IN}
