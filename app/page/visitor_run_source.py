@@ -140,7 +140,7 @@ class VisitorRunSource:
 
     def _frame_view(self, report: FrameReport, arrays: FrameArrays, view: FrameErrorView,
                     title: RunTitle) -> StageFrame:
-        return StageFrame(report, arrays, view, self._session.speed * report.scene.period, title)
+        return StageFrame(report, arrays, view, title)
 
     def _facts(self, report: FrameReport, view: FrameErrorView, quantity: str, estimator: str | None) -> Spans:
         """Returns the facts in the title of a run, from a frame's ``report`` and the ``view`` of its errors. The run's
