@@ -53,7 +53,7 @@ def test_a_talk(presenter):
     """Letters for the last row, one plot, no panel; keys and a remote drive it, and it ends."""
     page = presenter
     until(lambda: presented(page), "the presenter's view")
-    for size, least, headline in ((UPRIGHT, 16, 23), (SMALL, 16, 29), (LAPTOP, 16, 34), (LARGE, 19, 51)):
+    for size, least, headline in ((UPRIGHT, 16, 21), (SMALL, 16, 27), (LAPTOP, 16, 30), (LARGE, 19, 46)):
         resize(page, size)
         until(lambda size=size: fitted(page), f"the stage in {size}")
         none_in(page, size, lambda page: written_over(page) + cut_off(page))  # what has no room is left out
