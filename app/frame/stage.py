@@ -20,7 +20,8 @@ AnyScene = TypeVar("AnyScene", bound=Scene)
 TOUCH = 0.03  # distance on the stage within which a click selects a particle: wide enough for a finger
 MOST_CHANGED = 0.4  # share of the particles: rings around more that have changed their cell would hide the rest
 TITLE_SIZE = 1.08  # of the letters of a title
-NARROWEST_TITLE = 0.9  # width of the words of a title, as a share of the stage's, from which some are left out
+WIDEST_TITLE = 0.86  # width of the words of a title, as a share of the stage's, from which some are left out:
+LEFT_OUT = ("settings", "duration", "what", "who")  # kinds of spans, the first ones first
 Names = tuple[str, str]  # of the estimate and of the truth
 
 
@@ -130,6 +131,11 @@ class Stage(ABC, Generic[AnyScene]):
     def shared_axis_changed(self) -> bool:
         """Whether the stage must be redrawn because the run beside it has changed the value axis of their plots."""
         return self._plot.shared_axis_changed
+
+    @property
+    def is_outdated(self) -> bool:
+        """Whether the stage has to be drawn again, although no frame has come."""
+        return self._plot.is_outdated
 
     def show_title(self, name: Spans, facts: Spans, compared: Spans) -> None:
         """Shows the run's title: its name, facts about it, and what it could be compared with if it is alone."""
@@ -274,15 +280,24 @@ class Stage(ABC, Generic[AnyScene]):
 
 def title_labels(words: StageLabels, metrics: StageMetrics, y: float) -> Iterator[Label]:
     """Yields the labels of a run's title in a line at the height y: its name at the left, facts at the right. What does
-    not fit is left out: settings of the run first, then its time."""
+    not fit is left out, by kinds of spans."""
     name, facts = words.name, words.facts
-    if sum(metrics.text_extent(text)[0] for _, text in (*name, *facts)) > NARROWEST_TITLE:
-        name = tuple(span for span in name if span[0] != "settings")
-    if sum(metrics.text_extent(text)[0] for _, text in (*name, *facts)) > NARROWEST_TITLE and facts[-1:] \
-            and facts[-1][0] == "duration":
-        facts = facts[:-2]
+    for kind in LEFT_OUT:
+        if sum(metrics.text_extent(text)[0] for _, text in (*name, *facts)) > WIDEST_TITLE:
+            name, facts = (_without_kind(spans, kind) for spans in (name, facts))
     yield Label.of_spans("name", name, 0.0, y, "center-left", "name", size=TITLE_SIZE)
     yield Label.of_spans("facts", facts, 1.0, y, "center-right", "note", size=TITLE_SIZE)
+
+
+def _without_kind(spans: Spans, kind: str) -> Spans:
+    """Returns spans without those of a kind; what separates a last one from the rest goes with it."""
+    if spans and spans[-1][0] == kind:
+        return spans[:-1] if len(spans) > 1 and spans[-2][0] else spans[:-2]
+    kept: list[tuple[str, str]] = []
+    for k, (own, text) in enumerate(spans):
+        if own != kind:
+            kept.append((own, text.lstrip() if k and spans[k - 1][0] == kind else text))
+    return tuple(kept)
 
 
 def marking_stride(particles: int, most: int) -> int:

@@ -84,7 +84,9 @@ class BarStage(Stage[BarScene]):
 
     def _plot_marks(self, scene: BarScene, arrays: FrameArrays, sizes: tuple[np.ndarray | None, np.ndarray | None],
                     t: float, crossed: np.ndarray) -> Iterator[Mark]:
-        return self._plot.draw(self._layout, scene, self.plotted, self.magnified, self._now, arrays.plotted, t, crossed)
+        yield from self._plot.draw(self._layout, scene, self.plotted, self.magnified, self._now, arrays.plotted, t,
+                                   crossed)
+        self._update_labels(before=tr("before") if self._plot.shows_before else "")
 
     def _static_marks(self, scene: BarScene, particles: int, at_rest: np.ndarray | None) -> Iterator[Mark]:
         edges, places = np.arange(scene.cells + 1) * scene.spacing, self._layout
