@@ -28,6 +28,7 @@ class SilentLink:
 
 
 class SilentPool:
+    histories = HistoryCache()
     playing_sessions = 0
     process_ids = ()
     histories = HistoryCache()
