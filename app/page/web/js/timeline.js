@@ -36,7 +36,7 @@
     });
     thin();
     Object.assign(reach.style, {left: percent(from), width: percent(to - from)});
-    reach.dataset.says = to > 0.12 ? tr("look back") : "";
+    reach.dataset.says = to > Math.max(0.12, from) ? tr("look back") : "";
     now.style.left = percent(at.now);
     now.hidden = false;
     lost.hidden = at.lost === null;
