@@ -146,12 +146,15 @@ class Controls:
         self._on_view()
 
     def restore(self, state: State) -> None:
-        """Puts an earlier state back: at the instant shown, where only fields of the scene differ."""
-        session, pinned = self._session, self._session.pinned
-        if state.scene.problem != session.scene.problem or state.pinned != (pinned and pinned.scene):
+        """Puts scene, second run and estimator of an earlier state back: of the same problem at the instant shown."""
+        now, session = self.state, self._session
+        if state.scene.problem != now.scene.problem:
             return self.show(state)
         with self._turn:
             session.set_scene_fields(**asdict(state.scene))
+            if (state.compared, state.pinned) != (now.compared, now.pinned):
+                session.unpin()
+                self._transport.show_second_run(state)
             self.stage.show(self.stage.quantity, state.estimator or state.scene.first_estimator, self.stage.magnified)
             self._rebuild()
         self._on_view()

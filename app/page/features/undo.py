@@ -11,7 +11,7 @@ import viser
 
 from app.language.translation import tr
 from app.lessons.markdown_html import FIELDS
-from app.names_and_units import choice_labels, difference_text, unit_of, with_unit
+from app.names_and_units import choice_labels, difference_text, functions_name, unit_of, with_unit
 from app.page.feature import Feature, VisiblePageState
 from app.page.page_context import PageContext
 from app.shareable_state import State
@@ -79,13 +79,17 @@ def describe_change(before: State, after: State) -> tuple[str | None, str]:
     if old.problem != new.problem:
         return "", tr("back to the {problem}", problem=tr(old.TITLE))
     changed = {field.name for field in fields(new) if getattr(old, field.name) != getattr(new, field.name)}
-    if before.pinned != after.pinned or len(changed - TIME_STEP) + bool(changed & TIME_STEP) > 1:
+    several = before.pinned != after.pinned or (changed and before.compared != after.compared)
+    if several or len(changed - TIME_STEP) + bool(changed & TIME_STEP) > 1:
         return "", tr("back to {run}", run=difference_text(old, new) or tr("the run as it was"))
     if changed:
         field = "cfl" if changed & TIME_STEP else changed.pop()
         label = tr(LABELS.get(field, field_label(field)))
         label = label[:1].upper() + label[1:]
         return field, _change_text(label, _format_field(old, field), _format_field(new, field))
+    if before.compared != after.compared:
+        return "compared", _change_text(tr("Compare with"), *(
+            functions_name(state.compared) if state.compared else tr("nothing") for state in (before, after)))
     if before.estimator == after.estimator or before.quantity != after.quantity:
         return None, ""  # one that has no values of another quantity is replaced
     return "estimator", _change_text(tr("On the stage"), *(

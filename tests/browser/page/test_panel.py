@@ -68,13 +68,13 @@ def a_card_says_what_a_judge_finds_and_puts_it_on_the_stage(page):
 
 #: What is seen of the panel; what is laid elsewhere is no part of it.
 SEEN = """selector => [...document.querySelectorAll("[data-dock-region=right] " + selector)]
-    .filter(e => e.checkVisibility() && e.getBoundingClientRect().left > innerWidth - 368)"""
+    .filter(e => e.checkVisibility() && e.getBoundingClientRect().left > innerWidth - 368 && e.offsetWidth > 1)"""
 #: Tabs, tiles, sliders, switches, links and folds, each with its lower end. Values are text.
 CONTROLS = f"""() => ({SEEN})(":is([role=tab], [role=radio], [role=slider], [type=checkbox], [role=button], "
     + "button:not([role]))")
     .map(e => [e.getAttribute("aria-label") || e.textContent.trim().slice(0, 30), e.getBoundingClientRect().bottom])"""
-SMALL = f"""() => ({SEEN})("*").filter(e => [...e.childNodes].some(n => n.nodeType === 3 && n.textContent.trim())
-    && parseFloat(getComputedStyle(e).fontSize) < 12).map(e => e.textContent)"""
+SMALL = f"""() => ({SEEN})("*").filter(e => [...e.childNodes].some(n => n.nodeType === 3 && n.textContent.trim()))
+    .map(e => [parseFloat(getComputedStyle(e).fontSize), e.textContent]).filter(([size]) => size > 0 && size < 12)"""
 
 
 def there_are_few_controls(page):

@@ -58,12 +58,14 @@
     reporting ??= setTimeout(() => {
       reporting = null;
       const all = [...rows.values()], hand = all.find(row => row.held) || all.find(row => row.over) || all.find(row => row.focused);
-      const strips = {hand: hand?.parameter || "", held: Boolean(hand?.held), seen: [...seen].some(strip => strip.isConnected)};
+      const strips = {hand: hand?.parameter || "", held: Boolean(hand?.held), 
+        seen: [...seen].some(strip => strip.checkVisibility({visibilityProperty: true}))};
       if (JSON.stringify(strips) === reported) return;
       reported = JSON.stringify(strips);
       tell({strips});
     }, 100);
   }
+  new MutationObserver(report).observe(document.body, {attributes: true, attributeFilter: ["class"]});  // a talk hides the panel
   function choose(row, value) {
     row.wished = {value, until: Date.now() + 1500};  // until the page has set the slider
     tell({point: [row.parameter, value]});

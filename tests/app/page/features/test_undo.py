@@ -53,6 +53,7 @@ def test_changes_of_one_slider_in_a_row_are_one_step():
     (changed(method="bspline"), "Method, MPM (hat functions) to B-spline"), (changed(cells=80), "Cells, 40 to 80"),
     (changed(cfl=0.5), "CFL number, 0.05 to 0.5"), (changed(cfl=None, dt=1e-3), "CFL number, 0.05 to 0.08"),
     (replace(BAR, estimator="companion"), "On the stage, recovered to companion"),
+    (replace(BAR, compared="bspline"), "Compare with, nothing to B-spline"),
     (replace(BAR, pinned=BAR.scene), "back to the run as it was"),
     (changed(method="ugimp", cells=80), "back to MPM (hat functions), 40 cells"),
     (changed(estimators=()), "Estimator, recovered, companion to none"),
