@@ -11,8 +11,7 @@ from app.export import recording_compression
 from app.frame import budget_chart_data, colour_scale, error_view_captions, field_plot, headline, layout
 from app.frame.layout import ComparedRunSlot
 from app.frame.primitives import LIGHT, StageMetrics
-from app.frame.recent_crossings import LEAST_SECONDS, MOST_CHANGED, WINDOW
-from app.frame.stage import Stage, StageLabels
+from app.frame.stage import MOST_CHANGED, Stage, StageLabels
 from app.language.translation import tr
 from app.problems.views import VIEWS
 from solvers.scene import error_causes
@@ -34,7 +33,7 @@ def shared_display_data(problems: Iterable[str]) -> dict[str, Any]:
             "scale": {"tops": list(colour_scale.TOPS.items()), "decades": colour_scale.DECADES,
                       "beyond": colour_scale.BEYOND, "smallest": colour_scale.SMALLEST, "zero": tr(colour_scale.ZERO)},
             "axis": {"steps": field_plot.STEPS, "room": field_plot.ROOM, "stems": field_plot.MOST_STEMS},
-            "crossings": {"window": WINDOW, "seconds": LEAST_SECONDS, "most": MOST_CHANGED},
+            "most_changed": MOST_CHANGED,
             "colours": _colour_map_data(), "edge": layout.EDGE,
             "quantities": {key: {"noun": of.noun, "symbol": of.symbol, "unit": of.unit}
                            for key, of in names_and_units.QUANTITIES.items()},
@@ -72,7 +71,7 @@ def _stage_layout(stage: type[Stage], room: StageMetrics) -> dict[str, Any]:
     if isinstance(places, layout.FieldPlotLayout):
         labels += field_plot.plot_labels(places, stage.PLOT.ends, error_view_captions.FieldPlotCaption(LATER, LATER), 1,
                                          LATER, True)
-    of = [label for label in layout.colour_bar_labels(top, room.gutter > 0, "x", []) if label.text]
+    of = [label for label in layout.colour_bar_labels(top, room, "x", []) if label.text]
     own = {name: value for name, value in asdict(places).items() if name not in ("stage_metrics", "slot", "rectangle")}
     return {"pixels": room.pixels, "high": room.high, "gutter": room.gutter, **own, "bar": asdict(top),
             "labels": [asdict(label) for label in (*of, *labels)]}

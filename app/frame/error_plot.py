@@ -9,7 +9,6 @@ from app.frame.colour_scale import MOST_TICKS, ZERO, ColourScale
 from app.frame.layout import HALVES
 from app.frame.primitives import AWAY, Anchor, Dots, Label, Lines, Mark, Sign, StageMetrics, in_plane, join_points
 from app.language.translation import lazy, tr
-from app.names_and_units import QUANTITIES
 
 MOST_DRAWN = 1000  # particles with points: more would be a grey area
 #: Diameters in pixels: of the point of a true error, and outer and inner one of the ring of an estimate.
@@ -18,7 +17,7 @@ TRUE_DOT, RING, HOLE = 4.5, 8.5, 5.5
 BAR, BESIDE, NUMBER = 6.0, 6.0, 12.0
 HEADING = 22.0  # height in pixels of the line above the plot
 BAR_POINTS = 128
-BOLD = 1.15  # width of bold letters over that of usual ones
+BOLD = 1.05  # width of bold letters over that of usual ones
 SIGNS: tuple[Sign, Sign] = ("ring", "dot")  # of estimate and truth
 NAME = lazy("Error")  # where there is no room for the plot's own
 
@@ -50,7 +49,7 @@ class ErrorPlotBox:
 class ErrorPlot:
     """Error plot of one run, whose value axis is a colour ``scale``: true errors as dots, estimated ones as rings."""
 
-    shared_axis_changed = False  # two runs share the colour scale, which changes before both are drawn
+    shared_axis_changed = is_outdated = False  # two runs share the colour scale, which changes before both are drawn
 
     def __init__(self, plotted: ErrorPlotDefinition, scale: ColourScale):
         self._plotted, self._scale = plotted, scale
@@ -62,13 +61,13 @@ class ErrorPlot:
              estimated: np.ndarray | None, true: np.ndarray | None) -> Iterator[Mark]:
         """Yields the marks of a frame in a ``box``, or hidden ones for None. ``at`` (P,) are the particles' positions
         along the axis in m at rest, NaN for those not plotted; ``estimated`` and ``true`` are the sizes (P,) of the
-        errors of a quantity (key x, v, sigma or a) in its unit, or None."""
+        errors of a quantity (key x, v, sigma or a) on the scale, or None."""
         if at is not self._at:  # constant during a run
             self._at, self._chosen = at, plotted_particles(at)
         sizes = true if true is not None else estimated
         self._box, self._sizes = box, np.empty(0) if sizes is None else sizes
         scale, pixel, colours = self._scale, metrics.pixel, metrics.palette
-        now = box, metrics, quantity, scale.top, scale.logarithmic, scale.exceeded
+        now = box, metrics, quantity, scale.appearance
         if now != self._labelled:
             self._labelled = now
             yield from self._axis_marks(metrics, quantity)
@@ -98,7 +97,7 @@ class ErrorPlot:
     def _axis_marks(self, metrics: StageMetrics, quantity: str) -> Iterator[Mark]:
         """Yields the lines of the value axis, its numbers, and the colour bar beside it."""
         box, pixel, colours = self._box, metrics.pixel, metrics.palette
-        ticks = self._scale.ticks(QUANTITIES[quantity].unit)
+        ticks = self._scale.ticks(quantity, says_of_what=False)
         if box is None:
             yield Lines("plot/levels", np.empty((0, 2, 3), np.float32), colours.grid, 1.0)
             yield Dots("plot/bar", np.empty((0, 3), np.float32), self._scale.gradient(0), 1.0)
@@ -131,7 +130,7 @@ def error_plot_labels(box: ErrorPlotBox | None, metrics: StageMetrics, plotted: 
     for text, tone, sign in zip(titles, HALVES, SIGNS, strict=True):
         yield Label(f"plot/{tone}", text if place.named else "", right, above, "center-right", "note", tone=tone,
                     sign=sign)
-        right -= float(metrics.text_extent(f"{text}   ")[0]) + metrics.line_height
+        right -= float(metrics.text_extent(f"{text}  ")[0]) + metrics.line_height
     name, _ = metrics.first_fitting_text((tr(plotted.name), tr(NAME)), (right - left) / BOLD, metrics.line_height)
     yield Label("plot/name", name if place.named else "", left, above, "center-left", "title", bold=True)
     ends: tuple[tuple[str, float, Anchor], ...] = ("start", place.left, "top-left"), ("end", place.right, "top-right")

@@ -1,7 +1,9 @@
 """The field plot: the particles' values of a quantity, the exact curve, and the differences as stems."""
 
+import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from time import monotonic
 from typing import Any
 
 import numpy as np
@@ -16,7 +18,8 @@ from solvers.scene.scene import Scene
 
 CURVE_POINTS = 121
 INSTANTS = 32  # per period, at which the exact field is evaluated to set the range of the axis
-STEPS = (1, 1.5, 2, 3, 4, 5, 6, 8)  # times a power of ten: possible ends of an axis
+STEPS = (1, 1.5, 2, 3, 4, 6, 8)  # times a power of ten: possible ends of an axis
+SETTLING = 1.4  # seconds after a change for which the curve before it is shown and the axis only grows
 ROOM = 1.1  # length of the axis over its last number
 FADE = 0.985  # decay of the peak per frame when values shrink
 SLACK = 0.4  # share of the axis below which it shrinks
@@ -34,21 +37,35 @@ BEYOND = 0.01  # share of the axis by which dots may be outside it
 
 class ValueAxis:
     """Value axis from -``top`` to ``top``, a round number in the unit of the values, which contains all values and
-    shrinks slowly. The field plots of two runs share one."""
+    shrinks slowly. The field plots of two runs share one. ``clock`` returns the present time in s."""
 
-    def __init__(self) -> None:
+    def __init__(self, clock: Callable[[], float] = monotonic) -> None:
+        self.clock, self._held_until = clock, -math.inf
         self._peak, self.top = 0.0, 1.0
 
     def reset(self) -> None:
         """Lets the next update set the top of the axis anew."""
-        self._peak = 0.0
+        self._peak, self._held_until = 0.0, -math.inf
+
+    def hold(self) -> None:
+        """Lets the axis only grow until 1.4 s from now, when the next update sets its top anew."""
+        self._held_until = self.clock() + SETTLING
+
+    @property
+    def is_outdated(self) -> bool:
+        """Whether the axis has been held and may be set anew by now."""
+        return -math.inf < self._held_until < self.clock()
 
     def update(self, largest: float, least: float) -> None:
-        """Adjusts ``top`` to the ``largest`` size of a frame's values, or to ``least`` if that is larger."""
-        begun, need = self._peak > 0, max(largest, least)
+        """Adjusts ``top`` to the ``largest`` size of a frame's values, which may be a tenth above it, or to ``least``
+        if that is larger."""
+        if self.is_outdated:
+            self.reset()
+        begun, need = self._peak > 0, max(largest / ROOM, least)
+        holds = self.clock() < self._held_until
         self._peak = max(need, FADE * self._peak)
-        if self._peak > SMALLEST and (not begun or need > ROOM * self.top or self._peak < SLACK * self.top):
-            self.top, _ = round_up(self._peak / ROOM, STEPS)
+        if self._peak > SMALLEST and (not begun or need > self.top or (self._peak < SLACK * self.top and not holds)):
+            self.top, _ = round_up(self._peak, STEPS)
 
 
 @dataclass(frozen=True)
@@ -70,8 +87,11 @@ class FieldPlot:
     have rings. It shares the value axis of a plot ``beside`` it."""
 
     def __init__(self, plotted: FieldPlotDefinition, beside: "FieldPlot | None" = None):
-        self._plotted = plotted
+        self._plotted, self._beside = plotted, beside
         self.axis: ValueAxis = beside.axis if beside else ValueAxis()
+        self._values: tuple[np.ndarray, np.ndarray] | None = None  # places and values of the particles drawn last
+        self._before: tuple[np.ndarray, np.ndarray] | None = None  # those before a change of the run ...
+        self._before_until = -math.inf  # ... which are shown until then
         self._drawn: tuple[Scene, str, int, FieldPlotLayout] | None = None
         self._labelled: tuple[int, float] | None = None  # as drawn: count of NaN values, and end of the axis
         self._time = 0.0
@@ -82,6 +102,16 @@ class FieldPlot:
         """Whether the plot that shares the value axis has changed it since this one was drawn."""
         return self._labelled is not None and self._labelled[1] != self.axis.top
 
+    @property
+    def is_outdated(self) -> bool:
+        """Whether the plot has to be drawn again, although no frame has come."""
+        return self.axis.is_outdated or (self._before is not None and self.axis.clock() > self._before_until)
+
+    @property
+    def shows_before(self) -> bool:
+        """Whether this plot, or the one beside it, shows the curve before a change."""
+        return self._before is not None or (self._beside is not None and self._beside.shows_before)
+
     def draw(self, places: FieldPlotLayout, scene: Scene, quantity: str, magnified: int, at: np.ndarray,
              field: np.ndarray, t: float, crossed: np.ndarray) -> Iterator[Mark]:
         """Yields the marks of the field of a quantity (key x, v, sigma or a) at the time t in s in a layout ``places``.
@@ -90,7 +120,10 @@ class FieldPlot:
         deviations from the exact ones, in the unit of the quantity, which are drawn with the factor ``magnified``;
         ``crossed`` (P,) of bool are those that are marked as having changed their cell."""
         if (now := (scene, quantity, magnified, places)) != self._drawn or t < self._time:
-            if self._drawn is None or now[:3] != self._drawn[:3] or t < self._time:
+            if self._drawn and scene != self._drawn[0] and now[1:] == self._drawn[1:]:
+                self.axis.hold()
+                self._keep_curve_before()
+            elif self._drawn is None or now[:3] != self._drawn[:3] or t < self._time:
                 self.axis.reset()
             self._labelled = None
             self._prepare_value_range(places, scene, quantity)
@@ -102,7 +135,8 @@ class FieldPlot:
         if (said := (unknown, self.axis.top)) != self._labelled:
             self._labelled = said
             yield from self._axis_marks(places, scene, quantity, magnified, unknown)
-        self._dots = self._stage_points(at, values, known)
+        self._dots, self._values = self._stage_points(at, values, known), (at, values)
+        yield self._curve_before(places)
         yield from self._exact_curve_marks(places, scene, quantity, t)
         yield self._deviation_stems(places, scene, field, magnified)
         metrics = places.stage_metrics
@@ -118,6 +152,25 @@ class FieldPlot:
         points out of view if the plot is not drawn."""
         dots = self._dots[particles]
         return dots if len(dots) == count else np.full((count, 3), AWAY, np.float32)
+
+    def _keep_curve_before(self) -> None:
+        """Keeps what is drawn, at the first of several changes, until 1.4 s after the last one."""
+        clock = self.axis.clock()
+        if self._before is None and self._beside is None:
+            self._before = self._values
+        self._before_until = clock + SETTLING
+
+    def _curve_before(self, places: FieldPlotLayout) -> Lines:
+        """Returns the curve through the particles' values before a change, while it is to be seen."""
+        if self.axis.clock() > self._before_until:
+            self._before = None
+        curve = np.empty((0, 2, 3), np.float32)
+        if self._before is not None:
+            at, values = self._before
+            known = np.isfinite(values) & (np.abs(values) < ROOM * self.axis.top)
+            points = in_plane(self._abscissae(at[known]), self._heights(values[known]), 0.006)
+            curve = join_points(points[:-1], points[1:])
+        return Lines("field/before", curve, places.stage_metrics.palette.before, CURVE_WIDTH)
 
     def _prepare_value_range(self, places: FieldPlotLayout, scene: Scene, quantity: str) -> None:
         """Prepares the plot of another scene, quantity or layout: stores its box, and the range of the exact field."""

@@ -29,7 +29,8 @@ OVER, RUN_LOST = lazy("over 100 % wrong"), lazy("run is lost")
 ENDS = (".", "?", "!")  # of a sentence
 
 #: Style of a placeholder's text by its name; redundant to the words.
-KINDS = {"wrong": "number", "off": "truth", "by": "estimate", "share": "figure", "factor": "figure", "lost": "bad"}
+KINDS = {"wrong": "number", "off": "truth", "by": "estimate", "share": "figure", "factor": "figure", "lost": "bad",
+         "who": "who"}
 #: Placeholders that are filled later, with numbers.
 PLACES = {name: f"{{{name}}}" for name in ("wrong", "off", "by", "found", "true")}
 

@@ -15,7 +15,7 @@ Rectangle = tuple[float, float, float, float]  # x0, x1, y0, y1
 HALVES: tuple[Tone, Tone] = ("estimate", "truth")
 EDGE = 0.015  # drawn beyond x = 0 and 1
 #: In pixels: height of the colour bar, distance to its numbers, from these to the rest, and space above it.
-BAR, TICK, TICK_LINE, ABOVE = 12.0, 5.0, 17.0, 4.0
+BAR, TICK, TICK_LINE, ABOVE = 10.0, 4.0, 17.0, 4.0
 POINTS = 256  # of the colour bar
 
 
@@ -96,31 +96,33 @@ class ColourBarDrawing:
 
     def __init__(self, sheet: Surface, scale: ColourScale):
         self.sheet, self._scale = sheet, scale
-        self._drawn: tuple[StageMetrics, float, str, float, bool, bool] | None = None
+        self._drawn: tuple | None = None
 
     def draw(self, quantity: str, high: float) -> None:
         """Draws the bar on a stage of the height ``high``, unless nothing has changed; ``quantity`` is the key (x, v,
         sigma or a) of the quantity whose errors the scale measures."""
         scale, metrics = self._scale, self.sheet.stage_metrics
-        now = (metrics, high, quantity, scale.top, scale.logarithmic, scale.exceeded)
+        now = (metrics, high, quantity, *scale.appearance)
         if now == self._drawn:
             return
-        place, unit = colour_bar_box(metrics.rounded(), high), QUANTITIES[quantity].unit
+        place = colour_bar_box(metrics.rounded(), high)
         if self._drawn is None or now[:2] != self._drawn[:2]:
             ends = place.high / 2
             self.sheet.show_marks(Dots("bar", in_plane(np.linspace(ends, 1 - ends, POINTS), place.middle),
                                        scale.gradient(POINTS), place.high, "square"))
         self._drawn = now
-        self.sheet.show_marks(*colour_bar_labels(place, metrics.gutter > 0, quantity, scale.ticks(unit)))
+        self.sheet.show_marks(*colour_bar_labels(place, metrics, quantity, scale.ticks(quantity)))
 
 
-def colour_bar_labels(place: ColourBarBox, gutter: bool, quantity: str,
+def colour_bar_labels(place: ColourBarBox, metrics: StageMetrics, quantity: str,
                       ticks: list[tuple[float, str]]) -> Iterator[Label]:
-    """Yields the labels of a colour bar: its titles, beside it in a ``gutter`` or above it, with a quantity's name (by
-    its key), and ``ticks``, positions 0 to 1 along the bar with their texts."""
+    """Yields the labels of a colour bar: its titles, beside it in the gutter or above it, with a quantity's name (by
+    its key), and ``ticks``, positions 0 to 1 along the bar with their texts, without those that the last one covers."""
+    last = 1 - 1.2 * metrics.text_extent(ticks[-1][1])[0] if ticks else 1.0
+    ticks = [(at, text) for at, text in ticks if at == 1 or at + 0.6 * metrics.text_extent(text)[0] < last]
     for name, text, (x, y, anchor) in (("title", tr("Error of"), place.title),
                                        ("quantity", str(QUANTITIES[quantity]), place.quantity)):
-        yield Label(name, text, x, y, anchor, "gutter" if gutter else "caption", bold=True)
+        yield Label(name, text, x, y, anchor, "gutter" if metrics.gutter else "caption", bold=True)
     for k, (at, text) in enumerate(ticks + [(0.5, "")] * (MOST_TICKS - len(ticks))):
         anchor = "top-left" if at == 0 else "top-right" if at == 1 else "top-center"
         yield Label(f"tick{k}", text, at, place.numbers, anchor, "number")

@@ -13,7 +13,7 @@ from app.names_and_units import short_reason
 AROUND = 1.05  # extent of the cells drawn over that of the body
 PAIRED = 0.31, 0.48  # greatest width of the cells of one of two runs: beside the plots, and without any
 PLOT = 0.22  # least width of the plot
-LEAST = 0.3  # least width of the cells with labels beside them
+LEAST, SMALLER = 0.3, 0.75  # least width of the cells with labels beside them; and, beside a plot, over that without
 #: In pixels: gap beside the body, from x = 0 to a body whose name is left of it, names at its right, numbers of the
 #: plot with its colour bar, and space below the plot.
 GAP, INDENT, NAMES, NUMBERS, BELOW = 10.0, 30.0, 88.0, 58.0, 20.0
@@ -47,7 +47,7 @@ def make_planar_layout(metrics: StageMetrics, slot: ComparedRunSlot) -> PlanarLa
                             0.5 * wide / AROUND, end, None)
     free, beside = end - 4 * pixel, 1 - (INDENT + GAP + NAMES) * pixel
     wide = min(free, beside - NUMBERS * pixel - PLOT)
-    plotted = wide >= LEAST
+    plotted = wide >= LEAST and wide >= SMALLER * min(free, beside)
     wide = wide if plotted else min(free, beside)
     box = ErrorPlotBox((INDENT + GAP + NAMES + NUMBERS) * pixel + wide, 1.0, BELOW * pixel, end - HEADING * pixel)
     return PlanarLayout(metrics, slot, drawing_rectangle(metrics.high),

@@ -11,7 +11,7 @@ from app.frame.layout import ComparedRunSlot
 from app.frame.planar_layout import AROUND, PlanarLayout, make_planar_layout, planar_labels
 from app.frame.primitives import Dots, Label, Lines, Mark, in_plane, join_points
 from app.frame.stage import Stage, StageLabels, WorstRegionMark
-from app.language.translation import lazy, tr
+from app.language.translation import lazy
 from solvers.engine.shared_frames import FrameArrays
 from solvers.problems.planar.particle_layout import half_edges, particle_layout
 from solvers.problems.planar.scene import PlanarScene
@@ -112,6 +112,11 @@ class PlanarStage(Stage[PlaneScene]):
         """Returns segments (n, 2, 2), in m, that mark a region with particles at ``region`` (k, 2), of those of the
         whole body at x (P, 2), without covering it."""
 
+    @abstractmethod
+    def _worst_labels(self, sizes: str, x: np.ndarray) -> Iterator[Label]:
+        """Yields the labels of the worst regions' errors with a text of their ``sizes``, "" for none, beside or within
+        the body of particles at x (P, 2) in m."""
+
     def _make_plot(self, beside: "PlanarStage | None") -> ErrorPlot:
         return ErrorPlot(self.PLOT, self._scale)
 
@@ -145,10 +150,10 @@ class PlanarStage(Stage[PlaneScene]):
                             arrays: FrameArrays) -> Iterator[Mark]:
         """Yields an outline of the worst region of each half, if any, and the sizes of their errors."""
         places, segments, sizes = self._layout, [np.empty((0, 2, 2))], list[str]()
+        x = clip_to_view(arrays.position)
         for found, sign in zip(worst, (-1, 1), strict=True):
             if found is None or places.slot != ComparedRunSlot.ALONE:
                 continue
-            x = clip_to_view(arrays.position)
             region = x[found.particles]
             if not len(region):
                 continue
@@ -157,15 +162,8 @@ class PlanarStage(Stage[PlaneScene]):
                 half = np.ones(2) if sign * region[:, 0].mean() >= 0 else -np.ones(2)
             segments.append(half * self._region_outline(x, region))
             sizes.append(found.size)
-        yield from self._worst_labels(" | ".join(dict.fromkeys(sizes)))
+        yield from self._worst_labels(" | ".join(dict.fromkeys(sizes)), x)
         yield Lines("worst", self._segments(np.concatenate(segments), 0.02), places.stage_metrics.palette.dot, 2.0)
-
-    def _worst_labels(self, sizes: str) -> Iterator[Label]:
-        """Yields the labels of the worst regions' errors with a text of their ``sizes``: in the hole of a ring."""
-        (x, y), metrics = self._layout.middle, self._layout.stage_metrics
-        free = 1.6 * metrics.line_height < 0.4 * self._layout.radius and not any(self._labels.silences)
-        yield Label("worst-name", tr("worst, at the arcs:") if sizes and free else "", x, y, "bottom-center", "note")
-        yield Label("worst-size", sizes if free else "", x, y, "top-center", "note", 1.1, bold=True)
 
     def _particle_marks(self, x: np.ndarray, estimated: np.ndarray, true: np.ndarray, name: str = "",
                         depth: float = 0.0) -> Iterator[Mark]:

@@ -11,7 +11,6 @@ from app.frame.colour_scale import ColourScale
 from app.frame.error_view_captions import ALIKE, ALIKE_LOST, StageHalfErrors, crossing_marks_legend
 from app.frame.layout import ComparedRunSlot, Rectangle
 from app.frame.primitives import Label, Mark, Spans, StageMetrics, Surface, error_colours
-from app.frame.recent_crossings import is_recent_crossing
 from app.language.translation import lazy, tr
 from app.names_and_units import short_reason
 from solvers.engine.shared_frames import FrameArrays
@@ -19,8 +18,10 @@ from solvers.scene.scene import Scene
 
 AnyScene = TypeVar("AnyScene", bound=Scene)
 TOUCH = 0.03  # distance on the stage within which a click selects a particle: wide enough for a finger
+MOST_CHANGED = 0.4  # share of the particles: rings around more that have changed their cell would hide the rest
 TITLE_SIZE = 1.08  # of the letters of a title
-NARROWEST_TITLE = 0.9  # width of the words of a title, as a share of the stage's, from which some are left out
+WIDEST_TITLE = 0.86  # width of the words of a title, as a share of the stage's, from which some are left out:
+LEFT_OUT = ("settings", "duration", "what", "who")  # kinds of spans, the first ones first
 Names = tuple[str, str]  # of the estimate and of the truth
 
 
@@ -131,6 +132,11 @@ class Stage(ABC, Generic[AnyScene]):
         """Whether the stage must be redrawn because the run beside it has changed the value axis of their plots."""
         return self._plot.shared_axis_changed
 
+    @property
+    def is_outdated(self) -> bool:
+        """Whether the stage has to be drawn again, although no frame has come."""
+        return self._plot.is_outdated
+
     def show_title(self, name: Spans, facts: Spans, compared: Spans) -> None:
         """Shows the run's title: its name, facts about it, and what it could be compared with if it is alone."""
         self._update_labels(name=name, facts=facts, compared=compared)
@@ -155,12 +161,11 @@ class Stage(ABC, Generic[AnyScene]):
         self.sheet.show_marks(*self._worst_region_marks(remarks.worst, arrays))
 
     def draw(self, scene: AnyScene, arrays: FrameArrays, estimated: np.ndarray | None, true: np.ndarray | None,
-             t: float, speed: float, foreign: bool = False) -> None:
+             t: float, foreign: bool = False) -> None:
         """Draws the frame of a scene at the time t in s.
 
-        ``estimated`` and ``true`` are the sizes (P,) of both errors in one unit, or None. ``speed``, at which the run
-        plays, in simulated s per s, sets how long crossings stay marked. ``foreign`` is whether the particles are not
-        the scene's own but come from a file of another code."""
+        ``estimated`` and ``true`` are the sizes (P,) of both errors in one unit, or None; ``foreign`` is whether the
+        particles are not the scene's own but come from a file of another code."""
         metrics = self.sheet.stage_metrics
         if metrics is not self._stage_metrics and metrics != self._stage_metrics:
             self._lay_out()
@@ -168,28 +173,24 @@ class Stage(ABC, Generic[AnyScene]):
             self._drawn_scene, self._foreign = scene, foreign
             at_rest = arrays.position - arrays.displacement if foreign else None
             self.sheet.show_marks(*self._static_marks(scene, len(arrays.position), at_rest))
-            self._select_marked_particles(len(arrays.position))
             self._update_labels(note=self.scale_note(scene))
         unknown, count = self._layout.stage_metrics.palette.unknown, len(arrays.position)
-        since = arrays.steps_since_crossing
         with np.errstate(all="ignore"):  # a run gone bad holds anything
             halves = [error_colours(self._scale, sizes, count, unknown) for sizes in (estimated, true)]
-            crossed = self._particles_to_mark(since, scene, speed)
+            crossed = self._particles_to_mark(arrays.steps_since_crossing)
             marks = [*self._moving_marks(scene, arrays, halves[0], halves[1], t, crossed)]
             if self.plotted:
                 marks += self._plot_marks(scene, arrays, (estimated, true), t, crossed)
             self.sheet.show_marks(*marks)
 
-    def _particles_to_mark(self, since: np.ndarray, scene: AnyScene, speed: float) -> np.ndarray:
-        """Returns which particles are marked as having changed their cell, (P,) of bool, from the steps ``since`` the
-        last time, (P,), -1 for never; at a playing ``speed`` in simulated s per s."""
-        return is_recent_crossing(since, scene, speed) & self._marked
-
-    def _select_marked_particles(self, particles: int) -> None:
-        """Selects, of so many particles, those whose crossings are marked, and shows the legend of the marks."""
-        stride = marking_stride(particles, self.MOST_MARKED)
-        self._marked = np.arange(particles) % stride == 0
-        self._update_labels(crossings=crossing_marks_legend(self.MARKED, stride))
+    def _particles_to_mark(self, since: np.ndarray) -> np.ndarray:
+        """Returns which particles are marked as having changed their cell since the start, (P,) of bool, from the steps
+        ``since`` the last time, (P,), -1 for never; none if these are too many to see."""
+        changed, stride = since >= 0, marking_stride(len(since), self.MOST_MARKED)
+        many = np.count_nonzero(changed) > MOST_CHANGED * len(changed)
+        self._update_labels(crossings=tr("nearly all changed cell") if many else
+                            crossing_marks_legend(self.MARKED, stride))
+        return np.zeros(len(changed), bool) if many else changed & (np.arange(len(since)) % stride == 0)
 
     def _update_labels(self, **changes: Any) -> None:
         """Changes fields of :class:`StageLabels`; draws the labels if a text or the layout has changed."""
@@ -279,15 +280,24 @@ class Stage(ABC, Generic[AnyScene]):
 
 def title_labels(words: StageLabels, metrics: StageMetrics, y: float) -> Iterator[Label]:
     """Yields the labels of a run's title in a line at the height y: its name at the left, facts at the right. What does
-    not fit is left out: settings of the run first, then its time."""
+    not fit is left out, by kinds of spans."""
     name, facts = words.name, words.facts
-    if sum(metrics.text_extent(text)[0] for _, text in (*name, *facts)) > NARROWEST_TITLE:
-        name = tuple(span for span in name if span[0] != "settings")
-    if sum(metrics.text_extent(text)[0] for _, text in (*name, *facts)) > NARROWEST_TITLE and facts[-1:] \
-            and facts[-1][0] == "duration":
-        facts = facts[:-2]
+    for kind in LEFT_OUT:
+        if sum(metrics.text_extent(text)[0] for _, text in (*name, *facts)) > WIDEST_TITLE:
+            name, facts = (_without_kind(spans, kind) for spans in (name, facts))
     yield Label.of_spans("name", name, 0.0, y, "center-left", "name", size=TITLE_SIZE)
     yield Label.of_spans("facts", facts, 1.0, y, "center-right", "note", size=TITLE_SIZE)
+
+
+def _without_kind(spans: Spans, kind: str) -> Spans:
+    """Returns spans without those of a kind; what separates a last one from the rest goes with it."""
+    if spans and spans[-1][0] == kind:
+        return spans[:-1] if len(spans) > 1 and spans[-2][0] else spans[:-2]
+    kept: list[tuple[str, str]] = []
+    for k, (own, text) in enumerate(spans):
+        if own != kind:
+            kept.append((own, text.lstrip() if k and spans[k - 1][0] == kind else text))
+    return tuple(kept)
 
 
 def marking_stride(particles: int, most: int) -> int:

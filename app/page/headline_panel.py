@@ -22,6 +22,7 @@ from solvers.solver import soundness
 
 WAITING = lazy("Waiting for the first frame")
 SAY_SECONDS = 0.3  # least time between two sentences
+SAME = 0.005  # distance of a ratio from 1
 NEARLY_EVERY = 0.8  # of all particles
 
 
@@ -80,6 +81,8 @@ def compare_errors(own: float, other: float, run: str) -> str:
     ratio = own / other if other > 0 else math.nan
     if not math.isfinite(ratio) or ratio <= 0:
         return ""
+    if abs(ratio - 1) < SAME:
+        return tr("as wrong as {run}", run=run)
     if ratio >= 1:
         return tr("{factor} times as wrong as {run}", factor=format_factor(float(f"{ratio:.2g}")), run=run)
     return tr("{run} is {factor} times as wrong", factor=format_factor(float(f"{1 / ratio:.2g}")), run=run)

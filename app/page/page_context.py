@@ -111,7 +111,7 @@ class PageContext:
         """Stores a new frame of the run, draws it and passes it to the features."""
         self.links.frames.add()
         if report.fresh:
-            self.scale.reset()
+            self.scale.begin_run()
         self.recent.add(report, arrays)
         self.trace.on_frame(report, arrays)
         self.stage.draw()

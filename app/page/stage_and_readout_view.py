@@ -31,7 +31,8 @@ class StageAndReadoutView:
         self._seek = seek
         self._numbers.build(self._client.gui)
         BrowserWindow(store, self._on_resized, self._set_dark)
-        store.heard |= {"seek": self._seek_timeline_fraction, "read": self._on_timeline_pointed}
+        store.heard |= {"seek": self._seek_timeline_fraction, "read": self._on_timeline_pointed,
+                        "scale": self._toggle_scale_unit}
 
     def begin(self, choice: Callable[[], ViewChoice], sources: tuple[StageSource, ...]) -> None:
         """Starts drawing the first of the ``sources`` that is on; ``choice`` returns the visitor's view options."""
@@ -74,6 +75,12 @@ class StageAndReadoutView:
         if said:
             self._headline.show(said, source.needs_immediate_headline)
         self._canvas.camera.refit_while_settling()
+        if self._canvas.is_outdated:
+            self.draw()
+
+    def _toggle_scale_unit(self, _: object) -> None:
+        self._canvas.toggle_scale_unit()
+        self.draw()
 
     def _on_resized(self, size: LayoutMetrics) -> None:
         """Fits labels and plots to another size of the browser's window, and redraws the stage if it changes."""

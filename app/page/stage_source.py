@@ -37,14 +37,12 @@ class ViewChoice:
 
 @dataclass(frozen=True)
 class StageFrame:
-    """A frame to draw: the ``view`` of its errors, the speed in simulated seconds per second, the run's ``title``
-    (:meth:`~app.frame.stage.Stage.show_title`), and whether its particles are ``foreign``: of a file, without a fixed
-    order or initial positions."""
+    """A frame to draw: the ``view`` of its errors, the run's ``title`` (:meth:`~app.frame.stage.Stage.show_title`), and
+    whether its particles are ``foreign``: of a file, without a fixed order or initial positions."""
 
     report: FrameReport
     arrays: FrameArrays
     view: FrameErrorView
-    speed: float
     title: RunTitle = NO_TITLE
     foreign: bool = False
 

@@ -11,7 +11,7 @@ from app.frame.layout import ColourBarDrawing, Rectangle
 from app.frame.stage import Stage
 from app.names_and_units import QUANTITIES
 from app.page.stage.pointer_and_camera import FixedRectangleCamera, RectangleErrorProbe, TracedParticleRing
-from app.page.stage_source import NO_TITLE, StageContent, StageFrame, ViewChoice
+from app.page.stage_source import NO_TITLE, Sizes, StageContent, StageFrame, ViewChoice
 from app.page.visit.traced_particle_series import ParticleTracer
 from app.problems.views import VIEWS
 from app.renderers.viewer_renderer import LabelLayer, ViewerSurface
@@ -37,7 +37,7 @@ class ViewerCanvas:
         """Draws a source's content with the visitor's view options: a frame, and perhaps a second run beside it."""
         picture, beside, unit = content.picture, content.beside, QUANTITIES[choice.quantity].unit
         view, arrays, problem = picture.view, picture.arrays, picture.report.scene.problem
-        self._update_colour_scale(content)
+        self._update_colour_scale(content, choice.quantity)
         stage = self._stages[problem]
         second = stage.pinned_run_stage(beside is not None)
         with self._client.atomic():
@@ -83,16 +83,26 @@ class ViewerCanvas:
         """Returns a new drawing surface below a ``path`` of the browser's scene tree, such as "/probe"."""
         return ViewerSurface(self._client, self.lettering, path)
 
-    def _update_colour_scale(self, content: StageContent) -> None:
+    @property
+    def is_outdated(self) -> bool:
+        """Whether something drawn has to change by now, although no frame has come."""
+        return self._scale.is_outdated or any(stage.is_outdated for stage in self._stages.values())
+
+    def toggle_scale_unit(self) -> None:
+        """Lets the colour scale tell sizes of errors in per cent or in the quantity's unit."""
+        self._scale.absolute = not self._scale.absolute
+
+    def _update_colour_scale(self, content: StageContent, quantity: str) -> None:
         """Fits the colour scale to the content's errors; an earlier frame leaves it, so that frames can be compared."""
-        if changed := content.scale_key != self._coloured:
+        report = content.picture.report
+        size = self._scale.whole = report.scene.size_of(quantity)
+        if changed := (key := (report.scene.problem, content.scale_key)) != self._coloured:
             self._scale.reset()
-            self._coloured = content.scale_key
+            self._coloured = key
         if changed or not content.is_past:
-            beside = content.beside.view if isinstance(content.beside, StageFrame) else None
-            report = content.picture.report
-            self._scale.update(*content.sizes, (report.scene, content.scale_key),
-                               (beside.left.sizes, beside.right.sizes) if beside else (None, None), content.least,
+            beside = _error_shares(content.beside, quantity) if isinstance(content.beside, StageFrame) else (None, None)
+            left, right = _shares(content.sizes, size)
+            self._scale.update(left, right, (report.scene, content.scale_key), beside, content.least / size,
                                settled=not report.playing or report.status == UNSTABLE)
 
     def _show_stage(self, problem: str | None) -> None:
@@ -107,7 +117,18 @@ def _draw(stage: Stage, picture: StageFrame, choice: ViewChoice) -> None:
     report, view = picture.report, picture.view
     stage.domains = choice.domains and not picture.foreign
     stage.plotted, stage.magnified = report.holds.plotted, choice.magnified
-    stage.draw(report.scene, picture.arrays, view.left.sizes, view.right.sizes, report.time, picture.speed,
+    stage.draw(report.scene, picture.arrays, *_error_shares(picture, choice.quantity), report.time,
                foreign=picture.foreign)
     stage.show_captions(view.left, view.right)
     stage.show_title(*picture.title)
+
+
+def _error_shares(picture: StageFrame, quantity: str) -> Sizes:
+    """Returns the errors (P,) of a picture's left and right half as shares of the quantity's largest exact value."""
+    view = picture.view
+    return _shares((view.left.sizes, view.right.sizes), picture.report.scene.size_of(quantity))
+
+
+def _shares(sizes: Sizes, size: float) -> Sizes:
+    left, right = (None if part is None else part / size for part in sizes)
+    return left, right

@@ -1,6 +1,6 @@
 """The visitor's run as a source of the stage: now or in the past, alone or beside a pinned run."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Hashable
 from time import monotonic
 
 from app.frame.colour_scale import LEAST_TOP
@@ -40,6 +40,7 @@ class VisitorRunSource:
         self._worst, self._clock = WorstRegions(), clock
         self._told: Frame | None = None  # the frame that words are about, and until when they stay
         self._told_until = 0.0
+        self._rates: dict[Hashable, float] = {}  # fastest so far, in particle-steps per s, by what is computed
 
     def stage_content(self, choice: ViewChoice) -> StageContent | None:
         """Returns the frame on view, beside the pinned run if any; None before the first frame, and while a frame with
@@ -114,11 +115,11 @@ class VisitorRunSource:
     def _own_title(self, frame: Frame, choice: ViewChoice, alone: bool) -> RunTitle:
         """Returns the title of the visitor's run in a ``frame``; that of a run ``alone`` offers a comparison."""
         scene = frame[0].scene
-        name = ("", tr("This run: {functions}", functions=functions_name(scene.method))), \
+        name = ("what", tr("This run:") + " "), ("", functions_name(scene.method)), \
             ("settings", main_settings_text(scene))
         view = frame_error_view(*frame, choice.quantity, choice.estimator, False)
         compared = (("", tr(COMPARE)), (COMPARED, tr(NOTHING_TO_COMPARE)))
-        return name, _facts(frame[0], view, choice.quantity, choice.estimator), compared if alone else ()
+        return name, self._facts(frame[0], view, choice.quantity, choice.estimator), compared if alone else ()
 
     def _other_title(self, run: PinnedRun, choice: ViewChoice) -> RunTitle:
         """Returns the title of the second ``run``, in which the visitor chooses what to compare with."""
@@ -127,8 +128,8 @@ class VisitorRunSource:
         named = functions_name(run.follows) if run.follows else tr(PINNED)
         facts: Spans = (("settings", tr("being prepared")),)
         if run.last and (view := run.view(choice.quantity, choice.estimator, False)):
-            facts = _facts(run.last[0], view, choice.quantity, run.estimator(choice.estimator))
-        return (("", tr(COMPARE)), (COMPARED, named), ("settings", told)), facts, ()
+            facts = self._facts(run.last[0], view, choice.quantity, run.estimator(choice.estimator))
+        return (("what", tr(COMPARE)), (COMPARED, named), ("settings", told)), facts, ()
 
     def _other_in_words(self, run: PinnedRun) -> str:
         """Returns what a second ``run`` is called in a sentence."""
@@ -139,11 +140,14 @@ class VisitorRunSource:
 
     def _frame_view(self, report: FrameReport, arrays: FrameArrays, view: FrameErrorView,
                     title: RunTitle) -> StageFrame:
-        return StageFrame(report, arrays, view, self._session.speed * report.scene.period, title)
+        return StageFrame(report, arrays, view, title)
 
-
-def _facts(report: FrameReport, view: FrameErrorView, quantity: str, estimator: str | None) -> Spans:
-    """Returns the facts in the title of a run, from a frame's ``report`` and the ``view`` of its errors."""
-    seconds = report.step * report.particles / (1e6 * report.rate) if report.rate else 0.0
-    return lane_facts(InstantErrors.of_view(view), report.scene.size_of(quantity), estimator, report.status != OK,
-                      seconds)
+    def _facts(self, report: FrameReport, view: FrameErrorView, quantity: str, estimator: str | None) -> Spans:
+        """Returns the facts in the title of a run, from a frame's ``report`` and the ``view`` of its errors. The run's
+        time is that of its particle-steps at the fastest rate measured with its method, estimators and effects: other
+        work of the machine would only lengthen it."""
+        scene = report.scene
+        computed = scene.problem, scene.method, scene.estimators, scene.effects, scene.remedies, report.arch
+        rate = self._rates[computed] = max(self._rates.get(computed, 0.0), 1e6 * report.rate)
+        seconds = report.step * report.particles / rate if rate else 0.0
+        return lane_facts(InstantErrors.of_view(view), scene.size_of(quantity), estimator, report.status != OK, seconds)

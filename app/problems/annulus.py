@@ -8,7 +8,7 @@ import numpy as np
 
 from app.frame.error_plot import ErrorPlotDefinition
 from app.frame.planar_stage import AWAY, WHOLE, PlanarStage
-from app.frame.primitives import Lines, Mark, join_points
+from app.frame.primitives import Label, Lines, Mark, join_points
 from app.language.translation import lazy, tr
 from app.problems.interface import BodyRegions, PlanarBodyKindView
 from solvers.engine.shared_frames import FrameArrays
@@ -72,6 +72,14 @@ class QuarterAnnulusStage(PlanarStage[CircularScene]):
         radii, half = np.hypot(*x.T), 0.5 * self._width / self._per_metre
         farthest = self._layout.radius / self._per_metre
         return max(0.0, float(radii.min()) - half), min(float(radii.max()) + half, farthest)
+
+    def _worst_labels(self, sizes: str, x: np.ndarray) -> Iterator[Label]:
+        """Yields two lines within the hole, as far as they fit."""
+        (x_middle, y), metrics, name = self._layout.middle, self._layout.stage_metrics, tr("worst, at the arcs:")
+        hole = 1.8 * self._wall_radii(x)[0] * self._per_metre if not any(self._labels.silences) else 0.0
+        named, sized = (metrics.text_extent(text)[0] < hole for text in (name, sizes))
+        yield Label("worst-name", name if sizes and named else "", x_middle, y, "bottom-center", "note")
+        yield Label("worst-size", sizes if sized else "", x_middle, y, "top-center", "note", 1.1, bold=True)
 
     def _region_outline(self, x: np.ndarray, region: np.ndarray) -> np.ndarray:
         """Returns an arc, on the free side of the nearer rim."""

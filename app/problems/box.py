@@ -53,12 +53,12 @@ class BoxStage(PlanarStage[BoxScene]):
         inwards = CORNER * (high - low).min() * np.sign(at.mean(axis=0) - at)
         return np.concatenate([join_points(at, at + inwards * along) for along in ((1, 0), (0, 1))])
 
-    def _worst_labels(self, sizes: str) -> Iterator[Label]:
+    def _worst_labels(self, sizes: str, x: np.ndarray) -> Iterator[Label]:
         """Yields the label of the worst regions' errors right of the body, below the source of the truth."""
-        (x, y), metrics = self._layout.middle, self._layout.stage_metrics
+        (middle, y), metrics = self._layout.middle, self._layout.stage_metrics
         yield Label("worst-name", tr("worst: {size}", size=sizes) if sizes and metrics.gutter else "",
-                    x + AROUND * self._layout.radius + GAP * metrics.pixel, y - 1.9 * metrics.line_height, "top-left",
-                    "note", width=metrics.letters_per_line(NAMES * metrics.pixel), bold=True)
+                    middle + AROUND * self._layout.radius + GAP * metrics.pixel, y - 1.9 * metrics.line_height,
+                    "top-left", "note", width=metrics.letters_per_line(NAMES * metrics.pixel), bold=True)
 
 
 def regions(X: np.ndarray) -> BodyRegions:

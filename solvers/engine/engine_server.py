@@ -102,26 +102,28 @@ class EngineServer:
     def _survey(self, busy: bool) -> bool:
         """Passes on surveys whose scenes are compiled, and results; without forks computes a point, unless ``busy``.
         Returns whether there is more to do."""
-        ready = [survey for survey in self._surveys.values()
-                 if survey.scene is None or kernel_key(survey.scene) in self._compiled or not compiling_fork.CAN_FORK]
-        for survey in ready:
-            del self._surveys[survey.session]
+        for survey in list(self._surveys.values()):
             if not compiling_fork.CAN_FORK:
-                self._queue.accept(survey)
-                continue
-            if not self._surveyor and survey.points:
-                self._surveyor = fork_surveyor([self._pipe, *([self._successor.pipe] if self._successor else [])])
-                self._pipe.send(engine_messages.EngineForked(self._surveyor.process_id))
-            if self._surveyor:
-                self._surveyor.pipe.send(survey)
+                self._queue.accept(self._surveys.pop(survey.session))
+            elif survey.scene is None or kernel_key(survey.scene) in self._compiled:
+                self._pass_on(self._surveys.pop(survey.session))
         try:
             while self._surveyor and self._surveyor.pipe.poll(0):
                 self._pipe.send_bytes(self._surveyor.pipe.recv_bytes())
-        except (EOFError, ConnectionError):  # it has died: what was requested is requested again
+        except (EOFError, ConnectionResetError):  # it has died: what was requested is requested again
             self._end_surveyor()
         if self._queue and not busy and (result := self._queue.compute_next()):
             self._pipe.send(SurveyResults((result,)))
         return bool(self._queue)
+
+    def _pass_on(self, survey: Survey) -> None:
+        """Passes a survey on to the surveyor, which is forked for the first."""
+        if not self._surveyor and survey.points:
+            self._surveyor = fork_surveyor([self._pipe, *([self._successor.pipe] if self._successor else [])])
+            self._pipe.send(engine_messages.EngineForked(self._surveyor.process_id))
+        if self._surveyor:
+            with suppress(ConnectionError):  # it has died, which is noticed soon
+                self._surveyor.pipe.send(survey)
 
     def _end_surveyor(self) -> None:
         if self._surveyor:

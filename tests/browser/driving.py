@@ -104,8 +104,10 @@ def choose(page, label, option):
 
 
 def tick(page, label):
-    """Change a checkbox to what it is not."""
-    box = page.get_by_label(label, exact=True)
+    """Change a checkbox to what it is not; that of an estimator that does not run is asked for."""
+    box, ask = page.get_by_label(label, exact=True), page.locator(".lab-ask[aria-expanded=false]")
+    if not box.is_visible() and ask.is_visible():
+        ask.click()
     before = box.is_checked()
     again_until(lambda: box.is_checked() == before and box.click(), lambda: box.is_checked() != before, label)
 
@@ -125,17 +127,23 @@ def to_the_ring(page):
 
 
 #: The controls' folders, by the beginning of their names, and what shows in them once they are open.
-FOLDERS = {"Method details": "Remedies for long", "Effects: compute": "contradictions",
-           "One step in slow motion": "Seconds a phase", "What is drawn": "Plots show",
+FOLDERS = {"Method details": "Remedies for long", "What is computed": "contradictions",
+           "One step in slow motion": "Seconds a phase", "Look": "Plots show", "Your own data": "Choose a file",
            "All numbers of this run": re.compile("^steps$"),
-           "Motion and material": re.compile("^(Motion|Poisson's ratio ν)$")}
+           "Physics and method": re.compile("^(Motion|Poisson's ratio ν|Method details and remedies)$")}
+#: Those within others, where no lesson has them by themselves.
+WITHIN = {"Method details": "Physics and method", "What is computed": "Physics and method",
+          "All numbers of this run": "Your own data"}
 
 
 def unfold(page, *folders):
     """Open folders. One that is on its way opens slowly on a busy machine, and another click would close it again."""
+    heads = page.locator(".mantine-Paper-root[aria-expanded]")
     for folder in folders:
+        if (around := WITHIN.get(folder)) and heads.filter(has_text=around).count():
+            unfold(page, around)
         inside = page.get_by_text(FOLDERS[folder]).first
-        head = page.locator(".mantine-Paper-root[aria-expanded]").filter(has_text=folder).first
+        head = heads.filter(has_text=folder).first
 
         def opened(head=head):
             return head.get_attribute("aria-expanded") == "true"
@@ -148,6 +156,11 @@ def press(page, label, key, times=1):
     row(page, label).get_by_role("slider").focus()
     for _ in range(times):
         page.keyboard.press(key)
+
+
+def pinned(page):
+    """Whether a run is pinned beside the one on the stage: what the button says, which only lessons show."""
+    return page.locator("[data-lab~=lab-at-pin] + div button").first.text_content() == "Unpin"
 
 
 def click(page, button):

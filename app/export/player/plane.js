@@ -1,6 +1,6 @@
 // A body in the plane: a ring, or a quarter of one and its mirror images, estimate on the left half, truth on the right.
 
-function drawBody(pen, run, view, at, place, {sizes, scale, flashed}) {
+function drawBody(pen, run, view, at, place, {sizes, scale, changed}) {
   const {mirrors, outlined, lines} = DATA.problems[run.problem];
   const middle = [place.x(place.middle[0]), place.y(place.middle[1])], metre = place.radius * place.unit / run.outermost;
   drawSquares(pen, run, middle, metre, 1.05 * run.outermost);
@@ -10,7 +10,7 @@ function drawBody(pen, run, view, at, place, {sizes, scale, flashed}) {
   if (run.tracks.line) drawLines(pen, row(run.tracks.line, at), lines, middle, metre);
   if (view.domains && run.tracks.edges) drawDomains(pen, places, row(run.tracks.edges, at), n, middle, metre, outlined);
   pen.strokeStyle = CROSSING;
-  for (const [p] of flashed) {
+  for (const p of changed) {
     for (const [sx, sy] of mirrors) ring(pen, middle[0] + sx * metre * places[p], middle[1] - sy * metre * places[n + p], wide * metre / 2 + 1.5 * place.pixel, 2 * place.pixel);
   }
 }

@@ -81,22 +81,11 @@ function saidOf(run, view) {
   return {rows, field, ...captions[+view.difference], errors};
 }
 
-// Particles of the bar that have changed their cell since the start; none if these are too many to see.
+// Particles that have changed their cell since the start; none if these are too many to see.
 function changedAt(run, time) {
   const who = run.tracks["crossings.who"].values, when = run.tracks["crossings.time"].values;
   const changed = new Set([...who].filter((_, k) => when[k] <= time).map(Math.round));
-  return changed.size > DATA.crossings.most * run.shown ? [] : [...changed];
-}
-
-// Particles that have crossed a cell boundary within the window in which that is shown, with how much of it has gone by.
-function flashedAt(run, view, time) {
-  const who = run.tracks["crossings.who"].values, when = run.tracks["crossings.time"].values, found = [];
-  const since = run.period * Math.max(DATA.crossings.window, DATA.crossings.seconds * view.speed);
-  for (let k = 0; k < when.length; k++) {
-    const age = (time - when[k]) / since;
-    if (age >= 0 && age <= 1) found.push([Math.round(who[k]), age]);
-  }
-  return found;
+  return changed.size > DATA.most_changed * run.shown ? [] : [...changed];
 }
 
 function draw() {
@@ -116,10 +105,10 @@ function draw() {
   const said = saidOf(run, view), pinned = stage.pinned && {run: stage.pinned, at: pictureAt(stage.pinned, stage.time)};
   const sizes = [estimatedSizes(run, view.quantity, view.estimator, view.difference, at), trueSizes(run, view.quantity, at)];
   const shown = sizes.map((each, half) => !said.silences[half] && each && each.some(Number.isFinite) ? each : null);
-  const flashed = flashedAt(run, view, stage.time), scale = {...topsOf(run, view)[Math.floor(at)], logarithmic: view.logarithmic};
+  const changed = changedAt(run, stage.time), scale = {...topsOf(run, view)[Math.floor(at)], logarithmic: view.logarithmic};
   const measured = drawColourBar(pen, place, scale, view.quantity);
-  (place.radius ? drawBody : drawLanes)(pen, run, view, at, place, {scale, flashed, sizes: shown});
-  const field = place.field ? drawField(pen, run, pinned, view, at, said.field, place, changedAt(run, stage.time))
+  (place.radius ? drawBody : drawLanes)(pen, run, view, at, place, {scale, changed, sizes: shown});
+  const field = place.field ? drawField(pen, run, pinned, view, at, said.field, place, changed)
     : drawErrors(pen, run, place, measured, shown, scale, said.titles);
   const halves = ["estimate", "truth"].flatMap((half, k) => [[`${half}-title`, said.titles[k]], [`${half}-by`, said.by[k]], [`${half}-silence`, said.silences[k]]]);
   const alike = place.gutter && shown[0] && shown[1] && !view.difference && !isBroken(run) ? DATA.problems[run.problem].alike : "";

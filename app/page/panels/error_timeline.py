@@ -1,4 +1,5 @@
-"""The error over time below the stage: curves, and as html the axis, the present, stored frames and crossings."""
+"""The error over time below the stage: curves in per cent, and as html the axis, the curves' names, the present, stored
+frames and cell changes."""
 
 import json
 from collections.abc import Sequence
@@ -12,18 +13,18 @@ from viser import uplot
 from app.colour_palette import LINES, PINNED
 from app.frame.colour_scale import largest_finite, round_up
 from app.frame.error_view_captions import TRUE
-from app.language.translation import lazy, tr
-from app.names_and_units import QUANTITIES, in_periods, with_unit
+from app.language.translation import lazy, tr, trn
+from app.names_and_units import QUANTITIES, format_number, functions_name, in_periods, per_cent, with_unit
 from app.page.panels.time_plots import EMPTY, clip_estimate, pinned_curves, plottable_series, series_options, set_series
 from app.page.visit.history import RunSeries
 from app.page.visit.pinned_run import PinnedRun
 from solvers.scene.estimator_registry import ESTIMATORS
 from solvers.scene.scene import Scene
 
-ENDS = (1, 1.5, 2, 3, 4, 5, 6, 8)  # times a power of ten: possible ends of an axis
-HEADROOM = 1.04  # over the largest error
-BINS = 120  # intervals of the strip of crossings
-SHADES = 9  # of the strip
+ENDS = (1, 1.2, 1.5, 2, 2.5, 3, 4, 5, 6, 8)  # times a power of ten: possible ends of the time's axis
+TOPS = (1, 1.2, 2, 4, 6, 8)  # of that of the errors, whose halves are round, too
+HEADROOM, ASIDE = 1.04, 1.13  # over the largest error, and beside the last time, for the curves' names
+BINS = 150  # intervals of the time's axis in which cell changes are counted
 TICKS = 4  # of the time's axis, at least
 
 UNSTABLE, LOST = lazy("unstable from {time} on"), lazy("lost from {time} on")
@@ -54,7 +55,7 @@ class ErrorTimeline:
         self._scale_key: object = None
         self.height, self._dark = 62, False
         self._pointed: float | None = None  # fraction of the axis at the pointer
-        self._read: tuple[np.ndarray, dict[str, np.ndarray]] = EMPTY, {}  # times, and the curves' values by name
+        self._read: tuple[np.ndarray, dict[str, np.ndarray]] = EMPTY, {}  # times, and the curves' shares by name
 
     def set_dark(self, dark: bool) -> None:
         self._dark = dark
@@ -74,19 +75,24 @@ class ErrorTimeline:
 
     def show(self, past: RunSeries, valid: tuple[str, ...], quantity: str, latest: bool, pinned: PinnedRun | None,
              estimator: str | None, now: TimelineState) -> None:
-        """Draws a run's error norms of a quantity ("x") until now, of the ``valid`` estimators; with ``latest`` only
-        its last periods; a ``pinned`` run in grey, by the same ``estimator``."""
-        series = past.latest_periods_series if latest else past.series
+        """Draws a run's error norms of a quantity ("x") until now, as shares of its largest exact value, of the
+        ``valid`` estimators; with ``latest`` only its last periods; a ``pinned`` run in grey, by the same
+        ``estimator``."""
+        series, size = past.latest_periods_series if latest else past.series, past.scene.size_of(quantity)
         time = series["time"]
-        grey = pinned_curves(pinned, past, series, quantity, estimator, latest)[0]
-        true = series[f"error_{quantity}"]
-        estimated = [clip_estimate(series[f"{name}/estimate_{quantity}"], true) if name in valid
+        of_other = size if pinned is None else pinned.scene.size_of(quantity)
+        grey = [curve / of_other for curve in pinned_curves(pinned, past, series, quantity, estimator, latest)[0]]
+        true = series[f"error_{quantity}"] / size
+        estimated = [clip_estimate(series[f"{name}/estimate_{quantity}"] / size, true) if name in valid
                      else np.full(len(time), np.nan) for name in self._estimators]
-        top = self._grow_axes(past, (quantity, latest), time, [*grey, true, *estimated])
-        start, end, _ = self._ends or (0.0, 1.0, 1.0)
-        set_series(self._plot, plottable_series(time - start, *grey, true, *estimated))
+        self._grow_axes(past, (quantity, latest), time, [*grey, true, *estimated])
+        set_series(self._plot, plottable_series(time - (self._ends or (0.0,))[0], *grey, true, *estimated))
         self._read = time, {tr(TRUE): true, **dict(zip(self._estimators, estimated, strict=True))}
-        self._send_axis_and_marks(past, series, quantity, start, end, top, now)
+        named = [(tr(TRUE), "truth", true), *((name, name.replace("-", ""), curve) for name, curve in
+                                              zip(self._estimators, estimated, strict=True) if name in valid)]
+        if pinned:
+            named.append((functions_name(pinned.follows) if pinned.follows else tr("pinned"), "pinned", grey[0]))
+        self._send_axis_and_marks(past, series, named, quantity, now)
 
     def show_values_at(self, fraction: float | None) -> None:
         """Sets where on the time axis, 0 to 1, :meth:`show` writes the curves' values; None for nowhere."""
@@ -99,15 +105,16 @@ class ErrorTimeline:
 
     def clear(self, now: TimelineState) -> None:
         set_series(self._plot, plottable_series(EMPTY, *(np.full(2, np.nan) for _ in self._plot.data[1:])))
-        self._send({"symbol": "", "top": [0, ""], "start": "", "ticks": [], "now": 0, "reach": [0, 0], "strip": "",
-                    "clock": with_unit(now.time, "s"), "playing": now.playing, "read": [], "lost": None, "says": ""})
+        self._send({"symbol": "", "tops": [], "start": "", "ticks": [], "now": 0, "reach": [0, 0], "changes": [],
+                    "first": "", "names": [], "clock": clock_text(now.time), "playing": now.playing, "read": [],
+                    "lost": None, "says": ""})
 
-    def _grow_axes(self, past: RunSeries, curve_key: object, time: np.ndarray, curves: Sequence[np.ndarray]) -> float:
-        """Sets the ends of both axes, which only grow within a run and ``curve_key``; returns the top of the errors."""
+    def _grow_axes(self, past: RunSeries, curve_key: object, time: np.ndarray, curves: Sequence[np.ndarray]) -> None:
+        """Sets the ends of both axes, which only grow within a run and ``curve_key``."""
         most = max(map(largest_finite, curves))
         start, of_time = float(time[0]) if time[0] > past.scene.period else 0.0, unit_of_time(past.scene)
-        end = round_up((float(time[-1]) - start) / of_time, ENDS)[0] * of_time
-        top, _ = round_up(HEADROOM * most, ENDS) if most > 0 else (1.0, 0)
+        end = round_up(ASIDE * (float(time[-1]) - start) / of_time, ENDS)[0] * of_time
+        top, _ = round_up(HEADROOM * most, TOPS) if most > 0 else (0.01, 0)
         if self._ends and self._scale_key == (past.scene, curve_key) and not start:
             end, top = max(end, self._ends[1]), max(top, self._ends[2])
         self._scale_key = past.scene, curve_key
@@ -115,14 +122,18 @@ class ErrorTimeline:
         if ends != self._ends:
             self._ends = ends
             self._plot.scales = {"x": {"time": False, "range": [0.0, ends[1] - ends[0]]}, "y": {"range": [0.0, top]}}
-        return top
 
-    def _send_axis_and_marks(self, past: RunSeries, series: dict[str, np.ndarray], quantity: str, start: float,
-                             end: float, top: float, now: TimelineState) -> None:
+    def _send_axis_and_marks(self, past: RunSeries, series: dict[str, np.ndarray],
+                             named: Sequence[tuple[str, str, np.ndarray]], quantity: str, now: TimelineState) -> None:
+        """Sends everything around the curves, of which ``named`` has name, colour and values (T,)."""
+        start, end, top = self._ends or (0.0, 1.0, 1.0)
+
         def part(time: float) -> float:
             return round(min(1.0, max(0.0, (time - start) / (end - start))), 4)
 
-        tick, _ = round_up(0.5 * top, (1, 2, 5))
+        def height(share: float) -> float:
+            return round(1 - min(1.0, share / top), 4)
+
         of_time, swings = unit_of_time(past.scene), past.scene.swings
         step = round_up((end - start) / of_time / TICKS / 1.0001, (1, 2, 5))[0] * of_time
         ticks = [start + k * step for k in range(1, int((end - start) / step * 1.0001) + 1)] if not start else []
@@ -131,12 +142,16 @@ class ErrorTimeline:
         factor = 1 / of_time if swings or not ticks else float(last.split()[0]) / ticks[-1]
         marks = [[part(tick), f"{tick * factor:.4g}" if tick != ticks[-1] else last] for tick in ticks]
         begin = "0" if not start else in_periods(start / of_time) if swings else with_unit(start, "s")
-        words = QUANTITIES[quantity]
-        said = {"symbol": words.symbol, "top": [round(1 - tick / top, 4), with_unit(tick, words.unit)],
+        changes, many = self._cell_changes(series, start, end)
+        said = {"symbol": QUANTITIES[quantity].symbol,
+                "tops": [[height(share), f"{format_number(100 * share)} %"] for share in (top, 0.5 * top)],
                 "start": begin, "ticks": marks, "now": part(now.time),
-                "reach": [*map(part, now.reach)], "strip": self._crossing_digits(past, series, start, end),
-                "clock": with_unit(now.time, "s"), "playing": now.playing,
-                "read": self._values_at_pointer(past.scene, words.unit),
+                "reach": [*map(part, now.reach)], "changes": changes, "first": tr("first crossing") if changes else "",
+                "many": trn("{count:,} cell change so far", "{count:,} cell changes so far", many),
+                "names": [[name, colour, height(float(curve[-1]))] for name, colour, curve in named
+                          if np.isfinite(curve[-1])],
+                "clock": clock_text(now.time), "playing": now.playing,
+                "read": self._values_at_pointer(past.scene),
                 "lost": None if now.lost is None else part(now.lost), "says": "" if now.lost is None else
                 tr(UNSTABLE if now.unstable else LOST, time=with_unit(now.lost, "s"))}
         self._send(said)
@@ -145,26 +160,26 @@ class ErrorTimeline:
         text = json.dumps(said, separators=(",", ":"), ensure_ascii=False)
         self._html.content = f"<i class='lab-times' data-said='{escape(text)}'></i>"
 
-    def _values_at_pointer(self, scene: Scene, unit: str) -> list[str]:
+    def _values_at_pointer(self, scene: Scene) -> list[str]:
         """Returns texts of the time and each curve's value at the pointer; none beyond the run."""
         time, curves = self._read
         if self._pointed is None or not curves or (at := self.time_at(self._pointed)) > time[-1]:
             return []
         values = {name: float(np.interp(at, time, curve)) for name, curve in curves.items()}
         periods = f" = {in_periods(at / scene.period)}" * scene.swings
-        return [with_unit(at, "s") + periods, *(f"{name} {with_unit(value, unit)}" for name, value in values.items()
+        return [with_unit(at, "s") + periods, *(f"{name} {per_cent(value)}" for name, value in values.items()
                                                 if np.isfinite(value))]
 
-    def _crossing_digits(self, past: RunSeries, series: dict[str, np.ndarray], start: float, end: float) -> str:
-        """Returns a digit, 0 to 9, per interval of the time axis until now: crossings relative to the most."""
-        time, rate = past.crossings_per_second(series)
-        if not past.scene.has("crossings") or not len(time) or not np.isfinite(rate).any():
-            return ""
-        at = start + (end - start) * (np.arange(BINS) + 0.5) / BINS
-        at = at[at <= series["time"][-1]]
-        most = largest_finite(rate)
-        shades = np.interp(at, time, rate) / most if most > 0 else np.zeros(len(at))
-        return "".join(map(str, np.rint(SHADES * np.nan_to_num(shades)).astype(int)))
+    @staticmethod
+    def _cell_changes(series: dict[str, np.ndarray], start: float, end: float) -> tuple[list[float], int]:
+        """Returns where particles have changed their cell, as fractions of the time axis from ``start`` to ``end`` in
+        s, at most 150, and how many cell changes there are in all."""
+        time, count = series["time"], series.get("crossings")
+        if count is None or not len(count) or not np.isfinite(count[-1]):
+            return [], 0
+        at = (time[1:] - start)[np.diff(count) > 0] / (end - start)
+        bins = np.unique(np.floor(BINS * at[(at >= 0) & (at <= 1)]))
+        return np.round((bins + 0.5) / BINS, 4).tolist(), int(count[-1])
 
     def _build(self, estimators: tuple[str, ...], pinned: bool) -> viser.GuiUplotHandle:
         series = self._series(estimators, pinned)
@@ -183,6 +198,11 @@ class ErrorTimeline:
         lines = [series_options(name, LINES[name.replace("-", "")][self._dark], 2, ESTIMATORS[name].dashes)
                  for name in estimators]
         return {"label": "t"}, *grey, series_options(tr(TRUE), LINES["truth"][self._dark], 4), *lines
+
+
+def clock_text(time: float) -> str:
+    """Formats the present time in s: "0.25 s"; with a prefix if it is short."""
+    return f"{format_number(time)} s" if time == 0 or time >= 1e-3 else with_unit(time, "s")
 
 
 def unit_of_time(scene: Scene) -> float:

@@ -11,6 +11,7 @@ from weakref import WeakSet
 from app.language.translation import current_language, tr, with_language
 from solvers.engine.engine_pool import EnginePool, SessionLink, SessionListener
 from solvers.scene.scene import Scene
+from solvers.study.landscape.error_history import HistoryCache
 
 MOST_WATCHED = 40_000  # particles; browsers show not much more
 FASTEST = 1000.0  # periods per second; nothing is visible at such a speed
@@ -60,11 +61,10 @@ class _ListenerInLanguage:
 
 
 class PageEngineLinks:
-    """The engines for one page, which opens links to them. ``frames`` counts the frames of all pages, ``histories`` are
-    the points of landscapes that any page has requested."""
+    """The engines for one page, which opens links to them. ``frames`` counts the frames of all pages."""
 
     def __init__(self, pool: EnginePool, frames: EventRateCounter | None = None):
-        self._pool, self.frames, self.histories = pool, frames or EventRateCounter(), pool.histories
+        self._pool, self.frames = pool, frames or EventRateCounter()
         self._opening, self._closed = threading.Lock(), False
         self._links = WeakSet[SessionLink]()  # weak: a closed link and its listener are not kept alive
 
@@ -84,6 +84,11 @@ class PageEngineLinks:
             self._closed, links = True, list(self._links)
         for link in links:
             link.close()
+
+    @property
+    def histories(self) -> HistoryCache:
+        """The points of landscapes that any visitor has requested."""
+        return self._pool.histories
 
     @property
     def playing(self) -> int:

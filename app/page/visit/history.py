@@ -8,7 +8,6 @@ from itertools import product
 
 import numpy as np
 
-from app.frame.recent_crossings import WINDOW
 from solvers.scene.scene import Scene
 from solvers.scene.step_bound import gershgorin_to_linear_factor
 from solvers.solver import samples
@@ -18,6 +17,7 @@ from solvers.solver.samples import QUANTITIES
 
 MOST_ROWS = 800  # then every other row is dropped: a long run keeps its whole course, more coarsely
 LAST_PERIODS = 2  # that plots show on request: fine enough however long the run
+WINDOW = 1 / 20  # of a period, over which crossings are counted
 ROOM = 2 * MOST_ROWS  # rows of a table, copied when it is full, not with every frame
 
 

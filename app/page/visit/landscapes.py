@@ -30,7 +30,7 @@ from solvers.study.landscape.parameter_values import (
 
 CFL = (0.01, 2.0)  # ends of the slider of the time step
 LEAST_PERIODS = 0.05  # of a landscape: of a run that has not begun there is no error
-HORIZONS = (0.25, 0.5, 1.0, 2.0, MOST_PERIODS)  # periods that points of a playing run last, so that few are run again
+HORIZONS = (0.25, 1.0, MOST_PERIODS)  # periods that points of a playing run last, so that few are run again
 BUDGET_SECONDS = {1: 1.0, 2: 2.0}  # of a processor for all points of a scene, by its dimensions
 POINT_SECONDS = 0.3  # for one of them
 EXPECTED_RATES = {1: 3e7, 2: 8e6}  # particle-steps per s, before the first measurement
@@ -84,8 +84,8 @@ class Landscapes:
         self._curves, self._missing = {}, {}
         if scene.arch != "cpu" or getattr(scene, "plan", "") == "parallel":  # in a fork only serial runs are possible
             return
-        playing = self._session.playing
-        horizon = next(h for h in HORIZONS if h >= until) if playing else until
+        horizon = next(h for h in HORIZONS if h >= until) if self._session.playing else until
+        coarse = self._session.playing and horizon < MOST_PERIODS
         requests = {name: LandscapeRequest(scene, name, until, quantity, estimator, _slider_reach(scene, name))
                     for name in parameters_of(scene)}
         points = [point for request in requests.values() for point in self._points(request, horizon)]
@@ -95,7 +95,7 @@ class Landscapes:
         costly = choose_costly([START_SECONDS[D] + point.price / (rate or EXPECTED_RATES[D]) for point in points],
                                BUDGET_SECONDS[D], POINT_SECONDS)
         for point, dear in zip(points, costly, strict=True):
-            if not (dear or self._is_known(point.key, horizon) or (playing and _rank(point, in_hand) == LAST)):
+            if not (dear or self._is_known(point.key, horizon) or (coarse and _rank(point, in_hand) == LAST)):
                 self._missing.setdefault(point.key, SurveyPoint(point.parameter, point.value, horizon, point.level))
         for name, request in requests.items():
             own = sorted((point.value, point.key, dear)
@@ -139,7 +139,7 @@ class Landscapes:
             self._session.link.survey(scene, [point for point in self._missing.values() if point in points])
 
 
-LAST = 3  # rank of points that are not computed while a run plays
+LAST = 3  # rank of points that are not computed while a run plays and will soon need longer ones
 
 
 def _rank(point: _Point, in_hand: str | None) -> int:

@@ -8,7 +8,6 @@ import numpy as np
 from app.frame.field_plot import ROOM, FieldPlot, FieldPlotDefinition
 from app.frame.layout import HALVES
 from app.frame.primitives import Anchor, Dots, Label, Lines, Mark, Role, Sign, StageMetrics, Tone, in_plane, join_points
-from app.frame.recent_crossings import MOST_CHANGED
 from app.frame.stage import TOUCH, Stage, StageLabels, WorstRegionMark, title_labels
 from app.language.translation import lazy, tr
 from app.names_and_units import short_reason
@@ -69,13 +68,6 @@ class BarStage(Stage[BarScene]):
         lanes = [in_plane(x, lane) for lane in (self._layout.estimate, self._layout.truth)]
         return np.stack([*lanes, self._plot.dot_positions(particles, len(x))])
 
-    def _particles_to_mark(self, since: np.ndarray, scene: BarScene, speed: float) -> np.ndarray:
-        """Returns the particles that have changed their cell since the start; none if these are too many to see."""
-        changed = since >= 0
-        many = np.count_nonzero(changed) > MOST_CHANGED * len(changed)
-        self._update_labels(crossings=tr("nearly all changed cell") if many else tr(self.MARKED))
-        return np.zeros(len(changed), bool) if many else changed & self._marked
-
     def _stage_x(self, arrays: FrameArrays) -> np.ndarray:
         """Returns particles' stage x (P,), as in m, within a periodic bar's period; -0.5 to 1.5 for a broken run."""
         x = arrays.position[:, 0]
@@ -92,7 +84,9 @@ class BarStage(Stage[BarScene]):
 
     def _plot_marks(self, scene: BarScene, arrays: FrameArrays, sizes: tuple[np.ndarray | None, np.ndarray | None],
                     t: float, crossed: np.ndarray) -> Iterator[Mark]:
-        return self._plot.draw(self._layout, scene, self.plotted, self.magnified, self._now, arrays.plotted, t, crossed)
+        yield from self._plot.draw(self._layout, scene, self.plotted, self.magnified, self._now, arrays.plotted, t,
+                                   crossed)
+        self._update_labels(before=tr("before") if self._plot.shows_before else "")
 
     def _static_marks(self, scene: BarScene, particles: int, at_rest: np.ndarray | None) -> Iterator[Mark]:
         edges, places = np.arange(scene.cells + 1) * scene.spacing, self._layout

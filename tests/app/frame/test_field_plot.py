@@ -110,6 +110,40 @@ def test_axis_comes_back_once_a_peak_is_gone():
     assert 1 / ROOM <= axis.top < 3
 
 
+def test_a_held_axis_only_grows():
+    """Until 1.4 s after the last change, when the plot is drawn again and the axis fits what there is."""
+    clock = SimpleNamespace(now=0.0)
+    axis = ValueAxis(lambda: clock.now)
+    axis.update(0.0, 85.0)
+    assert axis.top == 100
+    for clock.now, least, top in ((1.0, 98.0, 100), (2.0, 126.0, 150), (3.0, 10.0, 150)):
+        axis.hold()
+        axis.update(0.0, least)
+        assert axis.top == top and not axis.is_outdated
+    clock.now = 4.5
+    assert axis.is_outdated
+    axis.update(0.0, 10.0)
+    assert axis.top == 10 and not axis.is_outdated
+
+
+def test_the_curve_before_a_change_stays_for_a_moment():
+    """That before the first of several changes, on the axis of now."""
+    clock = SimpleNamespace(now=0.0)
+    draw, made = plot()
+    made["plot"].axis.clock = lambda: clock.now
+    first, fields = np.linspace(0, 1, 20), [np.full((20, 2), value, np.float32) for value in (0.01, 0.02, 0.04)]
+    scenes = [replace(BAR, amplitude=amplitude) for amplitude in (0.025, 0.026, 0.027)]
+    for scene, field in zip(scenes, fields, strict=True):
+        draw(scene, "x", 1, first, field, 0.1, UNCROSSED)
+    ghost = made["before"].segments
+    assert len(ghost) == 19 and made["plot"].shows_before
+    np.testing.assert_allclose(ghost[:, 0, 1], BOX.middle + 0.01 * BOX.half / made["plot"].axis.top, rtol=1e-5)
+    clock.now = 2.0
+    assert made["plot"].is_outdated
+    draw(scenes[-1], "x", 1, first, fields[-1], 0.1, UNCROSSED)
+    assert not len(made["before"]) and not made["plot"].is_outdated
+
+
 PLACES = BarStage.layout(StageMetrics(720.0, high=0.5, gutter=0.16), ComparedRunSlot.ALONE)
 BOX = PLACES.field
 AT, UNCROSSED = (np.arange(20) + 0.5) / 20, np.zeros(20, bool)

@@ -1,18 +1,15 @@
-"""Where things stand on the stages, in windows of all shapes; and what counts as a crossing now."""
+"""Where things stand on the stages, in windows of all shapes."""
 
 from itertools import product
 
-import numpy as np
 import pytest
 
 from app.frame.field_plot import ROOM
 from app.frame.layout import ComparedRunSlot, FieldPlotLayout, colour_bar_box
 from app.frame.planar_layout import AROUND, make_planar_layout, planar_labels
 from app.frame.primitives import StageMetrics
-from app.frame.recent_crossings import LEAST_SECONDS, WINDOW, crossing_window, is_recent_crossing
 from app.frame.stage import StageLabels
 from app.problems.views import VIEWS
-from solvers.problems.bar.scene import BarScene
 
 #: 1280 × 720, 1920 × 1080, 800 × 1100 and a phone.
 ROOMS = (StageMetrics(736.0, high=0.45, gutter=0.16), StageMetrics(1248.0, 1.17, 0.53, 0.12),
@@ -45,16 +42,6 @@ def test_everything_stands_in_the_rectangle_below_the_scale(problem, seat, room)
         assert seat == ComparedRunSlot.SECOND or x + reach < box.left
         low, high = box.low, box.high
     assert 0 <= box.left < box.right <= 1 and y0 < low < high < end and (high - low) * room.pixels > 30
-
-
-def test_a_crossing_is_shown_for_a_part_of_a_period_and_long_enough_to_be_seen():
-    scene = BarScene()
-    for speed in (0.01, 10.0):
-        long = crossing_window(scene, speed * scene.period)
-        assert long == pytest.approx(max(WINDOW * scene.period, LEAST_SECONDS * speed * scene.period))
-        steps = np.array([-1.0, 0.0, 0.4 * long / scene.time_step, 1.1 * long / scene.time_step], np.float32)
-        shown = is_recent_crossing(steps, scene, speed * scene.period)
-        np.testing.assert_array_equal(shown, [False, True, True, False])
 
 
 @pytest.mark.parametrize("letters", (1.0, 1.7, 2.5))

@@ -1,7 +1,6 @@
 """What the stage shows of a frame, in words and numbers: halves, silences, regions. No web server, no engine."""
 
 from dataclasses import replace
-from itertools import pairwise
 from types import SimpleNamespace
 from xml.etree import ElementTree
 
@@ -12,7 +11,6 @@ from app import names_and_units
 from app.frame.colour_scale import DECADES, MOST_TICKS, ColourScale
 from app.frame.error_view_captions import ESTIMATE_OFF, NONE_CHOSEN, OFF, TRUTH_OFF, UNKNOWN, frame_error_view
 from app.frame.stage import Stage
-from app.names_and_units import with_unit
 from app.page.panels.readout_tables import _percent, live_readout
 from app.page.stage.worst_region import SteadyMaximum, WorstRegions
 from app.page.visit.first_scene import first_scene
@@ -111,78 +109,87 @@ class Clock:
 def test_scale_says_when_something_exceeds_it():
     clock = Clock()
     scale = ColourScale(clock)
-    scale.update(np.full(3, 5.0), np.full(3, 1.0))
-    clock.now = 1.0
-    assert scale.top == 5 and scale.ticks("m")[-1][1] == "5 m"
-    scale.update(np.full(3, 50.0), np.full(3, 1.0))  # an estimate that has lost its way
-    assert scale.top == 10 and scale.ticks("m")[-1][1] == "≥ 10 m"
-    scale.update(None, None)
-    assert not scale.exceeded
+    scale.update(np.full(3, 0.2), np.full(3, 0.01))
+    clock.now = 2.0
+    assert scale.top == 0.1 and scale.ticks("x")[-1][1] == "≥ 10 % of the largest displacement"
+    scale.update(np.full(3, 0.09), np.full(3, 0.01))
+    assert not scale.exceeded and scale.ticks("x")[-1][1] == "10 % of the largest displacement"
+    scale.absolute, scale.whole = True, 2.0
+    assert [text for _, text in scale.ticks("x")] == ["0, exact", "40 mm", "80 mm", "120 mm", "160 mm", "200 mm"]
 
 
 def test_two_runs_share_one_scale():
     """Of estimate and truth, of the run on the stage and of one beside it, the largest that counts makes the top: a
     colour means the same everywhere. Without any truth the larger estimate counts."""
-    small, large = np.full(3, 1.0), np.full(3, 5.0)
+    small, large = np.full(3, 0.05), np.full(3, 0.25)
     for own, beside in (((small, large), (small, small)), ((small, small), (small, large)),
                         ((large, small), (small, small)), ((small, small), (large, small)),
                         ((None, small), (None, large)), ((small, None), (large, None)), ((large, None), (small, None))):
         scale = ColourScale()
         scale.update(*own, None, beside)
-        assert scale.top == 5, (own, beside)
+        assert scale.top == 0.3, (own, beside)
         assert not scale.exceeded
 
 
 @pytest.mark.parametrize("logarithmic", [False, True])
 def test_scale_is_used_and_its_numbers_are_round(logarithmic):
-    """Whatever the largest error, it is in the upper quarter of the scale, and a tick has two digits at most."""
-    for value in np.geomspace(1e-7, 1e6, 500):
+    """Whatever the largest error, it is from the middle of the scale to half beyond it, and ticks have a digit; a scale
+    never reaches beyond the largest exact value."""
+    for value in np.geomspace(1e-7, 1.5, 300):
         scale = ColourScale()
         scale.logarithmic = logarithmic
         scale.update(np.array([value]), None)
-        assert 0.75 - 1e-12 <= value / scale.top <= 1
-        ticks = scale.ticks("m")
-        assert len(ticks) <= MOST_TICKS and ticks[-1][0] == 1 and ticks[-1][1] == with_unit(scale.top, "m")
-        size = scale.top / float(ticks[-1][1].split()[0])  # what the numbers without a unit are counted in
-        for at, text in ticks[not logarithmic:-1]:
+        assert 0.45 - 1e-12 <= value / scale.top <= 1.5 + 1e-12 and scale.top <= 1
+        ticks = scale.ticks("x")
+        assert len(ticks) <= MOST_TICKS and ticks[-1][0] == 1
+        for at, text in ticks[not logarithmic:]:
             exact = scale.top * 10 ** (DECADES * (at - 1)) if logarithmic else scale.top * at
-            shown = names_and_units.parse_size(text, "m") if logarithmic else size * float(text)
-            assert shown == pytest.approx(exact, rel=1e-9)  # nothing was rounded away
-            assert len(f"{float(text.split()[0]):.12e}".split("e")[0].rstrip("0")) <= 4  # 2.25 at most
+            number = text.removeprefix("≥ ").split(" %")[0]
+            assert float(number) == pytest.approx(100 * exact, rel=1e-9)  # nothing was rounded away
         assert logarithmic or ticks[0] == (0.0, "0, exact")
+    scale.update(np.array([40.0]), None, settled=True)
+    assert scale.top == 1 and scale.exceeded
 
 
 def test_scale_keeps_still_while_errors_come_and_go():
-    """It holds the largest error so far, whatever comes; another run has its own."""
+    """It holds the largest error so far, whatever comes."""
     clock, tops = Clock(), []
     scale = ColourScale(clock)
     for k in range(400):
         clock.now = k / 25
-        scale.update(None, np.array([2.2 * abs(np.sin(2 * np.pi * k / 100)) + 0.1]))
+        scale.update(None, np.array([0.22 * abs(np.sin(2 * np.pi * k / 100)) + 0.01]))
         tops.append(scale.top)
-    assert tops[-1] == 2.5 == max(tops) and tops == sorted(tops)
-    scale.update(None, np.array([0.1]))
-    assert scale.top == 2.5
+    assert tops[-1] == 0.3 == max(tops) and tops == sorted(tops)
     scale.reset()
-    scale.update(None, np.array([0.1]))
-    assert scale.top == 0.1
+    scale.update(None, np.array([0.01]))
+    assert scale.top == 0.01
 
 
-def test_scale_grows_once_a_second():
+def test_scale_keeps_its_top_from_run_to_run_and_is_then_fitted_to_the_last():
+    """While a slider is moved colours mean the same; the stage is drawn again when it is time."""
+    clock = Clock()
+    scale = ColourScale(clock)
+    scale.begin_run()
+    scale.update(None, np.array([0.2]), settled=True)
+    assert scale.top == 0.3
+    for clock.now, error in ((10.0, 0.9), (11.0, 0.02)):
+        scale.begin_run()
+        scale.update(None, np.array([error]), settled=True)
+        assert scale.top == 0.3 and not scale.is_outdated
+    clock.now = 12.5
+    assert scale.is_outdated
+    scale.update(None, np.array([0.02]), settled=True)
+    assert scale.top == 0.03 and not scale.is_outdated
+
+
+def test_scale_grows_calmly():
     """But at once where all would look alike."""
     clock = Clock()
     scale = ColourScale(clock)
-    changes, before = [], None
-    for k in range(500):
-        clock.now = k / 25
-        scale.update(None, np.array([1 + 0.01 * k]))
-        if scale.top != before:
-            changes.append((clock.now, scale.top))
-        before = scale.top
-    assert all(later - sooner >= 1 and top > least for (sooner, least), (later, top) in pairwise(changes))
-    assert 5 < len(changes) < 12
-    scale.update(None, np.array([100 * scale.top]))
-    assert scale.top >= 100
+    scale.update(None, np.array([0.01]))
+    for clock.now, error, top in ((0.1, 0.02, 0.01), (2.0, 0.02, 0.03), (2.1, 0.2, 0.3)):
+        scale.update(None, np.array([error]))
+        assert scale.top == top
 
 
 def test_scale_is_settled_when_a_run_pauses():
@@ -191,28 +198,27 @@ def test_scale_is_settled_when_a_run_pauses():
         clock = Clock()
         scale = ColourScale(clock)
         for clock.now in times:
-            scale.update(None, np.array([5 + 3 * clock.now]))
-        scale.update(None, np.array([11.0]), settled=True)
-        assert not scale.exceeded
+            scale.update(None, np.array([0.1 + 0.03 * clock.now]))
+        scale.update(None, np.array([0.21]), settled=True)
         return scale.top
 
-    assert top_after(0.0, 0.9, 1.0) == top_after(1.0, 1.1) == top_after(1.9) == 12
+    assert top_after(0.0, 0.9, 1.0) == top_after(1.0, 1.1) == top_after(1.9) == 0.3
 
 
 def test_a_run_that_is_shown_again_begins_with_what_it_has_come_to():
     scale = ColourScale()
-    for size in (0.1, 7.3, 0.2):
+    for size in (0.001, 0.73, 0.002):
         scale.update(None, np.array([size]), "this run")
     scale.reset()
-    scale.update(None, np.array([0.1]), "another")
-    assert scale.top == 0.1
+    scale.update(None, np.array([0.001]), "another")
+    assert scale.top == 0.001
     scale.reset()
-    scale.update(None, np.array([0.1]), "this run")
-    assert scale.top == 8
+    scale.update(None, np.array([0.001]), "this run")
+    assert scale.top == 1
     scale.held = True
     scale.reset()
     scale.update(None, np.array([50.0]), "another")
-    assert scale.top == 8 and scale.exceeded
+    assert scale.top == 1 and scale.exceeded
 
 
 @pytest.mark.parametrize(("margin", "shown"), [

@@ -7,12 +7,11 @@ import numpy as np
 import pytest
 
 from app.frame.error_view_captions import NOT_COMPARED, frame_error_view
-from app.frame.recent_crossings import WINDOW
 from app.page.features.upload.uploaded_run import UploadedRun
 from app.page.headline_panel import frame_headline
 from app.page.panels.readout_tables import live_readout
 from app.page.stage.worst_region import WorstRegions
-from app.page.visit.history import LAST_PERIODS, MOST_ROWS, DownsampledSeries, NormHistory, series_until
+from app.page.visit.history import LAST_PERIODS, MOST_ROWS, WINDOW, DownsampledSeries, NormHistory, series_until
 from app.page.visit.recent_frames import MOST_BYTES, MOST_FRAMES, RecentFrames, frame_bytes
 from solvers.engine.shared_frames import FrameOptions, block_bytes, read_frame, write_frame
 from solvers.problems.bar.scene import BarScene

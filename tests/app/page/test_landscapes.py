@@ -117,13 +117,13 @@ def test_a_playing_run_gets_coarse_points_that_last(visit):
     session.playing = True
     request(its, "ppc", until=0.3)
     points = session.link.sent[-1][1]
-    assert {point.until for point in points} == {0.5}
+    assert {point.until for point in points} == {1.0}
     assert {point.parameter for point in points if point.level} == {"ppc"}
     session.link.compute(None, sound)
     request(its, "ppc", until=0.4)
     assert len(session.link.sent) == 1
     # Beyond that time what is known stays until it is known better.
-    assert request(its, "ppc", until=0.6)["ppc"].true[0] == 0.1 and len(session.link.sent) == 2
+    assert request(its, "ppc", until=1.6)["ppc"].true[0] == 0.1 and len(session.link.sent) == 2
 
 
 def test_cliffs_get_two_points_more(visit):

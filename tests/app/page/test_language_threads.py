@@ -126,8 +126,8 @@ def test_a_goodbye_is_everyones_own():
     told = []
     pages = {one: SimpleNamespace(client=SimpleNamespace(client_id=k, flush=lambda: None), language=one,
                                   stop_output=lambda: None, close=lambda: None) for k, one in enumerate(CODES)}
-    house = Visitors(None, 2, lambda client, _: pages[CODES[client.client_id]], lambda client, text: told.append(
-        (CODES[client.client_id], text)))
+    house = Visitors(page_server.SilentPool(), 2, lambda client, _: pages[CODES[client.client_id]],
+                     lambda client, text: told.append((CODES[client.client_id], text)))
     for page in pages.values():
         with_language(house.connect, page.language)(page.client)
     for thread in house.close_all_pages():

@@ -19,16 +19,15 @@ SCENE = BarScene()
 
 
 class Past:
-    """A run until ``end``: an error that grows evenly to 100 µm in a second, particles that cross all the time."""
+    """A run until ``end``: an error that grows evenly to 100 µm in a second, 0.4 % of the amplitude; a particle changes
+    its cell at 0.3 s, and one at 0.5 s."""
 
     def __init__(self, end, scene=SCENE):
         time = np.linspace(0, end, 200)
         self.scene = scene
         self.series = self.latest_periods_series = {"time": time, "error_x": 1e-4 * time,
-                                                    "transport/estimate_x": 2e-4 * time}
-
-    def crossings_per_second(self, series):
-        return series["time"][1:], np.full(len(series["time"]) - 1, 600.0)
+                                                    "transport/estimate_x": 2e-4 * time,
+                                                    "crossings": 1.0 * (time > 0.3) + (time > 0.5)}
 
 
 @pytest.fixture
@@ -54,24 +53,26 @@ def show(line, end, now=None, scene=SCENE):
 
 
 def test_axes_only_grow_within_a_run_and_end_at_round_numbers(line):
-    """Twice an error of 100 µm a second; in another run they begin anew."""
-    show(line, 0.9)
-    assert ends(line) == ([0.0, 1.0], [0.0, pytest.approx(2e-4)])
+    """Twice an error of 0.4 % a second, with room for the curves' names; in another run they begin anew."""
+    show(line, 0.8)
+    assert ends(line) == ([0.0, 1.0], [0.0, pytest.approx(0.008)])
     show(line, 1.2)
-    assert ends(line) == ([0.0, 1.5], [0.0, pytest.approx(3e-4)])
+    assert ends(line) == ([0.0, 1.5], [0.0, pytest.approx(0.01)])
     show(line, 0.3)
     assert line._plot.scales["x"]["range"] == [0.0, 1.5]
-    show(line, 0.3, scene=BarScene(cells=20))
+    show(line, 0.25, scene=BarScene(cells=20))
     assert line._plot.scales["x"]["range"] == [0.0, pytest.approx(0.3)]
 
 
 def test_what_is_said_round_the_curves(line):
-    """Places are parts of the axis, sizes have a unit with a prefix, said once on the time's axis."""
-    at = show(line, 0.9)
-    assert at["symbol"] == "x" and at["top"] == [0.5, "100 µm"] and at["start"] == "0"
+    """Places are parts of the axis, errors in per cent of the largest exact value; the unit of time is said once."""
+    at = show(line, 0.8)
+    assert at["symbol"] == "x" and at["tops"] == [[0.0, "0.8 %"], [0.5, "0.4 %"]] and at["start"] == "0"
     assert at["ticks"] == [[0.5, "0.5"], [1.0, "1 period"]]
-    assert at["now"] == 0.9 and at["reach"] == [0.45, 0.9] and at["lost"] is None and at["clock"] == "900 ms"
-    assert at["strip"] == "9" * round(0.9 * BINS)
+    assert at["now"] == 0.8 and at["reach"] == [0.4, 0.8] and at["lost"] is None and at["clock"] == "0.8 s"
+    assert at["names"] == [["true", "truth", 0.6], ["transport", "transport", 0.2]]
+    assert at["changes"] == [pytest.approx(moment, abs=1 / BINS) for moment in (0.3, 0.5)]
+    assert at["many"] == "2 cell changes so far"
 
 
 def test_times_are_counted_in_periods_where_something_swings(line):
@@ -87,9 +88,9 @@ def test_times_are_counted_in_periods_where_something_swings(line):
 
 
 def test_a_lost_run_says_since_when(line):
-    at = show(line, 0.9, TimelineState(0.9, (0.0, 0.9), False, 0.6))
+    at = show(line, 0.8, TimelineState(0.8, (0.0, 0.8), False, 0.6))
     assert (at["lost"], at["says"], at["playing"]) == (0.6, "lost from 600 ms on", False)
-    at = show(line, 0.9, TimelineState(0.9, (0.0, 0.9), False, 0.6, unstable=True))
+    at = show(line, 0.8, TimelineState(0.8, (0.0, 0.8), False, 0.6, unstable=True))
     assert at["says"] == "unstable from 600 ms on"
 
 
@@ -127,7 +128,7 @@ def test_what_a_browser_says_of_its_window_is_believed_in_nothing(wrong):
 def test_what_the_curves_are_under_the_pointer(line):
     """Between two samples in a straight line; nothing beyond the run, and nothing once the pointer has left."""
     line.show_values_at(0.5)
-    assert show(line, 0.9)["read"] == ["500 ms = 0.5 periods", "true 50 µm", "transport 100 µm"]
+    assert show(line, 0.8)["read"] == ["500 ms = 0.5 periods", "true 0.2 %", "transport 0.4 %"]
     line.show_values_at(0.95)
     assert show(line, 0.9)["read"] == []
     line.show_values_at(None)

@@ -118,7 +118,7 @@ def stage(run):
     report, arrays = run[-1]
     stage = VIEWS[report.scene.problem].stage(RecordingSurface(), ColourScale())
     stage.plotted = "x"
-    stage.draw(report.scene, arrays, None, arrays.error[:, 0], report.time, 1.0)
+    stage.draw(report.scene, arrays, None, arrays.error[:, 0], report.time)
     return stage
 
 
@@ -142,9 +142,9 @@ def test_height_in_the_lanes_does_not_count():
     """As wide as a particle is the column in which it is meant, between the lanes as well."""
     report, arrays = frame_of(BAR)
     stage = BarStage(RecordingSurface(), ColourScale())
-    stage.draw(report.scene, arrays, None, arrays.error[:, 0], 0.0, 1.0)
+    stage.draw(report.scene, arrays, None, arrays.error[:, 0], 0.0)
     places = stage.layout(stage.sheet.stage_metrics.rounded(), ComparedRunSlot.ALONE)
-    for y in (places.estimate + 0.04, places.crossings, places.truth - 0.04):
+    for y in (places.estimate + 0.01, 0.5 * (places.estimate + places.truth), places.truth - 0.01):
         assert [stage.nearest_particle((x, y), arrays) for x in (0.001, 0.374, 0.424, 0.999)] == [0, 7, 8, 19]
     assert stage.nearest_particle((1.2, places.truth), arrays) is None
 

@@ -130,7 +130,7 @@ def test_nothing_on_the_page_is_said_outside_the_catalogue(chromium, address):
         page.locator("[data-lab~=lab-at-slow] + div button").click()
         look("slow motion")
         page.locator("[data-lab~=lab-at-slow] + div button").first.click()
-        page.locator("[data-lab~=lab-at-pin] + div button").first.click()
+        page.keyboard.press("p")
         look("pinned")
         page.evaluate("location.hash = 'bar;cells=2'")
         until(page.locator(".lab-notice, .lab-refused").count, "why the link cannot be followed")

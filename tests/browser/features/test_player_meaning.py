@@ -76,7 +76,7 @@ def test_each_error_is_shown_where_its_name_stands(player, problem):
 
 
 @pytest.mark.parametrize("logarithmic", [False, True], ids=["linear", "logarithmic"])
-@pytest.mark.parametrize("top", [4e-4, 0.8, 1.2e6])
+@pytest.mark.parametrize("top", [3e-4, 1.0, 3e6])
 def test_the_colour_at_a_tick_is_that_of_its_number(player, top, logarithmic):
     """To one of 256 shades, or two on a logarithmic scale."""
     parts = TOPS[round(top / 10.0 ** math.floor(math.log10(top)), 6)]

@@ -20,7 +20,7 @@ def traced(page):
 def a_click_traces_a_particle(page):
     """A plot of its own from the first frames on, until it is said that it is enough; by its number too."""
     until(lambda: time(page) > 0.3, "frames to look back at")
-    unfold(page, "What is drawn")
+    unfold(page, "Look")
     driving.click_a_particle(page, *driving.in_lane(page, "Truth", 0.34))
     title = page.get_by_text(re.compile(r"particle \d+, X = 0\.3\d* m"))
     title.wait_for()

@@ -26,7 +26,7 @@ def test_axe_finds_nothing(server, chromium, scheme):
     with visit(chromium, server[0], "#", color_scheme=scheme) as page:
         page.locator("body.lab-to-see").wait_for(timeout=60_000)
         until(lambda: page.locator("body.lab-dark").count() == (scheme == "dark"), scheme)
-        unfold(page, "Method details", "Effects: compute")
+        unfold(page, "Method details", "What is computed")
         nothing_serious(page, "Explore")
         for tab in ("Lessons", "Cost", "About"):
             page.get_by_role("tab", name=tab).click()

@@ -11,9 +11,9 @@ SIDES = """found => found.map(e => e.getBoundingClientRect()).filter(box => box.
 
 def folds_are_buttons_for_keys(page):
     """Each can be reached, says whether it is open, and opens and closes; made anew for another scene it stays open."""
-    fold = page.get_by_role("button", name="Method details and remedies")
+    fold = page.get_by_role("button", name="Physics and method")
     assert fold.get_attribute("tabindex") == "0" and fold.get_attribute("aria-expanded") == "false"
-    inside = page.get_by_text("Remedies for long")
+    inside = page.get_by_text("What is computed")
     for key, shown in (("Enter", True), ("Space", False), ("Enter", True)):
         fold.focus()
         page.keyboard.press(key)
@@ -49,18 +49,40 @@ def a_fold_that_was_open_stays_open(page):
     page.evaluate("document.getElementById('fold-of-the-test').remove()")
 
 
-def a_card_says_the_index_and_its_name_puts_it_on_the_stage(page):
-    """Off it has a price only; switched on by its name, and on the stage then."""
-    card = page.locator(".lab-judge[data-judge=companion]")
-    until(lambda: "lab-off" in card.get_attribute("class"), "a card that is off")
-    assert card.inner_text().endswith("% time") or "%" in card.inner_text()
-    card.get_by_role("button", name="companion").click()
-    until(lambda: page.get_by_label("companion", exact=True).is_checked(), "the switch on")
+def a_card_says_what_a_judge_finds_and_puts_it_on_the_stage(page):
+    """Those that do not run come on request, with their price; a click on one runs it, and it is on the stage then."""
+    card, ask = page.locator(".lab-judge[data-judge=recovered]"), page.locator(".lab-ask")
+    assert not card.is_visible() and "recovered" in ask.inner_text()
+    ask.click()
+    until(card.is_visible, "a judge that does not run")
+    assert "lab-off" in card.get_attribute("class") and "% time" in card.inner_text()
+    card.click()
+    until(lambda: page.get_by_label("recovered", exact=True).is_checked(), "the switch on")
     until(lambda: "lab-on-stage" in card.get_attribute("class"), "on the stage")
-    until(lambda: card.locator(".lab-index strong").inner_text() not in ("", "–"), "an index")
-    assert page.get_by_label("On the stage", exact=True).input_value() == "companion"
-    tick(page, "companion")
-    until(lambda: "lab-off" in card.get_attribute("class"), "off again")
+    until(lambda: "%" in card.locator(".lab-finds strong").inner_text(), "what it finds")
+    assert page.get_by_label("On the stage", exact=True).input_value() == "recovered"
+    ask.click()
+    tick(page, "recovered")
+    until(lambda: not card.is_visible(), "off again")
+
+
+#: What is seen of the panel; what is laid elsewhere is no part of it.
+SEEN = """selector => [...document.querySelectorAll("[data-dock-region=right] " + selector)]
+    .filter(e => e.checkVisibility() && e.getBoundingClientRect().left > innerWidth - 368)"""
+#: Tabs, tiles, sliders, switches, links and folds, each with its lower end. Values are text.
+CONTROLS = f"""() => ({SEEN})(":is([role=tab], [role=radio], [role=slider], [type=checkbox], [role=button], "
+    + "button:not([role]))")
+    .map(e => [e.getAttribute("aria-label") || e.textContent.trim().slice(0, 30), e.getBoundingClientRect().bottom])"""
+SMALL = f"""() => ({SEEN})("*").filter(e => [...e.childNodes].some(n => n.nodeType === 3 && n.textContent.trim())
+    && parseFloat(getComputedStyle(e).fontSize) < 12).map(e => e.textContent)"""
+
+
+def there_are_few_controls(page):
+    """All of them are seen at once in a laptop's window, and can be read."""
+    seen = page.evaluate(CONTROLS)
+    assert len(seen) == 21, seen
+    assert max(bottom for _, bottom in seen) < 720
+    assert page.evaluate(SMALL) == []
 
 
 def what_is_typed_is_written_with_its_unit(page):
@@ -94,8 +116,9 @@ def a_hint_stands_beside_the_panel(page):
 def test_the_side_panel(page):
     """One visitor for all: a page of their own would cost each more than what is looked at."""
     until(lambda: scene(page)["problem"] == "bar", "a scene")
+    there_are_few_controls(page)
     folds_are_buttons_for_keys(page)
     a_fold_that_was_open_stays_open(page)
-    a_card_says_the_index_and_its_name_puts_it_on_the_stage(page)
+    a_card_says_what_a_judge_finds_and_puts_it_on_the_stage(page)
     what_is_typed_is_written_with_its_unit(page)
     a_hint_stands_beside_the_panel(page)

@@ -3,7 +3,7 @@
 import pytest
 
 from tests.browser.conftest import visit
-from tests.browser.driving import PATIENCE, stage_box, until
+from tests.browser.driving import choose, stage_box, until
 
 SIZE = {"width": 390, "height": 844}
 LEAST = 44  # pixels, of what a finger presses
@@ -54,16 +54,15 @@ def test_the_sheet_has_three_stops_and_the_stage_stays(server, chromium):
 
 
 def what_is_behind_a_button(page):
-    """The questions stand in the sheet; step, reset, pin and speed come when they are asked for."""
+    """The questions stand in the sheet; reset, speed and slow motion come when they are asked for."""
     assert page.locator(".lab-sparks-here #lab-sparks").count() == 1
-    step, more = page.get_by_role("button", name="Step", exact=True), page.locator("#lab-more")
-    assert not step.is_visible() and "×" in more.inner_text()
+    reset, more = page.get_by_role("button", name="Reset", exact=True), page.locator("#lab-more")
+    assert not reset.is_visible() and "×" in more.inner_text()
     more.click()
-    until(step.is_visible, "step")
-    for name in ("Reset", "Pin this run", "Slow motion"):
-        assert page.get_by_role("button", name=name, exact=True).is_visible()
+    until(reset.is_visible, "reset")
+    assert page.get_by_role("button", name="Slow motion", exact=True).is_visible()
     assert page.evaluate(SMALL, LEAST) == []
-    page.get_by_role("button", name="Pin this run", exact=True).click()
-    page.get_by_role("button", name="Unpin", exact=True).wait_for(timeout=1e3 * PATIENCE)
+    choose(page, "Speed", "2")
+    until(lambda: "2 ×" in more.inner_text(), "another speed")
     more.click()
-    until(lambda: not step.is_visible(), "the rest gone")
+    until(lambda: not reset.is_visible(), "the rest gone")

@@ -3,7 +3,7 @@
 import pytest
 
 from tests.browser.conftest import visit
-from tests.browser.driving import click, scene, stage_box, until
+from tests.browser.driving import click, pinned, scene, stage_box, until
 from tests.browser.page.test_sizes import LAPTOP, LARGE, SMALL, UPRIGHT, cut_off, fitted, none_in, resize, written_over
 
 #: Words that are seen, with how high their letters are on the screen in pixels.
@@ -53,7 +53,7 @@ def test_a_talk(presenter):
     """Letters for the last row, one plot, no panel; keys and a remote drive it, and it ends."""
     page = presenter
     until(lambda: presented(page), "the presenter's view")
-    for size, least, headline in ((UPRIGHT, 16, 23), (SMALL, 16, 29), (LAPTOP, 16, 34), (LARGE, 19, 51)):
+    for size, least, headline in ((UPRIGHT, 16, 21), (SMALL, 16, 27), (LAPTOP, 16, 30), (LARGE, 19, 46)):
         resize(page, size)
         until(lambda size=size: fitted(page), f"the stage in {size}")
         none_in(page, size, lambda page: written_over(page) + cut_off(page))  # what has no room is left out
@@ -115,7 +115,7 @@ def test_keys_on_the_page(page):
     page.keyboard.press("p")  # of no effect below a dialogue
     page.keyboard.press("Escape")
     until(lambda: not listed.is_visible(), "no list")
-    assert page.get_by_role("button", name="Pin this run", exact=True).is_visible()
+    assert not pinned(page)
     was = playing(page)
     page.keyboard.press("Space")
     until(lambda: playing(page) != was, "Space")
@@ -129,11 +129,11 @@ def test_keys_on_the_page(page):
     page.keyboard.press("p")
     page.keyboard.press("Escape")
     page.evaluate("document.activeElement.blur()")
-    assert page.get_by_role("button", name="Pin this run", exact=True).is_visible()
+    assert not pinned(page)
     page.keyboard.press("p")
-    until(page.get_by_role("button", name="Unpin", exact=True).is_visible, "pinned")
+    until(lambda: pinned(page), "pinned")
     page.keyboard.press("p")
-    until(page.get_by_role("button", name="Pin this run", exact=True).is_visible, "no longer pinned")
+    until(lambda: not pinned(page), "no longer pinned")
     page.keyboard.press("l")
     until(page.get_by_role("tab", name="Lessons", exact=True, selected=True).is_visible, "lessons")
     page.get_by_role("tab", name="Explore", exact=True).click()

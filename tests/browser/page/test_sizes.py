@@ -86,7 +86,7 @@ def written_over(page):
         const heard = e => e && (getComputedStyle(e).clipPath !== "none" || heard(e.parentElement));  // and not seen
         const all = [...document.querySelectorAll(".lab-label, .lab-names > *, .lab-axis > span, #lab-clock, "
             + "[data-lab~=lab-at-quantity] + div input, [data-lab~=lab-at-estimator] + div input, "
-            + "[data-lab~=lab-at-magnify] + div input, [data-lab~=lab-at-speed] + div label, "
+            + "[data-lab~=lab-at-speed] + div label, [data-lab~=lab-at-speed] + div input, "
             + "#lab-summary > span, #lab-sparks > button, #lab-sparks > .lab-answer")]
             .filter(e => !heard(e) && e.checkVisibility({visibilityProperty: true, opacityProperty: true}))
             .filter(e => e.textContent.trim() || e.value).map(e => {

@@ -12,7 +12,7 @@ PASSED = "nothing happens, as expected"
 @pytest.mark.slow
 def test_the_patch_test_comes_and_goes(page):
     assert not page.get_by_text("Stretch F").count()
-    unfold(page, "Motion and material")
+    unfold(page, "Physics and method")
     choose(page, "Motion", "patch test")
     until(lambda: scene(page)["motion"] == "patch", "the patch test")
     page.get_by_text("Stretch F").first.wait_for()
@@ -27,7 +27,7 @@ def test_the_patch_test_comes_and_goes(page):
     page.get_by_text("the test could not fail").first.wait_for()  # refused in words; the run before it goes on
     enter(page, "Stretch F", "1.1")
     until(lambda: scene(page)["stretch"] == 1.1, "another stretch")
-    unfold(page, "Motion and material")
+    unfold(page, "Physics and method")
     choose(page, "Motion", "vibration")
     until(lambda: scene(page)["motion"] == "vibrate", "the vibrating bar")
     assert (scene(page)["ppc"], scene(page)["body_force"], scene(page)["stretch"]) == (2, "material", 1.02)

@@ -70,6 +70,6 @@ def test_a_redraw_is_cheap(frame):
 
     def draw():
         scale.update(estimated, true)
-        stage.draw(SCENE, arrays, estimated, true, 0.0, 0.004)
+        stage.draw(SCENE, arrays, estimated, true, 0.0)
 
     assert units(draw) < 40

@@ -68,8 +68,8 @@ def answer_headline(answer: CostAnswer, runs: Sequence[NumberedRun], comparable:
         if timed:
             error = tr("Your run, <strong>{seconds}</strong>, is <b>{share} wrong</b>.",
                        seconds=format_seconds(own.seconds), share=format_percent(own.error_or_estimate))
-        found = tr("No run in the chart does as well in less time.") if answer.cheaper is None else \
-            tr("<b>{run}</b> does as well in <strong>{seconds}</strong>.", run=escape(run_name(answer.cheaper)),
+        found = tr("No run in the chart is as accurate in less time.") if answer.cheaper is None else \
+            tr("As accurate in <strong>{seconds}</strong>: <b>{run}</b>.", run=escape(run_name(answer.cheaper)),
                seconds=format_seconds(answer.cheaper.seconds))
         more = tr("Lower is more accurate, left is faster. Every mark is a run; click to load it.") if timed else \
             f"{tr('The time of your run has not been measured alone with these.')} {measure}"

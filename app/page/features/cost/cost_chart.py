@@ -10,7 +10,7 @@ from itertools import pairwise
 
 from app.colour_palette import METHOD_MARKS
 from app.language.translation import tr
-from app.names_and_units import QUANTITIES, format_number, method_name
+from app.names_and_units import QUANTITIES, format_number, functions_name
 from app.page.features.cost import cost_texts
 from app.page.features.cost.cost_texts import format_percent, format_seconds, reference_size_name
 from app.page.features.cost.log_axes import Axes, percent
@@ -46,13 +46,13 @@ def draw_runs(runs: Sequence[NumberedRun], comparable: Sequence[NumberedRun], sc
     texts += [  # names of methods without curves: at the right, at the height of the most accurate run
         f"<span class='lab-name lab-at-edge' style='left:100%;top:{axes.run_position(run)[1]}%;{_colour(run)}' "
         f"aria-hidden='true'><svg viewBox='-8 -8 16 16'><path d='{SHAPES[METHOD_MARKS[run.method]]}'/></svg>"
-        f"{escape(method_name(run.method))}</span>" for run in best_without_curve(comparable)]
+        f"{escape(functions_name(run.method))}</span>" for run in best_without_curve(comparable)]
     most_accurate = min(curves, key=lambda curve: curve[-1].error_or_estimate, default=[])
     texts += [_label(run, axes, "lab-cells", tr("{cells} cells", cells=run.scene.cells))
               for run in most_accurate if not _is_small(run)]
     if own:
         texts.append(_label(own, axes, "lab-on-stage lab-own", tr(
-            "your run: {method}, {cells} cells", method=method_name(own.method), cells=own.scene.cells))
+            "your run: {method}, {cells} cells", method=functions_name(own.method), cells=own.scene.cells))
             if own.timed_alone else _label(own, axes, "lab-on-stage lab-own lab-untimed", tr("your run")))
     # The comparable runs are drawn last, on top.
     last = sorted(dots, key=lambda run: (run is own, run.number in numbers))
@@ -81,7 +81,7 @@ def curve_names(runs: Sequence[NumberedRun]) -> list[tuple[NumberedRun, str]]:
                                         (f"CFL {end.scene.courant_number:.3g}", lambda run: run.scene.courant_number))
                 if any(of(other) != of(end) for other in others)]
         preserving = [tr("linearity-preserving")] * end.scene.linearity_preserving
-        found.append((end, ", ".join([method_name(end.method), *preserving, *told])))
+        found.append((end, ", ".join([functions_name(end.method), *preserving, *told])))
     return found
 
 
@@ -119,7 +119,8 @@ def _axis_titles_svg(scene: Scene, quantity: str) -> str:
                time=f"{format_number(scene.end_time)} s")
     return f"<text x='0' y='0' class='lab-title lab-above'>{escape(error)} " \
         f"<tspan>{tr('RMS, in % of {whole}', whole=reference_size_name(scene, quantity))}</tspan></text>" \
-        f"<text x='100%' y='100%' dy='3.2em' text-anchor='end' class='lab-title'>{tr('Time of one run')}</text>"
+        f"<text x='100%' y='100%' dy='3.2em' text-anchor='end' class='lab-title'>{tr('Time of one run')} " \
+        f"<tspan>{tr('without estimates')}</tspan></text>"
 
 
 def _path(runs: Sequence[NumberedRun], axes: Axes, attributes: str) -> str:

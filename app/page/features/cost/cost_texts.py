@@ -11,7 +11,7 @@ from app.names_and_units import (
     QUANTITIES,
     format_number,
     format_power_of_ten,
-    method_name,
+    functions_name,
     motion_text,
     particles_per_cell,
     per_cell,
@@ -75,7 +75,7 @@ def parse_tolerance(text: str) -> float:
 
 def scene_summary(scene: Scene) -> str:
     """Returns method, cells, particles and Courant number of a scene in one line."""
-    method = method_name(scene.method)
+    method = functions_name(scene.method)
     if scene.linearity_preserving:
         method = tr("linearity-preserving {method}", method=method)
     if scene.remedies:
@@ -111,7 +111,7 @@ def run_sentence(run: NumberedRun) -> str:
 
 def run_name(run: NumberedRun) -> str:
     """Returns a run's method and number of cells as text."""
-    return tr("{method} on {cells} cells", method=method_name(run.method), cells=run.scene.cells)
+    return tr("{method} on {cells} cells", method=functions_name(run.method), cells=run.scene.cells)
 
 
 def run_details(run: NumberedRun) -> str:
@@ -184,7 +184,7 @@ def _run_row_html(run: NumberedRun, marked: bool, own: bool) -> str:
         errors = f"<td colspan=2 class='lab-bad'>{tr(ENDS[run.outcome])}</td>"
     else:
         errors = f"<td>{format_percent(run.error)}</td><td>{format_percent(run.estimate)}</td>"
-    name = f"{method_name(run.method)}, {run.scene.cells}"
+    name = f"{functions_name(run.method)}, {run.scene.cells}"
     small = [run_details(run), *[tr("timed on the stage")] * (not run.timed_alone)]
     details = "" if run.source in (SHIPPED, SWEEP) else \
         f"<tr><td colspan=4 class='lab-details'>{escape('; '.join(small))}</td></tr>"

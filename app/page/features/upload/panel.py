@@ -270,7 +270,7 @@ class UploadPanel(Feature):
             return None
         run, k = shown
         report, arrays = run.frame(k, choice.quantity, self.playing)
-        picture = StageFrame(report, arrays, run.view(arrays, choice.quantity, choice.difference), 1.0, foreign=True)
+        picture = StageFrame(report, arrays, run.view(arrays, choice.quantity, choice.difference), foreign=True)
         return StageContent(picture, run.largest_errors(choice.quantity), (run.name, choice.quantity))
 
     def numbers(self, choice: ViewChoice, picture: StageFrame | None, probed: str | None) -> ReadoutContent | None:

@@ -71,6 +71,9 @@
       + (label.bold ? " lab-bold" : "") + (label.sign ? ` lab-sign-${label.sign}` : "");
     if (label.spans) writeSpans(element, label.spans); else element.textContent = label.text;
     if (label.text === NOBODY && label.name.endsWith("/estimate-silence")) element.append(offer());
+    if (label.name.startsWith("/colours/tick")) Object.assign(element, {title: tr("in per cent, or in the unit: click"),
+      onclick: () => dispatchEvent(new CustomEvent("lab-tell", {detail: {scale: true}}))});
+    element.classList.toggle("lab-of-scale", Boolean(element.onclick));
     const place = Object.keys(LAID).find(end => label.name.endsWith(end));
     if (place) lay(LAID[place], label, vertical, horizontal, element);
     element.style.left = `${100 * label.x}%`;

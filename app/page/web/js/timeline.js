@@ -1,14 +1,19 @@
-// Round the curves of the error over time: its axis, the run's place in it, how far one can look back, since when it is lost,
-// how often particles cross cells. Pointing at a time asks for the frame of then.
+// Round the curves of the error over time: its axis, their names, the run's place in it, how far one can look back, since when
+// it is lost, when particles change their cell. Pointing at a time asks for the frame of then.
 (() => {
   const axis = document.querySelector("#lab-timeline .lab-axis"), clock = document.getElementById("lab-clock");
   const title = document.querySelector("#lab-timeline .lab-names b");
   const make = name => Object.assign(axis.appendChild(document.createElement("span")), {className: `lab-${name}`});
-  const [top, zero, begin, reach, lost, now, strip, read] =
-    ["top", "zero", "begin", "reach", "gone", "now", "strip", "read"].map(make);
+  const [zero, begin, reach, lost, now, strip, first, read] =
+    ["zero", "begin", "reach", "gone", "now", "strip", "first", "read"].map(make);
   const percent = part => `${100 * part}%`;
   lost.hidden = now.hidden = true;
-  let ticks = [], said = "", held = false, waiting = null;
+  let said = "", held = false, waiting = null;
+  const ticks = [], tops = [], names = [];
+  const fit = (list, count, kind) => {
+    while (list.length > count) list.pop().remove();
+    while (list.length < count) list.push(make(kind));
+  };
 
   const say = (element, text) => { if (element.textContent !== text) element.textContent = text; };
 
@@ -20,10 +25,10 @@
 
   function write(at) {
     const [from, to] = at.reach;
-    [[top, at.top[1]], [begin, at.start], [zero, "0"]].forEach(([element, text]) => say(element, text));
-    top.style.top = percent(at.top[0]);
-    while (ticks.length > at.ticks.length) ticks.pop().remove();
-    while (ticks.length < at.ticks.length) ticks.push(make("tick"));
+    [[begin, at.start], [zero, "0 %"]].forEach(([element, text]) => say(element, text));
+    fit(tops, at.tops.length, "top");
+    at.tops.forEach(([part, text], k) => { tops[k].style.top = percent(part); say(tops[k], text); });
+    fit(ticks, at.ticks.length, "tick");
     at.ticks.forEach(([part, text], k) => {
       ticks[k].style.left = percent(part);
       say(ticks[k], text);
@@ -38,10 +43,11 @@
     if (at.lost !== null) lost.style.left = percent(at.lost);
     lost.dataset.says = at.says;
     lost.classList.toggle("lab-late", at.lost > 0.6);
-    const step = 100 / 120;
-    strip.style.background = at.strip && `linear-gradient(to right, ${[...at.strip].map((shade, k) =>
-      `color-mix(in srgb, var(--cross) ${Math.round(10 + 90 * shade / 9)}%, var(--ground)) ${k * step}% ${(k + 1) * step}%`)
-      .join(", ")}, transparent ${at.strip.length * step}%)`;
+    strip.style.background = at.changes.map(part => `linear-gradient(var(--cross), var(--cross)) ${percent(part)} 0 / 1.5px 100% no-repeat`).join(", ");
+    strip.title = at.many || "";
+    say(first, at.changes[0] > 0.16 ? at.first : "");  // where there is room left of it
+    first.style.right = percent(1 - (at.changes[0] || 0));
+    nameLines(at);
     read.textContent = at.read.join("\n");
     read.hidden = !at.read.length;
     const heading = at.symbol && tr("Error <i>norm </i><em>of </em>{symbol}", {symbol: at.symbol});  // where narrow without
@@ -51,6 +57,19 @@
     document.body.classList.toggle("lab-lost", at.lost !== null);
     document.body.style.setProperty("--reach-from", from);
     document.body.style.setProperty("--reach-to", to);
+  }
+
+  // At the ends of the lines, one line of text apart at least.
+  function nameLines({names: told, now: end}) {
+    fit(names, told.length, "name");
+    const high = axis.clientHeight, line = 15, places = told.map(([,, y]) => y * high);
+    const order = told.map((_, k) => k).sort((a, b) => places[a] - places[b]);
+    order.forEach((k, n) => { if (n) places[k] = Math.max(places[k], places[order[n - 1]] + line); });
+    const over = Math.max(0, (places[order.at(-1)] || 0) - high);
+    told.forEach(([text, colour], k) => {
+      say(names[k], text);
+      names[k].style.cssText = `left: calc(${percent(end)} + 8px); top: ${places[k] - over}px; color: color-mix(in srgb, var(--${colour}, var(--before)) 65%, var(--ink))`;
+    });
   }
 
   function look() {

@@ -185,7 +185,7 @@ def test_a_run_is_set_beside_one_as_accurate_and_one_as_fast():
     assert "uGIMP on 10 cells: 4 ms instead of 10 ms" in box.replace(NBSP, " ") and "data-run='2'" in box
     assert "<b>As fast as your run, more accurate:</b><p>uGIMP on 20 cells" in box and "data-run='3'" in box
     says = headline(runs, 0.5, scene, True)[0]
-    assert says.endswith(f"<b>uGIMP on 10 cells</b> does as well in <strong>4{NBSP}ms</strong>.")
+    assert says.endswith(f"As accurate in <strong>4{NBSP}ms</strong>: <b>uGIMP on 10 cells</b>.")
     best = find_answer(runs[1:2], replace(scene, method="ugimp", cells=10), 0.5, follows=True)
     assert best.cheaper is best.more_accurate is None and answer_box(best) == ""
     moved = find_answer(runs, scene, 1.6, follows=False)

@@ -323,7 +323,7 @@ def test_tab_opens_with_shipped_runs_and_follows_the_error_of_the_own_one(tab):
     tab.open(True)
     tab.refresh()
     tolerance = tab.widgets.by_label["Tolerance"]
-    assert "does as well in" in tab.widgets.said and "Load the better" in tab.widgets.said
+    assert "is as accurate in less time" in tab.widgets.said and "Load the better" in tab.widgets.said
     assert tolerance.value == "0.5\N{NO-BREAK SPACE}%" and "the stage has gone on" not in tab.widgets.said
     tab.stage.scene = replace(tab.stage.scene, method="mpm")
     tab.stage.report = SimpleNamespace(scene=tab.stage.scene, step=tab.stage.scene.steps + 1)
