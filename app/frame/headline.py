@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from app.frame.error_view_captions import FrameErrorView
-from app.frame.primitives import Span, Spans
+from app.frame.primitives import SEPARATOR, Span, Spans
 from app.language.translation import lazy, tr
 from app.names_and_units import QUANTITIES, format_ratio, per_cent, short_reason, with_unit
 from solvers.scene.scene import Scene
@@ -178,7 +178,7 @@ def lane_facts(errors: InstantErrors, size: float, estimator: str | None, lost: 
                                            "factor": format_ratio(errors.index)})))
     if seconds:
         parts.append((("duration", with_unit(seconds, "s", 2)),))
-    return tuple(span for k, part in enumerate(parts) for span in (*((("", " · "),) if k else ()), *part))
+    return tuple(span for k, part in enumerate(parts) for span in (*((SEPARATOR,) if k else ()), *part))
 
 
 def _format_size(value: float, unit: str) -> str:

@@ -54,6 +54,7 @@ Role = Literal["gutter", "title", "silence", "name", "note", "number", "caption"
                "chip"]
 Span = tuple[str, str]  # a kind, which sets the style of a text, and the text
 Spans = tuple[Span, ...]
+SEPARATOR: Span = ("", " · ")
 #: What a label belongs to, which sets its colour.
 Tone = Literal["plain", "faint", "estimate", "truth", "crossing", "before"]
 Sign = Literal["", "dot", "line", "ring"]  # legend key before the text, in the label's tone

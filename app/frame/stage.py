@@ -10,7 +10,7 @@ import numpy as np
 from app.frame.colour_scale import ColourScale
 from app.frame.error_view_captions import ALIKE, ALIKE_LOST, StageHalfErrors, crossing_marks_legend
 from app.frame.layout import ComparedRunSlot, Rectangle
-from app.frame.primitives import Label, Mark, Spans, StageMetrics, Surface, error_colours
+from app.frame.primitives import SEPARATOR, Label, Mark, Spans, StageMetrics, Surface, error_colours
 from app.language.translation import lazy, tr
 from app.names_and_units import short_reason
 from solvers.engine.shared_frames import FrameArrays
@@ -290,14 +290,12 @@ def title_labels(words: StageLabels, metrics: StageMetrics, y: float) -> Iterato
 
 
 def _without_kind(spans: Spans, kind: str) -> Spans:
-    """Returns spans without those of a kind; what separates a last one from the rest goes with it."""
-    if spans and spans[-1][0] == kind:
-        return spans[:-1] if len(spans) > 1 and spans[-2][0] else spans[:-2]
+    """Returns spans without those of a kind; a separator before a last one goes with it."""
     kept: list[tuple[str, str]] = []
     for k, (own, text) in enumerate(spans):
         if own != kind:
             kept.append((own, text.lstrip() if k and spans[k - 1][0] == kind else text))
-    return tuple(kept)
+    return tuple(kept[:-1] if kept and kept[-1] == SEPARATOR else kept)
 
 
 def marking_stride(particles: int, most: int) -> int:

@@ -11,7 +11,7 @@ from typing import Any
 from app import shareable_state
 from app.lessons.lesson import Lesson, fill_numbers
 from app.page.features.budget.panel import EFFECT
-from app.page.features.opening_tour import OPENING
+from app.page.features.opening_tour import BAR, BESIDE
 from app.page.visit.first_scene import first_scene
 from app.problems.views import VIEWS
 from solvers.problems import PROBLEMS
@@ -28,9 +28,8 @@ def usual_scenes(lessons: Mapping[str, Lesson], opened: str = "") -> list[Scene]
     def of_each(change: Callable[[Scene], Iterator[Scene]]) -> list[Scene]:
         return [scene for first in firsts for scene in change(first)]
 
-    opening = [scene for scene in (OPENING.scene, OPENING.pinned) if scene]
-    asked = [scene for one in opening for scene in _budget_scene(one)]
-    return [*opening, *firsts, *taught.get(opened, ()), *asked, *of_each(_scenes_one_click_away),
+    asked = [scene for one in (BAR, BESIDE) for scene in _budget_scene(one)]
+    return [BAR, BESIDE, *firsts, *taught.get(opened, ()), *asked, *of_each(_scenes_one_click_away),
             *(scene for some in taught.values() for scene in some), *of_each(_single_estimator_scenes),
             *of_each(_detail_scenes), *of_each(_scenes_without_one_effect)]
 

@@ -15,6 +15,7 @@ from app.language.translation import tr, with_language
 from app.names_and_units import per_cent
 from app.page.feature import Feature, VisiblePageState
 from app.page.page_context import PageContext
+from app.page.playback_controls import SLOW
 from app.page.stage_source import NO_TITLE, StageContent, StageSource, ViewChoice
 from app.page.visit.recent_frames import Frame
 from app.page.visit.status_message import Notice
@@ -30,17 +31,15 @@ LAST = 4
 #: In periods: where slow motion begins, shortly before the first particle changes its cell, and where it stops: at a
 #: quarter, where hat functions are most wrong. At larger amplitudes all particles cross repeatedly, and those that
 #: crossed err no more than the others.
-BEFORE_CROSSING, QUARTER = 0.17, 0.25
-SLOW = (QUARTER - BEFORE_CROSSING) / 5.8  # periods per second of slow motion
+BEFORE_CROSSING, QUARTER = 0.172, 0.25
 STILL = 0.5  # seconds after its start at which the bar in pieces is stretched most
 TICK, SHARE = 0.04, 8  # seconds between two pictures; in times what drawing one takes, if that is longer
 SIGMA = samples.QUANTITIES.index("sigma")
 
-SPEED = 0.025  # periods per second afterwards: slow enough to see single particles change their cells
-
-#: The state of a page without a link, from a quarter of the period on: hat functions beside B-splines.
 BAR = BarScene(method="mpm", amplitude=0.0034, periods=QUARTER, estimators=("recovered",))
-OPENING = State(BAR, "sigma", speed=SPEED, pinned=replace(BAR, method="bspline"))
+BESIDE = replace(BAR, method="bspline")
+#: The state of a page without a link, from a quarter of the period on: hat functions beside B-splines.
+OPENING = State(BAR, "sigma", speed=SLOW, compared=BESIDE.method)
 
 
 class OpeningTour(Feature):
@@ -83,14 +82,12 @@ class OpeningTour(Feature):
         """Goes on to the tour's next step when it is time; ends the tour if anything else takes the stage."""
         session = self._session
         with self._turn:
-            pinned = session.pinned.scene if session.pinned else None
             if not self.beat:
                 return
             if view.in_lesson or session.playback_request_key[1] != self._restarts:  # replaced by something else
                 self._end()
-            elif (session.scene, pinned) != (BAR, OPENING.pinned):  # a control was moved
-                self._end()
-                session.set_speed(SPEED)
+            elif session.scene != BAR or session.pinned is None or session.pinned.scene != BESIDE:
+                self._end()  # a control was moved
                 session.play(True)
             elif not self._waits and self._clock() > self._since + SECONDS[self.beat] and self._is_ready:
                 self._go_on()
@@ -121,10 +118,10 @@ class OpeningTour(Feature):
 
     def _begin(self, waits: bool) -> None:
         shown, drawing = self._page.controls.state, self.beat in (1, 2)
-        if (shown.scene, shown.pinned) != (BAR, OPENING.pinned) or self._session.refused:
+        if (shown.scene, shown.compared, shown.speed) != (BAR, OPENING.compared, SLOW) or self._session.refused:
             self._page.controls.show(OPENING)  # rebuilds widgets, which is slow
         self._waits, self.beat, self._since = waits, 1, self._clock()
-        self._restart(QUARTER if waits else BEFORE_CROSSING, playing=False, speed=SLOW)
+        self._restart(QUARTER if waits else BEFORE_CROSSING, playing=False)
         self._show()
         if not drawing:
             threading.Thread(target=with_language(self._draw_loop), name="opening-tour", daemon=True).start()
@@ -143,10 +140,10 @@ class OpeningTour(Feature):
         """Ends the tour with both runs on the stage, at a quarter of the period, from which they go on unless motion is
         unwanted."""
         self._end()
-        self._restart(QUARTER, playing=not self._waits, speed=SPEED)
+        self._restart(QUARTER, playing=not self._waits)
 
-    def _restart(self, periods: float, **pace: Any) -> None:
-        self._session.reset(periods, **pace)
+    def _restart(self, periods: float, playing: bool) -> None:
+        self._session.reset(periods, playing=playing)
         self._restarts = self._session.playback_request_key[1]
 
     def _end(self) -> None:

@@ -9,7 +9,7 @@ from app.frame.field_plot import ROOM, FieldPlot
 from app.frame.layout import ComparedRunSlot, FieldPlotLayout, PlotBox, Rectangle, drawing_rectangle
 from app.frame.primitives import Label, Lines, Mark, StageMetrics, Surface, in_plane, join_points
 from app.language.translation import tr
-from app.names_and_units import format_number, motion_text
+from app.names_and_units import format_number, functions_name, main_settings_text
 from app.problems.bar.stage import BarStage, legend_labels
 from solvers.engine.engine_messages import FrameReport
 from solvers.engine.shared_frames import FrameArrays
@@ -58,11 +58,10 @@ def _still_marks(places: FieldPlotLayout, scene: BarScene) -> Iterator[Mark]:
     edges = np.arange(scene.cells + 1) * scene.spacing
     low, high = (in_plane(edges, box.middle + side * ROOM * box.half, -0.02) for side in (-1, 1))
     yield Lines("cells", join_points(low, high), metrics.palette.grid, 1.0)
-    yield Label("run", tr("hat functions"), 0.0, metrics.high, "top-left", "title", TITLE, bold=True)
-    said = ", ".join((tr("{count} cells", count=scene.cells), tr("{count:,} particles", count=scene.particles),
-                      motion_text(scene)))
-    beside = 1.1 * metrics.text_extent(tr("hat functions"), TITLE)[0] + 10 * metrics.pixel
+    name = functions_name(scene.method)
+    yield Label("run", name, 0.0, metrics.high, "top-left", "title", TITLE, bold=True)
+    beside = 1.1 * metrics.text_extent(name, TITLE)[0] + 10 * metrics.pixel
     room = 1 - beside - metrics.text_extent("t = 0.2222 s ")[0]
-    yield Label("settings", metrics.first_fitting_text((said, ""), room, metrics.line_height)[0], beside, metrics.high,
-                "top-left", "note", tone="faint")
+    said, _ = metrics.first_fitting_text((main_settings_text(scene), ""), room, metrics.line_height)
+    yield Label("settings", said, beside, metrics.high, "top-left", "note", tone="faint")
     yield from legend_labels(tr(BarStage.MARKED), metrics, box.below)

@@ -5,10 +5,11 @@ from itertools import product
 import pytest
 
 from app.frame.field_plot import ROOM
+from app.frame.headline import InstantErrors, lane_facts
 from app.frame.layout import ComparedRunSlot, FieldPlotLayout, colour_bar_box
 from app.frame.planar_layout import AROUND, make_planar_layout, planar_labels
 from app.frame.primitives import StageMetrics
-from app.frame.stage import StageLabels
+from app.frame.stage import StageLabels, title_labels
 from app.problems.views import VIEWS
 
 #: 1280 × 720, 1920 × 1080, 800 × 1100 and a phone.
@@ -42,6 +43,17 @@ def test_everything_stands_in_the_rectangle_below_the_scale(problem, seat, room)
         assert seat == ComparedRunSlot.SECOND or x + reach < box.left
         low, high = box.low, box.high
     assert 0 <= box.left < box.right <= 1 and y0 < low < high < end and (high - low) * room.pixels > 30
+
+
+def test_a_title_leaves_out_what_has_no_room():
+    """Settings of the run first, then its time, at last whose numbers these are."""
+    words = StageLabels(name=(("what", "This run: "), ("", "hat functions"), ("settings", "40 cells, 4 a cell")),
+                        facts=lane_facts(InstantErrors(0.064, 0.058), 1.0, "recovered", False, 0.0015))
+    said = {round(room.pixels): [label.text for label in title_labels(words, room, 0.1)] for room in ROOMS[::3]}
+    assert said[736] == ["This run: hat functions40 cells, 4 a cell", "6.4 % wrong · recovered finds 91 % · 1.5 ms"]
+    assert said[358] == ["hat functions", "6.4 % wrong · recovered finds 91 %"]
+    shortest = [label.text for label in title_labels(words, StageMetrics(250.0), 0.1)]
+    assert shortest == ["hat functions", "6.4 % wrong · finds 91 %"]
 
 
 @pytest.mark.parametrize("letters", (1.0, 1.7, 2.5))

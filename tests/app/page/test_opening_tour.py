@@ -10,9 +10,9 @@ import pytest
 
 from app.frame.primitives import StageMetrics
 from app.names_and_units import per_cent
-from app.page.features.opening_tour import BAR, BEFORE_CROSSING, OPENING, QUARTER, SECONDS, SLOW, SPEED, OpeningTour
+from app.page.features.opening_tour import BAR, BEFORE_CROSSING, BESIDE, OPENING, QUARTER, SECONDS, OpeningTour
+from app.page.playback_controls import SLOW
 from app.problems.bar.stretching_bar import MAGNIFIED, PIECES, StretchingBar
-from app.shareable_state import State
 from solvers.running.run import build
 from tests.app.frame.test_view import report_of
 from tests.app.page.panel import page_view
@@ -31,33 +31,29 @@ class Session:
     """A session that does at once what it is asked to, without a run."""
 
     def __init__(self):
-        self.scene, self.refused, self.playing, self.speed, self.restarts, self.at = BAR, None, True, SPEED, 0, QUARTER
-        self.pinned = SimpleNamespace(scene=OPENING.pinned, last=None)
+        self.scene, self.refused, self.playing, self.restarts, self.at = BAR, None, True, 0, QUARTER
+        self.pinned = SimpleNamespace(scene=BESIDE, last=None)
         self.report = None
 
     @property
     def playback_request_key(self):
         return self.scene, self.restarts
 
-    def reset(self, begin_at, playing, speed=None):
-        self.at, self.playing, self.speed, self.restarts = begin_at, playing, speed or self.speed, self.restarts + 1
+    def reset(self, begin_at, playing):
+        self.at, self.playing, self.restarts = begin_at, playing, self.restarts + 1
 
     def play(self, playing):
         self.playing = playing
-
-    def set_speed(self, speed):
-        self.speed = speed
 
 
 class Visit:
     """A page without a browser, and the tour there."""
 
-    pinned_scene = property(lambda self: self.pinned and self.pinned.scene)
-
     def __init__(self):
         self.now, self.session, self.html, self.drawn = 0.0, Session(), SimpleNamespace(content=""), 0
         self.surfaces = []
-        shown = SimpleNamespace(state=State(BAR), show=lambda state: setattr(self.session, "scene", state.scene))
+        shown = SimpleNamespace(state=replace(OPENING, compared=None),
+                                show=lambda state: setattr(self.session, "scene", state.scene))
         page = SimpleNamespace(
             gui=SimpleNamespace(add_html=lambda _: self.html), session=self.session, controls=shown,
             run=SimpleNamespace(numbers=None, sentence=None, stage_content=lambda _: None),
@@ -92,7 +88,7 @@ def visit():
 def test_four_steps_in_the_runs_own_numbers(visit):
     """The stress is several per cent wrong after a quarter, and recovered finds most of that; B-splines, whose
     particles cross as well, are better by a factor of ten. Nobody has crossed where slow motion begins."""
-    before, run, beside = frame(BAR, BEFORE_CROSSING), frame(BAR, QUARTER), frame(OPENING.pinned, QUARTER)
+    before, run, beside = frame(BAR, BEFORE_CROSSING), frame(BAR, QUARTER), frame(BESIDE, QUARTER)
     rms = [math.sqrt(np.mean(errors[:, 2].astype(float) ** 2)) for errors in
            (run[1].error, run[1].estimate["recovered"], beside[1].error)]
     wrong, splines = rms[0] / BAR.size_of("sigma"), rms[2] / BAR.size_of("sigma")
@@ -124,7 +120,7 @@ def test_its_steps_come_in_time_and_it_ends_playing(visit):
     """22 s in all; a step waits for the frames that it shows."""
     tour, session = visit.tour, visit.session
     tour.on_message("play")
-    assert (tour.beat, session.at, session.playing, session.speed) == (1, BEFORE_CROSSING, False, SLOW)
+    assert (tour.beat, session.at, session.playing) == (1, BEFORE_CROSSING, False)
     visit.now += 2 * SECONDS[1]
     tour.refresh(page_view())
     assert tour.beat == 1  # no frame yet
@@ -134,7 +130,7 @@ def test_its_steps_come_in_time_and_it_ends_playing(visit):
     assert visit.after(SECONDS[3] + 0.1) == 4 and not tour.source.is_on and visit.drawn
     assert "data-beat='4'" in visit.html.content and not any(surface.visible for surface in visit.surfaces)
     assert visit.after(SECONDS[4] + 0.1) == 0 and sum(SECONDS.values()) == 22
-    assert (session.at, session.playing, session.speed) == (QUARTER, True, SPEED)
+    assert (session.at, session.playing) == (QUARTER, True)
 
 
 @pytest.mark.parametrize("beat", SECONDS)
@@ -144,7 +140,7 @@ def test_skip_lands_at_its_end_from_every_step(visit, beat):
         visit.after(7.0)
     visit.tour.on_message("skip")
     assert visit.tour.beat == 0 and "data-beat='0'" in visit.html.content
-    assert (visit.session.at, visit.session.playing, visit.session.speed) == (QUARTER, True, SPEED)
+    assert (visit.session.at, visit.session.playing) == (QUARTER, True)
 
 
 def test_who_wants_no_motion_goes_on_by_a_button(visit):
@@ -155,18 +151,18 @@ def test_who_wants_no_motion_goes_on_by_a_button(visit):
         assert not visit.session.playing
         visit.tour.on_message("next")
         assert visit.tour.beat == beat
-    assert not visit.session.playing and visit.session.speed == SPEED
+    assert not visit.session.playing
     visit.tour.on_message({"no": "word"})
     visit.tour.on_message("next")
     assert visit.tour.beat == 0
 
 
 def test_anything_else_ends_it(visit):
-    """A moved slider goes on from where it is, at the speed of afterwards; a lesson or another scene is left alone."""
+    """A moved slider goes on from where it is; a lesson or another scene is left alone."""
     tour, session = visit.tour, visit.session
     tour.on_message("play")
     session.scene = replace(BAR, amplitude=0.005)
-    assert visit.after(0.1) == 0 and session.playing and session.speed == SPEED and session.restarts == 1
+    assert visit.after(0.1) == 0 and session.playing and session.restarts == 1
     tour.on_message("play")
     assert session.scene == BAR
     tour.refresh(page_view(alone=False))

@@ -7,7 +7,7 @@ import pytest
 from app import shareable_state
 from app.lessons import catalogue
 from app.lessons.lesson import fill_numbers
-from app.page.features.opening_tour import OPENING
+from app.page.features.opening_tour import BAR, BESIDE
 from app.page.precompiled_scenes import usual_scenes
 from app.page.visit.first_scene import first_scene
 from solvers.problems import PROBLEMS
@@ -38,7 +38,7 @@ def test_the_likeliest_come_first(lessons):
     class is opened on comes before any click."""
     first = [first_scene(problem) for problem in PROBLEMS]
     usual = usual_scenes(lessons)
-    assert usual[:2 + len(first)] == [OPENING.scene, OPENING.pinned, *first]
+    assert usual[:2 + len(first)] == [BAR, BESIDE, *first]
     places = {kernel_key(scene): k for k, scene in reversed(list(enumerate(usual)))}
     click, box = replace(first[0], method="mpm"), replace(first[0], effects=first[0].effects[1:])
     assert places[kernel_key(click)] < places[kernel_key(first[0].__class__(estimators=("recovered",)))] \

@@ -9,7 +9,7 @@ from zipfile import ZipFile
 import viser
 from viser._messages import GuiSliderProps
 
-from app.page.features.opening_tour import OPENING, OpeningTour
+from app.page.features.opening_tour import BAR, BESIDE, OpeningTour
 from app.viewer import viser_patches
 from tests.support.page_server import start_server
 from tests.support.processes import wait_until
@@ -76,8 +76,8 @@ def test_the_story_begins_on_the_widgets_that_are_there():
             visitor.set(store, json.dumps({"story": "play", "known": known}))  # another text each time
             wait_until(lambda: story.beat == 1, "the story")
             begun += 1 if known else 2  # the scene is put there, and then begins where the story does
-            assert session.playback_request_key[1] == begun and session.scene == OPENING.scene
-            assert session.pinned.scene == OPENING.pinned
+            assert session.playback_request_key[1] == begun and session.scene == BAR
+            assert session.pinned.scene == BESIDE
             wait_until(lambda there=known: visitor.gone or there, "widgets that are made anew")
             assert bool(visitor.gone) is not known
 

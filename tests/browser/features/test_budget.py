@@ -26,7 +26,7 @@ def legend(page):
 @pytest.mark.slow
 def test_who_made_it_and_what_is_left_without_it(server, chromium, simulate):
     with visit(chromium, server[0], f"#{HATS}") as page:
-        line = page.locator(".lab-who")
+        line = page.locator(".lab-error-causes")
         until(lambda: "crossings" in line.inner_text() and "%" in line.inner_text(), "the line", LONG)
         line.focus()
         page.keyboard.press("Enter")

@@ -20,7 +20,8 @@ BEING_FOUND, NO_BUDGET, ON_REQUEST = "…", lazy("not for this run"), lazy("pres
 
 def budget_button_html() -> str:
     """Returns the line as html: a button that opens the folder; empty, for what :func:`budget_line_html` has."""
-    return f"<button type='button' class='lab-who' hidden><span>{tr(QUESTION)} <small></small></span><i></i></button>"
+    return f"<button type='button' class='lab-error-causes' hidden><span>{tr(QUESTION)} <small></small></span>" \
+           "<i></i></button>"
 
 
 def budget_line_html(says: str, parts: tuple[tuple[str, float], ...] = ()) -> str:

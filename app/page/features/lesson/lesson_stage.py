@@ -30,7 +30,7 @@ class LessonStage:
     def __init__(self, page: PageContext, on_explored: Callable[[], None]):
         self._page, self._curtain, self._on_explored = page, page.gui.add_html(""), on_explored
         self._shown = ShownStep()
-        self._put = ""  # the state put on the stage last, as text
+        self._put, self._loading = "", False  # the state put on the stage last, as text; whether it is still to come
         self._explored: Step | None = None  # the step whose phase was shown last
         self.headline = HeadlineWithFacts()  # in place of that of the run behind the curtain; empty while open
 
@@ -44,7 +44,10 @@ class LessonStage:
                 acts = instruction_buttons.find_instructions(step_html.text_html(step.text, numbers))
             self._shown = ShownStep(number, step, stage := fill_numbers(step.stage, numbers), acts)
         if step is None or step.kind != RUN or self._is_on_stage(stage):
-            return self._open()
+            if not self._loading:
+                self._open()
+            return
+        self._loading = False
         self._page.show_run_on_stage()
         self._page.session.play(False)
         self.headline = HeadlineWithFacts.from_template(tr("Step {number}: its run is not loaded yet", number=number))
@@ -60,11 +63,20 @@ class LessonStage:
         elif act and shown.step and shown.stage:
             self._put, self._explored, phase = shown.stage, None, shown.step.shown_phase
             self._page.controls.show(shareable_state.parse_state(shown.stage))
-            self._open()
+            self._loading = True
+            self.headline = HeadlineWithFacts.from_template(tr("Step {number}: its run is being loaded",
+                                                               number=shown.number))
             if act == instruction_buttons.PHASE and phase:
                 self._explored = shown.step
                 self._page.show_phase(phase.particle, phase.phase)
                 self._on_explored()
+
+    def refresh(self) -> None:
+        """Opens the curtain when the run that was put on the stage is there: it may have to be compiled first."""
+        session = self._page.session
+        if self._loading and session.report is not None and session.report.scene == session.scene:
+            self._loading = False
+            self._open()
 
     def has_shown_phase_of(self, step: Step) -> bool:
         """Whether the phase that a step's button shows was shown, and no other run after it."""

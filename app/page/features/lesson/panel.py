@@ -82,7 +82,8 @@ class LessonPlayer(Feature):
         return self._stage.headline
 
     def refresh(self, view: VisiblePageState) -> None:
-        """Updates the text on the stage's value in the question shown."""
+        """Updates the curtain before the stage, and the text on the stage's value in the question shown."""
+        self._stage.refresh()
         with self._lock:
             if self._answer is not None:
                 self._answer.refresh()

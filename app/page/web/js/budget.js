@@ -9,7 +9,7 @@
 
   let said = null, filled = null;
   function fill() {
-    const data = document.querySelector("i.lab-parts")?.dataset.said || "", line = document.querySelector(".lab-who");
+    const data = document.querySelector("i.lab-parts")?.dataset.said || "", line = document.querySelector(".lab-error-causes");
     if (!line || (data === said && line === filled)) return;
     [said, filled] = [data, line];
     line.hidden = !data;
@@ -41,7 +41,7 @@
   }
 
   document.addEventListener("click", event => {
-    if (event.target.closest(".lab-who, .lab-why-so, .lab-act[data-act=budget]")) {
+    if (event.target.closest(".lab-error-causes, .lab-why-so, .lab-act[data-act=budget]")) {
       dispatchEvent(new CustomEvent("lab-tell", {detail: {budget: true}}));
       let opened = false;  // once: a busy page is slow to open it, and another press would close it again
       let height = 0;

@@ -26,6 +26,7 @@
     ["e", ["E", tr("the next estimator on the stage"), () => tell("judge")]],
     ["m", ["M", tr("magnify the error in the plot"), () => tell("magnify")]],
     ["l", ["L", tr("lessons"), () => dispatchEvent(new CustomEvent("lab-tab", {detail: "Lessons"}))]],
+    ["t", ["T", tr("on a slider: the error over it as a table"), null]],
     ["?", ["?", tr("this list"), () => list()]],
     ["Escape", [tr("Esc"), tr("leave the presenter’s view, slow motion, an enlarged figure"), () => {
       if (slow()) buttons("lab-at-slow")[0].click();

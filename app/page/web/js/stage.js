@@ -38,7 +38,7 @@
     if (element.dataset.kinds !== kinds) {
       element.dataset.kinds = kinds;
       element.replaceChildren(...spans.map(([kind, text]) => {
-        const span = Object.assign(document.createElement("span"), {className: kind && `lab-${kind}`});
+        const span = Object.assign(document.createElement("span"), {className: kind && `lab-part-${kind}`});
         span.append(...OFFERS[kind]?.(text) || [text]);
         return span;
       }));

@@ -36,7 +36,7 @@
     });
     thin();
     Object.assign(reach.style, {left: percent(from), width: percent(to - from)});
-    reach.dataset.says = to > 0.12 ? tr("look back") : "";
+    reach.dataset.says = to > Math.max(0.12, from) ? tr("look back") : "";
     now.style.left = percent(at.now);
     now.hidden = false;
     lost.hidden = at.lost === null;
@@ -62,7 +62,7 @@
   // At the ends of the lines, one line of text apart at least.
   function nameLines({names: told, now: end}) {
     fit(names, told.length, "name");
-    const high = axis.clientHeight, line = 15, places = told.map(([,, y]) => y * high);
+    const high = axis.clientHeight, line = 1.25 * parseFloat(getComputedStyle(zero).fontSize), places = told.map(([,, y]) => y * high);
     const order = told.map((_, k) => k).sort((a, b) => places[a] - places[b]);
     order.forEach((k, n) => { if (n) places[k] = Math.max(places[k], places[order[n - 1]] + line); });
     const over = Math.max(0, (places[order.at(-1)] || 0) - high);
@@ -88,6 +88,6 @@
   axis.addEventListener("pointerleave", () => dispatchEvent(new CustomEvent("lab-tell", {detail: {read: null}})));
   for (const end of ["pointerup", "pointercancel"])
     axis.addEventListener(end, event => { if (held && end === "pointerup") ask("seek", event); held = false; });
-  new ResizeObserver(thin).observe(axis);
+  new ResizeObserver(() => { if (said) write(JSON.parse(said)); }).observe(axis);
   new MutationObserver(look).observe(document.getElementById("root"), {childList: true, subtree: true});
 })();

@@ -36,7 +36,7 @@
     }
     const [headline, facts] = JSON.parse(says.dataset.spans);
     const first = line("lab-headline", headline);
-    const long = first.textContent.length > 78 || headline.some(([kind]) => kind === "bad");  // with reasons below
+    const long = first.textContent.length > 86 || headline.some(([kind]) => kind === "bad");  // with reasons below
     first.classList.toggle("lab-long", long);
     const further = line("lab-facts", facts.map((fact, k) => ["", (k ? " " : "") + fact]));
     further.title = facts.join(" ");  // there may be room for the first ones only

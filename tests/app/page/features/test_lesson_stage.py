@@ -15,19 +15,19 @@ class Page:
 
     def __init__(self):
         self.gui, self.done = Gui(), []
-        self.session = SimpleNamespace(play=lambda on: self.done.append(("play", on)))
+        self.session = SimpleNamespace(play=lambda on: self.done.append(("play", on)), scene=None, report=None)
         self.controls = SimpleNamespace(state=shareable_state.parse_state("bar"), show=self.show)
         self.show_run_on_stage = lambda: self.done.append("run")
         self.show_phase = lambda *phase: self.done.append(phase)
 
     def show(self, state):
-        self.controls.state = state
+        self.controls.state, self.session.scene = state, state.scene
         self.done.append(state.scene.cells)
 
 
 def test_a_step_closes_the_stage_until_its_run_is_there():
     page, lesson = Page(), catalogue.load_lesson("01-one-step")
-    stage = LessonStage(page, lambda: page.done.append("rebuilt"))
+    stage = LessonStage(page, lambda: show(RUN) and page.done.append("rebuilt"))
 
     def show(number):
         stage.show_step(lesson, number, {})
@@ -38,11 +38,16 @@ def test_a_step_closes_the_stage_until_its_run_is_there():
     assert show(RUN) and page.done == ["run", ("play", False)]
     assert "Show phase 2 of particle 10" in page.gui.said and f"data-step='{RUN}'" in page.gui.said
     stage.perform([RUN, "phase"])
-    assert page.done[2:] == [8, (10, 2), "rebuilt"] and not stage.headline
-    assert stage.has_shown_phase_of(lesson.steps[RUN - 1])
+    stage.refresh()
+    assert page.done[2:] == [8, (10, 2), "rebuilt"] and stage.headline  # the run is being compiled
+    page.session.report = SimpleNamespace(scene=page.session.scene)
+    stage.refresh()
+    assert not stage.headline and stage.has_shown_phase_of(lesson.steps[RUN - 1])
     assert not show(RUN) and not show(AFTER) and not show(AGAIN)
     assert show(FORCES) and "On the stage" in page.gui.said
     stage.perform([FORCES, "stage"])
+    page.session.report = SimpleNamespace(scene=page.session.scene)
+    stage.refresh()
     assert not stage.headline and not show(FORCES) and show(RUN)
     stage.show_step(None, 0, {})
     assert not stage.headline and "lab-curtain" not in page.gui.said
