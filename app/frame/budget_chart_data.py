@@ -6,7 +6,6 @@ from dataclasses import dataclass
 import numpy as np
 
 from app.language.translation import lazy, tr
-from app.names_and_units import QUANTITIES, per_cent
 from solvers.scene.error_causes import CAUSES, FIELDS
 from solvers.scene.scene import Scene
 from solvers.solver import budget_shares
@@ -21,12 +20,6 @@ MEANINGS = {"crossings": lazy("counted in the wrong cell"), "coarse_grid": lazy(
             "time_step": lazy("steps that are not short enough")}
 UNITS = {"x": "m", "v": "m/s", "F": ""}
 SEEN = 2e-3  # of the largest error: a cause that never contributes more is not drawn
-EARLY = 0.05  # periods before which shares are meaningless
-#: The largest cause of an error: a fact for the headline.
-_MADE = {"crossings": lazy("crossings made {share} of the error of {symbol}{whose}"),
-         "coarse_grid": lazy("the coarse grid made {share} of the error of {symbol}{whose}"),
-         "body_force": lazy("the body force made {share} of the error of {symbol}{whose}"),
-         "time_step": lazy("the time step made {share} of the error of {symbol}{whose}")}
 
 
 @dataclass(frozen=True)
@@ -86,16 +79,6 @@ def largest_share(series: Mapping[str, np.ndarray], field: str) -> tuple[str, fl
         return None
     known = {cause: share for cause, share in budget_shares.shares(series, field).items() if share is not None}
     return max(known.items(), key=lambda item: item[1]) if known else None
-
-
-def largest_cause_fact(scene: Scene, series: Mapping[str, np.ndarray], quantity: str) -> str:
-    """Returns a clause on the largest cause of the error of a quantity (key x, v, sigma or a) so far, from the series
-    of a scene's run; "" without a budget of it, or early in the run."""
-    if not scene.has("budget") or quantity not in FIELDS or not has_budget(series) \
-            or series["time"][-1] < EARLY * scene.period or (found := largest_share(series, quantity)) is None:
-        return ""
-    return tr(_MADE[found[0]], share=per_cent(found[1]), symbol=QUANTITIES[quantity].symbol,
-              whose=estimated_error_note(scene))
 
 
 def estimated_error_note(scene: Scene) -> str:

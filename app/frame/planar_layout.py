@@ -130,8 +130,8 @@ def _paired_run_labels(words: StageLabels, places: PlanarLayout) -> Iterator[Lab
     yield Label("truth-by", "", x, y, "bottom-left", "note")
     yield from _empty_half_labels(words, places)
     up = y + reach + 2 * metrics.pixel
-    (name,), (facts,) = (fit_spans((spans,), metrics, 2 * reach) for spans in (words.name, words.facts))
-    yield Label.of_spans("name", name, x - reach, up + metrics.line_height, "bottom-left", "name")
+    (run_name,), (facts,) = (fit_spans((spans,), metrics, 2 * reach) for spans in (words.name, words.facts))
+    yield Label.of_spans("name", run_name, x - reach, up + metrics.line_height, "bottom-left", "name")
     yield Label.of_spans("facts", facts, x - reach, up, "bottom-left", "note")
     yield Label("size-note", "", x, y, "bottom-left", "note")
     yield _crossing_label(words, places)

@@ -20,6 +20,7 @@ STATES = [
     State(BarScene()), State(RingScene(method="cpdi", dt="auto")), State(BAR, "sigma", "companion", True, 100, True),
     State(VortexScene(method="cpgimp-v", cells=24, effects=("truth", "spin"), poisson_ratio=0.4, frequency=2.0)),
     State(RingScene(estimators=()), domains=True, speed=0.25, traced=17, stops=True),
+    State(BarScene(cells=20), "sigma", compared="bspline"),
     State(BAR, pinned=BarScene(method="bspline", remedies=("null-space-filter",))),
     State(BarScene(effects=("truth",), estimators=("two-grid",), cfl=None, dt=1e-3 / 3))]
 
@@ -58,6 +59,7 @@ def test_defaults_are_left_out():
     ("ring;method=bspline", "give one of ugimp"), ("bar;error-of=q", "give one of x, v, sigma, a"),
     ("bar;on-stage=recovered", "does not run"), ("bar;trace=999", "particles 0 to 159"), ("bar;trace=-1", "0 or more"),
     ("bar;magnify=3", "give one of 1, 10, 100, 1000"), ("bar;speed=0", "above 0"), ("bar;speed=inf", "above 0"),
+    ("bar;compare=cpdi", "give one of mpm"), ("bar;compare=mpm;pinned", "and no pinned run"),
     ("bar;stops=perhaps", "give yes or no"), ("bar;linearity-preserving=x", "give yes or no"),
     ("bar;pinned;method=cpdi", "give one of mpm"), ("bar;" + "x" * 3000, "too long"),
     ("bar;estimators=none,all", "not known"),

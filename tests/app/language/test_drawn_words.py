@@ -60,7 +60,7 @@ def test_what_is_said_of_a_run_and_its_errors(problem):
                                                           no_truth))
                     said = headline.error_headline_templates(scene, quantity, estimator, no_estimate, no_truth)
                     plot = error_view_captions.field_plot_caption(scene, quantity)
-                    run = headline.format_error_headline(said, "m", 0.2, 0.1, 0.5, tr(headline.SO_FAR))
+                    run = headline.format_error_headline(said, "m", headline.InstantErrors(0.2, 0.1), tr(headline.NOW))
                     assert not outside(f"{told} {plot} {error_view_captions.add_unknown_count(plot.remark, 3)} {run}")
 
 

@@ -18,10 +18,9 @@ from app.frame.budget_chart_data import (
     budget_field,
     error_rms,
     format_percent,
-    largest_cause_fact,
     stack_layers,
 )
-from app.names_and_units import difference_text, per_cent, with_unit
+from app.names_and_units import difference_text, with_unit
 from app.page.feature import VisiblePageState
 from app.page.features.budget.chart import HEIGHT, MOST, WIDTH, RunBudget, budget_chart
 from app.page.features.budget.panel import BudgetPanel
@@ -146,19 +145,9 @@ def test_where_shares_mean_nothing_the_reason_stands_in_place_of_the_chart():
     text = budget_chart([of(series)], "x")
     assert "the causes have errors of x that cancel and are 20 times as large" in text and "<svg" not in text
     assert "data-cause" not in text
-    assert largest_cause_fact(HATS, series, "x") == ""
 
 
-def test_the_sentence_names_who_made_most():
-    series = made()
-    assert largest_cause_fact(HATS, series, "x") == f"crossings made {per_cent(0.9)} of the error of x"
-    assert (
-        largest_cause_fact(HATS, series, "sigma")
-        == largest_cause_fact(replace(HATS, effects=("truth",)), series, "x")
-        == ""
-    )
-    assert largest_cause_fact(HATS, made(0.1, 0.8), "v").startswith("the coarse grid made ")
-    assert largest_cause_fact(HATS, made(periods=0.01), "x") == "", "a share says nothing yet"
+def test_a_quantity_has_the_budget_of_its_field():
     assert [budget_field(quantity) for quantity in ("x", "v", "sigma", "a")] == ["x", "v", "F", "F"]
 
 
