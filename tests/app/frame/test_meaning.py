@@ -31,7 +31,7 @@ def drawn(problem: str, quantity_known: tuple[bool, bool] = (True, True)):
     scene = PROBLEMS[problem].scene(cells=12, periods=1)
     arrays, stage = engine_frame(build(scene)), VIEWS[problem].stage(RecordingSurface(), TwoColours())
     sizes = [np.full(len(arrays.position), value) if known else None
-             for value, known in zip((0.0), quantity_known, strict=True)]
+             for value, known in zip((0.0, 1.0), quantity_known, strict=True)]
     stage.draw(scene, arrays, *sizes, 0.0)
     bodies = [mark for mark in stage.sheet.marks.values() if isinstance(mark, Dots)
               and mark.name in ("lanes", "particles", "estimate", "truth")]
