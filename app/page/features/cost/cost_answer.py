@@ -115,7 +115,7 @@ def answer_box(answer: CostAnswer) -> str:
         return ""
     texts = "".join(f"<b>{escape(title)}</b><p>{escape(text)}</p>" for title, text in parts)
     pressed = "".join(f"<button data-run='{run.number}'>{escape(label)}</button>" for run, label in buttons)
-    return f"<div class='lab-answer' role='status'>{texts}<div>{pressed}</div></div>"
+    return f"<div class='lab-cost-answer' role='status'>{texts}<div>{pressed}</div></div>"
 
 
 def tolerance_line(answer: CostAnswer, axes: Axes | None) -> str:

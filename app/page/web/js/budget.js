@@ -14,9 +14,10 @@
     [said, filled] = [data, line];
     line.hidden = !data;
     if (!data) return;
-    const {says, parts} = JSON.parse(data);
-    line.querySelector("small").replaceChildren(...says.split(/([\d−]+ %)/).map((text, k) =>
+    const {says, parts} = JSON.parse(data), named = says.split(" · "), text = line.querySelector("small");
+    do text.replaceChildren(...named.join(" · ").split(/([\d−]+ %)/).map((text, k) =>
       k % 2 ? Object.assign(document.createElement("b"), {textContent: text}) : text));
+    while (line.scrollWidth > line.clientWidth && named.length > 1 && named.pop());  // as many causes as there is room for
     line.querySelector("i").replaceChildren(...parts.filter(([, share]) => share > 0).map(([colour, share]) => {
       const part = document.createElement("i");
       part.style.cssText = `flex: ${share}; background: var(--${colour})`;

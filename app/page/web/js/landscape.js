@@ -86,7 +86,7 @@ const landscape = (() => {
     let svg = "";
     if (data.flat) {
       for (const [numbers, style] of [...errors, [data.sec, "stroke:var(--time);stroke-width:1.5"]])
-        if (numbers[0] !== null) svg += `<path d="M0 ${(numbers === data.sec ? H - 2 : y(numbers[0])).toFixed(1)}H${W}" style="${style}"/>`;
+        if (numbers[0] != null) svg += `<path d="M0 ${(numbers === data.sec ? H - 2 : y(numbers[0])).toFixed(1)}H${W}" style="${style}"/>`;
     } else if (data.complete) {
       data.v.forEach((_, k) => {  // broken runs, from half way to their neighbours
         if (!bad(data, k) || k > 0 && bad(data, k - 1)) return;

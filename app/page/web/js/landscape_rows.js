@@ -100,7 +100,8 @@
       if (on.length) choose(row, on[Math.min(Math.abs(step), on.length) - 1]);
     }
   }, true);
-  addEventListener("pointerup", () => { for (const row of rows.values()) if (row.held) { row.held = false; change(row); } });
+  for (const end of ["pointerup", "pointercancel"])
+    addEventListener(end, () => { for (const row of rows.values()) if (row.held) { row.held = false; change(row); } });
   function change(row) { draw(row); report(); }
 
   function table(row) {
@@ -174,7 +175,7 @@
     row.stale = Boolean(!known.length && row.data.v && row.data.flat === data.flat);
     if (row.stale) return;
     const settles = known.length > 1 && (waiting < 3 || playing() || [...rows.values()].some(one => one.held));
-    const kept = all.filter(k => data.state[k] === "costly" ? k < known[0] || k > known[known.length - 1] : !settles || known.includes(k));
+    const kept = all.filter(k => data.state[k] === "costly" ? !known.length || k < known[0] || k > known[known.length - 1] : !settles || known.includes(k));
     row.data = {...data, complete: data.complete || settles,
       ...Object.fromEntries(["v", "true", "est", "sec", "state"].map(name => [name, kept.map(k => data[name][k])]))};
   }
