@@ -107,7 +107,7 @@ def test_the_colour_at_a_tick_is_that_of_its_number(size, logarithmic):
 
 
 def test_lines_of_a_ring_are_no_longer_than_its_wall_and_its_errors_stand_on_the_colours_scale():
-    """The line between the halves leaves the hole free, arcs mark the worst regions from outside, and points of the plot
+    """The line between the halves leaves the hole free, arcs mark worst regions from outside, and points of the plot
     are as high as their colour is on the bar."""
     scene, surface, scale = PROBLEMS["ring"].scene(cells=12, periods=1), RecordingSurface(), ColourScale()
     surface.stage_metrics = StageMetrics(736.0, high=0.45, gutter=0.16)
@@ -120,7 +120,8 @@ def test_lines_of_a_ring_are_no_longer_than_its_wall_and_its_errors_stand_on_the
     places, marks = stage._layout, surface.marks
     metre = places.radius / stage.max_radius(scene)
     dot = 0.03  # m: half of a drawn particle, and some more
-    for name, low, high in (("planes", scene.INNER - dot, scene.OUTER + dot), ("worst", scene.OUTER, 1.1 * scene.OUTER)):
+    for name, low, high in (("planes", scene.INNER - dot, scene.OUTER + dot),
+                            ("worst", scene.OUTER, 1.1 * scene.OUTER)):
         away = np.linalg.norm(marks[name].segments[:, :, :2] - places.middle, axis=2) / metre
         assert len(away) and low <= away.min() and away.max() <= high, name
     assert marks["worst-size"].text == "1 mm"  # once for both
