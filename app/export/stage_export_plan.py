@@ -105,6 +105,7 @@ def export_plan_to_json(plan: StageExportPlan, numbers: Mapping[str, int]) -> di
             "says": ["" if text.startswith("!") else in_a_line(parse_state(text).scene) for text in plan.texts],
             "pinned": numbers[plan.pinned] if plan.pinned else None,
             "quantities": plan.quantities, "estimators": scene.estimators, "compares": state.difference,
+            "magnifies": scene.DIMENSIONS == 1,
             "outlines": state.domains and bool(VIEWS[scene.problem].stage.DOMAINS_HINT),
             "view": {"quantity": state.quantity, "difference": state.difference, "domains": state.domains,
                      "magnified": state.magnified, "logarithmic": state.logarithmic,

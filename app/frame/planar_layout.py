@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 from app.frame.error_plot import HEADING, ErrorPlotBox
 from app.frame.layout import HALVES, ComparedRunSlot, StageLayout, colour_bar_box, drawing_rectangle
 from app.frame.primitives import Anchor, Label, StageMetrics
-from app.frame.stage import StageLabels, title_labels
+from app.frame.stage import StageLabels, fit_spans, title_labels
 from app.language.translation import tr
 from app.names_and_units import short_reason
 
@@ -130,8 +130,9 @@ def _paired_run_labels(words: StageLabels, places: PlanarLayout) -> Iterator[Lab
     yield Label("truth-by", "", x, y, "bottom-left", "note")
     yield from _empty_half_labels(words, places)
     up = y + reach + 2 * metrics.pixel
-    yield Label.of_spans("name", words.name, x - reach, up + metrics.line_height, "bottom-left", "name")
-    yield Label.of_spans("facts", words.facts, x - reach, up, "bottom-left", "note")
+    (run_name,), (facts,) = (fit_spans((spans,), metrics, 2 * reach) for spans in (words.name, words.facts))
+    yield Label.of_spans("name", run_name, x - reach, up + metrics.line_height, "bottom-left", "name")
+    yield Label.of_spans("facts", facts, x - reach, up, "bottom-left", "note")
     yield Label("size-note", "", x, y, "bottom-left", "note")
     yield _crossing_label(words, places)
 

@@ -281,12 +281,17 @@ class Stage(ABC, Generic[AnyScene]):
 def title_labels(words: StageLabels, metrics: StageMetrics, y: float) -> Iterator[Label]:
     """Yields the labels of a run's title in a line at the height y: its name at the left, facts at the right. What does
     not fit is left out, by kinds of spans."""
-    name, facts = words.name, words.facts
-    for kind in LEFT_OUT:
-        if sum(metrics.text_extent(text)[0] for _, text in (*name, *facts)) > WIDEST_TITLE:
-            name, facts = (_without_kind(spans, kind) for spans in (name, facts))
+    name, facts = fit_spans((words.name, words.facts), metrics, WIDEST_TITLE)
     yield Label.of_spans("name", name, 0.0, y, "center-left", "name", size=TITLE_SIZE)
     yield Label.of_spans("facts", facts, 1.0, y, "center-right", "note", size=TITLE_SIZE)
+
+
+def fit_spans(parts: tuple[Spans, ...], metrics: StageMetrics, width: float) -> tuple[Spans, ...]:
+    """Returns parts of a line with as many kinds of their spans left out as they need to fit into a stage width."""
+    for kind in LEFT_OUT:
+        if sum(metrics.text_extent(text)[0] for spans in parts for _, text in spans) > width:
+            parts = tuple(_without_kind(spans, kind) for spans in parts)
+    return parts
 
 
 def _without_kind(spans: Spans, kind: str) -> Spans:

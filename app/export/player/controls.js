@@ -8,8 +8,8 @@ function buildControls() {
   const quantities = plan.quantities.map((key) => [key, `${DATA.quantities[key].noun} ${DATA.quantities[key].symbol}`]);
   const looks = [select(tr("Error of"), quantities, "quantity")];
   if (plan.estimators.length > 1) looks.push(select(tr("On the stage"), plan.estimators.map((name) => [name, name]), "estimator"));
-  looks.push(select(tr("Magnify error"), DATA.magnifications.map((factor) => [factor, `× ${factor}`]), "magnified"),
-    select(tr("Colours"), [[false, tr("linear")], [true, tr("logarithmic")]], "logarithmic"));
+  if (plan.magnifies) looks.push(select(tr("Magnify error"), DATA.magnifications.map((factor) => [factor, `× ${factor}`]), "magnified"));
+  looks.push(select(tr("Colours"), [[false, tr("linear")], [true, tr("logarithmic")]], "logarithmic"));
   if (plan.compares) looks.push(select(tr("Compare"), DATA.compare.map((name, k) => [k === 1, name]), "difference"));
   if (plan.outlines) looks.push(select(tr("Domains"), [[true, tr("outlined")], [false, tr("not outlined")]], "domains"));
   const speeds = [...new Set([...SPEEDS, view.speed])].sort((a, b) => a - b);

@@ -16,7 +16,7 @@ from app.names_and_units import per_cent
 from app.page.feature import Feature, VisiblePageState
 from app.page.page_context import PageContext
 from app.page.playback_controls import SLOW
-from app.page.stage_source import NO_TITLE, StageContent, StageSource, ViewChoice
+from app.page.stage_source import StageContent, StageSource, ViewChoice
 from app.page.visit.recent_frames import Frame
 from app.page.visit.status_message import Notice
 from app.problems.bar.field_over_stage import FieldOverStage
@@ -173,6 +173,8 @@ class OpeningTour(Feature):
     def _draw_cover(self) -> None:
         """Draws the bar in pieces in the first step, and in the second the field of the run's frame."""
         frame, page = self._page.recent.shown_frame, self._page
+        if not self._session.watched:
+            return
         with page.client.atomic():
             if self.beat == 1:
                 rectangle = self._bar.draw(STILL if self._waits else self._clock() - self._since)
@@ -200,8 +202,10 @@ class OpeningSource:
         return self._tour.beat in (1, 2, 3)
 
     def stage_content(self, choice: ViewChoice) -> StageContent | None:
-        sight = self._run.stage_content(choice) if self._tour.beat == 3 else None
-        return sight and replace(sight, picture=replace(sight.picture, title=NO_TITLE), beside=None)
+        if self._tour.beat != 3 or (sight := self._run.stage_content(choice)) is None:
+            return None
+        title = *sight.picture.title[:2], ()  # without what it is compared with
+        return replace(sight, picture=replace(sight.picture, title=title), beside=None)
 
     def notice(self) -> Notice | None:
         """Returns None: what the runs wait for is not to be seen yet."""

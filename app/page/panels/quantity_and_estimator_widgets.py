@@ -60,7 +60,7 @@ class QuantityAndEstimatorWidgets:
         self._magnify = gui.add_dropdown(
             tr("Magnify error"), tuple(_FACTORS), initial_value=_NAMES[self.magnified],
             hint=tr("in the plot of the field: how many times the deviation of the particles from the exact curve is "
-                    "drawn"))
+                    "drawn"), visible=self._session.scene.DIMENSIONS == 1)
         self._magnify.on_update(lambda event: self._choose_magnification() if event.client else None)
 
     def show(self, quantity: str, estimator: str | None, magnified: int) -> None:

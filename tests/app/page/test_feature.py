@@ -4,7 +4,7 @@ import json
 
 from app.page.feature import Feature
 from app.page.features import all_features
-from app.page.features.opening_tour import OPENING
+from app.page.features.opening_tour import OPENING, QUARTER
 from tests.app.page.test_opening_tour import frame
 from tests.support.page_server import start_server
 from tests.support.processes import wait_until
@@ -63,3 +63,22 @@ def test_a_feature_is_one_line(monkeypatch):
             Counter.last.page.show_run_on_stage()
             assert "left" in calls and "closed" not in calls
         wait_until(lambda: "closed" in calls, "the end")
+
+
+def test_a_link_opens_on_its_own_frame():
+    """Nothing is said, and so seen, of what a page begins with: not before the browser has said what it was opened
+    with, and not while that is on its way."""
+    with start_server() as (one, address), RawClient(address) as visitor:
+        store = visitor.find("kept by the browser")
+        wait_until(lambda: any(one.visitors._pages.values()), "the page")
+        (page,) = one.visitors._pages.values()
+        session, said = page._context.session, page._context.stage._headline._html
+        session.on_frame(*frame(OPENING.scene, QUARTER))
+        page._refresh()
+        assert said.content == ""
+        visitor.set(store, json.dumps({"link": "bar;cells=20"}))
+        wait_until(lambda: session.scene.cells == 20, "the link's scene")
+        page._refresh()
+        assert said.content == ""
+        session.on_frame(*frame(session.scene, QUARTER))
+        wait_until(lambda: "lab-says" in said.content, "the link's own frame")

@@ -23,8 +23,8 @@ from tests.support.recording_scene import RecordingSurface
 def frame(scene, periods):
     """A run after so many periods."""
     solver = build(scene)
-    solver.advance(round(periods * scene.period / scene.time_step))
-    return replace(report_of(scene), step=solver.step, time=solver.time), engine_frame(solver)
+    rows = solver.advance(round(periods * scene.period / scene.time_step))
+    return replace(report_of(scene), step=solver.step, time=solver.time, rows=rows), engine_frame(solver)
 
 
 class Session:
@@ -32,7 +32,7 @@ class Session:
 
     def __init__(self):
         self.scene, self.refused, self.playing, self.restarts, self.at = BAR, None, True, 0, QUARTER
-        self.pinned = SimpleNamespace(scene=BESIDE, last=None)
+        self.pinned, self.watched = SimpleNamespace(scene=BESIDE, last=None), True
         self.report = None
 
     @property

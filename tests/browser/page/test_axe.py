@@ -22,10 +22,14 @@ def nothing_serious(page, where):
 @pytest.mark.parametrize("scheme", [pytest.param("light", marks=pytest.mark.short),
                                     pytest.param("dark", marks=pytest.mark.slow)])
 def test_axe_finds_nothing(server, chromium, scheme):
-    """In the page as it comes, with folders open, and in every tab."""
+    """In the page as it comes, in its tour, with folders open, and in every tab."""
     with visit(chromium, server[0], "#", color_scheme=scheme) as page:
         page.locator("body.lab-to-see").wait_for(timeout=60_000)
         until(lambda: page.locator("body.lab-dark").count() == (scheme == "dark"), scheme)
+        assert page.locator("body.lab-story-told").count()
+        nothing_serious(page, "the tour")
+        page.keyboard.press("Escape")
+        until(lambda: not page.locator("body.lab-story-told").count(), "the page after it")
         unfold(page, "Method details", "What is computed")
         nothing_serious(page, "Explore")
         for tab in ("Lessons", "Cost", "About"):

@@ -59,7 +59,7 @@ def test_three_sparks_by_keyboard_alone(server, chromium):
 
         for button, seen, words in (
                 ("Halve the cells", "The answer", "It rose to"),
-                ("Next: Smooth the crossing", "error", "crossings"),  # which hat functions do already: uGIMP instead
+                ("Next: Smooth the crossing", "crossings", "crossings"),  # what hat functions do: uGIMP instead
                 ("Next: Break it", "What now?", "What now?")):
             tab_to(page, button)
             page.keyboard.press("Enter")
