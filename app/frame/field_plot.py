@@ -24,10 +24,10 @@ ROOM = 1.1  # length of the axis over its last number
 FADE = 0.985  # decay of the peak per frame when values shrink
 SLACK = 0.4  # share of the axis below which it shrinks
 MOST_STEMS = 2000  # particles with stems: more would be a grey area
-#: Diameters in pixels: of a particle, of one of many, and in a narrow plot; thickness of lines.
-DOT, MANY_DOTS, NARROW_DOT = 4.0, 2.8, 2.3
+#: Diameters of a particle in pixels: usual and least, and the part that it fills of the distance to the next one, so
+#: that the exact line is seen between them; thickness of lines.
+DOT, LEAST_DOT, FILLS = 4.0, 2.3, 0.85
 CURVE_WIDTH, STEM, RING_WIDTH = 2.5, 1.5, 1.75
-MANY, NARROW = 240, 480  # particles, pixels of the stage
 RING = 2.5  # pixels of the radius of a ring beyond that of its particle
 _TURNS = np.linspace(0, 2 * np.pi, 17)
 CIRCLE = np.stack([np.cos(_TURNS), np.sin(_TURNS), np.zeros(17)], axis=1).astype(np.float32)
@@ -140,9 +140,10 @@ class FieldPlot:
         yield from self._exact_curve_marks(places, scene, quantity, t)
         yield self._deviation_stems(places, scene, field, magnified)
         metrics = places.stage_metrics
-        size = NARROW_DOT if metrics.pixels < NARROW else DOT if len(values) <= MANY else MANY_DOTS
-        yield Dots("field/particles", self._dots, self._ink, size * metrics.pixel)
-        rings = (0.5 * size + RING) * metrics.pixel * CIRCLE + self._dots[crossed][:, None]
+        apart = (self._box.right - self._box.left) / max(1, len(values))
+        size = min(DOT * metrics.pixel, max(FILLS * apart, LEAST_DOT / metrics.pixels))
+        yield Dots("field/particles", self._dots, self._ink, size)
+        rings = (0.5 * size + RING * metrics.pixel) * CIRCLE + self._dots[crossed][:, None]
         rings[:, :, 2] = 0.016
         yield Lines("field/crossed", np.stack([rings[:, :-1], rings[:, 1:]], axis=2).reshape(-1, 2, 3),
                     metrics.palette.crossing, RING_WIDTH)

@@ -14,7 +14,7 @@ from app.colour_palette import LINES, PINNED
 from app.frame.colour_scale import largest_finite, round_up
 from app.frame.error_view_captions import TRUE
 from app.language.translation import lazy, tr, trn
-from app.names_and_units import QUANTITIES, format_number, functions_name, in_periods, per_cent, with_unit
+from app.names_and_units import format_number, functions_name, in_periods, per_cent, with_unit
 from app.page.panels.time_plots import EMPTY, clip_estimate, pinned_curves, plottable_series, series_options, set_series
 from app.page.visit.history import RunSeries
 from app.page.visit.pinned_run import PinnedRun
@@ -92,7 +92,7 @@ class ErrorTimeline:
                                               zip(self._estimators, estimated, strict=True) if name in valid)]
         if pinned:
             named.append((functions_name(pinned.follows) if pinned.follows else tr("pinned"), "pinned", grey[0]))
-        self._send_axis_and_marks(past, series, named, quantity, now)
+        self._send_axis_and_marks(past, series, named, now)
 
     def show_values_at(self, fraction: float | None) -> None:
         """Sets where on the time axis, 0 to 1, :meth:`show` writes the curves' values; None for nowhere."""
@@ -105,7 +105,7 @@ class ErrorTimeline:
 
     def clear(self, now: TimelineState) -> None:
         set_series(self._plot, plottable_series(EMPTY, *(np.full(2, np.nan) for _ in self._plot.data[1:])))
-        self._send({"symbol": "", "tops": [], "start": "", "ticks": [], "now": 0, "reach": [0, 0], "changes": [],
+        self._send({"tops": [], "start": "", "ticks": [], "now": 0, "reach": [0, 0], "changes": [],
                     "first": "", "names": [], "clock": clock_text(now.time), "playing": now.playing, "read": [],
                     "lost": None, "says": ""})
 
@@ -124,7 +124,7 @@ class ErrorTimeline:
             self._plot.scales = {"x": {"time": False, "range": [0.0, ends[1] - ends[0]]}, "y": {"range": [0.0, top]}}
 
     def _send_axis_and_marks(self, past: RunSeries, series: dict[str, np.ndarray],
-                             named: Sequence[tuple[str, str, np.ndarray]], quantity: str, now: TimelineState) -> None:
+                             named: Sequence[tuple[str, str, np.ndarray]], now: TimelineState) -> None:
         """Sends everything around the curves, of which ``named`` has name, colour and values (T,)."""
         start, end, top = self._ends or (0.0, 1.0, 1.0)
 
@@ -143,8 +143,7 @@ class ErrorTimeline:
         marks = [[part(tick), f"{tick * factor:.4g}" if tick != ticks[-1] else last] for tick in ticks]
         begin = "0" if not start else in_periods(start / of_time) if swings else with_unit(start, "s")
         changes, many = self._cell_changes(series, start, end)
-        said = {"symbol": QUANTITIES[quantity].symbol,
-                "tops": [[height(share), f"{format_number(100 * share)} %"] for share in (top, 0.5 * top)],
+        said = {"tops": [[height(share), f"{format_number(100 * share)} %"] for share in (top, 0.5 * top)],
                 "start": begin, "ticks": marks, "now": part(now.time),
                 "reach": [*map(part, now.reach)], "changes": changes, "first": tr("first crossing") if changes else "",
                 "many": trn("{count:,} cell change so far", "{count:,} cell changes so far", many),

@@ -8,8 +8,8 @@ import pytest
 
 from app import names_and_units
 from app.frame.colour_scale import ZERO, ColourScale
-from app.frame.primitives import Dots
-from app.frame.stage import StageLabels
+from app.frame.primitives import Dots, StageMetrics
+from app.frame.stage import StageLabels, WorstRegionAnnotations, WorstRegionMark
 from app.problems.views import VIEWS
 from solvers.problems import PROBLEMS
 from solvers.running.run import build
@@ -31,7 +31,7 @@ def drawn(problem: str, quantity_known: tuple[bool, bool] = (True, True)):
     scene = PROBLEMS[problem].scene(cells=12, periods=1)
     arrays, stage = engine_frame(build(scene)), VIEWS[problem].stage(RecordingSurface(), TwoColours())
     sizes = [np.full(len(arrays.position), value) if known else None
-             for value, known in zip((0.0), quantity_known, strict=True)]
+             for value, known in zip((0.0, 1.0), quantity_known, strict=True)]
     stage.draw(scene, arrays, *sizes, 0.0)
     bodies = [mark for mark in stage.sheet.marks.values() if isinstance(mark, Dots)
               and mark.name in ("lanes", "particles", "estimate", "truth")]
@@ -104,3 +104,28 @@ def test_the_colour_at_a_tick_is_that_of_its_number(size, logarithmic):
     table = [tuple(shade) for shade in scale.gradient(256)]
     assert_shades(scale.ticks("x"), logarithmic,
                   lambda value: table.index(tuple(scale.colours(np.array([value]))[0])))
+
+
+def test_lines_of_a_ring_are_no_longer_than_its_wall_and_its_errors_stand_on_the_colours_scale():
+    """The line between the halves leaves the hole free, arcs mark worst regions from outside, and points of the plot
+    are as high as their colour is on the bar."""
+    scene, surface, scale = PROBLEMS["ring"].scene(cells=12, periods=1), RecordingSurface(), ColourScale()
+    surface.stage_metrics = StageMetrics(736.0, high=0.45, gutter=0.16)
+    arrays, stage = engine_frame(build(scene)), VIEWS["ring"].stage(surface, scale)
+    stage.plotted, scale.top = "x", 0.5
+    true = np.linspace(0.0, 0.4, len(arrays.position))
+    stage.draw(scene, arrays, 2 * true, true, 0.0)
+    worst = WorstRegionMark(true > 0.39, "1 mm")
+    stage.annotate(WorstRegionAnnotations((worst, worst)), arrays)
+    places, marks = stage._layout, surface.marks
+    metre = places.radius / stage.max_radius(scene)
+    dot = 0.03  # m: half of a drawn particle, and some more
+    for name, low, high in (("planes", scene.INNER - dot, scene.OUTER + dot),
+                            ("worst", scene.OUTER, 1.1 * scene.OUTER)):
+        away = np.linalg.norm(marks[name].segments[:, :, :2] - places.middle, axis=2) / metre
+        assert len(away) and low <= away.min() and away.max() <= high, name
+    assert marks["worst-size"].text == "1 mm"  # once for both
+    box = places.plot
+    for name, sizes in (("true", true), ("rings", 2 * true)):
+        drawn_at = (marks[f"plot/{name}"].points[:, 1] - box.low) / (box.high - box.low)
+        np.testing.assert_allclose(drawn_at, np.minimum(sizes / scale.top, 1), atol=1e-5)

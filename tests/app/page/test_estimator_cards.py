@@ -10,7 +10,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from app.frame.error_view_captions import UNKNOWN
+from app.names_and_units import NOTHING, per_cent
 from app.page.panels.readout_tables import ROUNDED, estimator_cards_json, live_readout
 from app.page.stage.worst_region import WorstRegions
 from app.page.visit.history import NormHistory
@@ -36,16 +36,16 @@ def test_cards_say_what_the_run_has():
     history.add(solver.advance(200))
     report = replace(report_of(scene), time=solver.time, not_valid={"recovered": "not valid here: why"})
     cards = json.loads(estimator_cards_json(report, history.series, "x", "transport"))
-    assert (cards["problem"], cards["stage"], cards["known"]) == ("bar", "transport", True)
+    assert (cards["problem"], cards["stage"]) == ("bar", "transport")
     assert set(cards["judges"]) == {"transport", "recovered"}
-    index = history.series["transport/index_x"][-1]
-    assert float(cards["judges"]["transport"]["index"]) == pytest.approx(index, abs=0.0051)
+    estimate, true = (history.series[name][-1] for name in ("transport/estimate_x", "error_x"))
+    assert cards["judges"]["transport"]["finds"] == per_cent(estimate / true)
     held, of = track_record_and_bets.accurate_run_counts(scene, "transport")
     trust = cards["judges"]["transport"]["trust"]
-    assert trust == f"right within 10\N{NO-BREAK SPACE}% in {held} of {of} runs like this"
+    assert trust == f"within 10\N{NO-BREAK SPACE}% of the truth in {held} of {of} such runs"
     assert cards["judges"]["recovered"] == {"says": "Not valid here: why"}
     unknown = json.loads(estimator_cards_json(report_of(replace(scene, body_force="two-tone")), {}, "x", None))
-    assert (unknown["true"], unknown["known"]) == (UNKNOWN, False)
+    assert unknown["judges"]["transport"]["finds"] == NOTHING
 
 
 @pytest.mark.parametrize("problem", PROBLEMS)
@@ -123,7 +123,7 @@ def test_an_error_that_is_nothing_but_rounding_has_no_index_on_the_page():
         html = live_readout(session, history, report, "v", "companion", None, WorstRegions()).html
         card = json.loads(estimator_cards_json(report, history.series, "v", "companion"))["judges"]["companion"]
         assert (ROUNDED in html) == rounded
-        assert ("index" not in card and card["says"] == "Nothing but rounding") == rounded
+        assert ("finds" not in card and card.get("says") == "Nothing but rounding") == rounded
 
 
 @pytest.mark.parametrize("scene, said", [

@@ -24,7 +24,7 @@ def make_page():
     """A page on which slow motion has been built."""
     return SimpleNamespace(
         client=None, canvas=None, session=Session(), gui=Gui(), stage=SimpleNamespace(draw=lambda: None),
-        run=SimpleNamespace(numbers=None, notice=None),
+        run=SimpleNamespace(numbers=None, notice=None), lesson_name="",
         controls=SimpleNamespace(add_extension=lambda name, build, *parts: build()))
 
 

@@ -67,7 +67,7 @@ def test_axes_only_grow_within_a_run_and_end_at_round_numbers(line):
 def test_what_is_said_round_the_curves(line):
     """Places are parts of the axis, errors in per cent of the largest exact value; the unit of time is said once."""
     at = show(line, 0.8)
-    assert at["symbol"] == "x" and at["tops"] == [[0.0, "0.8 %"], [0.5, "0.4 %"]] and at["start"] == "0"
+    assert at["tops"] == [[0.0, "0.8 %"], [0.5, "0.4 %"]] and at["start"] == "0"
     assert at["ticks"] == [[0.5, "0.5"], [1.0, "1 period"]]
     assert at["now"] == 0.8 and at["reach"] == [0.4, 0.8] and at["lost"] is None and at["clock"] == "0.8 s"
     assert at["names"] == [["true", "truth", 0.6], ["transport", "transport", 0.2]]

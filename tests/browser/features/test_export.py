@@ -164,8 +164,7 @@ def test_whatever_is_looked_at_is_said_as_on_the_page(play, name):
                 no_estimate = f"{estimator} {not_estimated_text(key)}"
             said = make_captions(key, estimator, apart, no_estimate, no_truth)
             plot: tuple[str, ...] = (*said.by, *stage.PLOT.ends) if scene.DIMENSIONS > 1 else (
-                field_plot_caption(scene, key).name, field_plot_caption(scene, key).remark,
-                f"error × {magnified}" * scene.solution_known)
+                field_plot_caption(scene, key).name, field_plot_caption(scene, key).remark)
             for part in (*said.titles, *said.silences, stage.scale_note(scene), stage.MARKED, *plot,
                          str(names_and_units.QUANTITIES[key])):
                 assert part in drawn, (key, estimator)

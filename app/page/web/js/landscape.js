@@ -12,7 +12,8 @@ const landscape = (() => {
   const share = value => value >= 1 ? tr("over 100 %") : `${digits(100 * value, 2)} %`;
   function sized(value, unit, count) {
     const power = Math.floor(Math.log10(Number(value.toPrecision(count))) / 3);
-    return unit ? `${digits(value / 1000 ** power, count)} ${["n", "µ", "m", "", "k", "M", "G"][power + 3]}${unit}` : digits(value, count);
+    if (!unit) return digits(value, count);
+    return `${digits(value / 1000 ** power, count)} ${["p", "n", "µ", "m", "", "k", "M", "G", "T"][power + 4]}${unit}`;
   }
 
   // A row's points, and what is between them.
@@ -46,7 +47,8 @@ const landscape = (() => {
   }
   const named = (row, value) => VALUES[row.parameter].replace("{count}", sized(value, row.data.unit, row.data.multiple ? 6 : 3));
   function sentence(row, {value, wrong, est, sec, good, state, exact}, short = 0) {  // short: 1 or 2, without the time
-    const most = exact ? tr("up to {share} wrong") : tr("about {share} wrong"), estimate = short ? tr("est. {share}") : tr("estimate {share}");
+    const most = exact ? tr("up to {share} wrong") : tr("about {share} wrong");
+    const estimate = short ? tr("est. {share}") : tr("estimate {share}");
     const said = state !== "ok" ? [STATES[state]] : [
       wrong === null ? null : wrong >= 1 ? tr("over 100 % wrong") : most.replace("{share}", share(wrong)),
       good && est !== null && estimate.replace("{share}", share(est)), sec !== null && short < 2 && sized(sec, "s", 2)];
@@ -70,7 +72,8 @@ const landscape = (() => {
     const [quick, slow] = range(times.length ? times : [1], 3), scale = (value, least, most) =>
       H - 2 - (H - 5) * Math.log(Math.min(Math.max(value, least), most) / least) / Math.log(most / least);
     const y = value => scale(value, low, high);
-    const words = (x, text, tint, anchor, y = H > 30 ? 16 : 13) => `<text x="${x}" y="${y}" text-anchor="${anchor}" fill="var(--${tint})">${text}</text>`;
+    const words = (x, text, tint, anchor, y = H > 30 ? 16 : 13) =>
+      `<text x="${x}" y="${y}" text-anchor="${anchor}" fill="var(--${tint})">${text}</text>`;
     const path = (numbers, height, style) => {
       let d = "", up = true;
       data.v.forEach((v, k) => {
@@ -82,7 +85,8 @@ const landscape = (() => {
     };
     const where = data.flat ? [0, W] : [px(data.v[0]), px(data.v[data.v.length - 1])];
     const only = numbers => numbers.map((number, k) => good(data, k) ? number : null);
-    const errors = [[data.true, "stroke:var(--truth);stroke-width:2.5"], [data.est, `stroke:${colour};stroke-width:1.5;stroke-dasharray:${dashes}`]];
+    const errors = [[data.true, "stroke:var(--truth);stroke-width:2.5"],
+      [data.est, `stroke:${colour};stroke-width:1.5;stroke-dasharray:${dashes}`]];
     let svg = "";
     if (data.flat) {
       for (const [numbers, style] of [...errors, [data.sec, "stroke:var(--time);stroke-width:1.5"]])

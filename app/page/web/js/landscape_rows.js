@@ -125,7 +125,8 @@
     element.insertAdjacentHTML("afterbegin", parameter === "modulus" ? "<button type='button' class='lab-keeps'></button>" : "");
     element.insertAdjacentHTML("beforeend", "<p class='lab-read' aria-hidden='true'></p><div class='lab-strip'>"
       + "<svg aria-hidden='true'></svg></div><button type='button' class='lab-as-table' tabindex='-1'></button>");
-    const part = name => element.querySelector(name), row = {parameter, mark, element, thumb, typed, label: part("label"), read: part(".lab-read"),
+    const part = name => element.querySelector(name);
+    const row = {parameter, mark, element, thumb, typed, label: part("label"), read: part(".lab-read"),
       strip: part(".lab-strip"), svg: part(".lab-strip svg"), keeps: part(".lab-keeps"), data: {}, hover: null, width: 0,
       beside: parameter === "cfl" ? document.querySelector("[data-lab~=lab-auto] + div") : null};
     rows.set(parameter, row);
@@ -175,7 +176,8 @@
     row.stale = Boolean(!known.length && row.data.v && row.data.flat === data.flat);
     if (row.stale) return;
     const settles = known.length > 1 && (waiting < 3 || playing() || [...rows.values()].some(one => one.held));
-    const kept = all.filter(k => data.state[k] === "costly" ? !known.length || k < known[0] || k > known[known.length - 1] : !settles || known.includes(k));
+    const beyond = k => !known.length || k < known[0] || k > known[known.length - 1];
+    const kept = all.filter(k => data.state[k] === "costly" ? beyond(k) : !settles || known.includes(k));
     row.data = {...data, complete: data.complete || settles,
       ...Object.fromEntries(["v", "true", "est", "sec", "state"].map(name => [name, kept.map(k => data[name][k])]))};
   }
@@ -190,10 +192,12 @@
         row.said = mark.dataset.said;
         take(row, JSON.parse(row.said));
       }
-      if (row.wished && Math.abs(Math.log10(row.wished.value) - Number(row.thumb.getAttribute("aria-valuenow"))) < 1e-6) row.wished = null;
+      const now = Number(row.thumb.getAttribute("aria-valuenow"));
+      if (row.wished && Math.abs(Math.log10(row.wished.value) - now) < 1e-6) row.wished = null;
       draw(row);
     }
     for (const strip of seen) if (!strip.isConnected) { seen.delete(strip); report(); }
   }
-  new MutationObserver(look).observe(root, {childList: true, subtree: true, attributes: true, attributeFilter: ["aria-valuenow", "data-words"]});
+  new MutationObserver(look).observe(root, {childList: true, subtree: true, attributes: true,
+    attributeFilter: ["aria-valuenow", "data-words"]});
 })();

@@ -2,7 +2,6 @@
 // it is lost, when particles change their cell. Pointing at a time asks for the frame of then.
 (() => {
   const axis = document.querySelector("#lab-timeline .lab-axis"), clock = document.getElementById("lab-clock");
-  const title = document.querySelector("#lab-timeline .lab-names b");
   const make = name => Object.assign(axis.appendChild(document.createElement("span")), {className: `lab-${name}`});
   const [zero, begin, reach, lost, now, strip, first, read] =
     ["zero", "begin", "reach", "gone", "now", "strip", "first", "read"].map(make);
@@ -50,8 +49,6 @@
     nameLines(at);
     read.textContent = at.read.join("\n");
     read.hidden = !at.read.length;
-    const heading = at.symbol && tr("Error <i>norm </i><em>of </em>{symbol}", {symbol: at.symbol});  // where narrow without
-    if (title.dataset.said !== heading) title.innerHTML = title.dataset.said = heading;
     clock.textContent = at.clock;
     document.body.classList.toggle("lab-playing", at.playing);
     document.body.classList.toggle("lab-lost", at.lost !== null);
