@@ -195,10 +195,10 @@ def stage_box(page):
 
 
 def lane(page, name):
-    """The rows of the window in which the lane so called lies, but for its rim: its name stands above its middle."""
+    """The rows of the window in which the lane so called lies, but for its rim: its name stands at its middle."""
     box = page.locator("#lab-stage .lab-label").filter(has_text=re.compile(f"^{name}")).first.bounding_box()
-    middle = round(box["y"] + box["height"])
-    return slice(middle - 18, middle + 20)
+    middle = round(box["y"] + 0.5 * box["height"])
+    return slice(middle - 10, middle + 10)
 
 
 def in_lane(page, name, share):

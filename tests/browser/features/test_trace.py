@@ -21,7 +21,7 @@ def a_click_traces_a_particle(page):
     """A plot of its own from the first frames on, until it is said that it is enough; by its number too."""
     until(lambda: time(page) > 0.3, "frames to look back at")
     unfold(page, "Look")
-    driving.click_a_particle(page, *driving.in_lane(page, "Truth", 0.34))
+    driving.click_a_particle(page, *driving.in_lane(page, "truth", 0.34))
     title = page.get_by_text(re.compile(r"particle \d+, X = 0\.3\d* m"))
     title.wait_for()
     until(lambda: f"particle {traced(page)[0]}, " in title.inner_text(), "its number")
