@@ -40,8 +40,9 @@ def test_a_process_that_dies_is_said_and_the_next_question_has_another():
         with pytest.raises(ProcessDied, match="ended with status 3"):
             lost.result()
         first = after.result()["process"]
-        killed = pool.submit({"seconds": 600})
-        wait_until(lambda: killed.running(), "the question is asked")
+        heard = []
+        killed = pool.submit({"seconds": 600}, heard.append)
+        wait_until(lambda: heard, "the question has reached the process")
         os.kill(first, signal.SIGKILL)
         with pytest.raises(ProcessDied, match="SIGKILL"):
             killed.result()
