@@ -57,7 +57,8 @@ class Controls:
         self._parts: dict[str, tuple[Any, ...]] = {
             "problem": (problem_mark, self.problem), **self.stage.parts, **self._transport.parts}
         self._drawing = DrawingWidgets(session, scale, history, self.stage, on_view)
-        self._strips = LandscapeStrips(session, landscapes, store, lambda: (self.stage.quantity, self.stage.estimator))
+        self._strips = LandscapeStrips(gui, session, landscapes, store,
+                                       lambda: (self.stage.quantity, self.stage.estimator))
         self._run = SimulationParameterWidgets(session, self._bound, store, self._strips)
         self.estimator_cards = EstimatorCards(gui, session, self.stage, self._bound, store)
         store.heard |= {"entered": self._on_entered, "compare": self._transport.on_choice}

@@ -2,7 +2,7 @@
 
 import json
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from html import escape
 from typing import Any
 
@@ -32,41 +32,46 @@ class LandscapeStrips:
     """Strips of one visitor: the ``landscapes`` of the session's scene, for the quantity and the estimator on the
     stage, as returned by ``on_stage``; requested while the browser shows any strip."""
 
-    def __init__(self, session: RunSession, landscapes: Landscapes, store: BrowserStore,
+    def __init__(self, gui: viser.GuiApi, session: RunSession, landscapes: Landscapes, store: BrowserStore,
                  on_stage: Callable[[], tuple[str, str | None]]):
         self._session, self._landscapes, self._on_stage = session, landscapes, on_stage
-        self._rows: dict[str, tuple[viser.GuiHtmlHandle, LogNumberSlider]] = {}
+        # One element for all rows, that stays: a browser reports an error if, of one that it removes, news come.
+        self._html = gui.add_html("")
+        self._sliders: dict[str, LogNumberSlider] = {}
         self._seen, self._hand, self._held = False, None, False
         store.heard["strips"] = self._on_hand
         store.heard["point"] = self._on_point
 
     def build_heading(self, gui: viser.GuiApi) -> None:
         """Builds the panel's heading with the legend of the strips, and forgets the strips of sliders built before."""
-        self._rows, self._heading = {}, gui.add_html(heading_html(self._on_stage()[1]))
+        self._sliders = {}
+        gui.add_html(heading_html())
 
     def add(self, gui: viser.GuiApi, bound: SceneWidgetFactory, parameter: str, size: SliderSpec, value: float,
             act: Callable[[float], None]) -> LogNumberSlider:
         """Adds a slider for one of the ``PARAMETERS`` with a strip under it; arguments as of ``LogNumberSlider``."""
-        mark = gui.add_html(self._row_html(parameter, size, None))
-        slider = LogNumberSlider(gui, bound, size, value, act)
-        self._rows[parameter] = mark, slider
+        gui.add_html(widget_marker_html("lab-logarithmic", "lab-row", parameter=parameter))
+        self._sliders[parameter] = slider = LogNumberSlider(gui, bound, size, value, act)
+        self._show({})
         return slider
 
     def refresh(self, report: FrameReport) -> None:
         """Requests the landscapes of the session's scene until the instant of a frame, and shows what is known."""
-        if not self._seen:
-            return
         quantity, estimator = self._on_stage()
-        self._landscapes.request(self._hand, report.time / report.scene.period, quantity, estimator, held=self._held)
-        curves, heading = self._landscapes.curves(), heading_html(estimator)
-        if self._heading.content != heading:
-            self._heading.content = heading
-        for parameter, (mark, slider) in self._rows.items():
-            if mark.content != (content := self._row_html(parameter, slider.size, curves.get(parameter))):
-                mark.content = content
+        if self._seen:
+            self._landscapes.request(self._hand, report.time / report.scene.period, quantity, estimator,
+                                     held=self._held)
+        self._show(self._landscapes.curves() if self._seen else {})
 
-    def _row_html(self, parameter: str, size: SliderSpec, landscape: Landscape | None) -> str:
-        return row_html(parameter, size, self._session.scene, line_of(self._on_stage()[1]), landscape)
+    def _show(self, curves: Mapping[str, Landscape]) -> None:
+        """Sends what the rows show, with the landscapes that are known by parameter."""
+        line = line_of(self._on_stage()[1])
+        rows = {parameter: row_data(parameter, slider.size, self._session.scene, line, curves.get(parameter))
+                for parameter, slider in self._sliders.items()}
+        said = json.dumps(rows, separators=(",", ":"))
+        content = f"<i class='lab-landscapes' data-said='{escape(said)}'></i>"
+        if self._html.content != content:
+            self._html.content = content
 
     def _on_hand(self, said: Any) -> None:
         """Notes whether the browser shows any strip, which slider is in the visitor's hand, and whether it is held."""
@@ -78,8 +83,8 @@ class LandscapeStrips:
     def _on_point(self, said: Any) -> None:
         """Sets a slider to a point of its strip, which the visitor has clicked or reached by a key."""
         match said:
-            case [str() as parameter, value] if parameter in self._rows and is_number_between(value, 1e-12, 1e12):
-                self._rows[parameter][1].choose(float(value))
+            case [str() as parameter, value] if parameter in self._sliders and is_number_between(value, 1e-12, 1e12):
+                self._sliders[parameter].choose(float(value))
 
 
 def line_of(estimator: str | None) -> tuple[str, tuple[int, ...]]:
@@ -88,10 +93,9 @@ def line_of(estimator: str | None) -> tuple[str, tuple[int, ...]]:
     return (f"var(--{known.name.replace('-', '')}, {known.colour})", known.dashes) if known else (ESTIMATE, ())
 
 
-def heading_html(estimator: str | None) -> str:
-    """Returns the heading of the rows, with a legend of the lines in the strips."""
-    lines = (tr(TRUE), line_sample(TRUE)), (tr("estimate"), line_svg(*line_of(estimator))), \
-        (tr("time"), line_svg("var(--time)"))
+def heading_html() -> str:
+    """Returns the heading of the rows, with a legend of the lines in the strips; the browser draws the estimate's."""
+    lines = (tr(TRUE), line_sample(TRUE)), (tr("estimate"), line_svg(ESTIMATE)), (tr("time"), line_svg("var(--time)"))
     legend = "".join(f"<span>{sample} {escape(word)}</span>" for word, sample in lines)
     return f"<h2 class='lab-h2'>{tr('Change the run')}<small class='lab-legend'>{legend}</small></h2>"
 
@@ -110,19 +114,19 @@ def words_beside(parameter: str, scene: Scene) -> str:
     return ""
 
 
-def row_html(parameter: str, size: SliderSpec, scene: Scene, line: tuple[str, tuple[int, ...]],
-             landscape: Landscape | None) -> str:
-    """Returns the mark before a slider with all that the browser needs for its row; ``line`` as of :func:`line_of`."""
+def row_data(parameter: str, size: SliderSpec, scene: Scene, line: tuple[str, tuple[int, ...]],
+             landscape: Landscape | None) -> dict[str, Any]:
+    """Returns all that the browser needs for the row of a slider, as for json; ``line`` as of :func:`line_of`."""
     colour, dashes = line
-    said: dict[str, Any] = {"unit": size.unit, "multiple": size.multiple, "line": [colour, " ".join(map(str, dashes))]}
+    row: dict[str, Any] = {"words": words_beside(parameter, scene), "unit": size.unit, "multiple": size.multiple,
+                           "line": [colour, " ".join(map(str, dashes))]}
     if parameter == "modulus":
-        said["keeps"] = "dt" if isinstance(scene.dt, float) else "cfl"
+        row["keeps"] = "dt" if isinstance(scene.dt, float) else "cfl"
     if landscape:
-        said |= {"v": list(landscape.values), "true": _rounded(landscape.true), "est": _rounded(landscape.estimated),
-                 "sec": _rounded(landscape.seconds), "state": list(landscape.status), "flat": landscape.flat,
-                 "cross": landscape.first_crossing, "bound": landscape.step_bound, "complete": landscape.complete}
-    return widget_marker_html("lab-logarithmic", "lab-row", words=words_beside(parameter, scene),
-                              parameter=parameter, said=json.dumps(said, separators=(",", ":")))
+        row |= {"v": list(landscape.values), "true": _rounded(landscape.true), "est": _rounded(landscape.estimated),
+                "sec": _rounded(landscape.seconds), "state": list(landscape.status), "flat": landscape.flat,
+                "cross": landscape.first_crossing, "bound": landscape.step_bound, "complete": landscape.complete}
+    return row
 
 
 def _rounded(numbers: tuple[float, ...]) -> list[float | None]:

@@ -5,13 +5,11 @@ from __future__ import annotations
 
 import json
 import math
-import re
-from html import unescape
 from types import SimpleNamespace
 
 import pytest
 
-from app.page.panels.landscape_strips import LandscapeStrips, row_html, words_beside
+from app.page.panels.landscape_strips import LandscapeStrips, row_data, words_beside
 from app.page.panels.log_number_slider import SliderSpec
 from solvers.problems.bar.scene import BarScene
 from solvers.study.landscape.landscape import Landscape, LandscapeRequest
@@ -22,24 +20,20 @@ BAR = BarScene(cells=40, ppc=4, cfl=0.05)
 STIFFNESS = SliderSpec("Modulus E", "Pa", (1.0, 1000.0), 4.0, "")
 
 
-def said(html):
-    """What the mark of a row says, decoded."""
-    return json.loads(unescape(re.search(r"data-said='([^']*)'", html)[1]))
-
-
 def test_a_row_says_its_points_in_few_digits_and_nothing_of_those_that_are_unknown():
     request = LandscapeRequest(BAR, "cells", 0.25, "sigma", "recovered", (8, 160, 1))
     landscape = Landscape(request, (36, 40), (0.0401234567, math.nan), (0.04, math.nan), (1e-3, 2e-3),
                           ("ok", "pending"), 37, None, flat=False, complete=False)
-    row = said(row_html("cells", SliderSpec("Cells", "", (8, 160), 40, "", 1), BAR, ("red", (7, 3)), landscape))
-    assert row == {"unit": "", "multiple": 1, "line": ["red", "7 3"], "v": [36, 40], "true": [0.04012, None],
+    row = row_data("cells", SliderSpec("Cells", "", (8, 160), 40, "", 1), BAR, ("red", (7, 3)), landscape)
+    assert row == {"words": "h = 25 mm", "unit": "", "multiple": 1, "line": ["red", "7 3"], "v": [36, 40],
+                   "true": [0.04012, None],
                    "est": [0.04, None], "sec": [0.001, 0.002], "state": ["ok", "pending"], "flat": False, "cross": 37,
                    "bound": None, "complete": False}
 
 
 @pytest.mark.parametrize(("step", "kept"), [({"cfl": 0.05}, "cfl"), ({"dt": 1e-4}, "dt"), ({"dt": "auto"}, "cfl")])
 def test_the_row_of_the_modulus_says_what_it_keeps(step, kept):
-    assert said(row_html("modulus", STIFFNESS, BarScene(**step), ("red", ()), None))["keeps"] == kept
+    assert row_data("modulus", STIFFNESS, BarScene(**step), ("red", ()), None)["keeps"] == kept
 
 
 def test_words_beside_a_name_are_of_the_scene():
@@ -51,8 +45,9 @@ def test_nothing_is_requested_while_no_strip_is_seen():
     requests, store = [], SimpleNamespace(heard={})
     landscapes = SimpleNamespace(request=lambda hand, until, *about, held: requests.append((hand, until, *about, held)),
                                  curves=dict)
-    strips = LandscapeStrips(SimpleNamespace(scene=BAR), landscapes, store, lambda: ("sigma", None))
-    strips.build_heading(SimpleNamespace(add_html=lambda content: SimpleNamespace(content=content)))
+    gui = SimpleNamespace(add_html=lambda content: SimpleNamespace(content=content))
+    strips = LandscapeStrips(gui, SimpleNamespace(scene=BAR), landscapes, store, lambda: ("sigma", None))
+    strips.build_heading(gui)
     report = SimpleNamespace(time=0.25 * BAR.period, scene=BAR)
     for message in (7, {"hand": "cells"}, {"seen": 1, "hand": "cells"}, {"seen": True, "hand": "cells", "held": True},
                     {"seen": True, "hand": ["cells"]}):

@@ -26,7 +26,7 @@ class Pen {
   fillRect(x, y, wide, high) { this.filled.push([this.fillStyle, x + wide / 2, y + high / 2]); }
   arc(x, y) { this.at = [x, y]; }
   fill() { this.filled.push([this.fillStyle, ...this.at]); }
-  beginPath() {} moveTo() {} lineTo() {} stroke() {}
+  beginPath() {} moveTo() {} lineTo() {} stroke() {} setLineDash() {}
 }
 """
 #: A body of eight particles, each estimate 0 and each true error 1; returns what is filled, and the titles' places.
@@ -40,7 +40,7 @@ DRAW = """
   const run = {problem, outermost: 1.2, spacing: 0.1, first_line: 0, shown: n, particles: n, tile: ["square", 0.1],
                tracks: {position: {rows: 1, width: x.length, values: Float32Array.from(x)}}};
   const scale = {top: 1, parts: 4, logarithmic: false, exceeded: false};
-  const what = {sizes: [new Float32Array(n), new Float32Array(n).fill(1)], scale, flashed: []};
+  const what = {sizes: [new Float32Array(n), new Float32Array(n).fill(1)], scale, changed: []};
   (place.radius ? drawBody : drawLanes)(pen, run, {domains: false}, 0, place, what);
   const titles = ["estimate", "truth"].map((half) => place.labels.find(({name}) => name === `${half}-title`));
   const axis = place.radius ? 0 : 1;

@@ -1,6 +1,6 @@
 // Rows of sliders with the error landscape under them. Only the row that is hovered, focused or held speaks: what it says
-// takes the place of its name. The data of a strip come with the mark before the slider; the row's own parts are put around
-// the viewer's and stay when data come.
+// takes the place of its name. The data of all strips come in one element; the row's own parts are put around the viewer's
+// and stay when data come.
 (() => {
   const {STATES, sized, share, ends, at, nearest, read, sentence, strip} = landscape;
   const root = document.getElementById("root"), rows = new Map(), LINE = 21;  // px: height of the name
@@ -182,15 +182,29 @@
       ...Object.fromEntries(["v", "true", "est", "sec", "state"].map(name => [name, kept.map(k => data[name][k])]))};
   }
 
+  let landscapes = "", data = {};
   function look() {
+    const news = root.querySelector("i.lab-landscapes")?.dataset.said;
+    if (news && news !== landscapes) {
+      data = JSON.parse(landscapes = news);
+      const [colour, dashes] = Object.values(data)[0]?.line || ["", ""];  // of the estimate in the legend
+      document.body.style.setProperty("--judge-line", colour);
+      document.body.style.setProperty("--judge-dashes", dashes || "none");
+    }
     for (const mark of root.querySelectorAll("i.lab-row")) {
       const element = mark.parentElement.nextElementSibling;
       if (element && rows.get(mark.dataset.parameter)?.element !== element) build(mark, element);
       const row = rows.get(mark.dataset.parameter);
-      if (row?.element !== element) continue;
-      if (row.said !== mark.dataset.said) {
-        row.said = mark.dataset.said;
-        take(row, JSON.parse(row.said));
+      const own = data[mark.dataset.parameter];
+      if (row?.element !== element || !own) continue;
+      if (row.own !== own) {
+        row.own = own;
+        const said = JSON.stringify(own);
+        if (row.said !== said) {
+          row.said = said;
+          set(row.label, "data-words", own.words);
+          take(row, own);
+        }
       }
       const now = Number(row.thumb.getAttribute("aria-valuenow"));
       if (row.wished && Math.abs(Math.log10(row.wished.value) - now) < 1e-6) row.wished = null;
