@@ -10,7 +10,7 @@ from app.lessons import catalogue
 from app.lessons.lesson import OBSERVE, PREDICT, TEXT
 from app.lessons.student_progress import StudentProgress
 from tests.browser.conftest import PHONE, serving, visit
-from tests.browser.driving import again_until, click, downloaded, scene, shown, until
+from tests.browser.driving import again_until, click, downloaded, scene, shown, unfold, until
 from tests.browser.following import answer, follow, go_on
 
 NAME = "05-who-is-to-blame"  # one question of each kind that a browser may get wrong: choices, numbers and free text
@@ -175,6 +175,7 @@ def test_lessons_are_opened_by_a_finger_with_how_far_one_has_come(class_room, ch
 def test_a_link_can_be_copied_and_shown_as_a_code(own_page):
     page = own_page
     page.context.grant_permissions(["clipboard-read", "clipboard-write"])
+    unfold(page, "Your own data")
     click(page, "Copy link")
     assert page.evaluate("navigator.clipboard.readText()") == address(page)
     click(page, "QR code")
