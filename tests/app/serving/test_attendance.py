@@ -84,6 +84,8 @@ def test_the_end_is_told_and_leaves_nothing(end, thread, tmp_path):
     log = []
     with serving({"TMPDIR": str(tmp_path)}, log=log) as (address,
                                                          process), RawClient(address) as one, RawClient(address) as two:
+        for visitor in (one, two):
+            visitor.follow("bar")
         wait_until(lambda: one.frames > 3 and two.frames > 3, "frames")
         sender = Sender(one)
         sender.start(2 * upload.PART_BYTES)
