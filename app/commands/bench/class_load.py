@@ -208,15 +208,15 @@ async def _run_visits(address: str, server: int, load: ClassLoadSettings,
 
 
 async def _visit(visitor: Visitor, dice: random.Random) -> None:
-    """Connects a visitor within ``JOINING`` s by a link to a run without end, then moves a slider now and then;
-    raises ConnectionError when the server ends the connection."""
+    """Connects a visitor within ``JOINING`` s by a link to a run without end, shows the strips under its sliders, and
+    moves a slider now and then; raises ConnectionError when the server ends the connection."""
     await asyncio.sleep(JOINING * dice.random())
     stay = asyncio.create_task(visitor.receive_messages())
     try:
         while not (store := visitor.find_control(STORE)) and not stay.done():
             await asyncio.wait([stay], timeout=0.05)
         if store:
-            await visitor.set_control(store, json.dumps({"link": SCENE}))
+            await visitor.set_control(store, json.dumps({"link": SCENE, "strips": {"seen": True}}))
         while not stay.done():
             await asyncio.wait([stay], timeout=dice.uniform(*PAUSES))
             if visitor.frames and not stay.done():
