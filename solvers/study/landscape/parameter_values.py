@@ -27,7 +27,6 @@ NEAR_CROSSING = (0.98, 1.05, 1.15)  # of the amplitude of the first crossing, wh
 STRIDES = (4, 2, 1)  # of points, coarse to fine
 INSTANTS = 8  # of a period at which the exact motion is looked at
 MOST_ITERATIONS, CLOSE = 6, 1e-3  # of the amplitude of the first crossing, for motions that do not scale with it
-BEHIND_CLIFF = 2  # points between a sound and a broken run, each halving the distance
 END_RUN = ("t_end", "periods", "sample_every")  # fields that do not change the motion of a run
 
 
