@@ -15,7 +15,7 @@ from dataclasses import asdict
 import pytest
 
 from app import shareable_state
-from app.page.visit.first_scene import FIRST_SCENE
+from app.page.visit.first_scene import first_scene
 from solvers.workers.worker_process import free_port
 from tests.browser.driving import PATIENCE
 from tests.browser.relay import Relay
@@ -51,6 +51,7 @@ FEW_FRAMES = """
 FEW = 10  # frames a second
 SIZE = {"width": 1280, "height": 720}
 PHONE = {"width": 390, "height": 844}
+FIRST_SCENE = first_scene("bar")
 #: A link: who comes without one sees the opening and its story.
 HOME = f"#{shareable_state.write_state(shareable_state.State(FIRST_SCENE))}"
 FAILED = pytest.StashKey[bool]()

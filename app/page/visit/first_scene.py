@@ -8,6 +8,3 @@ def first_scene(problem: str) -> Scene:
     """Returns the scene that the page shows first of a problem ("bar"): its defaults, for one period at most."""
     kind = PROBLEMS[problem].scene
     return kind(periods=min(1, kind.DEFAULT_PERIODS))
-
-
-FIRST_SCENE = first_scene(next(iter(PROBLEMS)))

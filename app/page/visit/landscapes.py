@@ -36,6 +36,7 @@ POINT_SECONDS = 0.3  # for one of them
 EXPECTED_RATES = {1: 3e7, 2: 8e6}  # particle-steps per s, before the first measurement
 START_SECONDS = {1: 0.002, 2: 0.015}  # that a run takes before its first step
 PATIENCE = 1.5  # seconds without a result after which points are requested again, as an engine may have been replaced
+LAST = 3  # rank of points that are not computed while a run plays and will soon need longer ones
 CLIFFS = ("cfl", "modulus")  # parameters with values in between, of which the place of the cliff is of interest
 
 
@@ -137,9 +138,6 @@ class Landscapes:
         if late or points - last or (last and scene != last_scene) or (points and in_hand != last_hand):
             self._requested, self._requested_at = (scene, in_hand, points), monotonic()
             self._session.link.survey(scene, [point for point in self._missing.values() if point in points])
-
-
-LAST = 3  # rank of points that are not computed while a run plays and will soon need longer ones
 
 
 def _rank(point: _Point, in_hand: str | None) -> int:

@@ -11,7 +11,7 @@ import pytest
 
 from app import shareable_state
 from app.names_and_units import CHOICES
-from app.page.visit.first_scene import FIRST_SCENE
+from app.page.visit.first_scene import first_scene
 from solvers.scene.effects import ALL
 from solvers.scene.estimator_registry import ESTIMATORS
 from solvers.scene.stabilisations import REMEDIES
@@ -20,6 +20,7 @@ from tests.support.processes import wait_until
 from tests.support.raw_client import RawClient
 
 #: What a problem is called, and the hint of its cells.
+FIRST_SCENE = first_scene("bar")
 BEGINNINGS = {"bar": ("vibrating bar", "grid cells across 1 m"), "ring": ("expanding ring", "grid cells across 1.2 m"),
               "vortex": ("generalized vortex", "grid cells across 3 m")}
 #: Labels of sliders, which show logarithms.

@@ -12,7 +12,7 @@ from viser import _messages
 
 from app.page.controls import Controls
 from app.page.visit.engine_links import FASTEST, MOST_WATCHED, PageEngineLinks, scene_size_refusal
-from app.page.visit.first_scene import FIRST_SCENE
+from app.page.visit.first_scene import first_scene
 from app.page.visit.run_session import RunSession
 from app.problems.views import VIEWS
 from app.viewer import incoming_messages, web_server, widget_validation
@@ -22,6 +22,7 @@ from tests.support.processes import wait_until
 from tests.support.raw_client import CAMERA, RawClient, unknown_widget_id
 
 #: What no widget of any kind can be; texts and truths are tried where they do not belong.
+FIRST_SCENE = first_scene("bar")
 NEVER = (None, [], {}, [1, 2], b"bytes", float("nan"), float("inf"), -float("inf"), {"a": [None]}, "x" * 20_001, 2**63)
 NOT_A_NUMBER = ("5", "", True, False)
 PROPERTIES = ("min", "max", "step", "precision", "options", "label", "hint", "disabled", "visible", "order", "_impl",

@@ -5,8 +5,8 @@ import re
 
 import pytest
 
-from app.page.visit.first_scene import FIRST_SCENE
 from solvers.problems import PROBLEMS
+from tests.browser.conftest import FIRST_SCENE
 from tests.browser.driving import choose, drawn, readout, tick, unfold, until
 
 LINE = r"\s+[\d.]+ \S?m\s+[\d.e-]+\s+[\d.e-]+"  # norm, index and distance in the table, after the estimator's name
