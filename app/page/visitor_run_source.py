@@ -41,6 +41,7 @@ class VisitorRunSource:
         self._told: Frame | None = None  # the frame that words are about, and until when they stay
         self._told_until = 0.0
         self._rates: dict[Hashable, float] = {}  # fastest so far, in particle-steps per s, by what is computed
+        self._titled: tuple[Frame, ViewChoice, bool, RunTitle] | None = None  # what the last title is about, and it
 
     def stage_content(self, choice: ViewChoice) -> StageContent | None:
         """Returns the frame on view, beside the pinned run if any; None before the first frame, and while a frame with
@@ -114,12 +115,16 @@ class VisitorRunSource:
 
     def _own_title(self, frame: Frame, choice: ViewChoice, alone: bool) -> RunTitle:
         """Returns the title of the visitor's run in a ``frame``; that of a run ``alone`` offers a comparison."""
+        if self._titled and frame is self._titled[0] and (choice, alone) == self._titled[1:3]:
+            return self._titled[3]  # asked for with each frame drawn
         scene = frame[0].scene
         name = ("what", tr("This run:") + " "), ("", functions_name(scene.method)), \
             ("settings", main_settings_text(scene))
         view = frame_error_view(*frame, choice.quantity, choice.estimator, False)
         compared = (("", tr(COMPARE)), (COMPARED, tr(NOTHING_TO_COMPARE)))
-        return name, self._facts(frame[0], view, choice.quantity, choice.estimator), compared if alone else ()
+        title = name, self._facts(frame[0], view, choice.quantity, choice.estimator), compared if alone else ()
+        self._titled = frame, choice, alone, title
+        return title
 
     def _other_title(self, run: PinnedRun, choice: ViewChoice) -> RunTitle:
         """Returns the title of the second ``run``, in which the visitor chooses what to compare with."""
