@@ -6,6 +6,8 @@ import csv
 import io
 import json
 import math
+import re
+from dataclasses import replace
 
 import pytest
 
@@ -16,6 +18,7 @@ from app.lessons.lesson import draw_numbers, fill_numbers
 from app.lessons.lesson_parser import parse_lesson
 from app.lessons.lesson_runs import RunCache
 from app.lessons.student_progress import InvalidProgress, StudentProgress, parse_progress
+from app.lessons.teacher_guide import guide_page
 from tests.app.lessons.test_lesson_format import TEXT, use_folder
 
 SAVED = TEXT + """
@@ -98,7 +101,10 @@ def test_the_guide_has_notes_and_right_answers(shelf_of_one, tmp_path, capfd):
     assert main(["lesson", "guide", "1", "--quiet", "--out", str(tmp_path / "guide.html")]) == 0
     page = (tmp_path / "guide.html").read_text()
     assert page.startswith("<!doctype html>") and "<math" in page
-    assert "http" not in page.replace("http://www.w3.org", "")  # nothing is loaded from elsewhere
+    assert not re.search("https?:", page.replace("http://www.w3.org", ""))  # nothing is loaded from elsewhere
+    assert "default-src 'none'" in page and "script-src" not in page
+    lesson = replace(parse_lesson(SAVED, "01-test"), title="</title><script>", steps=())
+    assert "<script" not in guide_page(lesson, None)
 
 
 def test_marks_are_derived_from_the_runs(outcomes):
