@@ -22,6 +22,7 @@ HEADS_WITHIN = 5.0  # timeout of a connection without a request, in s
 LONGEST_HEAD = 32_000  # bytes of a request; browsers send some hundred
 GOING = 1.0  # timeout of the closing handshake in s
 BEAT = 1.0  # seconds between an answer to a ping and the next one
+DEAF = 60.0  # seconds without an answer after which a websocket is closed
 
 
 class BrowserConnections:
@@ -78,11 +79,18 @@ class BrowserConnection(ServerConnection):
         super().connection_lost(exc)
 
     async def ping_until_closed(self) -> None:
-        """Pings the browser until the websocket closes; it answers after reading all sent before."""
+        """Pings the browser until the websocket closes; it answers after reading all sent before. One that has not
+        answered for ``DEAF`` seconds is closed: its place may be needed."""
+        async def hear() -> None:
+            await (await self.ping())
+
         with suppress(ConnectionClosed):
             while True:
                 self.asked_at = monotonic()
-                await (await self.ping())
+                try:
+                    await asyncio.wait_for(hear(), DEAF)
+                except asyncio.TimeoutError:
+                    return self.transport.abort()
                 self.asked_at = None
                 await asyncio.sleep(BEAT)
 

@@ -3,17 +3,19 @@
 import hmac
 import json
 import re
+from contextlib import suppress
 from functools import partial
 
 import pytest
 from websockets.datastructures import Headers
-from websockets.exceptions import InvalidStatus
+from websockets.exceptions import ConnectionClosed, InvalidStatus
 
 from app.access import code_login
 from app.access.code_login import ALL, CLASS, LETTERS, ONE, CodeLogin, generate_code
 from app.access.network_limits import REMEMBERED, TokenBucket
 from app.classroom.class_context import LessonContext
 from app.lessons import catalogue
+from app.viewer import web_server
 from tests.browser.conftest import serving
 from tests.support.page_server import http_get, start_server
 from tests.support.processes import wait_until
@@ -121,6 +123,28 @@ def test_limit_reaches_the_page_and_lets_the_right_code_through(monkeypatch):
     with start_server(code=CODE) as (_, address):
         assert [enter(address, guess)[0] for guess in ("a", "b", "c", CODE)] == [403, 403, 429, 200]
         assert enter(address, "d")[0] == 429 and re.search(r"Retry-After: \d+", http_get.head)
+
+
+def test_a_misbehaving_browser_keeps_only_itself_out(monkeypatch):
+    """Others of its address, which a whole class may have, come in: after too large a message, and after many reloads,
+    of which those that are refused cost nobody anything."""
+    for limit, value in (("RELOADS", 3), ("RELOADS_A_SECOND", 0.01), ("HANDSHAKES", 8), ("HANDSHAKES_A_SECOND", 0.01)):
+        monkeypatch.setattr(web_server, limit, value)
+    with start_server(code=CODE) as (_, address):
+        large, often, other = (enter(address, CODE)[2][1] for _ in range(3))
+
+        def comes_in(cookie):
+            with suppress(InvalidStatus):
+                RawClient(address, {"Cookie": cookie}, arrive=False).close()
+                return True
+            return False
+
+        with RawClient(address, {"Cookie": large}) as one:
+            with suppress(ConnectionClosed):
+                one.send(bytes(2 * web_server.LARGEST_MESSAGE))
+            wait_until(lambda: one.closed, "it is closed")
+        wait_until(lambda: not comes_in(large), "it must wait")
+        assert comes_in(other) and sum(comes_in(often) for _ in range(20)) == 3 and comes_in(other)
 
 
 def test_the_teachers_code_opens_the_notes_and_the_class_code_does_not():
