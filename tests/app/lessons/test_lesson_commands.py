@@ -13,7 +13,7 @@ import pytest
 
 from app.cli import main
 from app.lessons import catalogue, grading
-from app.lessons.answer_marking import format_answer, mark_answer, why_invalid
+from app.lessons.answer_marking import RightAnswer, format_answer, is_right, mark_answer, why_invalid
 from app.lessons.lesson import draw_numbers, fill_numbers
 from app.lessons.lesson_parser import parse_lesson
 from app.lessons.lesson_runs import RunCache
@@ -119,6 +119,13 @@ def test_marks_are_derived_from_the_runs(outcomes):
     assert right("and", 1.05 * coarse) and not right("and", 1.2 * coarse)
     assert right("drag", 23) and not right("drag", 25)
     assert right("say", "anything") is None
+
+
+@pytest.mark.parametrize(("answer", "right"), [(0.905, True), (1.0, True), (1.1, True), (0.895, False), (1.105, False)])
+def test_the_tolerance_is_one_of_what_came_out(answer, right):
+    asked = next(step.question for step in parse_lesson(SAVED, "01-test").steps if step.key == "drag")
+    for sign in (1, -1):
+        assert is_right(replace(asked, tolerance=0.1 + 1e-12), sign * answer, RightAnswer("", value=sign)) is right
 
 
 def test_grade_makes_one_table(shelf_of_one, outcomes, tmp_path, capfd):
