@@ -72,7 +72,7 @@ def make_response(status: HTTPStatus, text: str, kind: str = "text/plain", cooki
     return Response(status.value, status.phrase, headers, body)
 
 
-def with_security_headers(connection: object, request: Request, response: Response) -> Response:
+def with_security_headers(connection: object, request: object, response: Response) -> Response:
     """Adds the headers common to all responses to ``response``, and returns it."""
     for name, value in {**ALWAYS, POLICY: content_security_policy()}.items():
         if name not in response.headers:

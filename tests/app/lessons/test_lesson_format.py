@@ -151,6 +151,11 @@ def test_a_file_that_is_no_text_is_told(tmp_path):
         read_lesson(tmp_path / "07-bad.md")
 
 
+def test_an_editors_mark_and_line_ends_change_nothing(tmp_path):
+    (tmp_path / "07-good.md").write_bytes(TEXT.replace("\n", "\r\n").encode("utf-8-sig"))
+    assert read_lesson(tmp_path / "07-good.md").steps == parse_lesson(TEXT, "07-good", tmp_path).steps
+
+
 def test_numbers_are_drawn_from_the_name():
     lesson = parse_lesson(TEXT, "test")
     assert draw_numbers(lesson, "") == {"A": 0.02}

@@ -166,6 +166,14 @@ def test_the_teachers_code_opens_the_notes_and_the_class_code_does_not():
     assert not another.is_authorised(Headers({"Cookie": cookies[CODE]}))
 
 
+@pytest.mark.parametrize("typed", ["WAVE-4711", "wave\u20134711", "\u00a0wave\u20114711\u200b\r\n",
+                                   "\uff57ave \uff14\uff17\uff11\uff11"])
+def test_a_code_is_known_however_a_keyboard_changes_it(typed):
+    """Long dashes, wide letters, spaces that do not break, what does not show; and quotes in one of one's own."""
+    assert CodeLogin(CODE, 8080).log_in(typed, "::1").cookie
+    assert CodeLogin("it's 4711", 8080).log_in("It\u2019s\u202f4711", "::1").cookie
+
+
 def test_a_cookie_is_one_browsers_and_made_by_this_lab():
     """Each who comes has a key of his own; one who makes up a key, or takes another's proof for his own, has none."""
     door = CodeLogin(CODE, 8080, NOTES, BOARD)
