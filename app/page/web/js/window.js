@@ -8,13 +8,22 @@
     .map(Math.round).concat(parseFloat(getComputedStyle(document.getElementById("lab-stage")).fontSize)),
     dark: dark.matches});
   const paint = () => { document.body.classList.toggle("lab-dark", dark.matches); look(); };
-  let last = "", soon = null, shown = "", held = null;
+  let last = "", soon = null, shown = "", due = null, held = null;
 
-  // What changes the layout of the page tears the picture until it has been drawn for the new one: it is held back until then.
-  const release = wait => { clearTimeout(held); held = setTimeout(() => document.body.classList.remove("lab-settling"), wait); };
+  // What changes the layout of the page tears the picture until it has been drawn for the new one, which takes a slow machine
+  // seconds: it is held back until then. The picture comes with its labels, and is drawn some frames later.
+  const FRAMES = 4, PATIENCE = 6000;
+  const show = frames => {
+    if (frames) held = requestAnimationFrame(() => show(frames - 1)); else document.body.classList.remove("lab-settling");
+  };
+  function release(wait) {
+    clearTimeout(due);
+    cancelAnimationFrame(held);
+    due = setTimeout(() => show(FRAMES), wait);
+  }
   function hold() {
     const size = `${innerWidth} ${innerHeight}`;
-    if (size === shown) { document.body.classList.add("lab-settling"); release(1200); }
+    if (size === shown) { document.body.classList.add("lab-settling"); release(PATIENCE); }
     shown = size;
     look();
   }
