@@ -4,9 +4,7 @@ stage; and its Content-Security-Policy.
 Everything else of the page comes over the websocket; until then the viewer would show its own panel. The viewer's own
 handler, which looks for files, remains, but no part of a path is ever looked up on disk, as the page is one text."""
 
-import base64
 import gzip
-import hashlib
 import re
 from collections.abc import Callable
 from http import HTTPStatus
@@ -19,6 +17,7 @@ from websockets.datastructures import Headers
 from websockets.http11 import Request, Response
 
 from app.language.translation import LANGUAGES, language_cookie_header, with_language
+from app.templates import script_source
 
 PATHS = ("/", "/index.html")
 SCRIPT = r"<script\b[^>]*>(.*?)</script>"
@@ -40,7 +39,7 @@ def content_security_policy(html: str = "", sockets: str = "", more: tuple[str, 
     that has some is the lab with its packed scripts, workers and pictures, not plain text. ``more`` are scripts that
     those in the page create; if None (unknown), any script in the page runs."""
     scripts = "'unsafe-inline'" if more is None else " ".join(
-        f"'sha256-{_script_digest(script)}'" for script in (*re.findall(SCRIPT, html, re.DOTALL), *more))
+        script_source(script) for script in (*re.findall(SCRIPT, html, re.DOTALL), *more))
     allowed = {"script-src": scripts, "style-src": "'unsafe-inline'", "img-src": "data:", "connect-src": "'self'"}
     if sockets:
         allowed["script-src"] += " 'wasm-unsafe-eval'"
@@ -48,12 +47,6 @@ def content_security_policy(html: str = "", sockets: str = "", more: tuple[str, 
                     "connect-src": f"'self' {sockets} data:"}
     parts = (f"{kind} {where}" for kind, where in allowed.items()) if html else ()
     return "; ".join((_NOTHING, *parts))
-
-
-def _script_digest(script: str) -> str:
-    """Returns the SHA-256 of a script in base64 as a browser computes it, with normalised line endings."""
-    plain = script.replace("\r\n", "\n").replace("\r", "\n")
-    return base64.b64encode(hashlib.sha256(plain.encode()).digest()).decode()
 
 
 POLICY = "Content-Security-Policy"
@@ -78,7 +71,7 @@ def make_response(status: HTTPStatus, text: str, kind: str = "text/plain", cooki
     return Response(status.value, status.phrase, headers, body)
 
 
-def with_security_headers(connection: object, request: Request, response: Response) -> Response:
+def with_security_headers(connection: object, request: object, response: Response) -> Response:
     """Adds the headers common to all responses to ``response``, and returns it."""
     for name, value in {**ALWAYS, POLICY: content_security_policy()}.items():
         if name not in response.headers:
