@@ -8,8 +8,8 @@ import pytest
 from app.cli import main
 from tests.solvers.judging.test_check import motion, stuck
 
-KEYS = {"schema", "verdict", "files", "particles", "dimensions", "times", "quantities", "reference", "notes", "not_read",
-        "spacing", "motion", "findings", "contradictions", "not_told", "never_told"}
+KEYS = {"schema", "verdict", "files", "particles", "dimensions", "times", "quantities", "reference", "notes",
+        "not_read", "spacing", "motion", "findings", "contradictions", "not_told", "never_told"}
 OF_FINDINGS = {"finding", "verdict", "measured", "limit", "unit", "says", "t", "particle", "X"}
 
 
