@@ -274,11 +274,13 @@ class Solver(ABC):
     @abstractmethod
     def snapshot(self, differences: bool = False, plotted: str | None = None) -> Snapshot:
         """Returns the particles as they are now, with their true and estimated errors; with ``differences`` also those
-        between the two, with ``plotted``, a key of ``samples.QUANTITIES``, also this quantity's field."""
+        between the two, with ``plotted``, a key of ``samples.QUANTITIES``, in one dimension also this quantity's
+        field."""
 
-    @abstractmethod
-    def plotted(self, quantity: str) -> np.ndarray:
-        """Returns the present field of "x", "v", "sigma" or "a" and its deviation from the exact one (P, 2), in SI."""
+    def plotted(self, quantity: str) -> np.ndarray | None:
+        """Returns, in one dimension, the present field of "x", "v", "sigma" or "a" and its deviation from the exact one
+        (P, 2), in SI; None in the plane, where only errors are plotted."""
+        return None
 
     @abstractmethod
     def fields(self) -> ParticleFields:

@@ -105,6 +105,7 @@ class Suggestions(Feature):
         self.messages = {"spark": self.on_button_click}
         self._html = gui.add_html("")
         self._done: set[str] = set()
+        self._offered: tuple[State, int, list[SuggestionButton]] | None = None  # last buttons, and for what
         # The suggestion, the state before it, and the state it has put on the stage.
         self._running: tuple[SuggestedExperiment, State, State] | None = None
         self._answers: dict[str, Answer] = {}  # by quantity
@@ -172,6 +173,8 @@ class Suggestions(Feature):
 
     def _cards(self, base: State) -> list[SuggestionButton]:
         """Returns a button for each suggestion for the state ``base``; disabled where it does not apply."""
+        if self._offered and self._offered[:2] == (base, len(self._done)):
+            return self._offered[2]
         cards = []
         for spark in VIEWS[base.scene.problem].suggestions(base):
             done = f"{base.scene.problem} {spark.key}" in self._done
@@ -181,6 +184,7 @@ class Suggestions(Feature):
             except SuggestionNotApplicable as reason:
                 why = translate_message(str(reason))
                 cards.append(SuggestionButton(spark.key, spark.icon, tr(spark.title), why, done, off=True))
+        self._offered = base, len(self._done), cards
         return cards
 
     def _base_state(self) -> State:

@@ -39,7 +39,8 @@ def test_a_contradiction_is_exit_status_3_with_its_particle_and_place(files, tmp
     assert main(["check", files[1], "--out", str(out)]) == 3
     assert "(particle 77 at X = 0.5417, 0.4583)" in capsys.readouterr().out
     assert {path.name for path in out.iterdir()} == {"report.md", "report.html", "report.json", "places.png"}
-    assert "data:image/png" in (out / "report.html").read_text(encoding="utf-8")
+    page = (out / "report.html").read_text(encoding="utf-8")
+    assert "data:image/png" in page and "default-src 'none'" in page and "script-src" not in page
 
 
 @pytest.mark.parametrize("which, claim, status", [(0, "contradictions == 0", 0), (1, "contradictions == 0", 1),

@@ -10,7 +10,7 @@ import pytest
 
 from app.cli import main
 from solvers.judging import particle_writers, problem_handout
-from solvers.judging.error_norms import QUANTITIES, TwoMeshCompanion, count_crossings, rms
+from solvers.judging.error_norms import QUANTITIES, TwoMeshCompanion, count_crossings, largest_error, rms
 from solvers.judging.judgement import Judgement, judge
 from solvers.judging.particle_data_types import Frame
 from solvers.judging.particle_readers import read_file
@@ -28,6 +28,17 @@ TIME = 0.3  # of a period, at which exact particles are written
 
 def scene_of(problem: str, **fields):
     return PROBLEMS[problem].scene(cells=12, **fields)
+
+
+def test_the_worst_is_that_of_all_moments():
+    """Neither the first nor the last; of those that have the quantity."""
+    X = np.array([[0.1], [0.2]])
+    frames = [SimpleNamespace(material_position=X, number=np.array([5, 7]), time=t, file=f"{t}.csv")
+              for t in (0.0, 1.0, 2.0)]
+    errors = [{"x": np.array([[0.1], [0.2]])}, {"x": np.array([[0.3], [-0.9]])}, {"x": np.array([[0.4], [0.1]])}]
+    found = largest_error(frames, errors, "x")
+    assert (found.size, found.particle, found.place, found.time, found.file) == (0.9, 7, (0.2,), 1.0, "1.0.csv")
+    assert largest_error(frames, errors, "v") is None
 
 
 @pytest.mark.parametrize("problem", OWN)

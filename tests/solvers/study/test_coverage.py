@@ -17,6 +17,8 @@ from solvers.study.coverage.estimate_coverage_counts import (
     CENTRAL,
     IN_CELL,
     NORMAL,
+    ONE_CELL,
+    SEVERAL_CELLS,
     TWO_GRIDS,
     motion_regime,
     tally,
@@ -166,6 +168,13 @@ def test_the_text_quotes_what_was_counted(problem):
     made = [block for block in coverage_summary(counted).split("\n\n") if block.startswith("|")]
     assert counted["runs"] == 1000 and len(made) == 6
     assert [table for table in made if table not in text] == []
+
+
+@pytest.mark.parametrize(("moved", "ppc", "regime"), [
+    (0.12, 4, IN_CELL), (0.13, 4, ONE_CELL), (0.49, 1, IN_CELL), (0.51, 1, ONE_CELL), (1.0, 4, ONE_CELL),
+    (1.01, 4, SEVERAL_CELLS)])
+def test_a_particle_passes_an_edge_that_is_half_its_piece_away(moved, ppc, regime):
+    assert motion_regime(moved, ppc) == regime
 
 
 def test_a_track_record_is_that_of_runs_alike():

@@ -1,5 +1,6 @@
 """Error budgets of runs of the bar, computed for all visitors in one background process, and the last ones found."""
 
+import functools
 import threading
 from collections import OrderedDict
 from concurrent.futures import Future
@@ -46,7 +47,8 @@ class SharedBudgets:
     def find(self, scene: Scene, time: float, starts: bool) -> jobs.Series | None:
         """Returns the budget columns of a scene's run until a ``time`` in s or later, {} if it has none, and None while
         they are not known; then it ``starts`` computing them."""
-        asked = _budget_scene(scene, time)
+        # Of 1, 2, 4, ... periods, so that a run that goes on needs few.
+        asked = _budget_scene(scene, 2.0 ** max(0, np.ceil(np.log2(max(time / scene.period * (1 - 1e-9), 1e-9)))))
         if asked is None or asked.steps * asked.particles > MOST_WORK:
             return {}
         with self._lock:
@@ -74,10 +76,10 @@ class SharedBudgets:
                                   for name, values in (answer.get("series") or {}).items()}
 
 
-def _budget_scene(scene: Scene, time: float) -> Scene | None:
-    """Returns the scene that computes the budget of another one: without estimators where the exact solution is known,
-    and for 1, 2, 4, ... periods, so that a run that goes on needs few; None if there is none."""
-    periods = 2.0 ** max(0, np.ceil(np.log2(max(time / scene.period * (1 - 1e-9), 1e-9))))
+@functools.lru_cache(maxsize=256)  # called at every refresh of every page
+def _budget_scene(scene: Scene, periods: float) -> Scene | None:
+    """Returns the scene that computes the budget of another one over so many ``periods``: without estimators where the
+    exact solution is known; None if there is none."""
     changes: dict[str, Any] = {"effects": EFFECTS, "periods": periods, "t_end": None,
                                "estimators": () if scene.solution_known else scene.estimators}
     try:
