@@ -11,7 +11,7 @@ from solvers.judging.findings.finding import BROKEN, SUSPICIOUS, UNKNOWN, Findin
 from solvers.judging.findings.recorded_motion_reader import RecordedMotion, read_motion
 from solvers.judging.moment_joining import join_moments
 from solvers.judging.particle_data_types import unread_columns
-from solvers.judging.particle_readers import Particles, read_all
+from solvers.judging.particle_readers import Particles, as_list, check_one_table_each, read_all
 from solvers.untrusted.quoting import FileError
 
 SCHEMA = "mpm-lab/check/1"
@@ -70,6 +70,7 @@ def check(files: Particles | Sequence[Particles], *, times: Sequence[float] = ()
     """
     raws = read_all(files)
     not_read = unread_columns(raws)
+    check_one_table_each(as_list(files), raws, times)
     if times and len(times) != len(raws):
         raise FileError(raws[0].file, f"is one of {len(raws)} files, and there are {len(times)} times; give one time "
                                       "for each")
