@@ -106,8 +106,12 @@ class Stage(ABC, Generic[AnyScene]):
         self._stage_metrics = self.sheet.stage_metrics
         metrics = self._stage_metrics.rounded()
         low, high = self.HIGH
-        self._layout = self.layout(replace(metrics, high=min(max(metrics.high, low), high)), self._slot)
+        self._layout = self._layout_for(replace(metrics, high=min(max(metrics.high, low), high)))
         self._drawn_scene, self._remarks = None, None
+
+    def _layout_for(self, metrics: StageMetrics) -> Any:
+        """Returns the layout of the run in its present slot; ``metrics`` are rounded."""
+        return self.layout(metrics, self._slot)
 
     def pinned_run_stage(self, wanted: bool) -> "Stage | None":
         """Makes space for a pinned run beside this one and returns that run's stage if ``wanted``; otherwise takes the

@@ -4,9 +4,9 @@ from collections.abc import Callable, Hashable
 from time import monotonic
 
 from app.frame.colour_scale import LEAST_TOP
-from app.frame.error_view_captions import FrameErrorView, frame_error_view, why_no_index
+from app.frame.error_view_captions import NONE_CHOSEN, FrameErrorView, frame_error_view, why_no_index
 from app.frame.headline import HeadlineWithFacts, InstantErrors, lane_facts
-from app.frame.primitives import Spans
+from app.frame.primitives import SEPARATOR, Spans
 from app.language.translation import lazy, tr
 from app.names_and_units import difference_text, functions_name, main_settings_text
 from app.page.headline_panel import compare_errors, frame_headline
@@ -27,6 +27,7 @@ from solvers.solver.soundness import OK, UNSTABLE
 READING_SECONDS = 0.5  # for which the words about a run that plays stay
 MOST_DIFFERING = 40  # most characters of the difference to a pinned run
 COMPARED = "compared"  # kind of the span in which the visitor chooses what to compare with
+UNJUDGED = "unjudged"  # that of a span beside which an estimator is offered
 COMPARE, NOTHING_TO_COMPARE, PINNED = lazy("Compare with"), lazy("nothing"), lazy("the pinned run")
 
 class VisitorRunSource:
@@ -41,6 +42,7 @@ class VisitorRunSource:
         self._told: Frame | None = None  # the frame that words are about, and until when they stay
         self._told_until = 0.0
         self._rates: dict[Hashable, float] = {}  # fastest so far, in particle-steps per s, by what is computed
+        self._titled: tuple[Frame, ViewChoice, bool, RunTitle] | None = None  # what the last title is about, and it
 
     def stage_content(self, choice: ViewChoice) -> StageContent | None:
         """Returns the frame on view, beside the pinned run if any; None before the first frame, and while a frame with
@@ -114,12 +116,18 @@ class VisitorRunSource:
 
     def _own_title(self, frame: Frame, choice: ViewChoice, alone: bool) -> RunTitle:
         """Returns the title of the visitor's run in a ``frame``; that of a run ``alone`` offers a comparison."""
+        if self._titled and frame is self._titled[0] and (choice, alone) == self._titled[1:3]:
+            return self._titled[3]  # asked for with each frame drawn
         scene = frame[0].scene
         name = ("what", tr("This run:") + " "), ("", functions_name(scene.method)), \
             ("settings", main_settings_text(scene))
         view = frame_error_view(*frame, choice.quantity, choice.estimator, False)
         compared = (("", tr(COMPARE)), (COMPARED, tr(NOTHING_TO_COMPARE)))
-        return name, self._facts(frame[0], view, choice.quantity, choice.estimator), compared if alone else ()
+        unjudged = (SEPARATOR, (UNJUDGED, tr(NONE_CHOSEN))) if choice.estimator is None else ()
+        facts = *self._facts(frame[0], view, choice.quantity, choice.estimator), *unjudged
+        title = name, facts, compared if alone else ()
+        self._titled = frame, choice, alone, title
+        return title
 
     def _other_title(self, run: PinnedRun, choice: ViewChoice) -> RunTitle:
         """Returns the title of the second ``run``, in which the visitor chooses what to compare with."""

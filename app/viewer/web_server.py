@@ -60,7 +60,10 @@ class LabServer(viser.ViserServer):
     """The viewer's server without its tunnel; ``visitors`` has the pages of those who have passed ``access``."""
 
     visitors: Any = None
-    access: "AccessControl"
+
+    def __init__(self, access: "AccessControl", **options: Any):
+        self.access = access  # first: a server that is still starting may be stopped
+        super().__init__(**options)
 
     def wait_until_sent(self, seconds: float) -> None:
         """Waits, at most so many seconds, until all pages are closed and every browser has been sent its messages."""
@@ -103,7 +106,7 @@ class AccessControl:
     def attach_server(self, server: LabServer, visitors: Any) -> None:
         """Sets the server and the pages of its ``visitors``, here and in the server; messages refer to its widgets."""
         self._server, self._visitors = server, visitors
-        server.access, server.visitors = self, visitors
+        server.visitors = visitors
 
     @contextmanager
     def guard_servers(self, index: IndexPage) -> Iterator[None]:
@@ -185,10 +188,11 @@ class AccessControl:
             self._refusals.record(refusal, who)
             return make_response(HTTPStatus.FORBIDDEN, refusal)
         known = not self._code or self._code.is_authorised(headers)
-        if path == "/health" and self._visitors and not opens_socket:
-            health = self._visitors.health()
-            shown = health if known else {"ready": health["ready"]}
-            return make_response(HTTPStatus.OK, json.dumps(shown), "application/json")
+        if path == "/health" and not opens_socket:
+            health = self._visitors.health() if self._visitors else {"ready": False}
+            shown, ready = health if known else {"ready": health["ready"]}, health["ready"]
+            return make_response(HTTPStatus.OK if ready else HTTPStatus.SERVICE_UNAVAILABLE, json.dumps(shown),
+                                 "application/json", wait=not ready)
         if self._code and not opens_socket and path.endswith("/enter"):
             return self._log_in(self._code, headers, who)
         if not known:

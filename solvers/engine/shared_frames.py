@@ -27,8 +27,9 @@ class FrameOptions:
     """Optional contents of a frame, beside the particles with their errors and estimates.
 
     ``differences`` is whether it has the sizes of estimate minus truth, ``plotted`` the key (x, v, sigma or a) of the
-    quantity whose field it has, None for none; ``broken_down`` is the number of the particle around which single steps
-    are taken apart (:class:`~solvers.solver.particle_step_breakdown.ParticleStepBreakdown`), None for none."""
+    quantity that is plotted, of which the bar's frames have the field, None for none; ``broken_down`` is the number of
+    the particle around which single steps are taken apart
+    (:class:`~solvers.solver.particle_step_breakdown.ParticleStepBreakdown`), None for none."""
 
     differences: bool = False
     plotted: str | None = None
@@ -42,8 +43,8 @@ class FrameArrays:
     ``position`` and ``displacement`` (P, D) in m, ``deformation_gradient`` (P, D * D), ``steps_since_crossing`` (P,) of
     a cell boundary, -1 for never. By the columns x (m), v (m/s), sigma (Pa), a (m/s²): the true ``error`` and, by
     estimator, each ``estimate`` (P, 4), NaN where unknown; and, only if requested, each ``difference`` (P, 4), the size
-    of estimate minus truth. ``plotted`` (P, 2) is the field of one quantity, in its unit, and its deviation from the
-    exact one (``Snapshot.plotted``), (P, 0) if none was requested."""
+    of estimate minus truth. ``plotted`` (P, 2) is the bar's field of one quantity, in its unit, and its deviation from
+    the exact one (``Snapshot.plotted``), (P, 0) in the plane or if none was requested."""
 
     position: np.ndarray
     displacement: np.ndarray
@@ -134,7 +135,7 @@ def _field_widths(scene: Scene, differences: bool, plotted: bool) -> dict[str, i
     D, active = scene.DIMENSIONS, scene.active_estimators
     compared = map(DIFFERENCE.format, active) if differences else ()
     return {"position": D, "displacement": D, "deformation_gradient": D * D, "steps_since_crossing": 1, "error": WIDTH,
-            **dict.fromkeys((*active, *compared), WIDTH), **({"plotted": 2} if plotted else {})}
+            **dict.fromkeys((*active, *compared), WIDTH), **({"plotted": 2} if plotted and D == 1 else {})}
 
 
 def _field_views(held: bytes | memoryview, particles: int, widths: dict[str, int],

@@ -77,7 +77,6 @@ def test_what_is_no_size_is_refused(text, unit):
 def test_sentences_name_what_stands_beside_the_widgets():
     """A visitor has no flags: the box, the choice and the remedies are called as the page calls them."""
     assert names_and_units.reword_for_page("steps (--dt auto takes 0.1 s)") == 'steps (the box "Auto step" takes 0.1 s)'
-    assert names_and_units.reword_for_page("give --velocity grid") == "give grid velocity"
     assert (
         names_and_units.reword_for_page(
             "ugimp needs 98 cells, cfl 0.5; mpm-lab run bar --method mpm; cpgimp-v, or bspline"

@@ -99,7 +99,7 @@ class PresentationMode:
 
 class ProblemButtons:
     """One visitor's choice of what moves: a button for each problem and one for a motion or particles of their own, in
-    a narrow window a dropdown; ``choose`` receives a problem's key."""
+    a narrow window one with a menu; ``choose`` receives a problem's key."""
 
     def __init__(self, gui: viser.GuiApi, store: BrowserStore, choose: Callable[[str], None]):
         self._html, self._choose = gui.add_html(""), choose

@@ -8,8 +8,8 @@ import pytest
 from app.cli import main
 from tests.solvers.judging.test_check import motion, stuck
 
-KEYS = {"schema", "verdict", "files", "particles", "dimensions", "times", "quantities", "reference", "notes", "spacing",
-        "motion", "findings", "contradictions", "not_told", "never_told"}
+KEYS = {"schema", "verdict", "files", "particles", "dimensions", "times", "quantities", "reference", "notes",
+        "not_read", "spacing", "motion", "findings", "contradictions", "not_told", "never_told"}
 OF_FINDINGS = {"finding", "verdict", "measured", "limit", "unit", "says", "t", "particle", "X"}
 
 
@@ -28,7 +28,7 @@ def test_a_consistent_motion_is_not_called_right(files, tmp_path, capsys):
     printed = json.loads(capsys.readouterr().out)
     assert printed.keys() == KEYS and printed["verdict"] == "consistent" and printed["contradictions"] == 0
     assert all(one.keys() == OF_FINDINGS for one in printed["findings"])
-    assert main(["check", files[0], files[0]]) == 2 and "give each time once" in capsys.readouterr().err
+    assert main(["check", *files]) == 2 and "give each time once" in capsys.readouterr().err
     assert main(["check", files[0]]) == 0
     said = capsys.readouterr().out
     assert "No contradiction was found. That is not to say that the run is right." in said and "sigma" in said

@@ -8,6 +8,8 @@ import pytest
 
 from app import names_and_units
 from app.frame.colour_scale import ZERO, ColourScale
+from app.frame.error_view_captions import NONE_CHOSEN, StageHalfErrors
+from app.frame.layout import HALVES
 from app.frame.primitives import Dots, StageMetrics
 from app.frame.stage import StageLabels, WorstRegionAnnotations, WorstRegionMark
 from app.problems.views import VIEWS
@@ -57,6 +59,18 @@ def test_each_error_is_shown_where_its_name_stands(problem):
         assert estimate.x < middle < truth.x
     assert left.any() and (~left).any()
     assert (colours[left] == ESTIMATED).all() and (colours[~left] == TRUE).all()
+
+
+def test_a_run_that_nobody_judges_has_the_lane_of_the_truth_alone():
+    scene = PROBLEMS["bar"].scene(cells=12, periods=1)
+    arrays, stage = engine_frame(build(scene)), VIEWS["bar"].stage(RecordingSurface(), TwoColours())
+    ones, plot = np.ones(len(arrays.position)), stage._layout.field.half
+    for nobody in (NONE_CHOSEN, ""):
+        stage.show_captions(StageHalfErrors("Estimate", "", None, nobody), StageHalfErrors("Truth", "", ones))
+        stage.draw(scene, arrays, 0 * ones, ones, 0.0)
+        lanes, titles = stage.sheet.marks["lanes"], [stage.sheet.marks[f"{name}-title"].text for name in HALVES]
+        assert (lanes.colours == TRUE).all() == bool(nobody) and titles == ["" if nobody else "estimate", "truth"]
+        assert (stage._layout.field.half > plot) == bool(nobody)
 
 
 def test_a_rectangle_on_any_quarter_of_the_ring_holds_the_particles_that_are_drawn_there():

@@ -135,7 +135,7 @@ def test_a_flat_body_in_space_is_looked_at_in_its_plane():
 
 @pytest.mark.parametrize("arrays, says", [
     ({"t": np.array([0.0]), "x": np.zeros((1, 5, 2))}, "two or more"),
-    ([{"t": 0.0, "x": np.zeros((5, 2))}, {"t": 0.0, "x": np.zeros((5, 2))}], "has the time 0 s, which"),
+    ([{"t": 0.0, "x": np.zeros((5, 2))}, {"t": 0.0, "x": np.ones((5, 2))}], "has the time 0 s, which"),
     ([{"t": 0.0, "x": np.zeros((5, 2))}, {"t": 1.0, "x": np.zeros((6, 2))}], "give id or X"),
     ([{"t": 0.0, "x": np.zeros((5, 2))}, {"t": 1.0, "x": np.zeros((5, 3))}], "another number of directions"),
     ([{"t": 0.0, "x": np.zeros((5, 2)), "cells": np.array(k)} for k in (8, 9)], "another grid"),

@@ -1,7 +1,7 @@
 // The error landscape under a slider: true error, estimate and time of a run over the slider's value; as words at a value, and
 // as a drawing. A row (js/landscape_rows.js) has the data of its strip and the slider's thumb.
 const landscape = (() => {
-  const NEAR = 0.003;  // powers of ten
+  const NEAR = 0.003, CROSS = 90;  // powers of ten; pixels for the words at the first crossing
   const VALUES = {cells: tr("{count} cells"), ppc: tr("{count} per cell"), amplitude: "A = {count}", modulus: "E = {count}",
     cfl: "CFL {count}"};
   const STATES = {pending: tr("not computed yet"), unstable: tr("the run is lost"), lost: tr("the run is lost"),
@@ -114,7 +114,8 @@ const landscape = (() => {
       });
     }
     if (data.cross !== null && data.complete && px(data.cross) > where[0] && px(data.cross) < where[1]) {
-      const x = px(data.cross), left = x > 78;
+      const x = px(data.cross), thumb = px(at(row)), free = (from, to) => from >= 0 && to <= W && (thumb < from || thumb > to);
+      const left = free(x - CROSS, x) || !free(x, x + CROSS) && x > CROSS;  // beside the thumb, not under it
       svg += `<path d="M${x} 0V${H}" style="stroke:var(--cross);stroke-width:1.25;stroke-dasharray:${speaks ? "none" : "2 2"}"/>`;
       if (speaks) svg += words(left ? x - 3 : x + 10, tr("first crossing"), "cross", left ? "end" : "start", left ? undefined : H - 4);
     }
