@@ -14,6 +14,7 @@ from app.export.recording import RecordingRequest, record_scene, record_scenes
 from app.export.stage_export_plan import StageExportPlan, export_plan_to_json, make_export_plan
 from app.language.translation import current_language, load_catalogue, tr
 from app.logo_and_font import ICON, MARK, font_faces_css
+from app.names_and_units import number_format_script
 from app.templates import render_template
 
 PLAYER = Path(__file__).parent / "player"
@@ -91,7 +92,7 @@ def assemble_page(heading: str, plans: Sequence[StageExportPlan], recorded: Reco
              "style": font_faces_css() + css_variables() + _read_player_file("player.css"), "mark": MARK, "icon": ICON,
              "data": _script_safe_json(data), "runs": packed,
              "script": "const DATA = JSON.parse(document.getElementById(\"data\").textContent);\n"
-                       + "\n".join(_read_player_file(f"{name}.js") for name in scripts)}
+                       + number_format_script() + "\n".join(_read_player_file(f"{name}.js") for name in scripts)}
     return render_template(PLAYER / "player.html", **parts)
 
 

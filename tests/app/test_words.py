@@ -50,7 +50,7 @@ def test_units_have_prefixes(value, text):
 
 def test_an_amplitude_is_a_length_or_an_angle():
     assert [names_and_units.unit_of(problem.scene,
-                                    "amplitude") for problem in PROBLEMS.values()] == ["m", "m", "rad", "m"]
+                                    "amplitude") for problem in PROBLEMS.values()] == ["m", "m", "m", "rad"]
 
 
 @pytest.mark.parametrize("text, unit, value", [
