@@ -44,6 +44,7 @@ class VisitorRunSource:
         self._told: Frame | None = None  # the frame that words are about, and until when they stay
         self._told_until = 0.0
         self._rates: dict[Hashable, float] = {}  # fastest so far, in particle-steps per s, by what is computed
+        self._titled: tuple[Frame, Hashable, RunTitle] | None = None  # what the last title is about, and it
 
     def stage_content(self, choice: ViewChoice) -> StageContent | None:
         """Returns the frame on view, beside the pinned run if any; None before the first frame, and while a frame with
@@ -118,14 +119,18 @@ class VisitorRunSource:
     def _own_title(self, frame: Frame, choice: ViewChoice, alone: bool) -> RunTitle:
         """Returns the title of the visitor's run in a ``frame``; that of a run ``alone`` offers a comparison."""
         scene = frame[0].scene
+        known = self._landscapes.rate if scene == self._session.scene else None
+        if self._titled and frame is self._titled[0] and (choice, alone, known) == self._titled[1]:
+            return self._titled[2]  # asked for with each frame drawn
         name = ("what", tr("This run:") + " "), ("", functions_name(scene.method)), \
             ("settings", main_settings_text(scene))
         view = frame_error_view(*frame, choice.quantity, choice.estimator, False)
         compared = (("", tr(COMPARE)), (COMPARED, tr(NOTHING_TO_COMPARE)))
         unjudged = (SEPARATOR, (UNJUDGED, tr(NONE_CHOSEN))) if choice.estimator is None else ()
-        known = self._landscapes.rate if scene == self._session.scene else None
         facts = *self._facts(frame[0], view, choice.quantity, choice.estimator, known), *unjudged
-        return name, facts, compared if alone else ()
+        title = name, facts, compared if alone else ()
+        self._titled = frame, (choice, alone, known), title
+        return title
 
     def _other_title(self, run: PinnedRun, choice: ViewChoice) -> RunTitle:
         """Returns the title of the second ``run``, in which the visitor chooses what to compare with."""

@@ -5,7 +5,7 @@ from collections import defaultdict
 
 import numpy as np
 
-from solvers.judging.column_names import is_known_name
+from solvers.judging.quantity_names import is_known_name
 from solvers.untrusted.quoting import FileError, quote
 from solvers.untrusted.size_limits import SizeLimits, check_name
 

@@ -53,7 +53,7 @@ def test_a_text_is_what_the_language_says_and_english_is_the_code(other):
 
 
 @pytest.mark.parametrize(("count", "english", "said"), [(1, "1 dot", "1 Punkt"), (2, "2 dots", "2 Punkte"),
-                                                        (0, "0 dots", "0 Punkte"), (2.5, "2.5 dots", "2.5 Punkte")])
+                                                        (0, "0 dots", "0 Punkte"), (1.5, "1.5 dots", "1.5 Punkte")])
 def test_a_count_chooses_its_form(other, count, english, said):
     assert trn("{count} dot", "{count} dots", count) == english
     with use_language(other):
