@@ -17,8 +17,10 @@ from solvers.judging.particle_readers import read_all
 from solvers.judging.particle_scene_matching import match_files
 from solvers.problems import PROBLEMS
 from solvers.untrusted.quoting import FileError
+from tests.findings import forms_section
 from tests.support.foreign_files import CELLS, PLAIN, STRESS, TIMES, Text, components, frames, same
 from tests.support.foreign_forms import FORMS, OTHERS
+from tests.support.paths import ROOT
 
 SCENE = PROBLEMS["ring"].scene(cells=CELLS)
 WRITERS = {**{name: form.write for name, form in FORMS.items()}, **OTHERS}
@@ -41,6 +43,10 @@ def test_particles_of_others_are_those_that_we_wrote(name, tmp_path):
     first = grid.frames[0]
     assert any(values is not None for values in (first.velocity, first.stress, first.deformation_gradient))
     assert check(files, times=times).verdict == CONSISTENT
+
+
+def test_the_documentation_lists_whose_files_are_read():
+    assert (ROOT / "assets" / "judge.md").read_text(encoding="utf-8").endswith(forms_section())
 
 
 def plain(rows: str, head: str = "id,x,y,vx,vy\n") -> bytes:
