@@ -147,7 +147,6 @@ def reword_for_page(sentence: str) -> str:
     """Translates a sentence of the solvers, and replaces flags, methods and remedies in it by the widgets' labels."""
     sentence = translate_message(sentence)
     for typed, shown in ((tr("--dt auto takes"), tr("the box \"Auto step\" takes")),
-                         ("--velocity grid", tr("grid velocity")),
                          (tr("the right --cells and --ppc"), tr("the right cells and particles per cell")),
                          (", cfl ", ", CFL "), (", or the flag --time with one time for each file", ""),
                          (", and --cells with one number for each file of several grids", "")):

@@ -199,10 +199,10 @@ def other_runs_note(runs: Sequence[NumberedRun], problem: str) -> str:
     hidden = [run for run in runs if run.row["problem"] != problem and run.source != SHIPPED]
     if not hidden:
         return ""
-    name = PROBLEMS[hidden[0].row["problem"]].scene.TITLE
+    name = escape(tr(PROBLEMS[hidden[0].row["problem"]].scene.TITLE))
     return trn("And {count} run of the {problem}: shown when that problem is chosen; the CSV file has all.",
                "And {count} runs of the {problem}: shown when that problem is chosen; the CSV file has all.",
-               len(hidden), problem=tr(name))
+               len(hidden), problem=name)
 
 
 def job_progress_text(status: CostJobStatus) -> str:
