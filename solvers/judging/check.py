@@ -11,11 +11,12 @@ from solvers.judging.findings.finding import BROKEN, SUSPICIOUS, UNKNOWN, Findin
 from solvers.judging.findings.recorded_motion_reader import RecordedMotion, read_motion
 from solvers.judging.moment_joining import join_moments
 from solvers.judging.particle_data_types import unread_columns
-from solvers.judging.particle_readers import Particles, read_all
+from solvers.judging.particle_readers import Particles, as_list, check_one_table_each, read_all
 from solvers.untrusted.quoting import FileError
 
 SCHEMA = "mpm-lab/check/1"
 CONSISTENT = "consistent"
+UNKNOWN_ROWS = "nothing says which particles the rows are"
 Progress = Callable[[float, str], None]
 #: What cannot be seen in a motion alone, whatever the files contain.
 NOT_CHECKABLE = ("whether the motion is that of your problem: forces, material and boundary are not known here",
@@ -70,6 +71,7 @@ def check(files: Particles | Sequence[Particles], *, times: Sequence[float] = ()
     """
     raws = read_all(files)
     not_read = unread_columns(raws)
+    check_one_table_each(as_list(files), raws, times)
     if times and len(times) != len(raws):
         raise FileError(raws[0].file, f"is one of {len(raws)} files, and there are {len(times)} times; give one time "
                                       "for each")
@@ -82,7 +84,8 @@ def check(files: Particles | Sequence[Particles], *, times: Sequence[float] = ()
         lost = part.doubt_about_rows(not_read)
         for k, kind in enumerate(MOTION_FINDINGS):
             on_progress(0.2 + 0.8 * k / len(MOTION_FINDINGS), "looking for contradictions")
-            findings += [unknown(name, lost) for name in kind.names] if lost else kind.find_in(part)
+            findings += [unknown(name, lost if k == 0 else UNKNOWN_ROWS) for name in kind.names] if lost else \
+                kind.find_in(part)
         if part is not motion:
             motion.notes.append(f"{len(part.number):,} of the {len(motion.number):,} particles, in boxes spread over "
                                 "the body, were held against their neighbours")

@@ -18,7 +18,7 @@ from solvers.judging.findings.findings_input import FindingsInput
 from solvers.judging.findings.outliers import FrameOutliers
 from solvers.judging.moment_joining import join_moments
 from solvers.judging.particle_data_types import SingleGridRun
-from solvers.judging.particle_readers import Particles, as_list, read_all
+from solvers.judging.particle_readers import Particles, as_list, check_one_table_each, read_all
 from solvers.judging.particle_scene_matching import SAME, check_origin, match_files, select_plane
 from solvers.judging.quantity_names import PLANES
 from solvers.scene.scene import Scene
@@ -182,7 +182,9 @@ def judge(scene: Scene, files: Particles | Sequence[Particles], *, cells: Sequen
         if given and len(given) not in counts:
             raise SceneError(name, " ".join(map(str, given)), "is {given} numbers for {sources} files; give one for "
                              "each", len(given), len(sources))
-    tables, cells, times = join_moments(read_all(sources), cells or [scene.cells], times)
+    tables = read_all(sources)
+    check_one_table_each(sources, tables, times or cells[1:])
+    tables, cells, times = join_moments(tables, cells or [scene.cells], times)
     if plane != PLANES[0]:
         tables = [select_plane(raw, plane) for raw in tables]
     scene, found = match_files(tables, scene, cells, times)

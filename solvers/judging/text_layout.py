@@ -6,7 +6,8 @@ from collections import deque
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
-from solvers.judging.quantity_names import find_meanings
+from solvers.judging.particle_data_types import list_names
+from solvers.judging.quantity_names import find_meanings, is_unit
 from solvers.untrusted.quoting import FileError
 from solvers.untrusted.size_limits import SizeLimits, check_name
 
@@ -15,7 +16,8 @@ MOST_HEADINGS, MOST_UNNAMED = 30, 100  # lines above the first row, and rows tha
 COMMENT = re.compile(r"\s*(?:#|%|//|!)[#%/!]*\s*")
 SEPARATORS: tuple[str | None, ...] = ("\t", ";", ",", None)  # None: blanks
 SPREADSHEET = re.compile(r'"?sep=(.)"?\s*', re.IGNORECASE)  # a first line for spreadsheets alone
-BEFORE_NAMES = re.compile(r"(?:ITEM:\s*ATOMS|VARIABLES\s*=)\s*", re.IGNORECASE)  # as LAMMPS and Tecplot begin headings
+#: What stands before the names, as LAMMPS, Tecplot and people write it.
+BEFORE_NAMES = re.compile(r"(?:ITEM:\s*ATOMS|VARIABLES\s*=|(?:columns|fields|names)\s*[:=])\s*", re.IGNORECASE)
 NUMBER = re.compile(r"\s*\"?\s*(?:[+-]?(?:\d+[.,]?\d*|[.,]\d+)(?:[ed]?[+-]?\d+)?|[+-]?inf(?:inity)?|nan)\s*\"?\s*",
                     re.IGNORECASE | re.ASCII)
 
@@ -67,15 +69,19 @@ class LayoutFinder:
         """Returns the layout from the first ``lines``, up to the first row that one of those above fits. Raises
         FileError where there is none."""
         above, separators = deque[str](maxlen=MOST_HEADINGS), SEPARATORS
-        unnamed: list[str] = []
+        unnamed, unknown = list[str](), None
         for count, line in enumerate(lines):
             mark = COMMENT.match(line)
             bare = readable(line[mark.end():] if mark else line)
             if mark is None and (found := SPREADSHEET.fullmatch(bare.strip())) and not above:
                 separators = (found[1],)
                 continue
-            if mark is None and (layout := self._fit_heading(above, line, separators)) is not None:
-                return layout
+            if mark is None:
+                known, layout = max((self._fit_heading(above, row, separators) for row in
+                                     dict.fromkeys((line, line.partition("#")[0]))), key=lambda fit: fit[0])
+                if known and layout is not None:
+                    return layout
+                unknown = unknown or layout
             if mark is None and all(map(NUMBER.fullmatch, re.split(r"[\s,;]+", bare.strip(" \t\r\n,;")))):
                 unnamed.append(bare)
                 if len(unnamed) > MOST_UNNAMED:
@@ -86,6 +92,10 @@ class LayoutFinder:
                 raise too_many_remarks(self._path)
         if self._too_long is not None:
             raise self._too_long
+        if unknown is not None:
+            some = list_names(unknown.names, 8)
+            raise FileError(self._path, "holds no particles that are known by name, but {some}; give columns such as "
+                                        "id, x, vx", some)
         if not unnamed:
             raise FileError(self._path, "holds no particles; give names in the first line and a particle in each other")
         if not above:
@@ -95,10 +105,11 @@ class LayoutFinder:
         raise FileError(self._path, "has {names} names and {width} numbers in a line; give as many of both", len(names),
                         len(numbers))
 
-    def _fit_heading(self, above: Sequence[str], row: str, separators: Sequence[str | None]) -> Layout | None:
-        """Returns the layout with the line ``above`` that has most known names, of those with as many as a row has
-        cells; None where none has, or the row has no number."""
-        fitting: list[tuple[int, int, Layout]] = []
+    def _fit_heading(self, above: Sequence[str], row: str,
+                     separators: Sequence[str | None]) -> tuple[int, Layout | None]:
+        """Returns the number of known names in the line ``above`` that has most, of those with as many names as a row
+        has cells, and the layout; None where none has, or the row has no number."""
+        fitting: list[tuple[int, int, int, Layout | None]] = [(0, 0, 0, None)]
         for separator in separators:
             cells = split_line(row, separator)
             if not any(map(NUMBER.fullmatch, cells)):
@@ -110,9 +121,11 @@ class LayoutFinder:
                     names = split_line(BEFORE_NAMES.sub("", line), other)
                     before = self._cells_before(names, cells, row)
                     if before is not None:
+                        names = _with_units(names, split_line(above[k + 1], other) if k + 1 < len(above) else ())
                         layout = Layout(names, separator, before, line.strip())
-                        fitting.append((len(find_meanings(names)), k, layout))
-        return max(fitting, key=lambda one: one[:2])[2] if fitting else None
+                        fitting.append((len(find_meanings(names)), len(names), k, layout))
+        known, _, _, best = max(fitting, key=lambda one: one[:3])
+        return known, best
 
     def _cells_before(self, names: list[str], cells: Sequence[str], row: str) -> int | None:
         """Returns how many cells of the first row stand before those with names, None where the names do not fit the
@@ -132,6 +145,13 @@ class LayoutFinder:
             self._too_long = error
             return None
         return before
+
+
+def _with_units(names: list[str], below: Sequence[str]) -> list[str]:
+    """Returns names with the units of the line below them, if that has a unit for each."""
+    units = [cell.strip("[]()") for cell in below]
+    are_units = len(units) == len(names) and any(units) and all(unit in ("", "-") or is_unit(unit) for unit in units)
+    return [f"{name} [{unit}]" for name, unit in zip(names, units, strict=True)] if are_units else names
 
 
 def _blank_cells(cells: Sequence[str]) -> tuple[int, int]:

@@ -95,11 +95,7 @@ class TextReader:
                 yield line
 
     def _check_names(self, names: Sequence[str], used: Sequence[int]) -> None:
-        """Raises FileError where no name is known, or one is there twice."""
-        if not used:
-            some = ", ".join(quote(name, 30) for name in names[:8])
-            raise FileError(self._path, "holds no particles that are known by name, but {some}; give columns such as "
-                                        "id, x, vx", some)
+        """Raises FileError where a column that is read is there twice."""
         known = [names[k] for k in used]
         if (twice := next((name for name in known if known.count(name) > 1), None)) is not None:
             raise FileError(self._path, "has two columns called {twice}; give each its own name", quote(twice))

@@ -18,6 +18,7 @@ from solvers.solver.soundness import findings
 def test_only_an_estimator_that_says_so_judges():
     naive = Estimator("naive", "a first attempt", colour="#606060")
     assert not naive.judges and "a first attempt" in naive.explanation
+    assert replace(naive, summary="a < b").explanation == "<p>a &lt; b</p>"
     assert {name for name, one in ESTIMATORS.items() if one.judges} == {"recovered", "companion", "two-grid"}
 
 
