@@ -26,11 +26,12 @@ SURE = 4.0  # times the uncertainty
 #: Times the error that is left, which a size must make to be blamed, and to be remarked on: a grid leaves more than it
 #: shrinks the motion.
 TELLS, TOLD = 10.0, 1.0
-WHOLE = 0.75  # of a period, which a motion must last before a trend can be told from a phase
+#: Of a period, which a motion must last before its size, and a trend of it, can be told from a phase.
+SHORTEST, WHOLE = 0.6, 0.75
 DISPERSION = 1 / 6  # of (k h)^2: by so much waves of a grid may be slower; 1/24 with hats and lumped masses
 CLOCK_OFF, CLOCK_TELLS = 2e-3, 2.5  # of the time; times the error that is left, which a clock must make to be told
 #: The same of a motion that is faster than its times, which no grid makes: masses that are lumped slow waves down.
-FAST_SURE, FAST_TELLS = 4.0, 1.0
+FAST_SURE, FAST_TELLS = 6.0, 1.0
 TOO_LARGE = "the errors are too large"
 FEW = Message("fewer than {least} times, or not the same particles at all of them", FEWEST_TIMES)
 
@@ -85,9 +86,13 @@ def check_amplitude_and_clock(evidence: FindingsInput) -> tuple[Finding, Finding
     fit = fit_motion(tracks, scene)
     if fit is None:
         return unknown(AMPLITUDE, TOO_LARGE), unknown(CLOCK, TOO_LARGE)
-    still = unknown(AMPLITUDE, "nothing swings, so that a motion that is too small is too slow")
-    error = tracks.own["x"] - tracks.exact["x"]
-    return _check_amplitude(fit, scene.period) if scene.swings else still, _check_clock(fit, scene, rms(error))
+    if not scene.swings:
+        size = unknown(AMPLITUDE, "nothing swings, so that a motion that is too small is too slow")
+    elif np.ptp(tracks.time) < SHORTEST * scene.period:
+        size = unknown(AMPLITUDE, "too little of a period to tell a motion that is too small from one that is late")
+    else:
+        size = _check_amplitude(fit, scene.period)
+    return size, _check_clock(fit, scene, rms(tracks.own["x"] - tracks.exact["x"]))
 
 
 def _check_amplitude(fit: MotionFit, period: float) -> Finding:
