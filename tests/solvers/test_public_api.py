@@ -60,7 +60,8 @@ def test_a_result_is_called_as_its_json():
     result = run(BarScene(cells=20, periods=0.1, estimators=("companion",)))
     assert isinstance(result, Result) and result.status == "ok"
     values = result.to_dict()
-    alike = values.keys() - {"schema", "scene", "t", "checked", "not_checked", "as_large_as_itself", "seconds"}
+    alike = values.keys() - {"schema", "scene", "t", "checked", "not_checked", "as_large_as_itself", "seconds",
+                             "advice"}
     assert {name: getattr(result, name) for name in alike} == {name: values[name] for name in alike}
     assert result.verdict.items() <= values.items() and result.time == values["t"]
     assert result.index["x"] == pytest.approx(1, abs=0.01) and result.index["companion"] == result.index

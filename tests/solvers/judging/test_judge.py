@@ -30,6 +30,14 @@ def scene_of(problem: str, **fields):
     return PROBLEMS[problem].scene(cells=12, **fields)
 
 
+def test_a_crossing_is_one_in_either_direction():
+    scene = PROBLEMS["square"].scene(cells=10)
+    X = scene.spacing * np.array([[3.5, 4.5], [3.5, 7.5], [6.5, 6.5]])
+    moved = [scene.spacing * np.array(steps) for steps in ([[1, 0], [0, 0], [0, 0.2]], [[1, 1], [0, -1], [0, 0.4]])]
+    frames = [SimpleNamespace(material_position=X, position=X + u) for u in moved]
+    assert count_crossings(scene, frames) == 1 + 2
+
+
 def test_the_worst_is_that_of_all_moments():
     """Neither the first nor the last; of those that have the quantity."""
     X = np.array([[0.1], [0.2]])

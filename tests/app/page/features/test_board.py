@@ -260,12 +260,10 @@ def test_memory_ends_somewhere(monkeypatch):
     though he has his lesson."""
     monkeypatch.setattr(tally_module, "MOST", 3)
     tally = ClassAnswers()
-    for key in "abc":
-        tally.register_page(key)
-    tally.unregister_page("a")
-    tally.register_page("b").answers["how-much"] = RecordedAnswer(1, 1, 1, 1.0)
-    for _ in range(2):
-        tally.unregister_page("b")
+    entries = {key: tally.register_page(key) for key in "abc"}
+    entries["b"].answers["how-much"] = RecordedAnswer(1, 1, 1, 1.0)
+    for key in "ab":
+        tally.unregister_page(key)
     assert tally.register_page("d").pages == 1 and tally.present_count == 2  # in the place of a
     assert tally.register_page("b").answers and tally.present_count == 3
     late = tally.register_page("e")
