@@ -16,6 +16,7 @@ from solvers.untrusted.quoting import FileError
 
 SCHEMA = "mpm-lab/check/1"
 CONSISTENT = "consistent"
+UNKNOWN_ROWS = "nothing says which particles the rows are"
 Progress = Callable[[float, str], None]
 #: What cannot be seen in a motion alone, whatever the files contain.
 NOT_CHECKABLE = ("whether the motion is that of your problem: forces, material and boundary are not known here",
@@ -83,7 +84,8 @@ def check(files: Particles | Sequence[Particles], *, times: Sequence[float] = ()
         lost = part.doubt_about_rows(not_read)
         for k, kind in enumerate(MOTION_FINDINGS):
             on_progress(0.2 + 0.8 * k / len(MOTION_FINDINGS), "looking for contradictions")
-            findings += [unknown(name, lost) for name in kind.names] if lost else kind.find_in(part)
+            findings += [unknown(name, lost if k == 0 else UNKNOWN_ROWS) for name in kind.names] if lost else \
+                kind.find_in(part)
         if part is not motion:
             motion.notes.append(f"{len(part.number):,} of the {len(motion.number):,} particles, in boxes spread over "
                                 "the body, were held against their neighbours")

@@ -146,7 +146,7 @@ def _join_components(path: str, key: str, pieces: dict[Any, np.ndarray]) -> np.n
     shape = out.shape[1:]
     missing = [w for w in np.ndindex(*shape) if w not in pieces and not (key == "sigma" and w[::-1] in pieces)]
     if size == 3:  # what concerns the third direction is not needed in the plane, or the second in that of x and z
-        beyond = 1 if not any(1 in where for where in pieces) else 2
+        beyond = 1 if all(1 in w for w in missing) else 2
         missing = [w for w in missing if beyond not in w]
         out = np.where(np.isnan(out), 0.0, out) if not missing and all(np.isfinite(v).all() for v in pieces.values()) \
             else out

@@ -22,7 +22,7 @@ def join_moments(files: Sequence[RawTable], cells: Sequence[int],
     counts = [raw.cells or cells[k if len(cells) > 1 else 0] if cells else raw.cells for k, raw in enumerate(files)]
     moments = Counter((counts[k], _figures(t)) for k, own in enumerate(every) for t in np.unique(own))
     if moments and max(moments.values()) == 1:
-        return list(files), list(cells), list(times)
+        return _move_points(files), list(cells), list(times)
     found: dict[tuple[int | None, str], list[RawTable]] = {}
     for raw, own, count in zip(files, every, counts, strict=True):
         for at in group_rows_by_time(own):
@@ -30,7 +30,19 @@ def join_moments(files: Sequence[RawTable], cells: Sequence[int],
             part = replace(raw, time=t, columns={key: v[at] for key, v in raw.columns.items() if key != "t"})
             _add_part(found.setdefault((count, _figures(t)), []), part)
     parts = [(part, count) for (count, _), listed in found.items() for part in listed]
-    return [part for part, _ in parts], [count for _, count in parts if count is not None], []
+    return _move_points([part for part, _ in parts]), [count for _, count in parts if count is not None], []
+
+
+def _move_points(files: Sequence[RawTable]) -> list[RawTable]:
+    """Returns the files; where their positions are the same at all moments, and displacements are not, these positions
+    are material ones, and the displacements move them."""
+    if not all(raw.from_displacement for raw in files):
+        return list(files)
+    still, same = (all(np.array_equal(raw.columns[key], files[0].columns[key]) for raw in files) for key in ("x", "X"))
+    if same or not still:
+        return list(files)
+    return [replace(raw, columns=raw.columns | {"X": raw.columns["x"], "x": 2 * raw.columns["x"] - raw.columns["X"]})
+            for raw in files]
 
 
 def _figures(time: float) -> str:

@@ -135,7 +135,7 @@ def _unpack(path: str, file: IO[bytes], unpacked: IO[bytes], limits: SizeLimits)
     try:
         with gzip.GzipFile(fileobj=file) as packed:
             while piece := packed.read(PIECE):
-                limits.check_unpacked(path, unpacked.tell() + len(piece))
+                replace(limits, bytes=min(limits.bytes, LARGEST)).check_unpacked(path, unpacked.tell() + len(piece))
                 unpacked.write(piece)
     except (EOFError, zlib.error, gzip.BadGzipFile):
         raise FileError(path, "is no complete .gz file; pack it again, or give it as it is") from None

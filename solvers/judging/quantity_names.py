@@ -184,6 +184,11 @@ def _meaning_of(known: KnownName, lowest: int) -> ColumnMeaning | None:
     return ColumnMeaning(key, known.unit, digits) if all(0 <= digit < 3 for digit in digits) else None
 
 
+def is_unit(text: str) -> bool:
+    """Returns whether a text is a unit of one of the quantities."""
+    return any(_with_unit(KnownName(key), text) is not None for key in UNITS)
+
+
 def is_known_name(name: str) -> bool:
     """Returns whether an array of this name may be read: particles' quantities, the number of cells, the scene."""
     return name in OF_THE_FILE[:2] or bool(parse_name(name) or parse_name(name.lower()))

@@ -7,7 +7,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 from solvers.judging.particle_data_types import list_names
-from solvers.judging.quantity_names import find_meanings
+from solvers.judging.quantity_names import find_meanings, is_unit
 from solvers.untrusted.quoting import FileError
 from solvers.untrusted.size_limits import SizeLimits, check_name
 
@@ -16,7 +16,8 @@ MOST_HEADINGS, MOST_UNNAMED = 30, 100  # lines above the first row, and rows tha
 COMMENT = re.compile(r"\s*(?:#|%|//|!)[#%/!]*\s*")
 SEPARATORS: tuple[str | None, ...] = ("\t", ";", ",", None)  # None: blanks
 SPREADSHEET = re.compile(r'"?sep=(.)"?\s*', re.IGNORECASE)  # a first line for spreadsheets alone
-BEFORE_NAMES = re.compile(r"(?:ITEM:\s*ATOMS|VARIABLES\s*=)\s*", re.IGNORECASE)  # as LAMMPS and Tecplot begin headings
+#: What stands before the names, as LAMMPS, Tecplot and people write it.
+BEFORE_NAMES = re.compile(r"(?:ITEM:\s*ATOMS|VARIABLES\s*=|(?:columns|fields|names)\s*[:=])\s*", re.IGNORECASE)
 NUMBER = re.compile(r"\s*\"?\s*(?:[+-]?(?:\d+[.,]?\d*|[.,]\d+)(?:[ed]?[+-]?\d+)?|[+-]?inf(?:inity)?|nan)\s*\"?\s*",
                     re.IGNORECASE | re.ASCII)
 
@@ -108,7 +109,7 @@ class LayoutFinder:
                      separators: Sequence[str | None]) -> tuple[int, Layout | None]:
         """Returns the number of known names in the line ``above`` that has most, of those with as many names as a row
         has cells, and the layout; None where none has, or the row has no number."""
-        fitting: list[tuple[int, int, Layout | None]] = [(0, -1, None)]
+        fitting: list[tuple[int, int, int, Layout | None]] = [(0, 0, 0, None)]
         for separator in separators:
             cells = split_line(row, separator)
             if not any(map(NUMBER.fullmatch, cells)):
@@ -120,9 +121,10 @@ class LayoutFinder:
                     names = split_line(BEFORE_NAMES.sub("", line), other)
                     before = self._cells_before(names, cells, row)
                     if before is not None:
+                        names = _with_units(names, split_line(above[k + 1], other) if k + 1 < len(above) else ())
                         layout = Layout(names, separator, before, line.strip())
-                        fitting.append((len(find_meanings(names)), k, layout))
-        known, _, best = max(fitting, key=lambda one: one[:2])
+                        fitting.append((len(find_meanings(names)), len(names), k, layout))
+        known, _, _, best = max(fitting, key=lambda one: one[:3])
         return known, best
 
     def _cells_before(self, names: list[str], cells: Sequence[str], row: str) -> int | None:
@@ -143,6 +145,13 @@ class LayoutFinder:
             self._too_long = error
             return None
         return before
+
+
+def _with_units(names: list[str], below: Sequence[str]) -> list[str]:
+    """Returns names with the units of the line below them, if that has a unit for each."""
+    units = [cell.strip("[]()") for cell in below]
+    are_units = len(units) == len(names) and any(units) and all(unit in ("", "-") or is_unit(unit) for unit in units)
+    return [f"{name} [{unit}]" for name, unit in zip(names, units, strict=True)] if are_units else names
 
 
 def _blank_cells(cells: Sequence[str]) -> tuple[int, int]:

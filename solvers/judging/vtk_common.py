@@ -51,6 +51,10 @@ class PointData:
         self._limits.check_numbers(self.path, self._numbers)
         return True
 
+    def skip(self, name: str) -> None:
+        """Notes an array that does not belong to points, and is not read."""
+        self._pieces.setdefault(f"{name} (of cells)", [])
+
     def wants_field_data(self, name: str, numbers: int) -> bool:
         """Returns whether an array of so many numbers that does not belong to points is needed."""
         return self.wants(name, 1, 0 if numbers > MOST_FIELD else numbers) and 0 < numbers <= MOST_FIELD
