@@ -22,17 +22,19 @@
     if (document.body.classList.contains("lab-settling") && `${event.detail}` === `${told().room.slice(0, 2)}`) release(250);
   });
 
+  function tell() {
+    soon = null;
+    const now = JSON.stringify(told());
+    if (now !== last) dispatchEvent(new CustomEvent("lab-tell", {detail: JSON.parse(last = now)}));
+  }
   function look() {
-    soon ??= setTimeout(() => {
-      soon = null;
-      const now = JSON.stringify(told());
-      if (now !== last) dispatchEvent(new CustomEvent("lab-tell", {detail: JSON.parse(last = now)}));
-    }, 120);
+    soon ??= setTimeout(tell, 120);
   }
 
   new ResizeObserver(hold).observe(room);
   new ResizeObserver(look).observe(axis);
   dark.addEventListener("change", paint);
   paint();
+  tell();
   addEventListener("lab-asked", () => { last = ""; look(); });  // somebody listens from now on
 })();
