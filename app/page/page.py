@@ -2,7 +2,7 @@
 
 import secrets
 import threading
-from time import thread_time
+from time import monotonic, thread_time
 
 import viser
 
@@ -104,19 +104,20 @@ class Page:
 
     def _refresh_loop(self) -> None:
         """Refreshes numbers and texts periodically, and soon after the run pauses, until the page is closed."""
-        rest = 0.0
+        due = 0.0
         while not self._closed.wait(REFRESH_SECONDS):
-            self._stands.wait(rest)
+            self._context.set_frame_conditions(keeps_up=stalled_seconds(self.client) < PATIENCE)
+            if monotonic() < due and not self._stands.is_set():
+                continue
             self._stands.clear()
             begun = thread_time()
-            self._context.set_frame_conditions(keeps_up=stalled_seconds(self.client) < PATIENCE)
             try:
                 with self._refreshing:
                     if self._context.session.watched and not self._closed.is_set():
                         self._refresh()
             except Exception as error:  # one bad refresh must not silence the page for the rest of the visit
                 log_failure("the page could not be refreshed", error)
-            rest = max(0.0, RESTING * self._links.playing * (thread_time() - begun) - REFRESH_SECONDS)
+            due = monotonic() + RESTING * self._links.playing * (thread_time() - begun) - REFRESH_SECONDS
 
     def _refresh(self) -> None:
         context, controls = self._context, self._context.controls

@@ -130,7 +130,7 @@ def annulus_body_view(kind: type[Any]) -> PlanarBodyKindView:
 
 def _outer_rim_displacement(scene: CircularScene) -> float:
     """Returns how far, in m, the outer rim of the ring moves outwards at most."""
-    return scene.amplitude if scene.PLOTTED == "radial" else 0.0
+    return scene.amplitude if scene.DIRECTION == "radial" else 0.0
 
 
 def _regions(kind: type[Any], look: AnnulusViewSettings, X: np.ndarray) -> BodyRegions:

@@ -1,6 +1,7 @@
 """Renderer for the viewer: marks as points and lines of a client's scene, in the plane z = 0, with labels above."""
 
 import json
+from functools import lru_cache
 from html import escape
 from threading import RLock
 from typing import Any
@@ -84,19 +85,22 @@ class LabelLayer:
                 return
             self._changed = False
             x0, x1, y0, y1 = self._rectangle
-            labels = [self._encode(sheet, label, x0, y1, x1 - x0, y1 - y0) for sheet, label in self.visible_labels]
+            labels = [encode_label(sheet, label, x0, y1, x1 - x0, y1 - y0) for sheet, label in self.visible_labels]
             high = round((1 + 2 * EDGE) * (y1 - y0) / (x1 - x0), 4)
-            said = json.dumps({"high": high, "box": self._box[:2], "labels": labels}, separators=(",", ":"))
-        self._html.content = f"<i class='lab-stage' data-said='{escape(said)}'></i>"
+            said = escape(json.dumps({"high": high, "box": self._box[:2], "labels": []}, separators=(",", ":")))
+        self._html.content = f"<i class='lab-stage' data-said='{said.removesuffix(']}')}{','.join(labels)}]}}'></i>"
 
-    def _encode(self, sheet: str, label: Label, left: float, top: float, width: float, height: float) -> dict:
-        """Returns a label's data for the browser, with its position as fractions of a box from its left and top."""
-        said = {"name": f"{sheet}/{label.name}", "text": wrap_text(label.text, label.width), "role": label.role,
-                "x": round((label.x - left) / width, 4), "y": round((top - label.y) / height, 4),
-                "anchor": label.anchor}
-        further = {"size": (label.size, 1.0), "tone": (label.tone, "plain"), "bold": (label.bold, False),
-                   "sign": (label.sign, ""), "spans": (label.spans, ())}
-        return said | {name: value for name, (value, usual) in further.items() if value != usual}
+
+@lru_cache(4000)  # most stay when one changes, and are the same on many stages
+def encode_label(sheet: str, label: Label, left: float, top: float, width: float, height: float) -> str:
+    """Returns a label's data for the browser, as JSON within HTML, with its position as fractions of a box from its
+    left and top."""
+    said = {"name": f"{sheet}/{label.name}", "text": wrap_text(label.text, label.width), "role": label.role,
+            "x": round((label.x - left) / width, 4), "y": round((top - label.y) / height, 4), "anchor": label.anchor}
+    further = {"size": (label.size, 1.0), "tone": (label.tone, "plain"), "bold": (label.bold, False),
+               "sign": (label.sign, ""), "spans": (label.spans, ())}
+    return escape(json.dumps(said | {name: value for name, (value, usual) in further.items() if value != usual},
+                             separators=(",", ":")))
 
 
 class ViewerSurface:

@@ -221,6 +221,6 @@ class SendBuffer(AsyncMessageBuffer):
 
 def patch_viser() -> None:
     """Makes new servers of this process use :class:`SendBuffer` and other faster parts of ``app.viewer``."""
-    viser_patches.speed_up_widget_creation()
+    viser_patches.speed_up_widgets()
     _infra.AsyncMessageBuffer = SendBuffer  # type: ignore[assignment, misc]
     _infra._message_producer = message_batch_encoding.send_messages

@@ -1,4 +1,4 @@
-"""Patches of the viewer in this process: faster creation of widgets, and logging and language of callbacks."""
+"""Patches of the viewer in this process: faster widgets, and logging and language of callbacks."""
 
 import asyncio
 from concurrent.futures import Executor, Future
@@ -15,17 +15,22 @@ from app.access.rate_limited_log import log_failure
 from app.language.translation import current_language, with_language
 
 MESSAGE = "something that a visitor did could not be acted on"
+PLAIN = (str, bool, int, float)
 _ICONS = _icons.ICONS_DIR / "tabler-icons.zip"
+_cast_by_type: Any = AssignablePropsBase._cast_value_recursive
 
 
-def speed_up_widget_creation() -> None:
-    """Caches the property types of each kind of widget, and reads icons from an archive that is opened once.
+def speed_up_widgets() -> None:
+    """Caches the property types of each kind of widget, leaves plain values as they are, and reads icons from an
+    archive that is opened once.
 
-    The viewer determines the property types for each widget again, a third of a page's creation time, and opens the
-    archive for each icon and reads thousands of names, half a second per page."""
+    The viewer determines the property types for each widget again, a third of a page's creation time, compares those
+    types with four others at each assignment, a fifth of the time of a refresh, and opens the archive for each icon
+    and reads thousands of names, half a second per page."""
     known = cached_property(widget_property_types)
     known.__set_name__(AssignablePropsBase, "_prop_hints")
     AssignablePropsBase._prop_hints = known  # type: ignore[method-assign, assignment]
+    AssignablePropsBase._cast_value_recursive = cast_widget_property  # type: ignore[method-assign, assignment]
     for module in (_icons, _gui_api, _gui_handles):
         module.svg_from_icon = icon_svg  # type: ignore[attr-defined]
 
@@ -33,6 +38,12 @@ def speed_up_widget_creation() -> None:
 def widget_property_types(widget: Any) -> dict[str, Any]:
     """Returns the types of a widget's properties by name, cached by kind of widget."""
     return get_type_hints_cached(type(widget._impl.props))  # type: ignore[arg-type]  # kinds can be looked up
+
+
+def cast_widget_property(widget: Any, kind: Any, value: Any, name: str) -> Any:
+    """Returns the value of a widget's property as its type ``kind`` requires: arrays as by the viewer, plain values as
+    they are."""
+    return value if type(value) in PLAIN else _cast_by_type(widget, kind, value, name)
 
 
 @lru_cache(1)

@@ -4,6 +4,7 @@ Its first byte is nonzero until the page has copied the frame: the engine writes
 would wake the page's writer thread with every frame.
 """
 
+import os
 import sys
 from dataclasses import dataclass
 from functools import lru_cache
@@ -26,8 +27,9 @@ class FrameOptions:
     """Optional contents of a frame, beside the particles with their errors and estimates.
 
     ``differences`` is whether it has the sizes of estimate minus truth, ``plotted`` the key (x, v, sigma or a) of the
-    quantity whose field it has, None for none; ``broken_down`` is the number of the particle around which single steps
-    are taken apart (:class:`~solvers.solver.particle_step_breakdown.ParticleStepBreakdown`), None for none."""
+    quantity that is plotted, of which the bar's frames have the field, None for none; ``broken_down`` is the number of
+    the particle around which single steps are taken apart
+    (:class:`~solvers.solver.particle_step_breakdown.ParticleStepBreakdown`), None for none."""
 
     differences: bool = False
     plotted: str | None = None
@@ -41,8 +43,8 @@ class FrameArrays:
     ``position`` and ``displacement`` (P, D) in m, ``deformation_gradient`` (P, D * D), ``steps_since_crossing`` (P,) of
     a cell boundary, -1 for never. By the columns x (m), v (m/s), sigma (Pa), a (m/s²): the true ``error`` and, by
     estimator, each ``estimate`` (P, 4), NaN where unknown; and, only if requested, each ``difference`` (P, 4), the size
-    of estimate minus truth. ``plotted`` (P, 2) is the field of one quantity, in its unit, and its deviation from the
-    exact one (``Snapshot.plotted``), (P, 0) if none was requested."""
+    of estimate minus truth. ``plotted`` (P, 2) is the bar's field of one quantity, in its unit, and its deviation from
+    the exact one (``Snapshot.plotted``), (P, 0) in the plane or if none was requested."""
 
     position: np.ndarray
     displacement: np.ndarray
@@ -75,6 +77,16 @@ def attach_block(name: str) -> SharedMemory:
         return SharedMemory(name)
     finally:
         resource_tracker.register = register
+
+
+def remove_block(block: SharedMemory) -> None:
+    """Removes a shared memory block that this process has created.
+
+    A resource tracker that was killed is replaced by one that knows none of the blocks before, and prints a traceback
+    for each that it shall forget: so it is told of the block first."""
+    if os.name == "posix":
+        resource_tracker.register(f"/{block.name}", "shared_memory")
+    block.unlink()
 
 
 def write_frame(block: SharedMemory, scene: Scene, shot: Snapshot) -> None:
@@ -123,7 +135,7 @@ def _field_widths(scene: Scene, differences: bool, plotted: bool) -> dict[str, i
     D, active = scene.DIMENSIONS, scene.active_estimators
     compared = map(DIFFERENCE.format, active) if differences else ()
     return {"position": D, "displacement": D, "deformation_gradient": D * D, "steps_since_crossing": 1, "error": WIDTH,
-            **dict.fromkeys((*active, *compared), WIDTH), **({"plotted": 2} if plotted else {})}
+            **dict.fromkeys((*active, *compared), WIDTH), **({"plotted": 2} if plotted and D == 1 else {})}
 
 
 def _field_views(held: bytes | memoryview, particles: int, widths: dict[str, int],

@@ -17,7 +17,6 @@ import sys
 from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
@@ -25,7 +24,7 @@ from solvers.judging import error_norms
 from solvers.judging.error_norms import Errors, TwoMeshCompanion, as_json, frame_stress, norm_series
 from solvers.judging.judgement import SingleGridJudgement
 from solvers.judging.particle_data_types import Frame, ProblemMismatch, SingleGridRun
-from solvers.judging.particle_readers import read_file
+from solvers.judging.particle_readers import PACKED, UPLOADED, kind_of, read_file
 from solvers.judging.particle_scene_matching import match_files, metadata_scene_or_default
 from solvers.problems import PROBLEMS
 from solvers.scene.scene import Scene
@@ -72,11 +71,12 @@ class FileSummary:
 
 
 def table_columns(dimensions: int) -> dict[str, slice]:
-    """Returns the columns of each field in the table (rows, width); the last one ends at its width. ``field`` has two
-    per quantity: a component for a plot and its deviation from the exact one; ``crossed`` is 1 where the particle was
-    in another cell at the time before. Errors and estimates have one per quantity, their sizes."""
+    """Returns the columns of each field in the table (rows, width); the last one ends at its width. ``field`` has, in
+    one dimension, two per quantity: its value for a plot and its deviation from the exact one; ``crossed`` is 1 where
+    the particle was in another cell at the time before. Errors and estimates have one per quantity, their sizes."""
     widths = {"position": dimensions, "displacement": dimensions, "crossed": 1, "error": len(QUANTITIES),
-              "estimate": len(QUANTITIES), "difference": len(QUANTITIES), "field": 2 * len(QUANTITIES)}
+              "estimate": len(QUANTITIES), "difference": len(QUANTITIES),
+              "field": 2 * len(QUANTITIES) if dimensions == 1 else 0}
     ends = np.cumsum([0, *widths.values()]).tolist()
     return {name: slice(start, end) for name, start, end in zip(widths, ends[:-1], ends[1:], strict=True)}
 
@@ -103,6 +103,9 @@ def judge_in_worker(question: dict, tell: Callable[[dict], None]) -> None:
 
 
 def _judge_file(asked: JudgeFileRequest, tell: Callable[[dict], None]) -> None:
+    if kind_of(asked.file).removesuffix(PACKED) not in UPLOADED:
+        raise FileError(asked.name, "is of no kind that is known; give a file that ends in {kinds}",
+                        ", ".join(UPLOADED))
     raw = replace(read_file(asked.file, LIMITS), file=asked.name)
     raw = replace(raw, metadata=None) if asked.chosen else raw
     scene, [grid] = match_files([raw], metadata_scene_or_default(raw, Task(**asked.task).scene()), [], [])
@@ -148,7 +151,7 @@ class _ParticleTableWriter:
             self._values[:, self._columns[name]] = np.nan
 
     def write_frames(self) -> None:
-        """Writes positions, cell crossings and the plotted component of each quantity to the table on disk."""
+        """Writes positions, cell crossings and the bar's plotted fields to the table on disk."""
         frames = self._grid.frames
         crossings = error_norms.cell_crossing_masks(self._scene, frames)
         for rows, frame, moved in zip(self._rows, frames, crossings, strict=True):
@@ -156,10 +159,9 @@ class _ParticleTableWriter:
             self._values[rows, self._columns["crossed"]] = moved[:, None]
             self._values[rows, self._columns["position"]] = frame.position
             self._values[rows, self._columns["displacement"]] = frame.position - frame.material_position
-            first = self._columns["field"].start
-            for q, (own, deviation) in self._components_and_deviations(frame).items():
-                column = first + 2 * QUANTITIES.index(q)
-                self._values[rows, column], self._values[rows, column + 1] = own, deviation
+            for q, both in self._fields_and_deviations(frame).items() if self._scene.DIMENSIONS == 1 else ():
+                column = self._columns["field"].start + 2 * QUANTITIES.index(q)
+                self._values[rows, column:column + 2] = both
 
     def write_errors(self, name: str, errors: Sequence[Errors]) -> None:
         """Writes the sizes of each frame's errors to the columns ``name``: error, estimate or difference."""
@@ -169,21 +171,19 @@ class _ParticleTableWriter:
                 self._values[rows, column] = error_norms.error_magnitudes(values)
         self._values.flush()
 
-    def _components_and_deviations(self, frame: Frame) -> dict[str, tuple[np.ndarray, Any]]:
-        """Returns by quantity the plotted component (P,), and its deviation (P,) from the exact one, NaN if unknown."""
-        scene, X, x, t = self._scene, frame.material_position, frame.position, frame.time
-        reference = PROBLEMS[scene.problem].reference
-        own = {"x": x - X, "v": frame.velocity, "sigma": frame_stress(scene, frame)}
-        if not scene.solution_known:
-            return {q: (reference.along(q, X, x, values), np.nan) for q, values in own.items() if values is not None}
-        u = reference.displacement(scene, X, t)
-        exact = {"x": u, "v": reference.velocity(scene, X, t), "sigma": reference.exact_stress(scene, X, t)}
-        found = {}
+    def _fields_and_deviations(self, frame: Frame) -> dict[str, np.ndarray]:
+        """Returns by quantity the bar's field and its deviation from the exact one (P, 2), NaN if unknown."""
+        scene, X, t = self._scene, frame.material_position, frame.time
+        reference, found = PROBLEMS[scene.problem].reference, {}
+        exact = {"x": reference.displacement(scene, X, t), "v": reference.velocity(scene, X, t),
+                 "sigma": reference.exact_stress(scene, X, t)} if scene.solution_known else {}
+        own = {"x": frame.position - X, "v": frame.velocity, "sigma": frame_stress(scene, frame)}
         for q, values in own.items():
             if values is not None:
-                along, right = reference.along(q, X, x, values), reference.along(q, X, X + u, exact[q])
-                drift = right if q == "x" and not scene.swings else 0.0  # what carries all alike is not plotted
-                found[q] = along - drift, along - right
+                field, right = values.ravel(), exact[q].ravel() if exact else np.full(len(X), np.nan)
+                carried = exact and q == "x" and not scene.swings
+                drift = right if carried else 0.0  # what carries all alike is not plotted
+                found[q] = np.stack([field - drift, field - right], axis=1)
         return found
 
 

@@ -124,11 +124,6 @@ class JudgingReference(ABC):
         """Returns F (P, D, D) of particles at X (P, D) at the time 0."""
         return np.broadcast_to(np.eye(X.shape[1]), (len(X), X.shape[1], X.shape[1])).copy()
 
-    @abstractmethod
-    def along(self, quantity: str, X: np.ndarray, x: np.ndarray, values: np.ndarray) -> np.ndarray:
-        """Returns the component (P,) that a plot shows of ``values``, vectors (P, D) or tensors (P, D, D) of particles
-        at x with rest positions X; ``quantity`` is their key in ``samples.QUANTITIES``, where "x" means u."""
-
     def grid_corner(self, scene: Any) -> float:
         """Returns the coordinate in m at which the lines of a run's grid begin, in each direction."""
         return 0.0

@@ -45,7 +45,7 @@ class RingScene(CircularScene):
     TITLE = "expanding ring"
     SETTING = "A quarter of a ring with radii 0.4 m and 0.6 m on a square grid, 1.2 m wide."
     SIDE, INNER, OUTER, ANGLE = 1.2, INNER, OUTER, 0.5 * math.pi
-    PLANES, VOLUMETRIC, PLOTTED = (True, False), False, "radial"
+    PLANES, VOLUMETRIC, DIRECTION = (True, False), False, "radial"
     EARLIER = 0.0  # a(0) = 0: v(0) is that of half a step before to second order
     EXTREMES = (-0.25, 0.25)
     BEYOND_RIMS = True
@@ -83,7 +83,7 @@ class RingScene(CircularScene):
         return max(1, round(2 * cells * ppc / 3)), max(1, round(cells * ppc / 6))
 
     disturbance_growth = property(ring_estimator_limits.disturbance_growth)
-    fallback_advice = ring_estimator_limits.fallback_advice
+    known_weakness = property(ring_estimator_limits.known_weakness)
     motion_amplitude = DerivedSceneQuantities.motion_amplitude  # A, at the outer rim
 
     def warnings(self) -> list[str]:

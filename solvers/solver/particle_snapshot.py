@@ -17,8 +17,7 @@ class Snapshot:
     exact for the bar, the size of that in the plane, or None without the truth; ``estimate`` maps an estimator to (P,
     4), and ``difference`` to the sizes of estimate minus truth (P, 4), only where they were asked for and the truth is
     known; ``last_crossing`` (P,) is the step of each particle's last cell change (-1: never), or None. ``plotted`` (P,
-    2) is the field that was asked for and its deviation from the exact one, NaN where it is not known: along the bar,
-    along e_R for the ring, along e_theta for the vortex.
+    2) is the bar's field that was asked for and its deviation from the exact one, NaN where it is not known.
     """
 
     step: int

@@ -160,10 +160,10 @@ class NormHistory(RunSeries):
     def _extend(self, rows: np.ndarray) -> None:
         scene = self.scene
         new = samples.read_rows(rows, scene, self._particles, gershgorin_to_linear_factor(scene))
+        rounding = {q: largest_rounding_error(scene, q, new["time"] / scene.time_step) for q in QUANTITIES}
         for estimator, q, (ratio, norm) in product(scene.active_estimators, QUANTITIES, RATIOS.items()):
             name = f"{estimator}/{ratio}_{q}"
-            rounding = largest_rounding_error(scene, q, new["time"] / scene.time_step)
-            new[name] = self._ratios[name].extend(new[f"{estimator}/{norm}_{q}"], new[f"error_{q}"], rounding)
+            new[name] = self._ratios[name].extend(new[f"{estimator}/{norm}_{q}"], new[f"error_{q}"], rounding[q])
         looked = np.flatnonzero(np.isfinite(new["margin"]))
         self._margin = float(new["margin"][looked[-1]]) if len(looked) else self._margin
         self.append(new)

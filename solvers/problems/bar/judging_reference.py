@@ -45,9 +45,6 @@ class BarJudgingReference(JudgingReference):
     def body_force(self, scene: BarScene, X: np.ndarray, t: float) -> np.ndarray:
         return exact_solution.body_force(scene, X, t)
 
-    def along(self, quantity: str, X: np.ndarray, x: np.ndarray, values: np.ndarray) -> np.ndarray:
-        return values.reshape(len(values))
-
     def is_outside(self, scene: BarScene, X: np.ndarray) -> np.ndarray:
         return (X[:, 0] < -POSITION_TOLERANCE) | (X[:, 0] > 1 + POSITION_TOLERANCE)
 

@@ -165,13 +165,6 @@ class BoxScene(PlanarScene):
     def rms_of(self, quantity: str) -> float:
         return self._largest_and_rms[quantity][1]
 
-    def exact_plotted_component(self, quantity: str, X: np.ndarray, t: float) -> np.ndarray:
-        """Returns component x or xx (P,) in SI of "x" (u), "v", "sigma" or "a" (a step before) at X (P, 2) at rest."""
-        exact = self.EXACT
-        if quantity == "a":
-            return exact.acceleration(self, X, max(0.0, t - self.time_step))[:, 0]
-        return {"x": exact.displacement, "v": exact.velocity, "sigma": exact.stress}[quantity](self, X, t)[:, 0]
-
     def companion_body(self, fine: bool | None) -> CompanionPatch:
         """Returns the companion's body, with as many elements as the motion needs, of higher order if ``fine``."""
         usual = max(k for k, (fewest_cells, *_) in enumerate(COMPANION_ELEMENTS) if fewest_cells <= self.cells)

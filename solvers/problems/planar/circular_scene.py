@@ -86,19 +86,6 @@ class CircularScene(PlanarScene):
         terms = 1 + int(np.flatnonzero(sizes > LEAST_TERM * sizes.max())[-1])
         return SeparableField(modes[:terms], field.series, field.angular_frequency)
 
-    def exact_plotted_component(self, quantity: str, X: np.ndarray, t: float) -> np.ndarray:
-        """Returns the plotted component (P,) of the exact "x" (u), "v", "sigma" or "a" (a step before), in SI units, at
-        radii (P,) or points (P, 2) in m at rest; along e_R or e_Theta: see :func:`plot_direction`."""
-        points, exact = points_on_x_axis(X if X.ndim == 1 else np.linalg.norm(X, axis=1)), self.EXACT
-        now = max(0.0, t - self.time_step) if quantity == "a" else t
-        x = points + exact.displacement(self, points, now)
-        c, s = plot_direction(self.PLOTTED, quantity, points, x).T
-        if quantity == "sigma":
-            xx, xy, yy = exact.stress(self, points, now).T
-            return polar_component(self.PLOTTED, c, s, xx, xy, yy)
-        field = {"x": exact.displacement, "v": exact.velocity, "a": exact.acceleration}[quantity]
-        return polar_component(self.PLOTTED, c, s, *field(self, points, now).T)
-
     @functools.cached_property
     def _rms_sizes(self) -> dict[str, float]:
         """RMS over the body and a period of "x" (u), "v", "sigma" and "a" in the exact motion, in SI units, from
@@ -113,22 +100,3 @@ class CircularScene(PlanarScene):
 
     def momentum_balance_moments(self, times: np.ndarray) -> DisplacementMoments:
         return circle_momentum_balance.cached_circle_motion(self).moments(times)
-
-
-def plot_direction(component: str, quantity: str, X: np.ndarray, x: np.ndarray) -> np.ndarray:
-    """Returns the unit vectors e_r (P, 2) of the frame in which a plot shows a ``component`` ("radial" or "angular") of
-    a ``quantity`` (such as "x"), for particles at x with rest positions X (P, 2): towards the rest position for radial
-    components and displacements, towards the present one for angular components."""
-    place = X if component == "radial" or quantity == "x" else x
-    return place / np.linalg.norm(place, axis=1)[:, None]
-
-
-def polar_component(component: str, c: np.ndarray, s: np.ndarray, *parts: np.ndarray) -> np.ndarray:
-    """Returns the ``component`` (P,) "radial", along e_r = (c, s), or "angular", along e_theta, of a vector with
-    ``parts`` x, y, or rr or r theta of a symmetric tensor with xx, xy, yy, (P,) each."""
-    if len(parts) == 2:
-        x, y = parts
-        return x * c + y * s if component == "radial" else y * c - x * s
-    xx, xy, yy = parts
-    return xx * c * c + 2 * xy * c * s + yy * s * s if component == "radial" else \
-        (yy - xx) * c * s + xy * (c * c - s * s)

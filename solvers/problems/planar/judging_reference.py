@@ -9,7 +9,6 @@ import numpy as np
 from solvers.estimators.standalone_companion import ElasticBody
 from solvers.problems.judging_reference import InitialParticles, JudgingReference, ProblemDescription, read_texts
 from solvers.problems.planar.body_force import body_force_at
-from solvers.problems.planar.circular_scene import plot_direction, polar_component
 from solvers.problems.planar.particle_layout import particle_layout, points_on_x_axis
 from solvers.problems.planar.scene import PlanarScene
 
@@ -25,7 +24,7 @@ class PlanarJudgingReference(JudgingReference):
     axes = ("x", "y")
 
     def __init__(self, kind: type[PlanarScene]):
-        self.EXACT, self._component = kind.EXACT, kind.PLOTTED
+        self.EXACT = kind.EXACT
         own = Path(inspect.getfile(kind)).with_suffix(".md")
         self._texts = own if own.exists() else GENERAL_TEXTS
 
@@ -54,14 +53,6 @@ class PlanarJudgingReference(JudgingReference):
 
     def body_force(self, scene: Any, X: np.ndarray, t: float) -> np.ndarray:
         return body_force_at(scene, X, t)
-
-    def along(self, quantity: str, X: np.ndarray, x: np.ndarray, values: np.ndarray) -> np.ndarray:
-        """Returns the x or xx component (P,) of ``values`` at particles; of a circular body, that along the radius or
-        around the centre."""
-        parts = values.T if values.ndim == 2 else (values[:, 0, 0], values[:, 0, 1], values[:, 1, 1])
-        component = self._component
-        return polar_component(component, *plot_direction(component, quantity, X, x).T,
-                               *parts) if component else parts[0]
 
     def is_outside(self, scene: Any, X: np.ndarray) -> np.ndarray:
         outside = (X < -POSITION_TOLERANCE).any(axis=1) & scene.PLANES[0]

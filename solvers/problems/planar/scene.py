@@ -44,7 +44,7 @@ class PlanarScene(Scene):
     ANGLE: ClassVar[float]  # that the body fills from the x axis on, in radians
     PLANES: ClassVar[tuple[bool, bool]]  # whether symmetry planes are at the lower and at the upper ends of x and y
     CIRCULAR: ClassVar[bool] = False  # whether the motion is the same all around
-    PLOTTED: ClassVar[str] = ""  # the component of it that a plot shows: "radial" or "angular"
+    DIRECTION: ClassVar[str] = ""  # in which a circular one moves: "radial" or "angular"
     VOLUMETRIC: ClassVar[bool] = True  # whether lambda may be other than 0, which costs a logarithm a particle and step
     #: Time steps before t = 0 to which the initial velocity belongs. Symplectic Euler is the leapfrog scheme: where
     #: a(0) is not zero, a run that begins with v(0) is only first-order in the step.
@@ -89,11 +89,6 @@ class PlanarScene(Scene):
         it from: see ``solvers.problems.planar.method.node_acceleration_errors``."""
 
     @abstractmethod
-    def exact_plotted_component(self, quantity: str, X: np.ndarray, t: float) -> np.ndarray:
-        """Returns the component (P,) that a plot shows of the exact ``quantity`` ("x" for u, "v", "sigma", "a"), in SI
-        units, at material points X as a method has it at time t in s: "a" is that of the last step, one step before."""
-
-    @abstractmethod
     def companion_body(self, fine: bool | None) -> ElasticBody:
         """Returns the body that the companion solves: with ``fine`` None for a run; for particles of another code on a
         fine mesh or a coarser one (True, False)."""
@@ -107,12 +102,6 @@ class PlanarScene(Scene):
         times = (np.arange(instants) + 0.5) / instants * self.period
         return {name: np.stack([field(self, X, t) ** 2 @ np.array(weights) for t in times])
                 for name, (field, weights) in fields.items()}
-
-    def fallback_advice(self) -> str:
-        """Returns advice for an unstable run, as an imperative, where no other cause is known."""
-        if self.method == "mpm":
-            return Message("hat functions fail in such a motion: choose CPDI")
-        return Message("choose more particles per cell, a smaller amplitude or fewer periods")
 
     @property
     def solution_known(self) -> bool:

@@ -9,7 +9,6 @@ from typing import Any
 
 import numpy as np
 
-from solvers.problems.planar.circular_scene import plot_direction, polar_component
 from solvers.problems.planar.method.body import PlanarBody
 
 Vector = tuple[np.ndarray, np.ndarray]
@@ -28,22 +27,6 @@ def true_errors(scene: Any, a: PlanarBody, step: int) -> Errors:
         x, y = _rotate_to_particles(a, *scene.EXACT.jets(scene, a.orbit_point, time - scene.time_step).acceleration)
         used = a.acceleration[:, 0] - x, a.acceleration[:, 1] - y
     return [*vector_errors(scene, a, time), stress_error(scene, a, time), used]
-
-
-@np.errstate(all="ignore")
-def plotted_field(scene: Any, a: PlanarBody, quantity: str, time: float) -> np.ndarray:
-    """Returns the component that a plot shows of a ``quantity`` ("x" for u, "v", "sigma", "a") in the arrays ``a`` at
-    ``time`` s, and its deviation from the exact one: (P, 2) in SI units, NaN where unknown."""
-    values = deviation = np.full(len(a.position_velocity), np.nan)
-    if quantity != "a" or scene.has("acceleration"):
-        q, X = a.position_velocity, a.material_position
-        parts = cauchy_stress_of(scene, a) if quantity == "sigma" else {
-            "x": q[:, :2] - X, "v": q[:, 2:], "a": a.acceleration}[quantity].T
-        values = parts[0] if not scene.CIRCULAR else \
-            polar_component(scene.PLOTTED, *plot_direction(scene.PLOTTED, quantity, X, q[:, :2]).T, *parts)
-    if scene.solution_known:
-        deviation = values - scene.exact_plotted_component(quantity, a.orbit_point, time)[a.orbit]
-    return np.stack([values, deviation], axis=1)
 
 
 def vector_errors(scene: Any, a: PlanarBody, time: float) -> tuple[Vector, Vector]:

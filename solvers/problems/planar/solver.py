@@ -17,7 +17,7 @@ from solvers.problems.planar.plans.cpu_plan import CpuKernels, CpuStepper, make_
 from solvers.problems.planar.plans.gpu_plan import CompanionOnCpu, GpuStepper
 from solvers.problems.planar.problem_kernel_functions import PlanarKernelFunctions
 from solvers.problems.planar.scene import PlanarScene, motion_table
-from solvers.problems.planar.snapshot_errors import Errors, cauchy_stress_of, plotted_field, true_errors
+from solvers.problems.planar.snapshot_errors import Errors, cauchy_stress_of, true_errors
 from solvers.scene import estimator_registry
 from solvers.scene.scene import MOST_PARTICLES
 from solvers.scene.validation import SceneError
@@ -85,12 +85,7 @@ class PlanarSolver(Solver):
                         position=a.position_velocity[:, :2].copy(), velocity=a.position_velocity[:, 2:].copy(),
                         deformation_gradient=F.copy(), error=error_sizes(true) if true else None,
                         estimate={name: error_sizes(fields) for name, fields in estimates.items()},
-                        last_crossing=a.last_crossing.copy() if on.crossings else None, difference=missed,
-                        plotted=None if plotted is None else self.plotted(plotted))
-
-    def plotted(self, quantity: str) -> np.ndarray:
-        self._stepping.fetch()
-        return plotted_field(self.scene, self._arrays, quantity, self.time)
+                        last_crossing=a.last_crossing.copy() if on.crossings else None, difference=missed)
 
     def fields(self) -> ParticleFields:
         a, on = self._arrays, self._switches
@@ -131,9 +126,6 @@ class PlanarSolver(Solver):
 
     def _escape_sentence(self) -> str:
         return Message(self.scene.ESCAPE_SENTENCE, farthest=self.scene.farthest)
-
-    def _fallback_advice(self) -> str:
-        return self.scene.fallback_advice()
 
 
 def estimated_errors(a: InstrumentedBody, estimator: int) -> Errors:

@@ -45,6 +45,7 @@ def has_fixed_step(scene: Scene) -> bool:
     return scene.dt not in (None, AUTO)
 
 
+@functools.lru_cache(maxsize=1024)  # a valid scene takes as long to make as a short run
 def varied_scene(scene: Scene, parameter: str, value: float) -> Scene:
     """Returns the scene with another value of a parameter, the scene itself for the value that it has. Raises
     :class:`SceneError` for an invalid one."""
@@ -68,6 +69,7 @@ def history_key(scene: Scene, parameter: str, value: float) -> Hashable:
     return tuple(changes.get(f.name, getattr(scene, f.name)) for f in fields(scene) if f.name not in END_RUN)
 
 
+@functools.lru_cache(maxsize=256)
 def has_effect(scene: Scene, parameter: str) -> bool:
     """Returns whether errors over their sizes, at equal phase, depend on a parameter. The modulus only changes the
     units where time step and motion are as fast as the waves."""
@@ -131,22 +133,24 @@ def point_levels(values: Sequence[float], present: float) -> list[int]:
     return [levels[k] for k in range(len(values))]
 
 
-@functools.lru_cache(maxsize=256)
 def crossing_share(scene: Scene, until: float) -> float:
     """Returns the smallest factor of the exact displacements, until a time in periods, with which a particle reaches
     the border of its cell; infinite where none moves."""
+    times = {until, *(k / INSTANTS for k in range(1, INSTANTS + 1) if k / INSTANTS < until)}
+    return min(_crossing_share_at(scene, time) for time in times)
+
+
+@functools.lru_cache(maxsize=2048)  # while a run plays, only the last of the instants is another one
+def _crossing_share_at(scene: Scene, time: float) -> float:
+    """Returns the factor of :func:`crossing_share` at one time in periods."""
     reference = PROBLEMS[scene.problem].reference
     X, h = reference.start(scene).material_position, scene.spacing
     place = (X - reference.grid_corner(scene)) / h
     below = place - np.floor(place)
-    times = {until, *(k / INSTANTS for k in range(1, INSTANTS + 1) if k / INSTANTS < until)}
-    least = math.inf
     with np.errstate(divide="ignore", invalid="ignore"):
-        for t in times:
-            moved = reference.displacement(scene, X, t * scene.period) / h
-            shares = np.where(moved > 0, (1 - below) / moved, below / -moved)
-            least = min(least, float(np.nanmin(np.where(moved == 0, math.inf, shares))))
-    return least
+        moved = reference.displacement(scene, X, time * scene.period) / h
+        shares = np.where(moved > 0, (1 - below) / moved, below / -moved)
+        return float(np.nanmin(np.where(moved == 0, math.inf, shares)))
 
 
 @functools.lru_cache(maxsize=256)

@@ -52,11 +52,10 @@ def units(work):
 
 
 def test_a_snapshot_is_cheap(frame):
-    """33 units, 0.85 ms, and a tenth more for the field of a plot. With exact fields worked out anew and products of
-    small matrices it was 280 and more.
+    """33 units, 0.85 ms. With exact fields worked out anew and products of small matrices it was 280 and more.
 
     Three times the present cost: other processors weigh the operations differently, but not by so much."""
-    assert units(lambda: frame[0].snapshot(plotted="sigma")) < 100
+    assert units(frame[0].snapshot) < 100
 
 
 def test_a_redraw_is_cheap(frame):

@@ -89,8 +89,10 @@ class CostTab(Feature):
             self.runs.add(row, LIVE)
 
     def open(self, _: object) -> None:
-        """Handles the opening of the tab: shows shipped runs from now on, and prepares a process for a search."""
+        """Handles the opening of the tab: shows runs from now on, shipped ones too, and prepares a process for a
+        search."""
         self._filled = self._filled or set()
+        self.refresh()
         scene = self._session.scene
         if scene.swings:
             self.jobs.prepare(search_job(scene, self.runs.quantity, cost_texts.parse_tolerance(TOLERANCE),
@@ -101,15 +103,18 @@ class CostTab(Feature):
         return not (self.jobs.others_busy or self._session.others_playing)
 
     def refresh(self, view: VisiblePageState | None = None) -> None:
-        """Refreshes chart and texts if they have changed, and cancels a search whose goal has."""
+        """Refreshes chart and texts if they have changed, and cancels a search whose goal has; nothing before the tab
+        has been open."""
         with self._refreshing:
+            if view is not None:
+                self.runs.count_errors_of(view.choice.quantity)
+            if self._filled is None:
+                return
             status = self.jobs.status  # read once: a job may start before its stage is paused
             self._quiet.set_job_running(status.running)
             self._discard_outdated_search()
             scene, stage = self._session.scene, self._disturbance_note(status)
-            if view is not None:
-                self.runs.count_errors_of(view.choice.quantity)
-            if self._filled is not None and scene.problem not in self._filled:
+            if scene.problem not in self._filled:
                 self._filled.add(scene.problem)
                 for row in shipped_rows(scene.problem):
                     self.runs.add(row, SHIPPED)

@@ -77,7 +77,7 @@ def make_diagnostic_functions(kind: type[PlanarScene], first: int) -> ProblemDia
     lie beyond a symmetry plane."""
     nodes = node_acceleration_errors.make_circular_acceleration_error(kind, first) if kind.CIRCULAR \
         else make_node_acceleration_error(first if kind.PLANES[1] else 0)
-    record_contradictions = make_circle_contradiction_kernel(kind.INNER, kind.OUTER, kind.PLOTTED == "angular") \
+    record_contradictions = make_circle_contradiction_kernel(kind.INNER, kind.OUTER, kind.DIRECTION == "angular") \
         if kind.CIRCULAR else record_mode_moments
     spin = {"spin": sample_angular_momentum} if "spin" in kind.OWN_EFFECTS else {}
     return ProblemDiagnosticFunctions(nodes, strain_energy, record_contradictions, samplers(kind.problem, spin))
