@@ -8,7 +8,7 @@ from typing import Any, cast
 import numpy as np
 
 from solvers.judging.particle_data_types import RawTable
-from solvers.judging.quantity_names import OF_THE_FILE, SCALARS, TENSORS, VECTORS, find_meanings
+from solvers.judging.quantity_names import OF_THE_FILE, SCALARS, TENSORS, VECTORS, Meaning, find_meanings
 from solvers.judging.scene_metadata import parse_scene_line
 from solvers.translatable_message import Message, join_messages
 from solvers.untrusted.quoting import FileError, quote
@@ -19,10 +19,10 @@ ORDERS = {3: [0, 2, 2, 1], 4: [0, 3, 3, 1]}  # of xx, yy, xy, and of xx, yy, zz,
 
 
 def build_table(path: str, named: Mapping[str, np.ndarray], time: float | None, cells: int | None,
-                limits: SizeLimits = LIMITS) -> RawTable:
+                limits: SizeLimits = LIMITS, known: Mapping[str, Meaning] | None = None) -> RawTable:
     """Returns the table of named arrays (n, ...) in SI units: components are assembled, positions are completed from
-    displacements, and unknown names are only listed."""
-    meanings = find_meanings(named)
+    displacements, and names that are not ``known`` (by default as usual) are only listed."""
+    meanings = find_meanings(named) if known is None else known
     limits.check_rows(path, max((len(named[name]) for name in meanings if named[name].ndim), default=0))
     limits.check_numbers(path, sum(named[name].size for name in meanings))
     columns: dict[str, np.ndarray] = {}

@@ -125,6 +125,7 @@ OTHERS: dict[str, Callable[[Path], list[Path]]] = {
     "comma at the end": Text(PLAIN, heading="{names},\n", row=lambda line: f"{line},"),
     "comma at the end of rows": Text(PLAIN, row=lambda line: f"{line},"),
     "text and nothing": Text({"material": "steel", **PLAIN, "colour": "empty"}),
+    "text in columns with known names": Text({"label": "steel", "mass": "empty", **PLAIN, "volume": "steel"}),
     "a comma in quotes": Text({"name": "steel", **PLAIN}, row=lambda line: '"steel, old"' + line[5:]),
     "latin-1": Text({**PLAIN, "T [°C]": "0"}, encoding="latin-1"), "UTF-16": Text(PLAIN, encoding="utf-16"),
     "UTF-16 without mark": Text(PLAIN, encoding="utf-16-le"), "byte order mark": Text(PLAIN, encoding="utf-8-sig"),
@@ -139,5 +140,6 @@ OTHERS: dict[str, Callable[[Path], list[Path]]] = {
     "material points and displacement": named("x|y|ux|uy|vx|vy", "X", "Y", "ux", "uy", "vx", "vy", more=()),
     "remark at the end of lines": Text(PLAIN, " ", row=lambda line: f"{line} # sound"),
     "packed": Text(PLAIN, ending=".csv.gz"), "ids from 1": Text(PLAIN, start=1), "processes": ranks,
+    "processes without ids": lambda folder: ranks(folder, "x", "y", "X", "Y", "vx", "vy"),
     "arrays apart": arrays_apart, "a restart": restart,
     ".pvtp": functools.partial(parallel, kind="PolyData", ending=".vtp")}
