@@ -126,10 +126,14 @@ class Stage(ABC, Generic[AnyScene]):
     @property
     def rectangle(self) -> Rectangle:
         """Rectangle of everything drawn, without names in the gutter: x0, x1, y0, y1 in stage coordinates."""
+        self._fit_surface()
+        return self._layout.rectangle
+
+    def _fit_surface(self) -> None:
+        """Computes the layout anew if the surface's metrics have changed."""
         metrics = self.sheet.stage_metrics
         if metrics is not self._stage_metrics and metrics != self._stage_metrics:
             self._lay_out()
-        return self._layout.rectangle
 
     @property
     def shared_axis_changed(self) -> bool:
@@ -143,6 +147,7 @@ class Stage(ABC, Generic[AnyScene]):
 
     def show_title(self, name: Spans, facts: Spans, compared: Spans) -> None:
         """Shows the run's title: its name, facts about it, and what it could be compared with if it is alone."""
+        self._fit_surface()
         self._update_labels(name=name, facts=facts, compared=compared)
 
     def show_captions(self, estimate: StageHalfErrors, truth: StageHalfErrors) -> None:
@@ -170,9 +175,7 @@ class Stage(ABC, Generic[AnyScene]):
 
         ``estimated`` and ``true`` are the sizes (P,) of both errors in one unit, or None; ``foreign`` is whether the
         particles are not the scene's own but come from a file of another code."""
-        metrics = self.sheet.stage_metrics
-        if metrics is not self._stage_metrics and metrics != self._stage_metrics:
-            self._lay_out()
+        self._fit_surface()
         if scene != self._drawn_scene or foreign or self._foreign:
             self._drawn_scene, self._foreign = scene, foreign
             at_rest = arrays.position - arrays.displacement if foreign else None

@@ -70,11 +70,12 @@ class PageContext:
         self.presenter = PresentationMode(self.gui)
         self.canvas = ViewerCanvas(client, self.scale, self.trace, opening.scene.problem)
         self.stage, self._on_frame = StageAndReadoutView(client, self.canvas), on_frame
-        self.session = RunSession(links, opening.scene, self._take_frame, opening.speed)
+        self.session = RunSession(links, opening.scene, self._take_frame, opening.speed, opening.stops)
         self.history = FrameAndTraceControls(self.session, self.recent, self.trace, self.stage.draw)
+        landscapes = Landscapes(self.session, links.histories)
         self.controls = Controls(self.gui, self.session, self.scale, self.stage.draw, self.history, self.store,
-                                 Landscapes(self.session, links.histories))
-        self.run = VisitorRunSource(self.session, self.recent, self.trace, notice)
+                                 landscapes)
+        self.run = VisitorRunSource(self.session, self.recent, self.trace, notice, landscapes)
         group = self.gui.add_tab_group()
         self.tabs = {name: group.add_tab(title, icon) for name, title, icon in (
             ("explore", tr("Explore"), viser.Icon.ADJUSTMENTS_HORIZONTAL),

@@ -38,6 +38,7 @@ def try_cures(result: Result, seconds: float | None = None, enough: int = 1,
         return result
     reuse_solvers()
     limit = max(LEAST_SECONDS, PATIENCE * own_seconds(result)) if seconds is None else seconds
+    pace = result.seconds.run / max(1, result.particles * result.steps)  # seconds a particle and step
     begun, cures = time.perf_counter(), list(result.advice)
     short_end = BEYOND * result.broken_at
 
@@ -54,6 +55,8 @@ def try_cures(result: Result, seconds: float | None = None, enough: int = 1,
     try:
         for k, cure in enumerate(cures):
             scene = replace(result.scene, **cure.change)
+            if begun + limit < time.perf_counter() + pace * scene.particles * scene.steps:
+                continue  # a cheaper one may follow: an earlier end
             ends = [replace(scene, t_end=short_end, periods=None)] \
                 if result.broken_at < WORTH_A_SHORT_RUN * scene.end_time else []
             cures[k] = replace(cure, tried=True, held=all(ends_ok(one, cure.text) for one in (*ends, scene)))

@@ -11,6 +11,7 @@ from typing import Any
 from solvers.scene.kernel_options import kernel_key
 from solvers.scene.scene import AUTO, Scene
 from solvers.scene.stabilisations import CENTRED, COUPLED, FILTER, FROZEN, PIECES
+from solvers.scene.step_bound import SAFE
 from solvers.scene.validation import SceneError
 from solvers.translatable_message import Message, join_messages
 
@@ -43,14 +44,15 @@ def candidate_cures(scene: Scene, found: str, broken_at: float) -> tuple[Cure, .
     """Returns what may help a scene whose run broke at a time in s, the cheapest first. ``found`` is the rule by which
     it is lost (``solvers.solver.soundness``), or "" for an unstable run. Where the scene's own step is too long,
     nothing helps without a shorter one."""
-    own, costs = scene.particles * scene.steps, dict[Scene, tuple[float, Change]]()
     step = AUTO_STEP if scene.time_step > scene.step_bound else {}
+    more_steps = scene.time_step / (SAFE * scene.step_bound) if step else 1.0
+    own, costs = scene.particles * scene.steps, dict[Scene, tuple[float, Change]]()
     for change in ({}, *_single_changes(scene, found)) if step else _changes(scene, found):
         try:
             cured = replace(scene, **change)  # without that step: each scene's own takes long to find
         except SceneError:
             continue
-        cost = cured.particles * cured.steps
+        cost = more_steps * cured.particles * cured.steps
         if (step or cured != scene) and cost <= MOST_COST * own:
             costs.setdefault(cured, (cost + KERNEL_COST * (kernel_key(cured) != kernel_key(scene)), change))
     ordered = [change for _, change in sorted(costs.values(), key=lambda one: one[0])]

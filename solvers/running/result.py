@@ -224,11 +224,16 @@ class Result:
     @property
     @IGNORE_OVERFLOW
     def life(self) -> dict[str, float | None]:
-        """Periods until the true error of x first exceeded a tenth of the motion's amplitude ("accurate"), and until
-        the run was found lost or unstable ("sound"), None where neither happened or the truth is unknown; and the
-        largest error of x within the first period, in amplitudes ("first_period")."""
-        beyond = np.flatnonzero(self.series["error_x"] > ACCURATE * self.scene.motion_amplitude)
-        times = {"accurate": self.series["time"][beyond[0]] if len(beyond) else None, "sound": self.broken_at}
+        """Periods until the true error of x first exceeded a tenth of the motion's amplitude ("accurate"), by straight
+        lines between samples, and until the run was found lost or unstable ("sound"), None where neither happened or
+        the truth is unknown; and the largest error of x within the first period, in amplitudes ("first_period").
+
+        The error swings, and a peak between two samples goes unseen: "accurate" is known to a part of a period."""
+        excess = self.series["error_x"] - ACCURATE * self.scene.motion_amplitude
+        beyond = np.flatnonzero(excess > 0)[:1]
+        around = slice(max(0, beyond[0] - 1), beyond[0] + 1) if len(beyond) else slice(0)
+        times = {"accurate": np.interp(0.0, excess[around], self.series["time"][around]) if len(beyond) else None,
+                 "sound": self.broken_at}
         first = self.series["error_x"][self.series["time"] <= 1.001 * self.scene.period].max()
         return {name: None if time is None else float(time) / self.scene.period for name, time in times.items()} \
             | {"first_period": finite_or_none(first / self.scene.motion_amplitude)}

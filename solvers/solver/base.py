@@ -230,7 +230,7 @@ class Solver(ABC):
         if not self.sound:
             return UNSTABLE, self.reason(), self.time if since is None else since
         if finding is None:
-            return OK, large_error_warning(as_large), None
+            return OK, large_error_warning(self.scene, as_large), None
         return LOST, self.loss_sentence(finding), since
 
     def loss_sentence(self, finding: SoundnessFinding) -> str:

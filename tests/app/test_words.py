@@ -56,7 +56,7 @@ def test_what_reads_as_one_is_one(count, text):
 
 def test_an_amplitude_is_a_length_or_an_angle():
     assert [names_and_units.unit_of(problem.scene,
-                                    "amplitude") for problem in PROBLEMS.values()] == ["m", "m", "rad", "m"]
+                                    "amplitude") for problem in PROBLEMS.values()] == ["m", "m", "m", "rad"]
 
 
 @pytest.mark.parametrize("text, unit, value", [

@@ -21,7 +21,7 @@ LONGEST, WIDEST_LINE = 0.96, 90  # most width of text in a lane, as a share and 
 LANE_POINTS = 2000  # most points in a lane
 WIDEST, STRETCHED = 0.016, 1.25  # largest point; width of a particle's points over that at rest
 TIGHT = 1.02  # factor on the size of points, to close gaps from half precision
-KEY = 40.0  # pixels of a key of the legend beside its text
+KEYS = {"line": 42.0, "dot": 28.0, "ring": 33.0}  # pixels of a key of the legend beside its text, by its sign
 #: Where the name of a lane is, in a gutter and without one: x, anchor and role.
 LANE_NAME: tuple[float, Anchor, Role] = (-0.01, "center-right", "number")
 LANE_NAME_WITHIN: tuple[float, Anchor, Role] = (0.008, "center-left", "chip")
@@ -126,7 +126,7 @@ def legend_labels(crossings: str, metrics: StageMetrics, y: float | None, before
     keys: tuple[tuple[str, str, Tone, Sign], ...] = (
         ("exact", tr("exact"), "truth", "line"), ("particle", tr("particle"), "plain", "dot"),
         ("crossings-note", crossings, "crossing", "ring"), ("before", before, "before", "line"))
-    widths = [metrics.text_extent(text)[0] + KEY * metrics.pixel if text else 0.0 for _, text, _, _ in keys]
+    widths = [metrics.text_extent(text)[0] + KEYS[sign] * metrics.pixel if text else 0.0 for _, text, _, sign in keys]
     x = 0.5 * (1 - sum(widths))
     for (name, text, tone, sign), width in zip(keys, widths, strict=True):
         yield Label(name, "" if y is None else text, x, y or 0.0, "top-left", "note", tone=tone, sign=sign)

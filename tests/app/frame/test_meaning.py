@@ -6,7 +6,6 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from app import names_and_units
 from app.frame.colour_scale import ZERO, ColourScale
 from app.frame.error_view_captions import NONE_CHOSEN, StageHalfErrors
 from app.frame.layout import HALVES
@@ -100,10 +99,8 @@ def test_a_half_of_which_nothing_is_known_has_no_colour_of_the_other(problem, kn
 def assert_shades(ticks, logarithmic, row_of):
     """The row of the shade of every tick's number is where the tick is."""
     assert len(ticks) > 3 and ticks[0][0] == 0 and ticks[-1][0] == 1
-    unit = "" if logarithmic else ticks[-1][1].split()[1]
     for at, text in ticks:
-        value = 0.0 if text == ZERO else names_and_units.parse_size(text if text.endswith("m") else f"{text} {unit}",
-                                                                    "m")
+        value = 0.0 if text == ZERO else float(text.removesuffix(" %")) / 100
         assert abs(row_of(value) - 255 * at) <= 1 + logarithmic
 
 
@@ -114,9 +111,9 @@ def test_the_colour_at_a_tick_is_that_of_its_number(size, logarithmic):
     scale = ColourScale()
     scale.logarithmic = logarithmic
     scale.update(None, np.array([size]))
-    scale.absolute, scale.exceeded = True, False
+    scale.exceeded = False
     table = [tuple(shade) for shade in scale.gradient(256)]
-    assert_shades(scale.ticks("x"), logarithmic,
+    assert_shades(scale.ticks("x", says_of_what=False), logarithmic,
                   lambda value: table.index(tuple(scale.colours(np.array([value]))[0])))
 
 

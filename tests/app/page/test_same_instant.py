@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from app.page.visit import run_session as page
+from app.page.visit.first_scene import first_scene
 from solvers.running.run import run
 from tests.app.frame.test_view import report_of
 from tests.support.page_server import SilentPool
@@ -78,6 +79,18 @@ def test_a_restart_and_another_scene_begin_at_zero(visit):
         assert report.fresh and report.time < 0.5 * QUARTER
 
 
+def test_another_problem_rests_at_the_same_phase(silent):
+    """Of its first period, so that it is soon there; and at its end, not at its start, after whole ones."""
+    one, paces = silent
+    period = round(SCENE.period / SCENE.time_step)
+    for step, phase in ((50, 50 / period), (2 * period + 50, 50 / period), (2 * period, 1.0), (0, 0.0)):
+        one.set_scene(SCENE)
+        show(one, step)
+        one.play(False)
+        one.set_scene(first_scene("square"), rests=True)
+        assert paces[-1].begin_at == pytest.approx(phase) and not paces[-1].playing
+
+
 def test_a_pinned_run_comes_along(visit):
     """To the same number of periods, whatever the other's modulus is; and it comes there when it is pinned."""
     one, frames = visit
@@ -101,8 +114,9 @@ def test_a_run_by_another_method_follows_every_change(visit):
     for change in ({"cells": 32}, {"modulus": 16.0}, {"method": "bspline"}):
         report = answered(one, frames, lambda: one.set_scene_fields(**change))  # noqa: B023
         wanted = replace(report.scene, method="mpm")
-        wait_until(lambda: one.pinned.last and one.pinned.last[0].scene == wanted, "the same change", PATIENCE)  # noqa: B023
-        assert one.pinned.last[0].step == report.step > 0
+        assert report.step > 0
+        wait_until(lambda: one.pinned.last and (one.pinned.last[0].scene, one.pinned.last[0].step)
+                   == (wanted, report.step), "the same change at the same instant", PATIENCE)  # noqa: B023
     one.set_scene(replace(SCENE, amplitude=0.01))
     assert one.pinned.scene == replace(SCENE, amplitude=0.01, method="mpm")
 

@@ -99,6 +99,15 @@ def test_random_points_are_runs(name):
     assert OK in statuses
 
 
+def test_a_run_that_breaks_has_errors_until_then():
+    """In the size of each quantity, and at the moment itself none."""
+    broken = ErrorHistory(2.0, np.array([0.0, 1.0, 2.0]), {TRUTH: np.outer([1.0, 2.0, 3.0, 4.0], [0.0, 1.0, 8.0])},
+                          np.array([10.0, 100.0, 1.0, 1.0]), UNSTABLE, 1.5)
+    assert [broken.largest_error(TRUTH, quantity, 1.0) for quantity in ("x", "v")] == [0.1, 0.02]
+    assert np.isnan(broken.largest_error(TRUTH, "x", 1.5))
+    assert [broken.status_at(until) for until in (1.49, 1.5)] == [OK, UNSTABLE]
+
+
 def test_an_earlier_time_is_looked_up():
     """One run until a whole period knows the largest errors of shorter ones, and when it broke."""
     long = runner.run(BAR, "amplitude", 0.14, 1.0)
@@ -106,6 +115,7 @@ def test_an_earlier_time_is_looked_up():
         short = runner.run(BAR, "amplitude", 0.14, until).largest_error(TRUTH, "x", until)
         # Between samples it is interpolated, and the error grows by a few per cent from one to the next.
         assert long.largest_error(TRUTH, "x", until) == pytest.approx(short, rel=0.1)
+    assert (np.diff(long.errors[TRUTH], axis=1) >= 0).all()  # the largest so far, of every quantity
     assert long.status == LOST and long.status_at(0.9 * long.broken_at) == OK
     assert np.isnan(long.largest_error("companion", "x", 0.5))
 

@@ -40,7 +40,7 @@
     const formula = document.querySelector("[data-lab~=lab-formula] + div input");
     if (formula?.offsetParent) return formula.focus();
     const fold = [...document.querySelectorAll("[aria-expanded=false]")].find(head =>
-      head.firstChild.textContent === tr("Physics and method"));
+      head.firstChild?.textContent === tr("Physics and method"));
     if (left % 8 === 0) fold?.click();
     if (left) setTimeout(() => toFormula(left - 1), 150);
   }
