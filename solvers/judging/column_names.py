@@ -34,9 +34,10 @@ def build_table(path: str, named: Mapping[str, np.ndarray], time: float | None, 
         if values.ndim > 1 and key in ("x", "X"):
             where = None  # a whole vector, called as its first component is
         if where is None and not (values.ndim == 1 and key in VECTORS + TENSORS):
-            if key in columns:
+            values = _reshape_array(path, key, name, values)
+            if key in columns and not (columns[key].shape == values.shape and _nearly_equal(columns[key], values)):
                 raise FileError(path, "has {key} twice, the second time as {name}; give it once", key, quote(name))
-            columns[key] = _reshape_array(path, key, name, values)
+            columns.setdefault(key, values)
         else:
             where = ((0,) if key in VECTORS else (0, 0)) if where is None else where
             if where in parts.setdefault(key, {}):
@@ -50,7 +51,11 @@ def build_table(path: str, named: Mapping[str, np.ndarray], time: float | None, 
     _check_lengths(path, columns, named)
     from_displacement = complete_positions(columns)
     if "row" in columns and not _counts_rows(columns["row"]):
-        columns["id"] = columns.pop("row")
+        row = columns.pop("row")
+        if len(np.unique(np.stack([row, columns.get("t", 0 * row)]), axis=1).T) == len(row):
+            columns["id"] = row
+        else:  # the number of a body or of a material
+            meanings = {name: meaning for name, meaning in meanings.items() if meaning.key != "row"}
     if "t" in columns:
         limits.check_times(path, len(np.unique(columns["t"])))
     of_file = (*OF_THE_FILE, *(name for name in named if "result" in named and "/" in name))
@@ -119,7 +124,7 @@ def _reshape_array(path: str, key: str, name: str, values: np.ndarray) -> np.nda
 
 
 def _nearly_equal(one: np.ndarray, other: np.ndarray) -> bool:
-    """Returns whether two columns (n,) have the same numbers, as written in six figures, or no numbers."""
+    """Returns whether two columns (n, ...) have the same numbers, as written in six figures, or no numbers."""
     return bool(np.allclose(one, other, rtol=1e-5, atol=1e-6 * np.abs(one[np.isfinite(one)]).max(initial=0.0),
                             equal_nan=True))
 

@@ -1,8 +1,8 @@
 """Names of columns and arrays of particles as codes and people write them, and the quantities that they mean.
 
-A quantity has one key: ``t``, ``id``, ``row`` (a number that may be that of the row alone), ``X`` (material position),
-``x`` (position), ``u`` (displacement), ``v``, ``F``, ``sigma``, ``mass`` and ``volume``. A file has it as an array or
-as one column for each component, in any order.
+A quantity has one key: ``t``, ``id``, ``row`` (a number that may be that of the row or of a body), ``X`` (material
+position), ``x`` (position), ``u`` (displacement), ``v``, ``F``, ``sigma``, ``mass`` and ``volume``. A file has it as an
+array or as one column for each component, in any order.
 """
 
 import re
@@ -14,8 +14,8 @@ from typing import Any, NamedTuple
 NAMES = {key: tuple(words.split()) for key, words in {
     "t": "t time timevalue timestamp tcurrent currenttime simulationtime simtime physicaltime",
     "id": "id ids particleid particleids particle pid mpid mpids materialpointid materialpointids globalparticleid "
-          "globalid globalids globalpointids pedigreeids particlenumber particletag ptag tag partid pointnumber gid",
-    "row": "pointid pointids vtkoriginalpointids index particleindex idx number no nr label rowid row",
+          "globalid globalids globalpointids pedigreeids particlenumber particletag ptag partid pointnumber gid",
+    "row": "pointid pointids vtkoriginalpointids index particleindex idx number no nr label tag rowid row",
     "X": "materialposition materialpositions initialposition initialpositions referenceposition originalposition "
          "initialcoordinates initialcoordinate referencecoordinates initialcoords initial reference",
     "x": "position positions points point coordinates coordinate coords coord pos location locations globalposition "

@@ -26,6 +26,8 @@ from tests.support.foreign_files import (
     ranks,
     restart,
     same,
+    stacked,
+    vtk,
 )
 
 KARAMELO = ("ITEM: TIMESTEP\n0\nITEM: NUMBER OF ATOMS\n64\nITEM: BOX BOUNDS sm sm sm\n0 1.2\n0 1.2\n0 0\n"
@@ -94,6 +96,8 @@ def named(text: str, *columns: str, more: Sequence[str] = ("id",)) -> Text:
 XYV = ("x", "y", "vx", "vy")
 #: Names and forms of text that no one owns.
 OTHERS: dict[str, Callable[[Path], list[Path]]] = {
+    "positions of points twice": lambda folder: vtk(folder, ".vtu", lambda c: {
+        "id": c["id"], "velocity": stacked(c, "vx", "vy", "vz"), "MP_COORD": stacked(c, "x", "y", "z")}),
     **{f"rows in any order with {name}": Text({name: "id", **same(*XYV)}, permuted=True) for name in IDS},
     "velocity_0": named("x|y|velocity_0|velocity_1", *XYV), "velocity_1": named("x|y|velocity_1|velocity_2", *XYV),
     "x0 x1 x2": named("x0|x1|x2|v0|v1|v2", "x", "y", "z", "vx", "vy", "vz"),
@@ -125,6 +129,7 @@ OTHERS: dict[str, Callable[[Path], list[Path]]] = {
     "comma at the end": Text(PLAIN, heading="{names},\n", row=lambda line: f"{line},"),
     "comma at the end of rows": Text(PLAIN, row=lambda line: f"{line},"),
     "text and nothing": Text({"material": "steel", **PLAIN, "colour": "empty"}),
+    "a tag of bodies": named("tag|x|y|X|Y|vx|vy", "0", "x", "y", "X", "Y", "vx", "vy", more=()),
     "text in columns with known names": Text({"label": "steel", "mass": "empty", **PLAIN, "volume": "steel"}),
     "a comma in quotes": Text({"name": "steel", **PLAIN}, row=lambda line: '"steel, old"' + line[5:]),
     "latin-1": Text({**PLAIN, "T [°C]": "0"}, encoding="latin-1"), "UTF-16": Text(PLAIN, encoding="utf-16"),
