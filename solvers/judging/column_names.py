@@ -18,6 +18,7 @@ PLACES_OF_SIX = [0, 3, 5, 3, 1, 4, 5, 4, 2]  # of xx, yy, zz, xy, yz, xz, row by
 ORDERS = {3: [0, 2, 2, 1], 4: [0, 3, 3, 1]}  # of xx, yy, xy, and of xx, yy, zz, xy
 
 
+@np.errstate(all="ignore")  # files may have any numbers
 def build_table(path: str, named: Mapping[str, np.ndarray], time: float | None, cells: int | None,
                 limits: SizeLimits = LIMITS, known: Mapping[str, Meaning] | None = None) -> RawTable:
     """Returns the table of named arrays (n, ...) in SI units: components are assembled, positions are completed from
@@ -77,6 +78,7 @@ def _check_lengths(path: str, columns: Mapping[str, np.ndarray], named: Mapping[
                         some)
 
 
+@np.errstate(all="ignore")
 def complete_positions(columns: dict[str, np.ndarray]) -> bool:
     """Adds X, the positions minus the displacement u, or x, X plus u, where one of them is missing, and removes u;
     returns whether X was added."""

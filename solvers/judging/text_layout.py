@@ -14,8 +14,8 @@ from solvers.untrusted.size_limits import SizeLimits, check_name
 MOST_REMARKS = 100_000  # lines that are no rows
 MOST_HEADINGS, MOST_UNNAMED = 30, 100  # lines above the first row, and rows that no heading fits, that are looked at
 COMMENT = re.compile(r"\s*(?:#|%|//|!)[#%/!]*\s*")
-SEPARATORS: tuple[str | None, ...] = ("\t", ";", ",", None)  # None: blanks
-SPREADSHEET = re.compile(r'"?sep=(.)"?\s*', re.IGNORECASE)  # a first line for spreadsheets alone
+SEPARATORS: tuple[str | None, ...] = ("\t", ";", "|", ",", None)  # None: blanks
+SPREADSHEET = re.compile(r'"?sep=([,;|\t])"?\s*', re.IGNORECASE)  # a first line for spreadsheets alone
 #: What stands before the names, as LAMMPS, Tecplot and people write it.
 BEFORE_NAMES = re.compile(r"(?:ITEM:\s*ATOMS|VARIABLES\s*=|(?:columns|fields|names)\s*[:=])\s*", re.IGNORECASE)
 NUMBER = re.compile(r"\s*\"?\s*(?:[+-]?(?:\d+[.,]?\d*|[.,]\d+)(?:[ed]?[+-]?\d+)?|[+-]?inf(?:inity)?|nan)\s*\"?\s*",
@@ -58,7 +58,7 @@ class Layout:
 
 def split_line(line: str, separator: str | None) -> list[str]:
     """Returns the cells of a line, without blanks and quotes around; the separator None is any number of blanks."""
-    if '"' in line:
+    if '"' in line and len(line) < csv.field_size_limit():
         line = line.replace("\t", " ").strip() if separator is None else line
         cells = next(csv.reader([line.strip("\r\n")], delimiter=separator or " ", skipinitialspace=True), [])
     else:
