@@ -108,6 +108,7 @@ OTHERS: dict[str, Callable[[Path], list[Path]]] = {
     "units": named("x [m]|y (m)|vx [m/s]|vy / m/s", *XYV),
     "units at the end": named("x_m|y_m|vx_m/s|vy_m_per_s", *XYV),
     "large letters": Text({name.upper(): column for name, column in PLAIN.items()}),
+    "large letters with units": Text({"ID": "id", "X [m]": "x", "Y [m]": "y", "VX [m/s]": "vx", "VY [m/s]": "vy"}),
     "reference and displacement": named("X|Y|ux|uy|vx|vy", "X", "Y", "ux", "uy", "vx", "vy", more=()),
     "displacement": named("x|y|u_1|u_2|vx|vy", "x", "y", "ux", "uy", "vx", "vy", more=()),
     "material position": named("x|y|x0|y0|vx|vy", "x", "y", "X", "Y", "vx", "vy", more=()),
