@@ -1,8 +1,8 @@
 """Names of columns and arrays of particles as codes and people write them, and the quantities that they mean.
 
-A quantity has one key: ``t``, ``id``, ``row`` (a number that may be that of the row alone), ``X`` (material position),
-``x`` (position), ``u`` (displacement), ``v``, ``F``, ``sigma``, ``mass`` and ``volume``. A file has it as an array or
-as one column for each component, in any order.
+A quantity has one key: ``t``, ``id``, ``row`` (a number that may be that of the row or of a body), ``X`` (material
+position), ``x`` (position), ``u`` (displacement), ``v``, ``F``, ``sigma``, ``mass`` and ``volume``. A file has it as an
+array or as one column for each component, in any order.
 """
 
 import re
@@ -12,13 +12,13 @@ from typing import Any, NamedTuple
 #: What each quantity is called, in small letters, without what separates words. Where several columns say which
 #: particle a row is, the first in this order is read.
 NAMES = {key: tuple(words.split()) for key, words in {
-    "t": "t time timevalue timestamp tcurrent currenttime simulationtime simtime physicaltime",
+    "t": "t time timevalue tcurrent currenttime simulationtime simtime physicaltime",
     "id": "id ids particleid particleids particle pid mpid mpids materialpointid materialpointids globalparticleid "
-          "globalid globalids globalpointids pedigreeids particlenumber particletag ptag tag partid pointnumber gid",
-    "row": "pointid pointids vtkoriginalpointids index particleindex idx number no nr label rowid row",
+          "globalid globalids globalpointids pedigreeids particlenumber particletag ptag partid pointnumber gid",
+    "row": "point pointid pointids vtkoriginalpointids index particleindex idx number no nr label tag rowid row",
     "X": "materialposition materialpositions initialposition initialpositions referenceposition originalposition "
          "initialcoordinates initialcoordinate referencecoordinates initialcoords initial reference",
-    "x": "position positions points point coordinates coordinate coords coord pos location locations globalposition "
+    "x": "position positions points coordinates coordinate coords coord pos location locations globalposition "
          "currentposition currentcoordinates",
     "u": "u displacement displacements disp disps displ totaldisplacement displacementsolid",
     "v": "v vel vels velocity velocities velocitysolid velo",
@@ -72,16 +72,17 @@ def _word_patterns() -> dict[str, re.Pattern[str]]:
 PATTERNS = _word_patterns()
 
 
-def parse_name(name: str) -> Meaning | None:
-    """Returns the meaning of a name alone; None for unknown names, and for those in a unit that is none of theirs."""
+def parse_name(name: str, capitals: bool = False) -> Meaning | None:
+    """Returns the meaning of a name alone, of which ``capitals`` mean nothing if all names are of these; None for
+    unknown names, and for those in a unit that is none of theirs."""
     bare = name.strip().strip("\"'").translate(GREEK)
     if found := UNIT.match(bare):
         text = next(filter(None, found.groups()[1:]), "")
-        known = _parse_word(found[1])
+        known = _parse_word(found[1], capitals)
         if known is not None and not re.fullmatch(r"\d(,?\d)?", text):
             return _with_unit(known, text)
-    known = _parse_word(bare)
-    if known is None and (found := UNIT_AT_END.match(bare)) and (known := _parse_word(found[1])) is not None:
+    known = _parse_word(bare, capitals)
+    if known is None and (found := UNIT_AT_END.match(bare)) and (known := _parse_word(found[1], capitals)) is not None:
         return _with_unit(known, found[2])
     return known
 
@@ -94,8 +95,9 @@ def _with_unit(known: Meaning, text: str) -> Meaning | None:
     return None if unit is None else known._replace(unit=unit)
 
 
-def _parse_word(name: str) -> Meaning | None:
+def _parse_word(name: str, capitals: bool) -> Meaning | None:
     """Returns the meaning of a name without a unit."""
+    name = name.lower() if capitals else name
     prefix = OF_PARTICLES.match(name)
     for text in (name, *([name[prefix.end():]] if prefix else [])):
         text = re.sub(r"[\W_]", "", text)
@@ -130,8 +132,8 @@ def find_meanings(names: Iterable[str]) -> dict[str, Meaning]:
     """Returns the meaning of those names of a file that are known, in their order. What a name means depends on the
     others: whether components are counted from 0 or 1, x0 is the first of them, and letters are large throughout."""
     named = list(names)
-    capitals = not any(letter.islower() for name in named for letter in name)
-    known = {name: found for name in named if (found := parse_name(name.lower() if capitals else name)) is not None}
+    capitals = not any(letter.islower() for name in named for letter in UNIT.sub(r"\1", name))
+    known = {name: found for name in named if (found := parse_name(name, capitals)) is not None}
     _count_x0_with_x1(known)
     for keys in (("id", "row"), ("t",)):
         alike = [name for name in known if known[name].key in keys]
@@ -148,11 +150,11 @@ def find_meanings(names: Iterable[str]) -> dict[str, Meaning]:
     return meanings
 
 
-def _rank(name: str) -> tuple[int, int]:
-    """Returns the place of a name among those of its quantity, the longest words last."""
+def _rank(name: str) -> int:
+    """Returns the place of a name among those of its quantity; names with a prefix or a unit are the last."""
     text = re.sub(r"[\W_]", "", name).lower()
     words = [word for key in ("id", "row", "t") for word in NAMES[key]]
-    return (words.index(text) if text in words else len(words)), len(text)
+    return words.index(text) if text in words else len(words)
 
 
 def _count_x0_with_x1(known: dict[str, Meaning]) -> None:
@@ -184,7 +186,7 @@ def is_unit(text: str) -> bool:
 
 def is_known_name(name: str) -> bool:
     """Returns whether an array of this name may be read: particles' quantities, the number of cells, the scene."""
-    return name in OF_THE_FILE[:2] or bool(parse_name(name) or parse_name(name.lower()))
+    return name in OF_THE_FILE[:2] or bool(parse_name(name) or parse_name(name, True))
 
 
 def describe_columns(key: str, dimensions: int) -> str:

@@ -14,7 +14,7 @@ import numpy as np
 
 from solvers.judging.column_names import add_scene, build_table, check_cell_count
 from solvers.judging.particle_data_types import RawTable
-from solvers.judging.quantity_names import TIMES, find_meanings
+from solvers.judging.quantity_names import TIMES, Meaning
 from solvers.judging.text_layout import COMMENT, MOST_REMARKS, Layout, LayoutFinder, readable, too_many_remarks
 from solvers.untrusted import number_parsing
 from solvers.untrusted.quoting import FileError, quote
@@ -49,7 +49,7 @@ class TextReader:
         try:
             layout = LayoutFinder(self._path, self._limits).find(self._lines())
             self._first_row = self._number
-            known = find_meanings(layout.names)
+            known = layout.meanings()
             used = [k for k, name in enumerate(layout.names) if name in known]
             self._check_names(layout.names, used)
             values = self._read_numbers(layout, used)
@@ -61,13 +61,13 @@ class TextReader:
         columns |= {layout.names[k]: values[:, column] for column, k in enumerate(used)}
         time, cells = None, self._texts.get("cells")
         if len(self._times) > 1 and "t" not in {meaning.key for meaning in known.values()}:
-            columns["t"] = self._time_column(len(values))
+            columns["t"], known["t"] = self._time_column(len(values)), Meaning("t", None)
         elif self._times:
             time = list(self._times.values())[-1]
         if cells is not None and not number_parsing.is_number(cells):
             raise FileError(self._path, "has {names} = {text}; give a number", "cells", quote(cells))
         count = check_cell_count(self._path, None if cells is None else number_parsing.parse_float(cells))
-        return add_scene(build_table(self._path, columns, time, count, self._limits), self._texts.get("scene"))
+        return add_scene(build_table(self._path, columns, time, count, self._limits, known), self._texts.get("scene"))
 
     def _find_encoding(self) -> str:
         self._file.seek(0)

@@ -26,6 +26,8 @@ from tests.support.foreign_files import (
     ranks,
     restart,
     same,
+    stacked,
+    vtk,
 )
 
 KARAMELO = ("ITEM: TIMESTEP\n0\nITEM: NUMBER OF ATOMS\n64\nITEM: BOX BOUNDS sm sm sm\n0 1.2\n0 1.2\n0 0\n"
@@ -94,6 +96,8 @@ def named(text: str, *columns: str, more: Sequence[str] = ("id",)) -> Text:
 XYV = ("x", "y", "vx", "vy")
 #: Names and forms of text that no one owns.
 OTHERS: dict[str, Callable[[Path], list[Path]]] = {
+    "positions of points twice": lambda folder: vtk(folder, ".vtu", lambda c: {
+        "id": c["id"], "velocity": stacked(c, "vx", "vy", "vz"), "MP_COORD": stacked(c, "x", "y", "z")}),
     **{f"rows in any order with {name}": Text({name: "id", **same(*XYV)}, permuted=True) for name in IDS},
     "velocity_0": named("x|y|velocity_0|velocity_1", *XYV), "velocity_1": named("x|y|velocity_1|velocity_2", *XYV),
     "x0 x1 x2": named("x0|x1|x2|v0|v1|v2", "x", "y", "z", "vx", "vy", "vz"),
@@ -104,6 +108,7 @@ OTHERS: dict[str, Callable[[Path], list[Path]]] = {
     "units": named("x [m]|y (m)|vx [m/s]|vy / m/s", *XYV),
     "units at the end": named("x_m|y_m|vx_m/s|vy_m_per_s", *XYV),
     "large letters": Text({name.upper(): column for name, column in PLAIN.items()}),
+    "large letters with units": Text({"ID": "id", "X [m]": "x", "Y [m]": "y", "VX [m/s]": "vx", "VY [m/s]": "vy"}),
     "reference and displacement": named("X|Y|ux|uy|vx|vy", "X", "Y", "ux", "uy", "vx", "vy", more=()),
     "displacement": named("x|y|u_1|u_2|vx|vy", "x", "y", "ux", "uy", "vx", "vy", more=()),
     "material position": named("x|y|x0|y0|vx|vy", "x", "y", "X", "Y", "vx", "vy", more=()),
@@ -125,6 +130,8 @@ OTHERS: dict[str, Callable[[Path], list[Path]]] = {
     "comma at the end": Text(PLAIN, heading="{names},\n", row=lambda line: f"{line},"),
     "comma at the end of rows": Text(PLAIN, row=lambda line: f"{line},"),
     "text and nothing": Text({"material": "steel", **PLAIN, "colour": "empty"}),
+    "a tag of bodies": named("tag|x|y|X|Y|vx|vy", "0", "x", "y", "X", "Y", "vx", "vy", more=()),
+    "text in columns with known names": Text({"label": "steel", "mass": "empty", **PLAIN, "volume": "steel"}),
     "a comma in quotes": Text({"name": "steel", **PLAIN}, row=lambda line: '"steel, old"' + line[5:]),
     "latin-1": Text({**PLAIN, "T [°C]": "0"}, encoding="latin-1"), "UTF-16": Text(PLAIN, encoding="utf-16"),
     "UTF-16 without mark": Text(PLAIN, encoding="utf-16-le"), "byte order mark": Text(PLAIN, encoding="utf-8-sig"),
@@ -139,5 +146,6 @@ OTHERS: dict[str, Callable[[Path], list[Path]]] = {
     "material points and displacement": named("x|y|ux|uy|vx|vy", "X", "Y", "ux", "uy", "vx", "vy", more=()),
     "remark at the end of lines": Text(PLAIN, " ", row=lambda line: f"{line} # sound"),
     "packed": Text(PLAIN, ending=".csv.gz"), "ids from 1": Text(PLAIN, start=1), "processes": ranks,
+    "processes without ids": lambda folder: ranks(folder, "x", "y", "X", "Y", "vx", "vy"),
     "arrays apart": arrays_apart, "a restart": restart,
     ".pvtp": functools.partial(parallel, kind="PolyData", ending=".vtp")}
