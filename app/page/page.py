@@ -13,10 +13,10 @@ from app.language.translation import current_language, with_language
 from app.page.feature import Feature, VisiblePageState
 from app.page.features import all_features
 from app.page.features.opening_tour import OPENING, QUARTER
-from app.page.features.sharing import BrowserAddress
+from app.page.features.sharing import BrowserAddress, linked_state
 from app.page.page_context import PageContext
 from app.page.panels.about_tab import add_about
-from app.page.panels.browser_store_and_window import follow_keys
+from app.page.panels.browser_store_and_window import follow_keys, parse_message
 from app.page.panels.page_header import ProblemButtons, set_up_theme
 from app.page.visit.engine_links import PageEngineLinks
 from app.viewer.browser_connection import stalled_seconds
@@ -30,27 +30,31 @@ RESTING = 12  # pause until the next refresh, in times its work per running stag
 
 
 class Page:
-    """Page of one browser (``client``), which requests name by the page's random ``token``. Frames are drawn on the
-    thread that reads them from the engine; numbers and texts follow a few times a second."""
+    """Page of one browser (``client``), which requests name by the page's random ``token``; ``first`` is the message
+    that came with the request for it. Frames are drawn on the thread that reads them from the engine; numbers and texts
+    follow a few times a second."""
 
     def __init__(self, client: viser.ClientHandle, links: PageEngineLinks, classroom: LessonContext,
-                 lecturer: LecturerContext | None = None):
+                 lecturer: LecturerContext | None = None, first: str = ""):
         self.client, self._links, self._features = client, links, tuple[Feature, ...]()
         self.token, self.language = secrets.token_urlsafe(12), current_language()
         self._closed, self._stands, self._refreshing = threading.Event(), threading.Event(), threading.Lock()
+        said = parse_message(first)
+        opening = linked_state(said.get("link")) or OPENING
         set_callback_language(client)
         set_up_theme(client.gui)
         client.gui.add_html(f"<i class='lab-visitor' data-visitor='{self.token}'></i>")
         self._context = context = PageContext(
-            client, links, classroom, lecturer, OPENING, self._on_frame,
+            client, links, classroom, lecturer, opening, self._on_frame,
             lambda: next(filter(None, (feature.notice() for feature in self._features)), None))
         self._link = BrowserAddress(context)
         context.store_state, context.show_run_on_stage = self._link.keep, self._show_run_on_stage
         built = tuple(filter(None, (feature.build(context) for feature in all_features.FEATURES)))
         context.stage.build(context.store, context.history.seek)
         controls = context.controls
-        controls.set_initial_state(OPENING)
-        context.session.reset(QUARTER)
+        controls.set_initial_state(opening)
+        if opening is OPENING:
+            context.session.reset(QUARTER)
         with context.tabs["explore"] as explore:
             controls.build(explore)
         with context.tabs["about"]:
@@ -64,7 +68,7 @@ class Page:
             keys |= part.shortcuts
         follow_keys(context.store, keys)
         self._problems = ProblemButtons(client.gui, context.store, controls.choose_problem)
-        self._link.listen()
+        self._link.listen(said)
         self._features = built  # from now on they follow frames
         context.stage.begin(lambda: controls.choice, (*filter(None, (part.source for part in built)), context.run))
         threading.Thread(target=with_language(self._refresh_loop), name="page-refresh", daemon=True).start()

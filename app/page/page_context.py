@@ -70,7 +70,7 @@ class PageContext:
         self.presenter = PresentationMode(self.gui)
         self.canvas = ViewerCanvas(client, self.scale, self.trace, opening.scene.problem)
         self.stage, self._on_frame = StageAndReadoutView(client, self.canvas), on_frame
-        self.session = RunSession(links, opening.scene, self._take_frame, opening.speed)
+        self.session = RunSession(links, opening.scene, self._take_frame, opening.speed, opening.stops)
         self.history = FrameAndTraceControls(self.session, self.recent, self.trace, self.stage.draw)
         landscapes = Landscapes(self.session, links.histories)
         self.controls = Controls(self.gui, self.session, self.scale, self.stage.draw, self.history, self.store,

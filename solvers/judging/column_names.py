@@ -28,7 +28,7 @@ def build_table(path: str, named: Mapping[str, np.ndarray], time: float | None, 
     columns: dict[str, np.ndarray] = {}
     parts: dict[str, dict[Any, np.ndarray]] = {}
     for name, meaning in meanings.items():
-        key, where = meaning.key, meaning.where if meaning.place is None else meaning.place
+        key, where = meaning.key, meaning.component
         values = np.asarray(named[name], float)
         values = values if meaning.unit == 1 else meaning.unit * values
         if values.ndim > 1 and key in ("x", "X"):
