@@ -1,12 +1,23 @@
 """Names, units, symbols and number formats, common to the command line, the page and all pictures."""
 
 import functools
+import json
 import math
 import re
 import shlex
 from dataclasses import dataclass, fields
+from pathlib import Path
 
-from app.language.translation import language_cache, lazy, tr, translate_message, trn
+from app.language.translation import (
+    LANGUAGES,
+    current_language,
+    language_cache,
+    lazy,
+    localise_number,
+    tr,
+    translate_message,
+    trn,
+)
 from solvers.problems import PROBLEMS
 from solvers.scene import error_causes
 from solvers.scene.scene import AUTO, DEFAULT_CFL, Scene
@@ -119,7 +130,7 @@ def motion_text(scene: Scene) -> str:
 
 def _moved_by(scene: Scene) -> str:
     sizes = {field: (getattr(scene, field), unit_of(type(scene), field)) for field in scene.motion_fields}
-    return ", ".join(f"{SYMBOLS[field]} = {with_unit(value, unit) if unit else f'{value:g}'}"
+    return ", ".join(f"{SYMBOLS[field]} = {with_unit(value, unit) if unit else localise_number(f'{value:g}')}"
                      for field, (value, unit) in sizes.items())
 
 
@@ -147,7 +158,6 @@ def reword_for_page(sentence: str) -> str:
     """Translates a sentence of the solvers, and replaces flags, methods and remedies in it by the widgets' labels."""
     sentence = translate_message(sentence)
     for typed, shown in ((tr("--dt auto takes"), tr("the box \"Auto step\" takes")),
-                         ("--velocity grid", tr("grid velocity")),
                          (tr("the right --cells and --ppc"), tr("the right cells and particles per cell")),
                          (", cfl ", ", CFL "), (", or the flag --time with one time for each file", ""),
                          (", and --cells with one number for each file of several grids", "")):
@@ -224,29 +234,29 @@ def short_reason(reason: str) -> str:
 
 def format_number(value: float) -> str:
     """Formats a number to three significant digits: 0, 0.025, 1.5e-05."""
-    return f"{value:.3g}"
+    return localise_number(f"{value:.3g}")
 
 
 def format_ratio(value: float) -> str:
     """Formats the ratio of an estimate to the truth: 0.36, 1.02, 6 × 10⁴."""
     if PLAIN_RATIOS[0] < value < PLAIN_RATIOS[1]:
-        return f"{value:.2f}"
+        return localise_number(f"{value:.2f}")
     digits, _, power = f"{value:.1g}".partition("e")
-    return f"{digits} × {format_power_of_ten(int(power)).strip()}" if power else digits
+    return f"{digits} × {format_power_of_ten(int(power)).strip()}" if power else localise_number(digits)
 
 
 def format_factor(value: float) -> str:
     """Formats a factor to three digits: 0.386, 2.6, 13.7; beyond, as :func:`format_ratio`."""
-    return f"{value:.3g}" if PLAIN_RATIOS[0] < value < PLAIN_RATIOS[1] else format_ratio(value)
+    return format_number(value) if PLAIN_RATIOS[0] < value < PLAIN_RATIOS[1] else format_ratio(value)
 
 
 def per_cent(share: float) -> str:
     """Formats a share to two digits: 0.29 %, 6.4 %, 53 %, 2,300 %; beyond, as :func:`format_ratio`."""
     percent = 100 * share
     if WHOLE_PERCENT <= percent < PLAIN_PERCENT[1]:
-        return f"{percent:,.0f} %"
+        return f"{localise_number(f'{percent:,.0f}')} %"
     plain = percent == 0 or PLAIN_PERCENT[0] < percent < PLAIN_PERCENT[1]
-    return f"{percent:.2g} %" if plain else f"{format_ratio(percent)} %"
+    return f"{localise_number(f'{percent:.2g}')} %" if plain else f"{format_ratio(percent)} %"
 
 
 def power_of_ten(largest: float) -> int:
@@ -263,16 +273,26 @@ def format_power_of_ten(power: int) -> str:
 def with_unit(value: float, unit: str, digits: int = 3) -> str:
     """Formats a value in this unit to so many digits, with an SI prefix if it is finite and not 0: 2.1 mm."""
     if not math.isfinite(value) or value == 0:
-        return f"{value:g} {unit}"
+        return f"{localise_number(f'{value:g}')} {unit}"
     power = math.floor(math.log10(float(f"{abs(value):.{digits - 1}e}"))) // 3
     if power not in PREFIXES:
-        return f"{value:.{digits - 1}e} {unit}"
-    return f"{float(f'{value / 1000.0**power:.{digits}g}'):g} {PREFIXES[power]}{unit}"
+        return f"{localise_number(f'{value:.{digits - 1}e}')} {unit}"
+    short = float(f"{value / 1000.0**power:.{digits}g}")
+    return f"{localise_number(f'{short:g}')} {PREFIXES[power]}{unit}"
 
 
 def in_periods(count: float) -> str:
     """Formats a number of periods to three digits, with the word: "2.5 periods"."""
     return trn("{count:g} period", "{count:g} periods", float(f"{count:.3g}"))
+
+
+def number_format_script() -> str:
+    """Returns the script that formats numbers in a browser as the functions above do here, in the current language."""
+    formats = {"prefixes": PREFIXES, "superscripts": SUPERSCRIPTS, "ratios": PLAIN_RATIOS, "powers": PLAIN_POWERS,
+               "percents": (*PLAIN_PERCENT, WHOLE_PERCENT), "nothing": NOTHING,
+               "marks": LANGUAGES[current_language()].marks}
+    script = Path(__file__).with_name("numbers.js").read_text(encoding="utf-8")
+    return f"const NUMBER_FORMATS = {json.dumps(formats, ensure_ascii=False)};\n{script}"
 
 
 def parse_size(text: str, unit: str) -> float:

@@ -1,5 +1,7 @@
-"""Text files with placeholders ``{{name}}``, and ``{{"Play"}}`` for translated texts."""
+"""Text files with placeholders ``{{name}}``, and ``{{"Play"}}`` for translated texts; hashes of scripts."""
 
+import base64
+import hashlib
 import re
 from html import escape
 from pathlib import Path
@@ -12,3 +14,10 @@ def render_template(file: Path, **parts: object) -> str:
     return re.sub(r"\{\{(?:(\w+)|\"([^\"]+)\")\}\}",
                   lambda place: f"{parts[place[1]]}" if place[1] else escape(tr(place[2])),
                   file.read_text(encoding="utf-8"))
+
+
+def script_source(script: str) -> str:
+    """Returns the source for the script-src of a Content-Security-Policy that lets this script run: its SHA-256, as a
+    browser computes it, with normalised line endings."""
+    plain = script.replace("\r\n", "\n").replace("\r", "\n")
+    return f"'sha256-{base64.b64encode(hashlib.sha256(plain.encode()).digest()).decode()}'"

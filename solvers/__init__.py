@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from solvers.problems.ring import RingScene
     from solvers.problems.square import SquareScene
     from solvers.problems.vortex import VortexScene
+    from solvers.running.cure_trials import try_cures
     from solvers.running.result import Result
     from solvers.running.run import run
     from solvers.scene.validation import SceneError
@@ -28,16 +29,16 @@ if TYPE_CHECKING:
 else:
     _HOMES = {"BarScene": "problems.bar.scene", "RingScene": "problems.ring", "VortexScene": "problems.vortex",
               "SquareScene": "problems.square", "run": "running.run", "sweep": "study.sweep",
-              "judge": "judging.judgement", "check": "judging.check", "Result": "running.result",
-              "SceneError": "scene.validation", "FileError": "untrusted.quoting"}
+              "try_cures": "running.cure_trials", "judge": "judging.judgement", "check": "judging.check",
+              "Result": "running.result", "SceneError": "scene.validation", "FileError": "untrusted.quoting"}
 
     def __getattr__(name):
         if name not in _HOMES:
             raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
         return getattr(importlib.import_module(f"{__name__}.{_HOMES[name]}"), name)
 
-__all__ = ["BarScene", "RingScene", "VortexScene", "SquareScene", "run", "sweep", "judge", "check", "Result",
-           "SceneError", "FileError"]
+__all__ = ["BarScene", "RingScene", "VortexScene", "SquareScene", "run", "try_cures", "sweep", "judge", "check",
+           "Result", "SceneError", "FileError"]
 
 
 def __dir__() -> list[str]:

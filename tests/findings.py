@@ -31,6 +31,7 @@ from solvers.scene.validation import SceneError
 from solvers.study.markdown_tables import markdown_table
 from solvers.untrusted.quoting import FileError
 from tests.support.faults import ALL, ALTERATIONS, FRAMES, Files, as_files, files, record, rounded, scene_of, single
+from tests.support.foreign_forms import FORMS as FOREIGN
 from tests.support.known_runs import KnownRun, known_runs
 from tests.support.paths import ROOT
 
@@ -43,6 +44,18 @@ LABELS = {"good": "good", "between": "neither", "v or stress wrong": "x holds; v
           "displacement_mismatch": "lost: displacements do not add up", "mean_drift": "lost: the body has drifted",
           "out_of_shape": "lost: the ring is not round", "balance_gap": "lost: not the motion of the problem",
           "error_x": "lost: by the truth alone", "unstable": "unstable"}
+FORMS_TEXT = """
+## Whose files are read
+
+Text (`.csv`, `.txt`, `.dat`, `.tsv`), `.npz`, VTK's `.vtk`, `.vtu` and `.vtp`, text and VTK's also packed as `.gz`;
+`.pvd`, `.pvtu` and `.pvtp` with the files that they name; `.h5` where the package h5py is installed (`pip install
+mpm-lab[hdf5]`). Names may have any case and separators, units (`x [mm]`, `time (ms)`, or in a line below), and
+components as letters or counted from 0 or 1. Columns that were not read are named, and so is a cell that is no number,
+with its line and column. A row's particle is known by an id, from 0 or 1, by its material position or by its
+displacement. Parts of one moment in several files are joined. The plane of x and z of a three-dimensional code is read
+with `--plane xz`. Each row of the table is a test that writes that form with our numbers.
+
+"""
 LOST = tuple(label for label in LABELS if label not in ("good", "between", "v or stress wrong"))
 FORMS: dict[str, Callable[[Files], Files]] = {
     "double precision": lambda arrays: arrays, "single precision": single, "seven figures": lambda a: rounded(a, 7)}
@@ -176,6 +189,12 @@ def random_runs(seed: int) -> tuple[str, str]:
                            [[name, *(str(count[name]) for count in counts.values())] for name in names], ("finding",)))
 
 
+def forms_section() -> str:
+    """The section on whose files are read, each of which a test writes."""
+    table = markdown_table(["of", "as"], [[name, form.how] for name, form in FOREIGN.items()], ("of", "as"))
+    return f"{FORMS_TEXT}{table}\n"
+
+
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--draw", type=int)
@@ -189,7 +208,8 @@ def main() -> None:
     judge = markdown_table([*heads[:5], "said"], [row[:6] for row in rows], (*heads[:2], "said"))
     head, of_runs, tail, judge_head = (ROOT / "tests" / "findings.md").read_text(encoding="utf-8").split("{{}}\n")
     for name, text in (("check", f"{head}{found[0]}\n\nWhat found the lost and unstable ones:\n\n{found[1]}\n{of_runs}"
-                                 f"{both}\n{tail}"), ("judge", f"{judge_head}{judge}\n\n{false_alarms()}\n")):
+                                 f"{both}\n{tail}"),
+                       ("judge", f"{judge_head}{judge}\n\n{false_alarms()}\n{forms_section()}")):
         (ROOT / "assets" / f"{name}.md").write_text(text, encoding="utf-8")
 
 

@@ -78,7 +78,8 @@ def test_what_a_workflow_types_exists(path):
     """On this machine, with all groups."""
     assert [why for words in lines(path) if (why := missing(words))] == []
     for step in chain.from_iterable(job["steps"] for job in jobs(path)):
-        assert ("run" in step) != ("uses" in step) and re.fullmatch(r"[\w./-]+@v\d+", step.get("uses", "a/b@v1"))
+        assert ("run" in step) != ("uses" in step) and \
+            re.fullmatch(r"[\w./-]+@[0-9a-f]{40}", step.get("uses", f"a/b@{0:040}"))  # a tag may move
 
 
 def test_the_workflow_tries_the_pythons_that_are_promised():
@@ -127,6 +128,18 @@ def test_the_version_is_the_same_wherever_it_stands():
     number, day = re.findall(r"^## (\d+\.\d+\.\d+), (\d{4}-\d\d-\d\d)$", texts["CHANGELOG.md"], re.M)[0]
     assert (number, day) == (__version__, str(cited["date-released"])) and cited["version"] == __version__
     assert f"git tag -a v{__version__} -m \"mpm-lab {__version__}\"" in texts["CONTRIBUTING.md"]
+
+
+def test_what_is_installed_is_pinned():
+    """Everything that is declared, and what builds the package, to the version; the viewer for pip too, because parts
+    of it are used that it promises to nobody."""
+    whole = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
+    declared = chain(PROJECT["dependencies"], *PROJECT["optional-dependencies"].values(),
+                     *whole["dependency-groups"].values(), whole["build-system"]["requires"])
+    pins = [*whole["tool"]["uv"]["constraint-dependencies"], *whole["tool"]["uv"]["build-constraint-dependencies"]]
+    assert all(re.fullmatch(r"[\w.-]+==[\w.]+( ; [^;]+)?", pin) for pin in pins)
+    assert {re.match(r"[\w.-]+", text)[0] for text in declared} <= {pin.partition("==")[0] for pin in pins}
+    assert any(text.startswith("viser==") for text in PROJECT["dependencies"])
 
 
 def at_import(tree: ast.AST):

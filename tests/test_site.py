@@ -79,6 +79,13 @@ def test_nothing_is_fetched_from_elsewhere(site, pages):
     assert styles and not any(re.search(r"(@import|url\()\s*['\"]?(https?:)?//", text) for text in styles)
 
 
+def test_the_first_page_plays_the_bar_of_the_opening(site, pages):
+    first = site / "assets" / "site" / "index.html"
+    frame, = (address for address in pages[first].loads if address.endswith("bar.html"))
+    shown = (first.parent / frame).resolve().read_text(encoding="utf-8")
+    assert "A = 3.4 mm" in shown and shown.count('id="run-') == 1
+
+
 def test_formulas_are_mathml_and_no_letters(site):
     text = (site / "lessons" / "04-grid-crossing.html").read_text(encoding="utf-8")
     assert text.count("<math") > 10 and "$" not in re.sub(r"<script.*?</script>", "", text, flags=re.DOTALL)

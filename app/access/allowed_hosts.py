@@ -9,7 +9,7 @@ import re
 from dataclasses import dataclass
 from typing import NamedTuple, Protocol
 
-_NAME = r"(\[[0-9a-f:.]+\]|[a-z0-9_-]+(?:\.[a-z0-9_-]+)*\.?)(?::([0-9]{1,5}))?"
+_NAME = r"(\[[0-9a-f:.]+\]|[a-z0-9_-]{1,63}(?:\.[a-z0-9_-]{1,63})*\.?)(?::([0-9]{1,5}))?"
 _PORTS = {"http": "80", "https": "443"}  # default ports, which browsers leave out
 
 NO_HOST = "The request does not say which host it is for."

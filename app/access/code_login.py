@@ -7,6 +7,7 @@ import hashlib
 import hmac
 import math
 import secrets
+import unicodedata
 from functools import partial
 from typing import NamedTuple
 
@@ -14,6 +15,8 @@ from app.access.allowed_hosts import Headers
 from app.access.network_limits import TokenBucket, TokenBuckets, network_of
 from app.language.translation import lazy, tr
 
+PLAIN_QUOTES = str.maketrans("\u2018\u2019\u201a\u201c\u201d\u201e", "'''\"\"\"")
+LEFT_OUT = ("Pd", "Zs", "Zl", "Zp", "Cc", "Cf")  # categories of Unicode
 LETTERS = "abcdefghjkmnpqrstuvwxyz23456789"  # no letters that look alike on a board
 MADE_UP, SHORTEST, LONGEST = 8, 6, 64  # letters; half of 31^8 codes, a thousand a second: 13 years
 # Burst and rate per second of wrong guesses: of one network, which may be a whole class, and of all.
@@ -48,8 +51,10 @@ def generate_code() -> str:
 
 
 def normalise_code(code: str) -> str:
-    """Returns a code in lower case without spaces and dashes, for comparisons."""
-    return "".join(code.casefold().replace("-", "").split())
+    """Returns a code for comparisons: in lower case, without spaces, dashes and what does not show, and with plain
+    quotes and ordinary letters for typographic and wide ones, as keyboards change them."""
+    plain = unicodedata.normalize("NFKC", code.translate(PLAIN_QUOTES)).casefold()
+    return "".join(letter for letter in plain if unicodedata.category(letter) not in LEFT_OUT)
 
 
 class CodeLogin:

@@ -205,7 +205,7 @@ def _read_answers(file: str) -> "tuple[str, StudentProgress] | None":
     try:
         if os.path.exists(file) and not os.path.isfile(file):  # a pipe would block
             raise student_progress.InvalidProgress("is not a file; give files that the page has saved")
-        with open(file, encoding="utf-8") as opened:
+        with open(file, encoding="utf-8-sig") as opened:
             text = opened.read(MOST_CHARACTERS + 1)
         if len(text) > MOST_CHARACTERS:
             raise student_progress.InvalidProgress(f"is too long; give a file of at most {MOST_CHARACTERS:,} "

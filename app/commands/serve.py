@@ -44,7 +44,8 @@ class Serve:
     """Compile what visitors usually ask for before they do; takes a processor for some minutes the first time."""
 
     def execute(self) -> int:
-        if not (is_host_name(self.host) or is_ip(self.host)):
+        host = self.host.strip("[]")
+        if not is_ip(host) and (":" in host or not is_host_name(host)):
             raise BadInput("host", self.host, "give the name or the address of this machine")
         if not isinstance(self.port, int) or not 1 <= self.port <= 65535:
             raise BadInput("port", self.port, "give a whole number from 1 to 65535")
@@ -60,9 +61,10 @@ class Serve:
         if self.board and not lesson:
             raise BadInput("", "--board", "needs --lesson with the name or number of a lesson (mpm-lab lesson list)")
         from app.page import page_server  # here: bad input and --help must not wait for the page's imports
+        from app.page.listening_address import ServeError
         try:
-            page_server.serve(self.host, self.port, self.max_sessions, self.warm_up, self.code.strip(), self.name,
+            page_server.serve(host, self.port, self.max_sessions, self.warm_up, self.code.strip(), self.name,
                               self.frames, lesson, self.teacher, self.core, self.board)
-        except page_server.ServeError as error:
+        except ServeError as error:
             raise BadInput("port", self.port, str(error)) from error
         return 0

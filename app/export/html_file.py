@@ -14,7 +14,8 @@ from app.export.recording import RecordingRequest, record_scene, record_scenes
 from app.export.stage_export_plan import StageExportPlan, export_plan_to_json, make_export_plan
 from app.language.translation import current_language, load_catalogue, tr
 from app.logo_and_font import ICON, MARK, font_faces_css
-from app.templates import render_template
+from app.names_and_units import number_format_script
+from app.templates import render_template, script_source
 
 PLAYER = Path(__file__).parent / "player"
 #: In order of dependencies.
@@ -85,13 +86,15 @@ def assemble_page(heading: str, plans: Sequence[StageExportPlan], recorded: Reco
                                      for run in runs]}
     packed = "\n".join(f'<script type="text/plain" id="run-{k}">{run["data"]}</script>' for k, run in enumerate(runs))
     own = f" lang=\"{lesson['language']}\"" if lesson and lesson["language"] != current_language() else ""
+    code = "\n".join(_read_player_file(f"{name}.js") for name in scripts)
+    script = "(() => { \"use strict\";\nconst DATA = JSON.parse(document.getElementById(\"data\").textContent);\n" \
+             f"{number_format_script()}{code}\n}})();"
     parts = {"title": escape(heading), "lang": own, "version": __version__, "kind": "lesson" if lesson else "scene",
              "language": current_language(),
              "empty": tr("Press <b>On the stage</b> in the lesson: its run begins here."),
              "style": font_faces_css() + css_variables() + _read_player_file("player.css"), "mark": MARK, "icon": ICON,
              "data": _script_safe_json(data), "runs": packed,
-             "script": "const DATA = JSON.parse(document.getElementById(\"data\").textContent);\n"
-                       + "\n".join(_read_player_file(f"{name}.js") for name in scripts)}
+             "script": script, "own": script_source(script)}
     return render_template(PLAYER / "player.html", **parts)
 
 

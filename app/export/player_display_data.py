@@ -25,13 +25,10 @@ LATER = "…"  # placeholder for a text of a run or frame
 
 def shared_display_data(problems: Iterable[str]) -> dict[str, Any]:
     """Returns what the player shares with the live page as a JSON object, with static data of the problems' stages."""
-    formats = {"prefixes": names_and_units.PREFIXES, "superscripts": names_and_units.SUPERSCRIPTS,
-               "ratios": names_and_units.PLAIN_RATIOS,
-               "percents": (*names_and_units.PLAIN_PERCENT, names_and_units.WHOLE_PERCENT),
-               "powers": names_and_units.PLAIN_POWERS, "nothing": names_and_units.NOTHING}
-    return {"formats": formats, "codes": recording_compression.CODES,
+    return {"codes": recording_compression.CODES,
             "scale": {"tops": list(colour_scale.TOPS.items()), "decades": colour_scale.DECADES,
-                      "beyond": colour_scale.BEYOND, "smallest": colour_scale.SMALLEST, "zero": tr(colour_scale.ZERO)},
+                      "beyond": colour_scale.BEYOND, "smallest": colour_scale.SMALLEST,
+                      "over": colour_scale.OVER, "zero": tr(colour_scale.ZERO)},
             "axis": {"steps": field_plot.STEPS, "room": field_plot.ROOM, "stems": field_plot.MOST_STEMS},
             "most_changed": MOST_CHANGED,
             "colours": _colour_map_data(), "edge": layout.EDGE,
@@ -66,7 +63,8 @@ def _stage_layout(stage: type[Stage], room: StageMetrics) -> dict[str, Any]:
     places = stage.layout(room, ComparedRunSlot.ALONE)
     top = layout.colour_bar_box(room, room.high)
     halves = tr(error_view_captions.ESTIMATE[0]), tr(error_view_captions.TRUTH)
-    said = StageLabels(halves, (LATER, LATER), (LATER, LATER), note=LATER, crossings=LATER, alike=LATER)
+    later = (("", LATER),)
+    said = StageLabels(halves, (LATER, LATER), (LATER, LATER), later, later, note=LATER, crossings=LATER, alike=LATER)
     labels = list(stage.labels(said, places))
     if isinstance(places, layout.FieldPlotLayout):
         labels += field_plot.plot_labels(places, stage.PLOT.ends, error_view_captions.FieldPlotCaption(LATER, LATER), 1,
@@ -98,9 +96,12 @@ def missing_value_texts(scene: Scene, not_valid: Mapping[str, str], silent: Mapp
 
 
 def stage_notes(scene: Scene, stride: int) -> dict[str, str]:
-    """Returns a stage's notes: ``note`` on its scale, ``marks`` on crossings, on every ``stride``-th particle."""
+    """Returns a stage's notes: the run's ``name`` and ``settings``, ``note`` on its scale, ``marks`` on crossings, on
+    every ``stride``-th particle."""
     stage = VIEWS[scene.problem].stage
-    return {"note": stage.scale_note(scene), "marks": error_view_captions.crossing_marks_legend(stage.MARKED, stride)}
+    return {"name": names_and_units.functions_name(scene.method),
+            "settings": names_and_units.main_settings_text(scene), "note": stage.scale_note(scene),
+            "marks": error_view_captions.crossing_marks_legend(stage.MARKED, stride)}
 
 
 def _estimator_texts(scene: Scene, not_valid: Mapping[str, str], quantity: str, name: str, silent: Collection[str],

@@ -17,7 +17,7 @@ BELOW_ZERO = lazy("; below zero: reduces it, all add up to 100 %")
 #: Short explanation of each cause.
 MEANINGS = {"crossings": lazy("counted in the wrong cell"), "coarse_grid": lazy("cells too wide for the motion"),
             "body_force": lazy("taken at nodes, not at particles"),
-            "time_step": lazy("steps that are not short enough")}
+            "time_step": lazy("changes within a step; shorter steps also map more often")}
 UNITS = {"x": "m", "v": "m/s", "F": ""}
 SEEN = 2e-3  # of the largest error: a cause that never contributes more is not drawn
 

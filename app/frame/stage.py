@@ -106,8 +106,12 @@ class Stage(ABC, Generic[AnyScene]):
         self._stage_metrics = self.sheet.stage_metrics
         metrics = self._stage_metrics.rounded()
         low, high = self.HIGH
-        self._layout = self.layout(replace(metrics, high=min(max(metrics.high, low), high)), self._slot)
+        self._layout = self._layout_for(replace(metrics, high=min(max(metrics.high, low), high)))
         self._drawn_scene, self._remarks = None, None
+
+    def _layout_for(self, metrics: StageMetrics) -> Any:
+        """Returns the layout of the run in its present slot; ``metrics`` are rounded."""
+        return self.layout(metrics, self._slot)
 
     def pinned_run_stage(self, wanted: bool) -> "Stage | None":
         """Makes space for a pinned run beside this one and returns that run's stage if ``wanted``; otherwise takes the
@@ -122,10 +126,14 @@ class Stage(ABC, Generic[AnyScene]):
     @property
     def rectangle(self) -> Rectangle:
         """Rectangle of everything drawn, without names in the gutter: x0, x1, y0, y1 in stage coordinates."""
+        self._fit_surface()
+        return self._layout.rectangle
+
+    def _fit_surface(self) -> None:
+        """Computes the layout anew if the surface's metrics have changed."""
         metrics = self.sheet.stage_metrics
         if metrics is not self._stage_metrics and metrics != self._stage_metrics:
             self._lay_out()
-        return self._layout.rectangle
 
     @property
     def shared_axis_changed(self) -> bool:
@@ -139,6 +147,7 @@ class Stage(ABC, Generic[AnyScene]):
 
     def show_title(self, name: Spans, facts: Spans, compared: Spans) -> None:
         """Shows the run's title: its name, facts about it, and what it could be compared with if it is alone."""
+        self._fit_surface()
         self._update_labels(name=name, facts=facts, compared=compared)
 
     def show_captions(self, estimate: StageHalfErrors, truth: StageHalfErrors) -> None:
@@ -166,9 +175,7 @@ class Stage(ABC, Generic[AnyScene]):
 
         ``estimated`` and ``true`` are the sizes (P,) of both errors in one unit, or None; ``foreign`` is whether the
         particles are not the scene's own but come from a file of another code."""
-        metrics = self.sheet.stage_metrics
-        if metrics is not self._stage_metrics and metrics != self._stage_metrics:
-            self._lay_out()
+        self._fit_surface()
         if scene != self._drawn_scene or foreign or self._foreign:
             self._drawn_scene, self._foreign = scene, foreign
             at_rest = arrays.position - arrays.displacement if foreign else None

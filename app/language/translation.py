@@ -7,9 +7,11 @@ English; work passed to one is wrapped by :func:`with_language`."""
 import functools
 import gettext
 import io
+import string
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from contextvars import ContextVar
+from numbers import Real
 from pathlib import Path
 from typing import Any, NamedTuple, ParamSpec, TypeVar
 from urllib.parse import parse_qs
@@ -26,14 +28,16 @@ FOLDER = Path(__file__).parent
 
 
 class Language(NamedTuple):
-    """Language: its name in itself, and the .po file of its translations, which English does not have."""
+    """Language: its name in itself, the .po file of its translations, which English does not have, and the marks of its
+    decimals and thousands."""
 
     name: str
     file: Path | None = None
+    marks: str = ".,"
 
 
 #: By code.
-LANGUAGES = {ENGLISH: Language("English"), "de": Language("Deutsch", FOLDER / "de.po")}
+LANGUAGES = {ENGLISH: Language("English"), "de": Language("Deutsch", FOLDER / "de.po", ",.")}
 COOKIE = "mpm-lab-language"
 LONGEST = 1000  # characters of a request that are read
 
@@ -96,17 +100,36 @@ def with_language(work: Callable[P, T], code: str = "") -> Callable[P, T]:
     return in_language
 
 
+def localise_number(text: str) -> str:
+    """Returns a number, written as in English, with the marks of the current language: "2,5" in German."""
+    return text.translate(str.maketrans(".,", LANGUAGES[current_language()].marks))
+
+
+class _NumberFormatter(string.Formatter):
+    """Fills placeholders like :meth:`str.format`, and writes numbers as in the current language."""
+
+    def format_field(self, value: Any, format_spec: str) -> str:
+        text = super().format_field(value, format_spec)
+        return localise_number(text) if isinstance(value, Real) else text
+
+
+_FORMATTER = _NumberFormatter()
+
+
 def tr(text: str, /, **values: Any) -> str:
     """Translates a text of the code into the current language; ``values`` replace its placeholders ``{name}``."""
-    said = text if current_language() == ENGLISH else load_catalogue(current_language()).singular(text)
-    return said.format(**values) if values else said
+    if current_language() == ENGLISH:
+        return text.format(**values) if values else text
+    said = load_catalogue(current_language()).singular(text)
+    return _FORMATTER.vformat(said, (), values) if values else said
 
 
 def trn(one: str, many: str, count: float, **values: Any) -> str:
     """Translates ``one`` or ``many``, as the count needs, which replaces ``{count}`` in it, and ``values`` the rest."""
     if current_language() == ENGLISH:
         return (one if count == 1 else many).format(count=count, **values)
-    return load_catalogue(current_language()).plural(one, many, count).format(count=count, **values)
+    said = load_catalogue(current_language()).plural(one, many, count)
+    return _FORMATTER.vformat(said, (), {"count": count, **values})
 
 
 def translate_message(text: str) -> str:

@@ -1,7 +1,5 @@
 """Grades of handed-in files: one row per student; each mark is computed anew from runs."""
 
-import csv
-import io
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -70,10 +68,8 @@ def grades_csv(rows: Sequence[GradedFile]) -> str:
     for lesson, key in questions:
         head = f"{lesson}: {key}" if several else key
         heads += [head, f"{head}: right", *([f"{head}: score"] if (lesson, key) in bets else [])]
-    out = io.StringIO()
-    write = csv.writer(out, lineterminator="\n")
-    write.writerow(["name", "lesson", "right", "of", "minutes", "same lesson", "core only", "file",
-                    *(BETS if bets else ()), *heads])
+    lines: list[list[object]] = [["name", "lesson", "right", "of", "minutes", "same lesson", "core only", "file",
+                                  *(BETS if bets else ()), *heads]]
     for row in rows:
         cells = [row.progress.name, row.lesson.name, f"{round(row.points, 2):g}", row.maximum, f"{row.minutes:.1f}",
                  _yes_or_no(row.progress.fingerprint == row.lesson.fingerprint), _yes_or_no(row.progress.core),
@@ -85,8 +81,8 @@ def grades_csv(rows: Sequence[GradedFile]) -> str:
             cells += [said, "" if found is None or found.right is None else _yes_or_no(found.right)]
             if (lesson, key) in bets:
                 cells.append(_format_score(found.bet.score if found is not None and found.bet else None))
-        write.writerow([quoting.csv_cell(cell) for cell in cells])
-    return out.getvalue()
+        lines.append(cells)
+    return quoting.csv_text(lines)
 
 
 def interval_coverage(rows: Sequence[GradedFile]) -> list[str]:

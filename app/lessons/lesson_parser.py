@@ -97,7 +97,7 @@ def parse_file(path: Path, parsed: Callable[[str], Found]) -> Found:
     try:
         if path.stat().st_size > LARGEST:
             raise LessonError(1, f"the file has more than {LARGEST:,} bytes; make it shorter")
-        return parsed(path.read_text(encoding="utf-8"))
+        return parsed(path.read_text(encoding="utf-8-sig"))  # some editors put a mark in front
     except LessonError as error:
         raise LessonError(error.line, error.sentence, path.name) from None
     except OSError as error:

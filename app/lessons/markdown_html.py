@@ -2,8 +2,10 @@
 
 import base64
 import functools
+import html
 import re
 from pathlib import Path
+from xml.etree import ElementTree
 
 import latex2mathml.converter
 from markdown_it import MarkdownIt
@@ -14,6 +16,14 @@ from app.language.translation import lazy
 from solvers.untrusted.quoting import one_line, quote
 
 KINDS = {".svg": "image/svg+xml", ".png": "image/png"}
+#: What a formula may consist of. Links, classes and styles are missing on purpose: a lesson comes from anybody.
+ELEMENTS = frozenset(("math menclose mfrac mi mn mo mover mpadded mphantom mroot mrow mspace msqrt mstyle msub msubsup "
+                      "msup mtable mtd mtext mtr munder munderover").split())
+ATTRIBUTES = frozenset(("accent columnalign columnlines columnspacing depth displaystyle fence form height largeop "
+                        "linebreak linethickness lspace mathbackground mathcolor mathsize mathvariant maxsize minsize "
+                        "movablelimits notation rowlines rowspacing rspace scriptlevel separator stretchy voffset "
+                        "width").split())
+VALUE = re.compile(r"[\w .,#%+-]*")
 #: Instructions to the reader, by verb. The name is in bold, its value as code, and the name comes first.
 SENTENCES = {"Press": lazy("Press {name}"), "Set": lazy("Set {name} to {value}"),
              "Choose": lazy("Choose {name} {value}")}
@@ -40,7 +50,7 @@ def to_html(markdown: str, folder: Path | None = None) -> str:
 def _make_parser(folder: Path | None) -> MarkdownIt:
     parser = MarkdownIt("commonmark", {"html": False}).enable("table")
     parser.use(dollarmath_plugin, renderer=lambda latex, options: to_mathml(latex, options["display_mode"]),
-               double_inline=True)
+               allow_labels=False, double_inline=True)
 
     def image(renderer: RendererHTML, tokens, index, options, environment) -> str:
         attributes = tokens[index].attrs
@@ -55,12 +65,19 @@ def to_mathml(latex: str, display: bool) -> str:
     """Converts a LaTeX formula to MathML, as a block (``display``) or inline; raises :class:`RenderError`."""
     latex = latex.strip()
     try:
-        found = latex2mathml.converter.convert(latex, display="block" if display else "inline")
+        root = latex2mathml.converter.convert_to_element(latex, display="block" if display else "inline")
+        for element in root.iter():  # the library writes letters as references, and would write all text as it is
+            element.text = html.unescape(element.text or "")
+        found = ElementTree.tostring(root, encoding="unicode")
     except Exception as error:  # the library raises any exception
         raise RenderError(latex, f"the formula ${quote(latex)}$ cannot be shown ({type(error).__name__}); "
                                  "give plain LaTeX such as $\\frac{h}{2}$") from None
-    if unknown := re.search(r"\\\w+", found):  # an unknown command would be shown as typed
-        raise RenderError(latex, f"the formula ${quote(latex)}$ has {quote(unknown[0])}, which cannot be "
+    # An unknown command would be shown as typed.
+    strange = (*re.findall(r"\\\w+", found), *(element.tag for element in root.iter() if element.tag not in ELEMENTS),
+               *(f"{name}={value}" for element in root[0].iter() for name, value in element.items()
+                 if name not in ATTRIBUTES or not VALUE.fullmatch(value)))
+    if strange:
+        raise RenderError(latex, f"the formula ${quote(latex)}$ has {quote(strange[0])}, which cannot be "
                                  "shown; give plain LaTeX such as $\\frac{h}{2}$")
     return found
 

@@ -1,6 +1,7 @@
 """The teacher's guide to a lesson: steps, notes and right answers, as Markdown or as a page to print."""
 
 from collections.abc import Callable, Iterator
+from html import escape
 from pathlib import Path
 
 from app.language.translation import current_language, tr
@@ -51,7 +52,7 @@ def guide_markdown(lesson: Lesson, outcomes: RunCache, core: bool = False) -> st
 
 def guide_page(lesson: Lesson, outcomes: RunCache, core: bool = False) -> str:
     """Returns the teacher's guide to a lesson, or to its core, as one html file with its pictures; runs scenes."""
-    return render_template(PAGE, language=current_language(), title=lesson.title,
+    return render_template(PAGE, language=current_language(), title=escape(lesson.title),
                            body=to_html(guide_markdown(lesson, outcomes, core), FOLDER))
 
 

@@ -12,7 +12,7 @@ import viser
 from app.frame import headline
 from app.frame.error_view_captions import FrameErrorView
 from app.frame.headline import BACK, LAST, LOST, PAUSED, UNSTABLE, HeadlineWithFacts, InstantErrors, fill_template
-from app.language.translation import lazy, tr, trn
+from app.language.translation import lazy, localise_number, tr, trn
 from app.names_and_units import QUANTITIES, format_factor, format_number, reword_for_page
 from app.page.visit.history import series_until
 from solvers.engine.engine_messages import FrameReport
@@ -64,14 +64,15 @@ def frame_headline(report: FrameReport | None, arrays: FrameArrays | None, view:
                                               view.left.silence if view.estimated is None else "",
                                               view.right.silence if view.true is None else "")
     lost = report.status == soundness.LOST
-    before = fill_template(tr(BACK), ago=f"{periods_back:.2f}") if periods_back else \
+    before = fill_template(tr(BACK), ago=localise_number(f"{periods_back:.2f}")) if periods_back else \
         "" if lost else fill_template(tr(PAUSED), time=when)
     said = headline.format_error_headline(words, QUANTITIES[quantity].unit, errors, before)
     facts = [*([*said.facts[1:], comparison] if comparison else said.facts), *_crossings_text(report.scene, arrays)]
     parts = said.headline
     if lost:
         facts = _lost_run_reason(report) or facts
-        parts = ("bad", fill_template(tr(LOST), since=f"{report.since or 0.0:.4g}")), ("", ": "), *parts
+        since = localise_number(f"{report.since or 0.0:.4g}")
+        parts = ("bad", fill_template(tr(LOST), since=since)), ("", ": "), *parts
     return HeadlineWithFacts(parts, tuple(filter(None, facts)), moment)
 
 

@@ -2,7 +2,7 @@
 
 import secrets
 import threading
-from time import thread_time
+from time import monotonic, thread_time
 
 import viser
 
@@ -102,19 +102,21 @@ class Page:
 
     def _refresh_loop(self) -> None:
         """Refreshes numbers and texts periodically, and at once for a run at rest, until the page is closed."""
-        rest = REFRESH_SECONDS
+        due = 0.0
         while not self._closed.wait(LEAST_SECONDS):
-            self._at_once.wait(rest - LEAST_SECONDS)
+            self._at_once.wait(REFRESH_SECONDS - LEAST_SECONDS)
+            self._context.set_frame_conditions(keeps_up=stalled_seconds(self.client) < PATIENCE)
+            if monotonic() < due and not self._at_once.is_set():
+                continue
             self._at_once.clear()
             begun = thread_time()
-            self._context.set_frame_conditions(keeps_up=stalled_seconds(self.client) < PATIENCE)
             try:
                 with self._refreshing:
                     if self._context.session.watched and not self._closed.is_set():
                         self._refresh()
             except Exception as error:  # one bad refresh must not silence the page for the rest of the visit
                 log_failure("the page could not be refreshed", error)
-            rest = max(REFRESH_SECONDS, RESTING * self._links.playing * (thread_time() - begun))
+            due = monotonic() + RESTING * self._links.playing * (thread_time() - begun) - REFRESH_SECONDS
 
     def _refresh(self) -> None:
         context, controls = self._context, self._context.controls

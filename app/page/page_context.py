@@ -76,7 +76,7 @@ class PageContext:
         self._landscapes = Landscapes(self.session, links.histories, on_points)
         self.controls = Controls(self.gui, self.session, self.scale, self.stage.draw, self.history, self.store,
                                  self._landscapes)
-        self.run = VisitorRunSource(self.session, self.recent, self.trace, notice)
+        self.run = VisitorRunSource(self.session, self.recent, self.trace, notice, self._landscapes)
         group = self.gui.add_tab_group()
         self.tabs = {name: group.add_tab(title, icon) for name, title, icon in (
             ("explore", tr("Explore"), viser.Icon.ADJUSTMENTS_HORIZONTAL),

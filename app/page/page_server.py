@@ -4,7 +4,6 @@ import contextlib
 import io
 import logging
 import signal
-import socket
 import sys
 import threading
 import warnings
@@ -24,6 +23,7 @@ from app.language.translation import lazy, tr, with_language
 from app.lessons import catalogue
 from app.logo_and_font import ICON
 from app.page.features.opening_tour import OPENING
+from app.page.listening_address import THIS_MACHINE, authority, network_address, require_free
 from app.page.precompiled_scenes import usual_scenes
 from app.page.shutdown import exit_within, run_in_background
 from app.page.visit.engine_links import EventRateCounter, PageEngineLinks
@@ -31,7 +31,6 @@ from solvers.engine.engine_messages import FRAME_SECONDS
 from solvers.engine.engine_pool import EnginePool
 from solvers.workers.cpu_count import available_cpus
 
-EVERYWHERE, HERE = ("", "0.0.0.0"), "127.0.0.1"
 HEARS_WITHIN, TOLD_WITHIN = 0.2, 0.5  # seconds until it notices its end, and at most to notify visitors
 CLOSED_WITHIN, ENDS_WITHIN = 0.3, 1.3  # seconds in which pages close, and after which it exits in any case
 MAKERS = 2  # pages made in parallel; each takes some 30 ms of a processor
@@ -41,10 +40,6 @@ FULL = lazy("Every place on this server is taken. This page tries again by itsel
 OVER = lazy("The lab is closed. This page reloads when it opens again.")
 FAILED = lazy("The page could not be made. Reload it, or see the terminal for the reason.")
 AGAIN = "<i class='lab-again'></i>"  # makes the browser reload the page after a while
-
-
-class ServeError(Exception):
-    """Raised if the page cannot be served; the message is the reason."""
 
 
 class Visitors:
@@ -157,7 +152,7 @@ class Visitors:
 def serve(host: str, port: int, max_sessions: int, warm_up: bool = True, code: str = "",
           names: tuple[str, ...] = (), frames: float = 1 / FRAME_SECONDS, lesson: str = "",
           teacher: bool = False, core: bool = False, board: bool = False) -> None:
-    """Serves the page until interrupted; raises :class:`ServeError` if host and port cannot be bound.
+    """Serves the page until interrupted; raises ``ServeError`` if host and port cannot be bound.
 
     At most ``max_sessions`` visitors are served, each with up to ``frames`` frames per second. With ``warm_up`` usual
     scenes are compiled in the background. Visitors need the class ``code``; without one it is generated if other
@@ -168,7 +163,7 @@ def serve(host: str, port: int, max_sessions: int, warm_up: bool = True, code: s
     addresses = Addresses(host, names)
     code = code or (generate_code() if board or not addresses.is_local_only else "")
     codes = {CLASS: code, TEACHER: generate_code() if teacher and code else "", BOARD: generate_code() if board else ""}
-    _require_free(host, port)
+    require_free(host, port)
     # The engines start before the page's imports: they need longest.
     pool, server = EnginePool(OPENING.scene, _engine_count(), 1 / frames), None
     classroom = LessonContext(lesson, teacher, core=core)
@@ -179,8 +174,8 @@ def serve(host: str, port: int, max_sessions: int, warm_up: bool = True, code: s
     logging.getLogger().addHandler(log)
     try:
         server = _start_server(host, port, pool, max_sessions, addresses, codes, classroom, shared)
-        _announce(f"{HERE if host in EVERYWHERE else host}:{server.get_port()}",
-                  f"http://{_network_address(host)}:{server.get_port()}/", codes)
+        _announce(authority(THIS_MACHINE.get(host, host), server.get_port()),
+                  f"http://{authority(network_address(host), server.get_port())}/", codes)
         lessons = catalogue.load_lessons()  # in idle time: the first visitor needs them
         if warm_up:
             pool.prewarm(usual_scenes(lessons, lesson))
@@ -222,13 +217,13 @@ def _start_server(host: str, port: int, pool: EnginePool, max_sessions: int, add
     doors = AccessControl(addresses, CodeLogin(code, port, codes[TEACHER], codes[BOARD]) if code else None)
     # The viewer would print its own banner.
     with contextlib.redirect_stdout(io.StringIO()), doors.guard_servers(IndexPage(initial_page_html, ICON)):
-        server = LabServer(host=host, port=port, verbose=False)
+        server = LabServer(doors, host=host, port=port, verbose=False)
     set_up_theme(server.gui)
 
     def make_page(client: Any, links: PageEngineLinks) -> Any:
         whose, key = doors.identify(client.client_id) or CookieIdentity(CLASS)
         seat = board.add_seat(key) if board and whose == CLASS else None
-        lectern = LecturerContext(board, JoinInfo(f"http://{_network_address(host)}:{port}/", code)) \
+        lectern = LecturerContext(board, JoinInfo(f"http://{authority(network_address(host), port)}/", code)) \
             if board and whose == BOARD else None
         try:
             return Page(client, links, replace(classroom, teacher=classroom.teacher and whose == TEACHER, seat=seat),
@@ -256,7 +251,7 @@ def _start_server(host: str, port: int, pool: EnginePool, max_sessions: int, add
 
 
 def _announce(address: str, link: str, codes: Mapping[str, str]) -> None:
-    """Prints the local address, the ``link`` for other machines and the access codes (by role) to standard error."""
+    """Prints the local ``address``, the ``link`` for other machines and the codes (by role) to standard error."""
     print(f"mpm-lab is at http://{address} (Ctrl-C ends it)", file=sys.stderr, flush=True)
     if code := codes[CLASS]:
         link_of_class = f"{link}#code={quote(code)}"
@@ -281,27 +276,6 @@ def _replace_page_content(client: Any, sentence: str) -> None:
     client.gui.add_html(f"<div class='lab-notice lab-refused lab-alone'>{sentence}</div>")
 
 
-def _network_address(host: str) -> str:
-    """Returns the host or IP address by which other machines reach this one; 127.0.0.1 if none is known."""
-    if host not in EVERYWHERE:
-        return host
-    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as trial, contextlib.suppress(OSError):
-        trial.connect(("192.0.2.1", 9))  # unassigned (RFC 5737): nothing is sent, only a route looked up
-        return str(trial.getsockname()[0])
-    return HERE
-
-
 def _engine_count() -> int:
     """Returns the number of engine processes: one fewer than the processors, so that the page keeps one; 1 to 4."""
     return min(MOST_ENGINES, max(1, available_cpus() - 1))
-
-
-def _require_free(host: str, port: int) -> None:
-    """Raises :class:`ServeError` if the port is taken; the web server would silently use the next one."""
-    try:
-        with socket.socket() as trial:
-            trial.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
-            trial.bind((host, port))
-    except OSError as error:
-        raise ServeError(f"cannot listen on {host}:{port} ({(error.strerror or str(error)).lower()}); "
-                         "choose another with --port or --host") from error

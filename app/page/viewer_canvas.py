@@ -117,9 +117,9 @@ def _draw(stage: Stage, picture: StageFrame, choice: ViewChoice) -> None:
     report, view = picture.report, picture.view
     stage.domains = choice.domains and not picture.foreign
     stage.plotted, stage.magnified = report.holds.plotted, choice.magnified
+    stage.show_captions(view.left, view.right)  # first: a run that nobody judges has another layout
     stage.draw(report.scene, picture.arrays, *_error_shares(picture, choice.quantity), report.time,
                foreign=picture.foreign)
-    stage.show_captions(view.left, view.right)
     stage.show_title(*picture.title)
 
 

@@ -4,9 +4,9 @@ from collections.abc import Callable, Hashable
 from time import monotonic
 
 from app.frame.colour_scale import LEAST_TOP
-from app.frame.error_view_captions import FrameErrorView, frame_error_view, why_no_index
+from app.frame.error_view_captions import NONE_CHOSEN, FrameErrorView, frame_error_view, why_no_index
 from app.frame.headline import HeadlineWithFacts, InstantErrors, lane_facts
-from app.frame.primitives import Spans
+from app.frame.primitives import SEPARATOR, Spans
 from app.language.translation import lazy, tr
 from app.names_and_units import difference_text, functions_name, main_settings_text
 from app.page.headline_panel import compare_errors, frame_headline
@@ -15,6 +15,7 @@ from app.page.panels.readout_tables import live_readout
 from app.page.readout_panel import ReadoutContent
 from app.page.stage.worst_region import WorstRegions
 from app.page.stage_source import RunTitle, StageContent, StageFrame, ViewChoice
+from app.page.visit.landscapes import Landscapes
 from app.page.visit.pinned_run import PinnedRun
 from app.page.visit.recent_frames import Frame, RecentFrames
 from app.page.visit.run_session import RunSession
@@ -27,6 +28,7 @@ from solvers.solver.soundness import OK, UNSTABLE
 READING_SECONDS = 0.5  # for which the words about a run that plays stay
 MOST_DIFFERING = 40  # most characters of the difference to a pinned run
 COMPARED = "compared"  # kind of the span in which the visitor chooses what to compare with
+UNJUDGED = "unjudged"  # that of a span beside which an estimator is offered
 COMPARE, NOTHING_TO_COMPARE, PINNED = lazy("Compare with"), lazy("nothing"), lazy("the pinned run")
 
 class VisitorRunSource:
@@ -35,13 +37,14 @@ class VisitorRunSource:
     is_on, needs_immediate_headline = True, False
 
     def __init__(self, session: RunSession, recent: RecentFrames, trace: ParticleTracer,
-                 further: Callable[[], Notice | None], clock: Callable[[], float] = monotonic):
+                 further: Callable[[], Notice | None], landscapes: Landscapes,
+                 clock: Callable[[], float] = monotonic):
         self._session, self._recent, self._trace, self._further = session, recent, trace, further
-        self._worst, self._clock = WorstRegions(), clock
+        self._landscapes, self._worst, self._clock = landscapes, WorstRegions(), clock
         self._told: Frame | None = None  # the frame that words are about, and until when they stay
         self._told_until = 0.0
         self._rates: dict[Hashable, float] = {}  # fastest so far, in particle-steps per s, by what is computed
-        self._titled: tuple[Frame, ViewChoice, bool, RunTitle] | None = None  # what the last title is about, and it
+        self._titled: tuple[Frame, Hashable, RunTitle] | None = None  # what the last title is about, and it
 
     def stage_content(self, choice: ViewChoice) -> StageContent | None:
         """Returns the frame on view, beside the pinned run if any; None before the first frame, and while a frame with
@@ -115,15 +118,18 @@ class VisitorRunSource:
 
     def _own_title(self, frame: Frame, choice: ViewChoice, alone: bool) -> RunTitle:
         """Returns the title of the visitor's run in a ``frame``; that of a run ``alone`` offers a comparison."""
-        if self._titled and frame is self._titled[0] and (choice, alone) == self._titled[1:3]:
-            return self._titled[3]  # asked for with each frame drawn
         scene = frame[0].scene
+        known = self._landscapes.rate if scene == self._session.scene else None
+        if self._titled and frame is self._titled[0] and (choice, alone, known) == self._titled[1]:
+            return self._titled[2]  # asked for with each frame drawn
         name = ("what", tr("This run:") + " "), ("", functions_name(scene.method)), \
             ("settings", main_settings_text(scene))
         view = frame_error_view(*frame, choice.quantity, choice.estimator, False)
         compared = (("", tr(COMPARE)), (COMPARED, tr(NOTHING_TO_COMPARE)))
-        title = name, self._facts(frame[0], view, choice.quantity, choice.estimator), compared if alone else ()
-        self._titled = frame, choice, alone, title
+        unjudged = (SEPARATOR, (UNJUDGED, tr(NONE_CHOSEN))) if choice.estimator is None else ()
+        facts = *self._facts(frame[0], view, choice.quantity, choice.estimator, known), *unjudged
+        title = name, facts, compared if alone else ()
+        self._titled = frame, (choice, alone, known), title
         return title
 
     def _other_title(self, run: PinnedRun, choice: ViewChoice) -> RunTitle:
@@ -147,12 +153,14 @@ class VisitorRunSource:
                     title: RunTitle) -> StageFrame:
         return StageFrame(report, arrays, view, title)
 
-    def _facts(self, report: FrameReport, view: FrameErrorView, quantity: str, estimator: str | None) -> Spans:
+    def _facts(self, report: FrameReport, view: FrameErrorView, quantity: str, estimator: str | None,
+               known: float | None = None) -> Spans:
         """Returns the facts in the title of a run, from a frame's ``report`` and the ``view`` of its errors. The run's
-        time is that of its particle-steps at the fastest rate measured with its method, estimators and effects: other
-        work of the machine would only lengthen it."""
+        time is that of its particle-steps at the rate ``known`` from its landscapes, whose runs take many steps at
+        once, or else at the fastest rate measured on the stage with its method, estimators and effects."""
         scene = report.scene
         computed = scene.problem, scene.method, scene.estimators, scene.effects, scene.remedies, report.arch
-        rate = self._rates[computed] = max(self._rates.get(computed, 0.0), 1e6 * report.rate)
+        measured = self._rates[computed] = max(self._rates.get(computed, 0.0), 1e6 * report.rate)
+        rate = known or measured
         seconds = report.step * report.particles / rate if rate else 0.0
         return lane_facts(InstantErrors.of_view(view), scene.size_of(quantity), estimator, report.status != OK, seconds)

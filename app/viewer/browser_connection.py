@@ -3,7 +3,9 @@
 A silent connection has nothing allocated, and no place that others need (:mod:`app.access.network_limits`)."""
 
 import asyncio
+import re
 from contextlib import suppress
+from http import HTTPStatus
 from time import monotonic
 from typing import Any, cast
 from weakref import WeakSet
@@ -13,6 +15,7 @@ from websockets.exceptions import ConnectionClosed
 
 from app.access.allowed_hosts import is_ip, is_loopback
 from app.access.network_limits import PendingConnections, network_of
+from app.viewer.index_page import make_response, with_security_headers
 from app.viewer.send_queue import SendBuffer
 
 # Connections of one network and of all without a request yet: a class may be behind one address, and browsers
@@ -22,6 +25,18 @@ HEADS_WITHIN = 5.0  # timeout of a connection without a request, in s
 LONGEST_HEAD = 32_000  # bytes of a request; browsers send some hundred
 GOING = 1.0  # timeout of the closing handshake in s
 BEAT = 1.0  # seconds between an answer to a ping and the next one
+OTHER_METHOD = re.compile(rb"(?!GET )[A-Z]+ /[^\r\n]* HTTP/1\.1\r\n")  # of a request
+DEAF = 60.0  # seconds without an answer after which a websocket is closed
+
+
+def _method_refusal() -> bytes:
+    """Returns the response to a request by another method than GET, which no page makes, but monitors do (HEAD)."""
+    response = with_security_headers(None, None, make_response(HTTPStatus.METHOD_NOT_ALLOWED, ""))
+    response.headers["Allow"] = "GET"
+    return response.serialize()
+
+
+_ONLY_GET = _method_refusal()
 
 
 class BrowserConnections:
@@ -66,6 +81,10 @@ class BrowserConnection(ServerConnection):
             if len(self.head) > LONGEST_HEAD:
                 self.transport.abort()
                 return
+            if OTHER_METHOD.match(self.head):
+                self.transport.write(_ONLY_GET)
+                self.transport.close()
+                return
         super().data_received(data)
 
     def on_answered(self) -> None:
@@ -78,11 +97,18 @@ class BrowserConnection(ServerConnection):
         super().connection_lost(exc)
 
     async def ping_until_closed(self) -> None:
-        """Pings the browser until the websocket closes; it answers after reading all sent before."""
+        """Pings the browser until the websocket closes; it answers after reading all sent before. One that has not
+        answered for ``DEAF`` seconds is closed: its place may be needed."""
+        async def hear() -> None:
+            await (await self.ping())
+
         with suppress(ConnectionClosed):
             while True:
                 self.asked_at = monotonic()
-                await (await self.ping())
+                try:
+                    await asyncio.wait_for(hear(), DEAF)
+                except asyncio.TimeoutError:
+                    return self.transport.abort()
                 self.asked_at = None
                 await asyncio.sleep(BEAT)
 

@@ -125,10 +125,10 @@ class IncomingMessageFilter:
     """Filter of a websocket's incoming messages: replaces its ``recv``, and passes only valid ones on to the viewer.
 
     ``who`` is the IP address, ``find`` returns a widget by its id, ``parts`` limits parts of files of its network, and
-    ``keep_away`` is called with the address of a misbehaving client. Refusals are logged in ``refusals``."""
+    ``keep_away`` is called if the client misbehaves. Refusals are logged in ``refusals``."""
 
     def __init__(self, connection: Any, who: str, refusals: RefusalLog, parts: TokenBucket, find: Callable[[str], Any],
-                 keep_away: Callable[[str], None]):
+                 keep_away: Callable[[], None]):
         self._connection, self._address, self._refusals = connection, who, refusals
         self._parts, self._find, self._keep_away = parts, find, keep_away
         self._receive, self._rate, self._calm = connection.recv, TokenBucket(MESSAGES, A_SECOND), monotonic()
@@ -164,7 +164,7 @@ class IncomingMessageFilter:
         except ConnectionClosed as closed:
             if closed.sent and closed.sent.code == CloseCode.MESSAGE_TOO_BIG:
                 self._refusals.record("a message above 1 MB", self._address)
-                self._keep_away(self._address)
+                self._keep_away()
             raise
 
     async def _throttle(self) -> None:
@@ -173,7 +173,7 @@ class IncomingMessageFilter:
             self._calm = monotonic()
         elif monotonic() - self._calm > PATIENCE:
             self._refusals.record(TOO_MUCH, self._address)
-            self._keep_away(self._address)
+            self._keep_away()
             await close_websocket(self._connection, TOO_MUCH)
             raise self._connection.protocol.close_exc
         if self._rate.tokens < 0:

@@ -4,9 +4,7 @@ stage; and its Content-Security-Policy.
 Everything else of the page comes over the websocket; until then the viewer would show its own panel. The viewer's own
 handler, which looks for files, remains, but no part of a path is ever looked up on disk, as the page is one text."""
 
-import base64
 import gzip
-import hashlib
 import re
 from collections.abc import Callable
 from http import HTTPStatus
@@ -19,6 +17,7 @@ from websockets.datastructures import Headers
 from websockets.http11 import Request, Response
 
 from app.language.translation import LANGUAGES, language_cookie_header, with_language
+from app.templates import script_source
 
 PATHS = ("/", "/index.html")
 SCRIPT = r"<script\b[^>]*>(.*?)</script>"
@@ -33,28 +32,21 @@ def is_page_path(path: str) -> bool:
     return path in PATHS
 
 
-def content_security_policy(html: str = "", host: str = "", more: tuple[str, ...] | None = (),
-                            unpacks: bool = False) -> str:
+def content_security_policy(html: str = "", sockets: str = "", more: tuple[str, ...] | None = ()) -> str:
     """Returns the value of the Content-Security-Policy header of a page: its scripts run and no others.
 
-    ``host`` is the requested host and port: some browsers treat a websocket to it as another origin. ``more`` are
-    scripts that those in the page create; if None (unknown), any script in the page runs. ``unpacks`` is whether the
-    page is the lab with its packed scripts, workers and pictures, not plain text."""
+    ``sockets`` are addresses of its websockets: some browsers treat one to the page's host as another origin. A page
+    that has some is the lab with its packed scripts, workers and pictures, not plain text. ``more`` are scripts that
+    those in the page create; if None (unknown), any script in the page runs."""
     scripts = "'unsafe-inline'" if more is None else " ".join(
-        f"'sha256-{_script_digest(script)}'" for script in (*re.findall(SCRIPT, html, re.DOTALL), *more))
+        script_source(script) for script in (*re.findall(SCRIPT, html, re.DOTALL), *more))
     allowed = {"script-src": scripts, "style-src": "'unsafe-inline'", "img-src": "data:", "connect-src": "'self'"}
-    if unpacks:
+    if sockets:
         allowed["script-src"] += " 'wasm-unsafe-eval'"
         allowed |= {"worker-src": "blob:", "font-src": "data:", "img-src": "data: blob:",
-                    "connect-src": f"'self' ws://{host} wss://{host} data:"}
+                    "connect-src": f"'self' {sockets} data:"}
     parts = (f"{kind} {where}" for kind, where in allowed.items()) if html else ()
     return "; ".join((_NOTHING, *parts))
-
-
-def _script_digest(script: str) -> str:
-    """Returns the SHA-256 of a script in base64 as a browser computes it, with normalised line endings."""
-    plain = script.replace("\r\n", "\n").replace("\r", "\n")
-    return base64.b64encode(hashlib.sha256(plain.encode()).digest()).decode()
 
 
 POLICY = "Content-Security-Policy"
@@ -79,7 +71,7 @@ def make_response(status: HTTPStatus, text: str, kind: str = "text/plain", cooki
     return Response(status.value, status.phrase, headers, body)
 
 
-def with_security_headers(connection: object, request: Request, response: Response) -> Response:
+def with_security_headers(connection: object, request: object, response: Response) -> Response:
     """Adds the headers common to all responses to ``response``, and returns it."""
     for name, value in {**ALWAYS, POLICY: content_security_policy()}.items():
         if name not in response.headers:
@@ -100,9 +92,11 @@ class IndexPage:
         plain, packed, policy = self._pages[code]
         packs = "gzip" in ",".join(request.headers.get_all("Accept-Encoding"))
         sent = packed if packs else plain
+        host = request.headers["Host"]
+        sockets = "" if host.startswith("[") else f"ws://{host} wss://{host}"  # a policy cannot say digits of IPv6
         headers = Headers({"Content-Type": "text/html; charset=utf-8", "Content-Length": str(len(sent)),
                            "Content-Encoding": "gzip" if packs else "identity", "Connection": "close",
-                           POLICY: policy.replace("{host}", request.headers["Host"]),
+                           POLICY: policy.replace("{sockets}", sockets),
                            "Content-Language": code, "Set-Cookie": language_cookie_header(code)})
         return Response(HTTPStatus.OK.value, HTTPStatus.OK.phrase, headers, sent)
 
@@ -115,7 +109,7 @@ def _localised_page(code: str, own: str, icon: str) -> tuple[bytes, bytes, str]:
     html = re.sub(r'(rel="icon"\s+href=)"[^"]*"', lambda found: f'{found[1]}"{icon}"', html, count=1)
     html = re.sub(r'<html lang="\w+"', f'<html lang="{code}"', html, count=1)
     html = html.replace('<div id="root"></div>', f'<div id="root"></div>\n{own}', 1)
-    policy = content_security_policy(html, "{host}", None if script is None else (script,), unpacks=True)
+    policy = content_security_policy(html, "{sockets}", None if script is None else (script,))
     return html.encode(), gzip.compress(html.encode()), policy
 
 

@@ -34,11 +34,13 @@ from app.viewer.send_queue import PROTOCOL, SendBuffer
 
 LARGEST_MESSAGE = 1_000_000  # bytes; the websocket is closed before more of one has been read
 WAITING = 4  # messages that are read ahead
-# Websockets from one network, each with a page to build: a class that reloads twice within half a minute. A client
-# that is sent away costs so many tokens more: reconnecting repeatedly would keep the server building
-# pages. There is no common limit: whoever exhausted it would keep everybody out.
+# Websockets from one network, each with a page to build: a class that reloads twice within half a minute; and from one
+# browser, known by its key where a class code is required. Where none is, a client that is sent away costs its network
+# so many tokens more: reconnecting repeatedly would keep the server building pages. There is no common limit: whoever
+# exhausted it would keep everybody out.
 HANDSHAKES, HANDSHAKES_A_SECOND, MISDEED = 80, 2, 30
-AWAY = 10.0  # seconds that an address must wait after being sent away
+RELOADS, RELOADS_A_SECOND = 40, 0.5
+AWAY = 10.0  # seconds that a browser must wait after being sent away, or its address where it has no key
 STOPPING = 0.2  # timeout of closing handshakes in s when the server ends
 SILENT = 60.0  # seconds within which every browser sends its camera's position
 NOTHING_SAID, CROWDED = "nothing was said", "too many say nothing"
@@ -58,7 +60,10 @@ class LabServer(viser.ViserServer):
     """The viewer's server without its tunnel; ``visitors`` has the pages of those who have passed ``access``."""
 
     visitors: Any = None
-    access: "AccessControl"
+
+    def __init__(self, access: "AccessControl", **options: Any):
+        self.access = access  # first: a server that is still starting may be stopped
+        super().__init__(**options)
 
     def wait_until_sent(self, seconds: float) -> None:
         """Waits, at most so many seconds, until all pages are closed and every browser has been sent its messages."""
@@ -90,17 +95,18 @@ class AccessControl:
     def __init__(self, addresses: Addresses, code: CodeLogin | None):
         self._addresses, self._code, self._refusals = addresses, code, RefusalLog()
         self._handshakes = TokenBuckets(lambda: TokenBucket(HANDSHAKES, HANDSHAKES_A_SECOND))
+        self._reloads = TokenBuckets(lambda: TokenBucket(RELOADS, RELOADS_A_SECOND))  # by key
         self._parts = TokenBuckets(lambda: TokenBucket(PARTS, PARTS_A_SECOND))
         self.connections = BrowserConnections(trusts_proxy=bool(addresses.names))
         self._going: set[asyncio.Future] = set()  # websockets that are being closed
-        self._away: dict[str, float] = {}  # time until which an address must wait
+        self._away: dict[str, float] = {}  # time until which a browser, by key or address, must wait
         self._server: viser.ViserServer | None = None
         self._visitors: Any = None  # admitted visitors
 
     def attach_server(self, server: LabServer, visitors: Any) -> None:
         """Sets the server and the pages of its ``visitors``, here and in the server; messages refer to its widgets."""
         self._server, self._visitors = server, visitors
-        server.access, server.visitors = self, visitors
+        server.visitors = visitors
 
     @contextmanager
     def guard_servers(self, index: IndexPage) -> Iterator[None]:
@@ -148,7 +154,7 @@ class AccessControl:
             await connection.close(1002, f"Version mismatch. Server: {viser.__version__}")
             return
         hearing = IncomingMessageFilter(connection, who, self._refusals, self._parts.get(network_of(who)),
-                                        partial(self._find_widget, connection), self._block_address)
+                                        partial(self._find_widget, connection), partial(self._block, connection))
         if gone := self.connections.silent.add(connection, network_of(who)):
             self._close_silent_websocket(gone, CROWDED)
         silent = asyncio.get_running_loop().call_later(SILENT, self._close_silent_websocket, connection, NOTHING_SAID)
@@ -182,10 +188,11 @@ class AccessControl:
             self._refusals.record(refusal, who)
             return make_response(HTTPStatus.FORBIDDEN, refusal)
         known = not self._code or self._code.is_authorised(headers)
-        if path == "/health" and self._visitors and not opens_socket:
-            health = self._visitors.health()
-            shown = health if known else {"ready": health["ready"]}
-            return make_response(HTTPStatus.OK, json.dumps(shown), "application/json")
+        if path == "/health" and not opens_socket:
+            health = self._visitors.health() if self._visitors else {"ready": False}
+            shown, ready = health if known else {"ready": health["ready"]}, health["ready"]
+            return make_response(HTTPStatus.OK if ready else HTTPStatus.SERVICE_UNAVAILABLE, json.dumps(shown),
+                                 "application/json", wait=not ready)
         if self._code and not opens_socket and path.endswith("/enter"):
             return self._log_in(self._code, headers, who)
         if not known:
@@ -195,7 +202,7 @@ class AccessControl:
             return make_response(HTTPStatus.OK if is_page_path(path) else HTTPStatus.FORBIDDEN, _code_page(),
                                  "text/html")
         if opens_socket:
-            return self._rate_limit_refusal(who)
+            return self._rate_limit_refusal(who, self._browser_key(headers))
         if not (looks := _LOOKS.search(path)):
             return index.answer_in_language(request, current_language())
         there = self._visitors is not None and self._visitors.set_watched(looks[2], looks[1] == "here")
@@ -219,23 +226,33 @@ class AccessControl:
         server: Any = self._server
         return server._websock_server._live_connections.get(visitor) if server else None
 
-    def _rate_limit_refusal(self, who: str) -> Response | None:
-        """Returns a refusal for websockets of a network with many, or an address that must wait; else None."""
-        now, handshakes = monotonic(), self._handshakes.get(network_of(who))
+    def _browser_key(self, headers: Headers) -> str:
+        """Returns the key in the cookie of a browser that has given a code; "" where none is required."""
+        identity = self._code.identify(headers) if self._code else None
+        return identity.key if identity else ""
+
+    def _rate_limit_refusal(self, who: str, key: str) -> Response | None:
+        """Returns a refusal for websockets of a network or browser with many, or one that must wait; else None."""
+        now = monotonic()
         self._away = {other: until for other, until in self._away.items() if until > now}
-        wait = max(handshakes.delay(), self._away.get(who, now) - now)
+        buckets = [self._handshakes.get(network_of(who)), *([self._reloads.get(key)] if key else [])]
+        wait = max(self._away.get(key or who, now) - now, *(bucket.delay() for bucket in buckets))
         if wait:
             self._refusals.record("a visitor, because there were too many at once", who)
             return make_response(HTTPStatus.SERVICE_UNAVAILABLE, tr("Too many come at once. Try again in a moment."),
                                  wait=wait)
-        handshakes.debit()
+        for bucket in buckets:
+            bucket.debit()
         return None
 
-    def _block_address(self, who: str) -> None:
-        """Makes a misbehaving IP address wait ``AWAY`` seconds, and its network longer between websockets."""
-        self._away[who] = monotonic() + AWAY
-        handshakes = self._handshakes.get(network_of(who))
-        handshakes.debit(min(MISDEED, max(0.0, handshakes.tokens)))
+    def _block(self, connection: Any) -> None:
+        """Makes a misbehaving browser wait ``AWAY`` seconds, or without a key its IP address, whose network must also
+        wait longer between websockets."""
+        who, key = self._address_of(connection), self._browser_key(connection.request.headers)
+        self._away[key or who] = monotonic() + AWAY
+        if not key:
+            handshakes = self._handshakes.get(network_of(who))
+            handshakes.debit(min(MISDEED, max(0.0, handshakes.tokens)))
 
     def _log_in(self, code: CodeLogin, headers: Headers, who: str) -> Response:
         """Returns the response to a class code in a request's headers, with a cookie if the code is right."""

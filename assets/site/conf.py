@@ -27,7 +27,7 @@ exclude_patterns = [".*", "app", "solvers", "tests", "build", "dist", "assets/pa
                     "lessons/*.de.md"]  # lessons in other languages are on the page, and in their files
 
 extensions = ["myst_parser", "sphinx.ext.autodoc", "sphinx.ext.napoleon", "docstrings", "lesson_pages",
-              "formulas", "tables", "identity"]
+              "formulas", "tables", "identity", "exported_bar"]
 myst_enable_extensions = ["dollarmath", "colon_fence", "attrs_inline"]
 myst_heading_anchors = 3  # as a code host has them, so that a link to a heading works on both
 math_renderer = html_math_renderer = "latex2mathml"

@@ -102,13 +102,13 @@ class FrameReport:
     several reports, and changes nothing else.
 
     ``fresh`` marks the first frame after a build, when data collected before belong to another run. ``rate`` is million
-    particle-steps per s of kernel time; ``real_speed`` is in simulated s per s, None until measured. ``not_valid`` has
-    a sentence for each estimator that does not hold here, known beforehand or found in the run; ``holds`` are the
-    optional contents that the frame has. ``status`` is "ok", "unstable" or "lost" (``solvers.solver.soundness``),
-    ``reason`` a sentence why, ``since`` the time in s since when. An unstable run has stopped, a lost one continues;
-    one that is ok for positions has a reason if other quantities have errors as large as themselves. ``not_checked`` is
-    a sentence on what is not checked. ``breakdown`` is that of the last step, if requested and a single step. ``goals``
-    are numbers of the body, at most half a second old while the run moves
+    particle-steps per s of kernel time, on one thread of processor time; ``real_speed`` is in simulated s per s, None
+    until measured. ``not_valid`` has a sentence for each estimator that does not hold here, known beforehand or found
+    in the run; ``holds`` are the optional contents that the frame has. ``status`` is "ok", "unstable" or "lost"
+    (``solvers.solver.soundness``), ``reason`` a sentence why, ``since`` the time in s since when. An unstable run has
+    stopped, a lost one continues; one that is ok for positions has a reason if other quantities have errors as large as
+    themselves. ``not_checked`` is a sentence on what is not checked. ``breakdown`` is that of the last step, if
+    requested and a single step. ``goals`` are numbers of the body, at most half a second old while the run moves
     (:func:`solvers.running.quantities_of_interest.evaluate_goal`)."""
 
     session: int

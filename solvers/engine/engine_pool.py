@@ -174,4 +174,4 @@ class SessionLink:
         while len(self._blocks) > last:
             block = self._blocks.pop(0)
             block.close()
-            block.unlink()
+            shared_frames.remove_block(block)

@@ -124,14 +124,11 @@ class EngineProcess:
     def close(self, patience: float) -> None:
         """Stops the process and its children and waits for their end; after ``patience`` s they are killed."""
         self.request_stop()
-        end = monotonic() + patience
-        while self._reap_stopped_processes() and monotonic() < end:
-            sleep(0.01)
+        self._wait_for_stopped_processes(patience)
         for process_id in self._leaving:
             with suppress(OSError):  # it has ended
                 os.kill(process_id, worker_process.KILL_SIGNAL)
-        while self._reap_stopped_processes() and monotonic() < end + REAP_SECONDS:
-            sleep(0.01)
+        self._wait_for_stopped_processes(REAP_SECONDS)
 
     def _read_messages(self) -> None:
         while not (self._closing or self.given_up):
@@ -172,13 +169,14 @@ class EngineProcess:
     def _restart(self) -> None:
         """Starts a new process in place of a dead one: at once if that had been ready, otherwise after a pause, until
         too many in a row have failed; informs all links."""
-        self._process.join(1)
         self._leaving.append(self.process_id)
+        self._wait_for_stopped_processes(REAP_SECONDS)  # only then its children are this process's to bury
         for fork in self._forks:
             with suppress(ChildProcessError):  # it had ended before
                 if os.waitpid(fork, os.WNOHANG) == (0, 0):
                     self._leaving.append(fork)
         self._forks.clear()
+        self._wait_for_stopped_processes(REAP_SECONDS)
         had_worked = self.ready.is_set()
         self.ready.clear()
         self._failures += not had_worked
@@ -218,6 +216,12 @@ class EngineProcess:
 
         self._leaving = [process_id for process_id in self._leaving if is_running(process_id)]
         return self._leaving
+
+    def _wait_for_stopped_processes(self, seconds: float) -> None:
+        """Waits, at most so many seconds, until all processes that were stopped have ended, and reaps them."""
+        end = monotonic() + seconds
+        while self._reap_stopped_processes() and monotonic() < end:
+            sleep(0.01)
 
     def _dispatch(self, message: engine_messages.FrameBatch
                   | engine_messages.CompilePending

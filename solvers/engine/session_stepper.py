@@ -3,7 +3,7 @@
 import contextlib
 from dataclasses import replace
 from multiprocessing.shared_memory import SharedMemory
-from time import perf_counter
+from time import perf_counter, thread_time
 from typing import Any
 
 import numpy as np
@@ -187,7 +187,7 @@ class SessionStepper:
             self._real_speed = (solver.time - simulated) / (now - wall)
         if now - wall > SPEED_WINDOW:
             self._window = (now, solver.time)
-        particle_steps = self._kernel_steps * solver.scene.particles  # since the build
+        particle_steps, spent = self._kernel_steps * solver.scene.particles, self._kernel_seconds  # since the build
         rows, not_valid = np.concatenate(self._rows), self._watch.doubted_estimators(solver.time, solver.not_valid())
         self._watch.check_samples(rows, len(shot.position), self.running)
         status, reason, since = self._watch.current_status(solver, not_valid)
@@ -195,7 +195,7 @@ class SessionStepper:
             session=self.wish.session, number=self.wish.number, memory=self._block.name, scene=solver.scene,
             fresh=self._fresh, playing=self.running, particles=len(shot.position), step=solver.step, time=solver.time,
             rows=rows, reason=reason, status=status, since=since, not_checked=self._watch.unchecked_note(not_valid),
-            rate=1e-6 * particle_steps / self._kernel_seconds if particle_steps else 0.0, real_speed=self._real_speed,
+            rate=1e-6 * particle_steps / spent if spent else 0.0, real_speed=self._real_speed,
             arch=solver.arch, not_valid=not_valid, holds=replace(wished, differences=bool(shot.difference)),
             breakdown=self._breakdown if wished.broken_down is not None else None,
             goals=mask_refused(self._goals_at(now), not_valid))
@@ -292,7 +292,7 @@ class SessionStepper:
     def _advance(self, steps: int, broken_down: int | None = None) -> None:
         """Takes so many steps, the last with a breakdown around the particle of the number ``broken_down``, if any;
         collects their samples and measures the time of a step."""
-        begun, self._breakdown, self._before_step = perf_counter(), None, None
+        begun, worked, self._breakdown, self._before_step = perf_counter(), thread_time(), None, None
         if broken_down is None:
             self._rows.append(self.solver.advance(steps))
         else:
@@ -303,7 +303,8 @@ class SessionStepper:
                 self._rows.append(rows)
         took = max(perf_counter() - begun, 1e-7)
         self._seconds_a_step = took / steps
-        self._kernel_seconds += took
+        alone = self.solver.scene.arch == "cpu" and self.solver.threads == 1  # other work on the machine does not count
+        self._kernel_seconds += thread_time() - worked if alone else took
         self._kernel_steps += steps
         self._frame_wanted |= not self.solver.sound  # the last frame has the reason
 

@@ -4,6 +4,7 @@ Its first byte is nonzero until the page has copied the frame: the engine writes
 would wake the page's writer thread with every frame.
 """
 
+import os
 import sys
 from dataclasses import dataclass
 from functools import lru_cache
@@ -76,6 +77,16 @@ def attach_block(name: str) -> SharedMemory:
         return SharedMemory(name)
     finally:
         resource_tracker.register = register
+
+
+def remove_block(block: SharedMemory) -> None:
+    """Removes a shared memory block that this process has created.
+
+    A resource tracker that was killed is replaced by one that knows none of the blocks before, and prints a traceback
+    for each that it shall forget: so it is told of the block first."""
+    if os.name == "posix":
+        resource_tracker.register(f"/{block.name}", "shared_memory")
+    block.unlink()
 
 
 def write_frame(block: SharedMemory, scene: Scene, shot: Snapshot) -> None:

@@ -7,13 +7,16 @@ from typing import Any
 import numpy as np
 
 from solvers.judging.findings.all_findings import INSIDE_OUT, MOTION_FINDINGS
-from solvers.judging.findings.finding import BROKEN, SUSPICIOUS, UNKNOWN, Finding
+from solvers.judging.findings.finding import BROKEN, SUSPICIOUS, UNKNOWN, Finding, unknown
 from solvers.judging.findings.recorded_motion_reader import RecordedMotion, read_motion
-from solvers.judging.particle_readers import Particles, read_all
+from solvers.judging.moment_joining import join_moments
+from solvers.judging.particle_data_types import unread_columns
+from solvers.judging.particle_readers import Particles, as_list, check_one_table_each, read_all
 from solvers.untrusted.quoting import FileError
 
 SCHEMA = "mpm-lab/check/1"
 CONSISTENT = "consistent"
+UNKNOWN_ROWS = "nothing says which particles the rows are"
 Progress = Callable[[float, str], None]
 #: What cannot be seen in a motion alone, whatever the files contain.
 NOT_CHECKABLE = ("whether the motion is that of your problem: forces, material and boundary are not known here",
@@ -24,11 +27,12 @@ NOT_CHECKABLE = ("whether the motion is that of your problem: forces, material a
 
 @dataclass(frozen=True)
 class MotionCheckResult:
-    """A ``motion`` read from ``files`` with its findings, in the order of the report."""
+    """A ``motion`` read from ``files`` with its findings, in the order of the report, and the columns ``not_read``."""
 
     files: tuple[str, ...]
     motion: RecordedMotion
     findings: list[Finding]
+    not_read: tuple[str, ...]
 
     @property
     def verdict(self) -> str:
@@ -46,6 +50,7 @@ class MotionCheckResult:
                 "dimensions": motion.dimensions, "times": motion.times.tolist(),
                 "quantities": [key for key in ("x", "v", "F", "sigma", "mass", "volume") if key in motion.fields],
                 "reference": "the first moment" if motion.from_start else "X", "notes": motion.notes,
+                "not_read": list(self.not_read),
                 "spacing": None if np.isnan(motion.spacing) else motion.spacing, "motion": motion.amplitude,
                 "findings": [one.to_dict() for one in self.findings], "contradictions": len(self.contradictions),
                 "not_told": [f"{one.name}: {one.says}" for one in self.findings if one.verdict == UNKNOWN],
@@ -56,7 +61,7 @@ def check(files: Particles | Sequence[Particles], *, times: Sequence[float] = ()
           on_progress: Progress = lambda part, what: None) -> MotionCheckResult:
     """Looks for contradictions within the motion of particles, of any code and problem, without a solution.
 
-    ``files`` is a path (.csv, .npz, .vtk, .vtu, .vtp), a mapping from names to arrays, or several of these, of one run.
+    ``files`` is a path (text, .npz or one of VTK's), a mapping from names to arrays, or several of these, of one run.
     Arrays are those of :func:`solvers.judge`; ``x`` at two or more times is needed, ``X`` or ``id``, ``v``, ``F``,
     ``sigma``, ``mass`` and ``volume`` are used where they exist. ``times`` has the time of each file in s, where files
     do not contain it; ``on_progress`` is called now and then with the part done (0 to 1) and the present stage's name.
@@ -65,18 +70,23 @@ def check(files: Particles | Sequence[Particles], *, times: Sequence[float] = ()
     :class:`FileError` for files, or arrays, whose particles cannot be followed.
     """
     raws = read_all(files)
+    not_read = unread_columns(raws)
+    check_one_table_each(as_list(files), raws, times)
     if times and len(times) != len(raws):
         raise FileError(raws[0].file, f"is one of {len(raws)} files, and there are {len(times)} times; give one time "
                                       "for each")
     on_progress(0.1, "following the particles")
     with np.errstate(all="ignore"):  # files may have any numbers, and what is made of the largest may be none
-        motion, findings = read_motion(raws, times)
+        parts, _, times = join_moments(raws, (), times)
+        motion, findings = read_motion(parts, times)
         findings += INSIDE_OUT.find_in(motion)
         part = motion.representative_part
+        lost = part.doubt_about_rows(not_read)
         for k, kind in enumerate(MOTION_FINDINGS):
             on_progress(0.2 + 0.8 * k / len(MOTION_FINDINGS), "looking for contradictions")
-            findings += kind.find_in(part)
+            findings += [unknown(name, lost if k == 0 else UNKNOWN_ROWS) for name in kind.names] if lost else \
+                kind.find_in(part)
         if part is not motion:
             motion.notes.append(f"{len(part.number):,} of the {len(motion.number):,} particles, in boxes spread over "
                                 "the body, were held against their neighbours")
-    return MotionCheckResult(tuple(dict.fromkeys(raw.file for raw in raws)), motion, findings)
+    return MotionCheckResult(tuple(dict.fromkeys(raw.file for raw in raws)), motion, findings, not_read)

@@ -16,9 +16,11 @@ from solvers.judging.findings.all_findings import find_in_run
 from solvers.judging.findings.finding import Finding
 from solvers.judging.findings.findings_input import FindingsInput
 from solvers.judging.findings.outliers import FrameOutliers
+from solvers.judging.moment_joining import join_moments
 from solvers.judging.particle_data_types import SingleGridRun
-from solvers.judging.particle_readers import Particles, as_list, read_all
-from solvers.judging.particle_scene_matching import SAME, check_origin, match_files
+from solvers.judging.particle_readers import Particles, as_list, check_one_table_each, read_all
+from solvers.judging.particle_scene_matching import SAME, check_origin, match_files, select_plane
+from solvers.judging.quantity_names import PLANES
 from solvers.scene.scene import Scene
 from solvers.scene.validation import SceneError
 from solvers.solver.error_series import finite_or_none
@@ -98,6 +100,7 @@ class SingleGridJudgement:
                                                                                 self.true_errors)}
         return {"cells": self.grid.cells, "h": self.scene.spacing, "files": list(dict.fromkeys(f.file for f in frames)),
                 "particles": len(frames[-1].number), "times": times.tolist(), "notes": self.notes(),
+                "not_read": list(self.grid.not_read),
                 "checks": [one.to_judge_dict() for one in self.checks],
                 "error": None if true is None else error_norms.summarise_norms(times, true),
                 "norms": None if true is None else error_norms.as_json(true), "estimate": estimate,
@@ -110,7 +113,7 @@ class SingleGridJudgement:
         """Returns sentences about the files."""
         missing = [q for q in QUANTITIES if any(q not in e for e in self.best_known_errors)]
         wrong = [one.says for one in self.checks if one.is_contradiction and one.name != BY_PLACE]
-        return [*self.grid.notes, *(Message("no {q} in the files (or not at every time), so it is not judged", NAMES[q])
+        return [*self.grid.notes, *(Message("no {q} was read (or not at every time), so it is not judged", NAMES[q])
                                     for q in missing), *wrong]
 
 
@@ -154,19 +157,20 @@ class Judgement:
 
 
 def judge(scene: Scene, files: Particles | Sequence[Particles], *, cells: Sequence[int] = (),
-          times: Sequence[float] = (), compare: bool = False,
+          times: Sequence[float] = (), plane: str = PLANES[0], compare: bool = False,
           on_progress: Progress = lambda part, what: None) -> Judgement:
     """Judges the particles of any code that ran a scene's problem: how large their errors are, where, and their order.
 
     ``scene`` is the problem and its parameters; methods, estimators, effects and remedies do not matter here. Our own
     files contain their scene, which replaces every input that has its default here.
 
-    ``files`` is a path (.csv, .npz, .vtk, .vtu, .vtp), a mapping from names to arrays, or several of these, of one grid
+    ``files`` is a path (text, .npz or one of VTK's), a mapping from names to arrays, or several of these, of one grid
     or more. Arrays are (P,), (P, D) or (P, D, D) of one time ``t``, or (T, P, ...) of T times (T,), in SI units: ``x``
     and ``id`` or ``X``, and ``v``, ``F``, ``sigma`` if known; ``cells`` is the number of grid cells.
 
     Where files contain none, ``cells`` are those of the grid, one number for all files or one for each (default: the
-    scene's), and ``times`` has the time of each file in s. With ``compare`` our own methods run on the same grids for
+    scene's), and ``times`` has the time of each file in s. ``plane`` says which directions of three, xy, xz or yz, are
+    those of a plane problem. With ``compare`` our own methods run on the same grids for
     comparison; ``on_progress`` is called now and then with the part done (0 to 1) and the name of the present stage.
 
     The result's ``to_dict()`` is the object of ``mpm-lab judge``'s report.json. Raises :class:`FileError` for files, or
@@ -178,7 +182,12 @@ def judge(scene: Scene, files: Particles | Sequence[Particles], *, cells: Sequen
         if given and len(given) not in counts:
             raise SceneError(name, " ".join(map(str, given)), "is {given} numbers for {sources} files; give one for "
                              "each", len(given), len(sources))
-    scene, found = match_files(read_all(sources), scene, cells or [scene.cells], times)
+    tables = read_all(sources)
+    check_one_table_each(sources, tables, times or cells[1:])
+    tables, cells, times = join_moments(tables, cells or [scene.cells], times)
+    if plane != PLANES[0]:
+        tables = [select_plane(raw, plane) for raw in tables]
+    scene, found = match_files(tables, scene, cells, times)
     companions = TwoMeshCompanion(scene, tuple(sorted({frame.time for grid in found for frame in grid.frames})))
     judged: list[SingleGridJudgement] = []
     for k, grid in enumerate(found):

@@ -1,7 +1,7 @@
 """Particles as rows of a file and as frames at one time, of any code, and the grids that they belong to."""
 
 import itertools
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -34,7 +34,8 @@ class SceneMetadata:
 @dataclass(frozen=True)
 class RawTable:
     """A file as it was read: one table of n rows. ``columns`` maps quantities to (n, ...), vectors (n, d) and tensors
-    (n, d, d) with the file's number of dimensions; ``cells`` is its number of grid cells, ``time`` is in s."""
+    (n, d, d) with the file's number of dimensions; ``cells`` is its number of grid cells, ``time`` is in s.
+    ``not_read`` are the columns whose names are not known; X may be ``from_displacement``, as exact as that is."""
 
     file: str
     columns: dict[str, np.ndarray]
@@ -43,6 +44,8 @@ class RawTable:
     cells: int | None = None
     metadata: SceneMetadata | None = None
     step: float | None = None  # of its run in s, if known
+    not_read: tuple[str, ...] = ()
+    from_displacement: bool = False
 
 
 @dataclass(frozen=True)
@@ -64,16 +67,36 @@ class Frame:
 
 @dataclass(frozen=True)
 class SingleGridRun:
-    """Frames of one run on a grid of ``cells``, sorted by time; ``notes`` are sentences about the files."""
+    """Frames of one run on a grid of ``cells``, sorted by time; ``notes`` are sentences about the files, ``not_read``
+    the names of columns that are not known."""
 
     cells: int
     frames: tuple[Frame, ...]
     notes: tuple[str, ...] = ()
     step: float | None = None  # of the run, s
+    not_read: tuple[str, ...] = ()
 
     @property
     def times(self) -> np.ndarray:
         return np.array([frame.time for frame in self.frames])
+
+
+def unread_columns(files: Iterable[RawTable]) -> tuple[str, ...]:
+    """Returns the names of the columns that are not known, of all files, each once."""
+    return tuple(dict.fromkeys(name for raw in files for name in raw.not_read))
+
+
+def list_names(names: Sequence[str], most: int = 12) -> str:
+    """Returns names of columns with commas, for a sentence, the first ones of many."""
+    listed = join_messages(", ", (quoting.quote(name, 30) for name in names[:most]))
+    return Message("{listed} and {count} more", listed, len(names) - most) if len(names) > most else listed
+
+
+def identity_hint(raw: RawTable) -> str:
+    """Returns the end of a sentence on columns that were not read, one of which may identify particles; "" if all
+    were."""
+    return Message("; not read: {names}; if one of them says which particle is which, call it id",
+                   list_names(raw.not_read)) if raw.not_read else ""
 
 
 def row_times(raw: RawTable, given: float | None) -> np.ndarray:

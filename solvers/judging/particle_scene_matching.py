@@ -9,22 +9,29 @@ import numpy as np
 
 from solvers.estimators.standalone_companion import accurate_time_step
 from solvers.judging import particle_data_types
-from solvers.judging.column_names import describe_columns
-from solvers.judging.particle_data_types import Frame, ProblemMismatch, RawTable, SingleGridRun, row_times
+from solvers.judging.particle_data_types import (
+    Frame,
+    ProblemMismatch,
+    RawTable,
+    SingleGridRun,
+    identity_hint,
+    list_names,
+    row_times,
+    unread_columns,
+)
+from solvers.judging.particle_identities import SURE, first_id, material_positions
+from solvers.judging.quantity_names import LETTERS, TENSORS, VECTORS, describe_columns
 from solvers.judging.scene_metadata import HINT, resolve_scene, scene_of_metadata
 from solvers.problems import PROBLEMS
-from solvers.problems.judging_reference import JudgingReference
 from solvers.scene.scene import Scene
 from solvers.scene.validation import SceneError
-from solvers.translatable_message import Message, join_messages
+from solvers.translatable_message import Message
 from solvers.untrusted.quoting import FileError, quote
 
 SAME = 1e-9  # of a period, within which times are the same
 FLAT = 1e-6  # of the longest reach of all positions: a direction in which they reach no farther is none
-SURE = 0.5  # of a cell: particles farther from their start at the time 0 do not match
 MOST_STEPS = {1: 400_000, 2: 60_000}  # of the companion, by directions: a minute or two; 680 periods of the bar
-LARGEST, LARGEST_ID = 1e100, 2.0**53  # of what a particle may have; beyond, squares are no numbers, and ids not exact
-MOST_TRIED = 400  # cells of candidate grids
+LARGEST = 1e100  # of what a particle may have; beyond, squares are no numbers
 COUNTS = (Message("no"), Message("one"), Message("two"), Message("three"))
 RIGID = 10.0  # times the rest of the error: from there on a shift is that of an origin, and no error of a method
 
@@ -89,43 +96,61 @@ def _fits_scene(raw: RawTable, asked: Scene, times: Sequence[float]) -> bool:
     return False
 
 
+def select_plane(raw: RawTable, plane: str) -> RawTable:
+    """Returns the table with the two directions of ``plane``, such as xz, where it has three."""
+    axes = [LETTERS.index(letter) for letter in plane]
+    if "x" not in raw.columns or raw.columns["x"].shape[1] < 3:
+        raise FileError(raw.file, "has no three directions, of which --plane {plane} takes two; leave it out", plane)
+    taken = {key: values[:, axes] if key in VECTORS else values[:, axes][:, :, axes]
+             for key, values in raw.columns.items() if key in (*VECTORS, *TENSORS) and values.shape[1] == 3}
+    return replace(raw, columns=raw.columns | taken)
+
+
 def match_grids(files: Sequence[RawTable], scene: Scene, cells: Sequence[int],
                 times: Sequence[float]) -> list[SingleGridRun]:
     """Returns the runs in the files, coarse ones first. ``cells`` is the scene's own number, or one for each file, for
     files that contain none; ``times`` in s are those of the files in order, or empty where the files contain them."""
-    reference = PROBLEMS[scene.problem].reference
-    frames: dict[int, list[Frame]] = {}
-    notes: dict[int, list[str]] = {}
-    steps: dict[int, float | None] = {}
+    tables: dict[int, list[tuple[RawTable, float | None]]] = {}
     for k, raw in enumerate(files):
         asked = (cells or [scene.cells])[k if len(cells) > 1 else 0]
         if raw.cells not in (None, asked) and asked != type(scene)().cells:
             raise FileError(raw.file, "states {cells} cells, but --cells is {asked}; give the value of the run, or "
                             "leave it out", raw.cells, asked)
-        count = asked if raw.cells is None else raw.cells
-        try:
-            own = replace(scene, cells=count)
-        except SceneError as error:
-            raise FileError(raw.file, "belongs to a grid of {count} cells, which cannot be: {error}", quote(count),
-                            error) from None
-        found, said = _match_frames(raw, own, reference, times[k] if times else None)
-        frames.setdefault(count, []).extend(found)
-        notes.setdefault(count, []).extend(said)
-        steps[count] = raw.step if raw.step is not None else steps.get(count)
-    return [SingleGridRun(count, _sort_frames_by_time(frames[count], scene), tuple(dict.fromkeys(notes[count])),
-                          steps[count]) for count in sorted(frames)]
+        tables.setdefault(asked if raw.cells is None else raw.cells, []).append((raw, times[k] if times else None))
+    return [_match_grid(count, tables[count], scene) for count in sorted(tables)]
 
 
-def _match_frames(raw: RawTable, scene: Scene, reference: JudgingReference,
-                  given: float | None) -> tuple[list[Frame], list[str]]:
-    """Returns a file's particles as one frame per time, and notes; ``given`` is a time in s from a flag."""
-    D, columns = len(reference.axes), raw.columns
+def _match_grid(count: int, tables: Sequence[tuple[RawTable, float | None]], scene: Scene) -> SingleGridRun:
+    """Returns the run on a grid of ``count`` cells from its files, each with its time in s from a flag, or None."""
+    files, frames, notes = [raw for raw, _ in tables], list[Frame](), list[str]()
+    try:
+        own = replace(scene, cells=count)
+    except SceneError as error:
+        raise FileError(files[0].file, "belongs to a grid of {count} cells, which cannot be: {error}", quote(count),
+                        error) from None
+    if (first := first_id(files, own)) > 0:
+        notes.append(Message("the ids seem to be counted from 1, and were read so"))
+    for raw, given in tables:
+        found, said = _match_frames(raw, own, first, given)
+        frames += found
+        notes += said
+    step = next((raw.step for raw in reversed(files) if raw.step is not None), None)
+    return SingleGridRun(count, _sort_frames_by_time(frames, scene), tuple(dict.fromkeys(notes)), step,
+                         unread_columns(files))
+
+
+def _match_frames(raw: RawTable, scene: Scene, first: int, given: float | None) -> tuple[list[Frame], list[str]]:
+    """Returns a file's particles as one frame per time, and notes; ids begin with ``first``, and ``given`` is a time in
+    s from a flag."""
+    reference, columns = PROBLEMS[scene.problem].reference, raw.columns
+    D = len(reference.axes)
     if "x" not in columns:
         raise FileError(raw.file, "has no positions ({d} or position); its columns are {name}",
-                        describe_columns("x", D), ", ".join(quote(name, 20) for name in raw.names[:12]))
-    if "id" not in columns and "X" not in columns:
+                        describe_columns("x", D), list_names(raw.names))
+    if not {"id", "row", "X"} & columns.keys():
         raise FileError(raw.file, "does not identify its particles: give id, from 0 in the order of `mpm-lab problem`, "
-                        "or the material position ({d})", describe_columns("X", D))
+                        "the material position ({d}) or the displacement{hint}", describe_columns("X", D),
+                        identity_hint(raw))
     times = row_times(raw, given)
     check_length(raw.file, scene, float(times.max()))
     whole: dict[str, np.ndarray] = {key: _drop_directions(raw, key, scene, D)
@@ -135,14 +160,14 @@ def _match_frames(raw: RawTable, scene: Scene, reference: JudgingReference,
         _check_finite(raw, key, values, times)
     _check_directions(raw, scene, D)
     notes, x = list[str](), whole["x"]
-    X, number = _material_positions(raw, scene, reference, whole.get("X"))
+    X, number = material_positions(raw, scene, whole.get("X"), first)
     moved = reference.unwrap_positions(scene, X, x, times)
     if (turned := int((moved != x).any(axis=1).sum())) > 0:
         notes.append(Message("{turned:,} positions were moved back by a period of the grid", turned))
     found = []
     for at in particle_data_types.group_rows_by_time(times):
         part = {key: values[at] for key, values in whole.items()}
-        who = number[at] if "id" in columns else np.arange(len(times[at]))
+        who = number[at] if {"id", "row"} & columns.keys() else np.arange(len(times[at]))
         frame = Frame(raw.file, float(times[at][0]), who, X[at], moved[at], part.get("v"), part.get("F"),
                       part.get("sigma"), part.get("mass"), part.get("volume"))
         _check_unique_particles(frame)
@@ -184,8 +209,10 @@ def _check_directions(raw: RawTable, scene: Scene, D: int) -> None:
     if found is not None and found != D and (found > D or len(raw.columns["x"]) > D):
         more = Message("{found}, and the {problem} has {n}", _direction_count_text(found), Message(scene.problem),
                        COUNTS[D])
-        wanted = Message("give {d} and nothing beyond" if found > D else
-                         "give {d} of particles that are not all on one line", d=describe_columns("x", D))
+        upright = found == 3 and D == 2 and np.ptp(raw.columns["x"][:, 1]) == 0
+        wanted = Message("give --plane xz, if that is its plane") if upright else Message(
+            "give {d} and nothing beyond" if found > D else "give {d} of particles that are not all on one line",
+            d=describe_columns("x", D))
         raise ProblemMismatch(raw.file, Message("has positions in {more}", more), wanted)
 
 
@@ -209,52 +236,6 @@ def _check_finite(raw: RawTable, key: str, values: np.ndarray, times: np.ndarray
         what = Message("beyond {most:g}", LARGEST) if np.isfinite(values[bad]).all() else Message("no number")
         raise FileError(raw.file, "has {bad:,} rows whose {key} is {what}, first {who} at t = {times:g} s; leave times "
                         "out at which the run had gone bad", int(bad.sum()), key, what, who, times[row])
-
-
-def _material_positions(raw: RawTable, scene: Scene, reference: JudgingReference,
-                        X: np.ndarray | None) -> tuple[np.ndarray, np.ndarray]:
-    """Returns material position (n, D) in m, the file's ``X`` or that of its ids, and number (n,) of each row."""
-    ids = raw.columns.get("id")
-    if ids is not None and not ((np.abs(ids) < LARGEST_ID).all() and (ids == np.round(ids)).all()):
-        raise FileError(raw.file, "has ids that are no whole numbers; give 0, 1, 2 and so on")
-    if X is not None:
-        n = len(X)
-        if (wrong := reference.is_outside(scene, X)).any():
-            low, high = X.min(axis=0), X.max(axis=0)
-            reach = ", ".join(f"{a:.4g} to {b:.4g} m" for a, b in zip(low, high, strict=True))
-            points = reference.start(scene).material_position
-            sides = zip(reference.axes, points.min(axis=0), points.max(axis=0), strict=True)
-            begin = join_messages(" and ", (Message("{axis} from {a:.3g} to {b:.3g} m", axis.upper(), a, b)
-                                            for axis, a, b in sides))
-            reason = Message("has {wrong:,} of {n:,} material positions outside the {problem} (they reach from "
-                             "{reach}): its origin may be shifted", int(wrong.sum()), n, Message(scene.problem), reach)
-            raise ProblemMismatch(raw.file, reason, Message("particles begin at {begin}", begin))
-        return X, np.arange(n) if ids is None else ids.astype(int)
-    assert ids is not None
-    start, number = reference.start(scene), ids.astype(int)
-    count = len(start.volume)
-    fitting = _fitting_cells(scene, number)
-    if fitting or number.min() < 0 or number.max() >= count:
-        reason = Message("has ids from {first} to {last}, and {cells} cells with {ppc:g} particles each way have 0 "
-                         "to {most}", number.min(), number.max(), scene.cells, scene.ppc, count - 1)
-        if fitting:
-            raise FileError(raw.file, "{reason}; give the right --cells and --ppc (so many are those of {fitting} "
-                            "cells), or material positions", reason, fitting)
-        raise ProblemMismatch(raw.file, reason, Message(
-            "give those of `mpm-lab problem`, the right --cells and --ppc, or material positions"))
-    return start.material_position[number], number
-
-
-def _fitting_cells(scene: Scene, number: np.ndarray) -> int:
-    """Returns another number of cells with which the scene has exactly the particles ``number``; 0 if none has."""
-    count = int(number.max()) + 1
-    if count == scene.particles or len(np.unique(number)) != count:
-        return 0
-    for cells in range(scene.FEWEST_CELLS, MOST_TRIED + 1):
-        with contextlib.suppress(SceneError):
-            if (other := replace(scene, cells=cells)).particles == count:
-                return other.cells
-    return 0
 
 
 def _check_unique_particles(frame: Frame) -> None:

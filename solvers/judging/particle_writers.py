@@ -9,8 +9,8 @@ from typing import Any
 
 import numpy as np
 
-from solvers.judging.column_names import output_column_names
 from solvers.judging.particle_data_types import Frame
+from solvers.judging.quantity_names import output_column_names
 from solvers.running.result_file import particle_arrays
 from solvers.scene.scene import Scene
 

@@ -5,8 +5,8 @@ from collections.abc import Sequence
 import numpy as np
 
 from solvers.estimators.standalone_companion import ElasticBody, MotionDivergedError, solve
-from solvers.judging.column_names import LETTERS
 from solvers.judging.particle_data_types import Frame
+from solvers.judging.quantity_names import LETTERS
 from solvers.problems import PROBLEMS
 from solvers.problems.judging_reference import METHOD_FIELDS, InitialParticles
 from solvers.scene.scene import Scene

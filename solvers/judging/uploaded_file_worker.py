@@ -24,7 +24,7 @@ from solvers.judging import error_norms
 from solvers.judging.error_norms import Errors, TwoMeshCompanion, as_json, frame_stress, norm_series
 from solvers.judging.judgement import SingleGridJudgement
 from solvers.judging.particle_data_types import Frame, ProblemMismatch, SingleGridRun
-from solvers.judging.particle_readers import read_file
+from solvers.judging.particle_readers import PACKED, UPLOADED, kind_of, read_file
 from solvers.judging.particle_scene_matching import match_files, metadata_scene_or_default
 from solvers.problems import PROBLEMS
 from solvers.scene.scene import Scene
@@ -103,6 +103,9 @@ def judge_in_worker(question: dict, tell: Callable[[dict], None]) -> None:
 
 
 def _judge_file(asked: JudgeFileRequest, tell: Callable[[dict], None]) -> None:
+    if kind_of(asked.file).removesuffix(PACKED) not in UPLOADED:
+        raise FileError(asked.name, "is of no kind that is known; give a file that ends in {kinds}",
+                        ", ".join(UPLOADED))
     raw = replace(read_file(asked.file, LIMITS), file=asked.name)
     raw = replace(raw, metadata=None) if asked.chosen else raw
     scene, [grid] = match_files([raw], metadata_scene_or_default(raw, Task(**asked.task).scene()), [], [])

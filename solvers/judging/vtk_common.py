@@ -5,7 +5,7 @@ from collections import defaultdict
 
 import numpy as np
 
-from solvers.judging.column_names import is_known_name
+from solvers.judging.quantity_names import is_known_name
 from solvers.untrusted.quoting import FileError, quote
 from solvers.untrusted.size_limits import SizeLimits, check_name
 
@@ -50,6 +50,10 @@ class PointData:
         self._numbers += rows * width
         self._limits.check_numbers(self.path, self._numbers)
         return True
+
+    def skip(self, name: str) -> None:
+        """Notes an array that does not belong to points, and is not read."""
+        self._pieces.setdefault(f"{name} (of cells)", [])
 
     def wants_field_data(self, name: str, numbers: int) -> bool:
         """Returns whether an array of so many numbers that does not belong to points is needed."""

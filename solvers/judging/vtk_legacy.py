@@ -95,8 +95,13 @@ class LegacyReader:
             here = self._file.tell()
             if not self._read_line().upper().startswith("LOOKUP_TABLE"):
                 self._file.seek(here)
-        wants = self._of_points and self._data.wants(unquote(words[0]), self._rows, width)
-        self._read_array(unquote(words[0]), kind, self._rows, width, wants)
+        self._read_array(unquote(words[0]), kind, self._rows, width, self._wants(unquote(words[0]), self._rows, width))
+
+    def _wants(self, name: str, rows: int, width: int) -> bool:
+        """Returns whether an array of the data of points or cells is needed; one of cells is not."""
+        if not self._of_points:
+            self._data.skip(name)
+        return self._of_points and self._data.wants(name, rows, width)
 
     def _read_fields(self, count: int) -> None:
         for _ in range(min(count, MOST_SECTIONS)):
@@ -115,7 +120,7 @@ class LegacyReader:
                 if (values := self._read_numbers(_parse_type(words[3:]), width * rows, wants)) is not None:
                     self._data.fields[name] = values
             else:
-                self._read_array(name, words[3:], rows, width, self._of_points and self._data.wants(name, rows, width))
+                self._read_array(name, words[3:], rows, width, self._wants(name, rows, width))
 
     def _read_array(self, name: str, kind: Sequence[str], rows: int, width: int, wants: bool) -> None:
         if (values := self._read_numbers(_parse_type(kind), rows * width, wants)) is not None:

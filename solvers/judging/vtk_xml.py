@@ -109,6 +109,8 @@ class XmlReader:
             width = _parse_size(attributes.get("NumberOfTuples") or "1") * width
             wants = self._data.wants_field_data(name, width)
         else:
+            if where == "CellData":
+                self._data.skip(name)
             return
         if wants:
             if attributes.get("type") not in TYPES:

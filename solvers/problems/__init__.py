@@ -7,7 +7,7 @@ from solvers.problems.square import SQUARE
 from solvers.problems.vortex import VORTEX
 from solvers.scene.extension_modules import load_extensions
 
-PROBLEMS: dict[str, Problem] = {"bar": BarProblem(), "ring": RING, "vortex": VORTEX, "square": SQUARE}
+PROBLEMS: dict[str, Problem] = {"bar": BarProblem(), "square": SQUARE, "ring": RING, "vortex": VORTEX}
 
 
 def register(problem: Problem) -> None:

@@ -83,7 +83,7 @@ class RingScene(CircularScene):
         return max(1, round(2 * cells * ppc / 3)), max(1, round(cells * ppc / 6))
 
     disturbance_growth = property(ring_estimator_limits.disturbance_growth)
-    fallback_advice = ring_estimator_limits.fallback_advice
+    known_weakness = property(ring_estimator_limits.known_weakness)
     motion_amplitude = DerivedSceneQuantities.motion_amplitude  # A, at the outer rim
 
     def warnings(self) -> list[str]:

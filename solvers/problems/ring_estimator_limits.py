@@ -8,7 +8,7 @@ from solvers.estimators.two_grid_phase_lag import phase_lag_limit
 from solvers.problems.planar.recovered_limits import POLAR, THREE_ACROSS
 from solvers.scene.estimator_limits import Limit
 from solvers.scene.estimator_registry import HALF_REASON, MOVING_WEIGHTS, REMEDIES_REASON
-from solvers.scene.stabilisations import COUPLED, FILTER, FROZEN
+from solvers.scene.stabilisations import FILTER
 from solvers.translatable_message import Message
 
 RESONANCE = 0.115  # amplitude from which on the ring's own motion is unstable: a disturbance grows with every period
@@ -99,13 +99,7 @@ def warnings(scene: Any) -> list[str]:
                     life, wrinkles * (amplitude > WRINKLING))]
 
 
-def fallback_advice(scene: Any) -> str:
-    """Returns advice for an unstable run of the ring, as an imperative, where no other cause is known."""
-    if scene.amplitude >= RESONANCE:
-        return Message("from A = {resonance} on the ring's own motion is unstable (parametric resonance) and no remedy "
-                       "helps: choose a smaller amplitude or fewer periods", RESONANCE)
-    if scene.method == "mpm" and not scene.frozen:
-        return Message("hat functions need the remedy {frozen}; or choose CPDI", FROZEN)
-    if scene.method != "cpdi" and not scene.remedies:
-        return Message("use the remedies {filter},{coupled}, or choose CPDI", FILTER, COUPLED)
-    return Message("choose more particles per cell, a smaller amplitude or fewer periods")
+def known_weakness(scene: Any) -> str:
+    """Returns what is known to break runs of the ring, as part of a sentence; "" where its motion is stable."""
+    return Message("from A = {resonance} on the ring's own motion is unstable (parametric resonance) and no remedy "
+                   "helps", RESONANCE) if scene.amplitude >= RESONANCE else ""

@@ -66,7 +66,7 @@ class VortexScene(CircularScene):
     COARSE_BELOW = 24  # a fit over four cells is as wide as the ring; measured, a comes out at .5 to .75 of its error
     COMPANION_MESHES = ((math.inf, 6, 6),)  # 2e-7 m and 0.3 Pa off at A = 1, the finest run of the tables 4e-3 and 300
     ESTIMATORS = ("transport", "recovered", "companion")
-    LIMITS, fallback_advice = vortex_estimator_limits.LIMITS, vortex_estimator_limits.fallback_advice
+    LIMITS = vortex_estimator_limits.LIMITS
     wave_angle_per_metre = property(vortex_estimator_limits.wave_angle_per_metre)
     # Not the coupling of F with the displacements: measured at A = 1 on 48 cells, every GIMP run that has it breaks.
     REMEDIES = (FILTER, FROZEN)

@@ -9,14 +9,11 @@ import numpy as np
 from solvers.problems.planar.recovered_limits import POLAR, THREE_ACROSS
 from solvers.scene.estimator_limits import Limit
 from solvers.scene.estimator_registry import MOVING_WEIGHTS
-from solvers.scene.stabilisations import FILTER
-from solvers.translatable_message import Message
 
 FAR_ENOUGH = 3.0  # metres in a period
 #: Radians from one cell to the next by which circles may turn against each other. Measured on 60 vortices of 16 to 80
 #: cells: sigma .9 to 1.1 below, 1.2 to 3 beyond, and x up to 1.5.
 MOST_TURN = 0.39
-ENOUGH = 3  # particles per cell and direction, with which GIMP keeps its rim up to A = 1
 
 
 def swirl_slopes(scene: Any) -> tuple[np.ndarray, np.ndarray]:
@@ -64,15 +61,3 @@ LIMITS = (
           why="recovered "
           "has its own equation of motion, which is unstable with such steps in such a shear; give a cfl of {most:.2g} "
           "or less"))
-
-
-def fallback_advice(scene: Any) -> str:
-    """Returns advice for an unstable run of the vortex, as an imperative, where no other cause is known."""
-    if scene.method == "mpm":
-        return Message("hat functions fail in such a shear: choose CPDI")
-    if scene.method != "cpdi":
-        more = Message("give {enough} or more particles per cell and direction, ", ENOUGH) * (scene.ppc < ENOUGH)
-        filtered = Message("use the remedy {filter}, ", FILTER) * (not scene.remedies)
-        return Message("{more}{filtered}{other}choose CPDI", more, filtered, Message("or ") * bool(more or filtered)) \
-            + Message(", or the polar layout") * (scene.layout == "cartesian")
-    return Message("choose more cells, more particles per cell or a smaller amplitude")

@@ -64,8 +64,9 @@ def run_budget(scene: Any, cause: str = NOTHING, on_progress: Progress = lambda 
         return CauseRemovalResult(once(NOTHING, on_progress), cause, None)
     result = once(NOTHING, lambda part: on_progress(part / 2))
     again = once(cause, lambda part: on_progress((1 + part) / 2))
-    if again.reason is not None:  # of which run it is
-        again = replace(again, reason=Message("without {cause} {reason}", Message(CAUSES[cause]), again.reason))
+    if again.explanation is not None:  # of which run it is
+        again = replace(again, explanation=Message("without {cause} {reason}", Message(CAUSES[cause]),
+                                                   again.explanation))
     return CauseRemovalResult(result, cause, again)
 
 
@@ -81,12 +82,13 @@ def _rerun_with_budget(on_demand: BudgetProvider, plain: Result, cause: str, sho
     series, solver = on_demand.budget_series(plain.scene, steps, cause, show)
     if cause == NOTHING:
         return replace(plain, series=plain.series | series)
-    status, reason, broken_at = solver.status(None)
+    status, explanation, broken_at = solver.status(None)
     if solver.sound and solver.step < steps[-1]:
         status, broken_at = LOST, solver.time
-        reason = Message("the run is lost from t = {time:.4g} s on: the domain of a particle has turned inside out or "
-                         "left the grid", solver.time)
-    return replace(plain, series={"time": time, **series}, status=status, reason=reason, broken_at=broken_at)
+        explanation = Message("the run is lost from t = {time:.4g} s on: the domain of a particle has turned inside "
+                              "out or left the grid", solver.time)
+    return replace(plain, series={"time": time, **series}, status=status, explanation=explanation,
+                   broken_at=broken_at, advice=())
 
 
 def _common_samples(first: Mapping[str, np.ndarray], second: Mapping[str, np.ndarray]) -> tuple[dict, dict]:

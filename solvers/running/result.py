@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 
 from solvers.running import result_file
+from solvers.running.cures import Cure, advice_sentence
 from solvers.scene.effects import ALL
 from solvers.scene.scene import Scene
 from solvers.scene.validation import SceneError
@@ -23,6 +24,7 @@ from solvers.solver.rounding import rounding_sentence as nothing_but
 from solvers.solver.samples import QUANTITIES
 from solvers.solver.soundness import evidence
 from solvers.solver.verdict_basis import is_balance_motion_known, large_errors, missing_checks_sentence
+from solvers.translatable_message import Message
 
 SCHEMA = "mpm-lab/run/1"
 VIEW_ENTRY_POINTS = "mpm_lab.result"  # where the installed package registers ``app``'s picture and table of a run
@@ -63,7 +65,8 @@ class Result:
 
     scene: Scene
     status: str  # "ok", "unstable" or "lost" (``solvers.solver.soundness``)
-    reason: str | None  # why it is not ok, or which quantities are as wrong as they are large though positions hold
+    #: Why it is not ok, or which quantities are as wrong as they are large though positions hold; without advice.
+    explanation: str | None
     broken_at: float | None  # time in s at which the run was found lost or unstable
     time: float  # reached, s
     steps: int
@@ -78,6 +81,8 @@ class Result:
     plan: str  # how the step was spread: "serial" or "parallel"
     #: Quantities of interest at the end, by name (:func:`solvers.running.quantities_of_interest.evaluate_goal`).
     goals: dict[str, dict] = field(default_factory=dict)
+    #: What may help a broken run; ``solvers.running.cure_trials.try_cures`` tries it.
+    advice: tuple[Cure, ...] = ()
 
     def __repr__(self) -> str:
         largest = self.error["x"]["max"]
@@ -115,6 +120,13 @@ class Result:
             if (table := load_view_function("table")) is not None:
                 return table(self)
         return None
+
+    @property
+    def reason(self) -> str | None:
+        """The explanation, with what helps or may help; None for a run in which nothing is wrong."""
+        if self.explanation is None or not self.advice:
+            return self.explanation
+        return Message("{explanation}; {advice}", self.explanation, advice_sentence(self.advice))
 
     @property
     def picture_snapshot(self) -> Snapshot:
@@ -212,11 +224,16 @@ class Result:
     @property
     @IGNORE_OVERFLOW
     def life(self) -> dict[str, float | None]:
-        """Periods until the true error of x first exceeded a tenth of the motion's amplitude ("accurate"), and until
-        the run was found lost or unstable ("sound"), None where neither happened or the truth is unknown; and the
-        largest error of x within the first period, in amplitudes ("first_period")."""
-        beyond = np.flatnonzero(self.series["error_x"] > ACCURATE * self.scene.motion_amplitude)
-        times = {"accurate": self.series["time"][beyond[0]] if len(beyond) else None, "sound": self.broken_at}
+        """Periods until the true error of x first exceeded a tenth of the motion's amplitude ("accurate"), by straight
+        lines between samples, and until the run was found lost or unstable ("sound"), None where neither happened or
+        the truth is unknown; and the largest error of x within the first period, in amplitudes ("first_period").
+
+        The error swings, and a peak between two samples goes unseen: "accurate" is known to a part of a period."""
+        excess = self.series["error_x"] - ACCURATE * self.scene.motion_amplitude
+        beyond = np.flatnonzero(excess > 0)[:1]
+        around = slice(max(0, beyond[0] - 1), beyond[0] + 1) if len(beyond) else slice(0)
+        times = {"accurate": np.interp(0.0, excess[around], self.series["time"][around]) if len(beyond) else None,
+                 "sound": self.broken_at}
         first = self.series["error_x"][self.series["time"] <= 1.001 * self.scene.period].max()
         return {name: None if time is None else float(time) / self.scene.period for name, time in times.items()} \
             | {"first_period": finite_or_none(first / self.scene.motion_amplitude)}
@@ -252,7 +269,8 @@ class Result:
     def to_dict(self) -> dict:
         """Returns the object of ``mpm-lab run --json``: results of effects that were off are None."""
         return {"schema": SCHEMA, "scene": self.scene.to_dict(), "status": self.status, "reason": self.reason,
-                **self.verdict, "t": self.time, "steps": self.steps, "particles": self.particles, "error": self.error,
+                "advice": [asdict(cure) for cure in self.advice], **self.verdict,
+                "t": self.time, "steps": self.steps, "particles": self.particles, "error": self.error,
                 "estimate": self.estimate, "index": self.index, "rounding": self.rounding, "distance": self.distance,
                 "goals": self.goals,
                 **{effect.json_key: self.effect_numbers(name) for name, effect in ALL.items() if effect.numbers},

@@ -6,11 +6,12 @@ the name, type and shape that its scene requires, or the file is rejected."""
 
 import json
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from typing import Any
 
 import numpy as np
 
+from solvers.running.cures import Cure
 from solvers.running.scene_json_line import parse_scene_json_line, scene_from_inputs, scene_line
 from solvers.scene.scene import Scene
 from solvers.solver import samples
@@ -40,8 +41,9 @@ def particle_arrays(scene: Scene, times: Sequence[float], number: np.ndarray, X:
 def result_arrays(values: Mapping[str, Any]) -> dict[str, np.ndarray]:
     """Returns arrays by name for ``values``, a Result's fields by name, without the particles that the judge reads."""
     moments = {name: values[name] for name in MOMENTS if values[name] is not None}
-    said = {name: values[name] for name in values.keys() - {"scene", "series", *MOMENTS}}
-    said |= {"schema": SCHEMA, "seconds": asdict(values["seconds"]), "moments": {
+    said = {name: values[name] for name in values.keys() - {"scene", "series", "explanation", *MOMENTS}}
+    said |= {"schema": SCHEMA, "seconds": asdict(values["seconds"]), "reason": values["explanation"],
+             "advice": [*map(asdict, values["advice"])], "moments": {
         name: {"step": shot.step, "time": shot.time} for name, shot in moments.items()}}
     found = {"result": np.array(json.dumps(said, sort_keys=True)), "scene": np.array(scene_line(values["scene"]))}
     found |= {f"series/{name}": series for name, series in values["series"].items()}
@@ -111,7 +113,7 @@ class _ResultReader:
                    for name in MOMENTS}
         if moments["final"] is None:
             raise KeyError("final")
-        return {"scene": self._scene, "status": status, "reason": _maybe(_validated_text, said["reason"]),
+        return {"scene": self._scene, "status": status, "explanation": _maybe(_validated_text, said["reason"]),
                 "broken_at": _maybe(_validated_number, said["broken_at"]), "time": _validated_number(said["time"]),
                 "steps": _validated_count(said["steps"]), "series": self._series(), **moments,
                 "bytes": _validated_count(said["bytes"]), "threads": _validated_count(said["threads"]),
@@ -119,7 +121,12 @@ class _ResultReader:
                 "not_valid": {_validated_text(name): _validated_text(why) for name, why in not_valid.items()},
                 "seconds": WallTimes(_validated_number(seconds["setup"]), _validated_number(seconds["compile"]),
                                      _validated_number(seconds["run"]), estimators),
+                "advice": tuple(self._cure(**cure) for cure in said.get("advice", [])),
                 "goals": {_validated_text(name): _validated_goal(goal) for name, goal in said.get("goals", {}).items()}}
+
+    def _cure(self, change: dict[str, Any], text: str, tried: bool, held: bool) -> Cure:
+        replace(self._scene, **change)  # raises an error for what no scene has
+        return Cure(change, _validated_text(text), tried is True, held is True)
 
     def _series(self) -> dict[str, np.ndarray]:
         """Returns all T sampled norms by name, each (T,) in SI."""

@@ -8,6 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from solvers.problems import PROBLEMS
+from solvers.running.cures import candidate_cures
 from solvers.running.quantities_of_interest import evaluate_goal, mask_refused, parse_goals
 from solvers.running.repeated_step_timing import estimator_shares
 from solvers.running.result import Result
@@ -83,7 +84,8 @@ def run(scene: Scene | type[Scene] | str, on_progress: Callable[[float], None] |
     ``on_progress`` is called several times a second with the part done, 0 to 1; ``on_sample`` with the particles
     whenever their norms are sampled, from start to end, and each call interrupts the run.
 
-    The result has errors, estimates, status and times; its ``to_dict()`` is the object of ``mpm-lab run --json``.
+    The result has errors, estimates, status and times; its ``to_dict()`` is the object of ``mpm-lab run --json``. What
+    may help a broken run is named untried (:func:`solvers.running.cure_trials.try_cures` tries it).
     Raises :class:`SceneError` for anything but a scene, for a GPU that does not exist, and for an invalid goal.
     """
     scene = as_scene(scene)
@@ -128,14 +130,16 @@ def run(scene: Scene | type[Scene] | str, on_progress: Callable[[float], None] |
     finding = earliest_finding(findings(scene, series), not_valid)
     if finding and finding.particle is None and final.error is not None:
         finding = replace(finding, particle=int(np.argmax(np.nan_to_num(final.error[:, 0]))))
-    status, reason, broken_at = solver.status(finding, large_errors(scene, series, not_valid))
+    status, explanation, broken_at = solver.status(finding, large_errors(scene, series, not_valid))
     seconds = WallTimes(solver.setup_seconds, compiled, ran, {name: part * ran for name, part in shares.items()})
     fields = solver.fields() if wanted else None
     reached = {goal.name: evaluate_goal(goal, fields, scene, solver.step) for goal in wanted} if fields else {}
-    result = Result(scene=scene, status=status, reason=reason, broken_at=broken_at, time=solver.time, steps=solver.step,
-                    series=series, final=final, mid_run=kept if solver.sound else None, bytes=solver.bytes,
-                    not_valid=not_valid, seconds=seconds, arch=solver.arch, threads=solver.threads, plan=solver.plan,
-                    goals=mask_refused(reached, not_valid))
+    rule = finding.rule if finding and solver.sound else ""
+    cures = () if broken_at is None else candidate_cures(scene, rule, broken_at)
+    result = Result(scene=scene, status=status, explanation=explanation, broken_at=broken_at, time=solver.time,
+                    steps=solver.step, series=series, final=final, mid_run=kept if solver.sound else None,
+                    bytes=solver.bytes, not_valid=not_valid, seconds=seconds, arch=solver.arch,
+                    threads=solver.threads, plan=solver.plan, goals=mask_refused(reached, not_valid), advice=cures)
     _give_back_solver(solver)
     return result
 

@@ -79,6 +79,11 @@ class DerivedSceneQuantities:
         return 0.0
 
     @property
+    def known_weakness(self) -> str:
+        """What is known to break runs of this scene, as part of a sentence; "" for nothing."""
+        return ""
+
+    @property
     def drift_speed(self) -> float:
         """Speed of the body as a whole, in m/s."""
         return 0.0

@@ -6,6 +6,7 @@ Modules named in the environment variable ``MPM_LAB_EXTENSIONS``, which every pr
 """
 
 import functools
+import html
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -68,7 +69,7 @@ class Estimator:
         """Returns the explanation in the language with this code, such as ``de``, or in English where there is none."""
         files = (EXPLANATIONS / f"{self.name}.{language}.html", EXPLANATIONS / f"{self.name}.html")
         file = next((file for file in files if file.exists()), None)
-        return self.page or (file.read_text(encoding="utf-8") if file else f"<p>{self.summary}</p>")
+        return self.page or (file.read_text(encoding="utf-8") if file else f"<p>{html.escape(self.summary)}</p>")
 
 
 ESTIMATORS: dict[str, Estimator] = {estimator.name: estimator for estimator in (

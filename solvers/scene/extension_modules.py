@@ -3,9 +3,11 @@
 Every process imports them once, before it looks up what a problem supports.
 """
 
+import contextlib
 import functools
 import importlib
 import os
+import sys
 from collections.abc import Iterable
 
 EXTENSIONS = "MPM_LAB_EXTENSIONS"
@@ -18,11 +20,13 @@ class ExtensionError(Exception):
 
 @functools.cache
 def load_extensions() -> None:
-    """Imports the modules that ``MPM_LAB_EXTENSIONS`` names. Raises :class:`ExtensionError` where that fails."""
+    """Imports the modules that ``MPM_LAB_EXTENSIONS`` names; what they print goes to standard error, because standard
+    output may be JSON. Raises :class:`ExtensionError` where that fails."""
     for module in filter(None, os.environ.get(EXTENSIONS, "").replace(",", " ").split()):
         try:
-            importlib.import_module(module)
-        except Exception as error:
+            with contextlib.redirect_stdout(sys.stderr):
+                importlib.import_module(module)
+        except (Exception, SystemExit) as error:
             missing = isinstance(error, ModuleNotFoundError) and error.name == module.partition(".")[0]
             raise ExtensionError(f"{EXTENSIONS} names {module}, which cannot be imported ({type(error).__name__}: "
                                  f"{error}); correct it or leave it out"

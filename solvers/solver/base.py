@@ -13,7 +13,6 @@ from solvers.estimators.estimator_arrays import unpack_arrays
 from solvers.scene.estimator_hooks import NEVER, EstimatorHooks
 from solvers.scene.kernel_options import KernelOptions, kernel_key, kernel_options_of
 from solvers.scene.scene import Scene
-from solvers.scene.step_bound import SAFE
 from solvers.solver.particle_snapshot import ParticleFields, Snapshot
 from solvers.solver.particle_step_breakdown import ParticleStepBreakdown
 from solvers.solver.samples import MARGIN, MAX_ROWS
@@ -214,13 +213,13 @@ class Solver(ABC):
         self._arrays.estimate_intervals[self._switches.estimators.index(estimator)] = NEVER
 
     def reason(self) -> str:
-        """Returns in one sentence why an unstable run stopped, and what to change."""
+        """Returns in one sentence why an unstable run stopped."""
         kind, step, p = (int(n) for n in self._arrays.verdict)
         what = {INVERTED: Message("turned inside out (its deformation gradient fell to zero or is not a number)"),
                 CRUSHED: Message("was crushed to less than a thousandth of its size"),
                 ESCAPED: self._escape_sentence()}[kind]
-        return Message("the run went unstable at t = {time:.4g} s: particle {p} (X = {place}) {what}; {advice}",
-                       step * self.scene.time_step, p, self._position_text(p), what, self._advice())
+        return Message("the run went unstable at t = {time:.4g} s: particle {p} (X = {place}) {what}",
+                       step * self.scene.time_step, p, self._position_text(p), what) + self._known_weakness()
 
     def status(self, finding: SoundnessFinding | None,
                as_large: Mapping[str, LargeRelativeError] = NO_LARGE_ERRORS) -> tuple[str, str | None, float | None]:
@@ -231,33 +230,24 @@ class Solver(ABC):
         if not self.sound:
             return UNSTABLE, self.reason(), self.time if since is None else since
         if finding is None:
-            return OK, large_error_warning(as_large), None
+            return OK, large_error_warning(self.scene, as_large), None
         return LOST, self.loss_sentence(finding), since
 
     def loss_sentence(self, finding: SoundnessFinding) -> str:
-        """Returns a sentence when, by the ``finding``, the run was lost, where most, why, and what to change."""
+        """Returns a sentence when, by the ``finding``, the run was lost, where most, and why."""
         where = "" if finding.particle is None else \
             Message(", most at particle {particle} (X = {place})", finding.particle,
                     self._position_text(finding.particle))
-        return Message("the run is lost from t = {time:.4g} s on: {sentence}{where}; {advice}", finding.time,
-                       finding.sentence, where, self._advice())
+        return Message("the run is lost from t = {time:.4g} s on: {sentence}{where}", finding.time, finding.sentence,
+                       where) + self._known_weakness()
 
     def _position_text(self, particle: int) -> str:
         return ", ".join(f"{x:.4f}" for x in np.atleast_1d(self._arrays.members()["material_position"][particle]))
 
-    def _advice(self) -> str:
-        """Returns what to change in an unstable or lost run, as part of a sentence, for the likeliest cause."""
-        scene = self.scene
-        lonely = scene.ppc == 1 and not scene.linearity_preserving and not scene.frozen
-        if scene.time_step > SAFE * scene.step_bound:
-            also = Message("; and give two or more particles per cell: one loses runs with short steps too") * lonely
-            return Message("take shorter steps (--dt auto takes {step_bound:.3g} s, this run took {time_step:.3g} "
-                           "s){also}", SAFE * scene.step_bound, scene.time_step, also)
-        if lonely:
-            return Message("one particle per cell is the cause: give two or more")
-        if scene.velocity == "particle":
-            return Message("moving the particles with their own velocity is the cause: give --velocity grid")
-        return self._fallback_advice()
+    def _known_weakness(self) -> str:
+        """Returns what is known to break runs of this scene, to be put behind a sentence; "" for nothing."""
+        weakness = self.scene.known_weakness
+        return Message("; {weakness}", weakness) if weakness else ""
 
     def _plan_of(self, scene: Scene) -> str:
         """Returns the plan by which a new solver would step a scene."""
@@ -293,7 +283,3 @@ class Solver(ABC):
     @abstractmethod
     def _escape_sentence(self) -> str:
         """Returns how a particle outside the allowed region has moved, as part of a sentence."""
-
-    @abstractmethod
-    def _fallback_advice(self) -> str:
-        """Returns what to change, as part of a sentence, when the step is short enough and no usual cause applies."""

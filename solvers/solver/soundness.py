@@ -9,7 +9,7 @@ such as a ring that turns as a whole or late waves of a free bar. All rules chec
 """
 
 from collections.abc import Callable, Collection, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 
 import numpy as np
@@ -55,13 +55,14 @@ CONTRADICTIONS: dict[str, ContradictionRule] = {rule.name: rule for rule in (
 
 @dataclass(frozen=True)
 class SoundnessFinding:
-    """First sample at which a run is found lost: its ``time`` in s, a ``sentence`` that says why, and the ``size`` of
-    what is wrong, mostly in amplitudes."""
+    """First sample at which a run is found lost: its ``time`` in s, a ``sentence`` that says why, the ``size`` of what
+    is wrong, mostly in amplitudes, and the ``rule`` that found it, a key of :func:`findings`."""
 
     time: float
     sentence: str
     size: float
     particle: int | None = None  # where it is worst, if known
+    rule: str = ""
 
 
 def findings(scene: Scene, series: Mapping[str, np.ndarray]) -> dict[str, SoundnessFinding]:
@@ -88,7 +89,7 @@ def findings(scene: Scene, series: Mapping[str, np.ndarray]) -> dict[str, Soundn
             sentence = partial(Message, "the {noun} is wrong ({name} estimates its error as {size} of it)", noun=noun,
                                name=name)
             rules[f"{name}/{quantity}"] = (series[f"{name}/estimate_{quantity}"], most, unit, sentence)
-    return {name: found for name, (values, most, unit, sentence) in rules.items()
+    return {name: replace(found, rule=name) for name, (values, most, unit, sentence) in rules.items()
             if (found := _first_exceedance(series, values, most, unit, sentence))}
 
 

@@ -63,11 +63,15 @@ def merge_large_errors(before: Mapping[str, LargeRelativeError],
                       for quantity, one in before.items()}}
 
 
-def large_error_warning(errors: Mapping[str, LargeRelativeError]) -> str | None:
-    """Returns a sentence about :func:`large_errors` in a run that is ok for positions; None without any."""
+def large_error_warning(scene: Scene, errors: Mapping[str, LargeRelativeError]) -> str | None:
+    """Returns a sentence about :func:`large_errors` in a run of a scene that is ok for positions, and about its step if
+    that is too long; None without such errors."""
     parts = [Message("the {quantity} is off by up to {size:.2g} times its own size, from t = {since:.4g} s on",
                      NOUNS[quantity], one.size, one.since)
              + Message(" (according to {by})", one.by) * (one.by != "truth") for quantity, one in errors.items()]
+    if parts and scene.time_step > scene.step_bound:
+        parts.append(Message("the time step is {times:.2g} times the longest stable one (linear theory)",
+                             scene.time_step / scene.step_bound))
     return POSITIONS_HOLD + join_messages("; ", parts) if parts else None
 
 

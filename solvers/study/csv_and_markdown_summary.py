@@ -1,7 +1,5 @@
 """Rows as a table: CSV with a column for every number, and a summary in Markdown."""
 
-import csv
-import io
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
@@ -39,11 +37,7 @@ def uniform_rows(rows: Iterable[Mapping]) -> list[dict]:
 def csv_text(rows: Iterable[Mapping]) -> str:
     """Returns a CSV with one line per row, a column for each key of any row; missing values are empty."""
     lines = uniform_rows(rows)
-    text = io.StringIO()
-    writer = csv.DictWriter(text, lines[0] if lines else (), lineterminator="\n")
-    writer.writerow({name: quoting.csv_cell(name) for name in writer.fieldnames})
-    writer.writerows({name: quoting.csv_cell(value) for name, value in line.items()} for line in lines)
-    return text.getvalue()
+    return quoting.csv_text([lines[0] if lines else (), *(line.values() for line in lines)])
 
 
 def study_to_dict(problem: str, rows: Sequence[dict]) -> dict:

@@ -5,7 +5,9 @@ characters, half a surrogate), stands as its escape, ``\\x1b``. What is cut has 
 where such a text may go: within a sentence, a sentence as a whole, Markdown, HTML, a cell of a CSV.
 """
 
+import csv
 import html
+import io
 import re
 from collections.abc import Iterable
 from difflib import get_close_matches
@@ -18,7 +20,8 @@ QUOTE, SENTENCE, NAME, CELL = 60, 400, 60, 1000  # characters, at most
 LONGEST_PATH = 4000  # that any system has
 ELLIPSIS = "…"
 NOTHING = Message("(no value)")
-FORMULA_SIGNS = "=+-@\t\r\n\uff1d\uff0b\uff0d\uff20"  # a spreadsheet would reckon what begins so, also in wide letters
+FORMULA_SIGNS = tuple("=+-@\uff1d\uff0b\uff0d\uff20")  # a spreadsheet would reckon what begins so, also in wide letters
+CUTS = re.compile("([;,\t\r\n])")  # where a spreadsheet may begin another cell, also within quotes
 MARKDOWN_SIGNS = re.compile(r"([\\`*_\[\]<>$#~])")  # that mean something within a line of Markdown
 
 
@@ -69,20 +72,31 @@ def escape_html(value: object, most: int = SENTENCE) -> str:
     return html.escape(one_line(value, most), quote=True)
 
 
+def csv_text(rows: Iterable[Iterable[object]]) -> str:
+    """Returns rows of cells as a CSV with every text in quotes and none that is a formula (:func:`csv_cell`)."""
+    out = io.StringIO()
+    writer = csv.writer(out, lineterminator="\n", quoting=csv.QUOTE_NONNUMERIC)
+    writer.writerows([csv_cell(value) for value in row] for row in rows)
+    return out.getvalue()
+
+
 def csv_cell(value: object) -> object:
-    """Returns a value for a cell of a CSV that no spreadsheet takes for a formula: texts that begin like one get a ' in
-    front and are cut after 1000 characters, other types are unchanged."""
+    """Returns a value for a cell of a CSV that no spreadsheet takes for a formula: a text gets a ' before what begins
+    like one, first or after a separator, and is cut after 1000 characters; other types are unchanged."""
     if not isinstance(value, str):
         return value
-    text = _cut_end(_escape_invisible(value[:CELL + 1]), CELL)
-    formula = value.lstrip(" ")[:1] in tuple(FORMULA_SIGNS) and not all(map(is_number, value.split(" ")))
-    return f"'{text}" if formula else text
+    parts = [f"'{part}" if _is_formula(part) else part for part in CUTS.split(value[:CELL + 1])]
+    return _cut_end(_escape_invisible("".join(parts)), CELL)
 
 
 def suggest_word(word: str, known: Iterable[str]) -> str:
     """Returns " (did you mean WORD?)" with the nearest of the known words, for a sentence; "" where none is near."""
     close = get_close_matches(word[:QUOTE], list(known), n=1)
     return Message(" (did you mean {close}?)", close[0]) if close else ""
+
+
+def _is_formula(part: str) -> bool:
+    return part.lstrip(" ").startswith(FORMULA_SIGNS) and not all(map(is_number, part.split()))
 
 
 def _to_text(value: object) -> str:

@@ -48,9 +48,15 @@ def test_units_have_prefixes(value, text):
     assert names_and_units.with_unit(value, "m") == text
 
 
+@pytest.mark.parametrize(("count", "text"), [(1.0004, "1 period"), (0.9996, "1 period"), (1.01, "1.01 periods"),
+                                             (2.5, "2.5 periods")])
+def test_what_reads_as_one_is_one(count, text):
+    assert names_and_units.in_periods(count) == text
+
+
 def test_an_amplitude_is_a_length_or_an_angle():
     assert [names_and_units.unit_of(problem.scene,
-                                    "amplitude") for problem in PROBLEMS.values()] == ["m", "m", "rad", "m"]
+                                    "amplitude") for problem in PROBLEMS.values()] == ["m", "m", "m", "rad"]
 
 
 @pytest.mark.parametrize("text, unit, value", [
@@ -71,7 +77,6 @@ def test_what_is_no_size_is_refused(text, unit):
 def test_sentences_name_what_stands_beside_the_widgets():
     """A visitor has no flags: the box, the choice and the remedies are called as the page calls them."""
     assert names_and_units.reword_for_page("steps (--dt auto takes 0.1 s)") == 'steps (the box "Auto step" takes 0.1 s)'
-    assert names_and_units.reword_for_page("give --velocity grid") == "give grid velocity"
     assert (
         names_and_units.reword_for_page(
             "ugimp needs 98 cells, cfl 0.5; mpm-lab run bar --method mpm; cpgimp-v, or bspline"

@@ -39,7 +39,7 @@ def test_everything_promised_is_there():
 def test_a_problem_by_name_or_class_runs_with_its_defaults():
     assert run("bar").error == run(BarScene).error == run(BarScene()).error
     for wrong in ("bat", 3):
-        with pytest.raises(SceneError, match="bar, ring, vortex"):
+        with pytest.raises(SceneError, match="bar, square, ring, vortex"):
             run(wrong)
     with pytest.raises(SceneError, match="one of x, v, sigma, a, sigma_log"):
         _ = run(BarScene(cells=8, periods=0.1)).error["q"]
@@ -60,7 +60,8 @@ def test_a_result_is_called_as_its_json():
     result = run(BarScene(cells=20, periods=0.1, estimators=("companion",)))
     assert isinstance(result, Result) and result.status == "ok"
     values = result.to_dict()
-    alike = values.keys() - {"schema", "scene", "t", "checked", "not_checked", "as_large_as_itself", "seconds"}
+    alike = values.keys() - {"schema", "scene", "t", "checked", "not_checked", "as_large_as_itself", "seconds",
+                             "advice"}
     assert {name: getattr(result, name) for name in alike} == {name: values[name] for name in alike}
     assert result.verdict.items() <= values.items() and result.time == values["t"]
     assert result.index["x"] == pytest.approx(1, abs=0.01) and result.index["companion"] == result.index
@@ -111,7 +112,7 @@ def test_what_cannot_be_in_a_sweep_is_a_row_of_it():
 
 
 @pytest.mark.parametrize("problem, inputs, sentence", [
-    ("rod", {}, "problem rod: is not known; give one of bar, ring, vortex"),
+    ("rod", {}, "problem rod: is not known; give one of bar, square, ring, vortex"),
     ("bar", {"cels": 20}, "cels 20: is no input of the bar; give some of method, cells"),
     ("bar", {"cells": []}, "cells []: holds no value; give one at least"),
     ("bar", {"cells": 20.5}, "cells 20.5: give a whole number from 4 to 100,000"),

@@ -6,6 +6,7 @@ from contextlib import contextmanager
 from app.access.allowed_hosts import Addresses
 from app.access.code_login import BOARD, CLASS, TEACHER
 from app.classroom.class_context import LessonContext
+from app.page.listening_address import THIS_MACHINE, authority
 from app.page.page_server import _start_server
 from solvers.study.landscape.error_history import HistoryCache
 from solvers.workers.worker_process import free_port
@@ -50,17 +51,17 @@ def start_server(host="127.0.0.1", names=(), code="", notes="", classroom=None, 
     one = _start_server(host, port, SilentPool(), 4, Addresses(host, names), codes, classroom or LessonContext(),
                         board)
     try:
-        yield one, f"http://127.0.0.1:{port}"
+        yield one, f"http://{authority(THIS_MACHINE.get(host, host), port)}"
     finally:
         one.stop()
 
 
 def http_get(address, path="/", headers=()):
     """Status and body of an answer to exactly these headers, and a Host unless they have one; "" sends none."""
-    host, port = address.removeprefix("http://").split(":")
+    host, _, port = address.removeprefix("http://").rpartition(":")
     headers = {"Host": f"{host}:{port}", **dict(headers)}
     lines = [f"GET {path} HTTP/1.1", *(f"{name}: {value}" for name, value in headers.items() if value), "", ""]
-    with socket.create_connection((host, int(port)), timeout=20) as line:
+    with socket.create_connection((host.strip("[]"), int(port)), timeout=20) as line:
         line.sendall("\r\n".join(lines).encode("latin1"))
         answer = b""
         while b"\r\n\r\n" not in answer:

@@ -1,6 +1,6 @@
 """``mpm-lab check FILES...``: contradictions within the particles of any run, and the report in Markdown."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Any, ClassVar
@@ -24,8 +24,9 @@ EXPECTABLE = ClaimChecker("run", dict.fromkeys(("contradictions", "broken", "sus
 class ContradictionCheck:
     """Look through the particles of any run for what contradicts itself, without a problem or a solution.
 
-    FILES are .csv, .npz, .vtk, .vtu or .vtp with the particles of one run at two or more moments: positions x, and X or
-    id, v, F, stress, mass and volume as there are. That no contradiction was found does not mean that the run is right.
+    FILES are text (.csv, .txt, .dat), .npz or VTK's with the particles of one run at two or more moments: positions x,
+    and X or id, v, F, stress, mass and volume as there are. That no contradiction was found does not mean that the run
+    is right.
     Exit status: 0 no contradiction found, 1 not as expected or could not write, 2 bad input, 3 suspicious or broken
     (with --expect the claims alone decide)."""
 
@@ -89,7 +90,14 @@ def verdict_text(values: dict) -> str:
     """Returns the verdict, the contradictions, and what could not be checked, in Markdown, from the JSON object."""
     lines = [*map(escape_markdown, values["not_told"]), *values["never_told"]]
     return "\n\n".join([_verdict_sentence(values), *([_findings_list(values)] if _findings_list(values) else []),
+                        *unread_columns_text(values["not_read"]),
                         "What could not be told:\n\n" + "\n".join(f"* {line}" for line in lines)])
+
+
+def unread_columns_text(names: Sequence[str]) -> list[str]:
+    """Returns a paragraph of Markdown on the columns that were not read, [] if all were."""
+    from solvers.judging.particle_data_types import list_names  # here: bad input must not wait for it
+    return [f"Columns that were not read: {escape_markdown(list_names(names, 40))}."] if names else []
 
 
 def as_markdown(values: dict, pictures: list[str]) -> str:

@@ -11,6 +11,7 @@ import tyro
 
 from app import names_and_units
 from app.commands import lenient_flag_types
+from app.commands.check.contradiction_check import unread_columns_text
 from app.commands.expect_flag import ClaimChecker
 from app.commands.output import OutputFolder, put_report, put_text
 from app.commands.progress import show_progress
@@ -21,6 +22,7 @@ from app.problems.views import VIEWS
 from app.templates import render_template
 from solvers.judging.error_norms import QUANTITIES as JUDGED
 from solvers.judging.findings.finding import OFF
+from solvers.judging.quantity_names import PLANES
 from solvers.problems.judging_reference import METHOD_FIELDS
 from solvers.study.markdown_tables import markdown_table
 from solvers.untrusted.quoting import FileError, code_span, escape_markdown, file_name
@@ -44,9 +46,9 @@ class Judge(SceneFlags):
 
     HELP: ClassVar[str] = """Judge what any code's particles of the {title} get wrong, where and of which order.
 
-    FILES are .csv, .npz, .vtk, .vtu or .vtp with particles at one or many times, of one grid or several: positions, id
-    or material position, and velocity, F or stress as there are (`mpm-lab problem` says how, and writes one). The flags
-    say what was run.
+    FILES are text (.csv, .txt, .dat), .npz or VTK's with particles at one or many times, of one grid or several:
+    positions, id or material position, and velocity, F or stress as there are (`mpm-lab problem` says how, and writes
+    one). The flags say what was run.
     Exit status: 0 judged, 1 not as expected or could not write, 2 bad input."""
     EXAMPLE: ClassVar[str] = "mpm-lab judge {problem} mine.csv --cells 40 --out verdict"
     LEFT_OUT: ClassVar[frozenset[str]] = METHOD_FIELDS - {"dt", "cfl"}
@@ -55,6 +57,8 @@ class Judge(SceneFlags):
     """Files of particles."""
     time: Annotated[lenient_flag_types.NamesFlag, lenient_flag_types.default_hint("the files say it")] = ()
     """Time of each file, s, in their order, where they do not say it."""
+    plane: Annotated[Any, lenient_flag_types.one_of(PLANES), lenient_flag_types.default_hint(PLANES[0])] = PLANES[0]
+    """Directions of three that are those of a plane problem."""
     out: Annotated[lenient_flag_types.PathFlag, lenient_flag_types.default_hint("the summary is printed only")] = None
     """Directory for report.md, report.html, report.json and pictures; it must be new or empty."""
     no_compare: Annotated[lenient_flag_types.Switch, lenient_flag_types.default_hint("off")] = False
@@ -66,6 +70,8 @@ class Judge(SceneFlags):
 
     def execute(self) -> int:
         EXPECTABLE.validate_claims(self.expect)
+        if self.plane not in PLANES:
+            raise lenient_flag_types.BadInput("plane", self.plane, f"is none; give {' or '.join(PLANES)}")
         times = lenient_flag_types.parse_file_times(self.files, self.time)
         cells = self._cells()
         scene, *_ = (self.scene(cells=count) for count in cells)  # each validates itself
@@ -73,8 +79,8 @@ class Judge(SceneFlags):
         try:
             with show_progress(self.quiet) as show:
                 from solvers import judge  # here: bad input must not wait for it
-                judged = judge(scene, self.files, cells=cells, times=times, compare=not self.no_compare,
-                               on_progress=show)
+                judged = judge(scene, self.files, cells=cells, times=times, plane=self.plane,
+                               compare=not self.no_compare, on_progress=show)
         except FileError as error:
             raise lenient_flag_types.BadInput("", error.file, error.sentence) from None
         return self._write_reports(folder, judged)
@@ -133,6 +139,7 @@ def judgement_text(values: dict, judged: "Judgement") -> str:
     if values["order"]:
         known = [f"{fit['order']:.2f} of {QUANTITIES[q].symbol}" for q, fit in values["order"].items() if fit]
         head.append(f"**Order in h:** {', '.join(known) or 'none could be found'}.")
+    head += unread_columns_text(list(dict.fromkeys(name for g in values["grids"] for name in g["not_read"])))
     return "\n\n".join(head)
 
 

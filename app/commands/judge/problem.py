@@ -12,7 +12,7 @@ from app.commands.output import OutputFolder, json_text, print_message
 from app.commands.scene_flags import SceneFlags
 from app.names_and_units import per_cell
 from app.templates import render_template
-from solvers.judging.column_names import output_column_names
+from solvers.judging.quantity_names import output_column_names
 from solvers.problems import PROBLEMS
 from solvers.problems.judging_reference import METHOD_FIELDS, ProblemDescription
 from solvers.scene.scene import Scene

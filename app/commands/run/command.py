@@ -1,6 +1,7 @@
 """``mpm-lab run PROBLEM``: one run without a page, to JSON, a picture or a table."""
 
 from collections.abc import Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, ClassVar
@@ -90,7 +91,7 @@ class OutputFlags:
         writer = None if self.particles is None else ParticleWriter(self.particles, scene)
         for sentence in () if self.quiet else scene.warnings():
             print_message(f"warning: {sentence}")
-        result = _run(scene, self.quiet, writer, self.goal)
+        result = _run_and_try_cures(scene, self.quiet, writer, self.goal)
         if scene.arch == "gpu" and result.arch in ("x64", "arm64") and not self.quiet:
             why = "no GPU was found" if scene.prefers_gpu else f"the {scene.problem} is built for processors"
             print_message(f"{why}: this ran on the processor ({result.arch})")
@@ -141,10 +142,15 @@ class RunFromSceneText(OutputFlags):
         return self.run_and_write(scene)
 
 
-def _run(scene: Scene, quiet: bool, writer: ParticleWriter | None, goals: Sequence[str]) -> Result:
+def _run_and_try_cures(scene: Scene, quiet: bool, writer: ParticleWriter | None, goals: Sequence[str]) -> Result:
+    """Returns the result of a scene's run; of a broken one after trials of what may help, which Ctrl-C ends."""
     with show_progress(quiet) as show:
+        from solvers.running.cure_trials import try_cures
         from solvers.running.run import run  # here: bad input and --help must not wait for Taichi
-        return run(scene, on_progress=show, prices=True, on_sample=writer.add if writer else None, goals=goals)
+        result = run(scene, on_progress=show, prices=True, on_sample=writer.add if writer else None, goals=goals)
+    with suppress(KeyboardInterrupt), show_progress(quiet) as show:
+        return try_cures(result, on_progress=lambda part, change: show(part, f"trying {change}"))
+    return result
 
 
 def _draw(result: Result, target: OutputTarget) -> bool:

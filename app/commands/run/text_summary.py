@@ -13,6 +13,8 @@ from solvers.study.coverage import track_record_and_bets
 
 NOTHING = "-"
 UNITS = {"x": "m", "v": "m/s", "F": "1"}
+STEP_MEANING = ("\nwithout what a step leaves out, at the same steps; shorter ones also map more often between "
+                "particles and\ngrid, and may have larger errors")
 SUMMARY = ("final", "max", "mean")
 GOAL_WIDTH = 14
 GOAL_MEANING = (f"bar: {SAFETY:g} times the estimated error of the number; held: how often such a bar held the truth "
@@ -81,7 +83,7 @@ def removed_cause_table(values: dict) -> str:
     rows = [(words, *(format_value(values[key][field], ".3e") for field in FIELDS)) for key, words in heads.items()]
     return _align_columns([(f"without {CAUSES[values['class']]}, RMS",
                             *(f"{field} ({UNITS[field]})" for field in FIELDS)),
-                           *rows])
+                           *rows]) + STEP_MEANING * (values["class"] == "time_step")
 
 
 def _effect_lines(result: dict) -> Iterator[tuple[str, str]]:

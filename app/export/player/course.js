@@ -1,7 +1,11 @@
 // A lesson in a course: its system is told by SCORM 1.2 what a student has done, and says so again when they come back.
 
-const api = apiOfCourse(), call = api && callOf(api);
+const PATIENCE = 5000, PAUSE = 200;  // milliseconds until it is said that there is no system, and between looks for one
+const early = [];  // answers that no system has
+const answered = (...answer) => early.push(answer);
+const local = {...keeper, answered};
 const course = {open: false, told: 0, best: 0, finished: false, began: performance.now()};  // told: interactions
+let call = null;
 const said = element("p", "", {id: "course"});
 said.setAttribute("role", "status");
 document.querySelector("header").append(said);
@@ -11,12 +15,33 @@ const heard = (name) => call("LMSGetValue", `cmi.${name}`);
 const tell = (name, ...values) => values.some((value) => call("LMSSetValue", `cmi.${name}`, value) === "true");
 const isDone = (status) => status === "completed" || status === "passed";
 
-if (!api) {
-  said.textContent = tr("Opened outside a course: your answers are not reported.");
-} else if (call("LMSInitialize", "") !== "true") {
-  said.textContent = tr("The course's system did not start this lesson and gets no answers; open the lesson again from the course.");
-} else {
-  enterCourse();
+// A system may come late. Until then the answers of whoever sat here before are not theirs.
+keeper = {...local, read: () => null, write: () => {}};
+lookForCourse(window.parent === window && !window.opener ? 0 : PATIENCE);
+
+function lookForCourse(wait) {
+  const api = apiOfCourse();
+  if (!api) setTimeout(lookForCourse, PAUSE, wait - PAUSE);
+  if (!api && wait !== 0) return;
+  keeper = local;
+  said.textContent = api ? "" : tr("Opened outside a course: your answers are not reported.");
+  call = api && callOf(api);
+  if (api && call("LMSInitialize", "") === "true") enterCourse();
+  else if (api) said.textContent = tr("The course's system did not start this lesson and gets no answers; open the lesson again from the course.");
+  if (progress) catchUp();
+}
+
+// Goes on with what is known of earlier visits, and adds what was answered since this one began. A name counts as it was
+// when there were answers, to its numbers.
+function catchUp() {
+  const before = progress, answers = early.splice(0);
+  progress = restored();
+  const known = Object.keys(progress.answers);
+  if (answers.length && !known.length) Object.assign(progress, {name: before.name, core: before.core});
+  progress.step = Math.max(progress.step, before.step);
+  if (variantOf(progress.name) === variantOf(before.name))
+    for (const [key, ...given] of answers) if (!known.includes(key)) record(key, ...given);
+  if (JSON.stringify(progress) !== JSON.stringify(before)) showStep();
 }
 
 function enterCourse() {

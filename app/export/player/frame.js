@@ -22,8 +22,8 @@ function writeLabels(pen, place, labels, texts) {
   for (const {name, text: own, x, y, anchor, role, width, size, tone, bold, sign} of labels) {
     const text = own && (texts[name] ?? own);  // what is written nowhere has none of its own
     if (!text) continue;
-    const letters = place.letters * size, [upright, side] = anchor.split("-"), colour = DATA.colours.tones[bold && tone === "plain" ? "bold" : tone];
-    pen.font = fontOf(letters, bold);
+    const letters = place.letters * size, strong = bold || role === "name", [upright, side] = anchor.split("-"), colour = DATA.colours.tones[strong && tone === "plain" ? "bold" : tone];
+    pen.font = fontOf(letters, strong);
     const room = role === "gutter" ? place.gutter * place.unit - 4 : place.width;
     const lines = linesOf(pen, text, width ? Math.min(room, 0.53 * letters * width) : room, sign ? 1.3 * letters : 0), step = 1.3 * letters;
     const long = Math.max(...lines.map((line) => pen.measureText(line).width)) + (sign ? 1.3 * letters : 0), high = step * lines.length;

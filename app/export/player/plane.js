@@ -39,7 +39,7 @@ function drawErrors(pen, run, place, ticks, [estimates, truths], scale, [estimat
     pen.fillStyle = SHADES[Math.floor(255 * k / rows)];
     pen.fillRect(bar, y(0) - k - 1, 6 * place.pixel, 1.5);
   }
-  for (const {x: share, text} of ticks) {
+  for (const [share, text] of ticks) {
     Object.assign(pen, {strokeStyle: GRID, lineWidth: 1});
     stroke(pen, [[x(0), y(share)], [x(1), y(share)]]);
     words(pen, text === DATA.scale.zero ? "0" : text, bar - 3 * place.pixel, y(share), "right", "middle", DATA.colours.tones.plain);

@@ -13,11 +13,11 @@ function readout() {
   if (!run) return;
   const at = pictureAt(run, stage.time), quantity = DATA.quantities[view.quantity], time = stage.time;
   const told = [[tr("time"), tr("{time} s = {periods} periods", {time: number(time, 4), periods: fixed(time / run.period, 2)})],
-    [tr("steps"), tr("{count} of {step}", {count: Math.round(time / run.step).toLocaleString("en"), step: withUnit(run.step, "s")})],
+    [tr("steps"), tr("{count} of {step}", {count: whole(time / run.step), step: withUnit(run.step, "s")})],
     [tr("step"), marginText(run.tracks.margin.values[Math.floor(at)])],
     [tr("crossings"), Number.isFinite(run.tracks.crossed.values[Math.floor(at)])
-      ? tr("{count} so far", {count: Math.round(run.tracks.crossed.values[Math.floor(at)]).toLocaleString("en")}) : DATA.sentences.not_counted],
-    [tr("shown"), run.shown < run.particles ? tr("{shown} of {all} particles", {shown: run.shown, all: run.particles.toLocaleString("en")})
+      ? tr("{count} so far", {count: whole(run.tracks.crossed.values[Math.floor(at)])}) : DATA.sentences.not_counted],
+    [tr("shown"), run.shown < run.particles ? tr("{shown} of {all} particles", {shown: run.shown, all: whole(run.particles)})
       : tr("{all} particles", {all: run.particles})]];
   document.getElementById("facts").replaceChildren(...told.map(([name, text]) => tableRow(name, text)));
   const rows = [tableRow(tr("error of {symbol}", quantity), tr("norm"), tr("index"), tr("distance"))];
@@ -104,6 +104,22 @@ function summary(run) {
   return sentences.filter(Boolean).map((said) => `${capital(said)}.`).join(" ");
 }
 
+// A run's title: its name, with the settings where there is room for them, and at the other end facts.
+function titleOf(pen, run, view, place) {
+  const facts = factsOf(run, view), long = `${run.name}, ${run.settings}`;
+  return {name: pen.measureText(long + facts).width < 0.8 * place.unit ? long : run.name, facts};
+}
+
+// The facts: how wrong it is, and how much of that the estimate finds, as app/frame/headline.py says it.
+function factsOf(run, view) {
+  const at = pictureAt(run, stage.time), of = (track) => cell(run, track, at, view.quantity), wrong = of("norm.true") / wholeOf(run, view);
+  if (isBroken(run)) return tr("run is lost");
+  if (wrong > 1) return tr("over 100 % wrong");
+  const index = of(`norm.${view.estimator}`) / of("norm.true"), who = view.estimator, found = index < DATA.sentences.all
+    ? tr("{who} finds {share}", {who, share: perCent(index)}) : tr("{who} estimates {factor} times as much", {who, factor: ratio(index)});
+  return [Number.isFinite(wrong) && tr("{wrong} wrong", {wrong: perCent(wrong)}), Number.isFinite(index) && found].filter(Boolean).join(" · ");
+}
+
 // How wrong it is now and whether the estimate knows it, and further facts, as app/frame/headline.py says it.
 function errors(run, view, before) {
   const said = saidOf(run, view).errors, at = pictureAt(run, stage.time), {unit} = DATA.quantities[view.quantity];
@@ -130,18 +146,17 @@ function drawChart(run, view) {
   const lines = [["norm.true", TRUTH, [], 4, run], ...run.estimators.filter((name) => !(name in run.not_valid))
     .map((name) => [`norm.${name}`, ...lookOf(name), 2, run])];
   if (stage.pinned) lines.unshift(["norm.true", PINNED, [], 2, stage.pinned]);
-  const norms = ([track, , , , of]) => Array.from(of.tracks.time.values, (_, k) => of.tracks[track].values[4 * k + column]);
+  const norms = ([track, , , , of]) => Array.from(of.tracks.time.values, (_, k) => of.tracks[track].values[4 * k + column] / wholeOf(of, view));
   const truth = largest(norms(lines.find(([track, , , , of]) => track === "norm.true" && of === run)));
   const most = Math.max(...lines.map((line) => largest(norms(line)))), shown = truth > 0 ? Math.min(most, 10 * truth) : most;
   const top = shown > 0 ? roundUp(shown, AXIS_STEPS)[0] : 1, end = times[times.length - 1] || 1;
   const left = 58, right = box.width - 8, high = 24, low = box.height - 20;
   const x = (time) => left + (right - left) * Math.min(time / end, 1), y = (size) => low - (low - high) * Math.min(size / top, 1.02);
-  const [highest, unit] = withUnit(top, quantity.unit).split(" ");
   words(pen, tr("error norm of {symbol}", quantity), 0, 3, "left", "top");
   pen.strokeStyle = "#e2e5eb";
   for (const share of [0, 0.5, 1]) {
     stroke(pen, [[left, y(share * top)], [right, y(share * top)]]);
-    words(pen, number(share * highest) + (share === 1 ? ` ${unit}` : ""), left - 5, y(share * top), "right", "middle", "#454b58");
+    words(pen, `${number(100 * share * top)} %`, left - 5, y(share * top), "right", "middle", "#454b58");
   }
   words(pen, "0", left, low + 4, "left", "top", "#454b58");
   words(pen, counted(end, run), right, low + 4, "right", "top", "#454b58");

@@ -5,7 +5,7 @@ const LONGEST_RESPONSE = 255;
 
 // The system's object in a window or above it. A frame of another origin shows nothing, and what is above it may.
 function apiAbove(from) {
-  for (let at = from, level = 0; at && level < LEVELS; at = at.parent, level++) {
+  for (let at = from, level = 0; at && level <= LEVELS; at = at.parent, level++) {
     try {
       if (at.API?.LMSInitialize) return at.API;
     } catch {
@@ -17,7 +17,7 @@ function apiAbove(from) {
 }
 
 function apiOfCourse() {
-  return (window.parent === window ? null : apiAbove(window.parent)) ?? apiAbove(window.opener) ?? apiAbove(window.top.opener);
+  return apiAbove(window) ?? apiAbove(window.opener) ?? apiAbove(window.top.opener);
 }
 
 // What the system answers to one of its functions; "" where it fails.

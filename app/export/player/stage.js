@@ -109,10 +109,11 @@ function draw() {
   const measured = drawColourBar(pen, place, scale, view.quantity);
   (place.radius ? drawBody : drawLanes)(pen, run, view, at, place, {scale, changed, sizes: shown});
   const field = place.field ? drawField(pen, run, pinned, view, at, said.field, place, changed)
-    : drawErrors(pen, run, place, measured, shown, scale, said.titles);
+    : drawErrors(pen, run, place, ticksOf(scale), shown, scale, said.titles);
   const halves = ["estimate", "truth"].flatMap((half, k) => [[`${half}-title`, said.titles[k]], [`${half}-by`, said.by[k]], [`${half}-silence`, said.silences[k]]]);
   const alike = place.gutter && shown[0] && shown[1] && !view.difference && !isBroken(run) ? DATA.problems[run.problem].alike : "";
-  writeLabels(pen, place, [...measured, ...place.labels], {...Object.fromEntries(halves), alike, quantity: `${DATA.quantities[view.quantity].noun} ${DATA.quantities[view.quantity].symbol}`, "size-note": run.note, "crossings-note": run.marks, ...field});
+  writeLabels(pen, place, [...measured, ...place.labels], {...Object.fromEntries(halves), alike, ...titleOf(pen, run, view, place),
+    quantity: `${DATA.quantities[view.quantity].noun} ${DATA.quantities[view.quantity].symbol}`, "size-note": run.note, "crossings-note": run.marks, ...field});
 }
 
 stage.onChange.push(draw);

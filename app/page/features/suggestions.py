@@ -1,17 +1,19 @@
 """Suggestions under the headline: three experiments per problem, an answer from the runs' own numbers, and ways on from
-a lost run: to the moment it broke, with remedies, or by another method. ``sparks.js`` draws the buttons."""
+a lost run: to the moment it broke, or with a change that was tried and held. ``sparks.js`` draws the buttons."""
 
 import json
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
 from html import escape
+from typing import Any
 
 import viser
 
 from app.language.translation import lazy, tr, translate_message
-from app.names_and_units import METHODS, format_number
+from app.names_and_units import format_number, reword_for_page
 from app.page.feature import Feature, VisiblePageState
+from app.page.features.shared_cure_trials import SHARED, SharedCureTrials, scene_to_try
 from app.page.headline_panel import elapsed_periods, live_to_pinned_ratio
 from app.page.page_context import PageContext
 from app.page.visit.history import series_until
@@ -26,16 +28,9 @@ from app.problems.suggested_experiment import (
 from app.problems.views import VIEWS
 from app.shareable_state import State
 from solvers.engine.engine_messages import FrameReport
-from solvers.scene.scene import AUTO, Scene
-from solvers.scene.stabilisations import COUPLED, FILTER, FROZEN, REMEDIES
 from solvers.solver.soundness import OK, UNSTABLE
 
 BEFORE = 0.03  # periods to go back before a run broke: more than half the time between frames
-#: Methods more robust than hat functions, the first choice first, with descriptions.
-OTHERS = {"ugimp": lazy("the same {problem}, small intervals"), "cpdi": lazy("the same {problem}, boxes that deform"),
-          "bspline": lazy("the same {problem}, smooth functions")}
-SHORT = {COUPLED: lazy("coupled F")}  # where a label is too long for a button
-TWO, ONE = (FILTER, COUPLED), (FROZEN,)  # remedies for problems that have both, and for others
 
 
 @dataclass(frozen=True)
@@ -50,10 +45,12 @@ class SuggestionButton:
     off: bool = False
 
 
-def lost_run_cards(state: State, report: FrameReport, seek: Callable[[float], bool], show: Callable[[State], None],
-                   ) -> list[tuple[SuggestionButton, Callable[[], None]]]:
+def lost_run_cards(state: State, report: FrameReport, held: Sequence[Mapping[str, Any]] | None,
+                   seek: Callable[[float], bool],
+                   show: Callable[[State], None]) -> list[tuple[SuggestionButton, Callable[[], None]]]:
     """Returns buttons for a lost run, each with its action. ``state`` is on the stage, ``report`` its last frame;
-    ``seek`` looks back to a time in s, and returns False if it is not stored; ``show`` puts a state on the stage."""
+    ``held`` are the cures that were tried and held, None as long as trials go on; ``seek`` looks back to a time in s,
+    and returns False if it is not stored; ``show`` puts a state on the stage."""
     scene = report.scene
     back = max(scene.time_step, (report.since or report.time) - BEFORE * scene.period)
 
@@ -61,33 +58,22 @@ def lost_run_cards(state: State, report: FrameReport, seek: Callable[[float], bo
         if not seek(back):  # not stored: run again until then
             show(replace(state, scene=replace(scene, periods=None, t_end=back), speed=None, stops=True))
 
-    other = next(name for name in OTHERS if name in scene.choices("method") and name != scene.method)
     hint = tr("back to t = {time} s, paused", time=format_number(back))
-    return [(SuggestionButton("back", "back", tr("See the moment it broke"), hint), look_back),
-            _restart_card("cure", "filter", state, show, *_remedy_changes(scene)),
-            _restart_card("other", "halve", state, show, tr("Take {method} instead", method=METHODS[other].name),
-                          tr(OTHERS[other], problem=scene.problem), {"method": other})]
+    ways = [(SuggestionButton("back", "back", tr("See the moment it broke"), hint), look_back)]
+    if not held:
+        title, hint = (tr("Trying changes …"), tr("until one gives a run that is ok")) if held is None else \
+            (tr("No change found"), tr("none that was tried gives a run that is ok"))
+        return [*ways, (SuggestionButton("trials", "filter", title, hint, off=True), lambda: None)]
+    return ways + [_restart_card(f"cure-{k}", cure, state, show) for k, cure in enumerate(held)]
 
 
-def _restart_card(key: str, icon: str, state: State, show: Callable[[State], None], title: str, hint: str,
-                  changes: dict[str, object]) -> tuple[SuggestionButton, Callable[[], None]]:
-    """Returns a button and its action, to ``show`` the state with ``changes`` of fields; disabled if invalid."""
-    try:
-        wanted = changed_state(state, changes, pinned=False)
-    except SuggestionNotApplicable as reason:
-        return SuggestionButton(key, icon, title, translate_message(str(reason)), off=True), lambda: None
-    return SuggestionButton(key, icon, title, hint, off=not changes), lambda: show(wanted)
-
-
-def _remedy_changes(scene: Scene) -> tuple[str, str, dict[str, object]]:
-    """Returns a button's title, hint and changes of fields: a stable time step, or the remedies that are not on yet."""
-    if scene.time_step > scene.step_bound:
-        return tr("Take a stable step"), tr("Auto step: longest stable step"), {"dt": AUTO, "cfl": None}
-    names = TWO if all(name in scene.REMEDIES for name in TWO) else ONE
-    missing = tuple(name for name in names if name not in scene.remedies)
-    hint = ", ".join(tr(SHORT.get(name, REMEDIES[name].label)) for name in names)
-    title = tr("Switch on two remedies") if len(names) > 1 else tr("Switch on a remedy")
-    return title, hint if missing else tr("it is on already"), {"remedies": names} if missing else {}
+def _restart_card(key: str, cure: Mapping[str, Any], state: State,
+                  show: Callable[[State], None]) -> tuple[SuggestionButton, Callable[[], None]]:
+    """Returns a button for a ``cure`` that held, and its action, to ``show`` the state with its change."""
+    changes = {name: tuple(value) if isinstance(value, list) else value for name, value in cure["change"].items()}
+    wanted, title = changed_state(state, changes, pinned=False), reword_for_page(cure["text"])
+    return SuggestionButton(key, "filter", f"{title[:1].upper()}{title[1:]}", tr("tried: the run is ok")), \
+        lambda: show(wanted)
 
 
 TRY, COMPARING, ANSWER, LOST = lazy("Try one"), lazy("Comparing …"), lazy("The answer"), lazy("What now?")
@@ -99,8 +85,10 @@ class Suggestions(Feature):
     to a time in s, and returns False if it is not stored."""
 
     def __init__(self, gui: viser.GuiApi, session: RunSession, state: Callable[[], State],
-                 show: Callable[[State], None], seek: Callable[[float], bool], is_touring: Callable[[], bool]):
-        self._session, self._state, self._show, self._seek = session, state, show, seek
+                 show: Callable[[State], None], seek: Callable[[float], bool], is_touring: Callable[[], bool],
+                 trials: SharedCureTrials = SHARED):
+        self._session, self._state, self._show, self._seek, self._trials = session, state, show, seek, trials
+        trials.open()
         self._is_touring = is_touring
         self.messages = {"spark": self.on_button_click}
         self._html = gui.add_html("")
@@ -137,6 +125,9 @@ class Suggestions(Feature):
         self._show(state)
         self._running = spark, base, state  # only now: meanwhile another state was on the stage
 
+    def close(self) -> None:
+        self._trials.close()
+
     def refresh(self, view: VisiblePageState) -> None:
         """Sends the present buttons or answer to the browser; nothing during a lesson or the tour."""
         content = ""
@@ -156,7 +147,8 @@ class Suggestions(Feature):
         lost = here and report.status != OK
         answer = self._answer() if asked and here and not (lost and asked[0].breaks) else None
         if lost and answer is None and (asked is None or asked[0].breaks or report.status == UNSTABLE):
-            ways = lost_run_cards(self._state(), report, self._seek, self._show)
+            ways = lost_run_cards(self._state(), report, self._trials.answer(scene_to_try(report)), self._seek,
+                                  self._show)
             self._ways = {card.key: act for card, act in ways}
             return LOST, None, [card for card, _ in ways]
         self._ways = {}

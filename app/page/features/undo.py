@@ -11,7 +11,7 @@ import viser
 
 from app.language.translation import tr
 from app.lessons.markdown_html import FIELDS
-from app.names_and_units import choice_labels, difference_text, functions_name, unit_of, with_unit
+from app.names_and_units import choice_labels, difference_text, format_number, functions_name, unit_of, with_unit
 from app.page.feature import Feature, VisiblePageState
 from app.page.page_context import PageContext
 from app.shareable_state import State
@@ -25,8 +25,8 @@ TIME_STEP = {"cfl", "dt"}
 
 
 class Undo(Feature):
-    """One visitor's earlier states; ``state`` returns the state shown, ``restore`` puts one back. A tour, a lesson or a
-    file on the stage begins anew."""
+    """One visitor's earlier states; ``state`` returns the state shown, ``restore`` puts one back. A tour, a lesson, a
+    file on the stage or the link that the page was opened with begins anew."""
 
     def __init__(self, gui: viser.GuiApi, state: Callable[[], State], restore: Callable[[State], None],
                  is_touring: Callable[[], bool], clock: Callable[[], float] = monotonic):
@@ -40,7 +40,8 @@ class Undo(Feature):
 
     @classmethod
     def build(cls, page: PageContext) -> "Undo":
-        return cls(page.gui, lambda: page.controls.state, page.controls.restore, lambda: page.is_touring())
+        return cls(page.gui, lambda: page.controls.state, page.controls.restore,
+                   lambda: page.is_touring() or not page.store.has_answered)
 
     def refresh(self, view: VisiblePageState) -> None:
         """Notes a change of the scene, of the run beside it or of the estimator on the stage; updates the button."""
@@ -104,7 +105,7 @@ def _format_field(scene: Scene, field: str) -> str:
     """Returns the value of a scene's field as text, that of the time step as CFL number."""
     value, names = getattr(scene, field), choice_labels(type(scene), field)
     if field == "cfl":
-        return f"{scene.courant_number:.3g}"
+        return format_number(scene.courant_number)
     if isinstance(value, tuple):
         return ", ".join(value) or tr("none")
     if names:

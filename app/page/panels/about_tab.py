@@ -1,5 +1,7 @@
 """The About tab, for first-time visitors."""
 
+from html import escape
+
 import viser
 
 from app.language.translation import ENGLISH, current_language, localised_path, tr
@@ -16,7 +18,7 @@ def add_about(gui: viser.GuiApi) -> None:
     """Adds the texts of the About tab: introduction, problems, a folder for each estimator, and their reliability."""
     gui.add_html(_text("try.html"))
     gui.add_html(_text("about.html").format(problems="".join(view.about for view in VIEWS.values()),
-                                            divisions=", ".join(tr(view.division) for view in VIEWS.values())))
+                                            divisions=", ".join(escape(tr(view.division)) for view in VIEWS.values())))
     for estimator in ESTIMATORS.values():
         with gui.add_folder(tr("The estimator {title}", title=estimator.title), expand_by_default=False):
             gui.add_html(f"<div class='lab-about lab-explanation'>{estimator.explanation_in(current_language())}</div>")
@@ -26,7 +28,8 @@ def add_about(gui: viser.GuiApi) -> None:
         size = tr("more than {most:g}", most=rule.most)
         rules += f"<li{own}>{tr(rule.sentence, size=size)}</li>"
     for remedy in REMEDIES.values():
-        titles = [tr(problem.scene.TITLE) for problem in PROBLEMS.values() if remedy.name in problem.scene.REMEDIES]
+        titles = [escape(tr(problem.scene.TITLE)) for problem in PROBLEMS.values()
+                  if remedy.name in problem.scene.REMEDIES]
         label = tr(remedy.label)
         if len(titles) < len(PROBLEMS):
             label = tr("{label} ({problems} only)", label=label, problems=", ".join(titles))

@@ -13,7 +13,7 @@ from viser import uplot
 from app.colour_palette import LINES, PINNED
 from app.frame.colour_scale import largest_finite, round_up
 from app.frame.error_view_captions import TRUE
-from app.language.translation import lazy, tr, trn
+from app.language.translation import lazy, localise_number, tr, trn
 from app.names_and_units import format_number, functions_name, in_periods, per_cent, with_unit
 from app.page.panels.time_plots import EMPTY, clip_estimate, pinned_curves, plottable_series, series_options, set_series
 from app.page.visit.history import RunSeries
@@ -85,7 +85,7 @@ class ErrorTimeline:
         true = series[f"error_{quantity}"] / size
         estimated = [clip_estimate(series[f"{name}/estimate_{quantity}"] / size, true) if name in valid
                      else np.full(len(time), np.nan) for name in self._estimators]
-        self._grow_axes(past, (quantity, latest), time, [*grey, true, *estimated])
+        self._grow_axes(past, (quantity, latest), time, [*grey, true, *estimated], now.time)
         set_series(self._plot, plottable_series(time - (self._ends or (0.0,))[0], *grey, true, *estimated))
         self._read = time, {tr(TRUE): true, **dict(zip(self._estimators, estimated, strict=True))}
         named = [(tr(TRUE), "truth", true), *((name, name.replace("-", ""), curve) for name, curve in
@@ -109,11 +109,13 @@ class ErrorTimeline:
                     "first": "", "names": [], "clock": clock_text(now.time), "playing": now.playing, "read": [],
                     "lost": None, "says": ""})
 
-    def _grow_axes(self, past: RunSeries, curve_key: object, time: np.ndarray, curves: Sequence[np.ndarray]) -> None:
-        """Sets the ends of both axes, which only grow within a run and ``curve_key``."""
+    def _grow_axes(self, past: RunSeries, curve_key: object, time: np.ndarray, curves: Sequence[np.ndarray],
+                   now: float) -> None:
+        """Sets the ends of both axes, which only grow within a run and ``curve_key``; the present, ``now`` in s, may be
+        later than the last sample of a broken run."""
         most = max(map(largest_finite, curves))
         start, of_time = float(time[0]) if time[0] > past.scene.period else 0.0, unit_of_time(past.scene)
-        end = round_up(ASIDE * (float(time[-1]) - start) / of_time, ENDS)[0] * of_time
+        end = round_up(ASIDE * (max(float(time[-1]), now) - start) / of_time, ENDS)[0] * of_time
         top, _ = round_up(HEADROOM * most, TOPS) if most > 0 else (0.01, 0)
         if self._ends and self._scale_key == (past.scene, curve_key) and not start:
             end, top = max(end, self._ends[1]), max(top, self._ends[2])
@@ -139,8 +141,8 @@ class ErrorTimeline:
         ticks = [start + k * step for k in range(1, int((end - start) / step * 1.0001) + 1)] if not start else []
         last = "" if not ticks else in_periods(ticks[-1] / of_time) if swings else with_unit(ticks[-1], "s")
         # A unit with a prefix, shown once.
-        factor = 1 / of_time if swings or not ticks else float(last.split()[0]) / ticks[-1]
-        marks = [[part(tick), f"{tick * factor:.4g}" if tick != ticks[-1] else last] for tick in ticks]
+        factor = 1 / of_time if swings or not ticks else float(last.split()[0].replace(",", ".")) / ticks[-1]
+        marks = [[part(tick), localise_number(f"{tick * factor:.4g}") if tick != ticks[-1] else last] for tick in ticks]
         begin = "0" if not start else in_periods(start / of_time) if swings else with_unit(start, "s")
         changes, many = self._cell_changes(series, start, end)
         said = {"tops": [[height(share), f"{format_number(100 * share)} %"] for share in (top, 0.5 * top)],
@@ -152,7 +154,7 @@ class ErrorTimeline:
                 "clock": clock_text(now.time), "playing": now.playing,
                 "read": self._values_at_pointer(past.scene),
                 "lost": None if now.lost is None else part(now.lost), "says": "" if now.lost is None else
-                tr(UNSTABLE if now.unstable else LOST, time=with_unit(now.lost, "s"))}
+                tr(UNSTABLE if now.unstable else LOST, time=clock_text(now.lost))}
         self._send(said)
 
     def _send(self, said: dict[str, object]) -> None:

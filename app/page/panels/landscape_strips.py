@@ -10,7 +10,7 @@ import viser
 
 from app.colour_palette import ESTIMATE
 from app.language.translation import tr
-from app.names_and_units import with_unit
+from app.names_and_units import format_number, with_unit
 from app.page.panels.browser_store_and_window import BrowserStore
 from app.page.panels.log_number_slider import LogNumberSlider, SliderSpec
 from app.page.panels.page_header import widget_marker_html
@@ -106,7 +106,7 @@ def words_beside(parameter: str, scene: Scene) -> str:
         case "cells":
             return f"h = {with_unit(scene.spacing, 'm')}"
         case "cfl":
-            return f"CFL {scene.courant_number:.3g} = {with_unit(scene.time_step, 's')}"
+            return f"CFL {format_number(scene.courant_number)} = {with_unit(scene.time_step, 's')}"
         case "ppc":
             return tr("how fine the body is")
         case "amplitude":

@@ -14,6 +14,7 @@ import viser
 from app.colour_palette import TEXTS, rgb
 from app.language.translation import LANGUAGES, current_language, lazy, load_catalogue, tr
 from app.logo_and_font import MARK, font_faces_css
+from app.names_and_units import number_format_script
 from app.page.panels.browser_store_and_window import BrowserStore
 from app.templates import render_template
 from solvers.problems import PROBLEMS
@@ -39,7 +40,7 @@ def initial_page_html() -> str:
     frame = render_template(WEB / "ground.html", mark=MARK, languages=language_links())
     return f"<style>\n{font_faces_css()}{_joined_web_files('css', 'css')}</style>\n{frame}" \
            f"<script type='application/json' id='lab-words'>{words}</script>\n" \
-           f"<script>\n{_joined_web_files('js', 'js')}</script>"
+           f"<script>\n{number_format_script()}{_joined_web_files('js', 'js')}</script>"
 
 
 def set_up_theme(gui: viser.GuiApi, dark: bool = False) -> None:
@@ -99,7 +100,7 @@ class PresentationMode:
 
 class ProblemButtons:
     """One visitor's choice of what moves: a button for each problem and one for a motion or particles of their own, in
-    a narrow window a dropdown; ``choose`` receives a problem's key."""
+    a narrow window one with a menu; ``choose`` receives a problem's key."""
 
     def __init__(self, gui: viser.GuiApi, store: BrowserStore, choose: Callable[[str], None]):
         self._html, self._choose = gui.add_html(""), choose

@@ -61,6 +61,7 @@ class Landscapes:
         histories.listeners.add(self._on_histories)
         self._shown: tuple = ()  # what the landscapes are of
         self._curves: dict[str, Landscape] = {}
+        self.rate: float | None = None  # of these runs on one processor, in particle-steps per s, once measured
         self._missing: dict[Hashable, SurveyPoint] = {}  # by the keys of their histories, in their order
         self._requested: tuple[Scene | None, str | None, set[SurveyPoint]] = (None, None, set())  # of the engine
         self._requested_at = 0.0
@@ -89,6 +90,7 @@ class Landscapes:
         """Works out anew what is known, and which points are missing."""
         self._curves, self._missing = {}, {}
         if scene.arch != "cpu" or getattr(scene, "plan", "") == "parallel":  # in a fork only serial runs are possible
+            self.rate = None
             return
         horizon = next(h for h in HORIZONS if h >= until) if self._session.playing else until
         coarse = self._session.playing and horizon < MOST_PERIODS
@@ -96,7 +98,7 @@ class Landscapes:
                     for name in parameters_of(scene)}
         points = [point for request in requests.values() for point in self._points(request, horizon)]
         points.sort(key=lambda one: (_rank(one, in_hand), one.level, one.price))
-        rate = self._measured_rate(points)
+        rate = self.rate = self._measured_rate(points)
         D = scene.DIMENSIONS
         costly = choose_costly([START_SECONDS[D] + point.price / (rate or EXPECTED_RATES[D]) for point in points],
                                BUDGET_SECONDS[D], POINT_SECONDS)

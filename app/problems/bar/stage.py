@@ -5,6 +5,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from app.frame.error_view_captions import NONE_CHOSEN, StageHalfErrors
 from app.frame.field_plot import ROOM, FieldPlot, FieldPlotDefinition
 from app.frame.layout import HALVES
 from app.frame.primitives import Anchor, Dots, Label, Lines, Mark, Role, Sign, StageMetrics, Tone, in_plane, join_points
@@ -20,7 +21,7 @@ LONGEST, WIDEST_LINE = 0.96, 90  # most width of text in a lane, as a share and 
 LANE_POINTS = 2000  # most points in a lane
 WIDEST, STRETCHED = 0.016, 1.25  # largest point; width of a particle's points over that at rest
 TIGHT = 1.02  # factor on the size of points, to close gaps from half precision
-KEY = 40.0  # pixels of a key of the legend beside its text
+KEYS = {"line": 42.0, "dot": 28.0, "ring": 33.0}  # pixels of a key of the legend beside its text, by its sign
 #: Where the name of a lane is, in a gutter and without one: x, anchor and role.
 LANE_NAME: tuple[float, Anchor, Role] = (-0.01, "center-right", "number")
 LANE_NAME_WITHIN: tuple[float, Anchor, Role] = (0.008, "center-left", "chip")
@@ -37,19 +38,31 @@ class BarStage(Stage[BarScene]):
     PLOT = FieldPlotDefinition(0.0, 1.0, ("x = 0", "1 m"), exact_solution.field_as_sampled, where=exact_positions)
     MOST_MARKED, HALVES = 200, lazy("Lanes")
     layout = staticmethod(make_bar_layout)
+    _judged = True  # whether an estimator is chosen, and has a lane
 
     @classmethod
     def labels(cls, words: StageLabels, places: BarLayout) -> Iterator[Label]:
         metrics, gutter = places.stage_metrics, places.stage_metrics.gutter
         for name, silence, lane in zip(HALVES, words.silences, (places.estimate, places.truth), strict=True):
-            text, width = metrics.first_fitting_text((silence, short_reason(silence)), LONGEST, places.lane)
+            there = lane in places.lanes
+            texts = (silence, short_reason(silence)) if there else ("",)
+            text, width = metrics.first_fitting_text(texts, LONGEST, places.lane)
             yield Label(f"{name}-silence", text, 0.5, lane, "center-center", "silence", width=min(width, WIDEST_LINE))
             x, anchor, role = LANE_NAME if gutter else LANE_NAME_WITHIN
-            yield Label(f"{name}-title", tr(name), x, lane, anchor, role, tone=name, bold=not gutter)
+            yield Label(f"{name}-title", tr(name) * there, x, lane, anchor, role, tone=name, bold=not gutter)
         yield from title_labels(words, metrics, places.heading)
         yield Label.of_spans("compared", words.compared if gutter else (), -gutter,
                              places.field.middle - 0.6 * places.field.half, "center-left", "gutter")
         yield from legend_labels(words.crossings, metrics, places.legend, words.before)
+
+    def show_captions(self, estimate: StageHalfErrors, truth: StageHalfErrors) -> None:
+        if self._judged != (judged := estimate.silence != tr(NONE_CHOSEN)):
+            self._judged = judged
+            self._lay_out()
+        super().show_captions(estimate, truth)
+
+    def _layout_for(self, metrics: StageMetrics) -> BarLayout:
+        return make_bar_layout(metrics, self._slot, self._judged)
 
     def particles_in(self, low: tuple[float, float], high: tuple[float, float], arrays: FrameArrays) -> np.ndarray:
         """Returns which particles lie between the x of ``low`` and of ``high`` on the stage, at any height, (P,)."""
@@ -59,13 +72,14 @@ class BarStage(Stage[BarScene]):
     def nearest_particle(self, point: tuple[float, float], arrays: FrameArrays) -> int | None:
         """Returns the index of the particle nearest to a stage point, in lanes by x, elsewhere by dot; None if far."""
         (x, y), places = point, self._layout
-        if abs(y - 0.5 * (places.truth + places.estimate)) < 0.5 * (places.estimate - places.truth) + places.lane:
+        lanes = places.lanes
+        if min(lanes) - places.lane < y < max(lanes) + places.lane:
             return int(np.argmin(np.abs(self._stage_x(arrays) - x))) if -TOUCH < x < 1 + TOUCH else None
         return super().nearest_particle(point, arrays)
 
     def drawn_particle_points(self, arrays: FrameArrays, particles: slice) -> np.ndarray:
         x = self._stage_x(arrays)[particles]
-        lanes = [in_plane(x, lane) for lane in (self._layout.estimate, self._layout.truth)]
+        lanes = [in_plane(x, lane) for lane in self._layout.lanes]
         return np.stack([*lanes, self._plot.dot_positions(particles, len(x))])
 
     def _stage_x(self, arrays: FrameArrays) -> np.ndarray:
@@ -98,7 +112,7 @@ class BarStage(Stage[BarScene]):
     def _moving_marks(self, scene: BarScene, arrays: FrameArrays, estimated: np.ndarray, true: np.ndarray, t: float,
                       crossed: np.ndarray) -> Iterator[Mark]:
         self._now = x = self._stage_x(arrays)
-        yield self._lanes.dots(x, estimated, true)
+        yield self._lanes.dots(x, *(estimated, true)[not self._judged:])
 
     def _worst_region_marks(self, worst: tuple[WorstRegionMark | None, WorstRegionMark | None],
                             arrays: FrameArrays) -> Iterator[Mark]:
@@ -112,7 +126,7 @@ def legend_labels(crossings: str, metrics: StageMetrics, y: float | None, before
     keys: tuple[tuple[str, str, Tone, Sign], ...] = (
         ("exact", tr("exact"), "truth", "line"), ("particle", tr("particle"), "plain", "dot"),
         ("crossings-note", crossings, "crossing", "ring"), ("before", before, "before", "line"))
-    widths = [metrics.text_extent(text)[0] + KEY * metrics.pixel if text else 0.0 for _, text, _, _ in keys]
+    widths = [metrics.text_extent(text)[0] + KEYS[sign] * metrics.pixel if text else 0.0 for _, text, _, sign in keys]
     x = 0.5 * (1 - sum(widths))
     for (name, text, tone, sign), width in zip(keys, widths, strict=True):
         yield Label(name, "" if y is None else text, x, y or 0.0, "top-left", "note", tone=tone, sign=sign)
@@ -120,7 +134,7 @@ def legend_labels(crossings: str, metrics: StageMetrics, y: float | None, before
 
 
 class _LanePointTiling:
-    """Tiling of the two lanes of P particles in a layout with square points of the stage size ``size``: in rows, and so
+    """Tiling of the lanes of P particles in a layout with square points of the stage size ``size``: in rows, and so
     many points across per particle that gaps show only under large stretch.
 
     A particle's points are wider than it is at rest. Neighbours overlap, the right one on top; a shift of all by a part
@@ -128,7 +142,8 @@ class _LanePointTiling:
     precision, with half the bytes, is a tenth of a pixel."""
 
     def __init__(self, particles: int, places: BarLayout):
-        column, middle = 1 / particles, 0.5 * (places.estimate + places.truth)
+        lanes = places.lanes
+        column, middle = 1 / particles, 0.5 * (min(lanes) + max(lanes))
         self.origin = 0.5, middle
         rows = max(math.ceil(places.lane / WIDEST), min(int(places.lane / (1.5 * column)), LANE_POINTS // particles))
         self.size = places.lane / rows
@@ -136,17 +151,17 @@ class _LanePointTiling:
         wide = self.size if across == 1 else STRETCHED * column
         beside = np.linspace(-0.5, 0.5, across) * (wide - self.size) if across > 1 else np.zeros(1)
         self._beside = beside + (wide - column) / 2
-        self._points = np.zeros((2, rows, particles, across, 3), np.float16)  # without their x
+        self._points = np.zeros((len(lanes), rows, particles, across, 3), np.float16)  # without their x
         up = (np.arange(rows) - (rows - 1) / 2) * self.size
-        for lane, at in zip(self._points, (places.estimate, places.truth), strict=True):
+        for lane, at in zip(self._points, lanes, strict=True):
             lane[..., 1] = (at - middle + up)[:, None, None]
 
     def dots(self, x: np.ndarray, *shades: np.ndarray) -> Dots:
-        """Returns dots for particles at the stage x (P,), in colours (P, 3), uint8, of the lanes: estimate, truth."""
+        """Returns dots for particles at the stage x (P,), in colours (P, 3), uint8, of each lane, the truth's last."""
         points, colours = self._points.copy(), np.empty(self._points.shape, np.uint8)
         inside = np.minimum(np.maximum(x[:, None] + self._beside, self.size / 2), 1 - self.size / 2)
         points[..., 0] = (inside - self.origin[0]).astype(np.float16)
         rows, across = self._points.shape[1], self._points.shape[3]
-        for lane, of_particles in zip(colours.reshape(2, rows, -1), shades, strict=True):
+        for lane, of_particles in zip(colours.reshape(len(shades), rows, -1), shades, strict=True):
             lane[...] = np.repeat(of_particles, across, axis=0).reshape(-1)  # row by row: particle by particle is slow
         return Dots("lanes", points.reshape(-1, 3), colours.reshape(-1, 3), TIGHT * self.size, "square", self.origin)

@@ -53,7 +53,7 @@ def _crossing_answer(runs: ComparedRuns) -> Answer:
 
 VIBRATING = (suggested_experiment.suggest_halving_cells(MOST_CELLS),
              SuggestedExperiment("cross", "cross", lazy("Let particles cross"), _crossing_offer, _crossing_answer),
-             suggested_experiment.suggest_breaking(lazy("A = 100 mm: which method fails first?"),
+             suggested_experiment.suggest_breaking(lazy("A = 100 mm: which fails first?"),
                                          {"method": "mpm", "amplitude": BREAKING, "displacement": ""}, 1.5))
 
 

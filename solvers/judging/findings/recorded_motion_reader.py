@@ -8,18 +8,25 @@ from typing import Any
 
 import numpy as np
 
-from solvers.judging.column_names import describe_columns
-from solvers.judging.findings.finding import BROKEN, HOLDS, SUSPICIOUS, Finding
-from solvers.judging.findings.neighbour_comparison import MOST, TINY, NearestNeighbours, find_neighbours
-from solvers.judging.particle_data_types import RawTable, group_rows_by_time, row_times
-from solvers.judging.particle_scene_matching import FLAT, LARGEST, LARGEST_ID
+from solvers.judging.findings.finding import BROKEN, HOLDS, Finding
+from solvers.judging.findings.neighbour_comparison import (
+    MOST,
+    TINY,
+    NearestNeighbours,
+    departures,
+    find_neighbours,
+)
+from solvers.judging.findings.row_identities import RowsAtTime, check_identities, identify_rows
+from solvers.judging.particle_data_types import RawTable, group_rows_by_time, list_names, row_times
+from solvers.judging.particle_scene_matching import FLAT, LARGEST
+from solvers.judging.quantity_names import describe_columns
 from solvers.untrusted.quoting import FileError, quote
 
 MOST_MOMENTS = 32  # that are checked one by one, evenly spread
 BOXES = 10  # that represent a large body
 VECTORS, TENSORS, SCALARS = ("x", "v"), ("F", "sigma"), ("mass", "volume")
-NUMBERS, WHO = "all numbers are finite", "each particle is there once at every moment"
-SAME_PLACE = 1e-9  # of the body's size, within which reference positions are the same
+NUMBERS = "all numbers are finite"
+LEAVES, MOST_LEAVING = 0.5, 0.01  # of the distance, and of the particles: by which rows keep their order
 SAME_TIME = 1e-12  # of the last time
 FEWEST = 3  # particles
 
@@ -55,6 +62,7 @@ class RecordedMotion:
     fields: dict[str, np.ndarray]
     step: float | None = None
     notes: list[str] = field(default_factory=list)
+    by_rows: bool = False  # nothing but the order of rows says which particles they are
 
     @property
     def x(self) -> np.ndarray:
@@ -117,6 +125,24 @@ class RecordedMotion:
         """Largest RMS of the velocity, in m/s."""
         return float(np.sqrt(np.max(np.mean(np.sum(self.fields["v"]**2, axis=2), axis=1))))
 
+    def doubt_about_rows(self, not_read: Sequence[str]) -> str:
+        """Returns why rows may be of other particles at another moment; "" where they are known, or keep their order as
+        can be seen: between two moments hardly any particle leaves what its neighbours move by half their distance."""
+        if not self.by_rows:
+            return ""
+        near, moves = self.neighbourhood, np.diff(self.x, axis=0)
+        why = "they are too few to see whether they keep their order"
+        if near is not None:
+            lost = [int((departures(near, move) > LEAVES * self.spacing).sum()) for move in moves]
+            if max(lost) <= MOST_LEAVING * len(self.reference):
+                return ""
+            k = int(np.argmax(lost))
+            why = (f"{lost[k]:,} of {len(self.reference):,} do not keep their order, or part, between t = "
+                   f"{self.times[k]:.4g} and {self.times[k + 1]:.4g} s")
+        return f"nothing says which particles the rows are, and {why}; give id or X" + (
+            f" (not read: {list_names(not_read)}; if one of them says which particle is which, call it id)"
+            if not_read else "")
+
     @functools.cached_property
     def representative_part(self) -> "RecordedMotion":
         """Motion of the particles in some boxes spread over the body, where all are too many to find neighbours."""
@@ -138,15 +164,6 @@ class RecordedMotion:
                 "place": tuple(map(float, self.reference[p]))}
 
 
-@dataclass(frozen=True)
-class _RowsAtTime:
-    """Rows of one file at one time in s, (n, ...) by quantity."""
-
-    file: str
-    time: float
-    rows: dict[str, np.ndarray]
-
-
 def read_motion(files: Sequence[RawTable], times: Sequence[float]) -> tuple[RecordedMotion, list[Finding]]:
     """Returns the motion in the files, and findings about invalid numbers and missing particles. The motion ends before
     the first time with positions that are not finite. ``times`` in s are those of the files, if they contain none.
@@ -159,16 +176,16 @@ def read_motion(files: Sequence[RawTable], times: Sequence[float]) -> tuple[Reco
     if len(sound) < 2:
         raise FileError(moments[min(len(sound), len(moments) - 1)].file,
                         "leaves fewer than two moments whose positions are all numbers; give moments from before that")
-    who = _identify_rows(sound)
-    finding, common = _check_identities(sound, who)
+    who, by_rows = identify_rows(sound)
+    finding, common = check_identities(sound, who)
     findings.append(finding)
     if len(common) < FEWEST:
         raise FileError(sound[-1].file, f"has {len(common)} particles that are there at all moments; give {FEWEST} or "
                                         "more")
-    return _assemble_motion(files, sound, who, common), findings
+    return replace(_assemble_motion(files, sound, who, common), by_rows=by_rows), findings
 
 
-def _read_rows_by_time(files: Sequence[RawTable], times: Sequence[float]) -> list[_RowsAtTime]:
+def _read_rows_by_time(files: Sequence[RawTable], times: Sequence[float]) -> list[RowsAtTime]:
     found = []
     if len({raw.cells for raw in files if raw.cells is not None}) > 1:
         raise FileError(files[-1].file, "is of another grid than the others; give the files of one run")
@@ -177,12 +194,12 @@ def _read_rows_by_time(files: Sequence[RawTable], times: Sequence[float]) -> lis
             raise FileError(raw.file, f"has no positions ({describe_columns('x', 3)} or position); its columns are "
                                       f"{', '.join(quote(name, 20) for name in raw.names[:12])}")
         every = row_times(raw, times[k] if times else None)
-        found += [_RowsAtTime(raw.file, float(every[at][0]), {key: values[at] for key, values in raw.columns.items()
+        found += [RowsAtTime(raw.file, float(every[at][0]), {key: values[at] for key, values in raw.columns.items()
                                                               if key != "t"}) for at in group_rows_by_time(every)]
     return found
 
 
-def _check_distinct_times(moments: list[_RowsAtTime]) -> None:
+def _check_distinct_times(moments: list[RowsAtTime]) -> None:
     if len(moments) < 2:
         raise FileError(moments[0].file, "has one moment, and nothing within one contradicts a motion; give two or "
                                          "more")
@@ -197,7 +214,7 @@ def _check_distinct_times(moments: list[_RowsAtTime]) -> None:
                                           "files of one run")
 
 
-def _check_finite_numbers(moments: list[_RowsAtTime]) -> Finding:
+def _check_finite_numbers(moments: list[RowsAtTime]) -> Finding:
     """Checks that all numbers are finite, and reports the first that is not."""
     for one in moments:
         for key, values in one.rows.items():
@@ -212,58 +229,7 @@ def _check_finite_numbers(moments: list[_RowsAtTime]) -> Finding:
     return Finding(NUMBERS, HOLDS)
 
 
-def _identify_rows(moments: list[_RowsAtTime]) -> list[np.ndarray]:
-    """Returns a number for the particle of each row, (n,) at each time, from its id, reference position or row."""
-    if all("id" in one.rows for one in moments):
-        for one in moments:
-            ids = one.rows["id"]
-            if not ((np.abs(ids) < LARGEST_ID).all() and (ids == np.round(ids)).all()):
-                raise FileError(one.file, "has ids that are no whole numbers; give 0, 1, 2 and so on")
-        return [one.rows["id"].astype(int) for one in moments]
-    if all("X" in one.rows for one in moments):
-        X = [one.rows["X"] for one in moments]
-        if all(np.array_equal(other, X[0]) for other in X[1:]):
-            return [np.arange(len(X[0]))] * len(X)
-        every = np.concatenate(X)
-        unit = SAME_PLACE * max(float(np.ptp(every, axis=0).max()), 1e-300)
-        who = np.unique(np.round(every / unit), axis=0, return_inverse=True)[1].ravel()
-        return np.split(who, np.cumsum([len(part) for part in X])[:-1])
-    counts = [len(one.rows["x"]) for one in moments]
-    if len(set(counts)) > 1:
-        k = next(k for k, count in enumerate(counts) if count != counts[0])
-        raise FileError(moments[k].file, f"has {counts[k]:,} particles at t = {moments[k].time:g} s, and there were "
-                                         f"{counts[0]:,} before; give id or X, so that it is known which they are")
-    return [np.arange(counts[0])] * len(moments)
-
-
-def _check_identities(moments: list[_RowsAtTime], who: list[np.ndarray]) -> tuple[Finding, np.ndarray]:
-    """Checks for duplicate and missing particles, by their numbers ``who`` (n,) at each time; returns the finding and
-    the numbers of those that always exist."""
-    common = np.unique(who[0])
-    for one, now in zip(moments, who, strict=True):
-        number, counts = np.unique(now, return_counts=True)
-        if counts.max() > 1:
-            p = int(number[np.argmax(counts)])
-            twice = Finding(WHO, BROKEN, float(counts.max()), 1.0, "times",
-                            f"particle {p} is there {counts.max()} times at t = {one.time:.4g} s", one.time, p)
-            return twice, _always_present(who)
-        if not np.array_equal(number, common):
-            gone, come = np.setdiff1d(common, number), np.setdiff1d(number, common)
-            p = int((gone if len(gone) else come)[0])
-            told = [f"{len(part):,} particle{'s' * (len(part) != 1)} {word}"
-                    for part, word in ((gone, "vanished"), (come, "appeared")) if len(part)]
-            return Finding(WHO, SUSPICIOUS, float(len(gone) + len(come)), 0.0, "particles",
-                           f"{' and '.join(told)} at t = {one.time:.4g} s, first particle {p}: fine where something "
-                           "takes them out or lets them in, and only those that are always there were looked at",
-                           one.time, p), _always_present(who)
-    return Finding(WHO, HOLDS), common
-
-
-def _always_present(who: list[np.ndarray]) -> np.ndarray:
-    return functools.reduce(np.intersect1d, who[1:], np.unique(who[0]))
-
-
-def _assemble_motion(files: Sequence[RawTable], moments: list[_RowsAtTime], who: list[np.ndarray],
+def _assemble_motion(files: Sequence[RawTable], moments: list[RowsAtTime], who: list[np.ndarray],
                      common: np.ndarray) -> RecordedMotion:
     """Returns the motion of the particles ``common``, in order, in the directions in which they extend."""
     rows: list[Any] = []

@@ -21,6 +21,10 @@ QUIET, QUIET_HATS = {"bspline": 1.0}, 0.25
 #: without, outweighs the error; x .9 to 1.1 on 8 of 9 bars below, on 3 of 20 beyond.
 MOST_COUPLED = 0.02
 
+#: Recovered: H c/h from which on its equation of motion is unstable, by linear theory; its steps are no shorter than
+#: the run's.
+MOST_WAVE_CFL = 0.944
+
 FEW_PARTICLES = ("with {scene.ppc} per cell, particles that move {value:.2g} cells cause an error that differs between "
                  "the two grids; give 3 or more")
 CROSSING = "with hat functions the error of particles that cross cells does not fall with the cell size"
@@ -62,6 +66,8 @@ LIMITS = (
     # Recovered: its tables repeat from cell to cell, and it fits what is smooth.
     Limit("recovered", "swings", allowed=(True,), why="recovered fits a smooth motion to whole numbers of particles "
           "per cell, and with these a patch test has no error but round-off; take companion"),
+    Limit("recovered", "courant_number", most=MOST_WAVE_CFL, why="recovered has its own equation of motion, which is "
+          "unstable with such steps; give a cfl of {most:.2g} or less"),
     # Two-grid: Richardson's argument needs an error that falls like h^2 on both grids.
     Limit("two-grid", "swings", allowed=(True,), why="the error of a patch test comes from round-off or from unequal "
           "numbers of particles in the cells and does not fall with the cell size; take companion"),

@@ -125,6 +125,11 @@ class BarScene(TypedMotionScene, Scene):
         return math.sqrt(0.5) * (abs(2 * math.sin(half) - 2 * half * math.cos(half)) + HALF_ERROR * 2 * half)
 
     @property
+    def known_weakness(self) -> str:
+        uneven = self.is_patch and not float(self.ppc).is_integer()
+        return Message("cells with unequal numbers of particles have unequal forces") if uneven else ""
+
+    @property
     def drift_speed(self) -> float:
         return abs(self.initial_velocity) if self.is_patch else 0.0
 

@@ -9,7 +9,6 @@ from solvers.problems.bar import exact_solution, particle_step_breakdown
 from solvers.problems.bar.scene import BarScene
 from solvers.problems.bar.serial_step_kernel import KERNELS, PHASES
 from solvers.problems.bar.state import HOOKS, BarState, InstrumentedBar, escape_distance, initial_state
-from solvers.scene.stabilisations import CENTRED, COUPLED, FILTER, FROZEN, PIECES
 from solvers.solver.base import REPORT, Solver
 from solvers.solver.particle_snapshot import TRUTH, ParticleFields, ParticleValues, Snapshot
 from solvers.solver.serial_stepping import SerialStepper
@@ -84,25 +83,6 @@ class BarSolver(Solver):
 
     def _escape_sentence(self) -> str:
         return Message("moved {scene:.3g} m or more from where it began", escape_distance(self.scene))
-
-    def _advice(self) -> str:
-        if self.scene.is_patch and self.scene.time_step <= self.scene.step_bound:  # whatever else it has: it is this
-            return Message("cells with unequal numbers of particles have unequal forces: give a whole number of "
-                           "particles per cell, ugimp or cpgimp, or linearity preservation")
-        return super()._advice()
-
-    def _fallback_advice(self) -> str:
-        """Returns a sentence with remedies that the scene does not use yet; measured in ``assets/stability.md``."""
-        scene = self.scene
-        whole = scene.method == "mpm" and not scene.frozen and PIECES not in scene.remedies
-        if whole and (scene.ppc == 2 or scene.amplitude >= HATS_LIMIT):
-            return Message("use the remedy {frozen} or {pieces}, or take another method", FROZEN, PIECES)
-        if scene.linearity_preserving and CENTRED not in scene.remedies:
-            return Message("use the remedy {centred}, or {frozen} without linearity preservation", CENTRED, FROZEN)
-        if not scene.remedies:
-            return Message("use the remedies {filter},{coupled}, best with linearity preservation, or {frozen}", FILTER,
-                           COUPLED, FROZEN)
-        return Message("choose a smaller amplitude or fewer periods")
 
 
 def _without_acceleration(values: np.ndarray) -> ParticleValues:

@@ -103,12 +103,6 @@ class PlanarScene(Scene):
         return {name: np.stack([field(self, X, t) ** 2 @ np.array(weights) for t in times])
                 for name, (field, weights) in fields.items()}
 
-    def fallback_advice(self) -> str:
-        """Returns advice for an unstable run, as an imperative, where no other cause is known."""
-        if self.method == "mpm":
-            return Message("hat functions fail in such a motion: choose CPDI")
-        return Message("choose more particles per cell, a smaller amplitude or fewer periods")
-
     @property
     def solution_known(self) -> bool:
         """Whether an exact solution is built in: only with its own body force, without which the motion is unknown."""

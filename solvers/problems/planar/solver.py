@@ -127,9 +127,6 @@ class PlanarSolver(Solver):
     def _escape_sentence(self) -> str:
         return Message(self.scene.ESCAPE_SENTENCE, farthest=self.scene.farthest)
 
-    def _fallback_advice(self) -> str:
-        return self.scene.fallback_advice()
-
 
 def estimated_errors(a: InstrumentedBody, estimator: int) -> Errors:
     """Returns the errors of x, v, sigma and a, in SI units, that estimator number ``estimator`` left in ``a``."""

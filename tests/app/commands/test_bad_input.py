@@ -95,6 +95,8 @@ BAD = {
     "serve --max-sessions 0": "--max-sessions 0: give a whole number",
     "serve --frames 0": "--frames 0: give a number above 0 and up to 60",
     "serve --host ''": "--host (no value):",
+    "serve --host localhost:9000": "--host localhost:9000: give the name or the address of this machine",
+    "serve --host ::1::2": "--host ::1::2: give the name or the address of this machine",
     "serve --host 'two words'": "--host two words: give the name or the address of this machine",
     "serve --host '\x1b[31mevil\u202e'": "--host … give the name or the address of this machine",
     "serve --lesson 99": "99: there is no lesson",

@@ -45,7 +45,7 @@ def test_rows_and_their_summary_have_the_shares():
     row = {"status": "ok", "reason": None, "problem": "bar", "asked": {}, "scene": {"method": "mpm", "cells": 8},
            "h": 0.125, "index": {}, "error": {}, "seconds": {"min": 1.0}, "rate": 1.0,
            "budget": {field: shares for field in FIELDS} | {"reference": "exact"}}
-    assert "budget.v.crossings" in csv_text([row]).splitlines()[0].split(",")
+    assert '"budget.v.crossings"' in csv_text([row]).splitlines()[0].split(",")
     assert "crossings: share of v" in summarise_study("bar", [row]) and "0.250" in summarise_study("bar", [row])
     assert "share of" not in summarise_study("bar", [{**row, "budget": None}])
     silent = summarise_study("bar", [{**row, "budget": {**row["budget"], "not_valid": "not valid here: they cancel"}}])

@@ -6,8 +6,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from app import names_and_units
 from app.frame.colour_scale import ZERO, ColourScale
+from app.frame.error_view_captions import NONE_CHOSEN, StageHalfErrors
+from app.frame.layout import HALVES
 from app.frame.primitives import Dots, StageMetrics
 from app.frame.stage import StageLabels, WorstRegionAnnotations, WorstRegionMark
 from app.problems.views import VIEWS
@@ -59,6 +60,18 @@ def test_each_error_is_shown_where_its_name_stands(problem):
     assert (colours[left] == ESTIMATED).all() and (colours[~left] == TRUE).all()
 
 
+def test_a_run_that_nobody_judges_has_the_lane_of_the_truth_alone():
+    scene = PROBLEMS["bar"].scene(cells=12, periods=1)
+    arrays, stage = engine_frame(build(scene)), VIEWS["bar"].stage(RecordingSurface(), TwoColours())
+    ones, plot = np.ones(len(arrays.position)), stage._layout.field.half
+    for nobody in (NONE_CHOSEN, ""):
+        stage.show_captions(StageHalfErrors("Estimate", "", None, nobody), StageHalfErrors("Truth", "", ones))
+        stage.draw(scene, arrays, 0 * ones, ones, 0.0)
+        lanes, titles = stage.sheet.marks["lanes"], [stage.sheet.marks[f"{name}-title"].text for name in HALVES]
+        assert (lanes.colours == TRUE).all() == bool(nobody) and titles == ["" if nobody else "estimate", "truth"]
+        assert (stage._layout.field.half > plot) == bool(nobody)
+
+
 def test_a_rectangle_on_any_quarter_of_the_ring_holds_the_particles_that_are_drawn_there():
     """A particle has four images: a small rectangle about any of them holds it, and so does the quarter's."""
     scene = PROBLEMS["ring"].scene(cells=12, periods=1)
@@ -86,10 +99,8 @@ def test_a_half_of_which_nothing_is_known_has_no_colour_of_the_other(problem, kn
 def assert_shades(ticks, logarithmic, row_of):
     """The row of the shade of every tick's number is where the tick is."""
     assert len(ticks) > 3 and ticks[0][0] == 0 and ticks[-1][0] == 1
-    unit = "" if logarithmic else ticks[-1][1].split()[1]
     for at, text in ticks:
-        value = 0.0 if text == ZERO else names_and_units.parse_size(text if text.endswith("m") else f"{text} {unit}",
-                                                                    "m")
+        value = 0.0 if text == ZERO else float(text.removesuffix(" %")) / 100
         assert abs(row_of(value) - 255 * at) <= 1 + logarithmic
 
 
@@ -100,9 +111,9 @@ def test_the_colour_at_a_tick_is_that_of_its_number(size, logarithmic):
     scale = ColourScale()
     scale.logarithmic = logarithmic
     scale.update(None, np.array([size]))
-    scale.absolute, scale.exceeded = True, False
+    scale.exceeded = False
     table = [tuple(shade) for shade in scale.gradient(256)]
-    assert_shades(scale.ticks("x"), logarithmic,
+    assert_shades(scale.ticks("x", says_of_what=False), logarithmic,
                   lambda value: table.index(tuple(scale.colours(np.array([value]))[0])))
 
 

@@ -2,6 +2,8 @@
 
 import random
 import re
+from dataclasses import replace
+from functools import partial
 from types import SimpleNamespace
 
 import pytest
@@ -11,6 +13,7 @@ from app.language.translation import translate_message, use_language
 from app.names_and_units import reword_for_page, short_reason
 from solvers import BarScene, RingScene, SquareScene, VortexScene
 from solvers.problems import PROBLEMS
+from solvers.running.cures import advice_sentence, candidate_cures
 from solvers.scene.effects import EFFECTS
 from solvers.scene.scene import Scene
 from solvers.scene.validation import SceneError
@@ -71,9 +74,14 @@ def test_of_any_scene_warnings_and_estimators_that_do_not_hold_are_heard(problem
     RingScene(method="mpm"), RingScene(method="ugimp"), RingScene(method="cpdi"), RingScene(amplitude=0.3),
     VortexScene(method="ugimp", ppc=1), SquareScene(method="mpm")], ids=lambda scene: f"{scene.problem} {scene.method}")
 def test_why_a_run_is_lost_is_heard_with_all_its_parts(rule, scene):
-    solver = SimpleNamespace(_position_text=lambda particle: "0.1250, 0.3000", _advice=scene.fallback_advice)
+    solver = SimpleNamespace(_position_text=lambda particle: "0.1250, 0.3000", scene=scene)
     finding = SoundnessFinding(0.34, Message(rule.sentence, size="0.21"), 0.21, 5)
-    sentence = Solver.loss_sentence(solver, finding)  # type: ignore[arg-type]
+    solver._known_weakness = partial(Solver._known_weakness, solver)
+    found = Solver.loss_sentence(solver, finding)  # type: ignore[arg-type]
+    cures = candidate_cures(scene, rule.name, 0.34)
+    tried = [replace(cure, tried=True, held=held) for cure, held in zip(cures, (True, False), strict=False)]
+    parts = advice_sentence(tried[:1]), advice_sentence([*tried[1:], *cures])
+    sentence = join_messages("; ", (found, *parts))
     with use_language("de"):
         said = reword_for_page(sentence)
     assert "Partikel 5 (X = 0.1250, 0.3000)" in said

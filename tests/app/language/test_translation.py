@@ -17,6 +17,14 @@ from app.language.translation import (
     use_language,
     with_language,
 )
+from app.names_and_units import (
+    format_number,
+    format_ratio,
+    number_format_script,
+    parse_size,
+    per_cent,
+    with_unit,
+)
 
 WORDS = {"Play": "Los", "{n} of {all} are here": "von {all} sind {n} da"}
 
@@ -45,7 +53,7 @@ def test_a_text_is_what_the_language_says_and_english_is_the_code(other):
 
 
 @pytest.mark.parametrize(("count", "english", "said"), [(1, "1 dot", "1 Punkt"), (2, "2 dots", "2 Punkte"),
-                                                        (0, "0 dots", "0 Punkte"), (2.5, "2.5 dots", "2.5 Punkte")])
+                                                        (0, "0 dots", "0 Punkte"), (1.5, "1.5 dots", "1.5 Punkte")])
 def test_a_count_chooses_its_form(other, count, english, said):
     assert trn("{count} dot", "{count} dots", count) == english
     with use_language(other):
@@ -81,6 +89,17 @@ def test_a_file_has_its_translation_beside_it_or_stands_for_itself(tmp_path):
         assert localised_path(tmp_path / "about.html").name == "about.html"
         (tmp_path / "about.de.html").touch()
         assert localised_path(tmp_path / "about.html").name == "about.de.html"
+
+
+def test_numbers_have_the_marks_of_the_language():
+    """Also those within a sentence; what is text already, as a command, stays."""
+    with use_language("de"):
+        assert [with_unit(0.0021, "m"), per_cent(0.064), per_cent(23.0), format_ratio(0.36), format_number(1234.5)] \
+            == ["2,1 mm", "6,4 %", "2.300 %", "0,36", "1,23e+03"]
+        assert tr("not above {least:g}, as in {command}", least=0.5, command="--cfl 0.5") \
+            == "not above 0,5, as in --cfl 0.5"
+        assert parse_size(with_unit(0.0021, "m"), "m") == 0.0021
+        assert '"marks": ",."' in number_format_script()
 
 
 def test_scripts_get_their_own_words(other):

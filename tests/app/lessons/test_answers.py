@@ -49,6 +49,9 @@ def test_a_prediction_of_a_control_is_a_slider(gui, dragged):
     widgets = AnswerWidgets(gui, step, {}, 0.01, False, lambda: shareable_state.parse_state("bar").scene)
     assert widgets.value == pytest.approx(0.01, rel=0.02)
     assert "Your value: Amplitude A = <b>10 mm</b>" in widgets._note.content
+    strange = replace(step, question=replace(step.question, unit="<i>m</i>"))
+    widgets = AnswerWidgets(gui, strange, {}, 0.01, False, lambda: shareable_state.parse_state("bar").scene)
+    assert "&lt;i&gt;m" in widgets._note.content and "<i>" not in widgets._note.content
 
 
 def test_only_an_option_that_there_is_can_be_chosen(gui):

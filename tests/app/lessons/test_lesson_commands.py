@@ -6,16 +6,19 @@ import csv
 import io
 import json
 import math
+import re
+from dataclasses import replace
 
 import pytest
 
 from app.cli import main
 from app.lessons import catalogue, grading
-from app.lessons.answer_marking import format_answer, mark_answer, why_invalid
+from app.lessons.answer_marking import RightAnswer, format_answer, is_right, mark_answer, why_invalid
 from app.lessons.lesson import draw_numbers, fill_numbers
 from app.lessons.lesson_parser import parse_lesson
 from app.lessons.lesson_runs import RunCache
 from app.lessons.student_progress import InvalidProgress, StudentProgress, parse_progress
+from app.lessons.teacher_guide import guide_page
 from tests.app.lessons.test_lesson_format import TEXT, use_folder
 
 SAVED = TEXT + """
@@ -98,7 +101,10 @@ def test_the_guide_has_notes_and_right_answers(shelf_of_one, tmp_path, capfd):
     assert main(["lesson", "guide", "1", "--quiet", "--out", str(tmp_path / "guide.html")]) == 0
     page = (tmp_path / "guide.html").read_text()
     assert page.startswith("<!doctype html>") and "<math" in page
-    assert "http" not in page.replace("http://www.w3.org", "")  # nothing is loaded from elsewhere
+    assert not re.search("https?:", page.replace("http://www.w3.org", ""))  # nothing is loaded from elsewhere
+    assert "default-src 'none'" in page and "script-src" not in page
+    lesson = replace(parse_lesson(SAVED, "01-test"), title="</title><script>", steps=())
+    assert "<script" not in guide_page(lesson, None)
 
 
 def test_marks_are_derived_from_the_runs(outcomes):
@@ -113,6 +119,13 @@ def test_marks_are_derived_from_the_runs(outcomes):
     assert right("and", 1.05 * coarse) and not right("and", 1.2 * coarse)
     assert right("drag", 23) and not right("drag", 25)
     assert right("say", "anything") is None
+
+
+@pytest.mark.parametrize(("answer", "right"), [(0.905, True), (1.0, True), (1.1, True), (0.895, False), (1.105, False)])
+def test_the_tolerance_is_one_of_what_came_out(answer, right):
+    asked = next(step.question for step in parse_lesson(SAVED, "01-test").steps if step.key == "drag")
+    for sign in (1, -1):
+        assert is_right(replace(asked, tolerance=0.1 + 1e-12), sign * answer, RightAnswer("", value=sign)) is right
 
 
 def test_grade_makes_one_table(shelf_of_one, outcomes, tmp_path, capfd):

@@ -1,14 +1,18 @@
 """A lesson's file: what it says, and every mistake with its line and what was expected; and what our own show."""
 
 import re
+from xml.etree import ElementTree
 
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from app import shareable_state
 from app.lessons import catalogue, class_plans
 from app.lessons.catalogue import FOLDER, UnknownLesson, lesson_names, load_lessons, resolve_lesson_name
 from app.lessons.lesson import EXPLAIN, LessonError, draw_numbers, fill_numbers
 from app.lessons.lesson_parser import parse_lesson, read_lesson
+from app.lessons.markdown_html import ELEMENTS, to_html, to_mathml
 from solvers.scene.estimator_registry import ESTIMATORS
 
 TEXT = """+++
@@ -111,6 +115,11 @@ def test_a_lesson_is_read():
     ('expected = "first(grids.error.x.final)"\n', "", 'kind = "number"', "expected is missing"),
     ('unit = "m"', "unit = 3", "unit", "unit = 3: give a text"),
     ("$h^2$", "$x^2^3$", "Because", "cannot be shown"),
+    ("$h^2$", r"$\href{javascript:f()}{h}$", "Because", "has href=javascript:f(), which cannot be shown"),
+    ("$h^2$", r"$\style{color:red}{h}$", "Because", "has style=color:red"),
+    ("$h^2$", r"$\class{lab-notice}{h}$", "Because", "has class=lab-notice"),
+    ("$h^2$", r"$\color{red;x:y}{h}$", "Because", "has mathcolor=red;x:y"),
+    ("$h^2$", r"$\fcolorbox{red}{blue}{h}$", "Because", "has border-color=red"),
     ("Because", "![a](b.svg)", "![a]", "the picture b.svg is not there"),
     ("Because", "{B}", "{B}", "{B} is no number of a variant"),
     ("```teacher\nAsk them.\n```", "```teacher\nAsk them.", "```teacher", "does not end"),
@@ -127,10 +136,24 @@ def test_a_mistake_is_told_with_its_line(old, new, where, said):
     assert mistake.value.line == text[:text.index(where)].count("\n") + 1
 
 
+@given(st.text(alphabet="<>&;/='\"!-#x3c abimgscript", max_size=60))
+def test_text_in_a_formula_is_text(text):
+    """Of any that a lesson's author writes, also as a character reference, no element comes."""
+    formula = ElementTree.fromstring(to_mathml(rf"\text{{{text}}} + \mbox{{{text}}} + \tag{{{text}}}", True))
+    assert {element.tag.partition("}")[2] for element in formula.iter()} <= ELEMENTS
+    assert "<b>" not in to_mathml(r"\unicode{3c}b\unicode{3e}", False)
+    assert "<a" not in to_html("$$h$$ (lab-stage)") and "id=" not in to_html("$$h$$ (lab-stage)")
+
+
 def test_a_file_that_is_no_text_is_told(tmp_path):
     (tmp_path / "07-bad.md").write_bytes(TEXT.encode() + b"\xff")
     with pytest.raises(LessonError, match="UTF-8"):
         read_lesson(tmp_path / "07-bad.md")
+
+
+def test_an_editors_mark_and_line_ends_change_nothing(tmp_path):
+    (tmp_path / "07-good.md").write_bytes(TEXT.replace("\n", "\r\n").encode("utf-8-sig"))
+    assert read_lesson(tmp_path / "07-good.md").steps == parse_lesson(TEXT, "07-good", tmp_path).steps
 
 
 def test_numbers_are_drawn_from_the_name():

@@ -112,6 +112,16 @@ def test_every_answer_says_what_may_be_done_with_it(here):
                        for part in policy if part.startswith("script-src"))
 
 
+@pytest.mark.parametrize("method", ["HEAD", "POST", "OPTIONS", "TRACE"])
+def test_another_method_than_get_is_told_so_and_nothing_else(here, method, caplog):
+    host, port = here[1].removeprefix("http://").split(":")
+    with socket.create_connection((host, int(port)), timeout=20) as line:
+        line.sendall(f"{method} / HTTP/1.1\r\nHost: {host}:{port}\r\nContent-Length: 2\r\n\r\nab".encode())
+        head, _, body = b"".join(iter(lambda: line.recv(4000), b"")).partition(b"\r\n\r\n")
+    assert head.startswith(b"HTTP/1.1 405 ") and b"Allow: GET" in head and b"nosniff" in head and not body
+    assert not caplog.records
+
+
 def test_stale_page_is_told_and_fills_no_log(here, capfd, caplog):
     """One of another version of the viewer; the viewer itself would print a line for each."""
     from websockets.sync.client import connect

@@ -3,17 +3,19 @@
 import hmac
 import json
 import re
+from contextlib import suppress
 from functools import partial
 
 import pytest
 from websockets.datastructures import Headers
-from websockets.exceptions import InvalidStatus
+from websockets.exceptions import ConnectionClosed, InvalidStatus
 
 from app.access import code_login
 from app.access.code_login import ALL, CLASS, LETTERS, ONE, CodeLogin, generate_code
 from app.access.network_limits import REMEMBERED, TokenBucket
 from app.classroom.class_context import LessonContext
 from app.lessons import catalogue
+from app.viewer import web_server
 from tests.browser.conftest import serving
 from tests.support.page_server import http_get, start_server
 from tests.support.processes import wait_until
@@ -123,6 +125,28 @@ def test_limit_reaches_the_page_and_lets_the_right_code_through(monkeypatch):
         assert enter(address, "d")[0] == 429 and re.search(r"Retry-After: \d+", http_get.head)
 
 
+def test_a_misbehaving_browser_keeps_only_itself_out(monkeypatch):
+    """Others of its address, which a whole class may have, come in: after too large a message, and after many reloads,
+    of which those that are refused cost nobody anything."""
+    for limit, value in (("RELOADS", 3), ("RELOADS_A_SECOND", 0.01), ("HANDSHAKES", 30), ("HANDSHAKES_A_SECOND", 0.01)):
+        monkeypatch.setattr(web_server, limit, value)
+    with start_server(code=CODE) as (_, address):
+        large, often, other = (enter(address, CODE)[2][1] for _ in range(3))
+
+        def comes_in(cookie):
+            with suppress(InvalidStatus):
+                RawClient(address, {"Cookie": cookie}, arrive=False).close()
+                return True
+            return False
+
+        with RawClient(address, {"Cookie": large}) as one:
+            with suppress(ConnectionClosed):
+                one.send(bytes(2 * web_server.LARGEST_MESSAGE))
+            wait_until(lambda: one.closed, "it is closed")
+        wait_until(lambda: not comes_in(large), "it must wait")
+        assert comes_in(other) and sum(comes_in(often) for _ in range(40)) == 3 and comes_in(other)
+
+
 def test_the_teachers_code_opens_the_notes_and_the_class_code_does_not():
     """Where there is one; a code of use to nobody who is in already changes no cookie."""
     with start_server(code=CODE, notes=NOTES,
@@ -140,6 +164,14 @@ def test_the_teachers_code_opens_the_notes_and_the_class_code_does_not():
         assert (status(CODE, NOTES), status(CODE, CODE), status(NOTES, CODE)) == (204, 204, 200)
     another = CodeLogin(CODE, int(address.rpartition(":")[2]))  # a lab that has come in the place of this one
     assert not another.is_authorised(Headers({"Cookie": cookies[CODE]}))
+
+
+@pytest.mark.parametrize("typed", ["WAVE-4711", "wave\u20134711", "\u00a0wave\u20114711\u200b\r\n",
+                                   "\uff57ave \uff14\uff17\uff11\uff11"])
+def test_a_code_is_known_however_a_keyboard_changes_it(typed):
+    """Long dashes, wide letters, spaces that do not break, what does not show; and quotes in one of one's own."""
+    assert CodeLogin(CODE, 8080).log_in(typed, "::1").cookie
+    assert CodeLogin("it's 4711", 8080).log_in("It\u2019s\u202f4711", "::1").cookie
 
 
 def test_a_cookie_is_one_browsers_and_made_by_this_lab():

@@ -25,7 +25,7 @@ def index():
 
 
 def ask(index, path="/", code="en", **headers):
-    return index.answer_in_language(Request(path, Headers({"Host": "lab.example:8080", **headers})), code)
+    return index.answer_in_language(Request(path, Headers({"Host": "lab.example:8080"} | headers)), code)
 
 
 def test_it_has_our_title_our_mark_and_our_ground(index):
@@ -46,6 +46,8 @@ def test_it_runs_its_own_scripts_and_no_others(index):
     hashes = {f"'sha256-{base64.b64encode(hashlib.sha256(one.encode()).digest()).decode()}'" for one in scripts}
     assert set(allowed["script-src"].split()) == {*hashes, "'wasm-unsafe-eval'"}
     assert "ws://lab.example:8080" in allowed["connect-src"].split() and allowed["frame-ancestors"] == "'none'"
+    by_digits = ask(index, Host="[::1]:8080").headers["Content-Security-Policy"]
+    assert "connect-src 'self'" in by_digits and "::1" not in by_digits  # which no browser takes
     assert scripts[-1].strip().endswith(("}", ";", ")")) and "ViewerCameraMessage" in scripts[-1]
 
 

@@ -1,8 +1,10 @@
 """Strangers who say nothing, or come again and again: they take no place that others want."""
 
+import asyncio
 import socket
 from contextlib import ExitStack, closing, suppress
 from time import monotonic
+from types import SimpleNamespace
 
 import pytest
 from websockets.exceptions import ConnectionClosed, InvalidStatus
@@ -105,6 +107,23 @@ def test_silent_websockets_take_nobodys_place(address, monkeypatch):
         wait_until(lambda: sum(one.closed == 1008 for one in silent) == gone, "the oldest sent away")
         assert silent[0].closed == 1008 and silent[0].socket.close_reason == web_server.CROWDED
         assert silent[-1].closed is None
+
+
+def test_who_takes_nothing_that_is_sent_keeps_no_place(monkeypatch):
+    """No ping is answered by whoever does not read what was sent before it."""
+    monkeypatch.setattr(browser_connection, "DEAF", 0.05)
+
+    async def serve():
+        ended = []
+
+        async def ping():
+            return asyncio.Future()
+
+        line = SimpleNamespace(ping=ping, transport=SimpleNamespace(abort=lambda: ended.append(True)))
+        await asyncio.wait_for(browser_connection.BrowserConnection.ping_until_closed(line), 10)
+        return ended
+
+    assert asyncio.run(serve()) == [True]
 
 
 def test_who_comes_and_goes_keeps_only_its_own_network_out(address, monkeypatch):

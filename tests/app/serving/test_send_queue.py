@@ -156,6 +156,22 @@ def test_a_newcomer_hears_what_was_said_before_and_where_that_ends(loop):
     assert len(messages) == 202 and isinstance(messages[200], ReplayDoneMessage) and messages[201].name == "later"
 
 
+@pytest.mark.parametrize("most", [1, 100], ids=["one by one", "all at once"])
+def test_who_is_left_out_of_a_message_does_not_get_it(loop, most):
+    """A browser that has moved a slider itself is not told where it is."""
+    buffer = SendBuffer(loop, persistent_messages=False)
+    buffer.max_window_size = most
+    for number in range(4):
+        message = moved(f"a{number}", 0)
+        message.excluded_self_client = 1 if number % 2 else 2
+        buffer.push(message)
+    windows, end = listen(loop, buffer)
+    wait_until(lambda: buffer.all_sent, "all that was said")
+    buffer.set_done()
+    end.result(PATIENCE)
+    assert [message.name for window in windows for message in window] == ["a0", "a2"]
+
+
 def test_all_is_sent_when_the_last_window_has_gone(loop):
     """Not when it has been taken out: a browser that takes nothing holds it up."""
     buffer, go = SendBuffer(loop, persistent_messages=False), asyncio.Event()

@@ -232,7 +232,7 @@ def test_the_system_is_found_above_frames_of_others(system, levels, found):
     for _ in range(levels):
         inner = inner.frame_locator("iframe")
     inner.locator("#where").wait_for()
-    assert ("outside a course" not in inner.locator("#course").inner_text()) is found
+    until(lambda: ("outside a course" in inner.locator("#course").inner_text()) is not found, "whether it is there")
     assert system.evaluate("system.state") == ("open" if found else "new")
     system.evaluate(courses.CLOSE)
     until(lambda: not inner.locator("#where").count(), "the lesson closed")
@@ -246,6 +246,47 @@ def test_the_system_is_found_where_it_has_opened_a_window(system):
     assert system.evaluate("system.state") == "open" and opened.value.locator("#course").inner_text() == ""
     opened.value.close(run_before_unload=True)
     until(lambda: system.evaluate("system.state") == "ended", "the window closed")
+
+
+LATE = "() => { window.late = window.API; delete window.API; }"
+COMES = "() => { window.API = window.late; }"
+
+
+def test_a_system_that_comes_late_gets_what_was_answered_before(system, begin):
+    """And a visit goes on where the last one ended, with the answers of both."""
+    system.evaluate(LATE)
+    frame = begin(FILES[1], core__student_name="Ada")
+    courses.walked(frame, 4)
+    write(frame, "before")
+    assert system.evaluate("system.state") == "new"
+    system.evaluate(COMES)
+    until(lambda: system.evaluate("system.record['core.score.raw']") == "100", "what was answered is known")
+    assert (frame.get_by_role("textbox").input_value(), frame.locator("#course").inner_text()) == ("before", "")
+    frame, record = again(system, FILES[1])
+    assert [one["id"] for one in record["interactions"]] == ["drag", "between", "number", "first-words"]
+    courses.closed(system)
+    system.evaluate(LATE)
+    system.evaluate("localStorage.clear(); system.begin(system.record)")
+    frame = courses.opened(system, FILES[1])
+    courses.walked(frame, 2)
+    system.evaluate(COMES)
+    until(lambda: "Step 4 of" in frame.locator("#where").inner_text(), "it goes on")
+    courses.walked(frame)
+    frame, record = again(system, FILES[1])
+    assert record["core.lesson_status"] == "completed" and record["core.score.raw"] == "100"
+    assert [one["id"] for one in record["interactions"]][4:] == ["first-words", "second-words", "third-words"]
+
+
+def test_a_system_in_the_lessons_own_window_is_found_late(chromium, packed, tmp_path):
+    zipfile.ZipFile(io.BytesIO(packed)).extractall(tmp_path)
+    page = chromium.new_page()
+    page.goto((tmp_path / FILES[1]).as_uri())
+    courses.walked(page, 2)
+    assert "outside a course" in page.locator("#course").inner_text()
+    page.evaluate(f"{{{SYSTEM}; system.begin({{}}); }}")
+    until(lambda: page.evaluate("window.system.record['core.score.raw']") == "33.33", "what was answered is known")
+    assert page.locator("#course").inner_text() == "" and "Step 2 of" in page.locator("#where").inner_text()
+    page.close()
 
 
 def test_without_a_system_it_plays_and_says_so(chromium, packed, tmp_path):

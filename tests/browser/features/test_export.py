@@ -31,7 +31,7 @@ from tests.browser.courses import walked
 
 ATTACK = "<img src=x onerror=alert(1)>"
 NAMES = ["Ada", "  ada  ", "Straße", "STRASSE", "ΟΔΥΣΣΕΥΣ", "İpek", "ﬁne", "李小龍", "e\u0301mile", "a\u00a0b"]
-MORE = """
+MORE = r"""
 ## Observe: In words
 
 ```question
@@ -39,6 +39,8 @@ kind = "text"
 ```
 
 ## Explain: The end of it
+
+$\text{<img/src/onerror=document.title='stolen'>}$ and $\text{<script>document.title='stolen'</script>}$
 """
 
 
@@ -228,6 +230,8 @@ def test_a_lesson_is_played_to_its_hand_in(chromium, lesson, lesson_file, tmp_pa
         page.get_by_label("Answer").fill(ATTACK)
         check.click()
         onward.click()
+        assert page.locator("#lesson mtext").first.text_content() == "<img/src/onerror=document.title='stolen'>"
+        assert page.title() == lesson.title and not page.locator("#lesson img, #lesson script").count()
         onward.click()
         assert page.locator(".compared").get_by_text(ATTACK).count() == 1
         with page.expect_download() as download:

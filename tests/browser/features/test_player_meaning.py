@@ -58,9 +58,11 @@ def player(chromium):
     data = json.dumps(shared_display_data(PROBLEMS), ensure_ascii=False)
     lesson = json.dumps({"bets": bet_chart_texts()}, ensure_ascii=False)
     scripts = [(PLAYER / f"{name}.js").read_text(encoding="utf-8") for name in SCRIPTS]
-    page.evaluate("(text) => (0, eval)(text)", "\n".join([f"var DATA = {data}, LESSON = {lesson};", PEN, *scripts,
+    page.evaluate("(text) => (0, eval)(text)", "\n".join([f"var DATA = {data}, LESSON = {lesson};", PEN,
+                                                         names_and_units.number_format_script(), *scripts,
                                                          f"var drawBare = {DRAW}; var shadeOf = shade;",
                                                          "var rows = SHADES, ticks = ticksOf;",
+                                                         "Object.assign(globalThis, numbers);",
                                                          "var bet = betOf, picture = betsDrawn, figure = betsFigure;"]))
     yield page
     page.close()
@@ -76,12 +78,12 @@ def test_each_error_is_shown_where_its_name_stands(player, problem):
 
 
 @pytest.mark.parametrize("logarithmic", [False, True], ids=["linear", "logarithmic"])
-@pytest.mark.parametrize("top", [3e-4, 1.0, 3e6])
+@pytest.mark.parametrize("top", [3e-4, 0.1, 1.0])
 def test_the_colour_at_a_tick_is_that_of_its_number(player, top, logarithmic):
     """To one of 256 shades, or two on a logarithmic scale."""
     parts = TOPS[round(top / 10.0 ** math.floor(math.log10(top)), 6)]
-    scale = {"top": top, "parts": parts, "logarithmic": logarithmic, "exceeded": False}
-    ticks = player.evaluate("(scale) => ticks(scale, 'm')", scale)
+    scale = {"top": top, "share": top, "parts": parts, "logarithmic": logarithmic, "exceeded": False}
+    ticks = player.evaluate("(scale) => ticks(scale)", scale)
     assert_shades(ticks, logarithmic, lambda value: player.evaluate(
         "([value, scale]) => rows.indexOf(shadeOf(value, scale))", [value, scale]))
 
@@ -147,7 +149,7 @@ def sizes():
 
 
 def test_a_number_is_written_as_on_the_page(player):
-    """Every form of the player's ``words.js`` beside that of ``app.names_and_units``, to the letter."""
+    """Every form of ``numbers.js`` beside that of ``app.names_and_units``, to the letter."""
     values = sizes()
     forms = {"number(x)": names_and_units.format_number, "number(x, 4)": lambda x: f"{x:.4g}",
              "ratio(x)": names_and_units.format_ratio, "perCent(x)": names_and_units.per_cent,

@@ -18,6 +18,7 @@ from solvers.problems.bar.scene import BarScene
 from solvers.problems.ring import RingScene
 from solvers.running.run import build
 from solvers.solver import samples
+from solvers.workers.worker_process import descendants
 from tests.support.processes import RunningTime, stop_processes
 from tests.support.session_listener import PATIENCE, SCENE, Listener, assert_same
 
@@ -90,8 +91,10 @@ def test_killed_engine_comes_back(pool, session):
     number = link.ask(SCENE)
     listener.frame(number)
     old = pool.process_ids[0]
+    family = {old, *descendants(old)}
     os.kill(old, signal.SIGKILL)
     listener.wait(lambda: listener.losses == 1)
+    assert not family & set(descendants(os.getpid()))  # no zombie either, before another engine says something
     report, _ = listener.frame(number + 1, lambda r: r.fresh)
     assert report.scene == SCENE and report.time < SCENE.period
     assert pool.process_ids[0] != old
@@ -142,6 +145,25 @@ def test_leaving_frees_the_memory(pool):
     link.close()
     with pytest.raises(FileNotFoundError):
         SharedMemory(name)
+
+
+ORPHANED = """
+import os, signal
+from multiprocessing import resource_tracker
+from multiprocessing.shared_memory import SharedMemory
+from solvers.engine.shared_frames import remove_block
+
+block = SharedMemory(create=True, size=64)
+tracker = resource_tracker._resource_tracker._pid
+os.kill(tracker, signal.SIGKILL)
+os.waitid(os.P_PID, tracker, os.WEXITED | os.WNOWAIT)
+remove_block(block)
+"""
+
+
+def test_a_block_goes_quietly_where_its_tracker_was_killed():
+    ended = subprocess.run([sys.executable, "-c", ORPHANED], capture_output=True, text=True, timeout=PATIENCE)
+    assert ended.returncode == 0 and "Traceback" not in ended.stderr
 
 
 def test_wish_of_a_visitor_who_has_left_is_dropped(pool, session):

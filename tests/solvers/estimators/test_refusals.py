@@ -6,6 +6,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from solvers.estimators.recovered_common import DAMPING
+from solvers.problems.bar.estimator_limits import MOST_WAVE_CFL
 from solvers.problems.bar.scene import BarScene
 from solvers.problems.ring import RingScene
 from solvers.problems.vortex import VortexScene
@@ -23,6 +25,7 @@ TRANSPORT, COMPANION = {"estimators": ("transport",)}, {"estimators": ("companio
 RULES = [
     *((replace(scene, **TRANSPORT), {"remedies": ("frozen-weights",)}, "transport assumes")
       for scene in (BAR, RING, QUIET_VORTEX)),
+    (replace(BAR, **RECOVERED), {"cfl": 0.95}, "cfl of 0.94"),
     (replace(BAR, **TRANSPORT), {"method": "bspline"}, ""), (replace(RING, **COMPANION), {"amplitude": 0.35}, ""),
     *((SMALL_BAR, changes, word) for changes, word in (
         ({"cells": 15}, "too few"), ({"cells": 31, "body_force": "two-tone"}, "too few"),
@@ -65,6 +68,23 @@ def test_what_each_rule_refuses(scene, changes, word):
     refused, [name] = replace(scene, **changes), scene.estimators
     assert refused.not_valid[name].startswith("not valid here: ") and word in refused.not_valid[name]
     assert refused.active_estimators == () and not scene.not_valid
+
+
+def test_with_longer_steps_than_allowed_recovereds_own_motion_of_the_bar_is_unstable():
+    """Waves exp(i theta k) on the quadratic B-splines of its error grid, h = c = 1: the largest factor of a step, with
+    the symbols of their stiffness and of the smoothing C, Stoermer's correction and the damping of short waves."""
+    def growth(H: float, theta: float) -> float:
+        stiffness = 1 - 2 / 3 * np.cos(theta) - np.cos(2 * theta) / 3
+        C = (66 + 52 * np.cos(theta) + 2 * np.cos(2 * theta)) / 120
+        U, w, before, earlier = np.eye(4)  # the new ones from the last four
+        U = U + H * w
+        a = -stiffness * ((2 - C) * U + DAMPING * (1 - C) ** 2 * w)
+        w = w + H * (a + (a - 2 * before + earlier) / 12)
+        return abs(np.linalg.eigvals(np.stack([U, w, a, before]))).max()
+
+    below, above = (max(growth(H, theta) for theta in np.linspace(0.01, np.pi, 300))
+                    for H in (MOST_WAVE_CFL, MOST_WAVE_CFL + 0.002))
+    assert below < 1 + 1e-9 and above > 1.001
 
 
 def test_what_no_rule_refuses():

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from solvers.judging.check import CONSISTENT, check
+from solvers.judging.findings.deformation import GAP
 from solvers.judging.findings.finding import BROKEN, HOLDS, SUSPICIOUS, UNKNOWN
 from solvers.untrusted.quoting import FileError
 from tests.findings import LOST, checked
@@ -33,6 +34,16 @@ def found(arrays, verdict=None):
     told = check(arrays)
     assert verdict is None or told.verdict == verdict, [one.to_dict() for one in told.contradictions]
     return {one.name: one for one in told.contradictions}
+
+
+def test_a_rough_f_excuses_a_third_of_what_it_departs():
+    """That is the least by which the rule between two points can be off: 1/3 of noise of F times a spacing."""
+    arrays = motion(1)
+    noise = np.random.default_rng(5).normal(0, 0.2, arrays["F"].shape)
+    smooth, rough = (check({**arrays, "F": F}) for F in (arrays["F"], arrays["F"] + noise))
+    limits = [one.limit for told in (smooth, rough) for one in told.findings if one.name == GAP]
+    excuse = 0.2 * smooth.motion.spacing / smooth.motion.amplitude / 3
+    assert limits[1] - limits[0] == pytest.approx(excuse, rel=0.3)  # the noise of one moment
 
 
 @pytest.mark.parametrize("dimensions", [1, 2, 3])
@@ -124,7 +135,7 @@ def test_a_flat_body_in_space_is_looked_at_in_its_plane():
 
 @pytest.mark.parametrize("arrays, says", [
     ({"t": np.array([0.0]), "x": np.zeros((1, 5, 2))}, "two or more"),
-    ([{"t": 0.0, "x": np.zeros((5, 2))}, {"t": 0.0, "x": np.zeros((5, 2))}], "has the time 0 s, which"),
+    ([{"t": 0.0, "x": np.zeros((5, 2))}, {"t": 0.0, "x": np.ones((5, 2))}], "has the time 0 s, which"),
     ([{"t": 0.0, "x": np.zeros((5, 2))}, {"t": 1.0, "x": np.zeros((6, 2))}], "give id or X"),
     ([{"t": 0.0, "x": np.zeros((5, 2))}, {"t": 1.0, "x": np.zeros((5, 3))}], "another number of directions"),
     ([{"t": 0.0, "x": np.zeros((5, 2)), "cells": np.array(k)} for k in (8, 9)], "another grid"),

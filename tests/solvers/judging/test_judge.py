@@ -10,7 +10,7 @@ import pytest
 
 from app.cli import main
 from solvers.judging import particle_writers, problem_handout
-from solvers.judging.error_norms import QUANTITIES, TwoMeshCompanion, count_crossings, rms
+from solvers.judging.error_norms import QUANTITIES, TwoMeshCompanion, count_crossings, largest_error, rms
 from solvers.judging.judgement import Judgement, judge
 from solvers.judging.particle_data_types import Frame
 from solvers.judging.particle_readers import read_file
@@ -28,6 +28,25 @@ TIME = 0.3  # of a period, at which exact particles are written
 
 def scene_of(problem: str, **fields):
     return PROBLEMS[problem].scene(cells=12, **fields)
+
+
+def test_a_crossing_is_one_in_either_direction():
+    scene = PROBLEMS["square"].scene(cells=10)
+    X = scene.spacing * np.array([[3.5, 4.5], [3.5, 7.5], [6.5, 6.5]])
+    moved = [scene.spacing * np.array(steps) for steps in ([[1, 0], [0, 0], [0, 0.2]], [[1, 1], [0, -1], [0, 0.4]])]
+    frames = [SimpleNamespace(material_position=X, position=X + u) for u in moved]
+    assert count_crossings(scene, frames) == 1 + 2
+
+
+def test_the_worst_is_that_of_all_moments():
+    """Neither the first nor the last; of those that have the quantity."""
+    X = np.array([[0.1], [0.2]])
+    frames = [SimpleNamespace(material_position=X, number=np.array([5, 7]), time=t, file=f"{t}.csv")
+              for t in (0.0, 1.0, 2.0)]
+    errors = [{"x": np.array([[0.1], [0.2]])}, {"x": np.array([[0.3], [-0.9]])}, {"x": np.array([[0.4], [0.1]])}]
+    found = largest_error(frames, errors, "x")
+    assert (found.size, found.particle, found.place, found.time, found.file) == (0.9, 7, (0.2,), 1.0, "1.0.csv")
+    assert largest_error(frames, errors, "v") is None
 
 
 @pytest.mark.parametrize("problem", OWN)
@@ -240,7 +259,7 @@ IDS, SHIFT = table()["id"], 0.3
 SPOILT = {
     "no positions": ({"x": None}, "has no positions (x or position); its columns are t, id"),
     "no identity": ({"id": None, "X": None}, "does not identify its particles: give id"),
-    "ids from 1": ({"X": None, "id": IDS + 1}, "has ids from 1 to 48, and 12 cells with 4 particles each way have 0 "
+    "ids from 2": ({"X": None, "id": IDS + 2}, "has ids from 2 to 49, and 12 cells with 4 particles each way have 0 "
                                                "to 47"),
     "half ids": ({"X": None, "id": IDS + 0.5}, "has ids that are no whole numbers"),
     "no time": ({"t": None}, "has no time; give a column t"),
@@ -268,15 +287,15 @@ CONTENTS = {
     "empty.csv": (b"", "is empty; give a file with particles"),
     "names.csv": (b"id,x\n", "holds no particles; give names in the first line"),
     "numbers.csv": (b"1,2\n3,4\n", "has no names in its first line"),
-    "ragged.csv": (b"id,x\n1,2\n3\n", "has a line that is no row of 2 numbers"),
-    "words.csv": (b"id,x\n1,two\n", "has a line that is no row of 2 numbers"),
+    "ragged.csv": (b"id,x\n1,2\n3\n", "has 2 columns, but 1 in line 3; give as many in all lines"),
+    "words.csv": (b"id,x\n1,two\n", "has two in the column x of line 2; give a number in all rows"),
     "more.csv": (b"id,x\n1,2,3\n", "has 2 names and 3 numbers in a line"),
     "same.csv": (b"id,x,x\n1,2,3\n", "has two columns called x"),
     "other.csv": (b"mass,colour\n1,2\n", "holds no particles that are known by name, but mass, colour"),
     "cells.csv": (b"# cells = many\nid,x,t\n1,2,3\n", "has cells = many; give a number"),
     "halfcells.csv": (b"# cells = 1.5\nid,x,t\n1,2,3\n", "states 1.5 cells"),
     "grid.csv": (b"# cells = 2\nid,x,t\n1,2,3\n", "belongs to a grid of 2 cells, which cannot be"),
-    "latin.csv": (b"id,x\xff\n1,2\n", "is no text"),
+    "binary.csv": (b"id,x\0\n1,2\n", "is no text"),
     "no.npz": (b"nothing", "is no .npz of plain numbers"),
     "no.vtu": (b'<VTKFile type="UnstructuredGrid">', "cannot be read as .vtu ("),
     "letters.vtu": (b'<VTKFile type="UnstructuredGrid"><UnstructuredGrid><Piece NumberOfPoints="1"><Points><DataArray '
@@ -284,7 +303,7 @@ CONTENTS = {
                     "cannot be read as .vtu (letters that are no base64)"),
     "no.vtk": (b"nothing", "cannot be read as .vtk ("),
     "no.vtp": (b'<VTKFile type="UnstructuredGrid"/>', "is no PolyData"),
-    "no.xyz": (b"1", "is of no kind that is known; give a file that ends in .csv, .npz"),
+    "no.xyz": (b"1", "is of no kind that is known; give a file that ends in .csv, .txt"),
 }
 
 
@@ -313,10 +332,11 @@ def test_arrays_that_do_not_fit_are_named(arrays, said, tmp_path):
 
 
 @pytest.mark.parametrize("flags, said", [
-    (["--time", "9"], "its column t has 0.3 s and --time has 9 s"), (["FILE"], "has the time 0.3 s, which")])
+    (["--time", "9"], "its column t has 0.3 s and --time has 9 s"), (["OTHER"], "has the time 0.3 s, which")])
 def test_times_that_contradict_are_one_line(flags, said, tmp_path, capsys):
     file = csv_file(tmp_path, table(t=np.full(len(IDS), 0.3)))
-    flags = [file if flag == "FILE" else flag for flag in flags]
+    other = csv_file(tmp_path, table(t=np.full(len(IDS), 0.3), x=table()["X"]), "bad.csv.other.csv")
+    flags = [other if flag == "OTHER" else flag for flag in flags]
     _refused(["judge", "bar", file, *flags, "--cells", "12"], said, tmp_path, capsys, file)
 
 

@@ -37,7 +37,7 @@ def test_object_table_and_picture_survive_what_a_run_leaves(scene, left, simulat
                     velocity=spoilt(final.velocity, numbers, True),
                     deformation_gradient=spoilt(final.deformation_gradient, numbers, True),
                     estimate={name: spoilt(values, numbers) for name, values in final.estimate.items()})
-    gone = replace(result, series=series, final=final, status="unstable", reason="gone", broken_at=0.1)
+    gone = replace(result, series=series, final=final, status="unstable", explanation="gone", broken_at=0.1)
     values = gone.to_dict()
     json.dumps(values, allow_nan=False)
     assert run_table(values)

@@ -67,6 +67,7 @@ def file_with(tmp_path, result: Result, changes: dict) -> str:
     ({"result": {"steps": 1.5}}, "does not say what one says"),
     ({"result": {"reason": "\x1b[2J"}}, "does not say what one says"),
     ({"result": {"moments": {}}}, "does not say what one says"),
+    ({"result": {"advice": [{"change": {"cells": -1}, "text": "", "tried": True, "held": True}]}}, "does not say what"),
     ({"result": {"seconds": 3}}, "does not say what one says"),
     ({"scene": {"problem": "rod"}}, "names an unknown problem"),
     ({"scene": {"inputs": {"cells": 0}}}, "has an invalid scene: cells 0: "),

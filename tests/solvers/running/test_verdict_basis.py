@@ -35,6 +35,17 @@ def test_a_quantity_as_wrong_as_it_is_large_is_named(quantity, simulate):
     assert "x" not in values["as_large_as_itself"] and "ok for x, not for" in run_table(values)
 
 
+def test_a_step_too_long_is_named_beside_them_and_recovered_does_not_hold(simulate):
+    """Too short a run to break by it: positions are ok, the stress is not."""
+    long = BarScene(method="mpm", amplitude=0.0034, periods=0.25, cfl=1.5, estimators=("recovered",))
+    result = simulate(long)
+    assert result.status == "ok" and result.not_valid["recovered"].endswith("give a cfl of 0.94 or less")
+    times = f"{long.time_step / long.step_bound:.2g}"
+    assert "the stress is off" in result.reason
+    assert f"the time step is {times} times the longest stable" in result.reason
+    assert "time step" not in simulate(NOISY["v"]).reason
+
+
 def test_the_companion_says_it_where_the_truth_is_off(simulate):
     scene = replace(NOISY["v"], effects=("estimate", "soundness"))
     found = simulate(scene).to_dict()
@@ -93,3 +104,11 @@ def test_nothing_is_named_without_errors(simulate):
     result = simulate(BarScene(cells=20, ppc=2, linearity_preserving=True, periods=0.5, estimators=()))
     assert result.reason is None and not large_errors(result.scene, result.series)
     assert all(result.scene.rms_of(q) > 0 and np.isfinite(result.scene.rms_of(q)) for q in ("x", "v", "sigma", "a"))
+
+
+def test_how_long_a_run_was_accurate_does_not_depend_on_its_samples(simulate):
+    """Nor on how long it goes on. Within a tenth of a period, though 4 or 40 samples are taken in one."""
+    base = BarScene(ppc=1, cells=20, cfl=0.2, estimators=(), effects=("truth",))
+    lives = [simulate(replace(base, periods=periods, sample_every=every)).life["accurate"]
+             for periods, every in ((2, 5), (3, 5), (2, 50))]
+    assert lives[0] == lives[1] == pytest.approx(lives[2], abs=0.1)

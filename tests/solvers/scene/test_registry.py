@@ -11,12 +11,14 @@ from solvers.problems.bar.scene import BarScene
 from solvers.running.run import run
 from solvers.scene import estimator_registry
 from solvers.scene.estimator_registry import ESTIMATORS, Estimator
+from solvers.scene.extension_modules import EXTENSIONS, ExtensionError, load_extensions
 from solvers.solver.soundness import findings
 
 
 def test_only_an_estimator_that_says_so_judges():
     naive = Estimator("naive", "a first attempt", colour="#606060")
     assert not naive.judges and "a first attempt" in naive.explanation
+    assert replace(naive, summary="a < b").explanation == "<p>a &lt; b</p>"
     assert {name for name, one in ESTIMATORS.items() if one.judges} == {"recovered", "companion", "two-grid"}
 
 
@@ -58,3 +60,14 @@ def test_first_shown_is_the_first_that_is_valid():
     assert BarScene(method="bspline", estimators=asked).first_estimator == "recovered"
     assert BarScene(method="bspline", estimators=asked[:1]).first_estimator == "transport"
     assert BarScene(estimators=()).first_estimator is None
+
+
+def test_an_extension_keeps_standard_output_free_and_does_not_end_the_program(tmp_path, monkeypatch, capsys):
+    """Standard output may be JSON; and a file that some editor has put a mark into is one too."""
+    (tmp_path / "speaking_extension.py").write_text("print('here')", encoding="utf-8-sig")
+    (tmp_path / "ending_extension.py").write_text("import sys\nsys.exit('over')", encoding="utf-8")
+    monkeypatch.syspath_prepend(tmp_path)
+    monkeypatch.setenv(EXTENSIONS, "speaking_extension ending_extension")
+    with pytest.raises(ExtensionError, match=r"names ending_extension, which cannot be imported \(SystemExit: over\)"):
+        load_extensions.__wrapped__()
+    assert tuple(capsys.readouterr()) == ("", "here\n")

@@ -17,6 +17,8 @@ from solvers.study.coverage.estimate_coverage_counts import (
     CENTRAL,
     IN_CELL,
     NORMAL,
+    ONE_CELL,
+    SEVERAL_CELLS,
     TWO_GRIDS,
     motion_regime,
     tally,
@@ -70,6 +72,28 @@ def test_the_interval_of_a_share():
     """Wilson's for 95 of 100 at 95 % is 88.8 to 97.8 % (as textbooks have it)."""
     assert wilson_interval(95, 100) == pytest.approx((0.888, 0.978), abs=5e-4)
     assert wilson_interval(0, 10)[0] == 0 and wilson_interval(10, 10)[1] == pytest.approx(1)
+
+
+def drawn_row(index, true, said, status=OK):
+    """A run whose estimates are ``index`` times its errors, and whose energy is off by ``true``, as ``said``."""
+    every = dict.fromkeys(("x", "v", "sigma", "a"), index)
+    return {"status": status, "moved": 0.1, "scene": {"method": "mpm", "ppc": 2},
+            "estimators": {"companion": {"refused": "", "index": every, "end": every}},
+            "goals": {ENERGY: {"true_error": true, "rounding": 1e-12, "estimated_error": {"companion": said},
+                               "grids": []}}}
+
+
+def test_what_is_counted():
+    """Factors to both sides, sizes without their signs, and neither errors that are rounding nor runs gone bad."""
+    counted = tally("bar", 1, [drawn_row(1.05, 1e-3, -0.6e-3), drawn_row(0.92, -1e-3, 1.2e-3),
+                               drawn_row(0.9, 1e-3, 0.4e-3), drawn_row(1.05, 1e-13, 1e-3),
+                               drawn_row(1.05, 1e-3, 1e-3, status="lost")])
+    found, bars = counted["estimators"]["companion"], counted["goals"][ENERGY]["all"]
+    assert counted["status"] == {OK: 4, "lost": 1} and found["all"]["x"]["runs"] == 4
+    assert bars["2 x companion"]["of"] == bars["2 x companion"]["runs"] == 3  # whose error is more than rounding
+    assert found["all"]["x"]["within"]["1.1"] == found["regime"][IN_CELL]["x"]["within"]["1.1"] == 3
+    assert [bars[f"{times} x companion"]["held"] for times in (1, 2)] == [1, 2]
+    assert bars["2 x companion"]["width"] == pytest.approx(1.2)
 
 
 @pytest.fixture(scope="module", params=[pytest.param(MANY, marks=pytest.mark.slow)])
@@ -166,6 +190,13 @@ def test_the_text_quotes_what_was_counted(problem):
     made = [block for block in coverage_summary(counted).split("\n\n") if block.startswith("|")]
     assert counted["runs"] == 1000 and len(made) == 6
     assert [table for table in made if table not in text] == []
+
+
+@pytest.mark.parametrize(("moved", "ppc", "regime"), [
+    (0.12, 4, IN_CELL), (0.13, 4, ONE_CELL), (0.49, 1, IN_CELL), (0.51, 1, ONE_CELL), (1.0, 4, ONE_CELL),
+    (1.01, 4, SEVERAL_CELLS)])
+def test_a_particle_passes_an_edge_that_is_half_its_piece_away(moved, ppc, regime):
+    assert motion_regime(moved, ppc) == regime
 
 
 def test_a_track_record_is_that_of_runs_alike():

@@ -99,6 +99,15 @@ def test_random_points_are_runs(name):
     assert OK in statuses
 
 
+def test_a_run_that_breaks_has_errors_until_then():
+    """In the size of each quantity, and at the moment itself none."""
+    broken = ErrorHistory(2.0, np.array([0.0, 1.0, 2.0]), {TRUTH: np.outer([1.0, 2.0, 3.0, 4.0], [0.0, 1.0, 8.0])},
+                          np.array([10.0, 100.0, 1.0, 1.0]), UNSTABLE, 1.5)
+    assert [broken.largest_error(TRUTH, quantity, 1.0) for quantity in ("x", "v")] == [0.1, 0.02]
+    assert np.isnan(broken.largest_error(TRUTH, "x", 1.5))
+    assert [broken.status_at(until) for until in (1.49, 1.5)] == [OK, UNSTABLE]
+
+
 def test_an_earlier_time_is_looked_up():
     """One run until a whole period knows the largest errors of shorter ones, and when it broke."""
     long = runner.run(BAR, "amplitude", 0.14, 1.0)

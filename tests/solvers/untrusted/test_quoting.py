@@ -1,8 +1,6 @@
 """What is quoted from outside does nothing to a terminal, a page, a report or a spreadsheet, and is short."""
 
-import csv
 import html
-import io
 import re
 
 import pytest
@@ -57,14 +55,13 @@ def test_in_markdown_a_text_means_nothing_but_itself(text):
 
 @pytest.mark.parametrize("value, cell", [
     ("=1+1", "'=1+1"), ("+cmd|'/C calc'!A0", "'+cmd|'/C calc'!A0"), ("-2+3", "'-2+3"), ("@SUM(A1)", "'@SUM(A1)"),
-    ("\t=1", "'\\t=1"), ("\r=1", "'\\r=1"), ("  =1", "'  =1"), ("＝1", "'＝1"),
+    ("\t=1", "\\t'=1"), ("\r=1", "\\r'=1"), ("  =1", "'  =1"), ("＝1", "'＝1"),
     ("-2.5", "-2.5"), ("+3e-4", "+3e-4"), (-2.5, -2.5), (None, None), ("plain", "plain"), ("a\nb", "a\\nb"),
-    ("-1 2 3", "-1 2 3"), ("-1 mm", "'-1 mm")])
+    ("x;=1", "x;'=1"), ("x, -y", "x,' -y"), ("x\t@y", "x\\t'@y"), ("x;-1, 2", "x;-1, 2"), ("-1 2 3", "-1 2 3"),
+    ("-1 mm", "'-1 mm")])
 def test_a_cell_is_no_formula_and_a_number_stays_one(value, cell):
     assert quoting.csv_cell(value) == cell
-    out = io.StringIO()
-    csv.writer(out).writerow([quoting.csv_cell(value)])
-    assert out.getvalue().count("\n") == 1
+    assert quoting.csv_text([[value]]) == (f"{value}\n" if type(value) is float else f'"{cell or ""}"\n')
 
 
 @pytest.mark.parametrize("word, said", [("ugipm", " (did you mean ugimp?)"), ("zzz", ""), ("x" * 10**6, "")])

@@ -55,7 +55,7 @@ def answer_headline(answer: CostAnswer, runs: Sequence[NumberedRun], comparable:
     measure = f"<button data-press='{escape(tr('Measure here'), quote=True)}'>{tr('Measure here')}</button>"
     error = "" if own is None else tr("Your run is <b>{share} wrong</b>.", share=format_percent(own.error_or_estimate))
     if not known:
-        others = [run for run in runs if run.timed_alone and run.drawable]
+        others = [run for run in runs if run.timed_alone and run.drawable and run not in comparable]
         other = tr("The faint runs are of another motion: {other}. Yours: {own}.",
                    other=escape(cost_texts.motion_until_end(others[0].scene)),
                    own=escape(cost_texts.motion_until_end(scene))) if others else \

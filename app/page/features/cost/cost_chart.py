@@ -77,8 +77,9 @@ def curve_names(runs: Sequence[NumberedRun]) -> list[tuple[NumberedRun, str]]:
     for end in ends:
         others = [other for other in ends if other is not end and other.method == end.method]
         filled = tr("{particles} per cell", particles=end.scene.ppc)
+        step = f"CFL {format_number(end.scene.courant_number)}"
         told = [words for words, of in ((filled, lambda run: run.scene.ppc),
-                                        (f"CFL {end.scene.courant_number:.3g}", lambda run: run.scene.courant_number))
+                                        (step, lambda run: run.scene.courant_number))
                 if any(of(other) != of(end) for other in others)]
         preserving = [tr("linearity-preserving")] * end.scene.linearity_preserving
         found.append((end, ", ".join([functions_name(end.method), *preserving, *told])))

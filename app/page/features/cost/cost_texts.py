@@ -5,7 +5,7 @@ import math
 from collections.abc import Iterable, Sequence
 from html import escape
 
-from app.language.translation import lazy, tr, translate_message, trn
+from app.language.translation import lazy, localise_number, tr, translate_message, trn
 from app.names_and_units import (
     NOTHING,
     QUANTITIES,
@@ -142,9 +142,9 @@ def format_percent(value: float | None) -> str:
         return NOTHING
     digits, _, power = f"{100 * value:.1e}".partition("e")
     if not LEAST_PLAIN <= int(power) <= MOST_PLAIN:
-        return f"{digits} × {format_power_of_ten(int(power)).strip()}{TOGETHER}%"
+        return f"{localise_number(digits)} × {format_power_of_ten(int(power)).strip()}{TOGETHER}%"
     plain = f"{float(f'{digits}e{power}'):.{max(0, 1 - int(power))}f}"
-    return (plain.rstrip("0").rstrip(".") if "." in plain else plain) + f"{TOGETHER}%"
+    return localise_number(plain.rstrip("0").rstrip(".") if "." in plain else plain) + f"{TOGETHER}%"
 
 
 def format_seconds(value: float | None) -> str:
@@ -199,10 +199,10 @@ def other_runs_note(runs: Sequence[NumberedRun], problem: str) -> str:
     hidden = [run for run in runs if run.row["problem"] != problem and run.source != SHIPPED]
     if not hidden:
         return ""
-    name = PROBLEMS[hidden[0].row["problem"]].scene.TITLE
+    name = escape(tr(PROBLEMS[hidden[0].row["problem"]].scene.TITLE))
     return trn("And {count} run of the {problem}: shown when that problem is chosen; the CSV file has all.",
                "And {count} runs of the {problem}: shown when that problem is chosen; the CSV file has all.",
-               len(hidden), problem=tr(name))
+               len(hidden), problem=name)
 
 
 def job_progress_text(status: CostJobStatus) -> str:

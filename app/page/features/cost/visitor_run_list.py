@@ -25,6 +25,7 @@ MOST_RUNS = 300  # beyond, the oldest is dropped
 LIVE, SHIPPED, SEARCH, SWEEP = "live", "shipped", "search", "sweep"
 HERE = (SEARCH, SWEEP)  # sources whose times were measured on this machine, and alone
 CHOSEN = {"method", "linearity_preserving", "cells", "ppc", "cfl"}  # fields that a search chooses
+ENDS = {"periods", "t_end"}  # fields that give the end of a run, which is the same however it is given
 KNOWN = {LIVE: 0, SHIPPED: 1, SEARCH: 2, SWEEP: 3}  # ranks of sources: a run keeps the row of the highest
 SAME_TIME = 1.08  # longer than a run's time by up to this factor counts as the same time
 
@@ -203,7 +204,8 @@ def without_search_options(scene: Scene) -> Scene:
 def advice_key(scene: Scene) -> dict:
     """Returns the problem and fields of a scene that a search's advice depends on, by name."""
     inputs = task_of(without_search_options(scene)).inputs
-    return {"problem": scene.problem} | {name: value for name, value in inputs.items() if name not in CHOSEN}
+    fixed = {name: value for name, value in inputs.items() if name not in CHOSEN | ENDS}
+    return {"problem": scene.problem, "end": scene.end_time} | fixed
 
 
 def comparable_runs(runs: Sequence[NumberedRun], scene: Scene) -> list[NumberedRun]:
@@ -230,10 +232,11 @@ def run_of_scene(runs: Sequence[NumberedRun], scene: Scene) -> NumberedRun | Non
 
 
 @functools.lru_cache(maxsize=1000)
-def run_key(scene: Scene) -> tuple[Scene, float]:
-    """Returns what runs have in common that compute the same, whatever is estimated beside and however the step is
+def run_key(scene: Scene) -> tuple[Scene, float, float]:
+    """Returns what runs have in common that compute the same, whatever is estimated beside and however step and end are
     given."""
-    return replace(scene, estimators=(), effects=(), dt=None, cfl=None, sample_every=None), scene.time_step
+    bare = replace(scene, estimators=(), effects=(), dt=None, cfl=None, sample_every=None, periods=None, t_end=None)
+    return bare, scene.time_step, scene.end_time
 
 
 def measured_runs(runs: Sequence[NumberedRun]) -> list[NumberedRun]:
@@ -284,5 +287,6 @@ def sweep_curves(runs: Sequence[NumberedRun]) -> list[list[NumberedRun]]:
 @functools.lru_cache(maxsize=1000)
 def _curve_key(scene: Scene) -> tuple:
     """Returns what the runs of a curve have in common: all but their cells."""
-    given = task_of(run_key(scene)[0]).inputs | {"cells": 0}
-    return tuple(map(str, given.items())), scene.courant_number if scene.dt is None else scene.dt
+    bare, _, end = run_key(scene)
+    given = task_of(bare).inputs | {"cells": 0}
+    return tuple(map(str, given.items())), end, scene.courant_number if scene.dt is None else scene.dt

@@ -3,6 +3,7 @@
 import math
 from collections.abc import Callable
 from contextlib import suppress
+from html import escape
 from typing import Any
 
 import viser
@@ -77,7 +78,7 @@ class AnswerWidgets:
         if there is None:
             told = tr("The stage has no {name}: put the run there first.", name=name)
         else:
-            value = in_unit(there, self._question.unit)
+            value = escape(in_unit(there, self._question.unit))
             told = tr("Your value: {name} = <b>{value}</b>", name=name, value=value) if self._slider else \
                 tr("The stage has {name} = <b>{value}</b>", name=name, value=value)
         self._note.content = f"<div class='lab-lesson lab-there'>{told}</div>"

@@ -15,7 +15,7 @@ from app.language.translation import lazy, tr, translate_message, with_language
 from app.names_and_units import reword_for_page
 from app.page.features.background_job import MOST_JOBS
 from app.page.visit.engine_links import MOST_WATCHED
-from solvers.judging.particle_readers import KINDS
+from solvers.judging.particle_readers import PACKED, UPLOADED, kind_of
 from solvers.judging.uploaded_file_worker import JudgeFileRequest
 from solvers.problems import PROBLEMS
 from solvers.scene.scene import Scene
@@ -42,9 +42,10 @@ class JudgeJob:
     def __init__(self, name: str, file: Path, scene: Scene, on_message: Callable[["JudgeJob", dict], None],
                  slots: Slots = SLOTS, chosen: bool = False):
         self.name, self._on_message, self._slots = file_name(name), on_message, slots
-        kind = Path(name).suffix.lower()
+        kind = kind_of(name)
         say = with_language(self._forward_message)
-        self.file = file.replace(file.with_name(f"particles{kind if kind in KINDS else '.unknown'}"))
+        known = kind.removesuffix(PACKED) in UPLOADED
+        self.file = file.replace(file.with_name(f"particles{kind if known else '.unknown'}"))
         self.table = file.with_name(f"table-{secrets.token_hex(4)}")
         self._pool = WorkerPool("solvers.judging.uploaded_file_worker:judge_in_worker", environment=ONE_THREAD)
         self._cancelled = threading.Event()

@@ -25,7 +25,7 @@ from app.page.visit.first_scene import first_scene
 from app.page.visit.status_message import Notice
 from app.viewer.upload import LARGEST, TOO_LARGE, VisitorUploads
 from solvers.engine.engine_messages import FrameReport
-from solvers.judging.particle_readers import KINDS
+from solvers.judging.particle_readers import PACKED, UPLOADED
 from solvers.judging.uploaded_file_worker import FileSummary
 from solvers.study.parameter_grid import Task
 
@@ -56,7 +56,7 @@ class UploadPanel(Feature):
         large, busy, one = (escape(tr(text), quote=True) for text in (TOO_LARGE, BUSY, ONE))
         gui.add_html(f"<i class='lab-upload' data-largest='{LARGEST}' data-too-large='{large}.' data-busy='{busy}' "
                      f"data-one='{one}'></i>")
-        button = gui.add_upload_button(tr("file of particles"), mime_type=",".join(KINDS))
+        button = gui.add_upload_button(tr("file of particles"), mime_type=",".join((*UPLOADED, PACKED)))
         self._upload = VisitorUploads(gui, button, with_language(self._on_file),
                                       with_language(lambda text: self._refuse(tr(text))))
         self._mark = gui.add_html("")  # for the style, while a file is on the stage
@@ -66,7 +66,7 @@ class UploadPanel(Feature):
     def _build_folds(self, gui: viser.GuiApi, own_data: viser.GuiFolderHandle) -> None:
         """Builds the widgets in their tab, those that begin with a file in the folder ``own_data``."""
         with own_data:
-            what = tr(WHAT, kinds=", ".join(KINDS), most=LARGEST / 1e6)
+            what = tr(WHAT, kinds=", ".join((*UPLOADED, PACKED)), most=LARGEST / 1e6)
             gui.add_html(f"<div class='lab-own'>{what}</div>")
             gui.add_html("<i class='lab-choose'></i>")
             gui.add_button(tr("Choose a file"), icon=viser.Icon.UPLOAD,

@@ -17,6 +17,7 @@ from app.page.stage.worst_region import WorstRegions
 from app.page.visit.history import RunSeries
 from solvers.engine.engine_messages import FrameReport
 from solvers.engine.shared_frames import FrameArrays, FrameOptions
+from solvers.judging.particle_data_types import list_names
 from solvers.judging.scene_metadata import NOT_OF_THE_PROBLEM
 from solvers.judging.uploaded_file_worker import FileSummary, open_table, table_columns
 from solvers.scene.scene import Scene
@@ -196,7 +197,9 @@ def _verdict_lines(run: UploadedRun, quantity: str) -> list[str]:
                         "h, at t = {time} s: the farthest is particle {particle} at {place}.", count=gap["count"],
                         share=100 * gap["share"], apart=gap["farthest_over_h"], time=format_number(gap["t"]),
                         particle=gap["particle"], place=_format_position(gap["X"])))
-    notes = map(translate_message, run.verdict["notes"])
+    unread = run.verdict["not_read"]
+    notes = [*map(translate_message, run.verdict["notes"]),
+             *([tr("columns that were not read: {names}", names=list_names(unread))] if unread else [])]
     return [*found, *(f"{note[:1].upper()}{note[1:]}." for note in notes)]
 
 

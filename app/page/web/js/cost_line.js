@@ -10,7 +10,7 @@
   const percent = power => Number((100 * 10 ** power).toPrecision(2));
 
   function put() {
-    const {text, spoken, marks} = said(), [low, high] = ends(), words = `${percent(value)}\u00a0%`;
+    const {text, spoken, marks} = said(), [low, high] = ends(), words = numbers.perCent(10 ** value).replace(" ", "\u00a0");
     section.classList.toggle("lab-wished", text !== undefined);
     plot.style.setProperty("--wish", `${100 * Math.min(1, Math.max(0, (high - value) / (high - low)))}%`);
     wish.firstElementChild.textContent = dragged ? words : text || words;

@@ -23,7 +23,7 @@
       write(card.querySelector(".lab-trust"), judge?.says || judge?.trust || card.dataset.idea);
     }
     const ask = document.querySelector(".lab-ask");
-    write(ask?.querySelector("span"), others.join(", "));
+    write(ask?.querySelector("span"), others.join(", ").replaceAll("-", "\u2011"));  // no line ends within a name
     if (ask) ask.hidden = !others.length;
     ask?.setAttribute("aria-expanded", document.body.classList.contains("lab-judges-open"));
   }

@@ -1,20 +1,14 @@
 // The error landscape under a slider: true error, estimate and time of a run over the slider's value; as words at a value, and
 // as a drawing. A row (js/landscape_rows.js) has the data of its strip and the slider's thumb.
 const landscape = (() => {
-  const NEAR = 0.003;  // powers of ten
+  const NEAR = 0.003, CROSS = 90;  // powers of ten; pixels for the words at the first crossing
   const VALUES = {cells: tr("{count} cells"), ppc: tr("{count} per cell"), amplitude: "A = {count}", modulus: "E = {count}",
     cfl: "CFL {count}"};
   const STATES = {pending: tr("not computed yet"), unstable: tr("the run is lost"), lost: tr("the run is lost"),
     refused: tr("not possible with these settings"), costly: tr("costly, not computed")};
 
-  // Numbers as words.
-  const digits = (value, count) => String(Number(value.toPrecision(count)));
-  const share = value => value >= 1 ? tr("over 100 %") : `${digits(100 * value, 2)} %`;
-  function sized(value, unit, count) {
-    const power = Math.floor(Math.log10(Number(value.toPrecision(count))) / 3);
-    if (!unit) return digits(value, count);
-    return `${digits(value / 1000 ** power, count)} ${["p", "n", "µ", "m", "", "k", "M", "G", "T"][power + 4]}${unit}`;
-  }
+  const share = value => value >= 1 ? tr("over 100 %") : numbers.perCent(value);
+  const sized = (value, unit, digits) => unit ? numbers.withUnit(value, unit, digits) : numbers.number(value, digits);
 
   // A row's points, and what is between them.
   const error = (data, k) => data.true[k] ?? data.est[k];
@@ -114,22 +108,24 @@ const landscape = (() => {
       });
     }
     if (data.cross !== null && data.complete && px(data.cross) > where[0] && px(data.cross) < where[1]) {
-      const x = px(data.cross), left = x > 78;
+      const x = px(data.cross), thumb = px(at(row)), free = start => start >= 0 && start + CROSS <= W && (thumb < start || thumb > start + CROSS);
+      const start = [x - CROSS, x, thumb + 6].find(free) ?? x;  // beside the thumb, not under it
+      const over = read(row, 10 ** (from + (to - from) * (start + CROSS / 2) / W)), low = over.good && y(over.wrong ?? over.est) < H / 2;
       svg += `<path d="M${x} 0V${H}" style="stroke:var(--cross);stroke-width:1.25;stroke-dasharray:${speaks ? "none" : "2 2"}"/>`;
-      if (speaks) svg += words(left ? x - 3 : x + 10, tr("first crossing"), "cross", left ? "end" : "start", left ? undefined : H - 4);
+      if (speaks) svg += words(start + (start < x ? CROSS - 3 : 4), tr("first crossing"), "cross", start < x ? "end" : "start", low ? H - 4 : undefined);
     }
     if (data.bound !== null && data.complete) {
       svg += `<path d="M${px(data.bound)} 0V${H}" style="stroke:var(--ink3);stroke-dasharray:2 2"/>`;
       if (speaks) svg += words(px(data.bound) - 4, tr("step bound"), "ink2", "end");
     }
-    if (data.flat) {
-      const right = px(at(row)) < W / 2;
-      svg += words(right ? W - 6 : 6, tr("no effect: only the units change"), "ink2", right ? "end" : "start", H > 30 ? 16 : 11);
-    }
     const here = read(row, at(row)), x = px(at(row)), height = here.good ? y(here.wrong ?? here.est) : H;
     if (here.state !== "pending") svg += `<path d="M${x} -6V${height}" style="stroke:var(--accent);stroke-width:1.5"/>`;
     if (here.good) svg += dot(x, here.wrong, y, 3.5, "fill:var(--truth);stroke:var(--panel)")
       + dot(x, here.est, y, 5.5, `fill:none;stroke:${colour};stroke-width:1.5`);
+    if (data.flat) {
+      const right = px(at(row)) < W / 2;
+      svg += words(right ? W - 6 : 6, tr("no effect: only the units change"), "ink2", right ? "end" : "start", H > 30 ? 16 : 11);
+    }
     if (row.hover !== null) {
       const over = read(row, row.hover);
       svg += `<path d="M${px(row.hover)} 0V${H}" style="stroke:var(--ink)"/>`;

@@ -1,8 +1,8 @@
 // The problems as buttons in the head, called by the last word of their titles: one of them is on the stage. The last button has
-// a menu for what is one's own. Where there is no room for them the viewer's dropdown is.
+// a menu for what is one's own. Where there is no room for them it is the only one, and has all in its menu.
 (() => {
   const group = document.querySelector("#lab-head [role=radiogroup]"), buttons = new Map();
-  const own = radio(tr("Your own")), menu = document.createElement("div");
+  const own = radio(tr("Your own")), menu = document.createElement("div"), narrow = matchMedia("(max-width: 1239px)");
   let said = "";
 
   function radio(text) {
@@ -13,9 +13,11 @@
 
   function make(problem, title) {
     const word = title.split(" ").at(-1), button = group.insertBefore(radio(word[0].toUpperCase() + word.slice(1)), own);
+    const choose = () => dispatchEvent(new CustomEvent("lab-tell", {detail: {problem}}));
     button.setAttribute("aria-label", title);
-    button.addEventListener("click", () => dispatchEvent(new CustomEvent("lab-tell", {detail: {problem}})));
+    button.addEventListener("click", choose);
     buttons.set(problem, button);
+    menu.insertBefore(item(button.textContent, title, choose), typedMotion).className = "lab-problem";
   }
 
   function item(title, hint, act) {
@@ -27,9 +29,10 @@
     return button;
   }
 
+  const items = () => [...menu.children].filter(one => one.checkVisibility());
   function open(on) {
     menu.hidden = !on;
-    if (on) menu.firstChild.focus();
+    if (on) items()[0].focus();
   }
 
   // The formula's field is in a fold, of a problem that has one.
@@ -37,7 +40,7 @@
     const formula = document.querySelector("[data-lab~=lab-formula] + div input");
     if (formula?.offsetParent) return formula.focus();
     const fold = [...document.querySelectorAll("[aria-expanded=false]")].find(head =>
-      head.firstChild.textContent === tr("Physics and method"));
+      head.firstChild?.textContent === tr("Physics and method"));
     if (left % 8 === 0) fold?.click();
     if (left) setTimeout(() => toFormula(left - 1), 150);
   }
@@ -47,7 +50,7 @@
   menu.setAttribute("role", "menu");
   menu.setAttribute("aria-label", tr("Your own"));
   menu.hidden = true;
-  item(tr("A motion, typed"), tr("a formula of the displacement u(X, t)"), () => {
+  const typedMotion = item(tr("A motion, typed"), tr("a formula of the displacement u(X, t)"), () => {
     dispatchEvent(new CustomEvent("lab-tab", {detail: "Explore"}));
     if (!document.querySelector("[data-lab~=lab-formula]")) dispatchEvent(new CustomEvent("lab-tell", {detail: {problem: "bar"}}));
     toFormula();
@@ -56,7 +59,7 @@
   group.append(own);
   group.after(menu);
   menu.addEventListener("keydown", event => {
-    const step = {ArrowDown: 1, ArrowUp: -1}[event.key], all = [...menu.children];
+    const step = {ArrowDown: 1, ArrowUp: -1}[event.key], all = items();
     if (event.key === "Escape") { open(false); own.focus(); }
     if (step) all[(all.indexOf(document.activeElement) + step + all.length) % all.length].focus();
     if (!step && event.key !== "Escape") return;
@@ -73,9 +76,9 @@
     const {titles, chosen, typed} = JSON.parse(said = data.said);
     if (!buttons.size) for (const [problem, title] of Object.entries(titles)) make(problem, title);
     group.hidden = !Object.keys(titles).length;
-    own.textContent = typed ? tr("Your motion") : tr("Your own");
+    own.textContent = typed ? tr("Your motion") : narrow.matches ? buttons.get(chosen)?.textContent : tr("Your own");
     for (const [problem, button] of [...buttons, ["", own]]) {
-      const checked = problem === (typed ? "" : chosen);
+      const checked = problem === (typed ? "" : chosen) || narrow.matches && button === own;
       button.setAttribute("aria-checked", checked);
       button.tabIndex = checked ? 0 : -1;
     }
@@ -91,5 +94,6 @@
     next.focus();
     if (next !== own) next.click();
   });
+  narrow.addEventListener("change", () => { said = ""; look(); });
   new MutationObserver(look).observe(document.getElementById("root"), {childList: true, subtree: true});
 })();

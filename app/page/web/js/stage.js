@@ -6,13 +6,6 @@
 
   // Widgets stand where the labels would that say what they are set to: to the gutter, or to a place of the stage.
   const LAID = {"/estimate-by": "estimator", "/colours/quantity": "quantity"};
-  // Where nobody judges the run, somebody is offered.
-  const NOBODY = tr("no estimator is chosen"), JUDGE = "companion";
-  function offer() {
-    const button = Object.assign(document.createElement("button"), {className: "lab-offer", textContent: tr("Switch on {judge}", {judge: JUDGE})});
-    button.addEventListener("click", () => dispatchEvent(new CustomEvent("lab-tell", {detail: {judge: JUDGE}})));
-    return button;
-  }
 
   // What the run is compared with is chosen within the second run's title, or in the gutter of a run that is alone.
   const choice = Object.assign(document.createElement("select"), {className: "lab-compare"});
@@ -25,7 +18,12 @@
     const {chosen, choices} = JSON.parse(offered = data);
     choice.replaceChildren(...choices.map(([value, text]) => new Option(text, value, false, value === chosen)));
   }
-  const OFFERS = {
+  const JUDGE = "companion", OFFERS = {
+    unjudged: text => {  // nobody judges the run: somebody is offered
+      const button = Object.assign(document.createElement("button"), {className: "lab-offer", textContent: tr("Switch on {judge}", {judge: JUDGE})});
+      button.addEventListener("click", () => dispatchEvent(new CustomEvent("lab-tell", {detail: {judge: JUDGE}})));
+      return [Object.assign(document.createElement("span"), {textContent: text}), button];
+    },
     compared: text => [Object.assign(document.createElement("span"), {textContent: text}), choice],
     duration: text => {
       const button = Object.assign(document.createElement("button"), {textContent: text,
@@ -70,7 +68,6 @@
     element.className = `lab-label lab-role-${label.role} lab-tone-${label.tone || "plain"} lab-${vertical} lab-to-${horizontal}`
       + (label.bold ? " lab-bold" : "") + (label.sign ? ` lab-sign-${label.sign}` : "");
     if (label.spans) writeSpans(element, label.spans); else element.textContent = label.text;
-    if (label.text === NOBODY && label.name.endsWith("/estimate-silence")) element.append(offer());
     if (label.name.startsWith("/colours/tick")) Object.assign(element, {title: tr("in per cent, or in the unit: click"),
       onclick: () => dispatchEvent(new CustomEvent("lab-tell", {detail: {scale: true}}))});
     element.classList.toggle("lab-of-scale", Boolean(element.onclick));

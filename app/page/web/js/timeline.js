@@ -35,7 +35,7 @@
     });
     thin();
     Object.assign(reach.style, {left: percent(from), width: percent(to - from)});
-    reach.dataset.says = to > Math.max(0.12, from) ? tr("look back") : "";
+    reach.dataset.says = to > Math.max(0.12, from) && at.now >= to ? tr("look back") : "";  // who does knows
     now.style.left = percent(at.now);
     now.hidden = false;
     lost.hidden = at.lost === null;
@@ -56,8 +56,9 @@
     document.body.style.setProperty("--reach-to", to);
   }
 
-  // At the ends of the lines, one line of text apart at least.
-  function nameLines({names: told, now: end}) {
+  // At the ends of the lines, also for who looks back, one line of text apart at least.
+  function nameLines({names: told, now, reach: [, newest]}) {
+    const end = Math.max(now, newest);
     fit(names, told.length, "name");
     const high = axis.clientHeight, line = 1.25 * parseFloat(getComputedStyle(zero).fontSize), places = told.map(([,, y]) => y * high);
     const order = told.map((_, k) => k).sort((a, b) => places[a] - places[b]);

@@ -22,7 +22,7 @@
     document.body.style.removeProperty("--verdict");
     if (!summary.querySelector(".lab-bad")) return;
     const below = sparks.parentElement === verdict && sparks.offsetHeight ? sparks.offsetHeight + 11 : 0;
-    const needs = summary.offsetTop + summary.offsetHeight + below;
+    const needs = summary.offsetTop + summary.offsetHeight + 6 + below;
     if (needs > verdict.offsetHeight) document.body.style.setProperty("--verdict", `${needs}px`);
   }
 

@@ -48,7 +48,7 @@ from solvers.scene.estimator_hooks import EstimatorHooks
 from solvers.scene.typed_motion_scene import TYPED
 from solvers.solver.separable_field_tables import pack_tables, pad_to_mode_pairs, paired_field_at
 
-WAVE_CFL = 0.9  # H c/h; stable to 1.2
+WAVE_CFL = 0.9  # H c/h; stable to ``estimator_limits.MOST_WAVE_CFL``
 #: Blocks of the nodal array: U, w in the middle of the next H, a and a before; errors as gathered; errors unsmoothed;
 #: M sin 2 pi X, M sin 4 pi X, D of the fitted slope of u, and a two steps before.
 MOTION, PROJECTED, ERRORS, FORCE = range(4)

@@ -245,8 +245,11 @@ def test_who_leaves_leaves_his_answers():
     for key in "abc":
         tally.register_page(key)
     tally.record_answer("a", "how-much", 1)
+    for key in "ac":
+        tally.record_step(key, 2)
     tally.unregister_page("a")
     tally.unregister_page("b")
+    assert (tally.count_reached(2), tally.count_reached(3)) == (1, 0)
     assert (tally.present_count, tally.count_present_or_answered("how-much"), tally.answers("how-much")) == (1, 2, [1])
     entry = tally.register_page("a")
     assert tally.count_present_or_answered("how-much") == 2 and entry.valid == {"how-much": 1}
@@ -257,11 +260,12 @@ def test_memory_ends_somewhere(monkeypatch):
     though he has his lesson."""
     monkeypatch.setattr(tally_module, "MOST", 3)
     tally = ClassAnswers()
-    for key in "abc":
-        tally.register_page(key)
-    tally.unregister_page("a")
-    tally.register_page("b").answers["how-much"] = RecordedAnswer(1, 1, 1, 1.0)
-    assert tally.register_page("d").pages == 1 and tally.present_count == 3  # in the place of a
+    entries = {key: tally.register_page(key) for key in "abc"}
+    entries["b"].answers["how-much"] = RecordedAnswer(1, 1, 1, 1.0)
+    for key in "ab":
+        tally.unregister_page(key)
+    assert tally.register_page("d").pages == 1 and tally.present_count == 2  # in the place of a
+    assert tally.register_page("b").answers and tally.present_count == 3
     late = tally.register_page("e")
     tally.record_answer("e", "how-much", 1)
     assert late.pages == 1 and tally.present_count == 3 and tally.answers("how-much") == []

@@ -18,6 +18,7 @@ from app.frame.budget_chart_data import (
     budget_field,
     error_rms,
     format_percent,
+    largest_share,
     stack_layers,
 )
 from app.names_and_units import difference_text, with_unit
@@ -60,6 +61,16 @@ def of(series, name="", scene=HATS):
 def past(scene, series):
     """The history of a run on the stage."""
     return SimpleNamespace(scene=scene, series=series, latest_periods_series=series)
+
+
+def test_the_largest_cause_makes_the_error_larger():
+    """One that reduces it by more than any other adds is none."""
+    series = made(0.6, 0.65)
+    for cause, share in (("body_force", 0.55), ("time_step", -0.8)):
+        series[f"budget/part_v_{cause}"] = share * series["budget/error_v"]
+        series[f"budget/size_v_{cause}"] = abs(share) * series["budget/error_v"]
+    cause, share = largest_share(series, "v")
+    assert cause == "coarse_grid" and abs(share - 0.65) < 1e-9
 
 
 class Beside(SharedBudgets):

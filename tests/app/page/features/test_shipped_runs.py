@@ -22,6 +22,7 @@ from app.page.visit.first_scene import first_scene
 from solvers.solver.soundness import UNSTABLE
 
 OPENED = {"opening": OPENING.scene} | {name: first_scene(name) for name in shipped_runs.BUILT_IN}
+LINKED = {"a link to the ring": replace(first_scene("ring"), periods=None)}  # which ends at the same time
 
 
 def shipped(scene, quantity="x"):
@@ -33,10 +34,11 @@ def shipped(scene, quantity="x"):
     return runs_in_chart(runs.all(), scene)
 
 
-@pytest.mark.parametrize("name", OPENED)
+@pytest.mark.parametrize("name", [*OPENED, *LINKED])
 def test_stages_that_the_page_opens_with_have_a_chart_at_once(name):
     """Every grid of every method, the stage's run among them, and times that grow with the cells."""
-    scene, runs = OPENED[name], shipped(OPENED[name])
+    scene = (OPENED | LINKED)[name]
+    runs = shipped(scene)
     assert len(runs) == len(comparable_runs(runs, scene)) == len(sweep_tasks(scene))
     assert run_of_scene(runs, scene) and len(pareto_front(runs)) > 1
     for method in scene.choices("method"):

@@ -1,0 +1,61 @@
+"""Browsers and networks in which much is missing: the page comes all the same, or says what to do."""
+
+import pytest
+
+from app.export.html_file import scene_page
+from app.export.recording import record_scene
+from tests.browser.conftest import _browser, no_errors
+from tests.browser.driving import until
+from tests.support.page_server import start_server
+from tests.support.proxy import CODE, NAME, start_proxy
+
+#: Whether something is drawn on the stage of an exported file.
+DRAWN = "document.getElementById('stage').getContext('2d').getImageData(0, 0, 300, 300).data.some(part => part > 0)"
+FLAT = ["--no-sandbox", "--disable-gpu", "--disable-3d-apis"]
+
+
+def test_a_lab_below_a_path_of_a_proxy_is_reached(chromium, tmp_path):
+    """With its code, by an address without the last slash, and again: its websocket is asked for with the slash."""
+    with start_server(names=(NAME,), code=CODE) as (_, address), start_proxy(tmp_path, address) as (_, secure):
+        page = chromium.new_page(ignore_https_errors=True)
+        sockets = []
+        page.on("websocket", lambda socket: sockets.append(socket.url))
+        with no_errors(page):
+            page.goto(f"https://127.0.0.1:{secure}/lab#code={CODE}")
+            for _ in range(2):
+                page.get_by_role("tab", name="Lessons").wait_for()
+                until(lambda: page.url.partition("#")[0] == f"https://127.0.0.1:{secure}/lab/", "its own address")
+                page.reload()
+        assert set(sockets) == {f"wss://127.0.0.1:{secure}/lab/"}
+        assert [cookie["path"] for cookie in page.context.cookies()] == ["/lab/"] * 2
+        page.close()
+
+
+@pytest.fixture
+def flat(chromium):
+    """A browser without WebGL, as on remote desktops and virtual machines."""
+    browser = chromium.browser_type.launch(executable_path=_browser(), args=FLAT)
+    yield browser
+    browser.close()
+
+
+def test_without_webgl_the_page_says_what_to_do(flat):
+    with start_server() as (_, address):
+        page = flat.new_page()
+        page.goto(address)
+        said = page.locator("#lab-ground span")
+        until(lambda: "Switch on graphics acceleration" in said.inner_text(), "what to do")
+        assert page.locator(".mantine-Notification-root").filter(visible=True).count() == 0
+        page.close()
+
+
+def test_an_exported_file_plays_without_webgl(flat, tmp_path, monkeypatch):
+    monkeypatch.setattr("app.export.html_file.record_scenes",
+                        lambda wanted, *others: [record_scene(one) for one in wanted])
+    file = tmp_path / "scene.html"
+    file.write_text(scene_page("bar cells=8 periods=0.25", 1, lambda part, what: None, {}), encoding="utf-8")
+    page = flat.new_page()
+    with no_errors(page):
+        page.goto(file.as_uri())
+        until(lambda: page.evaluate(DRAWN), "a picture")
+    page.close()
