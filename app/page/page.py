@@ -39,7 +39,7 @@ class Page:
                  lecturer: LecturerContext | None = None, first: str = ""):
         self.client, self._links, self._features = client, links, tuple[Feature, ...]()
         self.token, self.language = secrets.token_urlsafe(12), current_language()
-        self._closed, self._stands, self._refreshing = threading.Event(), threading.Event(), threading.Lock()
+        self._closed, self._refreshing = threading.Event(), threading.Lock()
         self._at_once = threading.Event()  # whether a run at rest has a new frame, or new points of its landscapes
         said = parse_message(first)
         opening = linked_state(said.get("link")) or OPENING
