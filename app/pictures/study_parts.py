@@ -56,7 +56,7 @@ def series_styles(rows: Sequence[dict], along: str = "cells") -> list[tuple[Sing
     numbers = {variant: k for k, variant in enumerate(dict.fromkeys(line.variant for line in lines))}
     return [(line, {"color": METHOD_COLOURS[line.method], "marker": METHOD_MARKS[line.method], "markersize": 6,
                     "linewidth": 1.3, "linestyle": LINE_STYLES[(k := numbers[line.variant]) % len(LINE_STYLES)],
-                    "fillstyle": ("full", "none")[k // len(LINE_STYLES) % 2]}) for line in lines]
+                    "fillstyle": ("full", "left")[k // len(LINE_STYLES) % 2]}) for line in lines]
 
 
 def draw_errors(axes: Axes, lines: Sequence[tuple[SingleInputSeries, Look]], quantity: str,

@@ -69,6 +69,9 @@ def _join_columns(one: dict[str, np.ndarray], other: dict[str, np.ndarray]) -> d
     n, m = (len(next(iter(columns.values()))) for columns in (one, other))
     if "id" in common:
         _, mine, theirs = np.intersect1d(one["id"], other["id"], return_indices=True)
+    elif "X" in common and one["X"].shape[1] == other["X"].shape[1]:
+        places = np.unique(np.concatenate([one["X"], other["X"]]), axis=0, return_inverse=True)[1].ravel()
+        _, mine, theirs = np.intersect1d(places[:n], places[n:], return_indices=True)
     elif n == m and common & {"x", "X"}:
         mine = theirs = np.arange(n)
     else:
