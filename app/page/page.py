@@ -24,9 +24,10 @@ from app.viewer.viser_patches import set_callback_language
 from solvers.engine.engine_messages import FrameReport
 
 REFRESH_SECONDS = 0.2  # for numbers, plots and notices; the stage follows every frame
+LEAST_SECONDS = 0.05  # between two refreshes, of which the second shows what has come of a run at rest
 UNTOUCHED = 20 * 60.0  # idle seconds after which a run pauses, unless it is presented
 PATIENCE = 2.0  # seconds of send delay after which nothing more is computed for a browser
-RESTING = 12  # pause until the next refresh, in times its work per running stage: frames come first
+RESTING = 18  # pause until the next refresh, in times its work per running stage: frames come first
 
 
 class Page:
@@ -38,14 +39,15 @@ class Page:
                  lecturer: LecturerContext | None = None, first: str = ""):
         self.client, self._links, self._features = client, links, tuple[Feature, ...]()
         self.token, self.language = secrets.token_urlsafe(12), current_language()
-        self._closed, self._stands, self._refreshing = threading.Event(), threading.Event(), threading.Lock()
+        self._closed, self._refreshing = threading.Event(), threading.Lock()
+        self._at_once = threading.Event()  # whether a run at rest has a new frame, or new points of its landscapes
         said = parse_message(first)
         opening = linked_state(said.get("link")) or OPENING
         set_callback_language(client)
         set_up_theme(client.gui)
         client.gui.add_html(f"<i class='lab-visitor' data-visitor='{self.token}'></i>")
         self._context = context = PageContext(
-            client, links, classroom, lecturer, opening, self._on_frame,
+            client, links, classroom, lecturer, opening, self._on_frame, self._at_once.set,
             lambda: next(filter(None, (feature.notice() for feature in self._features)), None))
         self._link = BrowserAddress(context)
         context.store_state, context.show_run_on_stage = self._link.keep, self._show_run_on_stage
@@ -80,7 +82,7 @@ class Page:
     def stop_output(self) -> None:
         """Ends all drawing and messages to the browser; returns when a refresh in progress is complete."""
         self._closed.set()
-        self._stands.set()
+        self._at_once.set()
         self._context.stage.stop()
         with self._refreshing:  # it comes to its end
             pass
@@ -98,18 +100,19 @@ class Page:
 
     def _on_frame(self, report: FrameReport) -> None:
         if not report.playing:  # it is the last for now
-            self._stands.set()
+            self._at_once.set()
         for feature in self._features:
             feature.on_frame(report)
 
     def _refresh_loop(self) -> None:
-        """Refreshes numbers and texts periodically, and soon after the run pauses, until the page is closed."""
+        """Refreshes numbers and texts periodically, and at once for a run at rest, until the page is closed."""
         due = 0.0
-        while not self._closed.wait(REFRESH_SECONDS):
+        while not self._closed.wait(LEAST_SECONDS):
+            self._at_once.wait(REFRESH_SECONDS - LEAST_SECONDS)
             self._context.set_frame_conditions(keeps_up=stalled_seconds(self.client) < PATIENCE)
-            if monotonic() < due and not self._stands.is_set():
+            if monotonic() < due and not self._at_once.is_set():
                 continue
-            self._stands.clear()
+            self._at_once.clear()
             begun = thread_time()
             try:
                 with self._refreshing:

@@ -132,9 +132,9 @@ def test_what_json_has_not_is_refused():
 
 
 def test_a_broken_run_says_what_was_tried_and_what_held(capsys):
-    """In the JSON object and in the line on standard error; without it there is no advice."""
-    command = "run bar --ppc 1 --cfl 0.2 --periods 2 --effects truth,soundness --estimator none --json -"
-    assert main(command.split()) == 3
+    """In the JSON object and in the line on standard error."""
+    words = "run bar --ppc 1 --cfl 0.2 --periods 2 --effects truth,soundness --estimator none --json -"
+    assert main(words.split()) == 3
     printed = capsys.readouterr()
     found = json.loads(printed.out)
     for cure in found["advice"]:

@@ -133,3 +133,12 @@ def test_a_run_is_lost_from_the_first_moment_that_shows_it():
     assert soundness.earliest_finding({"mean_drift": late, "recovered/v": early}, ()) is early
     assert soundness.earliest_finding({"mean_drift": late, "recovered/v": early}, {"recovered": "why"}) is late
     assert soundness.earliest_finding({}, ()) is None
+
+
+def test_evidence_is_the_largest_over_the_run():
+    """In amplitudes; none of a rule that was not evaluated."""
+    scene, unknown = BarScene(), np.full(3, np.nan)
+    found = {"time": np.arange(3.0), "motion_square": unknown, **dict.fromkeys(soundness.CONTRADICTIONS, unknown),
+             "mean_drift": scene.motion_amplitude * np.array([0.0, 0.75, 0.5])}
+    known = {name: share for name, share in soundness.evidence(scene, found).items() if share is not None}
+    assert known == {"mean_drift": pytest.approx(0.75)}

@@ -196,6 +196,5 @@ def test_what_is_too_dear_is_left_out():
 def test_the_cache_keeps_the_longest(monkeypatch):
     monkeypatch.setattr("solvers.study.landscape.error_history.MOST_HISTORIES", 2)
     cache, long = HistoryCache(), ErrorHistory(1.0)
-    for key, history in (("a", long), ("a", ErrorHistory(0.5)), ("b", long), ("c", long)):
-        cache.put(key, history)
+    cache.put([("a", long), ("a", ErrorHistory(0.5)), ("b", long), ("c", long)])
     assert cache.get("a") is None and cache.get("b") is long and cache.get("c") is long
