@@ -18,10 +18,12 @@ def join_moments(files: Sequence[RawTable], cells: Sequence[int],
     Files of the same moment are joined if their particles have different ids, if they have different quantities of the
     same particles, or where they agree to the last bit, as the last moment of a run and the first after its restart do.
     """
+    if len(files) < 2:
+        return list(files), list(cells), list(times)
     every = [row_times(raw, times[k] if times else None) for k, raw in enumerate(files)]
     counts = [raw.cells or cells[k if len(cells) > 1 else 0] if cells else raw.cells for k, raw in enumerate(files)]
     moments = Counter((counts[k], _figures(t)) for k, own in enumerate(every) for t in np.unique(own))
-    if moments and max(moments.values()) == 1:
+    if max(moments.values()) == 1:
         return _move_points(files), list(cells), list(times)
     found: dict[tuple[int | None, str], list[RawTable]] = {}
     for raw, own, count in zip(files, every, counts, strict=True):

@@ -323,7 +323,7 @@ def test_a_file_that_is_none_is_named(name, tmp_path, capsys):
     ({"x": np.zeros(4), "F": np.zeros((4, 5)), "t": 1.0}, "has F of the shape (4, 5)"),
     ({"x": np.zeros(4), "v": np.array(list("abcd")), "t": 1.0}, "has no numbers in v"),
     ({"x": np.zeros(4), "sxy": np.zeros(4), "t": 1.0}, "has some components of sigma but not xx"),
-    ({"x": np.zeros((4, 2)), "position": np.zeros((4, 2)), "t": 1.0}, "has x twice"),
+    ({"x": np.zeros((4, 2)), "position": np.ones((4, 2)), "t": 1.0}, "has x twice"),
 ])
 def test_arrays_that_do_not_fit_are_named(arrays, said, tmp_path):
     np.savez(tmp_path / "bad.npz", **arrays)
