@@ -17,7 +17,7 @@ BAD = {
     # the command itself
     "frobnicate": "frobnicate: is not a command; give mpm-lab serve or mpm-lab run",
     "serv": "serv: is not a command (did you mean serve?)",
-    "run": "run: what? give mpm-lab run bar or mpm-lab run ring or mpm-lab run vortex",
+    "run": "run: what? give mpm-lab run bar or mpm-lab run square or mpm-lab run ring or mpm-lab run vortex",
     "run rod": "rod: is not a command",
     "--cells 4": "--cells: is not a flag of mpm-lab serve",
     "--completion": "--completion … give one of bash, zsh, fish",
@@ -178,7 +178,7 @@ def test_bad_input_is_one_sentence(line, capsys, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     (tmp_path / "file").write_text("id,x\n1,0.2\n2,0.4\n")
     (tmp_path / "taken" / "table1.json").mkdir(parents=True)
-    for run in ("app.commands.run.command._run", "app.page.page_server.serve",
+    for run in ("app.commands.run.command._run_and_try_cures", "app.page.page_server.serve",
                 "app.commands.study.study_command.Study._announce"):
         monkeypatch.setattr(run, lambda *_: pytest.fail("it ran before it had checked"))
     before = files(tmp_path)

@@ -43,7 +43,7 @@ def test_a_table_has_both_runs_and_claims_no_sum_where_shares_say_nothing(capfd)
 def test_rows_and_their_summary_have_the_shares():
     shares = dict.fromkeys(CAUSES, 0.25)
     row = {"status": "ok", "reason": None, "problem": "bar", "asked": {}, "scene": {"method": "mpm", "cells": 8},
-           "h": 0.125, "index": {}, "error": {}, "seconds": {"min": 1.0}, "rate": 1.0,
+           "h": 0.125, "steps": 100, "index": {}, "error": {}, "seconds": {"min": 1.0}, "rate": 1.0,
            "budget": {field: shares for field in FIELDS} | {"reference": "exact"}}
     assert '"budget.v.crossings"' in csv_text([row]).splitlines()[0].split(",")
     assert "crossings: share of v" in summarise_study("bar", [row]) and "0.250" in summarise_study("bar", [row])

@@ -60,7 +60,7 @@ def test_verbose_shows_the_place_of_what_should_not_happen(words, monkeypatch, c
     def fails(*_):
         raise MemoryError("no room")
 
-    monkeypatch.setattr(run_command, "_run", fails)
+    monkeypatch.setattr(run_command, "_run_and_try_cures", fails)
     monkeypatch.setattr(dispatch, "_wants_traceback", lambda: False)
     assert main(["run", "bar", *words]) == 1
     *places, told = capsys.readouterr().err.splitlines()

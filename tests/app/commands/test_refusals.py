@@ -30,8 +30,9 @@ EVIL = "\x1b]0;owned\x07\x1b[31m\u202e\u2066evil\x9b2J"
 TEXTS = [EVIL, EVIL * 300, "9" * 10_000, "=cmd|' /C calc'!A0\t;=1" + EVIL,
          "<img src=x>![](http://evil.example)`" + EVIL]
 LONGEST = 410  # letters of a message
-SLOW = ("app.page.page_server.serve", "app.commands.run.command._run", "app.commands.run.budget_command.show_progress",
-        "app.commands.bench.command.show_progress", "app.commands.lesson.show_progress",
+SLOW = ("app.page.page_server.serve", "app.commands.run.command._run_and_try_cures",
+        "app.commands.run.budget_command.show_progress", "app.commands.bench.command.show_progress",
+        "app.commands.lesson.show_progress",
         "app.commands.export.show_progress", "app.commands.judge.command.show_progress",
         "app.commands.check.contradiction_check.show_progress", "app.commands.judge.problem._handout_files",
         "app.commands.study.study_command.Study._executor", "app.commands.study.advise.Advise._search")

@@ -32,7 +32,7 @@ SPOILT = {
     "no seconds": (without("seconds", "min"), "it has no seconds.min"), "no life": (without("life"), "it has no life"),
     "empty": ({}, "it has no key"), "a list": ([GOOD], "it is no object"), "a number": (3, "it is no object"),
     "another status": ({**GOOD, "status": "fine"}, "its status is not one of ok"),
-    "another problem": ({**GOOD, "problem": "rod"}, "its problem is not one of bar, ring"),
+    "another problem": ({**GOOD, "problem": "rod"}, "its problem is not one of bar, square"),
     "a list as key": ({**GOOD, "key": [1]}, "key is of the wrong kind"),
     "empty errors": ({**GOOD, "error": []}, "error is no object"),
     "words for numbers": ({**GOOD, "seconds": {**GOOD["seconds"], "min": "soon"}}, "seconds.min is of the wrong kind"),
