@@ -177,13 +177,14 @@ class TextReader:
         cells = layout.split(self._row)
         for k in used:
             cell = cells[k] if k < len(cells) else ""
-            where = quote(layout.names[k]), self._number
+            name, line = quote(layout.names[k]), self._number
             if not cell:
                 raise FileError(self._path, "has nothing in the column {name} of line {line}; give a number in all "
-                                            "rows, or leave the column out", *where)
+                                            "rows, or leave the column out", name, line)
             if COMMA in dialect and "." in cell:
                 raise FileError(self._path, "has {cell} in the column {name} of line {line}, beside numbers with a "
-                                            "decimal comma; give one decimal sign in all rows", quote(cell, 30), *where)
+                                            "decimal comma; give one decimal sign in all rows", quote(cell, 30), name,
+                                line)
             plain, found = cell, set[str]()
             if "," in plain and layout.separator != ",":
                 plain, found = plain.replace(",", "."), found | {COMMA}
@@ -191,7 +192,7 @@ class TextReader:
                 plain, found = written, found | {FORTRAN}
             if not number_parsing.NUMERAL.fullmatch(plain) and plain.lower().strip("+-") not in ("nan", "inf"):
                 raise FileError(self._path, "has {cell} in the column {name} of line {line}; give a number in all "
-                                            "rows", quote(cell, 30), *where)
+                                            "rows", quote(cell, 30), name, line)
             if found - dialect:
                 return found
         raise FileError(self._path, "has a row in line {line} that cannot be read; give a number in every column",

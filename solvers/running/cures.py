@@ -110,8 +110,8 @@ def advice_sentence(cures: Sequence[Cure]) -> str:
     held, failed, untried = ([cure.text for cure in cures if (cure.tried, cure.held) == kind]
                              for kind in ((True, True), (True, False), (False, False)))
     if held:
-        return Message("with {change} it holds (tried)", join_messages(" or ", held))
+        return Message("with {change} it holds (tried)", join_messages(", or ", held))
     parts = [Message("no change that was tried holds: {changes}", join_messages(", ", failed))] if failed else []
     if untried:
-        parts.append(Message("{changes} may help (not tried)", join_messages(" or ", untried[:MOST_NAMED])))
+        parts.append(Message("{changes} may help (not tried)", join_messages(", or ", untried[:MOST_NAMED])))
     return join_messages("; ", parts)

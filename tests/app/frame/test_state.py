@@ -53,7 +53,7 @@ def test_defaults_are_left_out():
 
 
 @pytest.mark.parametrize("text, said", [
-    ("", "begin with bar or ring"), ("cube", "'cube' is no problem"), ("bar;cels=3", "did you mean cells?"),
+    ("", "begin with bar or square"), ("cube", "'cube' is no problem"), ("bar;cels=3", "did you mean cells?"),
     ("bar;cells=x", "cells=x: give a whole number"), ("bar;amplitude=9", "inverts"),
     ("bar;dt=1e-3;cfl=.1", "one of the two"),
     ("ring;method=bspline", "give one of ugimp"), ("bar;error-of=q", "give one of x, v, sigma, a"),

@@ -181,7 +181,7 @@ def test_of_the_core_alone_its_questions_count(two):
     assert (core.maximum, every.maximum) == (0, 1)
     assert list(core.answers) == ["said"] and list(every.answers) == ["said", "more"]
     head, row = grading.grades_csv([core]).splitlines()
-    assert head.endswith("core only,file,said,said: right") and row.endswith("yes,file,words,")
+    assert head.endswith('"core only","file","said","said: right"') and row.endswith('"yes","file","words",""')
 
 
 def test_the_guide_says_what_is_deeper_or_leaves_it_out(monkeypatch, capsys):
