@@ -43,6 +43,8 @@ BAD = {
     "run bar --effects truth,foo": "--effects foo: … crossings",
     "run bar --effects all,truth": "--effects all truth: … stands alone",
     "run bar --effects": "--effects (no value): … names",
+    "run bar --corrected transport": "--corrected transport: … recovered, companion, two-grid",
+    "run bar --corrected recovered --effects estimate": "--corrected recovered: … truth",
     "run bar --goal foo": "--goal foo: … kinetic-energy",
     "run ring --effects truth,budget": "--effects budget: … mpm-lab budget ring",
     # words that no flag is
@@ -178,7 +180,7 @@ def test_bad_input_is_one_sentence(line, capsys, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     (tmp_path / "file").write_text("id,x\n1,0.2\n2,0.4\n")
     (tmp_path / "taken" / "table1.json").mkdir(parents=True)
-    for run in ("app.commands.run.command._run", "app.page.page_server.serve",
+    for run in ("app.commands.run.command._run_and_try_cures", "app.page.page_server.serve",
                 "app.commands.study.study_command.Study._announce"):
         monkeypatch.setattr(run, lambda *_: pytest.fail("it ran before it had checked"))
     before = files(tmp_path)
