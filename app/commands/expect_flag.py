@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from types import MappingProxyType
 from typing import Any
 
 from app.commands.lenient_flag_types import BadInput
@@ -25,16 +26,20 @@ class ClaimChecker:
             except ClaimError as error:
                 raise BadInput("expect", claim, str(error)) from None
 
-    def report_claims(self, claims: Sequence[str], outcomes: list[Mapping[str, Any]], over: str = "") -> int:
-        """Prints whether claims hold for reports, which differ in ``over``; returns the exit status, 1 if one fails."""
+    def report_claims(self, claims: Sequence[str], outcomes: list[Mapping[str, Any]], over: str = "",
+                      words: Mapping[str, str] = MappingProxyType({})) -> int:
+        """Prints whether claims hold for reports, which differ in ``over``; returns the exit status, 1 if one fails.
+        ``words`` says of paths why they have no value, or what makes it doubtful."""
         missed = 0
         scope = ClaimNamespace({self.name: RunOutcome(outcomes, over)}, self.name, self.vocabulary)
         for claim in claims:
+            said = [f"{path}: {why}" for path, why in words.items() if path in claim]
             try:
                 decided = decide_claim(claim, scope)
                 holds, found = decided.holds, ", ".join(dict.fromkeys(decided.text.split(", ")))  # order: of all grids
             except ClaimError as error:  # one without a value does not hold
-                holds, found = False, str(error)
+                holds, found = False, "" if said else str(error)
+            found = "; ".join(filter(None, [found, *said]))
             print_message(f"expected {quote(claim)}: {'holds' if holds else 'DOES NOT HOLD'} ({found})")
             missed |= not holds
         return int(missed)

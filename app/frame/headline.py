@@ -24,6 +24,8 @@ LOST = lazy("the run is lost from t = {since} s on")
 NOW, PAUSED, BACK = lazy("now "), lazy("at t = {time} s "), lazy("{ago} periods back ")
 LESS, MORE = lazy("finds {share} of it"), lazy("estimates {factor} times as much")
 ALL_OF_IT = 1.005  # index up to which an estimate does not exceed the error
+TWICE = 2.0  # index from which a title, which has little room, tells the factor
+DURATION = "duration"  # kind of the span with a run's time, which leads to Cost
 OVER, RUN_LOST = lazy("over 100 % wrong"), lazy("run is lost")
 
 ENDS = (".", "?", "!")  # of a sentence
@@ -173,11 +175,11 @@ def lane_facts(errors: InstantErrors, size: float, estimator: str | None, lost: 
         parts.append(tuple(to_spans(tr("{who} estimates {wrong}"), {
             "who": estimator or "", "wrong": per_cent(errors.estimated / size)})))
     if math.isfinite(errors.index):
-        told = tr("{who} finds {share}") if errors.index < ALL_OF_IT else tr("{who} estimates {factor} times as much")
+        told = tr("{who} finds {share}") if errors.index < TWICE else tr("{who} estimates {factor} times as much")
         parts.append(tuple(to_spans(told, {"who": estimator or "", "share": per_cent(errors.index),
                                            "factor": format_ratio(errors.index)})))
     if seconds:
-        parts.append((("duration", with_unit(seconds, "s", 2)),))
+        parts.append(((DURATION, with_unit(seconds, "s", 2)),))
     return tuple(span for k, part in enumerate(parts) for span in (*((SEPARATOR,) if k else ()), *part))
 
 

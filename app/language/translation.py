@@ -191,6 +191,11 @@ def language_cookie_header(code: str) -> str:
 
 def language_from_cookies(cookies: list[str]) -> str:
     """Returns the language's code in the Cookie headers of a request, English without a valid one."""
-    pairs = (pair.strip().partition("=") for line in cookies for pair in line.split(";"))
-    named = next((value for name, _, value in pairs if name == COOKIE), ENGLISH)
+    named = find_cookie(cookies, COOKIE)
     return named if named in LANGUAGES else ENGLISH
+
+
+def find_cookie(cookies: list[str], name: str) -> str:
+    """Returns the value of the first cookie of this name in the Cookie headers of a request, "" without one."""
+    pairs = (pair.strip().partition("=") for line in cookies for pair in line.split(";"))
+    return next((value for key, _, value in pairs if key == name), "")

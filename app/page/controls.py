@@ -70,10 +70,9 @@ class Controls:
         self._parts[control] = (*self._parts.get(control, ()), *widgets)
 
     def set_initial_state(self, state: State) -> None:
-        """Sets view options and pinned run to a state whose scene the session already has, before :meth:`build`."""
-        self.stage.show(state.quantity, state.estimator, state.magnified)
-        self._session.set_frame_options(plotted=state.quantity)
-        self._transport.show_second_run(state)
+        """Sets view options and second run to a state whose scene the session already has, before :meth:`build`."""
+        self._set_view(state)
+        self._begin_second_run(state)
 
     def build(self, tab: viser.GuiTabHandle) -> None:
         """Builds the scene's widgets within a tab."""
@@ -98,17 +97,17 @@ class Controls:
         """Puts the first scene of a problem, by its key ("bar"), on the stage, unless the stage has that problem, with
         its own motion."""
         if problem == self._session.scene.problem and self._session.scene.to_dict().get("displacement"):
-            self.load(first_scene(problem))
+            self.load(first_scene(problem), rests=not self._session.playing)
         self.problem.value = tr(PROBLEMS[problem].scene.TITLE)  # type: ignore[misc]
         self._choose_problem()
 
-    def load(self, scene: Scene) -> None:
-        """Puts a scene on the stage and its values into the widgets."""
+    def load(self, scene: Scene, rests: bool = False) -> None:
+        """Puts a scene on the stage and its values into the widgets; ``rests`` as of :meth:`RunSession.set_scene`."""
         with self._turn:
             if scene.problem != self._session.scene.problem:
                 self._drawing.domains = False
                 self.stage.restore_last_estimator(scene.problem)
-            self._session.set_scene(scene)
+            self._session.set_scene(scene, rests=rests)
             self._rebuild()
 
     def show_only(self, controls: tuple[str, ...], place: viser.GuiFolderHandle | None = None) -> None:
@@ -132,19 +131,24 @@ class Controls:
 
     def show(self, state: State) -> None:
         """Puts a state on the stage and into the widgets."""
-        session = self._session
         with self._turn:
-            self.stage.show(state.quantity, state.estimator, state.magnified)
-            self._drawing.difference, self._drawing.domains = state.difference, state.domains
-            self._scale.logarithmic = state.logarithmic
-            self._scale.reset()
-            session.unpin()
-            session.set_scene(state.scene, state.speed, state.stops)
-            self._transport.show_second_run(state)
-            session.set_frame_options(differences=state.difference, plotted=state.quantity)
-            self._history.trace(state.traced)
+            self._set_view(state)
+            self._session.unpin()
+            self._session.set_scene(state.scene, state.speed, state.stops)
+            self._begin_second_run(state)
             self._rebuild()
         self._on_view()
+
+    def _set_view(self, state: State) -> None:
+        self.stage.show(state.quantity, state.estimator, state.magnified)
+        self._drawing.difference, self._drawing.domains = state.difference, state.domains
+        self._scale.logarithmic = state.logarithmic
+        self._scale.reset()
+
+    def _begin_second_run(self, state: State) -> None:
+        self._transport.show_second_run(state)
+        self._session.set_frame_options(differences=state.difference, plotted=state.quantity)
+        self._history.trace(state.traced)
 
     def restore(self, state: State) -> None:
         """Puts scene, second run and estimator of an earlier state back: of the same problem at the instant shown."""
@@ -230,7 +234,7 @@ class Controls:
         """Puts the first scene of the problem chosen in the dropdown on the stage, if that is another problem."""
         if self.problem.value != tr(self._session.scene.TITLE):
             kind = next(problem.scene for problem in PROBLEMS.values() if tr(problem.scene.TITLE) == self.problem.value)
-            self.load(first_scene(kind.problem))
+            self.load(first_scene(kind.problem), rests=not self._session.playing)
 
     def _build(self) -> None:
         self._widgets = self._gui.add_folder(None)  # without a label: only a container, to remove all at once

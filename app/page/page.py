@@ -13,10 +13,10 @@ from app.language.translation import current_language, with_language
 from app.page.feature import Feature, VisiblePageState
 from app.page.features import all_features
 from app.page.features.opening_tour import OPENING, QUARTER
-from app.page.features.sharing import BrowserAddress
+from app.page.features.sharing import BrowserAddress, linked_state
 from app.page.page_context import PageContext
 from app.page.panels.about_tab import add_about
-from app.page.panels.browser_store_and_window import follow_keys
+from app.page.panels.browser_store_and_window import follow_keys, parse_message
 from app.page.panels.page_header import ProblemButtons, set_up_theme
 from app.page.visit.engine_links import PageEngineLinks
 from app.viewer.browser_connection import stalled_seconds
@@ -24,33 +24,39 @@ from app.viewer.viser_patches import set_callback_language
 from solvers.engine.engine_messages import FrameReport
 
 REFRESH_SECONDS = 0.2  # for numbers, plots and notices; the stage follows every frame
+LEAST_SECONDS = 0.05  # between two refreshes, of which the second shows what has come of a run at rest
 UNTOUCHED = 20 * 60.0  # idle seconds after which a run pauses, unless it is presented
 PATIENCE = 2.0  # seconds of send delay after which nothing more is computed for a browser
-RESTING = 12  # pause until the next refresh, in times its work per running stage: frames come first
+RESTING = 18  # pause until the next refresh, in times its work per running stage: frames come first
 
 
 class Page:
-    """Page of one browser (``client``), which requests name by the page's random ``token``. Frames are drawn on the
-    thread that reads them from the engine; numbers and texts follow a few times a second."""
+    """Page of one browser (``client``), which requests name by the page's random ``token``; ``first`` is the message
+    that came with the request for it. Frames are drawn on the thread that reads them from the engine; numbers and texts
+    follow a few times a second."""
 
     def __init__(self, client: viser.ClientHandle, links: PageEngineLinks, classroom: LessonContext,
-                 lecturer: LecturerContext | None = None):
+                 lecturer: LecturerContext | None = None, first: str = ""):
         self.client, self._links, self._features = client, links, tuple[Feature, ...]()
         self.token, self.language = secrets.token_urlsafe(12), current_language()
-        self._closed, self._stands, self._refreshing = threading.Event(), threading.Event(), threading.Lock()
+        self._closed, self._refreshing = threading.Event(), threading.Lock()
+        self._at_once = threading.Event()  # whether a run at rest has a new frame, or new points of its landscapes
+        said = parse_message(first)
+        opening = linked_state(said.get("link")) or OPENING
         set_callback_language(client)
         set_up_theme(client.gui)
         client.gui.add_html(f"<i class='lab-visitor' data-visitor='{self.token}'></i>")
         self._context = context = PageContext(
-            client, links, classroom, lecturer, OPENING, self._on_frame,
+            client, links, classroom, lecturer, opening, self._on_frame, self._at_once.set,
             lambda: next(filter(None, (feature.notice() for feature in self._features)), None))
         self._link = BrowserAddress(context)
         context.store_state, context.show_run_on_stage = self._link.keep, self._show_run_on_stage
         built = tuple(filter(None, (feature.build(context) for feature in all_features.FEATURES)))
         context.stage.build(context.store, context.history.seek)
         controls = context.controls
-        controls.set_initial_state(OPENING)
-        context.session.reset(QUARTER)
+        controls.set_initial_state(opening)
+        if opening is OPENING:
+            context.session.reset(QUARTER)
         with context.tabs["explore"] as explore:
             controls.build(explore)
         with context.tabs["about"]:
@@ -64,7 +70,7 @@ class Page:
             keys |= part.shortcuts
         follow_keys(context.store, keys)
         self._problems = ProblemButtons(client.gui, context.store, controls.choose_problem)
-        self._link.listen()
+        self._link.listen(said)
         self._features = built  # from now on they follow frames
         context.stage.begin(lambda: controls.choice, (*filter(None, (part.source for part in built)), context.run))
         threading.Thread(target=with_language(self._refresh_loop), name="page-refresh", daemon=True).start()
@@ -76,7 +82,7 @@ class Page:
     def stop_output(self) -> None:
         """Ends all drawing and messages to the browser; returns when a refresh in progress is complete."""
         self._closed.set()
-        self._stands.set()
+        self._at_once.set()
         self._context.stage.stop()
         with self._refreshing:  # it comes to its end
             pass
@@ -94,18 +100,19 @@ class Page:
 
     def _on_frame(self, report: FrameReport) -> None:
         if not report.playing:  # it is the last for now
-            self._stands.set()
+            self._at_once.set()
         for feature in self._features:
             feature.on_frame(report)
 
     def _refresh_loop(self) -> None:
-        """Refreshes numbers and texts periodically, and soon after the run pauses, until the page is closed."""
+        """Refreshes numbers and texts periodically, and at once for a run at rest, until the page is closed."""
         due = 0.0
-        while not self._closed.wait(REFRESH_SECONDS):
+        while not self._closed.wait(LEAST_SECONDS):
+            self._at_once.wait(REFRESH_SECONDS - LEAST_SECONDS)
             self._context.set_frame_conditions(keeps_up=stalled_seconds(self.client) < PATIENCE)
-            if monotonic() < due and not self._stands.is_set():
+            if monotonic() < due and not self._at_once.is_set():
                 continue
-            self._stands.clear()
+            self._at_once.clear()
             begun = thread_time()
             try:
                 with self._refreshing:

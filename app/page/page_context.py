@@ -58,7 +58,8 @@ class PageContext:
 
     def __init__(self, client: viser.ClientHandle, links: PageEngineLinks, classroom: LessonContext,
                  lecturer: LecturerContext | None, opening: State,
-                 on_frame: Callable[[FrameReport], None], notice: Callable[[], Notice | None]):
+                 on_frame: Callable[[FrameReport], None], on_points: Callable[[], None],
+                 notice: Callable[[], Notice | None]):
         self.client, self.gui, self.links = client, client.gui, links
         self.classroom, self.lecturer = classroom, lecturer
         self.lesson: CurrentLesson | None = None
@@ -70,12 +71,12 @@ class PageContext:
         self.presenter = PresentationMode(self.gui)
         self.canvas = ViewerCanvas(client, self.scale, self.trace, opening.scene.problem)
         self.stage, self._on_frame = StageAndReadoutView(client, self.canvas), on_frame
-        self.session = RunSession(links, opening.scene, self._take_frame, opening.speed)
+        self.session = RunSession(links, opening.scene, self._take_frame, opening.speed, opening.stops)
         self.history = FrameAndTraceControls(self.session, self.recent, self.trace, self.stage.draw)
-        landscapes = Landscapes(self.session, links.histories)
+        self._landscapes = Landscapes(self.session, links.histories, on_points)
         self.controls = Controls(self.gui, self.session, self.scale, self.stage.draw, self.history, self.store,
-                                 landscapes)
-        self.run = VisitorRunSource(self.session, self.recent, self.trace, notice, landscapes)
+                                 self._landscapes)
+        self.run = VisitorRunSource(self.session, self.recent, self.trace, notice, self._landscapes)
         group = self.gui.add_tab_group()
         self.tabs = {name: group.add_tab(title, icon) for name, title, icon in (
             ("explore", tr("Explore"), viser.Icon.ADJUSTMENTS_HORIZONTAL),
@@ -105,6 +106,7 @@ class PageContext:
         self.session.set_watched(all(self._conditions.values()))
 
     def close(self) -> None:
+        self._landscapes.close()
         self.session.close()
         self.links.close()
 

@@ -227,7 +227,7 @@ def _start_server(host: str, port: int, pool: EnginePool, max_sessions: int, add
             if board and whose == BOARD else None
         try:
             return Page(client, links, replace(classroom, teacher=classroom.teacher and whose == TEACHER, seat=seat),
-                        lectern)
+                        lectern, doors.first_message(client.client_id))
         except Exception:
             if seat:
                 seat.leave()

@@ -8,7 +8,7 @@ import numpy as np
 
 from app.frame.colour_scale import LEAST_TOP
 from app.frame.error_view_captions import NONE_CHOSEN, FrameErrorView, frame_error_view, why_no_index
-from app.frame.headline import HeadlineWithFacts, InstantErrors, lane_facts
+from app.frame.headline import DURATION, HeadlineWithFacts, InstantErrors, lane_facts
 from app.frame.primitives import SEPARATOR, Spans
 from app.language.translation import lazy, tr
 from app.names_and_units import difference_text, functions_name, main_settings_text
@@ -156,6 +156,7 @@ class VisitorRunSource:
         facts: Spans = (("settings", tr("being prepared")),)
         if run.last and (view := run.view(choice.quantity, choice.estimator, False)):
             facts = self._facts(run.last[0], view, choice.quantity, run.estimator(choice.estimator))
+            facts = tuple(("" if kind == DURATION else kind, text) for kind, text in facts)  # one leads to Cost
         return (("what", tr(COMPARE)), (COMPARED, named), ("settings", told)), facts, ()
 
     def _other_in_words(self, run: PinnedRun) -> str:

@@ -38,6 +38,7 @@ MOST_MISFIT = 0.15  # relative; beyond, the sum of two errors does not fit the p
 SPACE = "space error rules: shorter steps gain little"
 TIME = "time error rules: shorter steps pay"
 NEITHER = "not a sum of space and time error"
+HOLLOW: Look = {"markerfacecolor": "white", "zorder": 4}  # an error that tells nothing of the order
 BALANCE_LOOK: Look = {"marker": "*", "markersize": 15, "markeredgecolor": INK, "linestyle": "none"}
 
 
@@ -152,14 +153,20 @@ def error_time_step_figure(rows: Sequence[dict]) -> Figure:
 
 
 def _draw_fits(axes: Axes, lines: Sequence[tuple[SingleInputSeries, dict]], quantity: str) -> None:
-    """Draws the fitted power of h of each series' errors of a quantity, with the orders as legend if they are few."""
+    """Draws the fitted power of h of each series' errors of a quantity, with the orders as legend if they are few.
+    Errors that are not fitted are hollow."""
     handles = []
     for line, look in lines:
         fit = line.fit(quantity)
         if fit is not None:
             ends = np.array([line.rows[0]["h"], line.rows[-1]["h"]])
             axes.plot(ends, fit.at(ends), color=look["color"], linestyle=look["linestyle"], linewidth=1.0, zorder=2)
-            handles.append(Line2D([], [], **look, label=f"order {fit.order:.2f}"))
+            unfitted = [(row["h"], error) for row in line.rows
+                        if row["h"] in fit.left_out and row["status"] == OK and (error := error_of(row, quantity))]
+            if unfitted:
+                axes.plot(*zip(*unfitted, strict=True), **{**look, "linestyle": "none"}, **HOLLOW)
+            label = f"no order: {fit.reason.partition(':')[0]}" if fit.reason else f"order {fit.order:.2f}"
+            handles.append(Line2D([], [], **look, **(HOLLOW if fit.reason else {}), label=label))
     if handles and len(handles) <= MOST_ORDERS:
         bottom, top = axes.get_ylim()
         axes.set_ylim(bottom / (top / bottom) ** (0.055 * len(handles)), top)

@@ -113,6 +113,10 @@ def order_figure(judged: Judgement) -> Figure | None:
         h = [g.scene.spacing for g in judged.grids]
         here = np.array([largest_finite_or_none(g.norms[q]) for g in judged.grids], dtype=float)  # None becomes NaN
         axes.plot(h, positive_or_gap(here), "o-", color=THEIRS, linewidth=2, markersize=7, label="these particles")
+        if fit := judged.orders[q]:
+            axes.plot(h, np.where(np.isin(h, fit.left_out), positive_or_gap(here), np.nan), "o", color=THEIRS,
+                      markersize=7, markerfacecolor="white",
+                      label="tells nothing of the order" if fit.left_out else None)
         lines: dict[tuple[str, bool], list[tuple[float, float]]] = {}
         for g in judged.grids:
             for run in g.ours:
@@ -133,7 +137,9 @@ def order_figure(judged: Judgement) -> Figure | None:
             axes.set_xlim(h[0] / 1.5, h[0] * 1.5)
         format_size_axis(axes.xaxis, "m")
         format_size_axis(axes.yaxis, QUANTITIES[q].unit)
-    figure.legend(*figure.axes[0].get_legend_handles_labels(), loc="outside lower center", ncols=4)
+    entries = {label: line for axes in figure.axes
+               for line, label in zip(*axes.get_legend_handles_labels(), strict=True)}
+    figure.legend(entries.values(), entries, loc="outside lower center", ncols=4)
     return figure
 
 

@@ -50,14 +50,14 @@ def known_quantities(rows: Sequence[dict], among: Iterable[str] = QUANTITIES) ->
 
 
 def series_styles(rows: Sequence[dict], along: str = "cells") -> list[tuple[SingleInputSeries, Look]]:
-    """Returns the series of rows along one input, each with its style: colour and marker by method, line style by other
-    inputs; hollow markers for corrected results."""
+    """Returns the series of rows along one input, each with its style: colour and marker by method, line style and
+    filling by other inputs, hollow for corrected results."""
     lines = group_series(rows, along)
     kinds = [(line.variant, line.corrected_by) for line in lines]
     numbers = {kind: k for k, kind in enumerate(dict.fromkeys(kinds))}
     return [(line, {"color": METHOD_COLOURS[line.method], "marker": METHOD_MARKS[line.method], "markersize": 6,
                     "linewidth": 1.3, "linestyle": LINE_STYLES[(k := numbers[kind]) % len(LINE_STYLES)],
-                    "fillstyle": ("full", "none")[bool(line.corrected_by) or k // len(LINE_STYLES) % 2]})
+                    "fillstyle": "none" if line.corrected_by else ("full", "left")[k // len(LINE_STYLES) % 2]})
             for line, kind in zip(lines, kinds, strict=True)]
 
 

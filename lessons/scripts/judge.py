@@ -28,4 +28,5 @@ verdict = judge(BarScene(amplitude=A), files, cells=grids).to_dict()
 for grid in verdict["grids"]:
     print(f"{grid['cells']} points: RMS error of x {grid['error']['x']['max']:.3g} m, "
           f"by the companion, who does not know the solution, {grid['estimate']['companion']['x']['max']:.3g} m")
-print(f"order of x: {verdict['order']['x']['order']:.2f}")
+order = verdict["order"]["x"]
+print("order of x:", order["reason"] or f"{order['order']:.2f}")

@@ -247,8 +247,7 @@ class EngineProcess:
         elif isinstance(message, engine_messages.EngineForked):
             self._forks.append(message.process_id)
         elif isinstance(message, engine_messages.SurveyResults):
-            for key, history in message.histories:
-                self.histories.put(key, history)
+            self.histories.put(message.histories)
         elif link := self.links.get(message.session):
             if isinstance(message, engine_messages.CompilePending):
                 link.listener.on_compiling(message.number)

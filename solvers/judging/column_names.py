@@ -8,7 +8,7 @@ from typing import Any, cast
 import numpy as np
 
 from solvers.judging.particle_data_types import RawTable
-from solvers.judging.quantity_names import OF_THE_FILE, SCALARS, TENSORS, VECTORS, find_meanings
+from solvers.judging.quantity_names import OF_THE_FILE, SCALARS, TENSORS, VECTORS, Meaning, find_meanings
 from solvers.judging.scene_metadata import parse_scene_line
 from solvers.translatable_message import Message, join_messages
 from solvers.untrusted.quoting import FileError, quote
@@ -18,25 +18,27 @@ PLACES_OF_SIX = [0, 3, 5, 3, 1, 4, 5, 4, 2]  # of xx, yy, zz, xy, yz, xz, row by
 ORDERS = {3: [0, 2, 2, 1], 4: [0, 3, 3, 1]}  # of xx, yy, xy, and of xx, yy, zz, xy
 
 
+@np.errstate(all="ignore")  # files may have any numbers
 def build_table(path: str, named: Mapping[str, np.ndarray], time: float | None, cells: int | None,
-                limits: SizeLimits = LIMITS) -> RawTable:
+                limits: SizeLimits = LIMITS, known: Mapping[str, Meaning] | None = None) -> RawTable:
     """Returns the table of named arrays (n, ...) in SI units: components are assembled, positions are completed from
-    displacements, and unknown names are only listed."""
-    meanings = find_meanings(named)
+    displacements, and names that are not ``known`` (by default as usual) are only listed."""
+    meanings = find_meanings(named) if known is None else known
     limits.check_rows(path, max((len(named[name]) for name in meanings if named[name].ndim), default=0))
     limits.check_numbers(path, sum(named[name].size for name in meanings))
     columns: dict[str, np.ndarray] = {}
     parts: dict[str, dict[Any, np.ndarray]] = {}
     for name, meaning in meanings.items():
-        key, where = meaning.key, meaning.where if meaning.place is None else meaning.place
+        key, where = meaning.key, meaning.component
         values = np.asarray(named[name], float)
         values = values if meaning.unit == 1 else meaning.unit * values
         if values.ndim > 1 and key in ("x", "X"):
             where = None  # a whole vector, called as its first component is
         if where is None and not (values.ndim == 1 and key in VECTORS + TENSORS):
-            if key in columns:
+            values = _reshape_array(path, key, name, values)
+            if key in columns and not (columns[key].shape == values.shape and _nearly_equal(columns[key], values)):
                 raise FileError(path, "has {key} twice, the second time as {name}; give it once", key, quote(name))
-            columns[key] = _reshape_array(path, key, name, values)
+            columns.setdefault(key, values)
         else:
             where = ((0,) if key in VECTORS else (0, 0)) if where is None else where
             if where in parts.setdefault(key, {}):
@@ -50,7 +52,11 @@ def build_table(path: str, named: Mapping[str, np.ndarray], time: float | None, 
     _check_lengths(path, columns, named)
     from_displacement = complete_positions(columns)
     if "row" in columns and not _counts_rows(columns["row"]):
-        columns["id"] = columns.pop("row")
+        row = columns.pop("row")
+        if len(np.unique(np.stack([row, columns.get("t", 0 * row)]), axis=1).T) == len(row):
+            columns["id"] = row
+        else:  # the number of a body or of a material
+            meanings = {name: meaning for name, meaning in meanings.items() if meaning.key != "row"}
     if "t" in columns:
         limits.check_times(path, len(np.unique(columns["t"])))
     of_file = (*OF_THE_FILE, *(name for name in named if "result" in named and "/" in name))
@@ -72,6 +78,7 @@ def _check_lengths(path: str, columns: Mapping[str, np.ndarray], named: Mapping[
                         some)
 
 
+@np.errstate(all="ignore")
 def complete_positions(columns: dict[str, np.ndarray]) -> bool:
     """Adds X, the positions minus the displacement u, or x, X plus u, where one of them is missing, and removes u;
     returns whether X was added."""
@@ -119,7 +126,7 @@ def _reshape_array(path: str, key: str, name: str, values: np.ndarray) -> np.nda
 
 
 def _nearly_equal(one: np.ndarray, other: np.ndarray) -> bool:
-    """Returns whether two columns (n,) have the same numbers, as written in six figures, or no numbers."""
+    """Returns whether two columns (n, ...) have the same numbers, as written in six figures, or no numbers."""
     return bool(np.allclose(one, other, rtol=1e-5, atol=1e-6 * np.abs(one[np.isfinite(one)]).max(initial=0.0),
                             equal_nan=True))
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import functools
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import asdict, dataclass, field, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -14,8 +14,9 @@ from solvers.judging.error_norms import QUANTITIES, Errors, TwoMeshCompanion, Wo
 from solvers.judging.findings import outliers
 from solvers.judging.findings.all_findings import find_in_run
 from solvers.judging.findings.finding import Finding
-from solvers.judging.findings.findings_input import FindingsInput
+from solvers.judging.findings.findings_input import FindingsInput, detect_precision, sample_numbers
 from solvers.judging.findings.outliers import FrameOutliers
+from solvers.judging.findings.time_series_fitting import rms
 from solvers.judging.moment_joining import join_moments
 from solvers.judging.particle_data_types import SingleGridRun
 from solvers.judging.particle_readers import Particles, as_list, check_one_table_each, read_all
@@ -24,7 +25,8 @@ from solvers.judging.quantity_names import PLANES
 from solvers.scene.scene import Scene
 from solvers.scene.validation import SceneError
 from solvers.solver.error_series import finite_or_none
-from solvers.study.convergence_analysis import fit_slope
+from solvers.solver.rounding import largest_rounding_error
+from solvers.study.convergence_order import ConvergenceOrder, fit_order
 from solvers.translatable_message import Message
 
 if TYPE_CHECKING:
@@ -85,6 +87,18 @@ class SingleGridJudgement:
         for frame, error in zip(self.grid.frames, self.best_known_errors, strict=True):
             check_origin(frame, error["x"], self.scene)
 
+    def largest_rounding_error(self, quantity: str) -> float:
+        """Returns the largest RMS error of x, v or sigma, in SI, that rounding alone may make: in the run's steps, and
+        of the numbers in the files."""
+        name = {"x": "position", "v": "velocity", "sigma": "stress"}[quantity]
+        stored = [values for frame in self.grid.frames if (values := getattr(frame, name)) is not None]
+        written = 0.0
+        if stored:
+            numbers = sample_numbers(stored)
+            written = rms(detect_precision(numbers).rounding(numbers)) * stored[0][0].size ** 0.5
+        steps = self.grid.times[-1] / (self.grid.step or self.scene.time_step)
+        return max(written, float(largest_rounding_error(self.scene, quantity, steps)))
+
     def worst(self, quantity: str) -> WorstParticle | None:
         return error_norms.largest_error(self.grid.frames, self.best_known_errors, quantity)
 
@@ -141,19 +155,18 @@ class Judgement:
         values = judged.norms[quantity][at]
         return float(values.max()) if len(values) and np.isfinite(values).all() else float("nan")
 
-    def orders(self) -> dict[str, dict | None] | None:
-        """Returns by quantity the order in h of its largest RMS error over the common times; None with one grid."""
-        if len(self.grids) < 2:
-            return None
+    @functools.cached_property
+    def orders(self) -> dict[str, ConvergenceOrder | None]:
+        """Orders in h, by quantity, of the largest RMS errors over the common times; None where these are unknown."""
         h = [g.scene.spacing for g in self.grids]
-        found = {q: fit_slope(h, [self.largest_common_norm(g, q) for g in self.grids]) for q in QUANTITIES}
-        return {q: None if fit is None else {"order": fit.order, "pairwise": list(fit.pairwise)}
-                for q, fit in found.items()}
+        return {q: fit_order(h, [self.largest_common_norm(g, q) for g in self.grids], self.scene.size_of(q),
+                             [g.largest_rounding_error(q) for g in self.grids]) for q in QUANTITIES}
 
     def to_dict(self) -> dict:
+        orders = None if len(self.grids) < 2 else {q: fit and asdict(fit) for q, fit in self.orders.items()}
         return {"schema": SCHEMA, "problem": self.scene.problem, "scene": self.scene.to_dict(),
                 "against": "truth" if self.scene.solution_known else "companion",
-                "grids": [g.to_dict() for g in self.grids], "common_times": self.common_times(), "order": self.orders()}
+                "grids": [g.to_dict() for g in self.grids], "common_times": self.common_times(), "order": orders}
 
 
 def judge(scene: Scene, files: Particles | Sequence[Particles], *, cells: Sequence[int] = (),

@@ -18,10 +18,12 @@ def join_moments(files: Sequence[RawTable], cells: Sequence[int],
     Files of the same moment are joined if their particles have different ids, if they have different quantities of the
     same particles, or where they agree to the last bit, as the last moment of a run and the first after its restart do.
     """
+    if len(files) < 2:
+        return list(files), list(cells), list(times)
     every = [row_times(raw, times[k] if times else None) for k, raw in enumerate(files)]
     counts = [raw.cells or cells[k if len(cells) > 1 else 0] if cells else raw.cells for k, raw in enumerate(files)]
     moments = Counter((counts[k], _figures(t)) for k, own in enumerate(every) for t in np.unique(own))
-    if moments and max(moments.values()) == 1:
+    if max(moments.values()) == 1:
         return _move_points(files), list(cells), list(times)
     found: dict[tuple[int | None, str], list[RawTable]] = {}
     for raw, own, count in zip(files, every, counts, strict=True):
@@ -69,6 +71,9 @@ def _join_columns(one: dict[str, np.ndarray], other: dict[str, np.ndarray]) -> d
     n, m = (len(next(iter(columns.values()))) for columns in (one, other))
     if "id" in common:
         _, mine, theirs = np.intersect1d(one["id"], other["id"], return_indices=True)
+    elif "X" in common and one["X"].shape[1] == other["X"].shape[1]:
+        places = np.unique(np.concatenate([one["X"], other["X"]]), axis=0, return_inverse=True)[1].ravel()
+        _, mine, theirs = np.intersect1d(places[:n], places[n:], return_indices=True)
     elif n == m and common & {"x", "X"}:
         mine = theirs = np.arange(n)
     else:

@@ -92,11 +92,11 @@ def list_names(names: Sequence[str], most: int = 12) -> str:
     return Message("{listed} and {count} more", listed, len(names) - most) if len(names) > most else listed
 
 
-def identity_hint(raw: RawTable) -> str:
+def identity_hint(not_read: Sequence[str]) -> str:
     """Returns the end of a sentence on columns that were not read, one of which may identify particles; "" if all
     were."""
     return Message("; not read: {names}; if one of them says which particle is which, call it id",
-                   list_names(raw.not_read)) if raw.not_read else ""
+                   list_names(not_read)) if not_read else ""
 
 
 def row_times(raw: RawTable, given: float | None) -> np.ndarray:

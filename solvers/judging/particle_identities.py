@@ -26,6 +26,7 @@ def whole_ids(file: str, columns: Mapping[str, np.ndarray]) -> np.ndarray | None
     return None if ids is None else ids.astype(int)
 
 
+@np.errstate(all="ignore")  # files may have any numbers
 def first_id(files: Sequence[RawTable], scene: Scene) -> int:
     """Returns from what on the ids in the files of one grid count, 0 or 1: from 1 where the last is the number of all
     particles, or, where that is missing, where the first positions fit better so."""
@@ -42,6 +43,7 @@ def first_id(files: Sequence[RawTable], scene: Scene) -> int:
     return int(off[1] < 0.25 * off[0])
 
 
+@np.errstate(all="ignore")
 def material_positions(raw: RawTable, scene: Scene, X: np.ndarray | None,
                        first: int) -> tuple[np.ndarray, np.ndarray]:
     """Returns material position (n, D) in m, the file's ``X`` or that of its ids, which begin with ``first``, and

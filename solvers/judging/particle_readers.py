@@ -163,7 +163,7 @@ def _read_vtk(path: str, file: IO[bytes], kind: str, limits: SizeLimits) -> RawT
     found = PointData(path, limits)
     if kind in PARALLEL:
         for name, _ in _references(path, file, kind):
-            _read(name, limits, lambda piece, name=name: _add_points(name, piece, PARALLEL[kind], found))  # type: ignore
+            _read(name, limits, lambda piece, name=name: _add_points(name, piece, PARALLEL[kind], found))  # type: ignore[misc]
     else:
         _add_points(path, file, kind, found)
     time = next((float(values[0]) for name, values in found.fields.items()

@@ -150,7 +150,7 @@ def _match_frames(raw: RawTable, scene: Scene, first: int, given: float | None) 
     if not {"id", "row", "X"} & columns.keys():
         raise FileError(raw.file, "does not identify its particles: give id, from 0 in the order of `mpm-lab problem`, "
                         "the material position ({d}) or the displacement{hint}", describe_columns("X", D),
-                        identity_hint(raw))
+                        identity_hint(raw.not_read))
     times = row_times(raw, given)
     check_length(raw.file, scene, float(times.max()))
     whole: dict[str, np.ndarray] = {key: _drop_directions(raw, key, scene, D)

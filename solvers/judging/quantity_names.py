@@ -1,25 +1,24 @@
 """Names of columns and arrays of particles as codes and people write them, and the quantities that they mean.
 
-A quantity has one key: ``t``, ``id``, ``row`` (a number that may be that of the row alone), ``X`` (material position),
-``x`` (position), ``u`` (displacement), ``v``, ``F``, ``sigma``, ``mass`` and ``volume``. A file has it as an array or
-as one column for each component, in any order.
+A quantity has one key: ``t``, ``id``, ``row`` (a number that may be that of the row or of a body), ``X`` (material
+position), ``x`` (position), ``u`` (displacement), ``v``, ``F``, ``sigma``, ``mass`` and ``volume``. A file has it as an
+array or as one column for each component, in any order.
 """
 
 import re
 from collections.abc import Iterable
-from dataclasses import dataclass
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 #: What each quantity is called, in small letters, without what separates words. Where several columns say which
 #: particle a row is, the first in this order is read.
 NAMES = {key: tuple(words.split()) for key, words in {
-    "t": "t time timevalue timestamp tcurrent currenttime simulationtime simtime physicaltime",
+    "t": "t time timevalue tcurrent currenttime simulationtime simtime physicaltime",
     "id": "id ids particleid particleids particle pid mpid mpids materialpointid materialpointids globalparticleid "
-          "globalid globalids globalpointids pedigreeids particlenumber particletag ptag tag partid pointnumber gid",
-    "row": "pointid pointids vtkoriginalpointids index particleindex idx number no nr label rowid row",
+          "globalid globalids globalpointids pedigreeids particlenumber particletag ptag partid pointnumber gid",
+    "row": "point pointid pointids vtkoriginalpointids index particleindex idx number no nr label tag rowid row",
     "X": "materialposition materialpositions initialposition initialpositions referenceposition originalposition "
          "initialcoordinates initialcoordinate referencecoordinates initialcoords initial reference",
-    "x": "position positions points point coordinates coordinate coords coord pos location locations globalposition "
+    "x": "position positions points coordinates coordinate coords coord pos location locations globalposition "
          "currentposition currentcoordinates",
     "u": "u displacement displacements disp disps displ totaldisplacement displacementsolid",
     "v": "v vel vels velocity velocities velocitysolid velo",
@@ -35,7 +34,7 @@ SCALARS, VECTORS, TENSORS = ("t", "id", "row", "mass", "volume"), ("X", "x", "u"
 OF_PARTICLES = re.compile(r"(?:mp|p\.|p_(?=\w{3})|pt_|mps|particles?|material[ _]?points?)[ _.:\-]*", re.IGNORECASE)
 #: A coordinate: its letter, of which a large one is material, and which of the two positions it is of.
 COORDINATE = re.compile(r"([XYZxyz])(0|i|init|initial|ref|orig|p|t|cur|current)?")
-PRINCIPAL = re.compile(r"sig(?:ma)?[\W_]*[123]\W*", re.IGNORECASE)  # stresses, where no name has a 0
+PRINCIPAL = re.compile(r"sig(?:ma)?[\W_]*[123]\W*", re.IGNORECASE)  # stresses, without a 0 or a 4
 MATERIAL = ("0", "i", "init", "initial", "ref", "orig")
 GREEK = str.maketrans({"σ": "sigma", "τ": "tau", "ρ": "rho", "µ": "u", "μ": "u", "²": "2", "³": "3"})
 LENGTHS = {"m": 1.0, "mm": 1e-3, "cm": 1e-2, "dm": 0.1, "km": 1e3, "um": 1e-6}
@@ -51,24 +50,14 @@ UNIT = re.compile(r"^(.*?)\s*(?:\[([^\[\]]*)\]|\(([^()]*)\)|(?:/|,|\bin\b)\s*(\S
 UNIT_AT_END = re.compile(r"^(\w*?[^\W_])[_ ]([a-zA-Z]+(?:/[a-zA-Z]+|_?per_?[a-zA-Z]+)?)$")
 
 
-class KnownName(NamedTuple):
-    """Meaning of a name: the ``key`` of its quantity; ``mark`` of a component, letters or digits, "" for the whole; and
-    the ``unit`` in SI units, by which the numbers are multiplied."""
+class Meaning(NamedTuple):
+    """Meaning of a name: the ``key`` of its quantity; its component, letters or digits, "" for the whole, and among the
+    other names of a file its indices, or its place in a tensor written as one row, None for the whole; and the
+    ``unit`` in SI units, by which the numbers are multiplied."""
 
     key: str
-    mark: str = ""
+    component: Any = ""
     unit: float = 1.0
-
-
-@dataclass(frozen=True)
-class ColumnMeaning:
-    """Meaning of a column or an array among others: the ``key`` of its quantity, its ``unit`` in SI units, and the
-    indices of its component, ``where``, or its ``place`` in a tensor written as one row; None for a whole."""
-
-    key: str
-    unit: float = 1.0
-    where: tuple[int, ...] | None = None
-    place: int | None = None
 
 
 def _word_patterns() -> dict[str, re.Pattern[str]]:
@@ -83,21 +72,22 @@ def _word_patterns() -> dict[str, re.Pattern[str]]:
 PATTERNS = _word_patterns()
 
 
-def parse_name(name: str) -> KnownName | None:
-    """Returns the meaning of a name alone; None for unknown names, and for those in a unit that is none of theirs."""
+def parse_name(name: str, capitals: bool = False) -> Meaning | None:
+    """Returns the meaning of a name alone, of which ``capitals`` mean nothing if all names are of these; None for
+    unknown names, and for those in a unit that is none of theirs."""
     bare = name.strip().strip("\"'").translate(GREEK)
     if found := UNIT.match(bare):
         text = next(filter(None, found.groups()[1:]), "")
-        known = _parse_word(found[1])
+        known = _parse_word(found[1], capitals)
         if known is not None and not re.fullmatch(r"\d(,?\d)?", text):
             return _with_unit(known, text)
-    known = _parse_word(bare)
-    if known is None and (found := UNIT_AT_END.match(bare)) and (known := _parse_word(found[1])) is not None:
+    known = _parse_word(bare, capitals)
+    if known is None and (found := UNIT_AT_END.match(bare)) and (known := _parse_word(found[1], capitals)) is not None:
         return _with_unit(known, found[2])
     return known
 
 
-def _with_unit(known: KnownName, text: str) -> KnownName | None:
+def _with_unit(known: Meaning, text: str) -> Meaning | None:
     text = re.sub(r"[\s*·]|(?<=\D)\^(?=\d)", "", re.sub(r"_?per_?", "/", text))
     if text in ("", "-", "1", "SI"):
         return known
@@ -105,16 +95,17 @@ def _with_unit(known: KnownName, text: str) -> KnownName | None:
     return None if unit is None else known._replace(unit=unit)
 
 
-def _parse_word(name: str) -> KnownName | None:
+def _parse_word(name: str, capitals: bool) -> Meaning | None:
     """Returns the meaning of a name without a unit."""
+    name = name.lower() if capitals else name
     prefix = OF_PARTICLES.match(name)
     for text in (name, *([name[prefix.end():]] if prefix else [])):
         text = re.sub(r"[\W_]", "", text)
         if found := COORDINATE.fullmatch(text):
             material = found[1].isupper() or found[2] in MATERIAL
-            return KnownName("X" if material else "x", found[1].lower())
+            return Meaning("X" if material else "x", found[1].lower())
         if found := re.fullmatch(r"([Xx])([1-3])", text):  # 0 is above
-            return KnownName(found[1], found[2])
+            return Meaning(found[1], found[2])
         for key, pattern in PATTERNS.items():
             found = pattern.fullmatch(text.lower())
             if found and (known := _known_word(key, found)) is not None and text != "T":  # a temperature
@@ -122,7 +113,7 @@ def _parse_word(name: str) -> KnownName | None:
     return None
 
 
-def _known_word(key: str, found: re.Match[str]) -> KnownName | None:
+def _known_word(key: str, found: re.Match[str]) -> Meaning | None:
     """Returns the meaning of a match of :data:`PATTERNS`; None for a component that a quantity does not have."""
     before, word, after = found["before"] or "", found["word"], found["after"] or ""
     mark = before or after
@@ -134,64 +125,68 @@ def _known_word(key: str, found: re.Match[str]) -> KnownName | None:
         mark = 2 * mark if len(mark) == 1 and mark.isalpha() else mark
         if word == "tau" and mark[:1] == mark[-1:]:
             return None
-    return KnownName(key, mark)
+    return Meaning(key, mark)
 
 
-def find_meanings(names: Iterable[str]) -> dict[str, ColumnMeaning]:
+def find_meanings(names: Iterable[str]) -> dict[str, Meaning]:
     """Returns the meaning of those names of a file that are known, in their order. What a name means depends on the
     others: whether components are counted from 0 or 1, x0 is the first of them, and letters are large throughout."""
     named = list(names)
-    capitals = not any(letter.islower() for name in named for letter in name)
-    known = {name: found for name in named if (found := parse_name(name.lower() if capitals else name)) is not None}
+    capitals = not any(letter.islower() for name in named for letter in UNIT.sub(r"\1", name))
+    known = {name: found for name in named if (found := parse_name(name, capitals)) is not None}
     _count_x0_with_x1(known)
     for keys in (("id", "row"), ("t",)):
-        order = [name for name in known if known[name].key in keys]
-        first = min(order, key=_rank, default=None)
-        known = {name: found for name, found in known.items() if name not in order or name == first}
-    lowest = {key: 0 if any("0" in found.mark for found in known.values() if found.key == key) else 1
-              for key in (*VECTORS, *TENSORS)}
-    meanings = {name: _meaning_of(found, lowest.get(found.key, 0)) for name, found in known.items()
-                if not (lowest["sigma"] and PRINCIPAL.fullmatch(name))}
-    return {name: meaning for name, meaning in meanings.items() if meaning is not None}
+        alike = [name for name in known if known[name].key in keys]
+        first = min(alike, key=_rank, default=None)
+        known = {name: found for name, found in known.items() if name not in alike or name == first}
+    sigma = {found.component for found in known.values() if found.key == "sigma"}
+    from_0 = {found.key for found in known.values() if "0" in found.component}
+    meanings = {}
+    for name, found in known.items():
+        lowest = int(found.key not in from_0)
+        component = _component_indices(found, lowest)
+        if component != () and not (lowest and "4" not in sigma and PRINCIPAL.fullmatch(name)):
+            meanings[name] = found._replace(component=component)
+    return meanings
 
 
-def _rank(name: str) -> tuple[int, int]:
-    """Returns the place of a name among those of its quantity, the longest words last."""
+def _rank(name: str) -> int:
+    """Returns the place of a name among those of its quantity; names with a prefix or a unit are the last."""
     text = re.sub(r"[\W_]", "", name).lower()
     words = [word for key in ("id", "row", "t") for word in NAMES[key]]
-    return (words.index(text) if text in words else len(words)), len(text)
+    return words.index(text) if text in words else len(words)
 
 
-def _count_x0_with_x1(known: dict[str, KnownName]) -> None:
+def _count_x0_with_x1(known: dict[str, Meaning]) -> None:
     """Changes x0 to the first component of the position where there is an x1, too, as in x0, x1, x2."""
     for key in ("x", "X"):
-        if any(found.key == key and found.mark == "1" for found in known.values()):
+        if any(found.key == key and found.component == "1" for found in known.values()):
             for name, found in known.items():
                 if re.sub(r"[\W_]", "", name) in (f"{key}0", f"{key.upper()}0"):
-                    known[name] = found._replace(key=key, mark="0")
+                    known[name] = found._replace(key=key, component="0")
 
 
-def _meaning_of(known: KnownName, lowest: int) -> ColumnMeaning | None:
-    """Returns the meaning of a name whose digits count from ``lowest``; None for a component that there is not."""
-    key, mark = known.key, known.mark
-    if mark.isalpha():
-        return ColumnMeaning(key, known.unit, tuple(LETTERS.index(letter) for letter in mark))
-    digits = tuple(int(digit) - lowest for digit in mark)
-    if not digits:
-        return ColumnMeaning(key, known.unit)
-    if key in TENSORS and len(digits) == 1:
-        return ColumnMeaning(key, known.unit, None, digits[0]) if 0 <= digits[0] < 9 else None
-    return ColumnMeaning(key, known.unit, digits) if all(0 <= digit < 3 for digit in digits) else None
+def _component_indices(known: Meaning, lowest: int) -> tuple[int, ...] | int | None:
+    """Returns the indices of a component whose digits count from ``lowest``, or its place in a row, None for a whole;
+    () for a component that there is not."""
+    if not known.component:
+        return None
+    if known.component.isalpha():
+        return tuple(LETTERS.index(letter) for letter in known.component)
+    digits = tuple(int(digit) - lowest for digit in known.component)
+    if known.key in TENSORS and len(digits) == 1:
+        return digits[0] if 0 <= digits[0] < 9 else ()
+    return digits if all(0 <= digit < 3 for digit in digits) else ()
 
 
 def is_unit(text: str) -> bool:
     """Returns whether a text is a unit of one of the quantities."""
-    return any(_with_unit(KnownName(key), text) is not None for key in UNITS)
+    return any(_with_unit(Meaning(key), text) is not None for key in UNITS)
 
 
 def is_known_name(name: str) -> bool:
     """Returns whether an array of this name may be read: particles' quantities, the number of cells, the scene."""
-    return name in OF_THE_FILE[:2] or bool(parse_name(name) or parse_name(name.lower()))
+    return name in OF_THE_FILE[:2] or bool(parse_name(name) or parse_name(name, True))
 
 
 def describe_columns(key: str, dimensions: int) -> str:

@@ -7,15 +7,15 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 from solvers.judging.particle_data_types import list_names
-from solvers.judging.quantity_names import find_meanings, is_unit
+from solvers.judging.quantity_names import Meaning, find_meanings, is_unit
 from solvers.untrusted.quoting import FileError
 from solvers.untrusted.size_limits import SizeLimits, check_name
 
 MOST_REMARKS = 100_000  # lines that are no rows
 MOST_HEADINGS, MOST_UNNAMED = 30, 100  # lines above the first row, and rows that no heading fits, that are looked at
 COMMENT = re.compile(r"\s*(?:#|%|//|!)[#%/!]*\s*")
-SEPARATORS: tuple[str | None, ...] = ("\t", ";", ",", None)  # None: blanks
-SPREADSHEET = re.compile(r'"?sep=(.)"?\s*', re.IGNORECASE)  # a first line for spreadsheets alone
+SEPARATORS: tuple[str | None, ...] = ("\t", ";", "|", ",", None)  # None: blanks
+SPREADSHEET = re.compile(r'"?sep=([,;|\t])"?\s*', re.IGNORECASE)  # a first line for spreadsheets alone
 #: What stands before the names, as LAMMPS, Tecplot and people write it.
 BEFORE_NAMES = re.compile(r"(?:ITEM:\s*ATOMS|VARIABLES\s*=|(?:columns|fields|names)\s*[:=])\s*", re.IGNORECASE)
 NUMBER = re.compile(r"\s*\"?\s*(?:[+-]?(?:\d+[.,]?\d*|[.,]\d+)(?:[ed]?[+-]?\d+)?|[+-]?inf(?:inity)?|nan)\s*\"?\s*",
@@ -24,13 +24,21 @@ NUMBER = re.compile(r"\s*\"?\s*(?:[+-]?(?:\d+[.,]?\d*|[.,]\d+)(?:[ed]?[+-]?\d+)?
 
 @dataclass(frozen=True)
 class Layout:
-    """Layout of rows: the ``names`` of columns, the separator, the number of cells ``before`` the first of them, and
-    the line with the names."""
+    """Layout of rows: the ``names`` of columns, the separator, the number of cells ``before`` the first of them, the
+    line with the names, and the first row."""
 
     names: list[str]
     separator: str | None
     before: int
     heading: str
+    first_row: str
+
+    def meanings(self) -> dict[str, Meaning]:
+        """Returns the meanings of the columns that are read, by name: those of known quantities, except where the first
+        row has no number in one of its columns, and positions need none of it."""
+        known, cells = find_meanings(self.names), dict(zip(self.names, self.split(self.first_row), strict=False))
+        texts = {known[name].key for name in known if not NUMBER.fullmatch(cells[name])} - {"t", "x"}
+        return {name: meaning for name, meaning in known.items() if meaning.key not in texts}
 
     def split(self, row: str) -> list[str]:
         """Returns the cells of the named columns."""
@@ -50,7 +58,7 @@ class Layout:
 
 def split_line(line: str, separator: str | None) -> list[str]:
     """Returns the cells of a line, without blanks and quotes around; the separator None is any number of blanks."""
-    if '"' in line:
+    if '"' in line and len(line) < csv.field_size_limit():
         line = line.replace("\t", " ").strip() if separator is None else line
         cells = next(csv.reader([line.strip("\r\n")], delimiter=separator or " ", skipinitialspace=True), [])
     else:
@@ -122,7 +130,7 @@ class LayoutFinder:
                     before = self._cells_before(names, cells, row)
                     if before is not None:
                         names = _with_units(names, split_line(above[k + 1], other) if k + 1 < len(above) else ())
-                        layout = Layout(names, separator, before, line.strip())
+                        layout = Layout(names, separator, before, line.strip(), row)
                         fitting.append((len(find_meanings(names)), len(names), k, layout))
         known, _, _, best = max(fitting, key=lambda one: one[:3])
         return known, best

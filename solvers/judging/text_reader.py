@@ -14,7 +14,7 @@ import numpy as np
 
 from solvers.judging.column_names import add_scene, build_table, check_cell_count
 from solvers.judging.particle_data_types import RawTable
-from solvers.judging.quantity_names import TIMES, find_meanings
+from solvers.judging.quantity_names import TIMES, Meaning
 from solvers.judging.text_layout import COMMENT, MOST_REMARKS, Layout, LayoutFinder, readable, too_many_remarks
 from solvers.untrusted import number_parsing
 from solvers.untrusted.quoting import FileError, quote
@@ -22,8 +22,11 @@ from solvers.untrusted.size_limits import LONGEST_LINE, SizeLimits
 
 ENCODINGS = {b"\xef\xbb\xbf": "utf-8-sig", b"\xff\xfe": "utf-16", b"\xfe\xff": "utf-16"}  # by their first bytes
 SAMPLE = 4096  # bytes
-TIME = re.compile(r"(?<![\w.])(?:t\s*[=:]|(?:solution)?time(?:\s*[\[(](?P<inside>\w+)[\])])?[\s=:;,]+)\s*"
-                  r"(?P<number>[+-]?(?:\d+[.,]?\d*|\.\d+)(?:[ed][+-]?\d+)?)(?![\w.:/-])\s*(?P<unit>[^\W\d_]+)?", re.I)
+#: A time, alone in its line or after a step: not the end of a run, nor what it took on a clock.
+TIME = re.compile(r"(?:^|[,;]|^(?:time)?step\s*[=:]?\s*\d+)\s*"
+                  r"(?:t\s*[=:]|(?:(?:current|physical|simulation|solution)[ _]?)?time(?:\s*[\[(](?P<inside>\w+)[\])])?"
+                  r"[\s=:;,]+)\s*(?P<number>[+-]?(?:\d+[.,]?\d*|\.\d+)(?:[ed][+-]?\d+)?)\s*(?P<unit>[^\W\d_]+)?"
+                  r"\s*(?:$|[,;)])", re.IGNORECASE)
 STATED = re.compile(r"(cells|scene)\s*[=:]\s*(\S+)\s*$", re.IGNORECASE)
 #: Fortran's exponents: another letter, or none, where three digits leave no place for it (1.0-103).
 FORTRAN_LETTER, LOST_LETTER = str.maketrans("dD", "ee"), re.compile(r"(?<=[\d.])([+-]\d{3})(?![\d.])")
@@ -46,7 +49,7 @@ class TextReader:
         try:
             layout = LayoutFinder(self._path, self._limits).find(self._lines())
             self._first_row = self._number
-            known = find_meanings(layout.names)
+            known = layout.meanings()
             used = [k for k, name in enumerate(layout.names) if name in known]
             self._check_names(layout.names, used)
             values = self._read_numbers(layout, used)
@@ -58,13 +61,13 @@ class TextReader:
         columns |= {layout.names[k]: values[:, column] for column, k in enumerate(used)}
         time, cells = None, self._texts.get("cells")
         if len(self._times) > 1 and "t" not in {meaning.key for meaning in known.values()}:
-            columns["t"] = self._time_column(len(values))
+            columns["t"], known["t"] = self._time_column(len(values)), Meaning("t", None)
         elif self._times:
             time = list(self._times.values())[-1]
         if cells is not None and not number_parsing.is_number(cells):
             raise FileError(self._path, "has {names} = {text}; give a number", "cells", quote(cells))
         count = check_cell_count(self._path, None if cells is None else number_parsing.parse_float(cells))
-        return add_scene(build_table(self._path, columns, time, count, self._limits), self._texts.get("scene"))
+        return add_scene(build_table(self._path, columns, time, count, self._limits, known), self._texts.get("scene"))
 
     def _find_encoding(self) -> str:
         self._file.seek(0)
@@ -91,7 +94,7 @@ class TextReader:
             if len(line) >= LONGEST_LINE:
                 raise FileError(self._path, "has a line of more than {n:,} letters; give a line for each particle",
                                 LONGEST_LINE)
-            if line.strip(" \t\r\n,;\""):
+            if line[0].isdigit() or line.strip(" \t\r\n,;\""):
                 yield line
 
     def _check_names(self, names: Sequence[str], used: Sequence[int]) -> None:
@@ -120,7 +123,8 @@ class TextReader:
         most, remarks = min(self._limits.rows, self._limits.numbers // width), 0
         self._times.clear()
         for line in self._lines():
-            if self._number < self._first_row or (line.lstrip()[:1] in "#%!/" and COMMENT.match(line)):
+            begins_with_digit = line[0].isdigit()  # as most rows do, and no comment and no heading
+            if self._number < self._first_row or (not begins_with_digit and COMMENT.match(line)):
                 self._store_stated(line, count)
                 remarks += 1
                 if remarks > MOST_REMARKS:
@@ -133,7 +137,7 @@ class TextReader:
                         raise FileError(self._path, "has {names} columns, but {n} in line {line}; give as many in all "
                                         "lines", len(layout.names), len(layout.split(line)), self._number)
                     continue
-            elif not line[:1].isdigit() and readable(line).strip() == layout.heading:
+            elif not begins_with_digit and readable(line).strip() == layout.heading:
                 continue
             self._row, count = line, count + 1
             if count > most:
@@ -153,11 +157,11 @@ class TextReader:
         bare = COMMENT.sub("", line, count=1)
         if found := STATED.match(bare):
             self._texts[found[1].lower()] = found[2]
-        if (found := TIME.search(bare)) is None:
+        found = TIME.search(bare.strip())
+        if found is None or (unit := TIMES.get(found["inside"] or found["unit"] or "s")) is None:
             return False
         number = found["number"].replace(",", ".").translate(FORTRAN_LETTER)
         if number_parsing.is_number(number):
-            unit = TIMES.get(found["inside"] or found["unit"] or "s", 1.0)
             self._times[row] = number_parsing.parse_float(number) * unit
         return True
 

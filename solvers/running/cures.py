@@ -19,7 +19,8 @@ Change = dict[str, Any]  # a scene's fields and their new values, as in JSON
 
 MOST_COST = 16.0  # particle-steps of a cure, over those of the broken run
 ENOUGH = 3  # particles per cell and direction, with which most methods hold
-KERNEL_COST = 3e6  # particle-steps in the time that other kernels take to load
+KERNEL_COST = 3e6  # particle-steps in the time that other kernels take to load; they are worth it where a vice goes
+VICES = {"velocity", "layout", "linearity_preserving"}  # fields whose unusual values break many runs
 MOST_NAMED = 3  # cures that a sentence names without a trial
 AUTO_STEP: Change = {"dt": AUTO, "cfl": None}
 #: What corrects what was found, first: F that contradicts the displacements, or a body that drifts as a whole.
@@ -54,7 +55,8 @@ def candidate_cures(scene: Scene, found: str, broken_at: float) -> tuple[Cure, .
             continue
         cost = more_steps * cured.particles * cured.steps
         if (step or cured != scene) and cost <= MOST_COST * own:
-            costs.setdefault(cured, (cost + KERNEL_COST * (kernel_key(cured) != kernel_key(scene)), change))
+            loads = kernel_key(cured) != kernel_key(scene) and not change.keys() <= VICES
+            costs.setdefault(cured, (cost + KERNEL_COST * loads, change))
     ordered = [change for _, change in sorted(costs.values(), key=lambda one: one[0])]
     smaller = [{"amplitude": scene.amplitude / 2}] if scene.swings else []
     shorter = [{"periods": float(f"{0.8 * broken_at / scene.period:.2g}"), "t_end": None}] if broken_at > 0 else []
@@ -65,10 +67,9 @@ def candidate_cures(scene: Scene, found: str, broken_at: float) -> tuple[Cure, .
 def _changes(scene: Scene, found: str) -> Iterator[Change]:
     """Yields changes of one or two fields of a scene, the likeliest first; not every one makes a valid scene."""
     single = list(_single_changes(scene, found))
-    vices = [change for change in single if change.keys() & {"velocity", "layout", "linearity_preserving"}
-             or change.get("ppc") == ENOUGH]
+    firm = [change for change in single if change.keys() <= VICES or change.get("ppc") == ENOUGH]
     yield from single
-    yield from (one | other for one in vices for other in single if not one.keys() & other.keys())
+    yield from (one | other for one in firm for other in single if not one.keys() & other.keys())
 
 
 def _single_changes(scene: Scene, found: str) -> Iterator[Change]:

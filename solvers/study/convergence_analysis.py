@@ -1,4 +1,4 @@
-"""Analysis of rows: series of rows that differ in one input, the order of convergence, the Pareto front, and the
+"""Analysis of rows: series of rows that differ in one input, their order of convergence, the Pareto front, and the
 balance of time and space error."""
 
 import itertools
@@ -10,39 +10,15 @@ import numpy as np
 
 from solvers.scene.estimator_registry import COMPANION
 from solvers.solver.error_series import IGNORE_OVERFLOW
+from solvers.solver.rounding import largest_rounding_error
 from solvers.solver.samples import QUANTITIES
 from solvers.solver.soundness import OK
+from solvers.study.convergence_order import ConvergenceOrder, fit_order
+from solvers.study.parameter_grid import Task
 
 WIDEST = 1e12  # ratio of errors in one study, beyond which they are incomparable
 TIME_INPUTS = ("dt", "cfl")
 STEEP = 1.5  # times the growth of second order, beyond which a step is at the brink of stability
-
-
-@dataclass(frozen=True)
-class ConvergenceOrderFit:
-    """Fit error = ``factor`` h^``order`` to so many ``points``; ``pairwise`` are the orders between neighbouring h."""
-
-    order: float
-    factor: float
-    points: int
-    pairwise: tuple[float, ...]
-
-    def at(self, h: np.ndarray) -> np.ndarray:
-        return self.factor * np.asarray(h) ** self.order
-
-
-@IGNORE_OVERFLOW
-def fit_slope(spacings: Sequence[float], errors: Sequence[float]) -> ConvergenceOrderFit | None:
-    """Returns the least-squares line through log(error) over log(spacing), of pairs with a positive error; None with
-    fewer than two different spacings, and where the line is too steep for floats."""
-    h, error = _positive_pairs(spacings, errors)
-    if len(np.unique(h)) < 2:
-        return None
-    order, intercept = np.polyfit(np.log(h), np.log(error), 1)
-    pairs = itertools.pairwise(zip(h, error, strict=True))
-    orders = tuple(float((np.log(f) - np.log(e)) / np.log(b / a)) for (a, e), (b, f) in pairs if a != b)
-    factor = float(np.exp(intercept))
-    return ConvergenceOrderFit(float(order), factor, len(h), orders) if 0 < factor < np.inf else None
 
 
 def pareto(seconds: Sequence[float], error: Sequence[float]) -> list[int]:
@@ -152,10 +128,14 @@ class SingleInputSeries:
         return ", ".join([method, *(f"{words.get(name, name.replace('_', ' '))} {_format_value(value)}"
                                     for name, value in self.variant), *corrected])
 
-    def fit(self, quantity: str, norm: str = "max") -> ConvergenceOrderFit | None:
+    def fit(self, quantity: str, norm: str = "max") -> ConvergenceOrder | None:
         """Returns the order in h of a quantity's true error (x, v or sigma), over the rows with status "ok"."""
         rows = [row for row in self.rows if row["status"] == OK]
-        return fit_slope([row["h"] for row in rows], [error_of(row, quantity, norm) or 0 for row in rows])
+        scenes = [Task(row["problem"], row["asked"]).scene() for row in rows]
+        return fit_order([row["h"] for row in rows], [error_of(row, quantity, norm) for row in rows],
+                         max((scene.size_of(quantity) for scene in scenes), default=np.inf),
+                         [float(largest_rounding_error(scene, quantity, row["steps"]))
+                          for scene, row in zip(scenes, rows, strict=True)])
 
 
 def error_of(row: dict, quantity: str, norm: str = "max") -> float | None:
@@ -203,7 +183,7 @@ def group_series(rows: Sequence[dict], along: str = "cells") -> list[SingleInput
 
 
 def fit_orders(rows: Sequence[dict], norm: str = "max") -> list[dict]:
-    """Returns a dict per series with several h: method, inputs, and :class:`ConvergenceOrderFit` dicts by quantity."""
+    """Returns a dict per series with several h: method, inputs, and :class:`ConvergenceOrder` dicts by quantity."""
     found = []
     for line in group_series(rows):
         orders = {quantity: line.fit(quantity, norm) for quantity in QUANTITIES}

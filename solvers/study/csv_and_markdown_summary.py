@@ -98,17 +98,22 @@ def _rows_table(rows: Sequence[dict], names: Sequence[str]) -> str:
 
 def _orders_table(rows: Sequence[dict]) -> str:
     title = "## Order of convergence: error ~ h^p\n\n"
-    lines = []
+    lines, said = [], dict[str, list[str]]()
     for line in group_series(rows):
-        found = [line.fit(q) for q in SHOWN]
-        if any(found):
-            lines.append([line.label(), *(NOTHING if fit is None else f"{fit.order:.2f}" for fit in found),
-                          *(NOTHING if fit is None else ", ".join(f"{p:.2f}" for p in reversed(fit.pairwise))
-                            for fit in found)])
+        found = {q: fit for q in SHOWN if (fit := line.fit(q))}
+        if found:
+            lines.append([line.label(), *(_number(found[q].order, ".2f") if q in found else NOTHING for q in SHOWN),
+                          *(", ".join(f"{p:.2f}" for p in reversed(found[q].pairwise)) if q in found else NOTHING
+                            for q in SHOWN)])
+        for q, fit in found.items():
+            if words := (f"no order, {fit.reason}" if fit.reason else fit.remark):
+                said.setdefault(words, []).append(f"{line.label()}, {q}")
     if not lines:
         return title + "Nothing to fit: it takes two grids at least, and true errors."
-    return title + "Fitted over all stable grids, and from each grid to the next finer one.\n\n" \
-        + markdown_table(["", *SHOWN, *(f"{q}, grid to grid" for q in SHOWN)], lines)
+    remarks = [f"* {who[0]}{f' and {len(who) - 1} more' * (len(who) > 1)}: {words}" for words, who in said.items()]
+    table = markdown_table(["", *SHOWN, *(f"{q}, grid to grid" for q in SHOWN)], lines)
+    return title + "\n\n".join(["Fitted over all stable grids, and from each grid to the next finer one.", table,
+                                "\n".join(remarks)]).rstrip()
 
 
 def _pareto_table(rows: Sequence[dict], names: Sequence[str]) -> str:

@@ -111,7 +111,7 @@ def do(page, text, stops):
             if put or (verb != "Press" and stops):
                 with suppress(AssertionError):  # what was read of the run before would be another run's
                     until(lambda was=before: scene(page) != was[0] or time(page) < was[1], "another run",
-                          LONG if put else SOON)
+                          LONG if put or name == "Method" or (verb == "Set" and name not in ON_COST) else SOON)
             continue
         if stops:
             until(lambda: "at its end" in page.locator(".lab-readout").inner_text(), "the end of the run", LONG)

@@ -216,14 +216,14 @@ def parallel(folder: Path, kind: str = "UnstructuredGrid", ending: str = ".vtu")
     return files
 
 
-def ranks(folder: Path) -> list[Path]:
-    """A file of each process for each moment."""
+def ranks(folder: Path, *names: str) -> list[Path]:
+    """A file of each process for each moment, with the plain columns or others."""
     files = []
     for k, frame in enumerate(frames()):
         for part in (0, 1):
             c = halves(components(frame), part)
             files.append(folder / f"proc-{part}.{k}.npz")
-            np.savez(files[-1], t=frame.time, **{name: c[name] for name in PLAIN})
+            np.savez(files[-1], t=frame.time, **{name: c[name] for name in names or PLAIN})
     return files
 
 

@@ -26,6 +26,8 @@ from tests.support.foreign_files import (
     ranks,
     restart,
     same,
+    stacked,
+    vtk,
 )
 
 KARAMELO = ("ITEM: TIMESTEP\n0\nITEM: NUMBER OF ATOMS\n64\nITEM: BOX BOUNDS sm sm sm\n0 1.2\n0 1.2\n0 0\n"
@@ -94,6 +96,8 @@ def named(text: str, *columns: str, more: Sequence[str] = ("id",)) -> Text:
 XYV = ("x", "y", "vx", "vy")
 #: Names and forms of text that no one owns.
 OTHERS: dict[str, Callable[[Path], list[Path]]] = {
+    "positions of points twice": lambda folder: vtk(folder, ".vtu", lambda c: {
+        "id": c["id"], "velocity": stacked(c, "vx", "vy", "vz"), "MP_COORD": stacked(c, "x", "y", "z")}),
     **{f"rows in any order with {name}": Text({name: "id", **same(*XYV)}, permuted=True) for name in IDS},
     "velocity_0": named("x|y|velocity_0|velocity_1", *XYV), "velocity_1": named("x|y|velocity_1|velocity_2", *XYV),
     "x0 x1 x2": named("x0|x1|x2|v0|v1|v2", "x", "y", "z", "vx", "vy", "vz"),
@@ -104,6 +108,7 @@ OTHERS: dict[str, Callable[[Path], list[Path]]] = {
     "units": named("x [m]|y (m)|vx [m/s]|vy / m/s", *XYV),
     "units at the end": named("x_m|y_m|vx_m/s|vy_m_per_s", *XYV),
     "large letters": Text({name.upper(): column for name, column in PLAIN.items()}),
+    "large letters with units": Text({"ID": "id", "X [m]": "x", "Y [m]": "y", "VX [m/s]": "vx", "VY [m/s]": "vy"}),
     "reference and displacement": named("X|Y|ux|uy|vx|vy", "X", "Y", "ux", "uy", "vx", "vy", more=()),
     "displacement": named("x|y|u_1|u_2|vx|vy", "x", "y", "ux", "uy", "vx", "vy", more=()),
     "material position": named("x|y|x0|y0|vx|vy", "x", "y", "X", "Y", "vx", "vy", more=()),
@@ -112,6 +117,7 @@ OTHERS: dict[str, Callable[[Path], list[Path]]] = {
         ("stress of four row by row", "stress:0|stress:1|stress:2|stress:3", "sxx sxy syx syy"),
         ("stress of four with zz", "stress_1|stress_2|stress_3|stress_4", "sxx syy szz sxy"),
         ("stress of six", "Stress_0|Stress_1|Stress_2|Stress_3|Stress_4|Stress_5", "sxx syy szz sxy 0 0"),
+        ("stress of six from 1", "sigma1|sigma2|sigma3|sigma4|sigma5|sigma6", "sxx syy szz sxy 0 0"),
         ("stress by letters", "sigma_x|sigma_y|tau_xy", "sxx syy sxy"),
         ("stress by pairs from 0", "s00|s11|s01", "sxx syy sxy"),
         ("F from 1", "F11|F12|F21|F22", "Fxx Fxy Fyx Fyy"),
@@ -124,11 +130,14 @@ OTHERS: dict[str, Callable[[Path], list[Path]]] = {
     "comma at the end": Text(PLAIN, heading="{names},\n", row=lambda line: f"{line},"),
     "comma at the end of rows": Text(PLAIN, row=lambda line: f"{line},"),
     "text and nothing": Text({"material": "steel", **PLAIN, "colour": "empty"}),
+    "a tag of bodies": named("tag|x|y|X|Y|vx|vy", "0", "x", "y", "X", "Y", "vx", "vy", more=()),
+    "text in columns with known names": Text({"label": "steel", "mass": "empty", **PLAIN, "volume": "steel"}),
     "a comma in quotes": Text({"name": "steel", **PLAIN}, row=lambda line: '"steel, old"' + line[5:]),
     "latin-1": Text({**PLAIN, "T [°C]": "0"}, encoding="latin-1"), "UTF-16": Text(PLAIN, encoding="utf-16"),
     "UTF-16 without mark": Text(PLAIN, encoding="utf-16-le"), "byte order mark": Text(PLAIN, encoding="utf-8-sig"),
     "time above names": Text(PLAIN, above="Time = {t}\n"),
     "time beside others": Text(PLAIN, above="# step 7, time = {t} s\n"),
+    "times of other things": Text(PLAIN, above="# wall time: 12 s\n# end time = 2\n# dt = 0.1\n# t = {t}\n"),
     "time with its unit": Text(PLAIN, above="# a run\n# time [s] = {t}\n#\n"),
     "moments below each other": Text(PLAIN, one_file=True),
     "blocks with a comment": Text(PLAIN, " ", "\n\n# Time {t}\n", "# {names}\n", ending=".txt", one_file=True),
@@ -137,5 +146,6 @@ OTHERS: dict[str, Callable[[Path], list[Path]]] = {
     "material points and displacement": named("x|y|ux|uy|vx|vy", "X", "Y", "ux", "uy", "vx", "vy", more=()),
     "remark at the end of lines": Text(PLAIN, " ", row=lambda line: f"{line} # sound"),
     "packed": Text(PLAIN, ending=".csv.gz"), "ids from 1": Text(PLAIN, start=1), "processes": ranks,
+    "processes without ids": lambda folder: ranks(folder, "x", "y", "X", "Y", "vx", "vy"),
     "arrays apart": arrays_apart, "a restart": restart,
     ".pvtp": functools.partial(parallel, kind="PolyData", ending=".vtp")}

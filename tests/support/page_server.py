@@ -32,7 +32,6 @@ class SilentPool:
     histories = HistoryCache()
     playing_sessions = 0
     process_ids = ()
-    histories = HistoryCache()
 
     def set_delivery_context(self, together):
         pass

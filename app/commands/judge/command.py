@@ -21,7 +21,8 @@ from app.names_and_units import NOTHING, QUANTITIES, format_ratio, method_name, 
 from app.problems.views import VIEWS
 from app.templates import render_template
 from solvers.judging.error_norms import QUANTITIES as JUDGED
-from solvers.judging.findings.finding import OFF
+from solvers.judging.findings.amplitude_and_pace import AMPLITUDE
+from solvers.judging.findings.finding import HOLDS, OFF
 from solvers.judging.quantity_names import PLANES
 from solvers.problems.judging_reference import METHOD_FIELDS
 from solvers.study.markdown_tables import markdown_table
@@ -104,7 +105,9 @@ class Judge(SceneFlags):
             from app.pictures.judgement_and_check import FIGURES
             status = put_report(folder, values, judged, FIGURES, lambda drawn: as_markdown(values, judged, drawn))
         grids = grid_values_for_claims(values)
-        return max(status, EXPECTABLE.report_claims(self.expect, grids, "cells" if len(grids) > 1 else ""))
+        words = {f"order.{q}": said for q, fit in (values["order"] or {}).items()
+                 if fit and (said := fit["reason"] or fit["remark"])}
+        return max(status, EXPECTABLE.report_claims(self.expect, grids, "cells" if len(grids) > 1 else "", words))
 
 
 def grid_values_for_claims(values: Mapping[str, Any]) -> list[Mapping[str, Any]]:
@@ -137,7 +140,9 @@ def judgement_text(values: dict, judged: "Judgement") -> str:
             f"against the {values['against']}.", _largest_error_table(values, judged)]
     head += [_grid_verdict(g, values) for g in values["grids"]]
     if values["order"]:
-        known = [f"{fit['order']:.2f} of {QUANTITIES[q].symbol}" for q, fit in values["order"].items() if fit]
+        known = [f"{_order(fit)} of {QUANTITIES[q].symbol}"
+                 + (f" ({said})" if (said := fit["reason"] or fit["remark"]) else "")
+                 for q, fit in values["order"].items() if fit]
         head.append(f"**Order in h:** {', '.join(known) or 'none could be found'}.")
     head += unread_columns_text(list(dict.fromkeys(name for g in values["grids"] for name in g["not_read"])))
     return "\n\n".join(head)
@@ -184,6 +189,8 @@ def _grid_verdict(g: dict, values: dict) -> str:
                          f"{_format_size(most, 'x')}.")
     sentences += [f"**{check['says'][:1].upper()}{check['says'][1:]}.**" for check in g["checks"]
                   if check["verdict"] == OFF and check["check"] != BY_PLACE]
+    sentences += [f"{check['says'][:1].upper()}{check['says'][1:]}, beside other errors." for check in g["checks"]
+                  if check["verdict"] == HOLDS and check["check"] == AMPLITUDE and check["says"]]
     if found := g["neighbour_gap"]:
         sentences.append(f"**{found['count']:,} particle{'s' * (found['count'] != 1)} ({100 * found['share']:.2g} %) "
                          f"{'are' if found['count'] != 1 else 'is'} not where the neighbours are**, by up to "
@@ -246,11 +253,16 @@ def _order_section(values: dict) -> str:
     common = values["common_times"]
     if not any(t > 0 for t in common):
         return "## Order in h\n\nThe grids have no time in common after the start, so that no order can be found."
-    rows = [[str(QUANTITIES[q]), NOTHING if fit is None else f"{fit['order']:.2f}",
-             NOTHING if fit is None else ", ".join(f"{one:.2f}" for one in fit["pairwise"])]
+    rows = [[str(QUANTITIES[q]), *([NOTHING] * 3 if fit is None else [
+        _order(fit), ", ".join(f"{one:.2f}" for one in fit["pairwise"]), fit["reason"] or fit["remark"] or ""])]
             for q, fit in values["order"].items()]
     return (f"## Order in h\n\nOf the largest norm over the {len(common)} times that all {len(values['grids'])} grids "
-            f"have.\n\n" + markdown_table(["error of", "order", "between neighbours"], rows, words=("error of",)))
+            f"have.\n\n" + markdown_table(["error of", "order", "between neighbours", "remark"], rows,
+                                          words=("error of", "remark")))
+
+
+def _order(fit: Mapping[str, Any]) -> str:
+    return "none" if fit["order"] is None else f"{fit['order']:.2f}"
 
 
 def _full_method_name(run: dict) -> str:

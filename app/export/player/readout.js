@@ -115,7 +115,7 @@ function factsOf(run, view) {
   const at = pictureAt(run, stage.time), of = (track) => cell(run, track, at, view.quantity), wrong = of("norm.true") / wholeOf(run, view);
   if (isBroken(run)) return tr("run is lost");
   if (wrong > 1) return tr("over 100 % wrong");
-  const index = of(`norm.${view.estimator}`) / of("norm.true"), who = view.estimator, found = index < DATA.sentences.all
+  const index = of(`norm.${view.estimator}`) / of("norm.true"), who = view.estimator, found = index < DATA.sentences.twice
     ? tr("{who} finds {share}", {who, share: perCent(index)}) : tr("{who} estimates {factor} times as much", {who, factor: ratio(index)});
   return [Number.isFinite(wrong) && tr("{wrong} wrong", {wrong: perCent(wrong)}), Number.isFinite(index) && found].filter(Boolean).join(" · ");
 }

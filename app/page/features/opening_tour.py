@@ -52,6 +52,7 @@ class OpeningTour(Feature):
         self.messages = {"story": self.on_message}
         self.source = OpeningSource(self, page.run)
         self.beat, self._since, self._waits, self._restarts = 0, 0.0, False, 0
+        self._moves_since = 0.0  # of the bar in pieces
         self._turn, self._over = threading.RLock(), threading.Event()
         self._bar = StretchingBar(page.canvas.add_surface("/opening-bar"), BAR)
         self._field = FieldOverStage(page.canvas.add_surface("/opening-field"))
@@ -117,10 +118,12 @@ class OpeningTour(Feature):
         return report.time / report.scene.period if report else 0.0
 
     def _begin(self, waits: bool) -> None:
-        shown, drawing = self._page.controls.state, self.beat in (1, 2)
+        shown, drawing, now = self._page.controls.state, self.beat in (1, 2), self._clock()
         if (shown.scene, shown.compared, shown.speed) != (BAR, OPENING.compared, SLOW) or self._session.refused:
             self._page.controls.show(OPENING)  # rebuilds widgets, which is slow
-        self._waits, self.beat, self._since = waits, 1, self._clock()
+        if self.beat != 1:  # the browser asks again once it shows the first picture, which goes on
+            self._moves_since = now
+        self._waits, self.beat, self._since = waits, 1, now
         self._restart(QUARTER if waits else BEFORE_CROSSING, playing=False)
         self._show()
         if not drawing:
@@ -177,7 +180,7 @@ class OpeningTour(Feature):
             return
         with page.client.atomic():
             if self.beat == 1:
-                rectangle = self._bar.draw(STILL if self._waits else self._clock() - self._since)
+                rectangle = self._bar.draw(STILL if self._waits else self._clock() - self._moves_since)
             elif self.beat == 2 and frame is not None and frame[0].scene == BAR:
                 rectangle = self._field.draw(BAR, *frame)
             else:

@@ -1,7 +1,9 @@
 """Sharing: the state on the stage as a link, in the browser's address, to copy or as a QR code."""
 
 import threading
+from contextlib import suppress
 from html import escape
+from typing import Any
 from urllib.parse import quote, urlsplit
 
 import segno
@@ -12,6 +14,7 @@ from app.language.translation import lazy, tr, translate_message
 from app.page.feature import Feature
 from app.page.page_context import PageContext
 from app.page.panels.page_header import BESIDE
+from app.page.visit.engine_links import scene_size_refusal
 
 LESSON = "lesson="
 SAFE = ";=,.+-_:"  # need no escaping in a link's fragment
@@ -34,16 +37,25 @@ def parse_link(text: str) -> tuple[str, str]:
     return lesson, rest
 
 
+def linked_state(link: object) -> shareable_state.State | None:
+    """Returns the state of a link; None if it has none, or none that can be shown."""
+    with suppress(shareable_state.StateError):
+        state = shareable_state.parse_state(parse_link(str(link))[1])
+        return None if scene_size_refusal(state.scene) else state
+    return None
+
+
 class BrowserAddress:
     """Applies links opened in one visitor's browser, and updates the browser's address with the state shown."""
 
     def __init__(self, page: PageContext):
         self._page, self._keeping = page, threading.Lock()
 
-    def listen(self) -> None:
-        """Applies the address that the page was opened with, and those opened later in the same browser tab."""
+    def listen(self, first: dict[str, Any]) -> None:
+        """Applies the address that the page was opened with, and those opened later in the same browser tab; ``first``
+        as of :meth:`BrowserStore.listen`."""
         lesson = self._page.lesson
-        self._page.store.listen(self._follow, lesson.restore if lesson else lambda name, answers: None)
+        self._page.store.listen(self._follow, lesson.restore if lesson else lambda name, answers: None, first)
 
     def keep(self) -> None:
         """Stores the present state in the browser's address, and a lesson's answers in the browser."""
@@ -53,15 +65,16 @@ class BrowserAddress:
             self._page.store.store(state_link(self._page.controls.state, name), name, answers)
 
     def _follow(self, link: str) -> None:
-        """Shows lesson and state of a ``link``, an address after its #; refuses invalid states with a message."""
+        """Shows lesson and state of a ``link``, an address after its #, unless they are shown; refuses invalid states
+        with a message."""
         page = self._page
         name, text = parse_link(link)
         with page.store.defer_storing():
-            if name and page.lesson:
+            if name and page.lesson and page.lesson.name != name:
                 page.lesson.open(name)
             try:
-                if text:
-                    page.controls.show(shareable_state.parse_state(text))
+                if text and (state := shareable_state.parse_state(text)) != page.controls.state:
+                    page.controls.show(state)
             except shareable_state.StateError as error:
                 page.session.refuse(tr("The link cannot be followed: {reason}", reason=translate_message(str(error))))
 

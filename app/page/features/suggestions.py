@@ -11,7 +11,7 @@ from typing import Any
 import viser
 
 from app.language.translation import lazy, tr, translate_message
-from app.names_and_units import format_number, reword_for_page
+from app.names_and_units import difference_text, format_number
 from app.page.feature import Feature, VisiblePageState
 from app.page.features.shared_cure_trials import SHARED, SharedCureTrials, scene_to_try
 from app.page.headline_panel import elapsed_periods, live_to_pinned_ratio
@@ -71,7 +71,8 @@ def _restart_card(key: str, cure: Mapping[str, Any], state: State,
                   show: Callable[[State], None]) -> tuple[SuggestionButton, Callable[[], None]]:
     """Returns a button for a ``cure`` that held, and its action, to ``show`` the state with its change."""
     changes = {name: tuple(value) if isinstance(value, list) else value for name, value in cure["change"].items()}
-    wanted, title = changed_state(state, changes, pinned=False), reword_for_page(cure["text"])
+    wanted = changed_state(state, changes, pinned=False)
+    title = difference_text(wanted.scene, replace(state.scene, periods=None, t_end=None))
     return SuggestionButton(key, "filter", f"{title[:1].upper()}{title[1:]}", tr("tried: the run is ok")), \
         lambda: show(wanted)
 

@@ -70,6 +70,8 @@ class Undo(Feature):
         now, (last, since) = self._clock(), self._last
         if not (setting and setting == last and now < since + TOGETHER and self._left):
             self._left.append(before)
+        elif describe_change(self._left[-1], state)[0] is None:  # back again
+            self._left.pop()
         self._last = setting, now
 
 

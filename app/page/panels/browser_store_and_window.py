@@ -40,11 +40,13 @@ class BrowserStore:
         self._text.on_update(self._receive)
         self._text.on_update(lambda _: self._handle_queued_messages())
 
-    def listen(self, on_link: Callable[[str], None], on_answers: Callable[[str, str], None]) -> None:
+    def listen(self, on_link: Callable[[str], None], on_answers: Callable[[str, str], None],
+               first: dict[str, Any]) -> None:
         """Handles messages from now on, and earlier ones: ``on_link(state)`` gets the state in the address as text,
-        ``on_answers(lesson, answers)`` a lesson's name and its stored answers."""
+        ``on_answers(lesson, answers)`` a lesson's name and its stored answers. The ``first`` message came with the
+        request for the page, {} if none did; the browser repeats it."""
         self._on_link, self._on_answers, self._listening = on_link, on_answers, True
-        self._dispatch(self._early)
+        self._dispatch(first | self._early)
 
     @contextmanager
     def defer_storing(self) -> Iterator[None]:
@@ -82,12 +84,7 @@ class BrowserStore:
                 self._hearing.release()
 
     def _on_text(self, text: str) -> None:
-        try:
-            said = json.loads(text)
-        except (ValueError, RecursionError):
-            return
-        if not isinstance(said, dict):
-            return
+        said = parse_message(text)
         if self._listening:
             self._dispatch(said)
         elif len(self._early) < MOST_KINDS:
@@ -104,6 +101,15 @@ class BrowserStore:
         if isinstance(lesson := message.get("lesson"), str) and isinstance(answers := message.get("answers"), str):
             self._on_answers(lesson, answers)
         self.has_answered |= bool(message)
+
+
+def parse_message(text: str) -> dict[str, Any]:
+    """Returns a browser's message, JSON of an object, by its keys; nothing of any other text."""
+    try:
+        said = json.loads(text)
+    except (ValueError, RecursionError):
+        return {}
+    return said if isinstance(said, dict) else {}
 
 
 WIDEST = 20_000.0  # pixels

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 import viser
 
-from app.language.translation import lazy, tr
+from app.language.translation import lazy, localise_number, tr
 from app.names_and_units import parse_size, with_unit
 from app.page.panels.page_header import add_widget_marker
 from app.page.panels.scene_widgets import SceneWidgetFactory
@@ -69,7 +69,7 @@ class LogNumberSlider:
         self._try(value)
 
     def _format(self, value: float) -> str:
-        return with_unit(value, self.size.unit, DIGITS) if self.size.unit else f"{value:.{DIGITS}g}"
+        return with_unit(value, self.size.unit, DIGITS) if self.size.unit else localise_number(f"{value:.{DIGITS}g}")
 
     def _on_slider_moved(self, logarithm: float) -> None:
         default, multiple = self.size.default, self.size.multiple

@@ -1,7 +1,7 @@
 """Landscapes of the scene on a visitor's stage: requests their points, and puts together what is known of them."""
 
 import math
-from collections.abc import Hashable, Iterable
+from collections.abc import Callable, Hashable, Iterable
 from dataclasses import dataclass
 from time import monotonic
 
@@ -54,16 +54,21 @@ class _Point:
 
 class Landscapes:
     """Landscapes of one visitor: of the parameters of the scene that the session has requested. The histories of their
-    runs come from a cache that all visitors share."""
+    runs come from a cache that all visitors share; ``on_points`` is called when some have come of a run at rest."""
 
-    def __init__(self, session: RunSession, histories: HistoryCache):
-        self._session, self._histories = session, histories
+    def __init__(self, session: RunSession, histories: HistoryCache, on_points: Callable[[], None]):
+        self._session, self._histories, self._on_points = session, histories, on_points
+        histories.listeners.add(self._on_histories)
         self._shown: tuple = ()  # what the landscapes are of
         self._curves: dict[str, Landscape] = {}
         self.rate: float | None = None  # of these runs on one processor, in particle-steps per s, once measured
         self._missing: dict[Hashable, SurveyPoint] = {}  # by the keys of their histories, in their order
         self._requested: tuple[Scene | None, str | None, set[SurveyPoint]] = (None, None, set())  # of the engine
         self._requested_at = 0.0
+
+    def close(self) -> None:
+        """Ends the calls of ``on_points``."""
+        self._histories.listeners.discard(self._on_histories)
 
     def curves(self) -> dict[str, Landscape]:
         """Returns what is known, by parameter; nothing for scenes of whose runs no landscape can be computed."""
@@ -75,7 +80,7 @@ class Landscapes:
         called at every refresh. While its slider is ``held`` no run begins. Points that are outdated are given up."""
         scene, until = self._session.scene, round(min(max(until, LEAST_PERIODS), MOST_PERIODS), 9)
         shown = scene, until, quantity, estimator, parameter_in_hand, self._session.playing
-        news = any(self._is_known(key, point.until) for key, point in self._missing.items())
+        news = self._has_news
         if shown != self._shown or news:
             self._shown = shown
             self._update(scene, until, quantity, estimator, parameter_in_hand)
@@ -120,6 +125,16 @@ class Landscapes:
         levels = point_levels(values, present_value(scene, name))
         return [_Point(name, value, history_key(scene, name, value), level, price)
                 for value, level, price in zip(values, levels, prices, strict=True)]
+
+    @property
+    def _has_news(self) -> bool:
+        """Whether a missing point has become known."""
+        return any(self._is_known(key, point.until) for key, point in tuple(self._missing.items()))
+
+    def _on_histories(self) -> None:
+        """Calls ``on_points`` if the run rests and its missing points have come; on a thread of an engine's."""
+        if not self._session.playing and self._has_news:
+            self._on_points()
 
     def _is_known(self, key: Hashable, until: float) -> bool:
         history = self._histories.get(key)

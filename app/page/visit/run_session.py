@@ -80,9 +80,9 @@ class RunSession:
             return requested
         return report.time / report.scene.period
 
-    def set_scene(self, scene: Scene, speed: float | None = None, ends: bool = False) -> None:
+    def set_scene(self, scene: Scene, speed: float | None = None, ends: bool = False, rests: bool = False) -> None:
         """Requests a whole scene at a speed in periods per second (None: the problem's); one that ``ends`` stops at its
-        end. Sets :attr:`refused` if the scene is too large."""
+        end. It plays, or ``rests`` at the phase on the stage. Sets :attr:`refused` if the scene is too large."""
         with self._lock:
             if crowd := scene_size_refusal(scene):
                 self.refuse(crowd)
@@ -93,8 +93,10 @@ class RunSession:
                 self.unpin()
             elif self.pinned:
                 self.pinned.follow(scene)
+            phase = self._instant - max(0, math.ceil(self._instant - 1e-9) - 1)  # 1 of whole periods
             self._start(scene, speed, ends)
-            self._send_request(restarts=self._pace.restarts + 1, begin_at=0.0)  # also if it is the present scene
+            self._send_request(restarts=self._pace.restarts + 1,  # also if it is the present scene
+                               begin_at=phase if rests else 0.0, playing=not rests)
 
     def play(self, playing: bool, single_steps: int = 0) -> None:
         """Plays or pauses, and takes so many single time steps. A run that has reached its end continues beyond it."""

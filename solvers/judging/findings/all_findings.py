@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from solvers.judging.findings import (
+    amplitude_and_pace,
     body_coverage,
     constitutive_law,
     deformation,
@@ -62,20 +63,22 @@ def find_in_run(evidence: FindingsInput) -> tuple[list[Finding], FrameOutliers |
         places, axes = (position_and_interpretation.check_initial_positions(evidence),
                         position_and_interpretation.check_alternative_readings(evidence))
         beside = outliers.position_outliers(evidence)
-        order, drift = (unknown(name, "particles are not where they belong")
-                        for name in (position_and_interpretation.ORDER, position_and_interpretation.DRIFT))
+        order, drift, size = (unknown(name, "particles are not where they belong") for name in (
+            position_and_interpretation.ORDER, position_and_interpretation.DRIFT, amplitude_and_pace.AMPLITUDE))
+        fitted_size, clock = amplitude_and_pace.check_amplitude_and_clock(evidence)
         if OFF not in (axes.verdict, places.verdict):
             order = position_and_interpretation.check_order(evidence)
+            size = size if order.verdict == OFF else fitted_size
         if order.verdict == HOLDS and not (beside and beside.most):
             drift = position_and_interpretation.check_mean_error(evidence)
         fewest = min(evidence.frames, key=lambda frame: len(frame.number))
-        return [body_coverage.check_body_is_covered(evidence.scene, fewest), _check_precision(evidence), places,
-                position_and_interpretation.check_initial_velocities(evidence), axes, order, drift,
-                outliers.outliers_finding("x", beside),
-                *(outliers.outliers_finding(q, outliers.value_outliers(evidence, q)) for q in ("v", "sigma")),
-                outliers.check_masses(evidence.frames[0]), time_consistency.check_clock_rate(evidence),
-                time_consistency.check_velocity_time(evidence), time_consistency.check_stress_time(evidence),
-                constitutive_law.check_constitutive_law(evidence)], beside.most if beside else None
+        found = [body_coverage.check_body_is_covered(evidence.scene, fewest), _check_precision(evidence), places,
+                 position_and_interpretation.check_initial_velocities(evidence), axes, order, drift,
+                 outliers.outliers_finding("x", beside),
+                 *(outliers.outliers_finding(q, outliers.value_outliers(evidence, q)) for q in ("v", "sigma")),
+                 outliers.check_masses(evidence.frames[0]), size, clock, time_consistency.check_velocity_time(evidence),
+                 time_consistency.check_stress_time(evidence), constitutive_law.check_constitutive_law(evidence)]
+        return found, beside.most if beside else None
 
 
 def _check_precision(evidence: FindingsInput) -> Finding:

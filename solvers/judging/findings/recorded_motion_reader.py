@@ -17,7 +17,13 @@ from solvers.judging.findings.neighbour_comparison import (
     find_neighbours,
 )
 from solvers.judging.findings.row_identities import RowsAtTime, check_identities, identify_rows
-from solvers.judging.particle_data_types import RawTable, group_rows_by_time, list_names, row_times
+from solvers.judging.particle_data_types import (
+    RawTable,
+    group_rows_by_time,
+    identity_hint,
+    row_times,
+    unread_columns,
+)
 from solvers.judging.particle_scene_matching import FLAT, LARGEST
 from solvers.judging.quantity_names import describe_columns
 from solvers.untrusted.quoting import FileError, quote
@@ -139,9 +145,7 @@ class RecordedMotion:
             k = int(np.argmax(lost))
             why = (f"{lost[k]:,} of {len(self.reference):,} do not keep their order, or part, between t = "
                    f"{self.times[k]:.4g} and {self.times[k + 1]:.4g} s")
-        return f"nothing says which particles the rows are, and {why}; give id or X" + (
-            f" (not read: {list_names(not_read)}; if one of them says which particle is which, call it id)"
-            if not_read else "")
+        return f"nothing says which particles the rows are, and {why}; give id or X" + identity_hint(not_read)
 
     @functools.cached_property
     def representative_part(self) -> "RecordedMotion":
@@ -176,7 +180,7 @@ def read_motion(files: Sequence[RawTable], times: Sequence[float]) -> tuple[Reco
     if len(sound) < 2:
         raise FileError(moments[min(len(sound), len(moments) - 1)].file,
                         "leaves fewer than two moments whose positions are all numbers; give moments from before that")
-    who, by_rows = identify_rows(sound)
+    who, by_rows = identify_rows(sound, unread_columns(files))
     finding, common = check_identities(sound, who)
     findings.append(finding)
     if len(common) < FEWEST:

@@ -1,6 +1,7 @@
 """Which particle each row is at each moment of a motion, and which particles are there at all of them."""
 
 import functools
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import cast
 
@@ -8,6 +9,7 @@ import numpy as np
 
 from solvers.judging.findings.finding import BROKEN, HOLDS, SUSPICIOUS, Finding
 from solvers.judging.findings.neighbour_comparison import NeighbourSearch
+from solvers.judging.particle_data_types import identity_hint
 from solvers.judging.particle_identities import whole_ids
 from solvers.judging.particle_scene_matching import LARGEST
 from solvers.untrusted.quoting import FileError
@@ -25,7 +27,7 @@ class RowsAtTime:
     rows: dict[str, np.ndarray]
 
 
-def identify_rows(moments: list[RowsAtTime]) -> tuple[list[np.ndarray], bool]:
+def identify_rows(moments: list[RowsAtTime], not_read: Sequence[str]) -> tuple[list[np.ndarray], bool]:
     """Returns a number for the particle of each row, (n,) at each time, from its id, or its reference position if it is
     a number, or its row; and whether it is from its row alone."""
     ids = [whole_ids(one.file, one.rows) for one in moments]
@@ -37,7 +39,8 @@ def identify_rows(moments: list[RowsAtTime]) -> tuple[list[np.ndarray], bool]:
     if len(set(counts)) > 1:
         k = next(k for k, count in enumerate(counts) if count != counts[0])
         raise FileError(moments[k].file, f"has {counts[k]:,} particles at t = {moments[k].time:g} s, and there were "
-                                         f"{counts[0]:,} before; give id or X, so that it is known which they are")
+                                         f"{counts[0]:,} before; give id or X, so that it is known which they are"
+                                         + identity_hint(not_read))
     return [np.arange(counts[0])] * len(moments), True
 
 

@@ -1,4 +1,4 @@
-"""Checks that all quantities at one time belong to one time, that the clock is right, and that v is dx/dt.
+"""Checks that all quantities at one time belong to one time, and that v is dx/dt.
 
 A quantity that lags by tau has the error -tau times its rate. The lag is fitted by least squares over all particles and
 times, beside the effects of the grid's smoothing and of a wrong amplitude; without a solution, for v against x.
@@ -15,17 +15,11 @@ from solvers.translatable_message import Message
 FEWEST_TIMES = 5
 SURE, SMOOTHED = 6.0, 3.0  # times that uncertainty; times what smoothing can make of the error of v
 UNSURE = "smaller shifts are below the errors, or between the few times"
-VELOCITY, STRESS, CLOCK = ("moment of the velocities before that of the positions",
-                           "moment of F or the stress before that of the positions", "times against the motion")
+VELOCITY, STRESS = ("moment of the velocities before that of the positions",
+                    "moment of F or the stress before that of the positions")
 STEPS = "steps"
 HALF = 0.5  # of a step: what leapfrog's velocities are of, and 0 what others' are
-DISPERSION = 1 / 6  # of (k h)^2: by so much waves of a grid may be slower; 1/24 with hats and lumped masses
 SLACK = 0.25  # of a step
-CLOCK_OFF, TELLS = 2e-3, 2.5  # of the time; times the error that is left, which a clock must make to be told
-#: The same of a motion that is faster than its times, which no grid makes: masses that are lumped slow waves down. Of
-#: 65 sound runs drawn at random none was fast by more than 3.6 times the uncertainty and .2 % at once; of 74 others,
-#: which these numbers were not set on, none was called fast.
-FAST_SURE, FAST_TELLS = 4.0, 1.0
 TOO_LARGE = "the errors are too large"
 FEW = Message("fewer than {least} times, or not the same particles at all of them", FEWEST_TIMES)
 NAMES_OF_V = "v against dx/dt", "moment of v before that of x", "the middle against the mean of v"
@@ -52,11 +46,14 @@ def check_velocity_time(evidence: FindingsInput) -> Finding:
     if tracks is None or len(tracks.time) < FEWEST_TIMES or "v" not in tracks.exact:
         return unknown(VELOCITY, FEW if "v" in evidence.errors[0] else "no velocities in the files")
     x, v = (tracks.own[q] - tracks.exact[q] for q in ("x", "v"))
-    gap = 0.5 * np.diff(tracks.time)[:, None, None] * (v[1:] + v[:-1]) - np.diff(x, axis=0)
+    interval = np.diff(tracks.time)[:, None, None]
+    gap = 0.5 * interval * (v[1:] + v[:-1]) - np.diff(x, axis=0)
+    bend = interval**2 / 12 * np.diff(time_derivative(tracks.time, v), axis=0)  # with which the rule is of fourth order
     moved, gained = np.diff(tracks.exact["x"], axis=0), np.diff(tracks.exact["v"], axis=0)
     late, sure = jackknife_least_squares(gap, [-gained, moved])
-    slack = (SURE * sure[0] + _apparent_lag_by_smoothing(late[0, 1], v,
-                                                         time_derivative(tracks.time, tracks.exact["v"]))) / step
+    apparent = _apparent_lag_by_smoothing(late[0, 1], v, time_derivative(tracks.time, tracks.exact["v"]))
+    rule = RULE * abs(jackknife_least_squares(bend, [-gained, moved])[0][0, 0])
+    slack = (SURE * sure[0] + apparent + rule) / step
     return _lag_finding(VELOCITY, late[0, 0] / step, slack, (-SLACK, HALF + SLACK), step, Message("the velocities are"))
 
 
@@ -79,34 +76,6 @@ def check_stress_time(evidence: FindingsInput) -> Finding:
                            late)) + _apparent_lag_by_smoothing(jackknife_least_squares(sigma, parts)[0][0, 1], sigma,
                                                                                 parts[0]) / step
     return _lag_finding(STRESS, float(late[0][0]), slack, (-HALF, HALF), step, Message("F or the stress is"))
-
-
-def check_clock_rate(evidence: FindingsInput) -> Finding:
-    """Checks for times that run too fast or too slow: the error of x grows with time in proportion to the velocity."""
-    tracks = evidence.tracks
-    if tracks is None or len(tracks.time) < FEWEST_TIMES:
-        return unknown(CLOCK, FEW)
-    x, speed = tracks.own["x"] - tracks.exact["x"], time_derivative(tracks.time, tracks.exact["x"])
-    growing = tracks.time[:, None, None] * speed
-    found, sure = jackknife_least_squares(x, [-speed, -growing])
-    late, slow = found[0]
-    rest = x + late * speed + slow * growing
-    apart, _ = jackknife_least_squares(growing, [speed])  # what of a growing lag is not a lag that stays
-    size, scene = rms(growing - apart[0, 0] * speed), evidence.scene
-    grid = DISPERSION * (scene.angular_frequency * scene.spacing / scene.wave_speed) ** 2
-    left = rms(rest) / size if size > 0 else np.inf
-    tolerance = max(CLOCK_OFF, grid, TELLS * left) if slow > 0 else \
-        max(CLOCK_OFF, FAST_SURE * float(sure[1]), FAST_TELLS * left)
-    if not np.isfinite(tolerance + slow):
-        return unknown(CLOCK, TOO_LARGE if size > 0 else "nothing moves by which a clock could be told")
-    if abs(slow) <= tolerance:
-        return Finding(CLOCK, HOLDS, abs(slow), tolerance, "of the time",
-                       Message("smaller differences are below the error of x, or the waves of the grid"))
-    pace = Message("slower" if slow > 0 else "faster")
-    return Finding(CLOCK, OFF, abs(slow), tolerance, "of the time",
-                   Message("the motion is {percent:.2g} % {pace} than its times imply: with all times multiplied by "
-                           "{factor:.4f}, the error of x would be {rest:.2g} of its value; the times are wrong, or the "
-                           "input that sets the speed", 100 * abs(slow), pace, 1 - slow, rms(rest) / rms(x)))
 
 
 def _apparent_lag_by_smoothing(part: float, error: np.ndarray, slope: np.ndarray) -> float:

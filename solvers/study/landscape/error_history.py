@@ -1,7 +1,7 @@
 """ErrorHistory: the largest errors of one run until each time, and when it broke."""
 
 from collections import OrderedDict
-from collections.abc import Hashable
+from collections.abc import Callable, Hashable, Iterable
 from dataclasses import dataclass, field
 from threading import Lock
 
@@ -45,10 +45,11 @@ class ErrorHistory:
 
 
 class HistoryCache:
-    """Histories by keys, those that were used last; thread-safe."""
+    """Histories by keys, those that were used last; thread-safe. Each of the ``listeners`` is called after new ones."""
 
     def __init__(self) -> None:
         self._lock, self._histories = Lock(), OrderedDict[Hashable, ErrorHistory]()
+        self.listeners: set[Callable[[], None]] = set()
 
     def get(self, key: Hashable) -> ErrorHistory | None:
         """Returns the history with a key, if it is known."""
@@ -57,11 +58,14 @@ class HistoryCache:
                 self._histories.move_to_end(key)
             return self._histories.get(key)
 
-    def put(self, key: Hashable, history: ErrorHistory) -> None:
-        """Stores a history, unless a longer one is known."""
+    def put(self, histories: Iterable[tuple[Hashable, ErrorHistory]]) -> None:
+        """Stores histories with their keys, unless longer ones are known."""
         with self._lock:
-            known = self._histories.get(key)
-            if known is None or known.until < history.until:
-                self._histories[key] = history
-            if len(self._histories) > MOST_HISTORIES:
-                self._histories.popitem(last=False)
+            for key, history in histories:
+                known = self._histories.get(key)
+                if known is None or known.until < history.until:
+                    self._histories[key] = history
+                if len(self._histories) > MOST_HISTORIES:
+                    self._histories.popitem(last=False)
+        for listener in tuple(self.listeners):
+            listener()

@@ -129,3 +129,16 @@ def test_an_estimator_that_does_not_hold_says_so_and_no_number(capsys):
 def test_what_json_has_not_is_refused():
     with pytest.raises(ValueError, match="not JSON compliant"):
         json_text({"rate": float("nan")})
+
+
+def test_a_broken_run_says_what_was_tried_and_what_held(capsys):
+    """In the JSON object and in the line on standard error."""
+    words = "run bar --ppc 1 --cfl 0.2 --periods 2 --effects truth,soundness --estimator none --json -"
+    assert main(words.split()) == 3
+    printed = capsys.readouterr()
+    found = json.loads(printed.out)
+    for cure in found["advice"]:
+        assert set(cure) == {"change", "text", "tried", "held"} and set(cure["change"]) <= set(found["scene"])
+    held = [cure for cure in found["advice"] if cure["held"]]
+    assert len(held) == 1 and held[0]["tried"] and held[0]["change"] == {"ppc": 2}
+    assert found["reason"].endswith("; with 2 particles per cell it holds (tried)") and found["reason"] in printed.err

@@ -81,6 +81,13 @@ def test_a_bet_costs_its_width_and_ten_times_what_it_misses_by():
     assert interval_score(1e-300, 1e300, 1, 0.8) == near(600)
 
 
+def test_who_does_not_bet_is_not_better_for_it():
+    """The mean is that of the bets placed."""
+    bet = IntervalBet(1.0, 10.0, 2.0)
+    assert Bettor("companion", (bet, None, None)).score == Bettor("companion", (bet,)).score == pytest.approx(1)
+    assert Bettor("companion", (None,)).score is None
+
+
 @pytest.mark.parametrize("level", [0.5, 0.8, 0.9])
 def test_nobody_scores_less_than_by_what_he_thinks(level):
     """Of a hundred and one truths, equally likely and lopsided, the mean score of all bets between two of them is least

@@ -128,6 +128,12 @@ def test_the_tolerance_is_one_of_what_came_out(answer, right):
         assert is_right(replace(asked, tolerance=0.1 + 1e-12), sign * answer, RightAnswer("", value=sign)) is right
 
 
+def test_the_minutes_are_those_of_all_answers():
+    lesson = parse_lesson(SAVED, "01-test")
+    taken = grading.GradedFile("a.json", answers(lesson, what_happens=2, drag=20.0), lesson, {}, {})
+    assert taken.minutes == pytest.approx(2 * 1.5 / 60)
+
+
 def test_grade_makes_one_table(shelf_of_one, outcomes, tmp_path, capfd):
     lesson = catalogue.load_lesson("01-test")
     hers, his = (outcomes.result(fill_numbers(lesson.runs["grids"].texts[0],

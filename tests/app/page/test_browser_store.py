@@ -59,9 +59,21 @@ def test_nothing_said_before_the_page_is_made_is_lost(store):
     for width in range(12):
         gui.says(window=width)
     kept.heard["window"] = heard.append
-    kept.listen(lambda link: heard.append(("link", link)), lambda *lesson: heard.append(lesson))
+    kept.listen(lambda link: heard.append(("link", link)), lambda *lesson: heard.append(lesson), {})
     assert heard == [("link", "bar;cells=20"), 11, ("01-first", "those that it has")]
     assert kept.here == "http://lab"
+
+
+@pytest.mark.parametrize("first", [{}, {"link": "bar", "dark": True}])
+def test_what_came_with_the_request_is_heard_like_a_message(store, first):
+    """A page without one waits for the first."""
+    gui, kept = store
+    heard = []
+    kept.heard["dark"] = heard.append
+    kept.listen(heard.append, lambda *lesson: None, first)
+    assert heard == [*first.values()] and kept.has_answered == bool(first)
+    gui.says(link="", here="http://lab")
+    assert kept.has_answered
 
 
 def test_what_a_browser_invents_is_not_hoarded(store):
@@ -73,7 +85,7 @@ def test_what_a_browser_invents_is_not_hoarded(store):
     for text in ("no JSON", "[1, 2]"):
         gui.comes(text)
         gui.turn()
-    kept.listen(lambda link: None, lambda *lesson: None)
+    kept.listen(lambda link: None, lambda *lesson: None, {})
 
 
 def test_what_comes_while_no_thread_is_free_is_heard_in_its_order(store):
@@ -81,7 +93,7 @@ def test_what_comes_while_no_thread_is_free_is_heard_in_its_order(store):
     gui, kept = store
     heard = []
     kept.heard["spark"] = heard.append
-    kept.listen(heard.append, lambda *lesson: heard.append(lesson))
+    kept.listen(heard.append, lambda *lesson: heard.append(lesson), {})
     for said in ({"link": "bar"}, {"spark": 2}, {"lesson": "05", "answers": "all"}, {"spark": 1}):
         gui.comes(json.dumps(said))
     gui.turn()

@@ -50,7 +50,8 @@ def test_a_lane_tells_the_same_numbers_and_the_time_of_the_run():
         return "".join(text for _, text in lane_facts(InstantErrors(true, estimated), 2.0, "companion", lost, seconds))
 
     assert facts(0.128, 0.1165, seconds=0.0015) == "6.4 % wrong · companion finds 91 % · 1.5 ms"
-    assert facts(0.1, 0.2) == "5 % wrong · companion estimates 2.00 times as much"
+    assert facts(0.1, 0.2) == "5 % wrong · companion estimates 2.00 times as much" \
+        and facts(0.1, 0.102) == "5 % wrong · companion finds 102 %"
     assert facts(np.nan, 0.1) == "companion estimates 5 %"
     assert facts(0.1, np.nan) == "5 % wrong"
     assert facts(2.1, 0.1, seconds=1.0) == "over 100 % wrong" and facts(0.1, 0.1, lost=True) == "run is lost"

@@ -41,7 +41,7 @@ class Link:
             broken_at = 0.0 if status(point) != OK else math.inf
             history = ErrorHistory(point.until, phase, {TRUTH: errors, "recovered": errors}, np.full(4, 10.0),
                                    status(point), broken_at, 3e7)
-            self.histories.put(history_key(scene, point.parameter, point.value), history)
+            self.histories.put([(history_key(scene, point.parameter, point.value), history)])
 
 
 @pytest.fixture
@@ -49,7 +49,7 @@ def visit():
     """A visitor's session without an engine, and its landscapes."""
     histories = HistoryCache()
     session = SimpleNamespace(scene=BAR, playing=False, link=Link(histories))
-    return session, Landscapes(session, histories)
+    return session, Landscapes(session, histories, lambda: None)
 
 
 def sound(_):
@@ -89,6 +89,25 @@ def test_what_comes_is_shown_until_all_is_there(visit):
     assert request(its) is curves  # nothing has changed
 
 
+def test_whoever_rests_is_told_of_the_points_that_were_missing():
+    """Not of others' points, nor while the run plays, as its numbers are refreshed anyway, nor after the visit."""
+    told, histories = [], HistoryCache()
+    session = SimpleNamespace(scene=BAR, playing=False, link=Link(histories))
+    its = Landscapes(session, histories, lambda: told.append(len(told)))
+    request(its)
+    histories.put([("another run", ErrorHistory(1.0))])
+    session.playing = True
+    session.link.compute(1, sound)
+    assert not told
+    session.playing = False
+    request(its)
+    session.link.compute(2, sound)
+    assert told == [0]  # of the second point, as the first is known
+    its.close()
+    session.link.compute(5, sound)
+    assert told == [0]
+
+
 def test_points_of_an_earlier_scene_are_given_up_and_a_held_slider_begins_none(visit):
     session, its = visit
     request(its, "cells")
@@ -107,7 +126,7 @@ def test_what_another_visitor_or_slider_has_requested_is_there_at_once(visit):
     request(its)
     session.link.compute(None, sound)
     other = SimpleNamespace(scene=replace(BAR, amplitude=0.00306), playing=False, link=Link(session.link.histories))
-    curves = request(Landscapes(other, session.link.histories))
+    curves = request(Landscapes(other, session.link.histories, lambda: None))
     assert curves["amplitude"].complete and OK in curves["cells"].status  # the stage's own run
 
 
@@ -166,7 +185,7 @@ def test_a_real_engine_computes_them(pool, session):
     """All points, among them the run on the stage."""
     link, listener = session
     listener.frame(link.ask(SCENE, Pace(False)))
-    its = Landscapes(SimpleNamespace(scene=SCENE, playing=False, link=link), pool.histories)
+    its = Landscapes(SimpleNamespace(scene=SCENE, playing=False, link=link), pool.histories, lambda: None)
     wait_until(lambda: (curves := request(its)) and all(curve.complete for curve in curves.values()), "all points")
     result = run(replace(SCENE, periods=0.25))
     largest = np.max(result.series["error_sigma"]) / SCENE.size_of("sigma")

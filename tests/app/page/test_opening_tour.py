@@ -133,6 +133,17 @@ def test_its_steps_come_in_time_and_it_ends_playing(visit):
     assert (session.at, session.playing) == (QUARTER, True)
 
 
+def test_the_bar_moves_on_when_it_is_asked_for_again(visit, monkeypatch):
+    """As a browser does once it shows the page; the first step then takes all its time."""
+    drawn = []
+    monkeypatch.setattr(visit.tour._bar, "draw", drawn.append)
+    for _ in range(2):
+        visit.tour.on_message("play")
+        visit.now += 1.5
+        visit.tour._draw_cover()
+    assert drawn == [1.5, 3.0] and visit.after(SECONDS[1] - 1.6) == 1 and visit.after(0.2) == 2
+
+
 @pytest.mark.parametrize("beat", SECONDS)
 def test_skip_lands_at_its_end_from_every_step(visit, beat):
     visit.tour.on_message("play")

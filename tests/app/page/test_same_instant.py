@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from app.page.visit import run_session as page
+from app.page.visit.first_scene import first_scene
 from solvers.running.run import run
 from tests.app.frame.test_view import report_of
 from tests.support.page_server import SilentPool
@@ -76,6 +77,18 @@ def test_a_restart_and_another_scene_begin_at_zero(visit):
     for ask in (one.reset, lambda: one.set_scene(replace(SCENE, amplitude=0.02), speed=0.01)):
         report = answered(one, frames, ask)
         assert report.fresh and report.time < 0.5 * QUARTER
+
+
+def test_another_problem_rests_at_the_same_phase(silent):
+    """Of its first period, so that it is soon there; and at its end, not at its start, after whole ones."""
+    one, paces = silent
+    period = round(SCENE.period / SCENE.time_step)
+    for step, phase in ((50, 50 / period), (2 * period + 50, 50 / period), (2 * period, 1.0), (0, 0.0)):
+        one.set_scene(SCENE)
+        show(one, step)
+        one.play(False)
+        one.set_scene(first_scene("square"), rests=True)
+        assert paces[-1].begin_at == pytest.approx(phase) and not paces[-1].playing
 
 
 def test_a_pinned_run_comes_along(visit):

@@ -15,7 +15,6 @@ from app.problems.views import VIEWS
 from app.shareable_state import State
 from solvers.problems import PROBLEMS
 from solvers.running.run import build
-from solvers.translatable_message import Message
 from tests.app.frame.test_view import report_of
 from tests.app.page.panel import page_view
 
@@ -115,7 +114,7 @@ def test_a_lost_run_has_ways_on():
     scene = shareable_state.parse_state("bar;method=mpm;amplitude=0.1;estimators=companion").scene
     report = replace(report_of(scene), status="lost", since=1.225, reason="the run is lost from t = 1.225 s on: so")
     shown, sought = [], []
-    held = [{"change": {"remedies": ["pieces"]}, "text": Message("the remedy {name}", "pieces")}]
+    held = [{"change": {"remedies": ["pieces"]}}]
     ways = dict((card.key, act) for card, act in lost_run_cards(State(scene), report, held, sought.append,
                                                                 shown.append))
     ways["back"]()
@@ -124,7 +123,7 @@ def test_a_lost_run_has_ways_on():
     assert shown[1].scene == replace(scene, remedies=("pieces",))
     stage = Stage(scene)
     stage.session.report = report
-    for stage.held, title in ((None, "Trying changes"), (held, "forces of pieces"), ([], "No change found")):
+    for stage.held, title in ((None, "Trying changes"), (held, "Forces of pieces"), ([], "No change found")):
         assert "What now?" in stage.look() and title in stage.look(), stage.look()
 
 

@@ -89,9 +89,11 @@ def test_times_are_counted_in_periods_where_something_swings(line):
 
 def test_a_lost_run_says_since_when(line):
     at = show(line, 0.8, TimelineState(0.8, (0.0, 0.8), False, 0.6))
-    assert (at["lost"], at["says"], at["playing"]) == (0.6, "lost from 600 ms on", False)
+    assert (at["lost"], at["says"], at["playing"]) == (0.6, "lost from 0.6 s on", False)
     at = show(line, 0.8, TimelineState(0.8, (0.0, 0.8), False, 0.6, unstable=True))
-    assert at["says"] == "unstable from 600 ms on"
+    assert at["says"] == "unstable from 0.6 s on"
+    later = show(line, 0.8, TimelineState(1.5, (0.0, 1.5), False, 1.5, unstable=True))  # than the last sample
+    assert 0.7 < later["now"] < 0.9
 
 
 def test_a_frame_is_found_by_its_time():

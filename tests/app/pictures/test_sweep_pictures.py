@@ -17,6 +17,7 @@ from app.pictures.run_errors import png_bytes
 from app.pictures.study_parts import UNSTABLE_LOOK, stability_map_figure
 from solvers.study import convergence_analysis, row
 from solvers.study import csv_and_markdown_summary as table
+from solvers.study.convergence_order import fit_order
 from solvers.study.parameter_grid import Task
 from tests.support.fake_rows import fake_row
 
@@ -25,11 +26,9 @@ from tests.support.fake_rows import fake_row
 
 def test_slopes_front_and_balance_of_known_data():
     h = np.array([0.1, 0.05, 0.025])
-    found = convergence_analysis.fit_slope(h, 3 * h**1.7)
+    found = fit_order(h, 3 * h**1.7)
     assert (found.order, found.factor, found.points) == (pytest.approx(1.7), pytest.approx(3), 3)
     assert found.pairwise == pytest.approx((1.7, 1.7))
-    assert convergence_analysis.fit_slope([0.1, 0.1],
-                                          [1, 2]) is None and convergence_analysis.fit_slope([0.1, 0.2], [0, 1]) is None
     assert convergence_analysis.pareto([1, 2, 3, 4], [4, 2, 3, 1]) == [0, 1, 3]
     dt = np.geomspace(1e-4, 1e-2, 7)
     for power in (1, 2):

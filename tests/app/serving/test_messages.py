@@ -1,8 +1,10 @@
 """What may be said to a page. A visitor without a browser says all that must not be said."""
 
 import copy
+import json
 import time
 from dataclasses import replace
+from urllib.parse import quote
 
 import msgspec
 import pytest
@@ -82,6 +84,13 @@ def good_values(widget):
     if kind == "GuiCheckboxMessage":
         return not widget["value"], widget["value"]
     return {"GuiDropdownMessage": (*props.get("options", ())[::-1],), "GuiTextMessage": ("1", "")}.get(kind, ())
+
+
+def test_a_page_begins_with_what_came_with_the_request_for_it(here):
+    """Not with the opening, to become another one later."""
+    asked = quote(json.dumps({"link": "bar;cells=24"}))
+    with RawClient(here[1], {"Cookie": f"a=b; {web_server.FIRST_MESSAGE}={asked}"}) as visitor:
+        assert visitor.widgets[visitor.find("Cells, typed")]["value"] == "24"
 
 
 @pytest.fixture(params=["vibrating bar", "expanding ring"])

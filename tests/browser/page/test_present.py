@@ -6,12 +6,12 @@ from tests.browser.conftest import visit
 from tests.browser.driving import click, pinned, scene, stage_box, until
 from tests.browser.page.test_sizes import LAPTOP, LARGE, SMALL, UPRIGHT, cut_off, fitted, none_in, resize, written_over
 
-#: Words that are seen, with how high their letters are on the screen in pixels.
+#: Words that are seen, with how high their letters are on the screen in pixels; formulas have small indices.
 SIZES = """() => {
     const found = [], walk = document.createTreeWalker(document.body, NodeFilter.SHOW_TEXT);
     while (walk.nextNode()) {
         const text = walk.currentNode.textContent.trim(), element = walk.currentNode.parentElement;
-        if (!text || element.closest("script, style, [hidden], dialog:not([open])")) continue;
+        if (!text || element.closest("script, style, math, [hidden], dialog:not([open])")) continue;
         const range = document.createRange();
         range.selectNodeContents(walk.currentNode);
         const box = range.getBoundingClientRect(), style = getComputedStyle(element);

@@ -2,6 +2,7 @@
 the number, and the modulus keeps the time step if it is told to."""
 
 import json
+import math
 
 import pytest
 
@@ -14,20 +15,23 @@ SMALL = "#bar;method=mpm;cells=10;ppc=2;amplitude=0.01;estimators=recovered;erro
 
 def data(page, parameter):
     """What the page has said of a row."""
-    return json.loads(page.locator(f"i[data-parameter={parameter}]").get_attribute("data-said"))
+    return json.loads(page.locator("i.lab-landscapes").get_attribute("data-said"))[parameter]
 
 
 def row(page, parameter):
     return page.locator(f"[data-lab~=lab-row]:has(i[data-parameter={parameter}]) + div")
 
 
+def place(page, parameter, value, part=".lab-strip"):
+    """Where a value of a slider is in the window, on its strip or another ``part`` of its row."""
+    slider, box = row(page, parameter).get_by_role("slider"), row(page, parameter).locator(part).bounding_box()
+    low, high = (float(slider.get_attribute(f"aria-value{end}")) for end in ("min", "max"))
+    return box["x"] + (math.log10(value) - low) / (high - low) * box["width"], box["y"] + box["height"] / 2
+
+
 def hovered(page, parameter, k):
     """The sentence of a row while the pointer is over a point of its strip."""
-    strip, slider = row(page, parameter).locator(".lab-strip"), row(page, parameter).get_by_role("slider")
-    low, high = (float(slider.get_attribute(f"aria-value{end}")) for end in ("min", "max"))
-    box, value = strip.bounding_box(), data(page, parameter)["v"][k]
-    share = strip.evaluate("(_, [value, low, high]) => (Math.log10(value) - low) / (high - low)", [value, low, high])
-    page.mouse.move(box["x"] + share * box["width"], box["y"] + box["height"] / 2)
+    page.mouse.move(*place(page, parameter, data(page, parameter)["v"][k]))
     until(row(page, parameter).locator(".lab-read").is_visible, "the sentence")
     return row(page, parameter).locator(".lab-read").inner_text()
 

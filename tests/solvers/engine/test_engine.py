@@ -120,7 +120,7 @@ def test_unstable_run_ends_with_a_reason(session):
     link, listener = session
     number = link.ask(replace(SCENE, cfl=1.5), Pace(speed=5.0))
     report, _ = listener.frame(number, lambda r: r.status == "unstable")
-    assert "shorter steps" in report.reason and not report.playing and report.since <= report.time
+    assert "went unstable" in report.reason and not report.playing and report.since <= report.time
     report, _ = listener.frame(link.ask(SCENE))
     assert (report.status, report.reason, report.since) == ("ok", None, None)
 

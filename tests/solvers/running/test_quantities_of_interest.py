@@ -1,6 +1,7 @@
 """Numbers that somebody wants of a run, with the error that the truth and the estimators say they have."""
 
 import json
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -8,7 +9,7 @@ import pytest
 from app.commands.dispatch import dispatch
 from solvers import BarScene, RingScene, VortexScene, run
 from solvers.problems import PROBLEMS
-from solvers.running.quantities_of_interest import SAFETY, point_weights
+from solvers.running.quantities_of_interest import SAFETY, QuantityOfInterest, point_weights
 from solvers.running.result import Result
 from solvers.scene.validation import SceneError
 
@@ -36,6 +37,14 @@ def test_the_energy_is_that_of_the_particles(reached):
     goal = reached.goals["kinetic-energy"]
     assert goal["unit"] == "J" and goal["value"] == pytest.approx(energy, rel=1e-12)
     assert goal["true_error"] == pytest.approx(energy - exact, abs=1e-12 * energy)
+
+
+def test_a_mean_is_over_the_volume_and_an_energy_over_the_mass():
+    fields = SimpleNamespace(volume=np.array([1.0, 3.0]), mass=np.array([2.0, 10.0]))
+    values = SimpleNamespace(stress=np.array([[1.0, 9.0, 3.0], [4.0, 9.0, 8.0]]),
+                             velocity=np.array([[1.0, 1.0], [0.0, 3.0]]))
+    assert QuantityOfInterest("mean-stress").functional(fields)(values) == (1 * 2 + 3 * 6) / 4
+    assert QuantityOfInterest("kinetic-energy").functional(fields)(values) == 0.5 * (2 * 2 + 10 * 9)
 
 
 def test_the_displacement_is_that_of_the_point(reached):

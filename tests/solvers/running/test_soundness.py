@@ -8,6 +8,7 @@ import pytest
 from solvers.problems.bar.scene import BarScene
 from solvers.problems.ring import RingScene
 from solvers.running.run import run
+from solvers.solver import soundness
 
 LOOKS = ("truth", "soundness")
 ONE_EACH = BarScene(ppc=1, estimators=(), effects=LOOKS)
@@ -121,3 +122,23 @@ def test_displacements_that_do_not_add_up_are_enough(simulate):
     shares = result.to_dict()["soundness"]
     assert shares["neighbour_gap"] < 0.1 and shares["mean_drift"] < 0.01 and shares["displacement_mismatch"] > 1
     assert result.status == "lost" and "displacements and deformation contradict each other" in result.reason
+
+
+def test_a_run_is_lost_from_the_first_moment_that_shows_it():
+    """At the particle that was the worst by then; of several rules by the first, of estimators that are valid."""
+    series = {"time": np.arange(4.0), "place": np.array([np.nan, 4, np.nan, 7])}
+    late, early = (soundness._first_exceedance(series, np.array(values), 0.5, 2.0, "{size}".format)
+                   for values in ([0.0, 0.8, 1.8, 4.0], [0.0, 1.2, 0.1, 0.1]))
+    assert (late.time, late.sentence, late.particle) == (2.0, "0.9", 4)
+    assert soundness.earliest_finding({"mean_drift": late, "recovered/v": early}, ()) is early
+    assert soundness.earliest_finding({"mean_drift": late, "recovered/v": early}, {"recovered": "why"}) is late
+    assert soundness.earliest_finding({}, ()) is None
+
+
+def test_evidence_is_the_largest_over_the_run():
+    """In amplitudes; none of a rule that was not evaluated."""
+    scene, unknown = BarScene(), np.full(3, np.nan)
+    found = {"time": np.arange(3.0), "motion_square": unknown, **dict.fromkeys(soundness.CONTRADICTIONS, unknown),
+             "mean_drift": scene.motion_amplitude * np.array([0.0, 0.75, 0.5])}
+    known = {name: share for name, share in soundness.evidence(scene, found).items() if share is not None}
+    assert known == {"mean_drift": pytest.approx(0.75)}

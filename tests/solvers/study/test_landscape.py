@@ -115,6 +115,7 @@ def test_an_earlier_time_is_looked_up():
         short = runner.run(BAR, "amplitude", 0.14, until).largest_error(TRUTH, "x", until)
         # Between samples it is interpolated, and the error grows by a few per cent from one to the next.
         assert long.largest_error(TRUTH, "x", until) == pytest.approx(short, rel=0.1)
+    assert (np.diff(long.errors[TRUTH], axis=1) >= 0).all()  # the largest so far, of every quantity
     assert long.status == LOST and long.status_at(0.9 * long.broken_at) == OK
     assert np.isnan(long.largest_error("companion", "x", 0.5))
 
@@ -195,6 +196,5 @@ def test_what_is_too_dear_is_left_out():
 def test_the_cache_keeps_the_longest(monkeypatch):
     monkeypatch.setattr("solvers.study.landscape.error_history.MOST_HISTORIES", 2)
     cache, long = HistoryCache(), ErrorHistory(1.0)
-    for key, history in (("a", long), ("a", ErrorHistory(0.5)), ("b", long), ("c", long)):
-        cache.put(key, history)
+    cache.put([("a", long), ("a", ErrorHistory(0.5)), ("b", long), ("c", long)])
     assert cache.get("a") is None and cache.get("b") is long and cache.get("c") is long

@@ -67,7 +67,7 @@ def measure_errors(scene: Scene) -> dict[str, Any]:
     true = {q: result.error[q]["max"] for q in QUANTITIES}
     estimated = {q: result.estimate[name][q]["max"] for name in scene.active_estimators[:1] for q in QUANTITIES}
     return {"method": scene.method, "cells": scene.cells, "status": result.status,
-            **({} if result.status == OK else {"reason": result.reason}), "error": true, "estimate": estimated}
+            **({} if result.status == OK else {"reason": result.explanation}), "error": true, "estimate": estimated}
 
 
 def time_bare_runs(scenes: Sequence[Scene]) -> list[float]:

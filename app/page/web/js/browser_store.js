@@ -26,6 +26,13 @@
     field.dispatchEvent(new Event("input", {bubbles: true}));
   }
 
+  // What is known before there is a page goes along with the request for it, so that its first picture is what was asked for.
+  const COOKIE = "mpm-lab-asks", early = {};
+  function sendAlong(said) {
+    const text = encodeURIComponent(JSON.stringify(Object.assign(early, said)));
+    if (text.length < 3000) document.cookie = `${COOKIE}=${text}; max-age=60; SameSite=Strict`;
+  }
+
   // The address names a language that is not the lab's own, or that has been asked for: it goes with every link.
   const spoken = document.documentElement.lang, asked = new URLSearchParams(location.search).getAll("lang").pop();
   const named = asked?.toLowerCase() === spoken, search = named || spoken === "en" ? location.search
@@ -45,12 +52,14 @@
   root.dataset.link = link;
   root.classList.toggle("lab-linked", link !== "");
   history.replaceState(null, "", location.pathname + search);
+  sendAlong({link, here});
 
   function look() {
     const found = document.querySelector("[data-lab~=lab-store] + div input");
     if (!found) { field = lesson = null; return; }
     if (found !== field) {
       field = found;
+      document.cookie = `${COOKIE}=; max-age=0; SameSite=Strict`;
       lesson = null;  // what the one before was told may not have been passed on
       tellLink();
       dispatchEvent(new Event("lab-asked"));
@@ -75,7 +84,7 @@
     }
   }
 
-  addEventListener("lab-tell", event => field && tell(event.detail));  // what other scripts have to say
+  addEventListener("lab-tell", event => (field ? tell : sendAlong)(event.detail));  // what other scripts say
   addEventListener("hashchange", () => {  // somebody has typed or followed another link on the same page
     read();
     if (field && link) tellLink();

@@ -47,6 +47,7 @@
   black.addEventListener("click", () => dark(false));
 
   let asked = new URLSearchParams(location.search).has("present");
+  if (asked) tell("present");
   addEventListener("lab-asked", () => { if (asked) { asked = false; tell("present"); } });
 
   let was = false;

@@ -15,10 +15,11 @@
     document.getElementById("lab-first-words")?.remove();
     tell(stands.matches ? "stills" : "play");
   }
+  if (wanted) start();
   addEventListener("lab-asked", () => {
     if (!wanted) return;
     wanted = false;
-    start();
+    start();  // it begins when it can be seen
   });
   document.addEventListener("click", event => {
     if (!event.target.closest("[data-lab~=lab-replay] + div button")) return;

@@ -38,17 +38,19 @@
     if (`${event.detail}` === `${told().room.slice(0, 2)}`) release();
   });
 
+  function tell() {
+    soon = null;
+    const now = JSON.stringify(told());
+    if (now !== last) dispatchEvent(new CustomEvent("lab-tell", {detail: JSON.parse(last = now)}));
+  }
   function look() {
-    soon ??= setTimeout(() => {
-      soon = null;
-      const now = JSON.stringify(told());
-      if (now !== last) dispatchEvent(new CustomEvent("lab-tell", {detail: JSON.parse(last = now)}));
-    }, 120);
+    soon ??= setTimeout(tell, 120);
   }
 
   new ResizeObserver(hold).observe(room);
   new ResizeObserver(look).observe(axis);
   dark.addEventListener("change", paint);
   paint();
+  tell();
   addEventListener("lab-asked", () => { last = ""; look(); });  // somebody listens from now on
 })();

@@ -49,6 +49,13 @@ def test_changes_of_one_slider_in_a_row_are_one_step():
     assert visitor.state == BAR, "nothing is left"
 
 
+def test_nothing_is_to_be_undone_of_what_is_put_back_at_once():
+    visitor = Visitor()
+    visitor.show(changed(cells=60))
+    for amplitude, said in ((0.004, "Amplitude A, 3.4 mm to 4 mm"), (0.0034, "Cells, 40 to 60")):
+        assert visitor.show(changed(cells=60, amplitude=amplitude), after=0.9 * TOGETHER) == said
+
+
 @pytest.mark.parametrize("after, said", [
     (changed(method="bspline"), "Method, MPM (hat functions) to B-spline"), (changed(cells=80), "Cells, 40 to 80"),
     (changed(cfl=0.5), "CFL number, 0.05 to 0.5"), (changed(cfl=None, dt=1e-3), "CFL number, 0.05 to 0.08"),

@@ -100,10 +100,10 @@ def test_a_file_of_another_problem_is_asked_about_and_one_that_says_its_scene_is
     liar.write_bytes(particle_writers.npz_bytes([exact_frame(bar, 0.1)], replace(ring, cells=bar.cells)))
     answers, _ = shown_of(process, theirs, bar, tmp_path)
     assert answers == {"asks": {"reason": "has positions in two directions, and the bar has one",
-                                "problems": ["ring", "vortex", "square"]}}
+                                "problems": ["square", "ring", "vortex"]}}
     assert question("r.csv", **answers["asks"]) == (
-        "The file r.csv has positions in two directions, and the bar has one. Is it of the expanding ring, the "
-        "generalized vortex or the axis-aligned square?")
+        "The file r.csv has positions in two directions, and the bar has one. Is it of the axis-aligned "
+        "square, the expanding ring or the generalized vortex?")
     answers, _ = shown_of(process, theirs, PROBLEMS["ring"].scene(amplitude=0.02), tmp_path, chosen=True)
     assert max(answers["frames"]["norms"]["x"]) < 1e-12
     run, _ = run_of(process, ours, bar, tmp_path, "ours.npz")

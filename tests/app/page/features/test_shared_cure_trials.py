@@ -1,0 +1,30 @@
+"""What the page offers of a broken run was tried in a process of its own."""
+
+from dataclasses import replace
+from types import SimpleNamespace
+
+import pytest
+
+from app.page.features.shared_cure_trials import SharedCureTrials, scene_to_try
+from solvers.problems.bar.scene import BarScene
+from tests.support.processes import wait_until
+
+LONELY = BarScene(ppc=1, periods=2, cfl=0.2, estimators=(), effects=("truth", "soundness"))
+
+
+def test_what_held_is_known_a_while_later_and_kept():
+    """Two changes, neither of them an earlier end, which a stage does not have."""
+    trials = SharedCureTrials()
+    trials.open()
+    assert trials.answer(LONELY) is None
+    wait_until(lambda: trials.answer(LONELY) is not None, "the trials", 120)
+    assert [cure["change"] for cure in trials.answer(LONELY)] == [{"ppc": 2}, {"ppc": 3}]
+    assert trials.answer(replace(LONELY, cells=4000, periods=50)) == []  # takes too long
+    trials.close()
+
+
+def test_a_run_that_broke_beyond_its_scenes_end_is_tried_for_longer():
+    report = SimpleNamespace(scene=LONELY, since=1.0, time=1.5)
+    assert scene_to_try(report) is LONELY
+    report.since = 3.0
+    assert scene_to_try(report).end_time == pytest.approx(6.0)
