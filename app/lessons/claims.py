@@ -53,6 +53,7 @@ def result_paths() -> Vocabulary:
              for effect in ALL.values() if effect.numbers}
     return {"error": ((*QUANTITIES, *EXTRA_NORMS), NORMS), "estimate": (estimators, tuple(QUANTITIES), NORMS),
             "index": (estimators, tuple(QUANTITIES)), "distance": (estimators, tuple(QUANTITIES)),
+            "corrected": (estimators, tuple(QUANTITIES), NORMS),
             "budget": (FIELDS, tuple(CAUSES)), "rms": (FIELDS,), "predicted": (FIELDS, tuple(CAUSES)),
             "bet": (tuple(map(interval_bets.judge_name_in_claims, interval_bets.JUDGES)), random_runs.QUANTITIES,
                     ("low", "high", "score")), "valid": (estimators,), "status": (), "steps": (), "particles": (),
@@ -274,13 +275,13 @@ def _value_at_path(result: Mapping[str, Any], path: tuple[str, ...]) -> float | 
     """Returns the number or word at a split path of a result's JSON object; raises :class:`ClaimError` without one."""
     found: Any = result
     names = list(path)
-    if path[0] in ("estimate", "index", "distance", "valid"):
+    if path[0] in ("estimate", "index", "distance", "corrected", "valid"):
         estimator, running = path[1].replace("_", "-"), result["scene"]["estimator"]
         if estimator not in running:
             raise ClaimError(f"{'.'.join(path)}: {estimator} does not run in this scene")
         if path[0] == "valid":
             return "no" if estimator in result["not_valid"] else "yes"
-        names = [path[0], *([estimator] if len(running) > 1 else []), *path[2:]]
+        names = [path[0], *([estimator] if len(running) > 1 or path[0] == "corrected" else []), *path[2:]]
     if path[0] in ("rms", "predicted"):
         names = ["budget", *path]
     for name in names:

@@ -13,7 +13,7 @@ from app.frame import headline
 from app.frame.error_view_captions import FrameErrorView
 from app.frame.headline import BACK, LAST, LOST, PAUSED, UNSTABLE, HeadlineWithFacts, InstantErrors, fill_template
 from app.language.translation import lazy, localise_number, tr, trn
-from app.names_and_units import QUANTITIES, format_factor, format_number, reword_for_page
+from app.names_and_units import QUANTITIES, format_factor, format_number, per_cent, reword_for_page
 from app.page.visit.history import series_until
 from solvers.engine.engine_messages import FrameReport
 from solvers.engine.shared_frames import FrameArrays
@@ -47,11 +47,12 @@ class HeadlinePanel:
 
 def frame_headline(report: FrameReport | None, arrays: FrameArrays | None, view: FrameErrorView | None,
                    quantity: str, estimator: str | None, periods_back: float = 0.0,
-                   comparison: str = "") -> HeadlineWithFacts:
+                   comparison: str = "", left: float = math.nan) -> HeadlineWithFacts:
     """Returns the headline of a frame from the ``view`` of its errors.
 
     ``quantity`` is a key (x, v, sigma, a), ``estimator`` the one on the stage, ``periods_back`` the periods from the
-    frame to the newest, ``comparison`` the text of :func:`compare_errors`."""
+    frame to the newest, ``comparison`` the text of :func:`compare_errors`, ``left`` the relative error that
+    is left of the result when the estimate is subtracted, NaN if that is not offered."""
     if report is None or arrays is None or view is None:
         return HeadlineWithFacts.from_template(tr(WAITING))
     when = format_number(report.time)
@@ -68,6 +69,8 @@ def frame_headline(report: FrameReport | None, arrays: FrameArrays | None, view:
         "" if lost else fill_template(tr(PAUSED), time=when)
     said = headline.format_error_headline(words, QUANTITIES[quantity].unit, errors, before)
     facts = [*([*said.facts[1:], comparison] if comparison else said.facts), *_crossings_text(report.scene, arrays)]
+    if math.isfinite(left) and not lost:
+        facts.insert(0, tr("subtracting the estimate leaves {share}", share=per_cent(left)))
     parts = said.headline
     if lost:
         facts = _lost_run_reason(report) or facts

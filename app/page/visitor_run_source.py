@@ -1,7 +1,10 @@
 """The visitor's run as a source of the stage: now or in the past, alone or beside a pinned run."""
 
+import math
 from collections.abc import Callable, Hashable
 from time import monotonic
+
+import numpy as np
 
 from app.frame.colour_scale import LEAST_TOP
 from app.frame.error_view_captions import NONE_CHOSEN, FrameErrorView, frame_error_view, why_no_index
@@ -23,6 +26,7 @@ from app.page.visit.status_message import Notice
 from app.page.visit.traced_particle_series import ParticleTracer
 from solvers.engine.engine_messages import FrameReport
 from solvers.engine.shared_frames import FrameArrays
+from solvers.scene.estimator_registry import COMPANION, ESTIMATORS
 from solvers.solver.soundness import OK, UNSTABLE
 
 READING_SECONDS = 0.5  # for which the words about a run that plays stay
@@ -101,7 +105,19 @@ class VisitorRunSource:
             own, its = (InstantErrors.of_view(one).true / scene.size_of(choice.quantity)
                         for one, scene in ((view, report.scene), (theirs, run.scene)))
             other = compare_errors(own, its, self._other_in_words(run))
-        return frame_headline(report, arrays, view, choice.quantity, choice.estimator, self._recent.periods_back, other)
+        return frame_headline(report, arrays, view, choice.quantity, choice.estimator, self._recent.periods_back, other,
+                              self._error_left(report, choice.quantity, choice.estimator))
+
+    def _error_left(self, report: FrameReport, quantity: str, estimator: str | None) -> float:
+        """Returns the relative error of a quantity that is left at a frame's time when the estimate is subtracted; NaN
+        if unknown, and for an estimator that corrects nothing. Of the companion's result no MPM would be left."""
+        series = self._session.history.series
+        missed = series.get(f"{estimator}/difference_{quantity}", ())
+        if estimator not in report.valid_estimators or estimator == COMPANION or not ESTIMATORS[estimator].judges \
+                or not len(missed):
+            return math.nan
+        at = np.searchsorted(series["time"], report.time + 0.5 * report.scene.time_step) - 1
+        return float(missed[max(0, at)]) / report.scene.size_of(quantity)
 
     def notice(self) -> Notice | None:
         """Returns the session's message for the visitor, or else one of ``further``; None if there is none."""

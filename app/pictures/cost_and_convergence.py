@@ -18,7 +18,14 @@ from app.pictures.run_errors import DRAWN
 from app.renderers.picture_panel_style import Look, write_note
 from app.renderers.picture_style import UnitPrefixTickFormatter, format_size_axis
 from solvers.solver.soundness import BROKEN, OK
-from solvers.study.convergence_analysis import SingleInputSeries, completed_rows, error_of, fit_space_time, pareto
+from solvers.study.convergence_analysis import (
+    SingleInputSeries,
+    completed_rows,
+    corrected_rows,
+    error_of,
+    fit_space_time,
+    pareto,
+)
 
 REST = "everything else\nthat was measured"
 NO_TRUTH = "no row has a true error"
@@ -36,13 +43,16 @@ BALANCE_LOOK: Look = {"marker": "*", "markersize": 15, "markeredgecolor": INK, "
 
 
 def error_run_time_figure(rows: Sequence[dict]) -> Figure:
-    """Returns each run's largest RMS error over its seconds, a panel per quantity, with the Pareto front."""
+    """Returns each run's largest RMS error over its seconds, a panel per quantity, with the Pareto front; hollow, with
+    the time of run and estimator, the error that is left when the estimate is subtracted."""
+    rows = [*rows, *corrected_rows(rows)]
     title = "What accuracy costs: error against time"
     cells = sorted({row["scene"]["cells"] for row in completed_rows(rows)})
     shown = parts.known_quantities(rows, DRAWN)
     if not shown:
         return parts.empty_figure(title, NO_TRUTH)
     lines = parts.series_styles(rows)
+    hollow = any(line.corrected_by for line, _ in lines)
     if 1 < len(cells) <= MOST_NAMED:
         title += f"; from left to right along a line: {', '.join(map(str, cells))} cells"
     figure, axes = parts.make_panel_grid(title, 1, len(shown), (WIDTH, 5.6))
@@ -53,7 +63,8 @@ def error_run_time_figure(rows: Sequence[dict]) -> Figure:
             best = [points[k] for k in pareto(*zip(*points, strict=True))]
             panel.plot(*zip(*best, strict=True), marker="o", markersize=6, **FRONT)
         parts.draw_errors(panel, lines, quantity, lambda row: row["seconds"]["min"])
-        panel.set_xlabel("time of the bare run, shortest of the repeats")
+        panel.set_xlabel("time of the run and, hollow, its estimator" if hollow else
+                         "time of the bare run, shortest of the repeats")
         parts.set_log_axes(panel)
     front = Line2D([], [], **FRONT, label="Pareto front: no row has less error in less time")
     parts.add_legend_below(figure, lines, [front])

@@ -35,8 +35,9 @@ HIGHEST_INDEX = 10.0  # keeps the 1 visible when a run blows up
 MOST_DECADES = 8  # keeps earlier errors visible then
 
 
-def run_figure(result: Result) -> Figure:
-    """Returns the picture of a run: norms and indices over time, errors on the body and, if known, the error budget."""
+def run_figure(result: Result, corrected: str = "") -> Figure:
+    """Returns the picture of a run: norms and indices over time, errors on the body and, if known, the error budget;
+    with the norms of the result minus its estimate by the estimator ``corrected``, "" for none."""
     view = VIEWS[result.scene.problem]
     height, lower = view.picture
     if result.scene.DIMENSIONS > 1:  # one picture of the body per estimator, side by side
@@ -49,7 +50,7 @@ def run_figure(result: Result) -> Figure:
     norms = places[0, 0].subgridspec(len(DRAWN), 1).subplots(squeeze=False)[:, 0]
     index, space = places[0, 1].subgridspec(2, 1).subplots(squeeze=False)[:, 0]
     for axes, quantity in zip(norms, DRAWN, strict=True):
-        _draw_norm(axes, result, quantity)
+        _draw_norm(axes, result, quantity, corrected if corrected not in result.not_valid else "")
         axes.tick_params(labelbottom=axes is norms[-1])
     norms[-1].set_xlabel("time t")
     _draw_index(index, result)
@@ -84,11 +85,15 @@ def _figure_title(result: Result) -> str:
     return "\n".join([first, second, *textwrap.wrap(result.reason or "", 130)])
 
 
-def _draw_norm(axes: Axes, result: Result, quantity: str) -> None:
-    """Draws the true and each estimated RMS error of a quantity over time, with a logarithmic vertical axis."""
+def _draw_norm(axes: Axes, result: Result, quantity: str, corrected: str) -> None:
+    """Draws the true and each estimated RMS error of a quantity over time, with a logarithmic vertical axis, and the
+    true one of the result minus its estimate by ``corrected``."""
     lines = [("true", "truth", f"error_{quantity}", TRUTH, "-")]
     lines += [(name, f"estimate ({name})", f"{name}/estimate_{quantity}", colour, style)
               for name, colour, style in estimator_styles(result)]
+    if corrected:
+        words = f"corrected by {corrected}"
+        lines.append((words, words, f"{corrected}/difference_{quantity}", TRUTH, ":"))
     drawn: list[tuple[str, np.ndarray, str]] = []
     for name, label, key, colour, style in lines:
         values = positive_or_gap(result.series[key])

@@ -51,12 +51,14 @@ def known_quantities(rows: Sequence[dict], among: Iterable[str] = QUANTITIES) ->
 
 def series_styles(rows: Sequence[dict], along: str = "cells") -> list[tuple[SingleInputSeries, Look]]:
     """Returns the series of rows along one input, each with its style: colour and marker by method, line style and
-    filling by other inputs."""
+    filling by other inputs, hollow for corrected results."""
     lines = group_series(rows, along)
-    numbers = {variant: k for k, variant in enumerate(dict.fromkeys(line.variant for line in lines))}
+    kinds = [(line.variant, line.corrected_by) for line in lines]
+    numbers = {kind: k for k, kind in enumerate(dict.fromkeys(kinds))}
     return [(line, {"color": METHOD_COLOURS[line.method], "marker": METHOD_MARKS[line.method], "markersize": 6,
-                    "linewidth": 1.3, "linestyle": LINE_STYLES[(k := numbers[line.variant]) % len(LINE_STYLES)],
-                    "fillstyle": ("full", "left")[k // len(LINE_STYLES) % 2]}) for line in lines]
+                    "linewidth": 1.3, "linestyle": LINE_STYLES[(k := numbers[kind]) % len(LINE_STYLES)],
+                    "fillstyle": "none" if line.corrected_by else ("full", "left")[k // len(LINE_STYLES) % 2]})
+            for line, kind in zip(lines, kinds, strict=True)]
 
 
 def draw_errors(axes: Axes, lines: Sequence[tuple[SingleInputSeries, Look]], quantity: str,

@@ -14,6 +14,7 @@ import numpy as np
 from solvers.running import result_file
 from solvers.running.cures import Cure, advice_sentence
 from solvers.scene.effects import ALL
+from solvers.scene.estimator_registry import ESTIMATORS
 from solvers.scene.scene import Scene
 from solvers.scene.validation import SceneError
 from solvers.solver import budget_shares, error_series, verdict_basis
@@ -174,6 +175,15 @@ class Result:
         """RMS distance of the estimate from the true error, over the size of that, by quantity: 0 is perfect."""
         return self._by_estimator(functools.partial(self._ratio, "distance"), None)
 
+    @property
+    def corrected(self) -> dict[str, dict[str, dict]]:
+        """Errors, as :attr:`error`, that are left of the particles' x, v, sigma and a when the estimate is subtracted,
+        by estimator whose size is reliable: ``corrected["recovered"]["x"]["max"]``; None where one does not hold here.
+        Of "companion" the result is the companion's own: no MPM is left in it."""
+        nothing = summary(np.array([]))
+        return {name: {q: nothing if name in self.not_valid else summary(self.series[f"{name}/difference_{q}"])
+                       for q in QUANTITIES} for name in self._asked_estimators if ESTIMATORS[name].judges}
+
     def _ratio(self, ratio: str, estimator: str) -> dict[str, float | None]:
         norm = f"{estimator}/{error_series.RATIOS[ratio]}"
         return {q: error_series.error_index(self.series[f"{norm}_{q}"], self.series[f"error_{q}"],
@@ -182,8 +192,12 @@ class Result:
     def _by_estimator(self, what: Callable[[str], dict], missing: object) -> ByEstimator:
         """Returns ``what(name)``, values by quantity, for each requested estimator; ``missing`` if it does not hold."""
         nothing = dict.fromkeys(QUANTITIES, missing)
-        names = self.scene.estimators if "estimate" in self.scene.effects else ()
-        return ByEstimator({name: nothing if name in self.not_valid else what(name) for name in names}, nothing)
+        return ByEstimator({name: nothing if name in self.not_valid else what(name) for name in self._asked_estimators},
+                           nothing)
+
+    @property
+    def _asked_estimators(self) -> tuple[str, ...]:
+        return self.scene.estimators if "estimate" in self.scene.effects else ()
 
     @property
     def rounding(self) -> dict[str, str]:
@@ -272,7 +286,7 @@ class Result:
                 "advice": [asdict(cure) for cure in self.advice], **self.verdict,
                 "t": self.time, "steps": self.steps, "particles": self.particles, "error": self.error,
                 "estimate": self.estimate, "index": self.index, "rounding": self.rounding, "distance": self.distance,
-                "goals": self.goals,
+                "corrected": self.corrected, "goals": self.goals,
                 **{effect.json_key: self.effect_numbers(name) for name, effect in ALL.items() if effect.numbers},
                 "budget": self.budget, "soundness": self.soundness, "step": self.step, "life": self.life,
                 "effects": self.effects, "bytes": self.bytes, "not_valid": self.not_valid,

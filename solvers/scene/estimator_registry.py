@@ -25,6 +25,7 @@ MOVING_WEIGHTS = Limit("transport", "frozen", allowed=(False,), why="transport a
 #: Estimators of which a scene has the first that its problem offers, unless it names others. Measured with every method
 #: in the usual scenes: companion is valid in all of them, its indices are 0.99 to 1.01, and it is the cheaper one.
 DEFAULT_JUDGES = ("companion", "recovered")
+COMPANION = "companion"  # subtracting its estimate leaves its own solution, and no MPM
 #: Reasons why an estimator is known not to hold, shared by several problems.
 PROCESSOR_REASON = ("{name} works on the particles in every step, which is not built for a GPU; take companion, which "
                     "the processor solves beside them, or --arch cpu")
@@ -116,6 +117,13 @@ def require_offered(chosen: object, problem: str, offered: tuple[str, ...]) -> N
         if estimator and name not in offered and problem in estimator.refusals:
             raise SceneError("estimators", name, "{refusals}; give one of {offered}",
                              Message(estimator.refusals[problem]), ", ".join((*offered, "none")))
+
+
+def require_corrector(name: object, offered: tuple[str, ...]) -> None:
+    """Raises :class:`SceneError` for a name that is not that of an estimator, of those ``offered``, whose estimate may
+    be subtracted from a result: its size must be reliable."""
+    if name not in (correctors := [one for one in offered if ESTIMATORS[one].judges]):
+        raise SceneError("corrected", name, "corrects no result here; give one of {correctors}", ", ".join(correctors))
 
 
 def hooks_of(problem: str, own: Mapping[str, EstimatorHooks]) -> dict[str, EstimatorHooks]:

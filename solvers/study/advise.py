@@ -78,15 +78,17 @@ class Advice:
 
 
 def refinement_families(base: Scene, methods: Iterable[tuple[str, bool]], per_cell: Iterable[int],
-                        courant_numbers: Iterable[float], quantity: str) -> list[RefinementFamily]:
+                        courant_numbers: Iterable[float], quantity: str, corrected: str = "") -> list[RefinementFamily]:
     """Returns a family of runs like ``base`` for every combination that makes a valid scene: ``methods`` are names,
-    each with whether it preserves linearity, ``per_cell`` is particles per cell and direction."""
+    each with whether it preserves linearity, ``per_cell`` is particles per cell and direction. Of each there is another
+    if an estimator's name is given, with results ``corrected`` by it."""
     found = []
     multiple = 6 if base.DIMENSIONS == 2 else 2  # so that the ring's lattice divides evenly
     for (method, preserving), ppc, cfl in product(methods, per_cell, courant_numbers):
         with suppress(SceneError):
             scene = replace(base, method=method, linearity_preserving=preserving, ppc=ppc, dt=None, cfl=cfl)
-            found.append(RefinementFamily(scene, quantity, multiple))
+            found += [RefinementFamily(scene, quantity, multiple, corrected=way)
+                      for way in dict.fromkeys(("", corrected))]
     return found
 
 
@@ -106,7 +108,7 @@ def advise(choices: list[RefinementFamily], goal: SearchGoal,
     search.measure_families_coarsely()
     best = search.measure_until_cheapest()
     met = best.is_measured and best.error <= goal.tolerance
-    others = [family for family in choices if _method_name(family.scene) != _method_name(best.scene)]
+    others = [family for family in choices if _way_name(family) != _way_name(best.family)]
     search.measure_runner_up(others)
     runner_up, why = _runner_up(others, best, goal, met)
     return Advice(goal, met, best, search.predicted.get((id(best.family), best.cells), best.error), runner_up, why,
@@ -192,8 +194,8 @@ def usual_family_per_method(choices: Iterable[RefinementFamily]) -> list[Refinem
     last come first, because each corrects deficiencies of previous ones."""
     found: dict[str, RefinementFamily] = {}
     for family in choices:
-        before = found.setdefault(_method_name(family.scene), family)
-        found[_method_name(family.scene)] = min(before, family, key=lambda one: (
+        before = found.setdefault(_way_name(family), family)
+        found[_way_name(family)] = min(before, family, key=lambda one: (
             abs(one.scene.ppc - USUAL_PPC), abs(one.scene.courant_number - USUAL_CFL)))
     return list(found.values())[::-1]
 
@@ -248,7 +250,7 @@ def _runner_up(others: list[RefinementFamily], best: Candidate, goal: SearchGoal
     if not others:
         return None, Message("no other method was asked for")
     (other, *_), others_meet = _ranking(others, goal)
-    name, scene = _method_name(other.scene), other.scene
+    name, scene = _way_name(other.family), other.scene
     if met and not others_meet:
         return other, Message("{name} does not meet the tolerance: its error is {error:.2g} at {cells} cells and falls "
                               "no further within the budget", name, other.error, other.cells)
@@ -258,5 +260,8 @@ def _runner_up(others: list[RefinementFamily], best: Candidate, goal: SearchGoal
     return other, Message("{name} needs {size}: {seconds:.2g} times the time", name, size, other.seconds / best.seconds)
 
 
-def _method_name(scene: Scene) -> str:
-    return Message("linearity-preserving {method}", scene.method) if scene.linearity_preserving else scene.method
+def _way_name(family: RefinementFamily) -> str:
+    """Returns a family's method, and the estimator that corrects its results."""
+    scene = family.scene
+    name = Message("linearity-preserving {method}", scene.method) if scene.linearity_preserving else scene.method
+    return Message("{method} corrected by {estimator}", name, family.corrected) if family.corrected else name

@@ -8,6 +8,7 @@ from dataclasses import asdict, dataclass
 
 import numpy as np
 
+from solvers.scene.estimator_registry import COMPANION
 from solvers.solver.error_series import IGNORE_OVERFLOW
 from solvers.solver.rounding import largest_rounding_error
 from solvers.solver.samples import QUANTITIES
@@ -114,12 +115,18 @@ class SingleInputSeries:
         """Inputs as (name, value) that distinguish the series from others of the same method."""
         return tuple((name, value) for name, value in self.inputs.items() if name != "method")
 
+    @property
+    def corrected_by(self) -> str:
+        """Estimator whose estimates are subtracted, "" for none."""
+        return self.rows[0].get("corrected_by", "")
+
     def label(self, names: dict[str, str] | None = None) -> str:
         """Returns the inputs as text, such as "mpm, A 0.1"; ``names`` maps methods to full names."""
         method = (names or {}).get(self.method, self.method)
         words = {"amplitude": "A", "modulus": "E"}
+        corrected = [f"corrected by {self.corrected_by}"] if self.corrected_by else []
         return ", ".join([method, *(f"{words.get(name, name.replace('_', ' '))} {_format_value(value)}"
-                                    for name, value in self.variant)])
+                                    for name, value in self.variant), *corrected])
 
     def fit(self, quantity: str, norm: str = "max") -> ConvergenceOrder | None:
         """Returns the order in h of a quantity's true error (x, v or sigma), over the rows with status "ok"."""
@@ -134,6 +141,21 @@ class SingleInputSeries:
 def error_of(row: dict, quantity: str, norm: str = "max") -> float | None:
     """Returns the max, mean or final RMS error of x, v or sigma (SI units) in a row; None if unknown."""
     return ((row.get("error") or {}).get(quantity) or {}).get(norm)
+
+
+def corrected_rows(rows: Iterable[dict]) -> list[dict]:
+    """Returns rows of the results minus their estimates, one for each run that stood and estimator that corrects it,
+    named in ``corrected_by``: with the error that is left, and as ``min`` the seconds of the bare run and the estimator
+    together. Without the companion's: no MPM is left in them."""
+    found = []
+    for row in rows:
+        prices = (row.get("seconds") or {}).get("estimators") or {}
+        for name, left in (row.get("corrected") or {}).items():
+            if row["status"] == OK and name in prices and name != COMPANION:
+                seconds = {**row["seconds"], "min": row["seconds"]["min"] + prices[name]}
+                found.append({**row, "error": left, "estimate": {}, "index": {}, "budget": None, "rate": None,
+                              "reason": None, "seconds": seconds, "corrected_by": name})
+    return found
 
 
 def completed_rows(rows: Iterable[dict]) -> list[dict]:
@@ -154,7 +176,8 @@ def group_series(rows: Sequence[dict], along: str = "cells") -> list[SingleInput
     others = [name for name in varying_inputs(rows) if name not in ignored]
     lines: dict[str, list[dict]] = {}
     for row in rows:
-        lines.setdefault(json.dumps([row["asked"].get(name) for name in others]), []).append(row)
+        same = [row["asked"].get(name) for name in others]
+        lines.setdefault(json.dumps([*same, row.get("corrected_by")]), []).append(row)
     return [SingleInputSeries(tuple(sorted(line, key=lambda row: row["scene"][along])),
                               {name: line[0]["asked"].get(name) for name in others}) for line in lines.values()]
 

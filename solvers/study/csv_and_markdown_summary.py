@@ -4,9 +4,17 @@ from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
 from solvers.scene.error_causes import CAUSES
+from solvers.scene.estimator_registry import COMPANION
 from solvers.solver.soundness import BROKEN, OK
 from solvers.study import convergence_analysis
-from solvers.study.convergence_analysis import completed_rows, error_of, group_series, pareto, varying_inputs
+from solvers.study.convergence_analysis import (
+    completed_rows,
+    corrected_rows,
+    error_of,
+    group_series,
+    pareto,
+    varying_inputs,
+)
 from solvers.study.markdown_tables import markdown_table
 from solvers.study.row import FAILED, REFUSED
 from solvers.untrusted import quoting
@@ -53,7 +61,8 @@ def summarise_study(problem: str, rows: Sequence[dict], pictures: Sequence[str] 
     parts = [f"# Sweep of the {problem}",
              f"{len(rows)} rows: " + ", ".join(f"{count} {status}" for status, count in counts.items() if count) + "."]
     names = list(dict.fromkeys(["method", "cells", *varying_inputs(rows)]))
-    parts += [_rows_table(rows, names), _orders_table(rows), _pareto_table(rows, names), _reasons_list(rows, names)]
+    ways = [*rows, *corrected_rows(rows)]
+    parts += [_rows_table(ways, names), _orders_table(rows), _pareto_table(ways, names), _reasons_list(rows, names)]
     parts += [f"![{name}]({name})" for name in pictures]
     return "\n\n".join(part for part in parts if part) + "\n"
 
@@ -72,14 +81,18 @@ def _rows_table(rows: Sequence[dict], names: Sequence[str]) -> str:
             budget = {}  # shares are meaningless there
         large = row["status"] == OK and row.get("as_large_as_itself")  # for these the status does not hold
         status = row["status"] + (f" for x, not for {', '.join(large)}" if large else "")
-        lines.append([*(_cell(values.get(name)) for name in names), status,
+        lines.append([*(_way_cell(row, values, name) for name in names), status,
                       *(_number(error_of(row, q), ".3e") for q in SHOWN),
                       *(_number((index.get(e) or {}).get(q), ".3f") for e in estimators for q in SHOWN),
                       *(_number((budget.get(field) or {}).get(cause), ".3f") for field, cause in shares),
                       _number((row.get("seconds") or {}).get("min"), ".4g"), _number(row.get("rate"), ".3g")])
     most = max((row.get("side_by_side") or 1 for row in rows), default=1)
     beside = f", taken while up to {most} rows ran side by side" * (most > 1)
-    return f"Errors are the largest RMS over particles; seconds the shortest of the bare runs{beside}.\n\n" \
+    corrected = ", with the estimator's where the result is corrected by subtracting its estimate" \
+        * any("corrected_by" in row for row in rows)
+    if any(COMPANION in (row.get("corrected") or {}) for row in rows):
+        beside += ". Corrected by companion no MPM is left in a result, so that is in table.csv alone"
+    return f"Errors are the largest RMS over particles; seconds the shortest of the bare runs{corrected}{beside}.\n\n" \
         + markdown_table(heads, lines)
 
 
@@ -108,8 +121,8 @@ def _pareto_table(rows: Sequence[dict], names: Sequence[str]) -> str:
     if not usable:
         return ""
     front = pareto([row["seconds"]["min"] for row in usable], [error_of(row, "x") or 0 for row in usable])
-    lines = [[*(_cell(usable[k]["scene"].get(name)) for name in names), _number(error_of(usable[k], "x"), ".3e"),
-              _number(usable[k]["seconds"]["min"], ".4g")] for k in front]
+    lines = [[*(_way_cell(row, row["scene"], name) for name in names), _number(error_of(row, "x"), ".3e"),
+              _number(row["seconds"]["min"], ".4g")] for row in (usable[k] for k in front)]
     return "## Best for its time\n\nNo other row has a smaller error of x in less time.\n\n" \
         + markdown_table([*names, "error x", "seconds"], lines)
 
@@ -126,6 +139,12 @@ def _reasons_list(rows: Sequence[dict], names: Sequence[str]) -> str:
         more = f" and {len(alike) - 1} more" if len(alike) > 1 else ""
         lines.append(f"* {first}{more}: {status}: {quoting.escape_markdown(reason)}")
     return "## Not ok, or not for all\n\n" + "\n".join(lines) if lines else ""
+
+
+def _way_cell(row: Mapping, inputs: Mapping, name: str) -> str:
+    """Returns the cell of an input; that of the method names the estimator that corrects the result too."""
+    corrected = f", corrected by {row['corrected_by']}" if name == "method" and "corrected_by" in row else ""
+    return _cell(inputs.get(name)) + corrected
 
 
 def _cell(value: object) -> str:

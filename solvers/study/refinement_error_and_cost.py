@@ -39,23 +39,30 @@ class RefinementPoint:
 
 @dataclass
 class RefinementFamily:
-    """Runs of ``scene`` on multiples of ``multiple`` cells and measured ``points``; ``quantity``: x, v, sigma or a."""
+    """Runs of ``scene`` on multiples of ``multiple`` cells and measured ``points``; ``quantity``: x, v, sigma or a.
+
+    With an estimator's name as ``corrected`` its estimate is subtracted from each result; the error is then the true
+    one of what is left, and the time that of run and estimator."""
 
     scene: Scene
     quantity: str
     multiple: int
     points: list[RefinementPoint] = field(default_factory=list)
+    corrected: str = ""
 
     def member(self, cells: int) -> Scene:
-        """Returns the scene with so many cells, the companion estimator and only the effects that it needs."""
-        return replace(self.scene, cells=cells, estimators=(ESTIMATOR,), effects=("estimate", "acceleration"))
+        """Returns the scene with so many cells, the estimator that it takes and only the effects that it needs."""
+        truth = ("truth",) if self.corrected else ()
+        return replace(self.scene, cells=cells, estimators=(self.corrected or ESTIMATOR,),
+                       effects=("estimate", "acceleration", *truth))
 
     def measure(self, cells: int) -> RefinementPoint:
         """Runs the scene with so many cells; returns its error and time, and stores them in ``points``."""
         from solvers.running.run import run  # here: what has been measured before needs no Taichi
 
         result = run(self.member(cells), prices=False, mid_run=False)
-        largest = result.estimate[ESTIMATOR][self.quantity]["max"] if result.status == OK else None
+        norms = result.corrected[self.corrected] if self.corrected else result.estimate[ESTIMATOR]
+        largest = norms[self.quantity]["max"] if result.status == OK else None
         error = math.inf if largest is None else largest
         return self.add_and_time_point(RefinementPoint(cells, error, math.nan, result.status, result.reason))
 
@@ -67,7 +74,10 @@ class RefinementFamily:
         build(self._bare_scene(cells)).compile()
 
     def _bare_scene(self, cells: int) -> Scene:
-        """Returns the timed scene: without estimators and effects, with short steps, each of which takes as long."""
+        """Returns the timed scene: without estimators and effects, with short steps, each of which takes as long; of a
+        corrected result with the estimator, which takes more of a longer step."""
+        if self.corrected:
+            return replace(self.member(cells), effects=("estimate",))
         return replace(self.member(cells), estimators=(), effects=(), cfl=GENTLE_CFL)
 
     def add_and_time_point(self, point: RefinementPoint) -> RefinementPoint:

@@ -4,7 +4,7 @@ Keys of a row::
 
     schema, key, problem, asked (the inputs as given), scene (all inputs, defaults filled in; null if refused), h,
     status ("ok", "unstable", "lost", "failed", "refused"), reason, t, steps, particles, particle_steps,
-    error, estimate, index, distance, not_valid (the last four keyed by estimator),
+    error, estimate, index, distance, corrected, not_valid (the last five keyed by estimator),
     what effects have found (grid_crossings, energy, ...), effects, soundness, life, budget,
     bytes, seconds, rate, arch, threads, plan, host, version,
     solvers (the fingerprint of the source that measured it)
@@ -47,7 +47,7 @@ NORMS = MapOf(MapOf(NUMBER_OR_NONE))  # of each quantity, by kind of norm
 #: What the row of a run has beside that.
 MEASURED = {
     "scene": dict, "h": NUMBER, "steps": int, "particles": int, "error": NORMS, "estimate": MapOf(NORMS),
-    "index": NORMS,
+    "index": NORMS, "corrected": MapOf(NORMS),
     "seconds": {"repeats": list, "min": NUMBER, "full": NUMBER, "estimators": MapOf(NUMBER), "effects": MapOf(NUMBER)},
     "rate": NUMBER_OR_NONE, "life": MapOf(NUMBER_OR_NONE)}
 SCENE = {"method": str, "cells": int, "ppc": NUMBER, "amplitude": NUMBER_OR_NONE, "dt": NUMBER, "cfl": NUMBER,
@@ -83,6 +83,7 @@ def _measure_scene(task: Task, scene: Scene) -> dict:
     row |= {"particle_steps": full.steps * full.particles, "error": values["error"]}
     each = {"estimate": full.estimate, "index": full.index, "distance": full.distance}
     row |= {kind: {name: values_of[name] for name in names} for kind, values_of in each.items()}
+    row |= {"corrected": {name: left for name, left in full.corrected.items() if name in names}}
     found = (ALL[name].json_key for name in scene.choices("effects") if ALL[name].numbers)
     kept = ("rounding", "checked", "not_checked", "as_large_as_itself", "not_valid", *found, "soundness", "life",
             "effects", "bytes", "budget")

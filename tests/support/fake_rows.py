@@ -26,7 +26,7 @@ def fake_row(method: str = "ugimp", cells: int = 20, cfl: float = 0.05, order: f
            "scene": scene.to_dict(), "h": 1 / cells, "status": status, "reason": None if status == "ok" else "too long",
            "t": 5.0, "steps": 100, "particles": 4 * cells, "particle_steps": 400 * cells, "error": norms,
            "estimate": each, "index": {name: dict.fromkeys(QUANTITIES, 1.1) for name in each}, "distance": {},
-           "not_valid": {}, "grid_crossings": 0, "energy": None, "effects": [], "bytes": 1,
+           "corrected": {}, "not_valid": {}, "grid_crossings": 0, "energy": None, "effects": [], "bytes": 1,
            "seconds": {"repeats": [seconds], "min": seconds, "full": 1.5 * seconds, "compile": 0.1, "setup": 0.0,
                        "estimators": {name: 0.2 * seconds for name in each}, "effects": {}},
            "rate": 50.0, "arch": "x64", "threads": 1, "plan": "serial", "host": "here", "version": "1",

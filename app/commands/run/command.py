@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Annotated, ClassVar
 
@@ -18,6 +18,7 @@ from app.commands.scene_flags import SceneFlags
 from solvers.judging.particle_data_types import Frame
 from solvers.running.quantities_of_interest import parse_goals
 from solvers.running.result import Result
+from solvers.scene.estimator_registry import require_corrector
 from solvers.scene.scene import Scene
 from solvers.solver.particle_snapshot import Snapshot
 from solvers.untrusted.size_limits import LIMITS
@@ -78,11 +79,16 @@ class OutputFlags:
         metavar="NAME", help_behavior_hint="(default: none; may be given several times)")] = ()
     """A number of the end with its error bar: kinetic-energy, mean-stress, or displacement@X (displacement@X,Y in the
     plane) at the material point X, in m."""
+    corrected: Annotated[TextFlag, tyro.conf.arg(metavar="NAME"), default_hint("none")] = ""
+    """Estimator whose estimate is subtracted from the result: adds the error that is left of it. recovered, two-grid,
+    or companion, whose result has no MPM left in it."""
     quiet: Annotated[Switch, default_hint("off")] = False
     """No progress bar, no warnings and no remarks on standard error."""
 
     def run_and_write(self, scene: Scene) -> int:
         """Runs a scene, writes the output and returns the exit status, 0, 1 or 3. Files are checked before the run."""
+        if self.corrected:
+            scene = _with_corrector(scene, self.corrected)
         parse_goals(scene, self.goal)
         target = json_target(self.json)
         picture = None if self.plot is None else OutputTarget("plot", self.plot, ending=".png")
@@ -95,10 +101,11 @@ class OutputFlags:
         if scene.arch == "gpu" and result.arch in ("x64", "arm64") and not self.quiet:
             why = "no GPU was found" if scene.prefers_gpu else f"the {scene.problem} is built for processors"
             print_message(f"{why}: this ran on the processor ({result.arch})")
-        put_result(result.to_dict(), target, lambda values: run_table(values) + goal_table(scene, values["goals"]))
+        put_result(result.to_dict(), target, lambda values: run_table(values, self.corrected)
+                   + goal_table(scene, values["goals"]))
         if writer:
             writer.write(result)
-        drawn = picture is None or _draw(result, picture)
+        drawn = picture is None or _draw(result, picture, self.corrected)
         if result.reason:
             print_message(result.reason)
         if result.status != "ok":
@@ -153,11 +160,20 @@ def _run_and_try_cures(scene: Scene, quiet: bool, writer: ParticleWriter | None,
     return result
 
 
-def _draw(result: Result, target: OutputTarget) -> bool:
+def _with_corrector(scene: Scene, name: str) -> Scene:
+    """Returns the scene with the estimator that corrects its result. Raises SceneError for one that cannot, and for a
+    scene in which it is not known what is left."""
+    require_corrector(name, scene.choices("estimators"))
+    if missing := [effect for effect in ("truth", "estimate") if effect not in scene.effects]:
+        raise BadInput("corrected", name, f"needs what --effects leaves out: {' and '.join(missing)}")
+    return replace(scene, estimators=tuple(dict.fromkeys((*scene.estimators, name))))
+
+
+def _draw(result: Result, target: OutputTarget, corrected: str) -> bool:
     """Draws a run and writes it to the target as .png; prints a failure and returns False instead of raising it."""
     try:
         from app.pictures.run_errors import png_bytes, run_figure
-        target.write(png_bytes(run_figure(result)))
+        target.write(png_bytes(run_figure(result, corrected)))
     except Exception as error:
         print_message(f"--plot {target.text}: the picture failed ({type(error).__name__}: {error}); the run is fine")
         return False

@@ -8,6 +8,7 @@ from solvers.problems import PROBLEMS
 from solvers.running.quantities_of_interest import SAFETY
 from solvers.scene.effects import ALL, EFFECTS, PER_CENT, Number, output_lines_by_effect
 from solvers.scene.error_causes import CAUSES, FIELDS
+from solvers.scene.estimator_registry import COMPANION
 from solvers.scene.scene import Scene
 from solvers.study.coverage import track_record_and_bets
 
@@ -21,8 +22,9 @@ GOAL_MEANING = (f"bar: {SAFETY:g} times the estimated error of the number; held:
                 "in runs of\nthis method that were drawn at random (mpm-lab coverage)")
 
 
-def run_table(result: dict) -> str:
-    """Returns the text for a run's JSON object: heading, errors, estimates of each estimator, times."""
+def run_table(result: dict, corrected: str = "") -> str:
+    """Returns the text for a run's JSON object: heading, errors, estimates of each estimator, what is left of the error
+    when the estimate by ``corrected`` (an estimator's name, "" for none) is subtracted, times."""
     errors = [_norm_row(key, summary) for key, summary in result["error"].items()]
     parts = [_heading(result), _align_columns([("true error, RMS", *SUMMARY), *errors])]
     names = result["scene"]["estimator"] if "estimate" in result["effects"] else []
@@ -37,10 +39,24 @@ def run_table(result: dict) -> str:
         parts += ["index: estimate over truth, 1 is perfect; distance: their difference over truth, 0 is perfect"]
     if estimates and result["rounding"]:
         parts += ["\n".join(f"no index of {q}: {why}" for q, why in result["rounding"].items())]
+    if corrected:
+        parts.append(_corrected_table(result, corrected))
     parts += [f"estimate: {name}\n{sentence}" for name, sentence in result["not_valid"].items()]
     if result.get("budget"):
         parts.append(budget_table(result["budget"]))
     return "\n\n".join([*parts, _cost_text(result)])
+
+
+def _corrected_table(result: dict, estimator: str) -> str:
+    """Returns a text table of the RMS errors of the result minus its estimate by an estimator, or why it has none."""
+    if why := result["not_valid"].get(estimator):
+        return f"not corrected: {why}"
+    left = result["corrected"][estimator]
+    factors = [None if not left[q]["max"] else result["error"][q]["max"] / left[q]["max"] for q in QUANTITIES]
+    rows = [(*_norm_row(q, left[q]), format_value(factor, ".3g"))
+            for q, factor in zip(QUANTITIES, factors, strict=True)]
+    return _align_columns([(f"corrected by {estimator}", *SUMMARY, "smaller by"), *rows]) \
+        + f"\nno MPM is left in it: the result is the {COMPANION}'s own" * (estimator == COMPANION)
 
 
 def budget_table(budget: dict) -> str:

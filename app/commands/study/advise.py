@@ -12,6 +12,7 @@ from app.commands import lenient_flag_types
 from app.commands.output import json_target, print_message, put_result
 from app.commands.progress import record_interrupts, stdout_to_stderr
 from app.names_and_units import command_line, per_cell
+from solvers.scene.estimator_registry import COMPANION, require_corrector
 from solvers.scene.scene import Scene
 from solvers.scene.validation import require_choice, require_number
 from solvers.solver.error_series import finite_or_none
@@ -19,7 +20,7 @@ from solvers.solver.samples import QUANTITIES
 from solvers.study.sweep_and_search_worker import COURANT_NUMBERS, PARTICLES_PER_CELL
 
 if TYPE_CHECKING:
-    from solvers.study.advise import Advice
+    from solvers.study.advise import Advice, Candidate
 
 SCHEMA = "mpm-lab/advice/1"
 OK, UNREACHABLE = 0, 1
@@ -43,6 +44,9 @@ class Advise:
     """What the tolerance is about: position, velocity, stress or acceleration."""
     budget: lenient_flag_types.RealFlag = 60.0
     """Longest run that may be recommended, s."""
+    corrected: Annotated[lenient_flag_types.TextFlag, lenient_flag_types.default_hint("none")] = ""
+    """Estimator, recovered or two-grid, of runs minus their estimates that are candidates too; their error is the true
+    one, their time includes the estimator."""
     method: Any = ()
     ppc: Any = ()
     cfl: Any = ()
@@ -69,6 +73,8 @@ class Advise:
         require_number("tolerance", self.tolerance, 0, math.inf)
         require_number("budget", self.budget, 0, math.inf)
         tolerance = self.tolerance * (base.size_of(quantity) if self.relative else 1.0)  # in the quantity's unit
+        if self.corrected:
+            require_corrector(self.corrected, tuple(name for name in base.choices("estimators") if name != COMPANION))
         target = json_target(self.json)
         begun = time.monotonic()
         with stdout_to_stderr(), record_interrupts() as check_interrupts:
@@ -92,7 +98,7 @@ class Advise:
             require_choice("method", method, base.choices("method"))
         methods = [pair for pair in self.SCENE.candidates() if not self.method or pair[0] in self.method]
         choices = refinement_families(base, methods, self._numbers("ppc", self.ppc, PARTICLES_PER_CELL),
-                                      self._numbers("cfl", self.cfl, COURANT_NUMBERS), quantity)
+                                      self._numbers("cfl", self.cfl, COURANT_NUMBERS), quantity, self.corrected)
         return advise(choices, SearchGoal(quantity, tolerance, self.budget), report_run)
 
     def _numbers(self, flag: str, words: tuple[str, ...], default: tuple[Any, ...]) -> tuple[Any, ...]:
@@ -133,10 +139,11 @@ def as_dict(advice: Advice, base: Scene, tolerance: float, relative: bool, spent
         f"best within reach is {chosen.error:.3g} ({'measured' if chosen.is_measured else 'expected'}) in "
         f"{chosen.seconds:.2g} s",
         "problem": base.problem, "quantity": goal.quantity, "tolerance": tolerance, "relative": relative,
-        "budget": goal.budget, "recommended": _inputs(chosen.scene), "command": command_line(chosen.scene),
+        "budget": goal.budget, "recommended": _inputs(chosen), "command": command_line(chosen.scene)
+        + f" --corrected {chosen.family.corrected}" * bool(chosen.family.corrected),
         "predicted": {**errors(advice.predicted_error), "seconds": chosen.seconds},
         "verified": errors(chosen.error) if chosen.is_measured else None,
-        "runner_up": other and {**_inputs(other.scene), **errors(other.error),
+        "runner_up": other and {**_inputs(other), **errors(other.error),
                                 "seconds": finite_or_none(other.seconds)},
         "why": advice.why, "runs": advice.looks, "seconds": spent}
 
@@ -144,15 +151,19 @@ def as_dict(advice: Advice, base: Scene, tolerance: float, relative: bool, spent
 def as_text(values: dict) -> str:
     """Returns the lines printed for the JSON object of :func:`as_dict`."""
     got, predicted = values["verified"] or values["predicted"], values["predicted"]
-    said = "by its own estimate" if values["verified"] else "expected, not run"
+    corrected = values["recommended"]["corrected"]
+    said = "expected, not run" if not values["verified"] else \
+        f"what {corrected}'s estimate leaves of it" if corrected else "by its own estimate"
+    timed = f"run and {corrected}" if corrected else "bare run"
     rows = [("run" if values["status"] == "ok" else "closest", values["command"]),
             (f"error of {values['quantity']}", f"{got['error']:.3g}, {got['relative']:.3g} of its size, {said}"
              + (f"; {predicted['error']:.3g} was expected" if values["verified"] else "")),
-            ("time", f"{predicted['seconds']:.2g} s for the bare run on one thread"),
+            ("time", f"{predicted['seconds']:.2g} s for the {timed} on one thread"),
             ("runner-up", values["why"]), ("search", f"{values['runs']} runs in {values['seconds']:.1f} s")]
     return "\n".join(f"{name:<12}{text}" for name, text in rows)
 
 
-def _inputs(scene: Scene) -> dict:
-    values = scene.to_dict()
-    return {key: values[key] for key in ("method", "linearity_preserving", "cells", "ppc", "dt", "cfl")}
+def _inputs(candidate: Candidate) -> dict:
+    values = candidate.scene.to_dict()
+    return {key: values[key] for key in ("method", "linearity_preserving", "cells", "ppc", "dt", "cfl")} \
+        | {"corrected": candidate.family.corrected or None}

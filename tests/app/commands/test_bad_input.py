@@ -43,6 +43,8 @@ BAD = {
     "run bar --effects truth,foo": "--effects foo: … crossings",
     "run bar --effects all,truth": "--effects all truth: … stands alone",
     "run bar --effects": "--effects (no value): … names",
+    "run bar --corrected transport": "--corrected transport: … recovered, companion, two-grid",
+    "run bar --corrected recovered --effects estimate": "--corrected recovered: … truth",
     "run bar --goal foo": "--goal foo: … kinetic-energy",
     "run ring --effects truth,budget": "--effects budget: … mpm-lab budget ring",
     # words that no flag is

@@ -18,7 +18,7 @@ from solvers.scene.effects import EFFECTS
 KEYS = {"schema", "scene", "status", "reason", "t", "steps", "particles", "error", "estimate", "index", "distance",
         "goals", "soundness", "step", "life", "grid_crossings", "energy", "angular_momentum", "budget", "effects",
         "bytes", "seconds", "rate", "arch", "threads", "plan", "not_valid", "checked", "not_checked",
-        "as_large_as_itself", "rounding", "advice"}
+        "as_large_as_itself", "rounding", "advice", "corrected"}
 SCENE = {"problem", "method", "cells", "ppc", "amplitude", "modulus", "density", "dt", "cfl", "t_end", "periods",
          "body_force", "linearity_preserving", "velocity", "estimator", "effects", "remedies", "arch", "threads",
          "sample_every"}

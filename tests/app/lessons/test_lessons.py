@@ -75,7 +75,7 @@ CHOSEN: dict[str, dict[str, str]] = {
         "two-suspects-kept-apart": "cpGIMP to about a quarter, uGIMP to about a half"},
     "07-what-accuracy-costs": {
         "a-step-ten-times-longer": "It stays nearly the same", "which-error": "The grid",
-        "the-cheapest-run": "To about a quarter"},
+        "the-cheapest-run": "To about a quarter", "subtract-what-you-know": "160", "what-is-left": "Less"},
     "08-how-it-breaks": {
         "a-time-step-above-its-bound": "The second run breaks within the first period",
         "what-was-the-verdict": "unstable", "one-particle-per-cell": "No, it still breaks",

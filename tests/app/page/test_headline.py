@@ -21,12 +21,12 @@ ERROR = np.full(20, 0.001)
 ERROR[6] = 0.004  # the worst place, X = 0.325
 
 
-def told(scene=BAR, drawn="transport", crossed=(), ago=0.0, comparison="", estimated=ERROR / 2, **changes):
+def told(scene=BAR, drawn="transport", crossed=(), ago=0.0, comparison="", estimated=ERROR / 2, left=np.nan, **changes):
     """What is said of a frame of the bar whose estimate is half the error; ``crossed`` steps ago."""
     report, arrays = replace(report_of(scene), time=0.35, **changes), arrays_of(estimated, ERROR)
     arrays.steps_since_crossing[:len(crossed)] = crossed
     return frame_headline(report, arrays, frame_error_view(report, arrays, "x", drawn, False), "x", drawn, ago,
-                          comparison)
+                          comparison, left)
 
 
 def said(*given, **changes):
@@ -40,6 +40,7 @@ def test_how_wrong_comes_first_then_whether_it_is_known():
                       "most. No particle has changed its cell yet.")
     assert "; transport estimates 1.30 times as much. " in said(estimated=1.3 * ERROR)
     assert "; transport finds 100 % of it. " in said(estimated=1.004 * ERROR)
+    assert "of it. Subtracting the estimate leaves 0.3 %. 1.3 mm" in said(left=0.003)
     assert said(comparison="twice as wrong").endswith("of it. Twice as wrong. No particle has changed its cell yet.")
 
 

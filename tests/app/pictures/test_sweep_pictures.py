@@ -75,6 +75,20 @@ def test_the_table_has_a_column_for_everything():
     assert float(lines[2]["error.x.max"]) == 40**-2 and float(lines[1]["index.transport.x"]) == 1.1
 
 
+def test_a_corrected_result_is_a_way_of_its_own_with_its_own_time():
+    """It takes the time of run and estimator; of the companion's result, which holds no MPM, there is none."""
+    left = {q: {"max": 1e-9} for q in ("x", "v", "sigma")}
+    prices = {"min": 1.0, "full": 2.0, "estimators": {"recovered": 0.25, "companion": 0.1}, "effects": {}}
+    one = fake_row(corrected={"recovered": left, "companion": left}, seconds=prices)
+    broken = {**one, "status": "lost"}
+    [way] = convergence_analysis.corrected_rows([broken, one])
+    assert (way["corrected_by"], way["seconds"]["min"], way["error"]["x"]["max"]) == ("recovered", 1.25, 1e-9)
+    said = table.summarise_study("bar", [one])
+    assert "ugimp, corrected by recovered | 20 | 1.000e-09 | 1.25" in said and "no MPM is left" in said
+    panel = error_run_time_figure([one]).axes[0]
+    assert sorted(line.get_fillstyle() for line in panel.lines if len(line.get_xdata()) == 1) == ["full", "none"]
+
+
 def test_the_summary_says_what_went_wrong_once_for_each_reason():
     rows = [fake_row(cells=20), *(fake_row(cells=cells, status="unstable") for cells in (40, 80))]
     text = table.summarise_study("bar", rows)

@@ -235,3 +235,12 @@ def test_beyond_reach_is_exit_1(capsys):
     assert main(["advise", "bar", "--tolerance", "1e-9", "--budget", "0.01", *QUICK]) == 1
     told = capsys.readouterr()
     assert "the best within reach is" in told.err and told.out.startswith("closest")
+
+
+def test_corrected_results_are_families_of_their_own():
+    """Their error is what is left of the true one, and their time that of a run with the estimator."""
+    plain, corrected = refinement_families(BarScene(periods=0.3), [("ugimp", True)], (2,), (0.5,), "x", "recovered")
+    assert (plain.corrected, corrected.corrected) == ("", "recovered") and corrected.multiple == plain.multiple
+    timed = corrected._bare_scene(20)
+    assert (timed.estimators, timed.courant_number) == (("recovered",), 0.5)
+    assert 0 < corrected.measure(20).error < 0.2 * plain.measure(20).error

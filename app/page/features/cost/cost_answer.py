@@ -114,7 +114,7 @@ def answer_box(answer: CostAnswer) -> str:
     if not parts:
         return ""
     texts = "".join(f"<b>{escape(title)}</b><p>{escape(text)}</p>" for title, text in parts)
-    pressed = "".join(f"<button data-run='{run.number}'>{escape(label)}</button>" for run, label in buttons)
+    pressed = "".join(f"<button data-run='{run.mark}'>{escape(label)}</button>" for run, label in buttons)
     return f"<div class='lab-cost-answer' role='status'>{texts}<div>{pressed}</div></div>"
 
 
@@ -123,9 +123,9 @@ def tolerance_line(answer: CostAnswer, axes: Axes | None) -> str:
     if axes is None or not math.isfinite(answer.tolerance):
         return "<i class='lab-cost-line'></i>"
     share, cheaper, better = format_percent(answer.tolerance), answer.cheaper, answer.more_accurate
-    marks = [[cheaper.number, format_seconds(cheaper.seconds)]] if cheaper else []
+    marks = [[cheaper.mark, format_seconds(cheaper.seconds)]] if cheaper else []
     if better:
-        marks.append([better.number, tr("same time: {share}", share=format_percent(better.error_or_estimate))])
+        marks.append([better.mark, tr("same time: {share}", share=format_percent(better.error_or_estimate))])
     text = tr("as accurate as your run: drag the line") if answer.is_own else tr("{share} wanted", share=share)
     found = f"{format_seconds(cheaper.seconds)}, {run_name(cheaper)}" if cheaper else tr("no run so far")
     return (f"<i class='lab-cost-line' data-low='{axes.error_axis.low:.6g}' data-high='{axes.error_axis.high:.6g}' "

@@ -40,8 +40,9 @@ def draw_runs(runs: Sequence[NumberedRun], comparable: Sequence[NumberedRun], sc
     replaced = any(run.source in HERE for run in comparable)
     band = f"<div class='lab-band'><span>{tr('not timed alone')}</span></div>" if own and not own.timed_alone else ""
     curves = sweep_curves(comparable)
-    lines = _grid(axes) + "".join(_path(curve, axes, f"class='lab-curve' style='{_colour(curve[0])}'")
-                                  for curve in curves)
+    lines = _grid(axes) + "".join(
+        _path(curve, axes, f"class='lab-curve{' lab-corrected' * bool(curve[0].corrected_by)}' "
+                           f"style='{_colour(curve[0])}'") for curve in curves)
     texts = [_label(run, axes, "lab-name", words, _colour(run)) for run, words in curve_names(comparable)]
     texts += [  # names of methods without curves: at the right, at the height of the most accurate run
         f"<span class='lab-name lab-at-edge' style='left:100%;top:{axes.run_position(run)[1]}%;{_colour(run)}' "
@@ -59,7 +60,8 @@ def draw_runs(runs: Sequence[NumberedRun], comparable: Sequence[NumberedRun], sc
     marks = "".join(_dot(run, axes, [kind for kind, holds in (
         ("lab-broken", run.broken), ("lab-judged", run.error is None and not run.broken), ("lab-own", run is own),
         ("lab-untimed", not run.timed_alone), ("lab-aside", run.number not in numbers), ("lab-small", _is_small(run)),
-        ("lab-elsewhere", replaced and run.source == SHIPPED)) if holds]) for run in last)
+        ("lab-corrected", run.corrected_by), ("lab-elsewhere", replaced and run.source == SHIPPED)) if holds])
+                    for run in last)
     return f"{band}<svg class='lab-ruled' aria-hidden='true'>{lines}{_axis_titles_svg(scene, quantity)}</svg>" \
         f"{''.join(texts)}{marks}"
 
@@ -81,6 +83,7 @@ def curve_names(runs: Sequence[NumberedRun]) -> list[tuple[NumberedRun, str]]:
         told = [words for words, of in ((filled, lambda run: run.scene.ppc),
                                         (step, lambda run: run.scene.courant_number))
                 if any(of(other) != of(end) for other in others)]
+        told += [tr("corrected by {estimator}", estimator=end.corrected_by)] * bool(end.corrected_by)
         preserving = [tr("linearity-preserving")] * end.scene.linearity_preserving
         found.append((end, ", ".join([functions_name(end.method), *preserving, *told])))
     return found
@@ -136,7 +139,7 @@ def _dot(run: NumberedRun, axes: Axes, kinds: Sequence[str]) -> str:
     x, y = axes.run_position(run)
     shape, said = CROSS if run.broken else SHAPES[METHOD_MARKS[run.method]], cost_texts.run_sentence(run)
     words = tr("{run}; of another scene than the one on the stage", run=said) if "lab-aside" in kinds else said
-    return (f"<button class='{' '.join(['lab-dot', *kinds])}' data-run='{run.number}' tabindex='-1' "
+    return (f"<button class='{' '.join(['lab-dot', *kinds])}' data-run='{run.mark}' tabindex='-1' "
             f"style='left:{x}%;top:{y}%;{_colour(run)}' aria-label='{escape(words, quote=True)}'>"
             f"<svg viewBox='-8 -8 16 16'><path d='{shape}'/></svg></button>")
 

@@ -110,8 +110,9 @@ def run_sentence(run: NumberedRun) -> str:
 
 
 def run_name(run: NumberedRun) -> str:
-    """Returns a run's method and number of cells as text."""
-    return tr("{method} on {cells} cells", method=functions_name(run.method), cells=run.scene.cells)
+    """Returns a run's method, number of cells and what corrects it as text."""
+    name = tr("{method} on {cells} cells", method=functions_name(run.method), cells=run.scene.cells)
+    return tr("{run}, corrected by {estimator}", run=name, estimator=run.corrected_by) if run.corrected_by else name
 
 
 def run_details(run: NumberedRun) -> str:
@@ -160,11 +161,11 @@ def runs_table(runs: Sequence[NumberedRun], marked: Sequence[NumberedRun], own: 
     told = [run for run in reversed(runs) if run.source in (LIVE, SEARCH)][:MOST_LINES]
     beside = [] if own is None else [run for run in comparable_runs(runs, own.scene)
                                      if run.scene.cells == own.scene.cells]
-    chosen = {run.number: run for run in (*beside, *marked) if run.source in (SHIPPED, SWEEP)}
+    chosen = {run.mark: run for run in (*beside, *marked) if run.source in (SHIPPED, SWEEP)}
     lines = [*told, *sorted(chosen.values(), key=lambda run: run.seconds)]
     if not lines:
         return ""
-    shipped = sum(run.source == SHIPPED for run in runs)
+    shipped = sum(run.source == SHIPPED and not run.corrected_by for run in runs)
     notes = [trn("{count} run, measured on the authors' machine on one thread. Ratios hold elsewhere, milliseconds do "
                  "not.", "{count} runs, measured on the authors' machine on one thread. Ratios hold elsewhere, "
                  "milliseconds do not.", shipped)] if shipped else []
@@ -185,6 +186,8 @@ def _run_row_html(run: NumberedRun, marked: bool, own: bool) -> str:
     else:
         errors = f"<td>{format_percent(run.error)}</td><td>{format_percent(run.estimate)}</td>"
     name = f"{functions_name(run.method)}, {run.scene.cells}"
+    if run.corrected_by:
+        name = tr("{run}, corrected by {estimator}", run=name, estimator=run.corrected_by)
     small = [run_details(run), *[tr("timed on the stage")] * (not run.timed_alone)]
     details = "" if run.source in (SHIPPED, SWEEP) else \
         f"<tr><td colspan=4 class='lab-details'>{escape('; '.join(small))}</td></tr>"

@@ -221,7 +221,7 @@ class CostTab(Feature):
 
     def _show_runs(self, scene: Scene) -> None:
         """Updates the chart of the runs of the scene's problem."""
-        of_problem, quantity = runs_in_chart(self.runs.all(), scene), self.runs.quantity
+        of_problem, quantity = runs_in_chart(self.runs.with_corrected(), scene), self.runs.quantity
         inside = axes_for(of_problem, self._find_answer(scene)[0].tolerance,
                           self._axes.get((scene.problem, quantity)))
         self._inside = inside
@@ -234,8 +234,8 @@ class CostTab(Feature):
     def _show_answer(self, scene: Scene, status: CostJobStatus, stage: str) -> None:
         """Updates the headline above the chart, the tolerance's line, the answer and the table in the panel, and what a
         job does (``stage`` is added)."""
-        runs = runs_in_chart(self.runs.all(), scene)
-        like, (answer, trouble) = comparable_runs(runs, scene), self._find_answer(scene)
+        runs, (answer, trouble) = runs_in_chart(self.runs.with_corrected(), scene), self._find_answer(scene)
+        like = comparable_runs(runs, scene)
         if axes_for(like, answer.tolerance, self._inside) != self._inside:
             self._show_runs(scene)
         says, more = answer_headline(answer, runs, like, scene, trouble, status.running)
@@ -265,7 +265,7 @@ class CostTab(Feature):
         except cost_texts.InvalidNumber as refusal:
             trouble = str(refusal)
         follows = self._tolerance.value == self._followed
-        return find_answer(comparable_runs(self.runs.all(), scene), scene, tolerance, follows), trouble
+        return find_answer(comparable_runs(self.runs.with_corrected(), scene), scene, tolerance, follows), trouble
 
     def _show_status(self, status: CostJobStatus, stage: str) -> None:
         self._sweep.disabled = self._search.disabled = status.running

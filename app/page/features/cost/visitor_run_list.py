@@ -17,7 +17,7 @@ from solvers.solver.error_series import RATIOS, summary
 from solvers.solver.samples import QUANTITIES
 from solvers.solver.soundness import BROKEN, LOST, OK, UNSTABLE
 from solvers.study import csv_and_markdown_summary as table
-from solvers.study.convergence_analysis import pareto
+from solvers.study.convergence_analysis import corrected_rows, pareto
 from solvers.study.parameter_grid import Task, task_of
 from solvers.study.row import FAILED, unmeasured_row
 
@@ -39,6 +39,16 @@ class NumberedRun:
     source: str
     row: dict
     quantity: str = "x"
+
+    @property
+    def corrected_by(self) -> str:
+        """Estimator whose estimate is subtracted from the result, "" for none."""
+        return self.row.get("corrected_by", "")
+
+    @property
+    def mark(self) -> str:
+        """Text that tells the dots of a chart apart; begins with the number of the run to load."""
+        return f"{self.number} {self.corrected_by}".strip()
 
     @functools.cached_property
     def scene(self) -> Scene:
@@ -136,6 +146,11 @@ class VisitorRunList:
         """Returns all runs, in the order of their numbers."""
         with self._lock:
             return sorted(self._runs.values(), key=lambda run: run.number)
+
+    def with_corrected(self) -> list[NumberedRun]:
+        """Returns all runs, and after them their results minus the estimates of estimators timed with them."""
+        runs = self.all()
+        return [*runs, *(replace(run, row=row) for run in runs for row in corrected_rows([run.row]))]
 
     def find(self, number: int) -> NumberedRun | None:
         return next((run for run in self.all() if run.number == number), None)
@@ -280,13 +295,13 @@ def sweep_curves(runs: Sequence[NumberedRun]) -> list[list[NumberedRun]]:
     groups: dict[tuple, list[NumberedRun]] = {}
     for run in runs:
         if run.source in (SHIPPED, SWEEP) and run.drawable and not run.broken:
-            groups.setdefault(_curve_key(run.scene), []).append(run)
+            groups.setdefault(_curve_key(run.scene, run.corrected_by), []).append(run)
     return [sorted(group, key=lambda run: run.scene.cells) for group in groups.values()]
 
 
 @functools.lru_cache(maxsize=1000)
-def _curve_key(scene: Scene) -> tuple:
+def _curve_key(scene: Scene, corrected_by: str) -> tuple:
     """Returns what the runs of a curve have in common: all but their cells."""
     bare, _, end = run_key(scene)
     given = task_of(bare).inputs | {"cells": 0}
-    return tuple(map(str, given.items())), end, scene.courant_number if scene.dt is None else scene.dt
+    return tuple(map(str, given.items())), end, corrected_by, scene.courant_number if scene.dt is None else scene.dt

@@ -1,5 +1,6 @@
 """The chart of the Cost tab: what is drawn where, what can be compared, and the answer above it."""
 
+import json
 import re
 from dataclasses import replace
 from html.parser import HTMLParser
@@ -205,7 +206,7 @@ def test_other_motions_are_said_to_be_others():
 def test_line_says_what_it_lights_up():
     runs = numbered(*sweep("ugimp"))
     mark = tolerance_line(find_answer(runs, SCENE, 0.03, False), axes_for(runs, 0.03))
-    assert f"data-marks='[[3, &quot;{format_seconds(runs[2].seconds)}&quot;]]'".encode() in mark.replace(
+    assert f"data-marks='[[&quot;3&quot;, &quot;{format_seconds(runs[2].seconds)}&quot;]]'".encode() in mark.replace(
         "\\u00a0", NBSP).encode() and f"data-text='3{NBSP}% wanted'" in mark
     assert f"data-spoken='3{NBSP}%: {format_seconds(runs[2].seconds)}, uGIMP on 40 cells'" in mark
     out_of_reach = tolerance_line(find_answer(runs, SCENE, 1e-9, False), axes_for(runs, 1e-9))
@@ -255,3 +256,24 @@ def test_methods_have_the_colours_of_every_picture():
     assert light == {name: colour for name, colour in METHOD_COLOURS.items() if name in light}
     assert set(light) == set(dark) == set(METHOD_COLOURS) - {"mpm"}
     assert all(contrast(colour, GROUNDS["ground"].dark) > 3 for colour in dark.values())
+
+
+def test_a_corrected_result_is_a_hollow_mark_that_answers_and_loads_its_run():
+    """It stands beside its run, whose time is less, on a dashed line; the companion's is none."""
+    left = {"x": {"max": 1e-6 * SCENE.amplitude}}
+    rows = [fake_row("ugimp", cells, corrected={"recovered": left, "companion": left}, seconds={
+        "min": 1e-4 * cells, "estimators": {"recovered": 1e-5, "companion": 1e-5}}) for cells in (10, 20)]
+    visitors = VisitorRunList()
+    for row in rows:
+        visitors.add(row, SWEEP)
+    runs = visitors.with_corrected()
+    assert [run.mark for run in runs] == ["1", "2", "1 recovered", "2 recovered"]
+    assert run_of_scene(runs, SCENE) is runs[1]
+    best = cheapest_run(runs, 1e-5)
+    assert best.mark == "1 recovered" and best.seconds == pytest.approx(1.01e-3)
+    html = drawn(runs)
+    assert re.search("lab-corrected' data-run='1 recovered'", html) and "uGIMP, corrected by recovered" in html
+    answer = find_answer(runs, SCENE, 1e-5, False)
+    assert "uGIMP on 10 cells, corrected by recovered" in answer_headline(answer, runs, runs, SCENE, "")[0]
+    assert json.loads(re.search("data-marks='(.*?)'", tolerance_line(answer, axes_for(runs, 1e-5)).replace(
+        "&quot;", '"'))[1])[0][0] == "1 recovered"
