@@ -35,6 +35,8 @@ OTHER_UNIT = 0.3  # of a power of ten
 STEADY = 8.0  # times its own scatter over the intervals: a drift that stays the same
 CHANGING = 0.5  # of the mean square of v: its variance over time
 LEAST_DRIFT = 1e-5  # of the motion
+LOST = 0.5  # of v: errors of it from which on a lag must explain most
+LEFT_BY_LAG = 0.5  # of the mean square by which positions miss such velocities, at most, where a lag is the reason
 EXPLAINS = 0.5  # of what v and dx/dt differ by, at most, is left by a lag
 FEWEST = 6  # moments, for what is fitted within a motion
 
@@ -54,7 +56,11 @@ def check_velocity_time(evidence: FindingsInput) -> Finding:
     apparent = _apparent_lag_by_smoothing(late[0, 1], v, time_derivative(tracks.time, tracks.exact["v"]))
     rule = RULE * abs(jackknife_least_squares(bend, [-gained, moved])[0][0, 0])
     slack = (SURE * sure[0] + apparent + rule) / step
-    return _lag_finding(VELOCITY, late[0, 0] / step, slack, (-SLACK, HALF + SLACK), step, Message("the velocities are"))
+    found = _lag_finding(VELOCITY, late[0, 0] / step, slack, (-SLACK, HALF + SLACK), step,
+                         Message("the velocities are"))
+    left = rms(gap + late[0, 0] * gained - late[0, 1] * moved)
+    lost = rms(v) > LOST * rms(tracks.exact["v"]) and left**2 > LEFT_BY_LAG * rms(gap) ** 2
+    return unknown(VELOCITY, TOO_LARGE) if found.verdict == OFF and lost else found
 
 
 def check_stress_time(evidence: FindingsInput) -> Finding:
