@@ -29,8 +29,7 @@ FINEST = 2e-3  # of the motion, to which its size is told at best: the fit is li
 #: Times the error that is left, which a size must make to be blamed: a grid leaves more than it shrinks the motion.
 TELLS = 10.0
 APART = 0.1  # of the motion's frequency, by which one of a free vibration must differ, so that they can be told apart
-#: Of a period, which a motion must last before its size, and a trend of it, can be told from a phase.
-SHORTEST, WHOLE = 0.6, 0.75
+SHORTEST = 0.75  # of a period, which a motion must last before its size can be told from a phase or a trend
 DISPERSION = 1 / 6  # of (k h)^2: by so much waves of a grid may be slower; 1/24 with hats and lumped masses
 CLOCK_OFF, CLOCK_TELLS = 2e-3, 2.5  # of the time; times the error that is left, which a clock must make to be told
 #: The same of a motion that is faster than its times, which no grid makes: masses that are lumped slow waves down.
@@ -122,7 +121,7 @@ def _check_amplitude(fit: MotionFit, with_beats: MotionFit | None, period: float
     best = min([fit, *([with_beats] if with_beats else [])], key=lambda one: jackknife_error(one.found[:, 1]))
     a, b = best.found[:, :2].T
     slope, slack = abs(float(b[0])), SURE * jackknife_error(b)
-    trend = t[-1] - t[0] >= WHOLE * period and slope > slack
+    trend = slope > slack
     sizes = a + b * (t[-1] if trend else t.mean())
     size, made = abs(float(sizes[0])), rms((a[0] + b[0] * t)[:, None, None] * best.moved)
     left = rms(fit.rest) / made * size if made > 0 else 0.0
