@@ -48,6 +48,7 @@ def test_axe_finds_nothing(server, chromium, scheme):
         until(lambda: presented(page), "the presenter's view")
         nothing_serious(page, "slides")
         page.keyboard.press("Escape")
+        until(lambda: not presented(page), "the page as it was")
         to_the_ring(page)
         until(lambda: "wrong" in summary(page), "the ring")
         nothing_serious(page, "the ring")

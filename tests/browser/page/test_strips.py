@@ -49,11 +49,12 @@ def a_row_reads_where_the_pointer_is(page):
 
 
 def keys_go_from_point_to_point(page):
-    points = data(page, "amplitude")["v"]
+    found = data(page, "amplitude")  # what a busy machine finds too costly is passed over
+    points = [v for v, state in zip(found["v"], found["state"], strict=True) if state not in ("costly", "refused")]
     row(page, "amplitude").get_by_role("slider").focus()
     for key, step in (("ArrowRight", 1), ("PageUp", 3), ("ArrowLeft", -1), ("Home", None)):
         now = scene(page)["amplitude"]
-        to = points[points.index(now) + step] if step else points[0]
+        to = points[min(points.index(now) + step, len(points) - 1)] if step else points[0]
         page.keyboard.press(key)
         until(lambda to=to: scene(page)["amplitude"] == to, key)
     page.keyboard.press("t")
@@ -97,7 +98,8 @@ def test_strips(server, chromium):
     with visit(chromium, server[0], SMALL) as page:
         until(lambda: scene(page)["cells"] == 10, "the scene")
         page.keyboard.press(" ")
-        until(lambda: all(data(page, name).get("complete") for name in ("cells", "amplitude")), "points", 60.0)
+        until(lambda: all(data(page, name).get("complete") and data(page, name)["state"].count("ok") > 5
+                          for name in ("cells", "amplitude")), "points", 60.0)
         boxes = [row(page, name).locator(".lab-strip").bounding_box() for name in ("cells", "ppc", "cfl")]
         assert boxes[-1]["y"] + boxes[-1]["height"] < 720
         a_row_reads_where_the_pointer_is(page)
