@@ -73,7 +73,7 @@ def test_a_file_that_cannot_be_judged_is_said_and_nothing_is_lost(page):
     until(lambda: "right.csv" in readout(page), "the file on the stage", PATIENCE)
     said = readout(page)  # once: what is at work now may have ended a moment later
     assert "velocity" in said or "still at work" in said
-    until(lambda: "no velocity in the files" in readout(page).lower(), "what it has not", PATIENCE)
+    until(lambda: "No velocity was read" in readout(page), "what it has not", PATIENCE)
     until(lambda: not page.get_by_text("Change the run").is_visible(), "no controls of the run")
     assert page.get_by_role("button", name=re.compile("^(Play|Pause)$")).count() == 1
     click(page, "Back to our run")
