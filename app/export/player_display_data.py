@@ -38,7 +38,7 @@ def shared_display_data(problems: Iterable[str]) -> dict[str, Any]:
             "unknown": error_view_captions.add_unknown_count("{remark}", "{unknown}"),
             "sentences": {"unstable": tr(headline.UNSTABLE), "last": tr(headline.LAST), "lost": tr(headline.LOST),
                           "now": tr(headline.NOW), "paused": tr(headline.PAUSED), "less": tr(headline.LESS),
-                          "more": tr(headline.MORE), "all": headline.ALL_OF_IT, "twice": headline.TWICE,
+                          "more": tr(headline.MORE), "twice": headline.TWICE,
                           "not_counted": tr(error_view_captions.NOT_COUNTED)},
             "budget": {"causes": {name: {"words": tr(cause), "meaning": tr(budget_chart_data.MEANINGS[name]),
                                          "colour": CAUSES[name].light} for name, cause in error_causes.CAUSES.items()},

@@ -23,8 +23,7 @@ LOST = lazy("the run is lost from t = {since} s on")
 #: First words of a headline: the time it is about.
 NOW, PAUSED, BACK = lazy("now "), lazy("at t = {time} s "), lazy("{ago} periods back ")
 LESS, MORE = lazy("finds {share} of it"), lazy("estimates {factor} times as much")
-ALL_OF_IT = 1.005  # index up to which an estimate does not exceed the error
-TWICE = 2.0  # index from which a title, which has little room, tells the factor
+TWICE = 2.0  # index from which an estimate is told as a factor, and no longer in per cent of the error
 DURATION = "duration"  # kind of the span with a run's time, which leads to Cost
 OVER, RUN_LOST = lazy("over 100 % wrong"), lazy("run is lost")
 
@@ -135,8 +134,8 @@ def format_error_headline(words: ErrorHeadlineTemplates, unit: str, errors: "Ins
 
 def over_or_underestimates(index: float) -> str:
     """Returns the template that compares an estimate with the true error, for an index (estimate over true error): with
-    the place {factor} if it is 1 or more, rounded, otherwise with {share}."""
-    return tr(MORE if index >= ALL_OF_IT else LESS)
+    the place {factor} if it is 2 or more, otherwise with {share}, as in titles."""
+    return tr(MORE if index >= TWICE else LESS)
 
 
 @dataclass(frozen=True)

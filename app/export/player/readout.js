@@ -124,12 +124,12 @@ function factsOf(run, view) {
 function errors(run, view, before) {
   const said = saidOf(run, view).errors, at = pictureAt(run, stage.time), {unit} = DATA.quantities[view.quantity];
   const of = (track) => cell(run, track, at, view.quantity), truth = of("norm.true"), estimate = of(`norm.${view.estimator}`);
-  const {less, more, all} = DATA.sentences, index = truth ? estimate / truth : NaN, norm = Number.isFinite(truth) ? truth : estimate;
+  const {less, more, twice} = DATA.sentences, index = truth ? estimate / truth : NaN, norm = Number.isFinite(truth) ? truth : estimate;
   const size = (value) => withUnit(value, unit, 2);
   if (truth <= said.least) return [before + said.still, fill(said.trace, {true: truth ? size(truth) : tr("zero")})];
   if (!said.told.includes("{wrong}")) return [said.told, said.why];
   if (!Number.isFinite(norm) || (said.told.includes("{found}") && !Number.isFinite(index))) return [before + said.unmeasured, said.why];
-  const told = before + said.told.replace("{found}", index >= all ? more : less);
+  const told = before + said.told.replace("{found}", index >= twice ? more : less);
   return [fill(told, {wrong: perCent(norm / said.size), share: perCent(index), factor: ratio(index), ...said.names}),
     fill(said.of, {true: size(norm)}), said.why];
 }

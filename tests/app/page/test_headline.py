@@ -38,7 +38,7 @@ def test_how_wrong_comes_first_then_whether_it_is_known():
     a comparison takes the place of the sizes."""
     assert said() == ("At t = 0.35 s the displacement is 5.3 % wrong; transport finds 50 % of it. 1.3 mm of 25 mm at "
                       "most. No particle has changed its cell yet.")
-    assert "; transport estimates 1.30 times as much. " in said(estimated=1.3 * ERROR)
+    assert "; transport finds 130 % of it. " in said(estimated=1.3 * ERROR)
     assert "; transport finds 100 % of it. " in said(estimated=1.004 * ERROR)
     assert "of it. Subtracting the estimate leaves 0.3 %. 1.3 mm" in said(left=0.003)
     assert said(comparison="twice as wrong").endswith("of it. Twice as wrong. No particle has changed its cell yet.")

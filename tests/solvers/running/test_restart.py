@@ -83,7 +83,8 @@ def test_a_restarted_random_scene_is_a_new_one(switches):
 
 
 @pytest.mark.parametrize(("scene", "changes"), [
-    (BAR, ({"cells": 33, "ppc": 2}, {"cells": 6}, UNSTABLE, {}, {"modulus": 50.0, "cells": 80}, {"cells": 79})),
+    (replace(BAR, estimators=("companion", "transport")),
+     ({"cells": 33, "ppc": 2}, {"cells": 6}, UNSTABLE, {}, {"modulus": 50.0, "cells": 80}, {"cells": 79})),
     (replace(BAR, estimators=("recovered", "companion"), effects=BarScene.choices("effects")),
      ({"take_away": "crossings"}, {"cells": 30}, {"cells": 9, "amplitude": 0.05}, {})),
     (replace(BAR, estimators=("companion",), remedies=(FROZEN,)), ({"cells": 50}, {"ppc": 1}, UNSTABLE, {})),
