@@ -145,7 +145,10 @@ class ErrorTimeline:
         marks = [[part(tick), localise_number(f"{tick * factor:.4g}") if tick != ticks[-1] else last] for tick in ticks]
         begin = "0" if not start else in_periods(start / of_time) if swings else with_unit(start, "s")
         changes, many = self._cell_changes(series, start, end)
-        said = {"tops": [[height(share), f"{format_number(100 * share)} %"] for share in (top, 0.5 * top)],
+        # From 1000 % on as a factor, which is shorter: the labels have little room.
+        tops = [[height(share), f"{format_number(100 * share)} %" if share < 10 else f"{format_number(share)} x"]
+                for share in (top, 0.5 * top)]
+        said = {"tops": tops,
                 "start": begin, "ticks": marks, "now": part(now.time),
                 "reach": [*map(part, now.reach)], "changes": changes, "first": tr("first crossing") if changes else "",
                 "many": trn("{count:,} cell change so far", "{count:,} cell changes so far", many),
