@@ -132,10 +132,11 @@ def _read(path: str, limits: SizeLimits, read: Callable[[IO[bytes]], Read]) -> R
 
 def _unpack(path: str, file: IO[bytes], unpacked: IO[bytes], limits: SizeLimits) -> None:
     """Writes the content of a packed file to another one, no more than the limits allow."""
+    limits = replace(limits, bytes=min(limits.bytes, LARGEST))
     try:
         with gzip.GzipFile(fileobj=file) as packed:
             while piece := packed.read(PIECE):
-                replace(limits, bytes=min(limits.bytes, LARGEST)).check_unpacked(path, unpacked.tell() + len(piece))
+                limits.check_unpacked(path, unpacked.tell() + len(piece))
                 unpacked.write(piece)
     except (EOFError, zlib.error, gzip.BadGzipFile):
         raise FileError(path, "is no complete .gz file; pack it again, or give it as it is") from None

@@ -2,6 +2,9 @@
 
 import warnings
 from collections import defaultdict
+from collections.abc import Iterator
+from contextlib import contextmanager
+from xml.parsers import expat
 
 import numpy as np
 
@@ -15,6 +18,26 @@ MOST_FIELD = 1000  # numbers of an array that is not of points
 
 class NotVTK(ValueError):
     """Error for a file that is not of this format; the message says why, in few words."""
+
+
+def make_xml_parser(refusal: Exception) -> expat.XMLParserType:
+    """Returns a parser of XML in UTF-8, whatever encoding the file declares, that raises the ``refusal`` for document
+    types and entities."""
+    def refuse_doctype(*_: object) -> None:
+        raise refusal
+
+    parser = expat.ParserCreate("UTF-8")
+    parser.StartDoctypeDeclHandler = parser.EntityDeclHandler = refuse_doctype
+    return parser
+
+
+@contextmanager
+def xml_errors_named() -> Iterator[None]:
+    """Raises :class:`NotVTK` with the reason where a parser of XML finds none."""
+    try:
+        yield
+    except expat.ExpatError as error:
+        raise NotVTK(f"no XML in UTF-8: {expat.ErrorString(error.code)}") from None
 
 
 class PointData:

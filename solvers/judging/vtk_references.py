@@ -2,9 +2,8 @@
 
 from pathlib import Path, PurePosixPath
 from typing import IO
-from xml.parsers import expat
 
-from solvers.judging.vtk_common import NotVTK
+from solvers.judging.vtk_common import NotVTK, make_xml_parser, xml_errors_named
 from solvers.untrusted import number_parsing
 from solvers.untrusted.quoting import FileError, quote
 
@@ -20,9 +19,6 @@ def read_references(path: str, file: IO[bytes], kind: str) -> list[tuple[str, fl
     type_name, element, attribute = ELEMENTS[kind]
     found: list[tuple[str, float | None]] = []
 
-    def refuse_doctype(*_: object) -> None:
-        raise NotVTK("a document type or an entity")
-
     def start_element(tag: str, attributes: dict[str, str]) -> None:
         if tag == "VTKFile" and attributes.get("type") != type_name:
             raise NotVTK(f"no {type_name}")
@@ -36,13 +32,10 @@ def read_references(path: str, file: IO[bytes], kind: str) -> list[tuple[str, fl
             if len(found) > MOST_FILES:
                 raise FileError(path, "names more than {most:,} files; give fewer", MOST_FILES)
 
-    parser = expat.ParserCreate("UTF-8")
+    parser = make_xml_parser(NotVTK("a document type or an entity"))
     parser.StartElementHandler = start_element
-    parser.StartDoctypeDeclHandler = parser.EntityDeclHandler = refuse_doctype
-    try:
+    with xml_errors_named():
         parser.Parse(file.read(LONGEST), True)
-    except expat.ExpatError as error:
-        raise NotVTK(f"no XML in UTF-8: {expat.ErrorString(error.code)}") from None
     if not found:
         raise NotVTK("no files that it names")
     return found

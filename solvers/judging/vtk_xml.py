@@ -9,13 +9,13 @@ import io
 import lzma
 import re
 import zlib
+from contextlib import suppress
 from dataclasses import dataclass
 from typing import IO, Any
-from xml.parsers import expat
 
 import numpy as np
 
-from solvers.judging.vtk_common import POINTS, NotVTK, PointData, parse_numbers
+from solvers.judging.vtk_common import POINTS, NotVTK, PointData, make_xml_parser, parse_numbers, xml_errors_named
 from solvers.untrusted.quoting import FileError, quote
 
 PIECE_OF_FILE = 1 << 16
@@ -41,11 +41,12 @@ class XmlReader:
 
     def __init__(self, file: IO[bytes], kind: str, ending: str, data: PointData):
         self._file, self._kind, self._ending, self._data = file, kind, ending, data
-        self._parser = expat.ParserCreate("UTF-8")  # whatever encoding the file declares
+        self._parser = make_xml_parser(FileError(
+            data.path, f"has a document type or an entity, which no {ending} file needs and which is not read; "
+                       "leave it out"))
         self._parser.StartElementHandler, self._parser.EndElementHandler = self._start_element, self._end_element
         self._parser.CharacterDataHandler = self._add_text
         self._parser.buffer_text = True
-        self._parser.StartDoctypeDeclHandler = self._parser.EntityDeclHandler = self._refuse_doctype
         self._inside: list[str] = []
         self._elements, self._rows, self._encoding = 0, 0, NumberEncoding.from_attributes(None, "u4", None)
         self._array: dict[str, Any] | None = None  # that is being read as text
@@ -54,25 +55,17 @@ class XmlReader:
 
     def read(self) -> None:
         fed = 0
-        try:
+        with suppress(_AppendedData), xml_errors_named():
             while piece := self._file.read(PIECE_OF_FILE):
                 self._parser.Parse(piece)
                 fed += len(piece)
                 if fed - self._parser.CurrentByteIndex > LONGEST_TAG:
                     raise NotVTK(f"a tag of more than {LONGEST_TAG:,} letters")
             self._parser.Parse(b"", True)
-        except _AppendedData:
-            pass
-        except expat.ExpatError as error:
-            raise NotVTK(f"no XML in UTF-8: {expat.ErrorString(error.code)}") from None
         if not self._elements or self._inside[:1] not in ([], ["VTKFile"]):
             raise NotVTK("no VTKFile")
         if self._later:
             self._read_appended()
-
-    def _refuse_doctype(self, *_: object) -> None:
-        raise FileError(self._data.path, f"has a document type or an entity, which no {self._ending} file needs and "
-                                         "which is not read; leave it out")
 
     def _start_element(self, tag: str, attributes: dict[str, str]) -> None:
         self._elements += 1
