@@ -8,7 +8,7 @@ from typing import Any, cast
 import numpy as np
 
 from solvers.judging.particle_data_types import RawTable
-from solvers.judging.quantity_names import OF_THE_FILE, SCALARS, TENSORS, VECTORS, Meaning, find_meanings
+from solvers.judging.quantity_names import LETTERS, OF_THE_FILE, SCALARS, TENSORS, VECTORS, ColumnMeaning, find_meanings
 from solvers.judging.scene_metadata import parse_scene_line
 from solvers.translatable_message import Message, join_messages
 from solvers.untrusted.quoting import FileError, quote
@@ -20,7 +20,7 @@ ORDERS = {3: [0, 2, 2, 1], 4: [0, 3, 3, 1]}  # of xx, yy, xy, and of xx, yy, zz,
 
 @np.errstate(all="ignore")  # files may have any numbers
 def build_table(path: str, named: Mapping[str, np.ndarray], time: float | None, cells: int | None,
-                limits: SizeLimits = LIMITS, known: Mapping[str, Meaning] | None = None) -> RawTable:
+                limits: SizeLimits = LIMITS, known: Mapping[str, ColumnMeaning] | None = None) -> RawTable:
     """Returns the table of named arrays (n, ...) in SI units: components are assembled, positions are completed from
     displacements, and names that are not ``known`` (by default as usual) are only listed."""
     meanings = find_meanings(named) if known is None else known
@@ -158,7 +158,7 @@ def _join_components(path: str, key: str, pieces: dict[Any, np.ndarray]) -> np.n
         out = np.where(np.isnan(out), 0.0, out) if not missing and all(np.isfinite(v).all() for v in pieces.values()) \
             else out
     if missing:
-        letters = "".join("xyz"[k] for k in missing[0])
+        letters = "".join(LETTERS[k] for k in missing[0])
         raise FileError(path, "has some components of {key} but not {letters}; give all of them or none", key, letters)
     return out
 

@@ -50,7 +50,7 @@ UNIT = re.compile(r"^(.*?)\s*(?:\[([^\[\]]*)\]|\(([^()]*)\)|(?:/|,|\bin\b)\s*(\S
 UNIT_AT_END = re.compile(r"^(\w*?[^\W_])[_ ]([a-zA-Z]+(?:/[a-zA-Z]+|_?per_?[a-zA-Z]+)?)$")
 
 
-class Meaning(NamedTuple):
+class ColumnMeaning(NamedTuple):
     """Meaning of a name: the ``key`` of its quantity; its component, letters or digits, "" for the whole, and among the
     other names of a file its indices, or its place in a tensor written as one row, None for the whole; and the
     ``unit`` in SI units, by which the numbers are multiplied."""
@@ -72,7 +72,7 @@ def _word_patterns() -> dict[str, re.Pattern[str]]:
 PATTERNS = _word_patterns()
 
 
-def parse_name(name: str, capitals: bool = False) -> Meaning | None:
+def parse_name(name: str, capitals: bool = False) -> ColumnMeaning | None:
     """Returns the meaning of a name alone, of which ``capitals`` mean nothing if all names are of these; None for
     unknown names, and for those in a unit that is none of theirs."""
     bare = name.strip().strip("\"'").translate(GREEK)
@@ -87,7 +87,7 @@ def parse_name(name: str, capitals: bool = False) -> Meaning | None:
     return known
 
 
-def _with_unit(known: Meaning, text: str) -> Meaning | None:
+def _with_unit(known: ColumnMeaning, text: str) -> ColumnMeaning | None:
     text = re.sub(r"[\s*·]|(?<=\D)\^(?=\d)", "", re.sub(r"_?per_?", "/", text))
     if text in ("", "-", "1", "SI"):
         return known
@@ -95,7 +95,7 @@ def _with_unit(known: Meaning, text: str) -> Meaning | None:
     return None if unit is None else known._replace(unit=unit)
 
 
-def _parse_word(name: str, capitals: bool) -> Meaning | None:
+def _parse_word(name: str, capitals: bool) -> ColumnMeaning | None:
     """Returns the meaning of a name without a unit."""
     name = name.lower() if capitals else name
     prefix = OF_PARTICLES.match(name)
@@ -103,9 +103,9 @@ def _parse_word(name: str, capitals: bool) -> Meaning | None:
         text = re.sub(r"[\W_]", "", text)
         if found := COORDINATE.fullmatch(text):
             material = found[1].isupper() or found[2] in MATERIAL
-            return Meaning("X" if material else "x", found[1].lower())
+            return ColumnMeaning("X" if material else "x", found[1].lower())
         if found := re.fullmatch(r"([Xx])([1-3])", text):  # 0 is above
-            return Meaning(found[1], found[2])
+            return ColumnMeaning(found[1], found[2])
         for key, pattern in PATTERNS.items():
             found = pattern.fullmatch(text.lower())
             if found and (known := _known_word(key, found)) is not None and text != "T":  # a temperature
@@ -113,7 +113,7 @@ def _parse_word(name: str, capitals: bool) -> Meaning | None:
     return None
 
 
-def _known_word(key: str, found: re.Match[str]) -> Meaning | None:
+def _known_word(key: str, found: re.Match[str]) -> ColumnMeaning | None:
     """Returns the meaning of a match of :data:`PATTERNS`; None for a component that a quantity does not have."""
     before, word, after = found["before"] or "", found["word"], found["after"] or ""
     mark = before or after
@@ -125,10 +125,10 @@ def _known_word(key: str, found: re.Match[str]) -> Meaning | None:
         mark = 2 * mark if len(mark) == 1 and mark.isalpha() else mark
         if word == "tau" and mark[:1] == mark[-1:]:
             return None
-    return Meaning(key, mark)
+    return ColumnMeaning(key, mark)
 
 
-def find_meanings(names: Iterable[str]) -> dict[str, Meaning]:
+def find_meanings(names: Iterable[str]) -> dict[str, ColumnMeaning]:
     """Returns the meaning of those names of a file that are known, in their order. What a name means depends on the
     others: whether components are counted from 0 or 1, x0 is the first of them, and letters are large throughout."""
     named = list(names)
@@ -157,7 +157,7 @@ def _rank(name: str) -> int:
     return words.index(text) if text in words else len(words)
 
 
-def _count_x0_with_x1(known: dict[str, Meaning]) -> None:
+def _count_x0_with_x1(known: dict[str, ColumnMeaning]) -> None:
     """Changes x0 to the first component of the position where there is an x1, too, as in x0, x1, x2."""
     for key in ("x", "X"):
         if any(found.key == key and found.component == "1" for found in known.values()):
@@ -166,7 +166,7 @@ def _count_x0_with_x1(known: dict[str, Meaning]) -> None:
                     known[name] = found._replace(key=key, component="0")
 
 
-def _component_indices(known: Meaning, lowest: int) -> tuple[int, ...] | int | None:
+def _component_indices(known: ColumnMeaning, lowest: int) -> tuple[int, ...] | int | None:
     """Returns the indices of a component whose digits count from ``lowest``, or its place in a row, None for a whole;
     () for a component that there is not."""
     if not known.component:
@@ -181,7 +181,7 @@ def _component_indices(known: Meaning, lowest: int) -> tuple[int, ...] | int | N
 
 def is_unit(text: str) -> bool:
     """Returns whether a text is a unit of one of the quantities."""
-    return any(_with_unit(Meaning(key), text) is not None for key in UNITS)
+    return any(_with_unit(ColumnMeaning(key), text) is not None for key in UNITS)
 
 
 def is_known_name(name: str) -> bool:

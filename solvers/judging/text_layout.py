@@ -7,7 +7,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 from solvers.judging.particle_data_types import list_names
-from solvers.judging.quantity_names import Meaning, find_meanings, is_unit
+from solvers.judging.quantity_names import ColumnMeaning, find_meanings, is_unit
 from solvers.untrusted.quoting import FileError
 from solvers.untrusted.size_limits import SizeLimits, check_name
 
@@ -23,7 +23,7 @@ NUMBER = re.compile(r"\s*\"?\s*(?:[+-]?(?:\d+[.,]?\d*|[.,]\d+)(?:[ed]?[+-]?\d+)?
 
 
 @dataclass(frozen=True)
-class Layout:
+class TextLayout:
     """Layout of rows: the ``names`` of columns, the separator, the number of cells ``before`` the first of them, the
     line with the names, and the first row."""
 
@@ -33,7 +33,7 @@ class Layout:
     heading: str
     first_row: str
 
-    def meanings(self) -> dict[str, Meaning]:
+    def meanings(self) -> dict[str, ColumnMeaning]:
         """Returns the meanings of the columns that are read, by name: those of known quantities, except where the first
         row has no number in one of its columns, and positions need none of it."""
         known, cells = find_meanings(self.names), dict(zip(self.names, self.split(self.first_row), strict=False))
@@ -66,14 +66,14 @@ def split_line(line: str, separator: str | None) -> list[str]:
     return [cell.strip(" \t\r\n'") for cell in cells]
 
 
-class LayoutFinder:
+class TextLayoutFinder:
     """Search for the layout of a text with the name ``path``."""
 
     def __init__(self, path: str, limits: SizeLimits):
         self._path, self._limits = path, limits
         self._too_long: FileError | None = None  # of what could be a heading
 
-    def find(self, lines: Iterable[str]) -> Layout:
+    def find(self, lines: Iterable[str]) -> TextLayout:
         """Returns the layout from the first ``lines``, up to the first row that one of those above fits. Raises
         FileError where there is none."""
         above, separators = deque[str](maxlen=MOST_HEADINGS), SEPARATORS
@@ -114,10 +114,10 @@ class LayoutFinder:
                         len(numbers))
 
     def _fit_heading(self, above: Sequence[str], row: str,
-                     separators: Sequence[str | None]) -> tuple[int, Layout | None]:
+                     separators: Sequence[str | None]) -> tuple[int, TextLayout | None]:
         """Returns the number of known names in the line ``above`` that has most, of those with as many names as a row
         has cells, and the layout; None where none has, or the row has no number."""
-        fitting: list[tuple[int, int, int, Layout | None]] = [(0, 0, 0, None)]
+        fitting: list[tuple[int, int, int, TextLayout | None]] = [(0, 0, 0, None)]
         for separator in separators:
             cells = split_line(row, separator)
             if not any(map(NUMBER.fullmatch, cells)):
@@ -130,7 +130,7 @@ class LayoutFinder:
                     before = self._cells_before(names, cells, row)
                     if before is not None:
                         names = _with_units(names, split_line(above[k + 1], other) if k + 1 < len(above) else ())
-                        layout = Layout(names, separator, before, line.strip(), row)
+                        layout = TextLayout(names, separator, before, line.strip(), row)
                         fitting.append((len(find_meanings(names)), len(names), k, layout))
         known, _, _, best = max(fitting, key=lambda one: one[:3])
         return known, best

@@ -14,8 +14,8 @@ import numpy as np
 
 from solvers.judging.column_names import add_scene, build_table, check_cell_count
 from solvers.judging.particle_data_types import RawTable
-from solvers.judging.quantity_names import TIMES, Meaning
-from solvers.judging.text_layout import COMMENT, MOST_REMARKS, Layout, LayoutFinder, readable, too_many_remarks
+from solvers.judging.quantity_names import TIMES, ColumnMeaning
+from solvers.judging.text_layout import COMMENT, MOST_REMARKS, TextLayout, TextLayoutFinder, readable, too_many_remarks
 from solvers.untrusted import number_parsing
 from solvers.untrusted.quoting import FileError, quote
 from solvers.untrusted.size_limits import LONGEST_LINE, SizeLimits
@@ -47,7 +47,7 @@ class TextReader:
     def read(self) -> RawTable:
         """Returns the table. Raises FileError for a file that has none, or more than the limits allow."""
         try:
-            layout = LayoutFinder(self._path, self._limits).find(self._lines())
+            layout = TextLayoutFinder(self._path, self._limits).find(self._lines())
             self._first_row = self._number
             known = layout.meanings()
             used = [k for k, name in enumerate(layout.names) if name in known]
@@ -61,7 +61,7 @@ class TextReader:
         columns |= {layout.names[k]: values[:, column] for column, k in enumerate(used)}
         time, cells = None, self._texts.get("cells")
         if len(self._times) > 1 and "t" not in {meaning.key for meaning in known.values()}:
-            columns["t"], known["t"] = self._time_column(len(values)), Meaning("t", None)
+            columns["t"], known["t"] = self._time_column(len(values)), ColumnMeaning("t", None)
         elif self._times:
             time = list(self._times.values())[-1]
         if cells is not None and not number_parsing.is_number(cells):
@@ -103,7 +103,7 @@ class TextReader:
         if (twice := next((name for name in known if known.count(name) > 1), None)) is not None:
             raise FileError(self._path, "has two columns called {twice}; give each its own name", quote(twice))
 
-    def _read_numbers(self, layout: Layout, used: Sequence[int]) -> np.ndarray:
+    def _read_numbers(self, layout: TextLayout, used: Sequence[int]) -> np.ndarray:
         """Returns the numbers of the columns ``used``, (n, columns)."""
         dialect: set[str] = set()
         columns = [layout.before + k for k in used]
@@ -117,7 +117,7 @@ class TextReader:
                     raise
                 dialect |= self._explain_row(layout, used, dialect)
 
-    def _rows(self, layout: Layout, width: int, dialect: set[str]) -> Iterator[str]:
+    def _rows(self, layout: TextLayout, width: int, dialect: set[str]) -> Iterator[str]:
         """Yields the rows in a form that numpy reads, and stores what is stated between them."""
         count = 0
         most, remarks = min(self._limits.rows, self._limits.numbers // width), 0
@@ -147,7 +147,7 @@ class TextReader:
                 line = LOST_LETTER.sub(r"e\1", line.translate(FORTRAN_LETTER))
             yield line.translate(DECIMAL_COMMA) if COMMA in dialect else line
 
-    def _is_remark(self, line: str, layout: Layout, row: int) -> bool:
+    def _is_remark(self, line: str, layout: TextLayout, row: int) -> bool:
         """Returns whether a line between rows is a heading again or states a time, which is stored."""
         bare = readable(line).strip()
         return bare == layout.heading or self._store_stated(bare, row)
@@ -171,7 +171,7 @@ class TextReader:
             raise FileError(self._path, "has rows before the first time that it states; give it above the rows")
         return np.repeat(list(self._times.values()), np.diff([*self._times, count]))
 
-    def _explain_row(self, layout: Layout, used: Sequence[int], dialect: set[str]) -> set[str]:
+    def _explain_row(self, layout: TextLayout, used: Sequence[int], dialect: set[str]) -> set[str]:
         """Returns the peculiarities of numbers that the last row has beside those in the ``dialect``. Raises FileError
         where a cell is no number with them."""
         cells = layout.split(self._row)

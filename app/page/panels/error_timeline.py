@@ -148,8 +148,7 @@ class ErrorTimeline:
         # From 1000 % on as a factor, which is shorter: the labels have little room.
         tops = [[height(share), f"{format_number(100 * share)} %" if share < 10 else f"{format_number(share)} x"]
                 for share in (top, 0.5 * top)]
-        said = {"tops": tops,
-                "start": begin, "ticks": marks, "now": part(now.time),
+        said = {"tops": tops, "start": begin, "ticks": marks, "now": part(now.time),
                 "reach": [*map(part, now.reach)], "changes": changes, "first": tr("first crossing") if changes else "",
                 "many": trn("{count:,} cell change so far", "{count:,} cell changes so far", many),
                 "names": [[name, colour, height(float(curve[-1]))] for name, colour, curve in named
