@@ -99,8 +99,7 @@ def test_auto_step_follows_the_scene_and_gives_way_to_the_slider(page):
 def test_lost_run_is_said_and_goes_on(page):
     """With one particle per cell: since when, why and where; it moves on."""
     enter(page, "Particles / cell", "1")
-    page.locator(".lab-notice.lab-lost").wait_for()
-    said = page.locator(".lab-notice.lab-lost").inner_text()
-    assert re.match(r"The run is lost from t = 0\.\d+ s on: .+, most at particle \d+ \(X = [\d.]+\)\.$", said)
-    before = time(page)
-    until(lambda: time(page) > before, "the lost run going on")
+    # Read when it comes: a busy browser may be told next that the run went unstable.
+    said = page.wait_for_function("() => document.querySelector('.lab-notice.lab-lost')?.innerText").json_value()
+    found = re.match(r"The run is lost from t = (0\.\d+) s on: .+, most at particle \d+ \(X = [\d.]+\)\.$", said)
+    until(lambda: time(page) > float(found[1]) + 0.1, "the lost run going on")

@@ -78,7 +78,7 @@
     const k = nearest(row.data, value);
     return row.data.flat ? Number(value.toPrecision(3)) : row.data.v[k];
   }
-  const STEPS = {ArrowRight: 1, ArrowUp: 1, ArrowLeft: -1, ArrowDown: -1, PageUp: 3, PageDown: -3, Home: -1e9, End: 1e9};
+  const STEPS = {ArrowRight: 1, ArrowUp: 1, ArrowLeft: -1, ArrowDown: -1, PageUp: 3, PageDown: -3};  // Home and End: the slider's own ends
   document.addEventListener("keydown", event => {
     const row = event.target.matches?.("[role=slider]") && [...rows.values()].find(one => one.thumb === event.target);
     if (!row || event.ctrlKey || event.metaKey || event.altKey) return;
