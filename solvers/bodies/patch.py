@@ -47,6 +47,12 @@ class Patch:
         (ax, ay), (bx, by) = (np.subtract(self.corners[k], self.arc[SIDES[side]]) for k in ENDS[side])
         return math.atan2(ax * by - ay * bx, ax * bx + ay * by)
 
+    def held_axes(self, side: int) -> list[int]:
+        """Returns the components, 0 for x and 1 for y, that a straight side along an axis holds by its kind."""
+        a, b = (self.corners[k] for k in ENDS[side])
+        across = int(abs(a[0] - b[0]) > abs(a[1] - b[1]))
+        return {FREE: [], CLAMPED: [0, 1], ROLLER: [across]}[self.sides[side]]
+
     def side_length(self, side: int) -> float:
         """Returns the length of a side in m."""
         a, b = (self.corners[k] for k in ENDS[side])

@@ -1,0 +1,165 @@
+"""Mesh of spectral elements on the patches of a body, and evaluation of its fields on lattices of points.
+
+Every element has its own (p+1)^2 points, entry e (p+1)^2 + i (p+1) + j at the i-th point along xi and the j-th along
+eta; points at one place share a ``master``, the first of them, whose value all have. Geometry is isoparametric.
+"""
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+from numpy.polynomial import legendre
+
+from solvers.bodies.body import Body
+from solvers.bodies.connections import equalize_counts
+from solvers.estimators.spectral_elements import differentiation_matrix, lobatto
+from solvers.problems.planar.estimators.companion_patch import contravariant_vectors
+
+Cuts = Sequence[tuple[np.ndarray, np.ndarray]]  # ends of the elements of each patch along xi and eta, from 0 to 1
+MERGE, ROUNDS = 1e-7, 2  # of the body's size: width of the cells in which points are one; passes over four grids
+ELEMENT_CELLS = 8.0  # cells of the particles' grid across an element
+
+
+class Lattice(NamedTuple):
+    """Points of a patch with every coordinate ``xi`` (n,) and every ``eta`` (m,), in this order, n m of them."""
+
+    patch: int
+    xi: np.ndarray
+    eta: np.ndarray
+
+
+def default_cuts(body: Body) -> Cuts:
+    """Returns near-square elements, as long as the body is thin, or 8 cells of the grid where that is longer."""
+    lengths = body.mean_lengths
+    counts = np.maximum(np.rint(lengths / max(float(lengths.min()), ELEMENT_CELLS * body.spacing)).astype(int), 1)
+    return even_cuts(equalize_counts(body.patches, body.joined, counts))
+
+
+def even_cuts(counts: np.ndarray) -> Cuts:
+    """Returns the ends of equal elements, ``counts`` (K, 2) of them along xi and eta of each patch."""
+    return [(np.linspace(0, 1, a + 1), np.linspace(0, 1, b + 1)) for a, b in counts]
+
+
+class SpectralMesh:
+    """Mesh of order p (``order``) with N points: ``points`` (N, 2) in m, ``geometry`` (N, 4) j grad xi and j grad eta
+    in the element's coordinates from -1 to 1, ``master`` (N,), ``inverse_mass`` (N, 2) in 1/kg per metre of thickness,
+    0 for held components."""
+
+    def __init__(self, body: Body, cuts: Cuts, order: int):
+        self.cuts, self.order = cuts, order
+        reference, weights = lobatto(order)
+        self.derivative, self.weights = differentiation_matrix(reference), np.outer(weights, weights)
+        self._sizes = [(len(a) - 1, len(b) - 1) for a, b in cuts]
+        self._starts = np.cumsum([0, *(a * b * (order + 1)**2 for a, b in self._sizes)])
+        points = []
+        for patch, (along, across) in zip(body.patches, cuts, strict=True):
+            xi, eta = (one[:-1, None] + np.diff(one)[:, None] * 0.5 * (reference + 1) for one in (along, across))
+            xi, eta = np.broadcast_arrays(xi[:, None, :, None], eta[None, :, None, :])
+            points.append(patch.place(xi.ravel(), eta.ravel()))
+        self.points = np.concatenate(points)
+        self.elements = len(self.points) // (order + 1)**2
+        self.geometry = contravariant_vectors(self._reference_derivatives(self.points))
+        self._area = self.geometry[:, 0] * self.geometry[:, 3] - self.geometry[:, 1] * self.geometry[:, 2]
+        self.master = _merge(self.points)
+        mass = np.bincount(self.master, body.density * self._area * np.tile(self.weights.ravel(), self.elements),
+                           len(self.points))
+        held = np.zeros((len(self.points), 2), bool)
+        np.logical_or.at(held, self.master, self._held_components(body))
+        self.inverse_mass = ~held[self.master] / mass[self.master][:, None]
+
+    def _held_components(self, body: Body) -> np.ndarray:
+        """Returns the components (N, 2) that clamped and roller sides hold."""
+        held = np.zeros((len(self.points), 2), bool)
+        for k, patch in enumerate(body.patches):
+            for side in range(4):
+                grid = np.arange(self._starts[k], self._starts[k + 1]).reshape(self._patch_shape(k))
+                row = 0 if side in (0, 3) else -1
+                on = grid[row, :, row] if side % 2 else grid[:, row, :, row]
+                for axis in patch.held_axes(side):
+                    held[on, axis] = True
+        return held
+
+    def _patch_shape(self, patch: int) -> tuple[int, int, int, int]:
+        return *self._sizes[patch], self.order + 1, self.order + 1
+
+    def _reference_derivatives(self, nodal: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Returns the derivatives (N, 2) of nodal values (N, 2) in the coordinates of the elements."""
+        local = nodal.reshape(-1, self.order + 1, self.order + 1, 2)
+        return (np.einsum("ik,ekjc->eijc", self.derivative, local).reshape(-1, 2),
+                np.einsum("jk,eikc->eijc", self.derivative, local).reshape(-1, 2))
+
+    def least_stretch(self, u: np.ndarray) -> tuple[float, np.ndarray]:
+        """Returns the least principal stretch at the points for displacements u (N, 2) in m, and its place (2,)."""
+        by_xi, by_eta = self._reference_derivatives(u)
+        g = self.geometry / self._area[:, None]
+        F = np.eye(2) + by_xi[:, :, None] * g[:, None, :2] + by_eta[:, :, None] * g[:, None, 2:]
+        smallest = np.linalg.svd(F, compute_uv=False)[:, 1]
+        at = int(np.argmin(smallest))
+        return float(smallest[at]), self.points[at]
+
+    def reader(self, lattices: Sequence[Lattice]) -> "LatticeReader":
+        """Returns what evaluates nodal fields at all points of the ``lattices``, one after the other."""
+        return LatticeReader(self, lattices)
+
+    def patch_values(self, nodal: np.ndarray, patch: int) -> np.ndarray:
+        """Returns values (N, 2) on a patch by element and point along xi, and along eta: (a n, b n, 2)."""
+        a, b, n, _ = self._patch_shape(patch)
+        part = nodal[self._starts[patch]:self._starts[patch + 1]].reshape(a, b, n, n, 2)
+        return part.transpose(0, 2, 1, 3, 4).reshape(a * n, b * n, 2)
+
+
+class LatticeReader:
+    """Evaluates fields of a mesh on lattices, P points in all, by products of matrices along xi and along eta."""
+
+    def __init__(self, mesh: SpectralMesh, lattices: Sequence[Lattice]):
+        self._mesh, self._parts = mesh, []
+        for patch, xi, eta in lattices:
+            bases = [_interpolation(cuts, mesh.order, s) for cuts, s in zip(mesh.cuts[patch], (xi, eta), strict=True)]
+            r1, r2 = _along(bases, mesh.patch_values(mesh.points, patch))[1:]
+            g = contravariant_vectors((r1, r2))
+            self._parts.append((patch, bases, g / (g[:, 0] * g[:, 3] - g[:, 1] * g[:, 2])[:, None]))
+
+    def values_and_gradients(self, nodal: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Returns values (P, 2) and gradients (P, 2, 2; per m) of nodal values (N, 2)."""
+        values, gradients = [], []
+        for patch, bases, g in self._parts:
+            value, by_xi, by_eta = _along(bases, self._mesh.patch_values(nodal, patch))
+            values.append(value)
+            gradients.append(by_xi[:, :, None] * g[:, None, :2] + by_eta[:, :, None] * g[:, None, 2:])
+        return np.concatenate(values), np.concatenate(gradients)
+
+
+def _along(bases: list[tuple[np.ndarray, np.ndarray]], U: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Returns values and derivatives by xi and eta (n m, 2) from values U (a, b, 2) at the points of a patch."""
+    (A, slope_A), (B, slope_B) = bases
+    across = B @ U, slope_B @ U  # (a, m, 2)
+    return tuple((one @ two.reshape(len(U), -1)).reshape(-1, 2)
+                 for one, two in ((A, across[0]), (slope_A, across[0]), (A, across[1])))
+
+
+def _interpolation(cuts: np.ndarray, order: int, s: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Returns matrices (K, a n) that take values at the points of a elements along a line to values and derivatives
+    at its coordinates ``s`` (K,)."""
+    element = np.clip(np.searchsorted(cuts, s, side="right") - 1, 0, len(cuts) - 2)
+    width = np.diff(cuts)[element]
+    points, n = lobatto(order)[0], order + 1
+    local = legendre.legvander(2 * (s - cuts[element]) / width - 1, order) @ np.linalg.inv(
+        legendre.legvander(points, order))
+    column = element[:, None] * n + np.arange(n)
+    matrices = np.zeros((2, len(s), (len(cuts) - 1) * n))
+    matrices[0][np.arange(len(s))[:, None], column] = local
+    matrices[1][np.arange(len(s))[:, None], column] = local @ differentiation_matrix(points) * (2 / width)[:, None]
+    return matrices[0], matrices[1]
+
+
+def _merge(points: np.ndarray) -> np.ndarray:
+    """Returns for each of N points (N, 2) in m the first at its place. Four grids of cells, each half a cell from the
+    others, so that points that differ by rounding are in one cell of at least one."""
+    width = MERGE * float(np.ptp(points, axis=0).max())
+    master = np.arange(len(points))
+    for shift in ROUNDS * ((0.0, 0.0), (0.5, 0.0), (0.0, 0.5), (0.5, 0.5)):
+        _, cell = np.unique(np.floor(points / width + shift), axis=0, return_inverse=True)
+        first = np.full(len(points), len(points))
+        np.minimum.at(first, cell.ravel(), master)
+        master = first[cell.ravel()]
+    return master
