@@ -37,7 +37,9 @@ class Body:
     """Elastic body of ``patches`` in plane strain, its loads, and the MPM run; SI units, vectors as pairs (x, y).
 
     ``velocity`` (at t = 0, of X, Y) and ``force`` (per mass, of X, Y, t) are formulas; ``ppc`` counts particles per
-    cell and direction; ``domain`` has two opposite corners of the rectangle in which the body may move.
+    cell and direction; ``domain`` has two opposite corners of the rectangle in which the body may move;
+    ``elements_across`` counts the companions' elements over its narrowest patch, by default as many as a
+    twentieth of the run's time allows.
     """
 
     patches: tuple[Patch, ...]
@@ -52,6 +54,7 @@ class Body:
     method: str = METHODS[0]
     cells_per_metre: float = 8
     ppc: int = 2
+    elements_across: int | None = None
     goals: Mapping[str, Goal] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
@@ -61,6 +64,8 @@ class Body:
         require_number("poissons_ratio", self.poissons_ratio, -1e-300, MOST_POISSON, allowed)
         require_choice("method", self.method, METHODS)
         require_whole("ppc", self.ppc, 1, 6)
+        if self.elements_across is not None:
+            require_whole("elements_across", self.elements_across, 1, 20)
         require_point("gravity", self.gravity)
         self._check_patches()
         self._check_domain()

@@ -58,5 +58,6 @@ def force_coefficients(body: Body, X: np.ndarray, start: float, end: float) -> n
 
 def set_force(state: Any, body: Body, X: np.ndarray, start: float, end: float) -> None:
     """Writes to the arrays of a ``state`` the force at its points X (N, 2) in m between two times in s."""
-    state.force_series[:] = force_coefficients(body, X, start, end)
+    if body.has_force or not start:  # gravity stays
+        state.force_series[:] = force_coefficients(body, X, start, end)
     state.force_numbers[:] = start, 2 / (end - start)

@@ -13,11 +13,16 @@ from numpy.polynomial import legendre
 from solvers.bodies.body import Body
 from solvers.bodies.connections import equalize_counts
 from solvers.estimators.spectral_elements import differentiation_matrix, lobatto
+from solvers.estimators.standalone_companion import SAFE_STEP
 from solvers.problems.planar.estimators.companion_patch import contravariant_vectors
 
 Cuts = Sequence[tuple[np.ndarray, np.ndarray]]  # ends of the elements of each patch along xi and eta, from 0 to 1
 MERGE, ROUNDS = 1e-7, 2  # of the body's size: width of the cells in which points are one; passes over four grids
-ELEMENT_CELLS = 8.0  # cells of the particles' grid across an element
+ORDERS = (4, 6)  # of the two companions that run with every body
+TRIED_ACROSS = np.arange(4, 41) / 4  # elements over the narrowest patch
+FREQUENCY = 1.05  # omega h/(c p^2) of elements of width h
+POINT_COST = 180 / 55  # nanoseconds of a point's step of a companion over those of a particle's step
+MOST_COST, FREE = 0.05, 4e6  # of the run's, that companions may have; and steps of a particle that nobody waits for
 
 
 class Lattice(NamedTuple):
@@ -29,10 +34,26 @@ class Lattice(NamedTuple):
 
 
 def default_cuts(body: Body) -> Cuts:
-    """Returns near-square elements, as long as the body is thin, or 8 cells of the grid where that is longer."""
-    lengths = body.mean_lengths
-    counts = np.maximum(np.rint(lengths / max(float(lengths.min()), ELEMENT_CELLS * body.spacing)).astype(int), 1)
-    return even_cuts(equalize_counts(body.patches, body.joined, counts))
+    """Returns near-square elements of both companions: ``elements_across`` over the body's narrowest patch, by default
+    the most with which their predicted cost is a twentieth of the run's or negligible, and at least one."""
+    def counts(across: float) -> np.ndarray:
+        wanted = np.rint(body.mean_lengths * (across / body.mean_lengths.min())).astype(int)
+        return equalize_counts(body.patches, body.joined, np.maximum(wanted, 1))
+
+    if body.elements_across:
+        return even_cuts(counts(body.elements_across))
+    run = body.lattice_counts.prod(axis=1).sum() / body.time_step * body.t_end
+    allowed = [across for across in TRIED_ACROSS
+               if _predicted_cost(body, counts(across)) <= max(MOST_COST * run, FREE)]
+    return even_cuts(counts(max(allowed, default=1)))
+
+
+def _predicted_cost(body: Body, counts: np.ndarray) -> float:
+    """Returns the cost of both companions with ``counts`` (K, 2) elements on the patches, in steps of a particle."""
+    narrowest = min(patch.side_length(side) / counts[k, side % 2] for k, patch in enumerate(body.patches)
+                    for side in range(4))
+    steps = FREQUENCY * body.wave_speed * body.t_end / (SAFE_STEP * narrowest)  # over the square of the order
+    return POINT_COST * steps * counts.prod(axis=1).sum() * sum((p + 1)**2 * p**2 for p in ORDERS)
 
 
 def even_cuts(counts: np.ndarray) -> Cuts:
@@ -117,7 +138,7 @@ class LatticeReader:
             bases = [_interpolation(cuts, mesh.order, s) for cuts, s in zip(mesh.cuts[patch], (xi, eta), strict=True)]
             r1, r2 = _along(bases, mesh.patch_values(mesh.points, patch))[1:]
             g = contravariant_vectors((r1, r2))
-            self._parts.append((patch, bases, g / (g[:, 0] * g[:, 3] - g[:, 1] * g[:, 2])[:, None]))
+            self._parts.append((patch, bases, (g / (g[:, 0] * g[:, 3] - g[:, 1] * g[:, 2])[:, None]).T.copy()))
 
     def values_and_gradients(self, nodal: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Returns values (P, 2) and gradients (P, 2, 2; per m) of nodal values (N, 2)."""
@@ -125,16 +146,27 @@ class LatticeReader:
         for patch, bases, g in self._parts:
             value, by_xi, by_eta = _along(bases, self._mesh.patch_values(nodal, patch))
             values.append(value)
-            gradients.append(by_xi[:, :, None] * g[:, None, :2] + by_eta[:, :, None] * g[:, None, 2:])
+            (x, y), (p, q) = by_xi.T, by_eta.T
+            gradients.append(np.stack([x * g[0] + p * g[2], x * g[1] + p * g[3],
+                                       y * g[0] + q * g[2], y * g[1] + q * g[3]], axis=1).reshape(-1, 2, 2))
         return np.concatenate(values), np.concatenate(gradients)
+
+    def values(self, nodal: np.ndarray) -> np.ndarray:
+        """Returns values (P, 2) of nodal values (N, 2)."""
+        return np.concatenate([_product(bases[0][0], bases[1][0] @ self._mesh.patch_values(nodal, patch))
+                               for patch, bases, _ in self._parts])
 
 
 def _along(bases: list[tuple[np.ndarray, np.ndarray]], U: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Returns values and derivatives by xi and eta (n m, 2) from values U (a, b, 2) at the points of a patch."""
     (A, slope_A), (B, slope_B) = bases
-    across = B @ U, slope_B @ U  # (a, m, 2)
-    return tuple((one @ two.reshape(len(U), -1)).reshape(-1, 2)
-                 for one, two in ((A, across[0]), (slope_A, across[0]), (A, across[1])))
+    across = B @ U
+    return _product(A, across), _product(slope_A, across), _product(A, slope_B @ U)
+
+
+def _product(A: np.ndarray, across: np.ndarray) -> np.ndarray:
+    """Returns values (n m, 2) from those at the points along xi, (a, m, 2), by a matrix A (n, a)."""
+    return (A @ across.reshape(len(across), -1)).reshape(-1, 2)
 
 
 def _interpolation(cuts: np.ndarray, order: int, s: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
