@@ -59,7 +59,7 @@ def run_body(body: Body, on_progress: Callable[[float], None] | None = None) -> 
     begun = time.process_time()
     run = MaterialPoints(body, SAMPLES, body.lattice_counts, half_start=loaded)
     companions = [BodyCompanion(body, cuts, order, interval) for order in ORDERS]
-    readers = [one.mesh.reader(run.lattice.lattices) for one in companions]
+    readers = [LatticeReader(one.mesh, run.lattice.lattices) for one in companions]
     estimate = ErrorEstimate(body)
     goals = {name: GoalSeries(goal, run.lattice.position) for name, goal in body.goals.items()}
     spent, times = {"compile": 0.0, "run": 0.0, "companions": time.process_time() - begun}, [0.0]

@@ -118,10 +118,6 @@ class SpectralMesh:
         at = int(np.argmin(smallest))
         return float(smallest[at]), self.points[at]
 
-    def reader(self, lattices: Sequence[Lattice]) -> "LatticeReader":
-        """Returns what evaluates nodal fields at all points of the ``lattices``, one after the other."""
-        return LatticeReader(self, lattices)
-
     def patch_values(self, nodal: np.ndarray, patch: int) -> np.ndarray:
         """Returns values (N, 2) on a patch by element and point along xi, and along eta: (a n, b n, 2)."""
         a, b, n, _ = self._patch_shape(patch)

@@ -8,7 +8,7 @@ import pytest
 from solvers.bodies.body_file import library_text, parse_body
 from solvers.bodies.companion import BodyCompanion
 from solvers.bodies.patch import Patch
-from solvers.bodies.spectral_mesh import Lattice, SpectralMesh, default_cuts, even_cuts
+from solvers.bodies.spectral_mesh import Lattice, LatticeReader, SpectralMesh, default_cuts, even_cuts
 from tests.solvers.bodies import exact_bodies
 
 SAMPLES = 20
@@ -22,7 +22,7 @@ def midpoints(n):
 
 def largest_rms_errors(body, motion, cuts, order, lattice):
     companion = BodyCompanion(body, cuts, order, body.t_end / SAMPLES)
-    reader, errors = companion.mesh.reader([lattice]), []
+    reader, errors = LatticeReader(companion.mesh, [lattice]), []
     X = reader.values_and_gradients(companion.mesh.points)[0]
     for _ in range(SAMPLES):
         companion.advance()
@@ -97,7 +97,7 @@ def test_the_orientation_of_patches_does_not_matter(times):
         companion.advance()
         places = [Lattice(k, *(np.array([one]) for one in patch.locate(point[None])[0])) for point in points
                   for k, patch in enumerate(body.patches) if np.all(np.abs(patch.locate(point[None]) - 0.5) <= 0.5)]
-        found.append(companion.mesh.reader(places).values_and_gradients(companion.u)[0])
+        found.append(LatticeReader(companion.mesh, places).values_and_gradients(companion.u)[0])
     assert len(found[0]) == 3 and found[1] == pytest.approx(found[0], abs=1e-12)
 
 

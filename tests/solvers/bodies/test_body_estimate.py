@@ -12,7 +12,7 @@ from solvers.bodies.goal import Goal
 from solvers.bodies.goal_values import GoalSeries
 from solvers.bodies.material_points import MaterialPoints
 from solvers.bodies.run import SAMPLES, read_companion, run_body
-from solvers.bodies.spectral_mesh import even_cuts
+from solvers.bodies.spectral_mesh import LatticeReader, even_cuts
 from tests.solvers.bodies import exact_bodies
 
 BEAM, BLOCK, SECTOR = (parse_body(library_text(name)) for name in ("cantilever", "thrown_block", "swinging_sector"))
@@ -48,7 +48,7 @@ def test_bars_hold_and_a_finer_companion_agrees():
     assert result.status == "ok" and not result.remarks and result.estimate["x"].trust == "number"
     fine = BodyCompanion(body, even_cuts(np.array([(8, 2)])), 6, body.t_end / SAMPLES)
     lattice = MaterialPoints(body, 1, body.lattice_counts, half_start=True).lattice
-    reader, times = fine.mesh.reader(lattice.lattices), np.linspace(0, body.t_end, SAMPLES + 1)
+    reader, times = LatticeReader(fine.mesh, lattice.lattices), np.linspace(0, body.t_end, SAMPLES + 1)
     series = {name: GoalSeries(goal, lattice.position) for name, goal in body.goals.items()}
     for _ in range(SAMPLES):
         fine.advance()

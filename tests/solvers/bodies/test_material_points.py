@@ -9,7 +9,7 @@ from solvers.bodies import companion, material_points
 from solvers.bodies.body_file import library_text, parse_body
 from solvers.bodies.companion import BodyCompanion
 from solvers.bodies.material_points import MaterialPoints
-from solvers.bodies.spectral_mesh import default_cuts, even_cuts
+from solvers.bodies.spectral_mesh import LatticeReader, default_cuts, even_cuts
 from solvers.solver.base import ESCAPED
 from tests.solvers.bodies import exact_bodies
 
@@ -57,7 +57,7 @@ def test_the_thrown_block(method, cells, values):
 
     def truth(run):
         fine.advance()
-        reader = fine.mesh.reader(run.lattice.lattices)
+        reader = LatticeReader(fine.mesh, run.lattice.lattices)
         u, gradient = reader.values_and_gradients(fine.u)
         return u, reader.values_and_gradients(fine.v)[0], np.eye(2) + gradient
 
