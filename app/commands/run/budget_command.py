@@ -72,11 +72,8 @@ class Budget(SceneFlags):
         scene = replace(asked, effects=tuple(dict.fromkeys((*asked.effects, "budget"))))
         if scene.has("budget"):
             return scene
-        if "truth" in asked.effects:
-            raise BadInput("body-force", scene.body_force, "has no exact solution to compare the bar with, so that a "
-                           "budget needs the effect estimate and --estimator companion")
-        raise BadInput("effects", " ".join(asked.effects) or "none", "a budget needs the effect truth and an exact "
-                       "solution, or the effect estimate and --estimator companion")
+        raise BadInput("effects", " ".join(asked.effects) or "none", "a budget needs the effect truth, or the effect "
+                       "estimate and --estimator companion")
 
 
 def _tables(values: dict) -> str:

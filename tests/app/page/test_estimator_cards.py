@@ -24,6 +24,7 @@ from solvers.study.coverage.track_record_and_bets import RunSoFar, accurate_run_
 from tests.app.frame.test_view import report_of
 from tests.support.processes import wait_until
 from tests.support.raw_client import RawClient
+from tests.support.unsolved_bar import unsolved
 
 BAR = BarScene(cells=16, ppc=2, estimators=("companion",))
 NAMED = "positions are ok, but the velocity is off by up to 18 times its own size, from t = 0.5 s on"
@@ -44,7 +45,7 @@ def test_cards_say_what_the_run_has():
     trust = cards["judges"]["transport"]["trust"]
     assert trust == f"within 10\N{NO-BREAK SPACE}% of the truth in {held} of {of} such runs"
     assert cards["judges"]["recovered"] == {"says": "Not valid here: why"}
-    unknown = json.loads(estimator_cards_json(report_of(replace(scene, body_force="two-tone")), {}, "x", None))
+    unknown = json.loads(estimator_cards_json(report_of(unsolved(scene)), {}, "x", None))
     assert unknown["judges"]["transport"]["finds"] == NOTHING
 
 
