@@ -29,11 +29,12 @@ FINEST = 2e-3  # of the motion, to which its size is told at best: the fit is li
 #: Times the error that is left, which a size must make to be blamed: a grid leaves more than it shrinks the motion.
 TELLS = 10.0
 APART = 0.1  # of the motion's frequency, by which one of a free vibration must differ, so that they can be told apart
-SHORTEST = 0.75  # of a period, which a motion must last before its size can be told from a phase or a trend
+SHORTEST = 0.75  # of a period, which a motion must last before its size can be told from its pace, a phase or a trend
 DISPERSION = 1 / 6  # of (k h)^2: by so much waves of a grid may be slower; 1/24 with hats and lumped masses
 CLOCK_OFF, CLOCK_TELLS = 2e-3, 2.5  # of the time; times the error that is left, which a clock must make to be told
 #: The same of a motion that is faster than its times, which no grid makes: masses that are lumped slow waves down.
 FAST_SURE, FAST_TELLS = 6.0, 1.0
+TOO_SHORT = "too little of a period to tell a motion that is too small from one that is late or slow"
 TOO_LARGE = "the errors are too large"
 FEW = Message("fewer than {least} times, or not the same particles at all of them", FEWEST_TIMES)
 
@@ -104,14 +105,13 @@ def check_amplitude_and_clock(evidence: FindingsInput) -> tuple[Finding, Finding
     fit = fit_motion(tracks, scene)
     if fit is None:
         return unknown(AMPLITUDE, TOO_LARGE), unknown(CLOCK, TOO_LARGE)
+    clock = _check_clock(fit, scene, rms(tracks.own["x"] - tracks.exact["x"]))
     if not scene.swings:
-        size = unknown(AMPLITUDE, "nothing swings, so that a motion that is too small is too slow")
-    elif np.ptp(tracks.time) < SHORTEST * scene.period:
-        size = unknown(AMPLITUDE, "too little of a period to tell a motion that is too small from one that is late")
-    else:
-        beside = free_vibration(tracks, scene)
-        size = _check_amplitude(fit, fit_motion(tracks, scene, beside) if beside else None, scene.period)
-    return size, _check_clock(fit, scene, rms(tracks.own["x"] - tracks.exact["x"]))
+        return unknown(AMPLITUDE, "nothing swings, so that a motion that is too small is too slow"), clock
+    if np.ptp(tracks.time) < SHORTEST * scene.period:
+        return unknown(AMPLITUDE, TOO_SHORT), unknown(CLOCK, TOO_SHORT)
+    beside = free_vibration(tracks, scene)
+    return _check_amplitude(fit, fit_motion(tracks, scene, beside) if beside else None, scene.period), clock
 
 
 def _check_amplitude(fit: MotionFit, with_beats: MotionFit | None, period: float) -> Finding:
