@@ -9,7 +9,14 @@ import numpy as np
 from solvers.judging.findings import neighbour_comparison
 from solvers.judging.findings.finding import BROKEN, HOLDS, OFF, SUSPICIOUS, Finding, unknown
 from solvers.judging.findings.findings_input import FindingsInput
-from solvers.judging.findings.neighbour_comparison import MOST, USUAL, NearestNeighbours, find_neighbours, find_outliers
+from solvers.judging.findings.neighbour_comparison import (
+    MOST,
+    USUAL,
+    NearestNeighbours,
+    allowance_at_rims,
+    find_neighbours,
+    find_outliers,
+)
 from solvers.judging.findings.recorded_motion_reader import RecordedMotion
 from solvers.judging.particle_data_types import Frame
 from solvers.scene.scene import Scene
@@ -34,7 +41,6 @@ ALONE: dict[str, tuple[float, float]] = {"x": (30.0, 0.5), "v": (15.0, 0.3), "F"
 NAMES_OF_MOTION = {key: f"{key} of each particle against its neighbours'" for key in ALONE}
 SOON_PASSES = 10.0  # times as much where that does not last
 A_PLACE, NOISE = 1.6, 6.0  # of the spacing, and times what most depart
-ONE_SIDED, ON_A_RIM = 0.4, 3.0  # of their distance the middle of the neighbours is aside; times as much may be there
 WORDS = {"x": "position", "v": "velocity", "F": "F", "sigma": "stress"}
 ROUGH, ROUGHEST = 0.5, 1.0  # of the size of v or the stress: what it departs from its neighbours', RMS
 FEWEST = 16  # particles
@@ -95,10 +101,12 @@ def value_outliers(evidence: FindingsInput, quantity: str) -> OutlierSummary | N
         frames.append(frame)
         parts.append(far.astype(np.float32))
         limits.append(limit)
-    if not frames:
+    if first is None:
         return None
     every_far, every_limit = np.array(parts), np.array(limits)
-    at, beyond, factor = _lasting_outliers(every_far / every_limit[:, None], len(frames) // LASTS, PASSES)
+    rim = allowance_at_rims(first)
+    at, beyond, factor = _lasting_outliers(every_far / every_limit[:, None] / rim, len(frames) // LASTS, PASSES)
+    factor = factor * rim
     worst, which = int(np.argmax(beyond)), np.flatnonzero(beyond > 1)
     k = int(at[worst])
     return OutlierSummary(FrameOutliers(frames[k], which, every_far[k, which].astype(float)) if len(which) else None,
@@ -170,7 +178,7 @@ def check_outliers(motion: RecordedMotion, key: str) -> Finding:
     every = motion.fields[key] - (motion.reference if key == "x" else 0.0)
     size = motion.spacing if key == "x" else _largest_rms(motion, key)
     if not size > 0:
-        return unknown(name, "it is zero everywhere")
+        return unknown(name, "it is zero everywhere, or rounding")
     scores, limits = [], []
     for moment in motion.checked_time_indices:
         _, far, limit = find_outliers(near, every[moment].reshape(len(motion.reference), -1), times, least * size)
@@ -178,10 +186,7 @@ def check_outliers(motion: RecordedMotion, key: str) -> Finding:
             limit = min(limit, max(A_PLACE * size, NOISE * float(np.quantile(far, USUAL))))
         scores.append(far / limit)
         limits.append(limit)
-    away = np.where(near.there[:, :, None], motion.reference[near.who] - motion.reference[:, None], 0.0)
-    # Where all neighbours are on one side the plane goes on beyond them.
-    rim = np.linalg.norm(away.mean(axis=1), axis=1) > ONE_SIDED * np.linalg.norm(away, axis=2).mean(axis=1)
-    score = np.array(scores) / np.where(rim, ON_A_RIM, 1.0)
+    score = np.array(scores) / allowance_at_rims(near)
     at, beyond, _ = _lasting_outliers(score, 0 if key == "x" else len(scores) // LASTS,
                                       SOON_PASSES)  # places do not pass
     p, count = int(np.argmax(beyond)), int(np.sum(beyond > 1))
@@ -204,7 +209,7 @@ def check_roughness(motion: RecordedMotion, key: str) -> Finding:
                        else f"not of {FEWEST} particles and more")
     size = _largest_rms(motion, key)
     if not size > 0:
-        return unknown(name, "it is zero everywhere")
+        return unknown(name, "it is zero everywhere, or rounding")
     every = [neighbour_comparison.departures(near, motion.fields[key][moment].reshape(len(motion.reference), -1))
              for moment in motion.checked_time_indices]
     shares = [float(np.sqrt(np.mean(far**2))) / size for far in every]
@@ -221,6 +226,8 @@ def check_roughness(motion: RecordedMotion, key: str) -> Finding:
 
 
 def _largest_rms(motion: RecordedMotion, key: str) -> float:
-    """Returns the largest RMS over particles of a quantity at any time, for F that of F - 1; SI units."""
+    """Returns the largest RMS over particles of a quantity at any time, for F that of F - 1; SI units. 0 for velocities
+    that move the particles by no more than rounding."""
     values = motion.fields[key] - (np.eye(motion.dimensions) if key == "F" else 0.0)
-    return float(np.sqrt(np.max(np.mean(np.sum(values.reshape(*values.shape[:2], -1) ** 2, axis=2), axis=1))))
+    size = float(np.sqrt(np.max(np.mean(np.sum(values.reshape(*values.shape[:2], -1) ** 2, axis=2), axis=1))))
+    return 0.0 if key == "v" and size * np.ptp(motion.times) <= motion.rounding else size

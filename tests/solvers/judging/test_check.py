@@ -11,6 +11,7 @@ from solvers.judging.findings.deformation import GAP
 from solvers.judging.findings.finding import BROKEN, HOLDS, SUSPICIOUS, UNKNOWN
 from solvers.untrusted.quoting import FileError
 from tests.findings import LOST, checked
+from tests.support.faults import as_files, record, scene_of
 from tests.support.known_runs import known_runs
 
 T, SIDE = 21, {1: 40, 2: 12, 3: 6}
@@ -56,6 +57,40 @@ def test_a_smooth_motion_has_no_contradiction_whatever_the_files_have_of_it(dime
     assert (told["F against the gradient of x"] == UNKNOWN) == ("F" in left_out)
     assert (told["v against dx/dt"] == UNKNOWN) == ("v" in left_out)
     assert set(told.values()) <= {HOLDS, UNKNOWN}
+
+
+def superposed(arrays, angle, distance):
+    """The motion seen from a frame that turns by an angle and flies a distance, in a unit of time."""
+    t, x, v = arrays["t"], arrays["x"], arrays["v"]
+    cos, sin = np.cos(angle * t), np.sin(angle * t)
+    turn, rate = (np.moveaxis(np.array([[a, -b], [b, a]]), 2, 0) for a, b in ((cos, sin), (-angle * sin, angle * cos)))
+    moved = {"x": x @ turn.mT + distance * t[:, None, None], "v": v @ turn.mT + x @ rate.mT + distance}
+    return arrays | moved | {"F": turn[:, None] @ arrays["F"]}
+
+
+@pytest.mark.parametrize("amplitude", [0.15, 1e-4, 0.0])
+@pytest.mark.parametrize(("angle", "distance"), [(0.0, 100.0), (2.0, 0.0), (-0.3, 3.0)])
+def test_a_body_may_fly_and_turn_however_little_else_it_does(amplitude, angle, distance):
+    assert check(superposed(motion(2, amplitude), angle, distance)).verdict == CONSISTENT
+
+
+@pytest.mark.parametrize("amplitude", [0.15, 0.01, 0.0])
+def test_a_body_may_be_strained_before_its_motion_begins(amplitude):
+    """Evenly, and each particle by itself: F then counts from another state than X, and a note says so."""
+    arrays = motion(2, amplitude)
+    for stretch in (np.diag([1.1, 0.95]), np.eye(2) + 0.05 * np.random.default_rng(2).normal(size=(144, 2, 2))):
+        strained = check(arrays | {"F": arrays["F"] @ stretch})
+        assert strained.verdict == CONSISTENT
+        assert "F counts from another state than X" in " ".join(strained.motion.notes)
+    assert not check(arrays).motion.notes
+
+
+def test_a_patch_test_of_ours_is_consistent_and_a_wrong_particle_in_it_is_not():
+    run = record(scene_of("bar", motion="patch", stretch=1.3, initial_velocity=0.2, cells=8))
+    arrays = as_files(run.scene, run.frames[::10], stress=True)
+    assert not found(arrays, CONSISTENT)
+    arrays["x"][9:, 5] += 0.02
+    assert found(arrays)
 
 
 def changed(key, change, dimensions=2):

@@ -104,11 +104,18 @@ def test_what_is_no_goal(scene, name, says):
 
 
 def test_the_command(capsys):
-    """A table with a bar by each estimator and how often such bars held; bad names before anything runs."""
+    """A table with a bar by each estimator and how often such bars held, if runs like it were drawn and it is ok; bad
+    names before anything runs. The 95 % interval of 65 of 65 begins at 65/(65 + 1.96^2) = 94 %."""
     assert dispatch(["run", "bar", "--periods", "0.3", "--estimator", "companion", "--goal", "kinetic-energy", "--goal",
                      "displacement@0.25", "--quiet"]) == 0
     said = capsys.readouterr().out
     assert "kinetic-energy" in said and "displacement@0.25" in said and said.count("+- companion") == 2
-    assert "held 65 of 65" in said and "2 times the estimated error" in said
+    assert "held 65 of 65" in said and "2 times the estimated error" in said and "interval begins at 94 %" in said
+    for flags, status, reason in ((["--periods", "4"], 0, "0.1 to 3 periods, and this one has 4"),
+                                  (["--cfl", "1.2", "--periods", "2"], 3, "only runs that end as ok were counted")):
+        assert dispatch(["run", "bar", *flags, "--estimator", "companion", "--goal", "kinetic-energy", "--quiet"]) \
+            == status
+        said = capsys.readouterr().out
+        assert "+- companion" in said and " held " not in said and reason in said
     assert dispatch(["run", "bar", "--goal", "foo"]) == 2
     assert "--goal foo: is no goal" in capsys.readouterr().err

@@ -26,7 +26,15 @@ from solvers.study.coverage.estimate_coverage_counts import (
 )
 from solvers.study.coverage.estimate_coverage_tables import coverage_summary
 from solvers.study.coverage.random_runs import BEFORE, DRAW_RANGES, IDENTITY, MEASURED, RandomRun, coarsen, measure
-from solvers.study.coverage.track_record_and_bets import JUDGES, bet_by_grid_index, bet_by_record, bets
+from solvers.study.coverage.track_record_and_bets import (
+    JUDGES,
+    RunSoFar,
+    accurate_run_counts,
+    bars_held,
+    bet_by_grid_index,
+    bet_by_record,
+    bets,
+)
 from solvers.study.row import find_fault
 from tests.support.fake_rows import InstantExecutor
 from tests.support.paths import ROOT
@@ -200,22 +208,32 @@ def test_a_particle_passes_an_edge_that_is_half_its_piece_away(moved, ppc, regim
 
 
 def test_a_track_record_is_that_of_runs_alike():
-    """By method and by how far particles move; none of a scene that no drawn one is like, or of a handful."""
-    scene = BarScene(cells=40, ppc=4, amplitude=1e-3, method="bspline")
+    """By method and by how far particles move; of an estimator that refuses all, none."""
+    scene = BarScene(cells=40, ppc=4, amplitude=1e-3, method="bspline", periods=1)
     assert motion_regime(scene.motion_amplitude / scene.spacing, scene.ppc) == IN_CELL
     split = track_record_and_bets.load_counts("bar")["estimators"]["companion"]["method and regime"]["bspline"]
-    assert track_record_and_bets.accurate_run_counts(scene, "companion") == (split[IN_CELL]["x"]["within"]["1.1"],
-                                                                    split[IN_CELL]["x"]["runs"])
-    assert track_record_and_bets.accurate_run_counts(
-        replace(scene, amplitude=0.1), "companion"
-    ) != track_record_and_bets.accurate_run_counts(scene, "companion")
-    assert track_record_and_bets.bars_held(scene, ENERGY, "companion") is not None
-    assert track_record_and_bets.bars_held(scene, "displacement@0.25", "companion") is not None
-    for unlike in (replace(scene, remedies=("null-space-filter",)), BarScene(motion="patch"),
-                   replace(scene, body_force="two-tone")):
-        assert track_record_and_bets.accurate_run_counts(unlike, "companion") is None
-    assert track_record_and_bets.accurate_run_counts(scene, "transport") is None  # it refuses all B-splines
-    assert track_record_and_bets.accurate_run_counts(scene, "companion", "a") is None
+    this, further = (RunSoFar(one, OK, one.end_time) for one in (scene, replace(scene, amplitude=0.1)))
+    assert accurate_run_counts(this, "companion") == (split[IN_CELL]["x"]["within"]["1.1"], split[IN_CELL]["x"]["runs"])
+    assert accurate_run_counts(further, "companion") != accurate_run_counts(this, "companion")
+    assert bars_held(this, ENERGY, "companion") is not None
+    assert bars_held(this, "displacement@0.25", "companion") is not None
+    assert accurate_run_counts(this, "transport") is None  # it refuses all B-splines
+    assert accurate_run_counts(this, "companion", "a") is None
+
+
+@pytest.mark.parametrize(("changes", "said"), [
+    ({"remedies": ("null-space-filter",)}, "with remedies"), ({"motion": "patch"}, "with motion"),
+    ({"displacement": "A*sin(2*pi*X)*sin(w*t)"}, "with displacement"), ({"body_force": "none"}, "body force none"),
+    ({"cells": 12}, "16 to 128 cells"), ({"ppc": 8}, "particles per cell"), ({"amplitude": 0.13}, "amplitude"),
+    ({"periods": 3.1}, "periods"), ({"periods": 0.05}, "periods")])
+def test_a_run_that_none_was_like_has_no_track_record(changes, said):
+    """The record is of ok runs within the ranges of the draw; the reason names what differs."""
+    scene = replace(BarScene(ppc=4, periods=1), **changes)
+    this = RunSoFar(scene, OK, scene.end_time)
+    assert said in this.why_not_counted
+    assert accurate_run_counts(this, "companion") is bars_held(this, ENERGY, "companion") is None
+    assert not RunSoFar(BarScene(periods=1), OK, 2.0).why_not_counted
+    assert bars_held(RunSoFar(BarScene(periods=1), "lost", 2.0), ENERGY, "companion") is None
 
 
 def test_a_judge_bets_by_its_record_and_the_index_by_its_word():
