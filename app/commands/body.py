@@ -12,8 +12,8 @@ from app.commands.progress import show_progress
 from app.commands.run.text_summary import format_value
 from solvers.bodies import body_file
 from solvers.bodies.body import Body
-from solvers.scene.validation import SceneError, require_choice
-from solvers.untrusted.quoting import FileError, file_name, one_line
+from solvers.scene.validation import SceneError
+from solvers.untrusted.quoting import FileError, file_name, one_line, suggest_word
 
 OK, BROKEN = 0, 3
 MEANING = """delta: what the two companions differ by, over what they find; below 0.3 the number stands, below 0.6 it
@@ -48,7 +48,10 @@ class BodyShow:
     """Name of the body."""
 
     def execute(self) -> int:
-        require_choice("name", self.name, tuple(body_file.library_names()))
+        names = body_file.library_names()
+        if self.name not in names:
+            near = suggest_word(self.name, names)
+            raise BadInput("", self.name, f"is not known{near}; give one of {', '.join(names)}")
         put_text(body_file.library_text(self.name))
         return OK
 
