@@ -150,4 +150,4 @@ class ErrorEstimate:
 
 
 def _rms(error: np.ndarray) -> float:
-    return math.sqrt(float(np.vdot(error, error)) / len(error))
+    return math.sqrt(float(np.einsum("pi,pi->", error, error)) / len(error))

@@ -17,7 +17,7 @@ CANTILEVER = library_text("cantilever")
 PLATE = library_text("plate_with_hole")
 BLOCK = Body(patches=(Patch(((0, 0), (4, 0), (4, 1), (0, 1)), ("free", "free", "free", "clamped")),),
              youngs_modulus=4e6, poissons_ratio=0.3, density=1050, gravity=(0, -10), cells_per_metre=8, ppc=2,
-             t_end=1.8, domain=((-1, -4), (5, 2)), goals={
+             elements_across=2, t_end=1.8, domain=((-1, -4), (5, 2)), goals={
                  "lowest": Goal("min y", (4, 0.5)), "period": Goal("time of return y", (4, 0.5)),
                  "stress": Goal("max |sigma_xx|", (1, 1))})
 
