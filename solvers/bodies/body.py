@@ -25,7 +25,7 @@ from solvers.translatable_message import Message
 
 HAT, METHODS = "mpm", ("cpdi", "ugimp", "cpgimp", "mpm")
 MOST_POISSON, SOFT_CORNER = 0.49, 0.4  # Poisson's ratios: allowed, and from which a clamped corner is hard to resolve
-MOST_PARTICLES, MOST_NODES, MOST_PATCHES, MOST_GOALS = 1_000_000, 4_000_000, 64, 20
+MOST_PARTICLES, MOST_CELLS, MOST_STEPS, MOST_PATCHES, MOST_GOALS = 1_000_000, 2000, 10_000_000, 64, 20
 CFL = 0.2  # time step over that in which a wave crosses a cell
 WHOLE = 1e-6  # by which a number of cells or particles may miss a whole one
 SPACE, SPACE_AND_TIME = ("X", "Y"), ("X", "Y", "t")
@@ -166,7 +166,6 @@ class Body:
             raise SceneError("patch", "", "give 1 to {most} patches, each as [[patch]]", MOST_PATCHES)
         for number, patch in enumerate(self.patches, 1):
             patch.validate(number)
-        assert self.joined is not None
         for line in self.held_lines:
             cells = line.position * self.cells_per_metre
             if abs(cells - round(cells)) > WHOLE:
@@ -185,10 +184,12 @@ class Body:
         if (X < low - SMALL).any() or (X > high + SMALL).any():
             raise SceneError("domain", self.domain, "does not contain the body; give its lower left and upper right "
                              "corners, with room for the motion")
-        nodes = np.prod((high - low) * self.cells_per_metre + 6)
-        if nodes > MOST_NODES:
-            raise SceneError("domain", self.domain, "has {nodes:,.0f} nodes of the grid; at most {most:,} are allowed",
-                             nodes, MOST_NODES)
+        if (cells := float((high - low).max()) * self.cells_per_metre) > MOST_CELLS:
+            raise SceneError("domain", self.domain, "is {cells:,.0f} cells long; at most {most:,} are allowed", cells,
+                             MOST_CELLS)
+        if (steps := self.t_end / self.time_step) > MOST_STEPS:
+            raise SceneError("t_end", self.t_end, "takes {steps:,.0f} steps; at most {most:,} are allowed", steps,
+                             MOST_STEPS)
 
     def _check_tiling(self) -> None:
         wanted = self.mean_lengths * (self.ppc * self.cells_per_metre)

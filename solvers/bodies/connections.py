@@ -62,14 +62,19 @@ def _check_touching(patches: Sequence[Patch], joined: dict[Side, Side], size: fl
     """Raises SceneError where a patch has a corner within a side of another, or points in common with it."""
     line = np.linspace(0.05, 0.95, 10)
     inner = [one.ravel() for one in np.meshgrid(line, line)]
+    edge = np.linspace(0, 1, 17)
+    outlines = [np.concatenate([patch.points_on_side(side, edge) for side in range(4)]) for patch in patches]
+    near = 0.01 * size  # by which an arc may be beyond its points
     for k, patch in enumerate(patches):
         X = np.concatenate([patch.place(*inner), np.array(patch.corners, float)])
         for n, other in enumerate(patches):
-            if n == k:
+            apart = (outlines[k].min(axis=0) > outlines[n].max(axis=0) + near) | (
+                outlines[n].min(axis=0) > outlines[k].max(axis=0) + near)
+            if n == k or apart.any():
                 continue
             at = other.locate(X)
-            apart = np.array([min(math.dist(x, corner) for corner in other.corners) for x in X]) > SMALL * size
-            within = ((at > -SMALL) & (at < 1 + SMALL)).all(axis=1) & apart  # NaN where there is no such point
+            off_corners = np.array([min(math.dist(x, corner) for corner in other.corners) for x in X]) > SMALL * size
+            within = ((at > -SMALL) & (at < 1 + SMALL)).all(axis=1) & off_corners  # NaN where there is no such point
             if within.any():
                 raise SceneError("patch", k + 1, "meets patch {other} elsewhere than along whole sides; divide patches "
                                  "so that corners meet corners and none overlap", n + 1)
