@@ -24,7 +24,7 @@ from solvers.scene.validation import SceneError, require_choice, require_number,
 from solvers.translatable_message import Message
 
 HAT, METHODS = "mpm", ("cpdi", "ugimp", "cpgimp", "mpm")
-MOST_POISSON, SOFT_CORNER = 0.49, 0.4  # Poisson's ratios: allowed, and from which a clamped corner is hard to resolve
+MOST_POISSON = 0.49
 MOST_PARTICLES, MOST_CELLS, MOST_STEPS, MOST_PATCHES, MOST_GOALS = 1_000_000, 2000, 10_000_000, 64, 20
 CFL = 0.2  # time step over that in which a wave crosses a cell
 WHOLE = 1e-6  # by which a number of cells or particles may miss a whole one
@@ -152,10 +152,10 @@ class Body:
         if self.method == HAT:
             said.append(Message("hat functions break numerically where particles cross cells, within a thirtieth of "
                                 "most motions; take cpdi, ugimp or cpgimp"))
-        if self.clamped_corners and self.poissons_ratio >= SOFT_CORNER:
-            said.append(Message("the body has a clamped corner and Poisson's ratio {nu:g}: companions converge slowly "
-                                "there, and estimates of x may be off by 40 % where the run is accurate",
-                                self.poissons_ratio))
+        if self.clamped_corners and not self.has_known_corners:
+            said.append(Message("a clamped side meets a free one at an angle of {angle:.0f} degrees: companions "
+                                "converge slowly there, and only at 90 degrees their error is extrapolated away",
+                                max(self.clamped_corners, key=lambda angle: abs(angle - 90))))
         if self._has_fronts():
             said.append(Message("the initial velocity strains free sides, so waves with steep fronts start there; "
                                 "estimates of v and sigma are less accurate than those of x"))

@@ -1,8 +1,8 @@
 """Values of goals in a body's run, each with its bar.
 
 With the value J of the particles and J_p, J_(p+2) of the companions at the same particles the bar is
-|J - J_(p+2)| + 0.7 |J_(p+2) - J_p|, for stresses twice that. The first term alone would hold in about half of all runs; the
-second is the companion's own error: up to 0.7 of its difference from the coarser one, at clamped corners and at fronts.
+|J - J_(p+2)| + 0.7 |J_(p+2) - J_p|, for stresses twice that. The first term alone would hold in about half of all runs.
+The second is the companion's own error, up to 0.7 of its difference from the coarser one at corners and fronts.
 """
 
 from typing import NamedTuple

@@ -145,6 +145,17 @@ def test_hostile_values_never_raise_anything_else(seed):
                 assert len(str(error)) <= 500
 
 
+def test_warnings():
+    """Of hat functions, of a clamped corner whose singularity is not known, of fronts from free edges."""
+    assert parse_body(CANTILEVER).warnings() == []
+    assert "hat functions" in parse_body(CANTILEVER.replace("cpdi", "mpm")).warnings()[0]
+    slanted = CANTILEVER.replace("[4, 1], [0, 1]]", "[4, 1], [0, 2]]")
+    assert "at an angle of 76 degrees" in parse_body(slanted.replace("at = [1, 1]", "at = [1, 0]")).warnings()[0]
+    turning = library_text("thrown_block").replace(" + 2*(X - 0.5)", "").replace(" - 2*(Y - 0.5)", "")
+    assert "steep fronts" in parse_body(library_text("thrown_block")).warnings()[0]
+    assert parse_body(turning).warnings() == []
+
+
 def test_strips_of_patches_have_equal_counts():
     """Through the plate's seam: along the strip from one roller to the other only the radial counts are shared."""
     counts = parse_body(PLATE).lattice_counts
