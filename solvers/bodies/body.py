@@ -10,13 +10,13 @@ import numpy as np
 from solvers.bodies.connections import (
     HeldLine,
     Side,
-    clamped_corner_angles,
+    boundary_corners,
     equalize_counts,
     held_lines,
     joined_sides,
 )
 from solvers.bodies.goal import Goal
-from solvers.bodies.patch import FREE, SIDES, SMALL, Patch, require_point
+from solvers.bodies.patch import CLAMPED, FREE, SIDES, SMALL, Patch, require_point
 from solvers.motion import jets
 from solvers.motion.formula import Formula, FormulaError, parse_formula
 from solvers.motion.laws.elastic_material import LAWS, NEO_HOOKEAN, ElasticMaterial
@@ -137,14 +137,15 @@ class Body:
                          for patch in self.patches])
 
     @cached_property
-    def clamped_corners(self) -> list[float]:
-        """Angles in degrees of the corners at which a clamped side meets a free one."""
-        return clamped_corner_angles(self.patches, self.joined)
+    def singular_corners(self) -> list[float]:
+        """Angles in degrees of corners with infinite stresses: re-entrant, or of a clamped and a free side."""
+        return [angle for angle, kinds in boundary_corners(self.patches, self.joined)
+                if angle > 180 + CORNER or kinds == {CLAMPED, FREE}]
 
     @property
     def has_known_corners(self) -> bool:
-        """Whether there are clamped corners, all with a right angle, whose singularity is known."""
-        return bool(self.clamped_corners) and all(abs(angle - 90) < CORNER for angle in self.clamped_corners)
+        """Whether all singular corners are right angles of a clamped and a free side, where stresses grow alike."""
+        return bool(self.singular_corners) and all(abs(angle - 90) < CORNER for angle in self.singular_corners)
 
     def warnings(self) -> list[str]:
         """Returns sentences on what makes the run or its estimate doubtful from the start."""
@@ -152,10 +153,10 @@ class Body:
         if self.method == HAT:
             said.append(Message("hat functions break numerically where particles cross cells, within a thirtieth of "
                                 "most motions; take cpdi, ugimp or cpgimp"))
-        if self.clamped_corners and not self.has_known_corners:
-            said.append(Message("a clamped side meets a free one at an angle of {angle:.0f} degrees: companions "
-                                "converge slowly there, and only at 90 degrees their error is extrapolated away",
-                                max(self.clamped_corners, key=lambda angle: abs(angle - 90))))
+        if self.singular_corners and not self.has_known_corners:
+            said.append(Message("stresses are infinite at a corner of {angle:.0f} degrees: companions converge slowly "
+                                "there, and only where a clamped side meets a free one at 90 degrees their error is "
+                                "extrapolated away", max(self.singular_corners, key=lambda angle: abs(angle - 90))))
         if self._has_fronts():
             said.append(Message("the initial velocity strains free sides, so waves with steep fronts start there; "
                                 "estimates of v and sigma are less accurate than those of x"))

@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from solvers.bodies.patch import CLAMPED, ENDS, FREE, ROLLER, SIDES, SMALL, Patch
+from solvers.bodies.patch import ENDS, FREE, SIDES, SMALL, Patch
 from solvers.scene.validation import SceneError
 
 Side = tuple[int, int]  # numbers, from 0, of a patch and of its side
@@ -143,17 +143,16 @@ def _check_free_sides(patches: Sequence[Patch], joined: dict[Side, Side], line: 
                                  "({side}); give all sides on a line the same kind", SIDES[side])
 
 
-def clamped_corner_angles(patches: Sequence[Patch], joined: dict[Side, Side]) -> list[float]:
-    """Returns the body's angles in degrees at points where a clamped side meets a free one."""
-    size, angles = _size(patches), []
-    outer = {(k, side): kind for k, patch in enumerate(patches) for side, kind in enumerate(patch.sides)
-             if (k, side) not in joined}
-    for (k, side), kind in outer.items():
-        for end in ENDS[side] if kind == CLAMPED else ():
-            point = patches[k].corners[end]
-            at = [(n, corner) for n, patch in enumerate(patches) for corner in range(4)
-                  if math.dist(patch.corners[corner], point) < SMALL * size]
-            kinds = {outer.get((n, one)) for n, corner in at for one in range(4) if corner in ENDS[one]}
-            if FREE in kinds and ROLLER not in kinds:
-                angles.append(sum(patches[n].corner_angle(corner) for n, corner in at))
-    return angles
+def boundary_corners(patches: Sequence[Patch], joined: dict[Side, Side]) -> list[tuple[float, set[str]]]:
+    """Returns for each corner of a patch on the body's boundary the body's angle in degrees, and the kinds of the sides
+    that meet there; a corner of several patches is listed as often."""
+    size, corners = _size(patches), []
+    for patch in patches:
+        for point in patch.corners:
+            at = [(n, corner) for n, other in enumerate(patches) for corner in range(4)
+                  if math.dist(other.corners[corner], point) < SMALL * size]
+            kinds = {patches[n].sides[side] for n, corner in at for side in range(4)
+                     if corner in ENDS[side] and (n, side) not in joined}
+            if kinds:
+                corners.append((sum(patches[n].corner_angle(corner) for n, corner in at), kinds))
+    return corners

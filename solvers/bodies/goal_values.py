@@ -41,7 +41,7 @@ class GoalSeries:
             self._start = 0.0
         else:
             self._weights = point_weights(X, at)
-            self._start = float(self._weights @ X[:, self._component])
+            self._start = float(at[self._component])
         self._rows = [[self._start] * 3]
 
     def add(self, *fields: Fields) -> None:

@@ -150,7 +150,10 @@ def test_warnings():
     assert parse_body(CANTILEVER).warnings() == []
     assert "hat functions" in parse_body(CANTILEVER.replace("cpdi", "mpm")).warnings()[0]
     slanted = CANTILEVER.replace("[4, 1], [0, 1]]", "[4, 1], [0, 2]]")
-    assert "at an angle of 76 degrees" in parse_body(slanted.replace("at = [1, 1]", "at = [1, 0]")).warnings()[0]
+    assert "at a corner of 76 degrees" in parse_body(slanted.replace("at = [1, 1]", "at = [1, 0]")).warnings()[0]
+    above = "[[patch]]\ncorners = [[0, 1], [1, 1], [1, 2], [0, 2]]\n"
+    angle = f"{REST}{SQUARE}{above}[[patch]]\ncorners = [[1, 1], [2, 1], [2, 2], [1, 2]]\n"
+    assert "at a corner of 270 degrees" in parse_body(angle).warnings()[0]
     turning = library_text("thrown_block").replace(" + 2*(X - 0.5)", "").replace(" - 2*(Y - 0.5)", "")
     assert "steep fronts" in parse_body(library_text("thrown_block")).warnings()[0]
     assert parse_body(turning).warnings() == []
