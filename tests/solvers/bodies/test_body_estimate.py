@@ -55,7 +55,7 @@ def test_bars_hold_and_a_finer_companion_agrees():
         for one in series.values():
             one.add(*3 * [read_companion(body, fine, reader)])
     for name, one in series.items():
-        found, true = result.goals[name], one.evaluate(times, True)
+        found, true = result.goals[name], one.evaluate(times, 0.7)
         assert true.bar == 0 and abs(found.value - true.value) <= found.bar < 0.1 * abs(found.value)
 
 
@@ -118,5 +118,5 @@ def test_goals_of_a_swing(value, expected):
         u[:, 1] = 0.35 * (np.cos(5 * t) - 1)
         one = Fields(u, u, np.zeros((25, 4)))
         series.add(one, one, one)
-    found = series.evaluate(times, True)
+    found = series.evaluate(times, 0.7)
     assert found.value == pytest.approx(expected, abs=1e-4) and found.bar == pytest.approx(0, abs=1e-12)
