@@ -125,6 +125,7 @@ class TextReader:
         """Yields the rows in a form that numpy reads, and stores what is stated between them."""
         count = 0
         most, remarks = min(self._limits.rows, self._limits.numbers // width), 0
+        by_cell = layout.has_arrays or (COMMA in dialect and layout.separator == ",")
         self._times.clear()
         for line in self._lines():
             begins_with_digit = line[0].isdigit()  # as most rows do, and no comment and no heading
@@ -147,7 +148,7 @@ class TextReader:
             if count > most:
                 self._limits.check_rows(self._path, count)
                 self._limits.check_numbers(self._path, count, width)
-            if layout.has_arrays or (COMMA in dialect and layout.separator == ","):
+            if by_cell:
                 yield (layout.separator or " ").join(f'"{_translate(cell, dialect)}"' for cell in layout.cells(line))
             else:
                 yield _translate(line, dialect) if dialect else line

@@ -38,7 +38,7 @@ FINEST = 2e-3  # of the motion, to which its size is told at best: the fit is li
 #: Times all other errors, which a size must make to be blamed: a grid leaves more than it shrinks the motion.
 TELLS = 10.0
 APART = 0.1  # of the motion's frequency, by which one of a free vibration must differ, so that they can be told apart
-SHORTEST = 0.75  # of a period, which a motion must last before its size can be told from a phase or a trend
+SHORTEST = 0.5  # of a period, which a motion must last before its size can be told from a phase or a trend
 DISPERSION = 1 / 6  # of (k h)^2: by so much waves of a grid may be slower; 1/24 with hats and lumped masses
 CLOCK_OFF = 2e-3  # of the time
 TOO_LARGE = "the errors are too large"
@@ -133,7 +133,7 @@ def check_amplitude_and_clock(evidence: FindingsInput) -> tuple[Finding, Finding
         return unknown(AMPLITUDE, TOO_LARGE), unknown(CLOCK, TOO_LARGE)
     if not scene.swings:
         size = unknown(AMPLITUDE, "nothing swings, so that a motion that is too small is too slow")
-    elif tracks.time[-1] < SHORTEST * scene.period:
+    elif np.ptp(tracks.time) < SHORTEST * scene.period:
         size = unknown(AMPLITUDE, "too little of a period to tell a motion that is too small from one that is late")
     else:
         size = _check_amplitude(fits, tracks.time, scene.period)
