@@ -108,7 +108,7 @@ def _lag_finding(name: str, steps: float, slack: float, allowed: tuple[float, fl
 def check_velocity(motion: RecordedMotion) -> list[Finding]:
     """Returns three findings on whether displacements between times are the mean velocity times the interval."""
     if len(motion.times) < 3 or not motion.speed > 0:
-        why = "fewer than three moments" if len(motion.times) < 3 else "v is zero"
+        why = "fewer than three moments" if len(motion.times) < 3 else "v is zero, or rounding"
         return [unknown(name, why) for name in NAMES_OF_V]
     v, interval = motion.fields["v"], np.diff(motion.times)[:, None, None]
     moved = np.diff(motion.x, axis=0)
