@@ -82,6 +82,7 @@ def test_a_body_may_be_strained_before_its_motion_begins(amplitude):
         strained = check(arrays | {"F": arrays["F"] @ stretch})
         assert strained.verdict == CONSISTENT
         assert "F counts from another state than X" in " ".join(strained.motion.notes)
+        assert strained.to_dict()["reference"] == "the first moment"
     assert not check(arrays).motion.notes
 
 
@@ -108,6 +109,19 @@ def apart(x):
     return x
 
 
+def freeze(F):
+    F[8:, 13:16] = F[8, 13:16]  # where the body deforms as much as most of it
+    return F
+
+
+def exchange_moments(one, other, where=None):
+    """The moments ``one`` and ``other`` exchanged, or ``one`` written ``where`` another one was."""
+    def put(values):
+        values[[one, other] if where is None else [where]] = values[[other, one] if where is None else [one]]
+        return values
+    return put
+
+
 def last(value):
     def put(values):
         values[-1, 7] = value
@@ -127,6 +141,11 @@ def last(value):
     ("F", last(0.0002 * np.eye(2)), "det F is positive", SUSPICIOUS),
     ("F", lambda F: F - np.eye(2), "F against the gradient of x", SUSPICIOUS),
     ("F", lambda F: np.linalg.inv(F), "F against the gradient of x", SUSPICIOUS),
+    ("x", exchange_moments(10, 12), "intervals between moments against v", BROKEN),
+    ("x", exchange_moments(10, 10, 11), "every moment is another one", BROKEN),
+    ("t", lambda t: np.where(t > 0.5, 1000 * t, t), "intervals between moments against v", BROKEN),
+    ("t", lambda t: np.where(t > 0.5, 0.5 + 2 * (t - 0.5), t), "intervals between moments against v", BROKEN),
+    ("F", freeze, "F changes where the body deforms", SUSPICIOUS),
     ("v", lambda v: v / 1000, "v against dx/dt", BROKEN),
     ("v", lambda v: -v, "v against dx/dt", BROKEN),
     ("v", lambda v: np.roll(v, 1, axis=0), "moment of v before that of x", SUSPICIOUS),
