@@ -3,6 +3,7 @@
 import json
 import math
 from dataclasses import replace
+from types import SimpleNamespace
 
 import pytest
 
@@ -244,3 +245,13 @@ def test_corrected_results_are_families_of_their_own():
     timed = corrected._bare_scene(20)
     assert (timed.estimators, timed.courant_number) == (("recovered",), 0.5)
     assert 0 < corrected.measure(20).error < 0.2 * plain.measure(20).error
+
+
+def test_a_broken_run_has_no_error_that_a_tolerance_could_meet(monkeypatch):
+    """Though numbers are there, and small ones: of a lost run as of an unstable one."""
+    sizes = {"companion": {"x": {"max": 1e-9}}}
+    for status, error in (("ok", 1e-9), ("lost", math.inf), ("unstable", math.inf)):
+        result = SimpleNamespace(estimate=sizes, status=status, reason=None, corrected={})
+        monkeypatch.setattr("solvers.running.run.run", lambda *_, result=result, **__: result)
+        monkeypatch.setattr(RefinementFamily, "add_and_time_point", lambda self, point: point)
+        assert family().measure(40).error == error
