@@ -52,7 +52,7 @@ def check_velocity_time(evidence: FindingsInput) -> Finding:
     if np.diff(tracks.time).max() > FARTHEST_APART * evidence.scene.period:
         return unknown(VELOCITY, "two moments are farther apart than a quarter of a period")
     if evidence.scene.swings and np.ptp(tracks.time) < SHORTEST_LAG * evidence.scene.period:
-        return unknown(VELOCITY, "too little of a period to tell velocities that are late from those that are too large")
+        return unknown(VELOCITY, "too little of a period to tell velocities that are late from too large ones")
     x, v = (tracks.own[q] - tracks.exact[q] for q in ("x", "v"))
     interval = np.diff(tracks.time)[:, None, None]
     gap = 0.5 * interval * (v[1:] + v[:-1]) - np.diff(x, axis=0)
