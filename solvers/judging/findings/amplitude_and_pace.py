@@ -38,7 +38,7 @@ FINEST = 2e-3  # of the motion, to which its size is told at best: the fit is li
 #: Times all other errors, which a size must make to be blamed: a grid leaves more than it shrinks the motion.
 TELLS = 10.0
 APART = 0.1  # of the motion's frequency, by which one of a free vibration must differ, so that they can be told apart
-SHORTEST = 0.75  # of a period, which a motion must last before its size can be told from its pace, a phase or a trend
+SHORTEST = 0.5  # of a period, which a motion must last before its size can be told from its pace, a phase or a trend
 DISPERSION = 1 / 6  # of (k h)^2: by so much waves of a grid may be slower; 1/24 with hats and lumped masses
 CLOCK_OFF = 2e-3  # of the time
 TOO_SHORT = "too little of a period to tell a motion that is too small from one that is late or slow"

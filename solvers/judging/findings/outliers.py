@@ -26,14 +26,15 @@ MOST_FRAMES = 24  # in which velocities and stresses are checked, evenly spread
 LEAST_APART = 0.02  # of a cell; rims and crossings of sound runs of ours leave less on evenly laid particles
 NAMES = {"x": "x of each particle against its neighbours'", "v": "v of each particle against its neighbours'",
          "sigma": "stress of each particle against its neighbours'"}
-MASSES = "mass of each particle against its neighbours'"
+NAMES_OF_WEIGHTS = {"mass": "mass of each particle against its neighbours'",
+                    "volume": "volume of each particle against its neighbours'"}
 #: Times what most depart, from where on a particle is by itself. Of runs of ours drawn at random x reached 8 (beyond
 #: LEAST_APART), and what lasted a third of the frames 5 of v and 3.5 of the stress; what did not last 30 and 20.
 TIMES = {"x": 12.0, "v": 8.0, "sigma": 4.5}
 LEAST = {"v": 0.1, "sigma": 0.2}  # of the size of the quantity
 LASTS = 3  # one moment in so many
 PASSES = 6.0  # times as much where it does not last: crossings of the grid pass
-OTHER_MASS, OF_MASS = 0.2, "of the usual mass"
+OTHER_WEIGHT, OF_USUAL = 0.2, "of the usual one"
 UNITS = {"x": "m", "v": "m/s", "F": "", "sigma": "Pa"}
 #: Of a quantity itself: times what most depart, from where on one is by itself, and the least of that, of the spacing
 #: for x and of the quantity's own size for others.
@@ -152,21 +153,24 @@ def outliers_finding(quantity: str, outliers: OutlierSummary | None) -> Finding:
                            most.frame.time, int(most.frame.number[most.which[worst]]), X))
 
 
-def check_masses(frame: Frame) -> Finding:
-    """Checks each particle's mass in a frame against a plane through those of its neighbours."""
-    if frame.mass is None:
-        return unknown(MASSES, "no masses in the files; a wrong one shows in the motion alone, or not at all")
-    near, usual = find_neighbours(frame.material_position), float(np.median(np.abs(frame.mass)))
+def check_weights(frame: Frame, key: str) -> Finding:
+    """Checks each particle's mass or volume, by its ``key``, in a frame against a plane through its neighbours'."""
+    values, name = {"mass": frame.mass, "volume": frame.volume}[key], NAMES_OF_WEIGHTS[key]
+    if values is None:
+        return unknown(name, f"no {key} in the files; a wrong one shows in the motion alone, or not at all")
+    near, usual = find_neighbours(frame.material_position), float(np.median(np.abs(values)))
     if near is None or not usual > 0:
-        return unknown(MASSES, f"not of 5 to {MOST:,} particles at a time")
-    which, far, limit = find_outliers(near, frame.mass[:, None], TIMES["x"], OTHER_MASS * usual)
+        return unknown(name, f"not of 5 to {MOST:,} particles at a time")
+    which, far, limit = find_outliers(near, values[:, None], TIMES["x"], OTHER_WEIGHT * usual)
     if not len(which):
-        return Finding(MASSES, HOLDS, float(far.max()) / usual, limit / usual, OF_MASS)
+        return Finding(name, HOLDS, float(far.max()) / usual, limit / usual, OF_USUAL)
     worst = which[np.argmax(far[which])]
-    return Finding(MASSES, OFF, float(far[worst]) / usual, limit / usual, OF_MASS,
-                   Message("the mass of {count:,} particle{plural} differs from the neighbours, most that of particle "
-                           "{number} ({mass:.4g} kg)", len(which), "s" * (len(which) != 1), int(frame.number[worst]),
-                           frame.mass[worst]))
+    return Finding(name, OFF, float(far[worst]) / usual, limit / usual, OF_USUAL,
+                   Message("the {weight} of {count:,} particle{plural} differs from the neighbours, most that of "
+                           "particle {number} ({share:.3g} of the usual {weight})",
+                           weight=Message("mass") if key == "mass" else Message("volume"), count=len(which),
+                           plural="s" * (len(which) != 1), number=int(frame.number[worst]),
+                           share=values[worst] / usual))
 
 
 def check_outliers(motion: RecordedMotion, key: str) -> Finding:
@@ -226,8 +230,8 @@ def check_roughness(motion: RecordedMotion, key: str) -> Finding:
 
 
 def _largest_rms(motion: RecordedMotion, key: str) -> float:
-    """Returns the largest RMS over particles of a quantity at any time, for F that of F - 1; SI units. 0 for velocities
-    that move the particles by no more than rounding."""
+    """Returns the largest RMS over particles of a quantity at any time, for F that of F - 1; SI units."""
+    if key == "v":
+        return motion.speed
     values = motion.fields[key] - (np.eye(motion.dimensions) if key == "F" else 0.0)
-    size = float(np.sqrt(np.max(np.mean(np.sum(values.reshape(*values.shape[:2], -1) ** 2, axis=2), axis=1))))
-    return 0.0 if key == "v" and size * np.ptp(motion.times) <= motion.rounding else size
+    return float(np.sqrt(np.max(np.mean(np.sum(values.reshape(*values.shape[:2], -1) ** 2, axis=2), axis=1))))

@@ -17,7 +17,7 @@ from solvers.judging.findings.deformation import (
 from solvers.judging.findings.recorded_motion_reader import RecordedMotion
 from solvers.judging.findings.time_series_fitting import rms
 
-SAME_UNIT = 2.0  # times: X and the first x that differ by more are in different units, and nothing is strained
+ELSEWHERE = 0.5  # of their distance: farther from where X puts them, neighbours have moved, or X is that of others
 
 
 def count_from_first_moment(motion: RecordedMotion) -> RecordedMotion:
@@ -32,8 +32,7 @@ def count_from_first_moment(motion: RecordedMotion) -> RecordedMotion:
     if F_since_start is None or since_start.neighbour_pairs is None:
         return motion
     first = motion.x[0][pairs.other] - motion.x[0][pairs.one]
-    scale = float(np.sum(first * pairs.apart) / np.sum(pairs.apart**2))
-    if not 1 / SAME_UNIT < scale < SAME_UNIT:
+    if (np.linalg.norm(first - pairs.apart, axis=1) >= ELSEWHERE * pairs.length).any():
         return motion
     misses = _miss_of_pairs_and_sums(motion, F)
     if not (_miss_of_pairs_and_sums(since_start, F_since_start) < OTHERWISE * misses).any():

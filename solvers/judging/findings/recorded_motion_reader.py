@@ -143,8 +143,9 @@ class RecordedMotion:
 
     @functools.cached_property
     def speed(self) -> float:
-        """Largest RMS of the velocity, in m/s."""
-        return float(np.sqrt(np.max(np.mean(np.sum(self.fields["v"]**2, axis=2), axis=1))))
+        """Largest RMS of the velocity, in m/s; 0 where that moves the particles by no more than rounding."""
+        size = float(np.sqrt(np.max(np.mean(np.sum(self.fields["v"]**2, axis=2), axis=1))))
+        return 0.0 if size * float(np.ptp(self.times)) <= self.rounding else size
 
     def doubt_about_rows(self, not_read: Sequence[str]) -> str:
         """Returns why rows may be of other particles at another moment; "" where they are known, or keep their order as

@@ -1,14 +1,15 @@
 """The check of particles of any run: a smooth motion in one to three dimensions, each thing that may be wrong, and runs
 of ours drawn at random, of which ``assets/check.md`` says what it finds of several hundred."""
 
+import json
 from itertools import islice
 
 import numpy as np
 import pytest
 
-from solvers.judging.check import CONSISTENT, check
+from solvers.judging.check import CONSISTENT, MotionCheckResult, check
 from solvers.judging.findings.deformation import GAP
-from solvers.judging.findings.finding import BROKEN, HOLDS, SUSPICIOUS, UNKNOWN
+from solvers.judging.findings.finding import BROKEN, HOLDS, SUSPICIOUS, UNKNOWN, Finding
 from solvers.untrusted.quoting import FileError
 from tests.findings import LOST, checked
 from tests.support.faults import as_files, record, scene_of
@@ -82,6 +83,7 @@ def test_a_body_may_be_strained_before_its_motion_begins(amplitude):
         strained = check(arrays | {"F": arrays["F"] @ stretch})
         assert strained.verdict == CONSISTENT
         assert "F counts from another state than X" in " ".join(strained.motion.notes)
+        assert strained.to_dict()["reference"] == "the first moment"
     assert not check(arrays).motion.notes
 
 
@@ -108,6 +110,19 @@ def apart(x):
     return x
 
 
+def freeze(F):
+    F[8:, 13:16] = F[8, 13:16]  # where the body deforms as much as most of it
+    return F
+
+
+def exchange_moments(one, other, where=None):
+    """The moments ``one`` and ``other`` exchanged, or ``one`` written ``where`` another one was."""
+    def put(values):
+        values[[one, other] if where is None else [where]] = values[[other, one] if where is None else [one]]
+        return values
+    return put
+
+
 def last(value):
     def put(values):
         values[-1, 7] = value
@@ -127,6 +142,11 @@ def last(value):
     ("F", last(0.0002 * np.eye(2)), "det F is positive", SUSPICIOUS),
     ("F", lambda F: F - np.eye(2), "F against the gradient of x", SUSPICIOUS),
     ("F", lambda F: np.linalg.inv(F), "F against the gradient of x", SUSPICIOUS),
+    ("x", exchange_moments(10, 12), "intervals between moments against v", BROKEN),
+    ("x", exchange_moments(10, 10, 11), "every moment is another one", BROKEN),
+    ("t", lambda t: np.where(t > 0.5, 1000 * t, t), "intervals between moments against v", BROKEN),
+    ("t", lambda t: np.where(t > 0.5, 0.5 + 2 * (t - 0.5), t), "intervals between moments against v", BROKEN),
+    ("F", freeze, "F changes where the body deforms", SUSPICIOUS),
     ("v", lambda v: v / 1000, "v against dx/dt", BROKEN),
     ("v", lambda v: -v, "v against dx/dt", BROKEN),
     ("v", lambda v: np.roll(v, 1, axis=0), "moment of v before that of x", SUSPICIOUS),
@@ -198,3 +218,16 @@ def test_good_runs_raise_no_alarm_and_broken_ones_are_found(problem, count):
     # Of the vortex a third of the unstable runs ends where a particle has left the body, which only the problem knows.
     assert seen >= (0.5 if problem == "vortex" else 0.8) * len(broken)
     assert count < 50 or sum(run.label in LOST for run, *_ in found) > 5
+
+
+def test_what_cannot_be_is_told_before_what_should_not():
+    found = [Finding(verdict, verdict) for verdict in (HOLDS, SUSPICIOUS, BROKEN, UNKNOWN, SUSPICIOUS)]
+    result = MotionCheckResult((), None, found, ())
+    assert [one.verdict for one in result.contradictions] == [BROKEN, SUSPICIOUS, SUSPICIOUS]
+    assert result.verdict == BROKEN
+
+
+def test_particles_without_neighbours_have_no_distance_and_are_json_all_the_same():
+    times, place = np.linspace(0, 1, 5), np.zeros((3, 1))
+    found = check({"t": times, "id": np.arange(3), "X": place, "x": place + 0.1 * times[:, None, None]}).to_dict()
+    assert found["spacing"] is None and json.loads(json.dumps(found, allow_nan=False))["particles"] == 3
