@@ -6,6 +6,8 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from app.frame.colour_scale import ColourScale
+from app.frame.error_plot import ErrorPlot, ErrorPlotBox
 from app.frame.field_plot import ROOM, FieldPlot, ValueAxis, magnify_deviation
 from app.frame.layout import ComparedRunSlot
 from app.frame.primitives import StageMetrics
@@ -251,3 +253,17 @@ def test_two_plots_share_an_axis():
     assert made["plot"].shared_axis_changed and made["high"].text == "+30 mm"
     draw(BAR, "x", 1, AT, field, 0.1, UNCROSSED)
     assert not made["plot"].shared_axis_changed and made["high"].text == other["high"].text == "+1 m"
+
+
+@pytest.mark.parametrize("known", [True, False])
+def test_a_particle_is_pointed_at_where_its_true_error_is(known):
+    """Or the estimated one where no other is known."""
+    scale, at = ColourScale(), np.linspace(0, 1, 5)
+    estimated, true = np.full(5, 0.5), np.full(5, 0.25)
+    scale.update(estimated, true)
+    plotted = SimpleNamespace(start=0.0, end=1.0, ends=("0", "1"))
+    plot, box = ErrorPlot(plotted, scale), ErrorPlotBox(0.0, 1.0, 0.0, 1.0)
+    plot._labelled = box, StageMetrics(900.0), "x", scale.appearance
+    assert list(plot.draw(box, StageMetrics(900.0), "x", at, estimated, true if known else None))
+    heights = plot.dot_positions(slice(1, 3), 2)[:, 1]
+    assert heights == pytest.approx(scale.shares(true if known else estimated)[:2])
