@@ -166,9 +166,9 @@ class StageMetrics:
         """Returns the approximate stage width of a text, ``size`` times as large as usual."""
         return size * self.lettering / self.pixels * LETTER_WIDTH * max(map(len, text.split("\n")))
 
-    def text_extent(self, text: str, size: float = 1.0) -> np.ndarray:
-        """Returns the approximate stage width and height (2,) of a text, ``size`` times as large as usual."""
-        return np.array([self.text_width(text, size), size * self.line_height * len(text.split("\n"))])
+    def text_extent(self, text: str) -> np.ndarray:
+        """Returns the approximate stage width and height (2,) of a text of usual size."""
+        return np.array([self.text_width(text), self.line_height * len(text.split("\n"))])
 
 
 class Surface(Protocol):

@@ -147,7 +147,7 @@ class ErrorTimeline:
         begin = "0" if not start else in_periods(start / of_time) if swings else with_unit(start, "s")
         changes, many = self._cell_changes(series, start, end)
         # From 1000 % on as a factor, which is shorter: the labels have little room.
-        tops = [[height(share), per_cent(share) if share < 10 else f"{format_number(share)} x"]
+        tops = [(height(share), per_cent(share) if share < 10 else f"{format_number(share)} x")
                 for share in (top, 0.5 * top)]
         if len(tops[0][1]) > MOST_LETTERS:  # of rounding errors: beside the axis' name there is room for one
             tops = tops[:1]

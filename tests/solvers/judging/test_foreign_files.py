@@ -61,6 +61,12 @@ REFUSED = {
     "overflow.dat": (plain("0 1 2 3 4\n1 ***** 2 3 4\n", "id x y vx vy\n"), "has ***** in the column x of line 4"),
     "thousands.csv": (plain("0;0,5;1;2;3\n1;1.234,5;1;2;3\n", "id;x;y;vx;vy\n"),
                       "has 1.234,5 in the column x of line 4, beside numbers with a decimal comma"),
+    "english.csv": (plain('0,"1,234.5",2,3,4\n'), "has 1,234.5 in the column x of line 3; give a number"),
+    "grouped.csv": (plain('"1,234",0.5,2,3,4\n'), "has 0.5 in the column x of line 3, beside numbers "
+                                                                   "with a decimal comma"),
+    "null.dat": (plain("0 1 2 3 4\n1 1 2 2*\n", "id x y vx vy\n"), "has 5 columns, but 4 in line 4"),
+    "array.csv": (plain('0,"[1, 2]",3,4\n1,"[1]",3,4\n', "id,x,vx,vy\n"), "has 5 columns, but 4 in line 4"),
+    "words.csv": (plain('0,"[1, two]",3,4\n', "id,x,vx,vy\n"), "has [1, two] in the column x of line 3; give a number"),
     "ragged.txt": (plain("0 1 2 3 4\n1 1 2 3\n", "id x y vx vy\n"), "has 5 columns, but 4 in line 4"),
     "longer.csv": (plain("0,1,2,3,4\n1,1,2,3,4,5\n"), "has 5 columns, but 6 in line 4"),
     "more.csv": (plain("0,1,2,3,4,5\n"), "has 5 names and 6 numbers in a line"),
