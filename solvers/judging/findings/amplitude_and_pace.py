@@ -96,19 +96,25 @@ def _fit_with(tracks: ParticleTrajectories, scene: Scene, clock: bool,
     return MotionFit(found, clock, len(t) - len(parts), error, error - size, displacement - moved, missed)
 
 
+def free_frequency(material_position: np.ndarray, scene: Scene) -> float | None:
+    """Returns the frequency in rad/s of the free vibration in the shape of the motion; None where there is none. By
+    Rayleigh's quotient, its square is that of the motion's and the body force over the displacement."""
+    if not (scene.solution_known and scene.swings):
+        return None
+    reference, w, t = PROBLEMS[scene.problem].reference, scene.angular_frequency, scene.period / 4
+    shape = reference.displacement(scene, material_position, t)
+    square = w * w + float(np.sum(shape * reference.body_force(scene, material_position, t)) / np.sum(shape**2))
+    return float(np.sqrt(square)) if square > 0 else None
+
+
 def free_vibration(tracks: ParticleTrajectories, scene: Scene) -> list[np.ndarray]:
     """Returns the free vibration in the shape of the motion, (T, P, D) in m, as a cosine and a sine; none where that
-    has the frequency of the motion. By Rayleigh's quotient, the square of its frequency is
-    that of the motion and the body force over the displacement."""
-    if not (scene.solution_known and scene.swings):
+    has the frequency of the motion."""
+    frequency, w = free_frequency(tracks.material_position, scene), scene.angular_frequency
+    if frequency is None or abs(frequency - w) < APART * w:
         return []
-    X, t = tracks.material_position, scene.period / 4
-    reference, w = PROBLEMS[scene.problem].reference, scene.angular_frequency
-    shape = reference.displacement(scene, X, t)
-    square = w * w + float(np.sum(shape * reference.body_force(scene, X, t)) / np.sum(shape**2))
-    if not square > 0 or abs(np.sqrt(square) - w) < APART * w:
-        return []
-    turn = np.sqrt(square) * tracks.time[:, None, None]
+    shape = PROBLEMS[scene.problem].reference.displacement(scene, tracks.material_position, scene.period / 4)
+    turn = frequency * tracks.time[:, None, None]
     return [np.cos(turn) * shape, np.sin(turn) * shape]
 
 
@@ -131,10 +137,14 @@ def check_amplitude_and_clock(evidence: FindingsInput) -> tuple[Finding, Finding
     fits = fit_motion(tracks, scene)
     if not (fits and np.isfinite(fits[0].missed)):
         return unknown(AMPLITUDE, TOO_LARGE), unknown(CLOCK, TOO_LARGE)
+    fastest = free_frequency(tracks.material_position, scene) or 0.0
     if not scene.swings:
         size = unknown(AMPLITUDE, "nothing swings, so that a motion that is too small is too slow")
     elif np.ptp(tracks.time) < SHORTEST * scene.period:
         size = unknown(AMPLITUDE, "too little of a period to tell a motion that is too small from one that is late")
+    elif np.median(np.diff(tracks.time)) * max(scene.angular_frequency, fastest) > np.pi:
+        size = unknown(AMPLITUDE, "the moments are too far apart to tell a motion that is too small from one that "
+                                  "vibrates faster")
     else:
         size = _check_amplitude(fits, tracks.time, scene.period)
     return size, _check_clock(fits, scene)

@@ -115,6 +115,14 @@ def test_a_clock_is_told_from_errors_of_a_run_that_free_vibrations_explain_as_we
     assert "the motion is 1 % slower" in found(scene, arrays | {"t": 1.01 * arrays["t"]})[CLOCK].says
 
 
+def test_a_size_is_not_told_where_a_free_vibration_looks_the_same():
+    """Of the bar at every third of a period: two vibrations a period, which look like one backwards."""
+    scene, arrays = motion("bar", 3, 4)
+    _, sine = free_vibration(ParticleTrajectories(arrays["t"], arrays["X"], {}, {}), scene)
+    assert sine == pytest.approx(arrays["X"] - arrays["x"], abs=1e-12)
+    assert found(scene, arrays | {"x": arrays["x"] + 0.03 * sine})[AMPLITUDE].verdict == UNKNOWN
+
+
 def test_velocities_are_not_held_against_moments_between_which_the_motion_turns():
     scene, arrays = motion("square", 1.2, 5)
     assert "farther apart than a quarter of a period" in found(scene, arrays)[VELOCITY].says
