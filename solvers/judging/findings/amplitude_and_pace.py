@@ -49,16 +49,17 @@ FEW = Message("fewer than {least} times, or not the same particles at all of the
 class MotionFit:
     """Fit of the error of the displacement: ``found`` has the factor a, growth b (1/s), with a ``clock`` lag (s) and
     pace, and the parts of a free vibration if any, from all times in the first row and without one group of times in
-    each other (1 + n, 2 to 6), ``freedom`` times more. In m: ``error`` of the displacement (T, P, D), that ``beside``
-    its size, that ``moved`` to the times found, and the RMS ``missed`` at times that the fit has not seen."""
+    each other (1 + n, 2 to 6), for ``freedom`` times more. RMS in m: what is ``missed`` at times that the fit has not
+    seen, the ``error`` of x, the parts ``by_size`` and ``beside`` it, and what is left ``at_times_found``."""
 
     found: np.ndarray
     clock: bool
     freedom: int
-    error: np.ndarray
-    beside: np.ndarray
-    moved: np.ndarray
     missed: float
+    error: float
+    by_size: float
+    beside: float
+    at_times_found: float
 
 
 def fit_motion(tracks: ParticleTrajectories, scene: Scene) -> list[MotionFit]:
@@ -68,7 +69,7 @@ def fit_motion(tracks: ParticleTrajectories, scene: Scene) -> list[MotionFit]:
     slower = [tracks.time[:, None, None] * part for part in free]  # by its grid, to first order
     fits = [_fit_with(tracks, scene, clock, beside) for clock, beside in (
         (False, ()), (True, ()), *(((False, free), (True, free), (False, [*free, *slower])) if free else ()))]
-    return sorted((fit for fit in fits if fit is not None and rms(fit.error - fit.beside) <= CANCELS * rms(fit.error)),
+    return sorted((fit for fit in fits if fit is not None and fit.by_size <= CANCELS * fit.error),
                   key=lambda fit: fit.missed)
 
 
@@ -93,7 +94,8 @@ def _fit_with(tracks: ParticleTrajectories, scene: Scene, clock: bool,
             return None
     error = tracks.own["x"] - tracks.exact["x"]
     size = found[0, 0] * sizes[0] + found[0, 1] * sizes[1]
-    return MotionFit(found, clock, len(t) - len(parts), error, error - size, displacement - moved, missed)
+    return MotionFit(found, clock, len(t) - len(parts), missed, rms(error), rms(size), rms(error - size),
+                     rms(displacement - moved))
 
 
 def free_frequency(material_position: np.ndarray, scene: Scene) -> float | None:
@@ -166,8 +168,8 @@ def _check_amplitude(fits: Sequence[MotionFit], times: np.ndarray, period: float
     trend = abs(slope) > slack
     at = float(times[-1] if trend else times.mean())
     factor, unsure = _value_and_doubt(fits, lambda found: found[0] + at * found[1])
-    size, doubt, made = abs(factor), max(FINEST, unsure), rms(best.error - best.beside)
-    tolerance = max(BLAMED, doubt, TELLS * rms(best.beside) / made * size if made > 0 else 0.0)
+    size, doubt = abs(factor), max(FINEST, unsure)
+    tolerance = max(BLAMED, doubt, TELLS * best.beside / best.by_size * size if best.by_size > 0 else 0.0)
     values = {"percent": 100 * size, "doubt": 100 * doubt, "which": Message("too small" if factor < 0 else "too large")}
     says = Message("the motion is {percent:.2g} ± {doubt:.2g} % {which}", **values)
     if trend:
@@ -198,4 +200,4 @@ def _check_clock(fits: Sequence[MotionFit], scene: Scene) -> Finding:
                    Message("the motion is {percent:.2g} % {pace} than its times imply: with all times multiplied by "
                            "{factor:.4f}, the error of x would be {rest:.2g} of its value; the times are wrong, or the "
                            "input that sets the speed", 100 * abs(pace), how, 1 - pace,
-                           rms(best.moved) / rms(best.error)))
+                           best.at_times_found / best.error))
