@@ -31,6 +31,7 @@ from solvers.scene.validation import SceneError
 from solvers.study.markdown_tables import markdown_table
 from solvers.untrusted.quoting import FileError
 from tests.support.faults import ALL, ALTERATIONS, FRAMES, Files, as_files, files, record, rounded, scene_of, single
+from tests.support.faults_in_time import IN_TIME
 from tests.support.foreign_forms import FORMS as FOREIGN
 from tests.support.known_runs import KnownRun, known_runs
 from tests.support.paths import ROOT
@@ -148,7 +149,7 @@ def altered() -> list[list[str]]:
     for problem in ALL:
         run = record(scene_of(problem))
         plain = judged(run.scene, files(run)).errors
-        for name, (problems, change) in ALTERATIONS.items():
+        for name, (problems, change) in (ALTERATIONS | IN_TIME).items():
             if problem in problems:
                 arrays = change(run)
                 try:

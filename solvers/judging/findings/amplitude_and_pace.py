@@ -38,9 +38,11 @@ FINEST = 2e-3  # of the motion, to which its size is told at best: the fit is li
 #: Times all other errors, which a size must make to be blamed: a grid leaves more than it shrinks the motion.
 TELLS = 10.0
 APART = 0.1  # of the motion's frequency, by which one of a free vibration must differ, so that they can be told apart
-SHORTEST = 0.5  # of a period, which a motion must last before its size can be told from a phase or a trend
+SHORTEST = 0.5  # of a period, which a motion must last before its size can be told from its pace, a phase or a trend
 DISPERSION = 1 / 6  # of (k h)^2: by so much waves of a grid may be slower; 1/24 with hats and lumped masses
 CLOCK_OFF = 2e-3  # of the time
+TOO_SHORT = "too little of a period to tell a motion that is too small from one that is late or slow"
+TOO_FAR_APART = "the moments are too far apart to tell a motion that is too small from one that vibrates faster"
 TOO_LARGE = "the errors are too large"
 FEW = Message("fewer than {least} times, or not the same particles at all of them", FEWEST_TIMES)
 
@@ -139,17 +141,15 @@ def check_amplitude_and_clock(evidence: FindingsInput) -> tuple[Finding, Finding
     fits = fit_motion(tracks, scene)
     if not (fits and np.isfinite(fits[0].missed)):
         return unknown(AMPLITUDE, TOO_LARGE), unknown(CLOCK, TOO_LARGE)
-    fastest = free_frequency(tracks.material_position, scene) or 0.0
+    clock = _check_clock(fits, scene)
     if not scene.swings:
-        size = unknown(AMPLITUDE, "nothing swings, so that a motion that is too small is too slow")
-    elif np.ptp(tracks.time) < SHORTEST * scene.period:
-        size = unknown(AMPLITUDE, "too little of a period to tell a motion that is too small from one that is late")
-    elif np.median(np.diff(tracks.time)) * max(scene.angular_frequency, fastest) > np.pi:
-        size = unknown(AMPLITUDE, "the moments are too far apart to tell a motion that is too small from one that "
-                                  "vibrates faster")
-    else:
-        size = _check_amplitude(fits, tracks.time, scene.period)
-    return size, _check_clock(fits, scene)
+        return unknown(AMPLITUDE, "nothing swings, so that a motion that is too small is too slow"), clock
+    if np.ptp(tracks.time) < SHORTEST * scene.period:
+        return unknown(AMPLITUDE, TOO_SHORT), unknown(CLOCK, TOO_SHORT)
+    fastest = max(scene.angular_frequency, free_frequency(tracks.material_position, scene) or 0.0)
+    if np.median(np.diff(tracks.time)) * fastest > np.pi:
+        return unknown(AMPLITUDE, TOO_FAR_APART), clock
+    return _check_amplitude(fits, tracks.time, scene.period), clock
 
 
 def _value_and_doubt(fits: Sequence[MotionFit], number: Callable[[np.ndarray], np.ndarray]) -> tuple[float, float]:
