@@ -41,6 +41,7 @@ APART = 0.1  # of the motion's frequency, by which one of a free vibration must 
 SHORTEST = 0.5  # of a period, which a motion must last before its size can be told from its pace, a phase or a trend
 DISPERSION = 1 / 6  # of (k h)^2: by so much waves of a grid may be slower; 1/24 with hats and lumped masses
 CLOCK_OFF = 2e-3  # of the time
+EXPLAINS = 0.5  # of the mean square error, that other times must take away to be told
 TOO_SHORT = "too little of a period to tell a motion that is too small from one that is late or slow"
 TOO_FAR_APART = "the moments are too far apart to tell a motion that is too small from one that vibrates faster"
 TOO_LARGE = "the errors are too large"
@@ -192,7 +193,8 @@ def _check_clock(fits: Sequence[MotionFit], scene: Scene) -> Finding:
     grid = DISPERSION * (scene.angular_frequency * scene.spacing / scene.wave_speed) ** 2
     tolerance = max(CLOCK_OFF, doubt, grid if pace > 0 else 0.0)
     needed = all(fit.clock or fit.missed**2 > AS_GOOD * best.missed**2 for fit in fits)
-    if abs(pace) <= tolerance or not needed:
+    explains = best.at_times_found**2 <= (1 - EXPLAINS) * best.error**2
+    if abs(pace) <= tolerance or not (needed and explains):
         return Finding(CLOCK, HOLDS, abs(pace), tolerance, "of the time",
                        Message("smaller differences are below the error of x, or the waves of the grid"))
     how = Message("slower" if pace > 0 else "faster")
