@@ -159,7 +159,8 @@ def _join_components(path: str, key: str, pieces: dict[Any, np.ndarray]) -> np.n
             else out
     if missing:
         letters = "".join(LETTERS[k] for k in missing[0])
-        raise FileError(path, "has some components of {key} but not {letters}; give all of them or none", key, letters)
+        raise FileError(path, "has some components of {key} but not {letters}; give all of them or none",
+                        {"x": Message("position"), "X": Message("material position")}.get(key, key), letters)
     return out
 
 

@@ -41,7 +41,9 @@ APART = 0.1  # of the motion's frequency, by which one of a free vibration must 
 SHORTEST = 0.5  # of a period, which a motion must last before its size can be told from its pace, a phase or a trend
 DISPERSION = 1 / 6  # of (k h)^2: by so much waves of a grid may be slower; 1/24 with hats and lumped masses
 CLOCK_OFF = 2e-3  # of the time
+EXPLAINS = 0.5  # of the mean square error, that other times must take away to be told
 TOO_SHORT = "too little of a period to tell a motion that is too small from one that is late or slow"
+TOO_FAR_APART = "the moments are too far apart to tell a motion that is too small from one that vibrates faster"
 TOO_LARGE = "the errors are too large"
 FEW = Message("fewer than {least} times, or not the same particles at all of them", FEWEST_TIMES)
 
@@ -50,16 +52,17 @@ FEW = Message("fewer than {least} times, or not the same particles at all of the
 class MotionFit:
     """Fit of the error of the displacement: ``found`` has the factor a, growth b (1/s), with a ``clock`` lag (s) and
     pace, and the parts of a free vibration if any, from all times in the first row and without one group of times in
-    each other (1 + n, 2 to 6), ``freedom`` times more. In m: ``error`` of the displacement (T, P, D), that ``beside``
-    its size, that ``moved`` to the times found, and the RMS ``missed`` at times that the fit has not seen."""
+    each other (1 + n, 2 to 6), for ``freedom`` times more. RMS in m: what is ``missed`` at times that the fit has not
+    seen, the ``error`` of x, the parts ``by_size`` and ``beside`` it, and what is left ``at_times_found``."""
 
     found: np.ndarray
     clock: bool
     freedom: int
-    error: np.ndarray
-    beside: np.ndarray
-    moved: np.ndarray
     missed: float
+    error: float
+    by_size: float
+    beside: float
+    at_times_found: float
 
 
 def fit_motion(tracks: ParticleTrajectories, scene: Scene) -> list[MotionFit]:
@@ -69,7 +72,7 @@ def fit_motion(tracks: ParticleTrajectories, scene: Scene) -> list[MotionFit]:
     slower = [tracks.time[:, None, None] * part for part in free]  # by its grid, to first order
     fits = [_fit_with(tracks, scene, clock, beside) for clock, beside in (
         (False, ()), (True, ()), *(((False, free), (True, free), (False, [*free, *slower])) if free else ()))]
-    return sorted((fit for fit in fits if fit is not None and rms(fit.error - fit.beside) <= CANCELS * rms(fit.error)),
+    return sorted((fit for fit in fits if fit is not None and fit.by_size <= CANCELS * fit.error),
                   key=lambda fit: fit.missed)
 
 
@@ -94,22 +97,29 @@ def _fit_with(tracks: ParticleTrajectories, scene: Scene, clock: bool,
             return None
     error = tracks.own["x"] - tracks.exact["x"]
     size = found[0, 0] * sizes[0] + found[0, 1] * sizes[1]
-    return MotionFit(found, clock, len(t) - len(parts), error, error - size, displacement - moved, missed)
+    return MotionFit(found, clock, len(t) - len(parts), missed, rms(error), rms(size), rms(error - size),
+                     rms(displacement - moved))
+
+
+def free_frequency(material_position: np.ndarray, scene: Scene) -> float | None:
+    """Returns the frequency in rad/s of the free vibration in the shape of the motion; None where there is none. By
+    Rayleigh's quotient, its square is that of the motion's and the body force over the displacement."""
+    if not (scene.solution_known and scene.swings):
+        return None
+    reference, w, t = PROBLEMS[scene.problem].reference, scene.angular_frequency, scene.period / 4
+    shape = reference.displacement(scene, material_position, t)
+    square = w * w + float(np.sum(shape * reference.body_force(scene, material_position, t)) / np.sum(shape**2))
+    return float(np.sqrt(square)) if square > 0 else None
 
 
 def free_vibration(tracks: ParticleTrajectories, scene: Scene) -> list[np.ndarray]:
     """Returns the free vibration in the shape of the motion, (T, P, D) in m, as a cosine and a sine; none where that
-    has the frequency of the motion. By Rayleigh's quotient, the square of its frequency is
-    that of the motion and the body force over the displacement."""
-    if not (scene.solution_known and scene.swings):
+    has the frequency of the motion."""
+    frequency, w = free_frequency(tracks.material_position, scene), scene.angular_frequency
+    if frequency is None or abs(frequency - w) < APART * w:
         return []
-    X, t = tracks.material_position, scene.period / 4
-    reference, w = PROBLEMS[scene.problem].reference, scene.angular_frequency
-    shape = reference.displacement(scene, X, t)
-    square = w * w + float(np.sum(shape * reference.body_force(scene, X, t)) / np.sum(shape**2))
-    if not square > 0 or abs(np.sqrt(square) - w) < APART * w:
-        return []
-    turn = np.sqrt(square) * tracks.time[:, None, None]
+    shape = PROBLEMS[scene.problem].reference.displacement(scene, tracks.material_position, scene.period / 4)
+    turn = frequency * tracks.time[:, None, None]
     return [np.cos(turn) * shape, np.sin(turn) * shape]
 
 
@@ -137,6 +147,9 @@ def check_amplitude_and_clock(evidence: FindingsInput) -> tuple[Finding, Finding
         return unknown(AMPLITUDE, "nothing swings, so that a motion that is too small is too slow"), clock
     if np.ptp(tracks.time) < SHORTEST * scene.period:
         return unknown(AMPLITUDE, TOO_SHORT), unknown(CLOCK, TOO_SHORT)
+    fastest = max(scene.angular_frequency, free_frequency(tracks.material_position, scene) or 0.0)
+    if np.median(np.diff(tracks.time)) * fastest > np.pi:
+        return unknown(AMPLITUDE, TOO_FAR_APART), clock
     return _check_amplitude(fits, tracks.time, scene.period), clock
 
 
@@ -156,8 +169,8 @@ def _check_amplitude(fits: Sequence[MotionFit], times: np.ndarray, period: float
     trend = abs(slope) > slack
     at = float(times[-1] if trend else times.mean())
     factor, unsure = _value_and_doubt(fits, lambda found: found[0] + at * found[1])
-    size, doubt, made = abs(factor), max(FINEST, unsure), rms(best.error - best.beside)
-    tolerance = max(BLAMED, doubt, TELLS * rms(best.beside) / made * size if made > 0 else 0.0)
+    size, doubt = abs(factor), max(FINEST, unsure)
+    tolerance = max(BLAMED, doubt, TELLS * best.beside / best.by_size * size if best.by_size > 0 else 0.0)
     values = {"percent": 100 * size, "doubt": 100 * doubt, "which": Message("too small" if factor < 0 else "too large")}
     says = Message("the motion is {percent:.2g} ± {doubt:.2g} % {which}", **values)
     if trend:
@@ -180,7 +193,8 @@ def _check_clock(fits: Sequence[MotionFit], scene: Scene) -> Finding:
     grid = DISPERSION * (scene.angular_frequency * scene.spacing / scene.wave_speed) ** 2
     tolerance = max(CLOCK_OFF, doubt, grid if pace > 0 else 0.0)
     needed = all(fit.clock or fit.missed**2 > AS_GOOD * best.missed**2 for fit in fits)
-    if abs(pace) <= tolerance or not needed:
+    explains = best.at_times_found**2 <= (1 - EXPLAINS) * best.error**2
+    if abs(pace) <= tolerance or not (needed and explains):
         return Finding(CLOCK, HOLDS, abs(pace), tolerance, "of the time",
                        Message("smaller differences are below the error of x, or the waves of the grid"))
     how = Message("slower" if pace > 0 else "faster")
@@ -188,4 +202,4 @@ def _check_clock(fits: Sequence[MotionFit], scene: Scene) -> Finding:
                    Message("the motion is {percent:.2g} % {pace} than its times imply: with all times multiplied by "
                            "{factor:.4f}, the error of x would be {rest:.2g} of its value; the times are wrong, or the "
                            "input that sets the speed", 100 * abs(pace), how, 1 - pace,
-                           rms(best.moved) / rms(best.error)))
+                           best.at_times_found / best.error))

@@ -88,6 +88,7 @@ REFUSED = {
     "laughs.pvd": (b"<!DOCTYPE a [<!ENTITY a 'ha'>]><VTKFile type='Collection'/>", "(a document type or an entity)"),
     "other.pvtu": (b'<VTKFile type="PPolyData"/>', "cannot be read as .pvtu (no PUnstructuredGrid)"),
     "none.h5": (b"nothing", "cannot be read as HDF5"),
+    "half.csv": (plain("0,1\n", "id,y\n"), "has some components of position but not x; give all of them or none"),
     "scalar.csv": (plain("0,1,2,3\n", "x,y,stress_0,stress_5\n"), "has 2 numbered components of sigma"),
 }
 
