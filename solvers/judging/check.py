@@ -90,4 +90,6 @@ def check(files: Particles | Sequence[Particles], *, times: Sequence[float] = ()
         if len(part.number) < len(motion.number):
             motion.notes.append(f"{len(part.number):,} of the {len(motion.number):,} particles, in boxes spread over "
                                 "the body, were held against their neighbours")
+        else:
+            motion = part
     return MotionCheckResult(tuple(dict.fromkeys(raw.file for raw in raws)), motion, findings, not_read)

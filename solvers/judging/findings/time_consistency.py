@@ -20,6 +20,7 @@ VELOCITY, STRESS = ("moment of the velocities before that of the positions",
 STEPS = "steps"
 HALF = 0.5  # of a step: what leapfrog's velocities are of, and 0 what others' are
 SLACK = 0.25  # of a step
+SHORTEST_LAG = 0.25  # of a period, in less of which v does not pass through 0, so that a lag looks like a size
 TOO_LARGE = "the errors are too large"
 FEW = Message("fewer than {least} times, or not the same particles at all of them", FEWEST_TIMES)
 NAMES_OF_V = "v against dx/dt", "moment of v before that of x", "the middle against the mean of v"
@@ -47,6 +48,8 @@ def check_velocity_time(evidence: FindingsInput) -> Finding:
     tracks, step = evidence.tracks, evidence.step
     if tracks is None or len(tracks.time) < FEWEST_TIMES or "v" not in tracks.exact:
         return unknown(VELOCITY, FEW if "v" in evidence.errors[0] else "no velocities in the files")
+    if evidence.scene.swings and np.ptp(tracks.time) < SHORTEST_LAG * evidence.scene.period:
+        return unknown(VELOCITY, "too little of a period to tell late velocities from those that are too large")
     x, v = (tracks.own[q] - tracks.exact[q] for q in ("x", "v"))
     interval = np.diff(tracks.time)[:, None, None]
     gap = 0.5 * interval * (v[1:] + v[:-1]) - np.diff(x, axis=0)

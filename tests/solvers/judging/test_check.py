@@ -82,6 +82,7 @@ def test_a_body_may_be_strained_before_its_motion_begins(amplitude):
         strained = check(arrays | {"F": arrays["F"] @ stretch})
         assert strained.verdict == CONSISTENT
         assert "F counts from another state than X" in " ".join(strained.motion.notes)
+        assert strained.to_dict()["reference"] == "the first moment"
     assert not check(arrays).motion.notes
 
 

@@ -112,6 +112,14 @@ def test_sound_runs_are_left_alone_in_every_form(count):
             assert not judged(scene, made(arrays)).told, (scene, form)
 
 
+def test_no_particle_at_the_rim_of_a_cartesian_ring_is_blamed():
+    """There all neighbours are on one side, and the plane through them goes on beyond."""
+    scene = PROBLEMS["ring"].scene(method="cpgimp", cells=32, ppc=3, amplitude=0.08, layout="cartesian", estimators=(),
+                                   effects=())
+    arrays = honest(scene)
+    assert arrays is not None and not judged(scene, arrays).told
+
+
 def test_the_list_says_what_was_compared_whatever_came_of_it(tmp_path):
     """In JSON, Markdown and HTML; of a file without velocities and stresses that these cannot be told."""
     scene = PROBLEMS["bar"].scene(cells=12)
