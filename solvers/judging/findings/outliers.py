@@ -81,7 +81,9 @@ def position_outliers(evidence: FindingsInput) -> OutlierSummary | None:
     scene, found = evidence.scene, []
     for frame, error, near in _with_neighbours(evidence, "x", len(evidence.frames)):
         which, far, limit = find_outliers(near, error, TIMES["x"], LEAST_APART * scene.spacing)
-        found.append((FrameOutliers(frame, which, far[which]), float(far.max()), limit))
+        beyond = far / allowance_at_rims(near)
+        which = which[beyond[which] > limit]
+        found.append((FrameOutliers(frame, which, far[which]), float(beyond.max()), limit))
     if not found:
         return None
     most = max((one for one, *_ in found), key=lambda one: len(one.which))

@@ -18,7 +18,9 @@ LEAST = 0.02  # of the motion, by which sizes may differ
 SURE = 3.0  # times the standard error
 LEFT = 0.5  # of what is left of the stress, which noise of grid crossings makes it differ by
 LOST = 0.4  # of the motion: where sizes may differ by more, nothing is told
-SMOOTHED = 3.0  # of (k h)^2: by so much the grid may smooth what moves the particles, and not their own v
+#: Of (k h)^2: by so much the grid may smooth what moves the particles, and not their own v; or what makes F, and not x,
+#: where particles move with their own v.
+SMOOTHED = {"v": 3.0, "sigma": 1.5}
 
 
 def fit_sizes(tracks: ParticleTrajectories, quantity: str) -> tuple[np.ndarray, np.ndarray, float]:
@@ -42,10 +44,10 @@ def check_sizes(evidence: FindingsInput) -> Finding:
     if not scene.swings or np.ptp(tracks.time) < SHORTEST * scene.period:
         return unknown(NAME, TOO_SHORT)
     sizes = {quantity: fit_sizes(tracks, quantity) for quantity in tracks.exact}
-    smoothed = SMOOTHED * (scene.angular_frequency * scene.spacing / scene.wave_speed) ** 2
+    wave = (scene.angular_frequency * scene.spacing / scene.wave_speed) ** 2
     found = []
-    for quantity in tracks.exact.keys() - {"x"}:
-        left = max(sizes["x"][2], sizes["v"][2] + smoothed if quantity == "v" else LEFT * sizes[quantity][2])
+    for quantity in (q for q in tracks.exact if q != "x"):
+        left = max(sizes["x"][2], sizes[quantity][2] * (1.0 if quantity == "v" else LEFT)) + SMOOTHED[quantity] * wave
         for one, other in zip(sizes[quantity][:2], sizes["x"][:2], strict=True):
             found.append((abs(float(one[0] - other[0])), max(LEAST, SURE * jackknife_error(one - other), left)))
     off, limit = max(found, key=lambda pair: pair[0] / pair[1] if np.isfinite(pair).all() else np.inf)
