@@ -22,7 +22,7 @@ DATES = 120  # times in a period that are tried, between which a parabola is fit
 SURE = 3.0  # times the uncertainty of an interval, by which one may be off; sound runs of ours reached 1.4
 OFF_BY = 0.4  # of an interval: a frame that is missing makes 0.5 of it, and no method so much of a motion that holds
 ROUNDS = 3  # of weighing positions and velocities by what is left of them
-LOST = 0.5  # of the motion: frames farther from it at all times have no date
+LOST = 0.3  # of the motion: frames farther from it at all times have no date
 LEAST_LEFT = 1e-6  # of the mean square of a quantity: what is taken to be left of it at least
 
 

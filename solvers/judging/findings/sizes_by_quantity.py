@@ -23,9 +23,9 @@ LOST = 0.4  # of the motion: where sizes may differ by more, nothing is told
 SMOOTHED = {"v": 3.0, "sigma": 1.5}
 
 
-def fit_sizes(tracks: ParticleTrajectories, quantity: str) -> tuple[np.ndarray, np.ndarray, float]:
+def fit_sizes(tracks: ParticleTrajectories, quantity: str) -> tuple[np.ndarray, np.ndarray, float, float]:
     """Returns by how much a quantity's size differs from the exact one (1 + n,), in the mean and at the end, from all
-    times and without some of them; and what is left of it, as a part of its size."""
+    times and without some of them; what is left of it, as a part of its size; and its part in the last third."""
     own, exact = (fields[quantity] - (tracks.material_position if quantity == "x" else 0.0)
                   for fields in (tracks.own, tracks.exact))
     t = ((tracks.time - tracks.time[0]) / np.ptp(tracks.time)).reshape(-1, *[1] * (exact.ndim - 1))
@@ -33,7 +33,9 @@ def fit_sizes(tracks: ParticleTrajectories, quantity: str) -> tuple[np.ndarray, 
     parts = [exact, t * exact, rate, t * rate]
     found, _ = jackknife_least_squares(own - exact, parts)
     left = own - exact - sum(part * share for part, share in zip(parts, found[0], strict=True))
-    return found[:, 0] + t.mean() * found[:, 1], found[:, 0] + found[:, 1], rms(left) / max(rms(exact), 1e-300)
+    last = slice(2 * len(t) // 3, None)
+    return (found[:, 0] + t.mean() * found[:, 1], found[:, 0] + found[:, 1], rms(left) / max(rms(exact), 1e-300),
+            float(np.sum(own[last] * exact[last]) / max(float(np.sum(exact[last] ** 2)), 1e-300)))
 
 
 def check_sizes(evidence: FindingsInput) -> Finding:
@@ -55,9 +57,8 @@ def check_sizes(evidence: FindingsInput) -> Finding:
         return unknown(NAME, TOO_LARGE)
     if off <= limit:
         return Finding(NAME, HOLDS, off, limit, UNIT)
-    said = {quantity: 100 * (1 + float(end[0])) for quantity, (_, end, _) in sizes.items()}
-    known = [Message("{percent:.3g} % by {quantity}", said[key], name)
-             for key, name in (("x", "x"), ("v", "v"), ("sigma", Message("the stress (or F)"))) if key in said]
+    known = [Message("{percent:.3g} % by {quantity}", 100 * sizes[key][3], name)
+             for key, name in (("x", "x"), ("v", "v"), ("sigma", Message("the stress (or F)"))) if key in sizes]
     return Finding(NAME, OFF, off, limit, UNIT,
-                   Message("at the end the motion has {sizes} of its size: one of them is damped on the way, or in "
-                           "another unit", join_messages(", ", known)))
+                   Message("in the last third of the times the motion has {sizes} of its size: one of them is damped "
+                           "on the way, or in another unit", join_messages(", ", known)))
