@@ -84,7 +84,7 @@ OF_SOME = ("motion", "stretch", "initial_velocity")
 #: Labels of fields' choices, translated by :func:`choice_labels`, in the order in which they are offered.
 CHOICES = {"method": {code: method.full or method.name for code, method in METHODS.items()},
            "body_force": {"material": lazy("at the particles"), "node": lazy("at the nodes"), "none": lazy("none"),
-                          "two-tone": lazy("two-tone: no exact solution known")},
+                          "two-tone": lazy("two tones")},
            "velocity": {"grid": lazy("grid velocity"), "particle": lazy("particle velocity"),
                         "corners": lazy("domain corners")},
            "motion": {"vibrate": lazy("vibration"), "patch": lazy("patch test")},

@@ -255,14 +255,14 @@ def plot_labels(places: FieldPlotLayout, ends: tuple[str, str], words: FieldPlot
     box, metrics = places.field, places.stage_metrics
     beside = box.left > 0 or metrics.gutter > 0  # otherwise only the upper number fits, within the plot
     left = box.at is not None and box.at[0] < 0  # the name stands beside the zero
-    crowded = left and 1.2 * metrics.text_extent(words.name)[0] + metrics.text_extent(" 0")[0] > metrics.gutter
+    crowded = left and 1.2 * metrics.text_width(words.name) + metrics.text_width(" 0") > metrics.gutter
     for key, text, y in (("low", f"−{number}", -box.half), ("zero", "" if crowded else "0", 0.0)):
         yield Label(f"field/{key}", text if beside else "", box.left - 0.01, box.middle + y, "center-right", "number")
     yield Label("field/high", f"+{number}", box.left - 0.01 if beside else 0.01,
                 box.middle + (box.half if beside else ROOM * box.half), "center-right" if beside else "top-left",
                 "number")
     below, written = box.below or 0.0, box.below is not None
-    if metrics.text_extent("  ".join(ends))[0] > box.right - box.left:  # too narrow for both: as one
+    if metrics.text_width("  ".join(ends)) > box.right - box.left:  # too narrow for both: as one
         ends = f"{ends[0].rpartition(' ')[0]}–{ends[1]}", ""
     yield Label("field/start", ends[0] if written else "", box.left, below, "top-left", "number")
     yield Label("field/end", ends[1] if written else "", box.right, below, "top-right", "number")

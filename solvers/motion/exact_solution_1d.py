@@ -60,18 +60,18 @@ class ExactSolution1D:
 
 @functools.lru_cache(maxsize=32)  # of many visitors
 def motion_table(scene: Any) -> SeparableField:
-    """Returns the typed motion of a ``scene`` over its period: u in m and F - 1 (2 components) at its P particles, and,
-    as place P, their means over the particles."""
+    """Returns a scene's motion by formula over its period: u in m and F - 1 (2 components) at its P particles, and, as
+    place P, their means over the particles."""
     X = (np.arange(scene.particles)[:, None] + 0.5) / scene.particles
     derivatives = functools.partial(scene.typed_solution.displacement_derivatives, scene)
-    motion = separate(lambda X, t: np.stack(derivatives(X[:, 0], t, (), (X_AXIS,)), axis=1), X, scene.period)
+    motion = separate(lambda X, t: np.stack(derivatives(X[:, 0], t, (), (X_AXIS,)), axis=1), X, scene.motion_period)
     mean = motion.modes.mean(axis=0, keepdims=True)
     return SeparableField(np.concatenate([motion.modes, mean]), motion.series, motion.angular_frequency)
 
 
 def force_table(scene: Any, X: np.ndarray) -> SeparableField:
-    """Returns a typed motion's body force per mass at points ``X`` (K,) in m over time: component 0, in m/s^2."""
-    table = separate(lambda X, t: scene.typed_solution.force_terms(scene, X[:, 0], t), X[:, None], scene.period)
+    """Returns the body force per mass of a motion by formula at points ``X`` (K,) in m: component 0, in m/s^2."""
+    table = separate(lambda X, t: scene.typed_solution.force_terms(scene, X[:, 0], t), X[:, None], scene.motion_period)
     table.modes[:, :, 0] += table.modes[:, :, 1]
     return table
 
@@ -88,9 +88,9 @@ class MotionMagnitudes(NamedTuple):
 
 
 def motion_magnitudes(scene: Any) -> MotionMagnitudes:
-    """Returns the sizes of the motion typed for a bar's scene, from 400 places and 128 times of its period."""
+    """Returns the sizes of the motion by formula of a bar's scene, from 400 places and 128 times of its period."""
     X = np.tile(np.arange(PLACES) / PLACES, (INSTANTS, 1))
-    t, dX = np.repeat(np.arange(INSTANTS) / INSTANTS * scene.period, PLACES), 1 / scene.particles
+    t, dX = np.repeat(np.arange(INSTANTS) / INSTANTS * scene.motion_period, PLACES), 1 / scene.particles
     derivatives = functools.partial(scene.typed_solution.displacement_derivatives, scene)
     u, strain, v, a = derivatives(X, t, (), (X_AXIS,), (TIME,), (TIME, TIME))
     next_u, next_strain = derivatives((X + dX) % 1, t, (), (X_AXIS,))

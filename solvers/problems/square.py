@@ -41,7 +41,7 @@ class SquareScene(TypedMotionScene, BoxScene):
 
     @property
     def angular_frequency(self) -> float:
-        return self.typed_frequency if self.displacement else self.base_frequency
+        return 2 * math.pi / self.motion_period if self.displacement else self.base_frequency
 
     def displacement_at(self, X: Any, Y: Any, t: Any) -> tuple[Any, ...]:
         if self.displacement:

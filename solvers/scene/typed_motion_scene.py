@@ -36,14 +36,19 @@ class TypedMotionScene(Scene):
         return math.pi * math.sqrt(self.modulus / self.density)
 
     @property
+    def motion_formula(self) -> str:
+        """Formulas of the displacement in m from which the exact solution is computed, or ""."""
+        return self.displacement
+
+    @property
     def typed_solution(self) -> Any:
-        """Exact solution that follows from the formulas of its displacement."""
-        return self.motion_inputs.solution(self.displacement)
+        """Exact solution that follows from :attr:`motion_formula`."""
+        return self.motion_inputs.solution(self.motion_formula)
 
     @functools.cached_property
-    def typed_frequency(self) -> float:
-        """Angular frequency of the typed motion, in 1/s."""
-        return 2 * math.pi / find_period(self.displacement, self.motion_inputs)
+    def motion_period(self) -> float:
+        """Time in s after which the motion by :attr:`motion_formula` returns."""
+        return find_period(self.motion_formula, self.motion_inputs)
 
     @property
     def title(self) -> str:
@@ -71,7 +76,7 @@ class TypedMotionScene(Scene):
 
     def _check_time(self) -> None:
         try:
-            float(self.typed_frequency if self.displacement else 1.0)  # fails where the formula has no period
+            float(self.motion_period if self.displacement else 1.0)  # fails where the formula has no period
         except FormulaError as error:
             raise SceneError("displacement", self.displacement, str(error)) from None
         super()._check_time()

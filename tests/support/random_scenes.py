@@ -93,6 +93,11 @@ def _draw_set(chance: random.Random) -> Inputs:
         return drawn
 
 
+def _largest_amplitude(switches: Mapping[str, Any]) -> float:
+    two_toned_bar = (switches["problem"], switches.get("body_force")) == ("bar", "two-tone")
+    return 0.117 if two_toned_bar else LARGEST[switches["problem"]]
+
+
 def logarithmic(low: float, high: float) -> st.SearchStrategy[float]:
     return st.floats(math.log(low), math.log(high)).map(math.exp)
 
@@ -108,7 +113,7 @@ def inputs(draw: st.DrawFn, switches: Mapping[str, Any]) -> Inputs:
     bar = switches["problem"] == "bar"
     drawn = {**switches, "cells": draw(whole_logarithmic(kind.FEWEST_CELLS, 300 if bar else 48)),
              "ppc": draw(whole_logarithmic(1, 16 if bar else 5)),
-             "amplitude": draw(logarithmic(1e-11, LARGEST[switches["problem"]])),
+             "amplitude": draw(logarithmic(1e-11, _largest_amplitude(switches))),
              "modulus": draw(logarithmic(2e-6, 0.9e12)), "density": draw(logarithmic(2e-6, 0.9e12))}
     if switches.get("motion") == "patch":
         drawn |= draw(_patch(drawn["cells"]))

@@ -72,14 +72,12 @@ class Budget(SceneFlags):
         scene = replace(asked, effects=tuple(dict.fromkeys((*asked.effects, "budget"))))
         if scene.has("budget"):
             return scene
-        if "truth" in asked.effects:
-            raise BadInput("body-force", scene.body_force, "has no exact solution to compare the bar with, so that a "
-                           "budget needs the effect estimate and --estimator companion")
-        raise BadInput("effects", " ".join(asked.effects) or "none", "a budget needs the effect truth and an exact "
-                       "solution, or the effect estimate and --estimator companion")
+        raise BadInput("effects", " ".join(asked.effects) or "none", "a budget needs the effect truth, or the effect "
+                       "estimate and --estimator companion")
 
 
 def _tables(values: dict) -> str:
     """Returns the tables of the budget and of a removed cause, if any, as text, from the command's JSON object."""
-    removed = values["take_away"]
-    return "\n\n".join([budget_table(values["budget"]), *([removed_cause_table(removed)] if removed else [])])
+    removed, crossed = values["take_away"], values["grid_crossings"] != 0
+    return "\n\n".join([budget_table(values["budget"], crossed),
+                        *([removed_cause_table(removed, crossed)] if removed else [])])

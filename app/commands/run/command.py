@@ -102,7 +102,7 @@ class OutputFlags:
             why = "no GPU was found" if scene.prefers_gpu else f"the {scene.problem} is built for processors"
             print_message(f"{why}: this ran on the processor ({result.arch})")
         put_result(result.to_dict(), target, lambda values: run_table(values, self.corrected)
-                   + goal_table(scene, values["goals"]))
+                   + goal_table(result))
         if writer:
             writer.write(result)
         drawn = picture is None or _draw(result, picture, self.corrected)

@@ -1,16 +1,17 @@
 """Text summary of ``mpm-lab run``, made from the JSON object, and the goals with their error bars."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Sequence
 
 from app.names_and_units import QUANTITIES, particles_per_cell, unit_of
 from solvers.motion.laws.elastic_material import NEO_HOOKEAN
 from solvers.problems import PROBLEMS
 from solvers.running.quantities_of_interest import SAFETY
+from solvers.running.result import Result
 from solvers.scene.effects import ALL, EFFECTS, PER_CENT, Number, output_lines_by_effect
-from solvers.scene.error_causes import CAUSES, FIELDS
+from solvers.scene.error_causes import FIELDS, cause_labels
 from solvers.scene.estimator_registry import COMPANION
-from solvers.scene.scene import Scene
-from solvers.study.coverage import track_record_and_bets
+from solvers.study.coverage.estimate_coverage_counts import wilson_interval
+from solvers.study.coverage.track_record_and_bets import RunSoFar, bars_held
 
 NOTHING = "-"
 UNITS = {"x": "m", "v": "m/s", "F": "1"}
@@ -18,8 +19,9 @@ STEP_MEANING = ("\nwithout what a step leaves out, at the same steps; shorter on
                 "particles and\ngrid, and may have larger errors")
 SUMMARY = ("final", "max", "mean")
 GOAL_WIDTH = 14
-GOAL_MEANING = (f"bar: {SAFETY:g} times the estimated error of the number; held: how often such a bar held the truth "
-                "in runs of\nthis method that were drawn at random (mpm-lab coverage)")
+BAR_MEANING = f"bar: {SAFETY:g} times the estimated error of the number"
+HELD_MEANING = ("held: how often such a bar held the truth in runs\n"
+                "like this one that were drawn at random (mpm-lab coverage)")
 
 
 def run_table(result: dict, corrected: str = "") -> str:
@@ -43,7 +45,7 @@ def run_table(result: dict, corrected: str = "") -> str:
         parts.append(_corrected_table(result, corrected))
     parts += [f"estimate: {name}\n{sentence}" for name, sentence in result["not_valid"].items()]
     if result.get("budget"):
-        parts.append(budget_table(result["budget"]))
+        parts.append(budget_table(result["budget"], result["grid_crossings"] != 0))
     return "\n\n".join([*parts, _cost_text(result)])
 
 
@@ -59,9 +61,11 @@ def _corrected_table(result: dict, estimator: str) -> str:
         + f"\nno MPM is left in it: the result is the {COMPANION}'s own" * (estimator == COMPANION)
 
 
-def budget_table(budget: dict) -> str:
-    """Returns a text table of each cause's share of the errors of x, v and F, or why they are not valid."""
-    rows = [(cause, *(format_value(budget[field][name], ".3f") for field in FIELDS)) for name, cause in CAUSES.items()]
+def budget_table(budget: dict, crossed: bool) -> str:
+    """Returns a text table of each cause's share of the errors of x, v and F, or why they are not valid; ``crossed`` is
+    whether a particle has changed its cell."""
+    rows = [(cause, *(format_value(budget[field][name], ".3f") for field in FIELDS))
+            for name, cause in cause_labels(crossed).items()]
     whose = "the error" if budget["reference"] == "exact" else f"what the {budget['reference']} has the error is"
     text = _align_columns([("share of the error of", *FIELDS), *rows])
     return f"{text}\n{budget['not_valid'] or f'shares of {whose} over the run, adding up to 1'}"
@@ -93,11 +97,12 @@ def _norm_row(key: str, summary: dict) -> tuple[str, ...]:
     return name, *(format_value(summary[part], ".3e") for part in SUMMARY)
 
 
-def removed_cause_table(values: dict) -> str:
-    """Returns a text table of the RMS errors with all causes, predicted without one, and run again."""
+def removed_cause_table(values: dict, crossed: bool) -> str:
+    """Returns a text table of the RMS errors with all causes, predicted without one, and run again; ``crossed`` is
+    whether a particle has changed its cell."""
     heads = {"before": "before", "predicted": "predicted", "again": "run again"}
     rows = [(words, *(format_value(values[key][field], ".3e") for field in FIELDS)) for key, words in heads.items()]
-    return _align_columns([(f"without {CAUSES[values['class']]}, RMS",
+    return _align_columns([(f"without {cause_labels(crossed)[values['class']]}, RMS",
                             *(f"{field} ({UNITS[field]})" for field in FIELDS)),
                            *rows]) + STEP_MEANING * (values["class"] == "time_step")
 
@@ -139,19 +144,31 @@ def format_value(value: float | None, form: str) -> str:
     return NOTHING if value is None else format(value, form)
 
 
-def goal_table(scene: Scene, goals: Mapping[str, dict]) -> str:
-    """Returns a text for each of a run's goals, by name, and one on their error bars; "" without goals."""
-    if not goals:
+def goal_table(result: Result) -> str:
+    """Returns a text for each of a run's goals, and one on their error bars; "" without goals."""
+    if not result.goals:
         return ""
-    blocks = []
-    for name, goal in goals.items():
+    drawn, blocks, seen = RunSoFar(result.scene, result.status, result.time), [], []
+    for name, goal in result.goals.items():
         unit = goal["unit"]
         lines = [f"{name:<24}{format_value(goal['value'], '.6g'):>{GOAL_WIDTH}} {unit}"]
         for estimator, bar in goal["bar"].items():
-            counts = track_record_and_bets.bars_held(scene, name, estimator)
-            often = f"   held {counts[0]} of {counts[1]}" if counts and bar is not None else ""
+            counts = bars_held(drawn, name, estimator) if bar is not None else None
+            seen += [counts] if counts else []
+            often = "   held {} of {}".format(*counts) if counts else ""
             lines.append(f"  {'+- ' + estimator:<22}{format_value(bar, '.2g'):>{GOAL_WIDTH}} {unit}{often}")
         if goal["true_error"] is not None:
             lines.append(f"  {'true error':<22}{format_value(goal['true_error'], '.2g'):>{GOAL_WIDTH}} {unit}")
         blocks.append("\n".join(lines))
-    return "\n\n".join(["", *blocks, GOAL_MEANING])
+    return "\n\n".join(["", *blocks, _bar_meaning(seen, drawn.why_not_counted)])
+
+
+def _bar_meaning(counts: Sequence[tuple[int, int]], why_not: str) -> str:
+    """Returns what an error bar is and what is known of how often such bars hold: ``counts`` of those that held and of
+    all, or ``why_not``, why no drawn run is like this one."""
+    if not counts:
+        return f"{BAR_MEANING}; how often such bars hold is not known:\n{why_not or 'too few such runs were drawn'}"
+    least = min((all_runs for held, all_runs in counts if held == all_runs), default=None)
+    sure = f";\nof {least} of {least} the 95 % interval begins at {100 * wilson_interval(least, least)[0]:.0f} %" \
+        if least else ""
+    return f"{BAR_MEANING}; {HELD_MEANING}{sure}"

@@ -23,7 +23,8 @@ from solvers.scene.estimator_registry import ESTIMATORS
 from solvers.solver.error_series import is_only_rounding
 from solvers.solver.rounding import largest_rounding_error
 from solvers.solver.soundness import OK, UNSTABLE
-from solvers.study.coverage import track_record_and_bets
+from solvers.study.coverage.estimate_coverage_counts import wilson_interval
+from solvers.study.coverage.track_record_and_bets import RunSoFar, accurate_run_counts, bars_held
 
 #: Tooltips of rows.
 HINTS = {
@@ -49,7 +50,9 @@ CAPPED_BELOW = 0.9  # of the speed asked for
 ROUNDED = lazy("nothing but rounding")
 GOALS = {ENERGY: lazy("kinetic energy"), STRESS: lazy("mean stress")}
 SHORT = 30  # characters of a reason that fit beside a name
-BARS = lazy("{value} ± {bar}; such bars held in {n} of {all} runs like this")
+BARS = lazy("{value} ± {bar}; such bars held in {n} of {all} runs like this (95\N{NO-BREAK SPACE}% interval from "
+            "{least:.0f}\N{NO-BREAK SPACE}%)")
+NO_RECORD = lazy("{value} ± {bar}; how often such bars hold is not known: {reason}")
 DRAG = lazy("drag a rectangle on the stage")
 
 
@@ -88,11 +91,12 @@ def estimator_cards_json(report: FrameReport, series: dict[str, np.ndarray], qua
     why_not = missing_reasons(report, series, quantity)
     true = last_value(series, f"error_{quantity}")
     judges: dict[str, dict[str, str]] = {}
+    drawn = RunSoFar(report.scene, report.status, report.time)
     for name in report.scene.estimators:
         if says := why_not[name]:
             judges[name] = {"says": says[:1].upper() + says[1:]}
         else:
-            counts = track_record_and_bets.accurate_run_counts(report.scene, name, quantity)  # None if not counted
+            counts = accurate_run_counts(drawn, name, quantity)  # None if not counted
             found = last_value(series, f"{name}/estimate_{quantity}") / true if true else math.nan
             judges[name] = {"finds": per_cent(found) if math.isfinite(found) else NOTHING,
                             "trust": "" if counts is None else tr(
@@ -141,14 +145,19 @@ def _run_table(session: RunSession, history: NormHistory, report: FrameReport, s
 def _goal_rows(report: FrameReport, estimator: str | None) -> Iterator[tuple[str, str]]:
     """Yields label and text of each quantity of the whole body, with the error bar of an estimator (by name), if it has
     one, and how often such bars held in similar runs."""
+    drawn = RunSoFar(report.scene, report.status, report.time)
     for name, goal in report.goals.items():
         if goal["value"] is None:
             continue
         text, bar = with_unit(goal["value"], goal["unit"]), goal["bar"].get(estimator)
         if bar is not None:
-            counts, size = track_record_and_bets.bars_held(report.scene, name,
-                                                           estimator or ""), with_unit(bar, goal["unit"])
-            text = tr(BARS, value=text, bar=size, n=counts[0], all=counts[1]) if counts else f"{text} ± {size}"
+            counts, size = bars_held(drawn, name, estimator or ""), with_unit(bar, goal["unit"])
+            if counts:
+                text = tr(BARS, value=text, bar=size, n=counts[0], all=counts[1],
+                          least=100 * wilson_interval(*counts)[0])
+            else:
+                text = tr(NO_RECORD, value=text, bar=size, reason=translate_message(drawn.why_not_counted)) \
+                    if drawn.why_not_counted else f"{text} ± {size}"
         yield GOALS[name], html.escape(text)
 
 

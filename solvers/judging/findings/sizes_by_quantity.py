@@ -20,7 +20,7 @@ LEFT = 0.5  # of what is left of the stress, which noise of grid crossings makes
 LOST = 0.4  # of the motion: where sizes may differ by more, nothing is told
 #: Of (k h)^2: by so much the grid may smooth what moves the particles, and not their own v; or what makes F, and not x,
 #: where particles move with their own v.
-SMOOTHED = {"v": 3.0, "sigma": 1.5}
+SMOOTHED = {"v": 6.0, "sigma": 1.5}
 
 
 def fit_sizes(tracks: ParticleTrajectories, quantity: str) -> tuple[np.ndarray, np.ndarray, float, float]:

@@ -14,6 +14,7 @@ from solvers.translatable_message import Message
 
 FEWEST_TIMES = 5
 SURE, SMOOTHED = 6.0, 3.0  # times that uncertainty; times what smoothing can make of the error of v
+FARTHEST_APART = 0.25  # of a period: moments between which neither rule follows the motion are farther apart
 UNSURE = "smaller shifts are below the errors, or between the few times"
 VELOCITY, STRESS = ("moment of the velocities before that of the positions",
                     "moment of F or the stress before that of the positions")
@@ -49,8 +50,10 @@ def check_velocity_time(evidence: FindingsInput) -> Finding:
     tracks, step = evidence.tracks, evidence.step
     if tracks is None or len(tracks.time) < FEWEST_TIMES or "v" not in tracks.exact:
         return unknown(VELOCITY, FEW if "v" in evidence.errors[0] else "no velocities in the files")
+    if np.diff(tracks.time).max() > FARTHEST_APART * evidence.scene.period:
+        return unknown(VELOCITY, "two moments are farther apart than a quarter of a period")
     if evidence.scene.swings and np.ptp(tracks.time) < SHORTEST_LAG * evidence.scene.period:
-        return unknown(VELOCITY, "too little of a period to tell late velocities from those that are too large")
+        return unknown(VELOCITY, "too little of a period to tell velocities that are late from too large ones")
     x, v = (tracks.own[q] - tracks.exact[q] for q in ("x", "v"))
     interval = np.diff(tracks.time)[:, None, None]
     gap = 0.5 * interval * (v[1:] + v[:-1]) - np.diff(x, axis=0)
@@ -167,6 +170,8 @@ def _check_lag(motion: RecordedMotion, mismatch: np.ndarray, moved: np.ndarray, 
     rule's own error is proportional to the displacement (``moved``), and fitted as well."""
     if len(motion.times) < FEWEST:
         return unknown(MOMENT, f"fewer than {FEWEST} moments")
+    if rms(mismatch) <= motion.rounding:
+        return Finding(MOMENT, HOLDS)
     found, sure = jackknife_least_squares(mismatch, [-gained, moved])
     late, doubt = float(found[0, 0]), SURE * float(sure[0])
     left = rms(mismatch + late * gained - found[0, 1] * moved) / max(rms(mismatch), 1e-300)

@@ -4,27 +4,30 @@ u = A sin(2 pi X) sin(wt), w = c pi, solves rho0 u_tt = P_X + rho0 b with P = E(
 b = 3 w^2 u per unit mass (the paper's eq 34 prints another A: u already carries it). Without the body force the
 same initial velocity gives the free vibration u = (A/2) sin(2 pi X) sin(2wt); ``BarScene.motion_amplitude`` and
 ``BarScene.angular_frequency`` are those of whichever solution holds. In a patch test X is where a particle begins, and
-u = v0 t, F = F0 for ever. Where a displacement is typed, all follows from that (``solvers.motion.exact_solution_1d``).
+u = v0 t, F = F0 for ever. Where the displacement is a formula, typed or that of two tones, all follows from that
+(``solvers.motion.exact_solution_1d``).
 """
 
-import math
 from typing import Any
 
 import numpy as np
 
-from solvers.motion.exact_solution import SECOND_FREQUENCY
 from solvers.motion.exact_solution_1d import motion_table
 from solvers.scene.displacement_moments import DisplacementMoments
 
 WAVENUMBER = 2 * np.pi
-SECOND_RATIO = 0.5  # of the force's second tone, of the first
+#: The displacement under the two tones 3 w^2 A sin(2 pi X) sin(wt) + 1.5 w^2 A sin(4 pi X) sin(1.7 wt). Since P is
+#: linear, each mode swings for itself; the second, whose natural frequency is 4 w, starts at rest.
+TWO_TONES = ("A*sin(2*pi*X)*sin(w*t)"
+             "+1.5*A/(4**2-1.7**2)*(sin(1.7*w*t)-1.7/4*sin(4*w*t))*sin(4*pi*X)")
+TWO_TONE_PERIODS = 10  # of the first tone, after which that motion returns
 
 
 def displacement(scene: Any, X: np.ndarray, t: float) -> np.ndarray:
     """Returns the exact displacement u (P,) in m at material coordinates X (P,) in m and the time t in s."""
     if scene.is_patch:
         return np.full_like(X, scene.initial_velocity * t)
-    if scene.displacement:
+    if scene.motion_formula:
         return scene.typed_solution.displacement(scene, X, t)
     return scene.motion_amplitude * np.sin(WAVENUMBER * X) * np.sin(scene.angular_frequency * t)
 
@@ -33,7 +36,7 @@ def velocity(scene: Any, X: np.ndarray, t: float) -> np.ndarray:
     """Returns the exact velocity v = u_t (P,) in m/s at material coordinates X (P,) in m and the time t in s."""
     if scene.is_patch:
         return np.full_like(X, scene.initial_velocity)
-    if scene.displacement:
+    if scene.motion_formula:
         return scene.typed_solution.velocity(scene, X, t)
     w = scene.angular_frequency
     return scene.motion_amplitude * w * np.sin(WAVENUMBER * X) * np.cos(w * t)
@@ -43,7 +46,7 @@ def acceleration(scene: Any, X: np.ndarray, t: float) -> np.ndarray:
     """Returns the exact acceleration a = u_tt (P,) in m/s^2 at material coordinates X (P,) in m and the time t in s."""
     if scene.is_patch:
         return np.zeros_like(X)
-    if scene.displacement:
+    if scene.motion_formula:
         return scene.typed_solution.acceleration(scene, X, t)
     return -scene.angular_frequency**2 * displacement(scene, X, t)
 
@@ -52,7 +55,7 @@ def deformation_gradient(scene: Any, X: np.ndarray, t: float) -> np.ndarray:
     """Returns the exact F = 1 + u_X (P,), no unit, at material coordinates X (P,) in m and the time t in s."""
     if scene.is_patch:
         return np.full_like(X, scene.stretch)
-    if scene.displacement:
+    if scene.motion_formula:
         return scene.typed_solution.deformation_gradient(scene, X, t)
     return 1 + WAVENUMBER * scene.motion_amplitude * np.cos(WAVENUMBER * X) * np.sin(scene.angular_frequency * t)
 
@@ -75,37 +78,29 @@ def field_as_sampled(scene: Any, quantity: str, X: np.ndarray, t: float) -> np.n
 
 def body_force(scene: Any, X: np.ndarray, t: float) -> np.ndarray:
     """Returns the body force per mass (P,) in m/s^2 at material coordinates X (P,) in m and the time t in s: 3 w^2 u
-    (eq 34, corrected); with two tones 1.5 w^2 A sin(4 pi X) sin(1.7 wt) beside it; zero for the free bar."""
+    (eq 34, corrected), zero for the free bar; that of its solution for a motion by formula."""
     if scene.body_force == "none":
         return np.zeros_like(X)
-    if scene.displacement:
+    if scene.motion_formula:
         return scene.typed_solution.body_force(scene, X, t)
-    w = scene.angular_frequency
-    force = 3 * w**2 * displacement(scene, X, t)
-    if scene.body_force == "two-tone":
-        size = SECOND_RATIO * 3 * w**2 * scene.amplitude * np.sin(SECOND_FREQUENCY * w * t)
-        force += size * np.sin(2 * WAVENUMBER * X)
-    return force
+    return 3 * scene.angular_frequency**2 * displacement(scene, X, t)
 
 
 def displacement_moments(scene: Any, times: np.ndarray) -> DisplacementMoments:
     """Returns the moments, sums over particles of displacement times mode, at the times (T,) in s of the motion by the
     balance of momentum (``solvers.scene.displacement_moments``), for comparison with those of a run.
 
-    P = E(F - 1) is linear, so that the modes sin(2 pi X) and sin(4 pi X), which start and body force feed, swing each
-    for itself: q'' = -(n w0)^2 q + b_n(t), w0 = 2 pi c, n = 1 and 2. With w the frequency of the force,
-
-        b_1 = 3 w^2 A sin(wt):  q_1 = A sin(wt), or A/2 sin(2wt) without force (both start at the velocity A w);
-        b_2 = S sin(nu t), the second tone:  q_2 = S/((2 w0)^2 - nu^2) (sin(nu t) - nu/(2 w0) sin(2 w0 t)).
-
-    All other modes rest, and so does a patch test, seen from where it should be. A force that a method puts at its
-    nodes is meant for the material points too. A typed motion, without its mean, is sum_k T_k M_k.
+    P = E(F - 1) is linear, so that the mode sin(2 pi X), which start and body force feed, swings for itself, A sin(wt),
+    or A/2 sin(2wt) without force (both start at the velocity A w), and sin(4 pi X) rests.
+    All rests in a patch test, seen from where it should be. A force that a method puts at its
+    nodes is meant for the material points too. A motion by formula, without its
+    mean, is sum_k T_k M_k.
     """
     P, w, A = scene.particles, scene.angular_frequency, scene.motion_amplitude
     X = (np.arange(P) + 0.5) / P
     shapes = np.sin(2 * np.pi * np.outer((1, 2), X))  # (2, P)
     inverse, trusted = np.linalg.pinv(shapes @ shapes.T, hermitian=True), np.ones(len(times), bool)
-    if scene.displacement:
+    if scene.motion_formula:
         motion = motion_table(scene)
         modes, T = motion.modes[:P, :, 0] - motion.modes[P, :, 0], np.stack([motion.time_functions(t) for t in times])
         return DisplacementMoments(T @ (shapes @ modes).T, np.einsum("tk,kl,tl->t", T, modes.T @ modes, T), inverse, P,
@@ -113,9 +108,5 @@ def displacement_moments(scene: Any, times: np.ndarray) -> DisplacementMoments:
     size = np.zeros((len(times), 2))
     if not scene.is_patch:
         size[:, 0] = A * np.sin(w * times)
-    if scene.body_force == "two-tone":
-        own, tone = 4 * math.pi * scene.wave_speed, SECOND_FREQUENCY * w
-        force = SECOND_RATIO * 3 * w * w * scene.amplitude
-        size[:, 1] = force / (own * own - tone * tone) * (np.sin(tone * times) - tone / own * np.sin(own * times))
     gram = shapes @ shapes.T
     return DisplacementMoments(size @ gram, np.einsum("tm,mn,tn->t", size, gram, size), inverse, P, trusted)

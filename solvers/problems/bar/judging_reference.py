@@ -32,7 +32,7 @@ class BarJudgingReference(JudgingReference):
             return read_texts(FOLDER / "patch.md", "", E=E, density=density, F=F, v=scene.initial_velocity,
                               length=1 / F, stretched_density=density / F, stress=E * (F - 1))
         typed = scene.displacement
-        A, w = (scene.amplitude, scene.base_frequency) if typed else (scene.motion_amplitude, w)
+        A, w = (scene.amplitude, scene.base_frequency) if scene.motion_formula else (scene.motion_amplitude, w)
         return read_texts(FOLDER / "vibration.md", "typed" if typed else scene.body_force, E=E, density=density, A=A,
                           w=w, speed=A * w, formula=typed)
 

@@ -26,6 +26,8 @@ from solvers.translatable_message import Message
 
 #: Above this amplitude the exact bar turns inside out: F = 1 + 2 pi A cos(2 pi X) sin(wt) reaches 0.
 BAR_AMPLITUDE_LIMIT = 1 / (2 * math.pi)
+#: Under two tones it does, or nearly so: F reaches 1 - 8.04 A.
+TWO_TONE_AMPLITUDE_LIMIT = 0.118
 
 
 @document_fields
@@ -41,7 +43,7 @@ class BarScene(TypedMotionScene, Scene):
     modulus: float = option(4.0, "Young's modulus E", "Pa")
     density: float = option(1.0, "Density", "kg/m3")
     body_force: str = option(
-        "material", "Body force: at material points, at nodes, none, or two tones that have no built-in solution",
+        "material", "Body force: at material points, at nodes, none, or two tones",
         choices=("material", "node", "none", "two-tone"))
     velocity: str = option("grid", "Velocity that moves the particles (corners: cpgimp only)",
                            choices=("grid", "particle", "corners"))
@@ -93,7 +95,7 @@ class BarScene(TypedMotionScene, Scene):
     @property
     def highest_harmonic(self) -> int:
         """Number of wavelengths in the bar's length, of the shortest wave of its motion and body force that matters."""
-        return self._sizes.waves if self.displacement else 1 + (self.body_force == "two-tone")
+        return self._sizes.waves if self.motion_formula else 1
 
     @property
     def motion_fields(self) -> tuple[str, ...]:
@@ -102,7 +104,19 @@ class BarScene(TypedMotionScene, Scene):
     @property
     def compiled_motion(self) -> str:
         """Motion as a compile-time option of kernels: "vibrate", "patch", or "typed" for a displacement as formula."""
-        return TYPED if self.displacement else self.motion
+        return TYPED if self.motion_formula else self.motion
+
+    @property
+    def motion_formula(self) -> str:
+        return exact_solution.TWO_TONES if self.body_force == "two-tone" else self.displacement
+
+    @property
+    def motion_period(self) -> float:
+        return super().motion_period if self.displacement else exact_solution.TWO_TONE_PERIODS * self.period
+
+    @property
+    def solution_known(self) -> bool:
+        return True
 
     @property
     def motion_inputs(self) -> MotionParameters1D:
@@ -120,7 +134,7 @@ class BarScene(TypedMotionScene, Scene):
         half = math.pi / self.particles
         if self.is_patch:
             return 0.0
-        if self.displacement:
+        if self.motion_formula:
             return self._sizes.gap / self.motion_amplitude
         return math.sqrt(0.5) * (abs(2 * math.sin(half) - 2 * half * math.cos(half)) + HALF_ERROR * 2 * half)
 
@@ -147,7 +161,7 @@ class BarScene(TypedMotionScene, Scene):
         """Angular frequency w of the exact solution in 1/s: c pi/l with the body force (eq 32), the natural 2 c pi/l
         without; l = 1. In a patch test, where nothing oscillates, that of the vibrating bar."""
         if self.displacement:
-            return self.typed_frequency
+            return 2 * math.pi / self.motion_period
         return self.wave_speed * math.pi * (2 if self.body_force == "none" and not self.is_patch else 1)
 
     @property
@@ -156,7 +170,7 @@ class BarScene(TypedMotionScene, Scene):
         a vibration with its largest strain, |F - 1|: the motion its stress could cause, a scale of its errors."""
         if self.is_patch:
             return abs(self.stretch - 1) / self.STRAIN_PER_AMPLITUDE
-        if self.displacement:
+        if self.motion_formula:
             return self._sizes.largest["x"]
         return self.amplitude / 2 if self.body_force == "none" else self.amplitude
 
@@ -165,11 +179,11 @@ class BarScene(TypedMotionScene, Scene):
         return motion_magnitudes(self)
 
     def size_of(self, quantity: str) -> float:
-        return self._sizes.largest[quantity] if self.displacement else super().size_of(quantity)
+        return self._sizes.largest[quantity] if self.motion_formula else super().size_of(quantity)
 
     def rms_of(self, quantity: str) -> float:
         """Returns the RMS of x, v, sigma or a in SI: half the maximum, as for sines; in a patch test the maximum."""
-        if self.displacement:
+        if self.motion_formula:
             return self._sizes.rms[quantity]
         return self.size_of(quantity) * (1.0 if self.is_patch else 0.5)
 
@@ -241,11 +255,12 @@ class BarScene(TypedMotionScene, Scene):
     def _check_amplitude(self) -> None:
         if self.displacement:
             return super()._check_amplitude()
-        allowed = Message("give a number above 1e-12 and below 0.159")
+        limit = TWO_TONE_AMPLITUDE_LIMIT if self.body_force == "two-tone" else BAR_AMPLITUDE_LIMIT
+        allowed = Message("give a number above 1e-12 and below {limit:.3g}", limit)
         require_number("amplitude", self.amplitude, 1e-12, math.inf, allowed)
-        if self.amplitude >= BAR_AMPLITUDE_LIMIT:
-            raise SceneError("amplitude", self.amplitude, "the exact bar inverts from 1/(2 pi) = 0.159 on; {allowed}",
-                             allowed)
+        if self.amplitude >= limit:
+            raise SceneError("amplitude", self.amplitude, "the exact bar inverts from {limit:.3g} on; {allowed}",
+                             limit, allowed)
 
     def _check_numbers(self) -> None:
         super()._check_numbers()

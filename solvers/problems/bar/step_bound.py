@@ -46,16 +46,16 @@ def critical_time_step(scene: Any, stretch: float, velocity: float) -> StepBound
     ppc = int(scene.ppc)
     cells = max(8, min(scene.cells, MOST_PARTICLES // ppc))
     X = (np.arange(cells * ppc) + 0.5) / (cells * ppc)
-    if scene.displacement:
-        part, solution = 1.0, scene.typed_solution
+    if scene.motion_formula:
+        seconds, solution = scene.motion_period, scene.typed_solution
         shapes = [(solution.displacement(scene, X, t), solution.deformation_gradient(scene, X, t))
-                  for t in scene.period * np.linspace(0, 1, INSTANTS_PER_PERIOD)]
+                  for t in seconds * np.linspace(0, 1, INSTANTS_PER_PERIOD)]
     else:
-        part, sizes = 0.5, scene.motion_amplitude * np.sin(np.pi * (motion_fractions(scene) - 0.5))
+        seconds, sizes = 0.5 * scene.period, scene.motion_amplitude * np.sin(np.pi * (motion_fractions(scene) - 0.5))
         shapes = [(size * np.sin(2 * np.pi * X), 1 + 2 * np.pi * size * np.cos(2 * np.pi * X)) for size in sizes]
     found = [configuration_at(scene, cells, X if scene.frozen else X + u, F) for u, F in shapes]
     each = longest_step_per_instant(stack_configurations(found))
-    seconds = part * scene.period * scene.cells / cells  # as many steps as on the cells that the scene has
+    seconds *= scene.cells / cells  # as many steps as on the cells that the scene has
     stretch = 1 + scene.size_of("sigma") / scene.modulus
     circles = found[int(np.argmin(each))].gershgorin_bound()
     return combine_instant_bounds(scene, each, seconds, stretch, circles).scaled_by_cell_size(cells / scene.cells)
@@ -141,8 +141,8 @@ def null_space_drift(scene: Scene) -> float:
 
 def predicted_life_in_periods(scene: Any) -> float | None:
     """Returns the number of periods until the drift of the velocity reaches A w and the run fails; None where a remedy
-    corrects it or something else comes first, and for a typed motion."""
+    corrects it or something else comes first, and for a motion by formula."""
     if scene.remedies or scene.linearity_preserving or scene.velocity != "grid" or scene.method == "mpm" \
-            or scene.displacement:
+            or scene.motion_formula:
         return None
     return scene.size_of("v") / null_space_drift(scene)

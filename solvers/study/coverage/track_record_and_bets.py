@@ -13,15 +13,23 @@ import functools
 import json
 import math
 from collections.abc import Mapping
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 from statistics import NormalDist
 from typing import Any
 
 from solvers.running.quantities_of_interest import DISPLACEMENT, SAFETY
 from solvers.scene.scene import Scene
+from solvers.solver.soundness import OK
 from solvers.study.coverage.estimate_coverage_counts import CENTRAL, FACTORS, NORMAL, TWO_GRIDS, motion_regime
-from solvers.study.coverage.random_runs import QUANTITIES, allow_refused_estimators, refusal_kind
+from solvers.study.coverage.random_runs import (
+    FORCES,
+    QUANTITIES,
+    allow_refused_estimators,
+    draw_ranges_of,
+    refusal_kind,
+)
+from solvers.translatable_message import Message
 
 FOLDER = Path(__file__).parents[3] / "assets" / "coverage"
 FEWEST = 20  # runs: no statement for fewer
@@ -29,6 +37,7 @@ GCI, RICHARDSON = "GCI", "two-grid"
 ESTIMATORS = ("companion", "recovered", RICHARDSON, "transport")
 JUDGES = (*ESTIMATORS, GCI)
 LEVEL = CENTRAL
+ALWAYS_DEFAULT = ("remedies", "motion", "displacement", "law", "take_away")  # fields that every random run leaves alone
 EFFECTS = ("truth", "estimate", "soundness")
 Ends = tuple[float, float]
 
@@ -40,10 +49,42 @@ def load_counts(problem: str) -> Mapping[str, Any] | None:
     return json.loads(path.read_text(encoding="utf-8")) if path.exists() else None
 
 
-def accurate_run_counts(scene: Scene, estimator: str, quantity: str = "x") -> tuple[int, int] | None:
-    """Returns (n, all): in n of ``all`` random runs with a scene's method and regime of motion the estimate of a
-    quantity ("x") was within a factor of 1.1 of the true error; None if there were too few."""
-    split = _counts_of_similar_runs(scene, "estimators", estimator)
+@dataclass(frozen=True)
+class RunSoFar:
+    """A run as random runs are compared with it: its ``scene``, its ``status`` ("ok") and the ``time`` in s it has
+    reached."""
+
+    scene: Scene
+    status: str
+    time: float
+
+    @property
+    def why_not_counted(self) -> Message | str:
+        """Why no counted random run is like this one, as part of a sentence; "" if some are."""
+        scene = self.scene
+        if self.status != OK:
+            return Message("only runs that end as ok were counted")
+        if load_counts(scene.problem) is None:
+            return Message("no runs of this problem were drawn")
+        for name in ALWAYS_DEFAULT:
+            if getattr(scene, name, None) != getattr(type(scene), name, None):
+                return Message("no runs with {name} were drawn", Message(name.replace("_", "-")))
+        if scene.body_force not in FORCES.get(scene.problem, ("material",)):
+            return Message("no runs with the body force {force} were drawn", scene.body_force)
+        ranges = draw_ranges_of(scene.problem)
+        numbers = ((Message("cells"), scene.cells, ranges.cells),
+                   (Message("particles per cell"), scene.ppc, ranges.ppc),
+                   (Message("as amplitude"), scene.amplitude, ranges.amplitude),
+                   (Message("periods"), self.time / scene.period, ranges.periods))
+        return next((Message("runs were drawn with {least:g} to {most:g} {name}, and this one has {value:.3g}",
+                             least=ends[0], most=ends[1], name=name, value=value)
+                     for name, value, ends in numbers if not ends[0] <= value <= ends[1]), "")
+
+
+def accurate_run_counts(run: RunSoFar, estimator: str, quantity: str = "x") -> tuple[int, int] | None:
+    """Returns (n, all): in n of ``all`` random runs like a run the estimate of a quantity ("x") was within a factor of
+    1.1 of the true error; None if there were too few."""
+    split = _counts_of_similar_runs(run, "estimators", estimator)
     found = split and split.get(quantity)
     return (found["within"][f"{FACTORS[0]:g}"], found["runs"]) if found and found["runs"] >= FEWEST else None
 
@@ -59,19 +100,19 @@ def central_ratios(problem: str, estimator: str, quantity: str) -> tuple[float, 
     return low, high
 
 
-def bars_held(scene: Scene, goal: str, estimator: str) -> tuple[int, int] | None:
-    """Returns (n, all): in n of ``all`` random runs with a scene's method and regime of motion, the interval of twice
-    the estimated error around a goal (by its name) contained the truth; None if there were too few."""
-    split = _counts_of_similar_runs(scene, "goals", DISPLACEMENT if goal.startswith(DISPLACEMENT) else goal)
+def bars_held(run: RunSoFar, goal: str, estimator: str) -> tuple[int, int] | None:
+    """Returns (n, all): in n of ``all`` random runs like a run the interval of twice the estimated error around a goal
+    (by its name) contained the truth; None if there were too few."""
+    split = _counts_of_similar_runs(run, "goals", DISPLACEMENT if goal.startswith(DISPLACEMENT) else goal)
     found = split and split.get(f"{SAFETY:g} x {estimator}")
     return (found["held"], found["runs"]) if found and found["runs"] >= FEWEST else None
 
 
-def _counts_of_similar_runs(scene: Scene, group: str, name: str) -> Mapping[str, Any] | None:
-    """Returns counts of runs with a scene's method and regime, of a ``group`` ("estimators" or "goals") and a name in
-    it; None for scenes with remedies or motions that no random run had."""
-    known = load_counts(scene.problem)
-    if known is None or name not in known[group] or scene.remedies or not scene.swings or not scene.solution_known:
+def _counts_of_similar_runs(run: RunSoFar, group: str, name: str) -> Mapping[str, Any] | None:
+    """Returns counts of random runs with a run's method and regime of motion, of a ``group`` ("estimators" or "goals")
+    and a name in it; None where no random run was like it."""
+    scene, known = run.scene, load_counts(run.scene.problem)
+    if known is None or name not in known[group] or run.why_not_counted:
         return None
     methods = known[group][name]["method and regime"]
     return methods.get(scene.method, {}).get(motion_regime(scene.motion_amplitude / scene.spacing, scene.ppc))

@@ -132,7 +132,7 @@ BAD = {
     "bench --class many": "--class many: give a whole number from 1 to",
     "bench --class 2 --minutes -1": "--minutes -1: give a number above 0",
     "budget bar --effects none": "--effects none: a budget needs the effect truth",
-    "budget bar --body-force two-tone --estimator none": "--body-force two-tone: has no exact solution",
+    "budget ring --body-force two-tone --estimator none": "--body-force two-tone: leaves no exact solution",
     "budget bar --take-away gravity": "--take-away gravity: … coarse_grid",
     "budget ring --take-away gravity": "--take-away gravity: … coarse_grid",
     "budget bar --plot a.png --json a.png": " … is the file of --json too",

@@ -13,6 +13,7 @@ from app.problems.bar.stage import BarStage
 from solvers.problems.bar.scene import BarScene
 from solvers.running.run import build
 from solvers.solver.samples import QUANTITIES
+from tests.support.unsolved_bar import unsolved
 
 BAR_FIELD = BarStage.PLOT
 BAR = BarScene(cells=10, ppc=2, periods=1)
@@ -43,7 +44,7 @@ def test_deviations_are_the_true_errors(solver, quantity):
 
 
 def test_without_an_exact_solution_the_values_are_there_alone():
-    solver = build(replace(BAR, body_force="two-tone"))
+    solver = build(unsolved(BAR))
     solver.advance(20)
     for quantity in QUANTITIES:
         values, deviations = solver.snapshot(plotted=quantity).plotted.T
@@ -199,7 +200,7 @@ def test_a_plot_says_what_is_drawn():
 
     assert said(BAR, "x") == ("Displacement", "") and len(made["exact"])
     assert said(BAR, "sigma", 100) == ("Stress", "") and made["magnified"].text == "error × 100"
-    alone = replace(BAR, body_force="two-tone")
+    alone = unsolved(BAR)
     assert said(alone, "v", 10) == ("Velocity", "no exact curve is known") and not len(made["exact"])
     off = replace(BAR, effects=("truth",))
     assert said(off, "a", value=np.nan)[1] == "not computed: the effect \"acceleration error\" is off"

@@ -25,6 +25,7 @@ from solvers.problems.planar.particle_layout import particle_layout
 from solvers.problems.ring import RingScene
 from solvers.problems.vortex import VortexScene
 from solvers.scene.estimator_registry import ESTIMATORS
+from tests.support.unsolved_bar import unsolved
 
 BAR = BarScene(cells=10, ppc=2, estimators=("transport",))
 PLACES = (np.arange(20)[:, None] + 0.5) / 20
@@ -64,17 +65,17 @@ def test_both_halves_show_sizes_and_the_difference_knows_signs(difference, title
     np.testing.assert_allclose(view.estimated, np.abs(SIGNED))  # what is read off stays the estimate
 
 
-@pytest.mark.parametrize(("changes", "left", "right"), [({"body_force": "two-tone"}, "", UNKNOWN),
-                                                        ({"effects": ("estimate",)}, "", TRUTH_OFF),
-                                                        ({"effects": ("truth",)}, ESTIMATE_OFF, "")])
-def test_an_empty_half_says_why(changes, left, right):
-    view = view_of(replace(BAR, **changes))
+@pytest.mark.parametrize(("scene", "left", "right"), [(unsolved(BAR), "", UNKNOWN),
+                                                      (replace(BAR, effects=("estimate",)), "", TRUTH_OFF),
+                                                      (replace(BAR, effects=("truth",)), ESTIMATE_OFF, "")])
+def test_an_empty_half_says_why(scene, left, right):
+    view = view_of(scene)
     assert (view.left.silence, view.right.silence) == (left, right)
     assert (view.left.sizes is None, view.right.sizes is None) == (bool(left), bool(right))
 
 
 def test_no_difference_without_both():
-    assert view_of(replace(BAR, body_force="two-tone"), difference=True).left.silence == UNKNOWN
+    assert view_of(unsolved(BAR), difference=True).left.silence == UNKNOWN
     assert view_of(estimator=None, difference=True).left.silence == NONE_CHOSEN
 
 
@@ -292,7 +293,7 @@ def test_worst_places_by_estimate_and_by_truth():
     assert (places.by_estimate.name, places.by_truth.name) == ("X = 0.15–0.20 m", "X = 0.35–0.40 m")
     assert (places.by_estimate.estimated, places.by_estimate.true) == (1.0, 0.2)
     assert (places.by_truth.estimated, places.by_truth.true) == (0.1, 2.0)
-    report = report_of(replace(BAR, body_force="two-tone"))
+    report = report_of(unsolved(BAR))
     places.find(report, arrays, frame_error_view(report, arrays, "x", "transport", False), "x")
     assert places.by_truth is None and places.by_estimate.true is None
 

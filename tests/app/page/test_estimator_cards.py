@@ -20,18 +20,19 @@ from solvers.problems import PROBLEMS
 from solvers.problems.bar.scene import BarScene
 from solvers.running.quantities_of_interest import ENERGY
 from solvers.running.run import build
-from solvers.study.coverage import track_record_and_bets
+from solvers.study.coverage.track_record_and_bets import RunSoFar, accurate_run_counts, bars_held
 from tests.app.frame.test_view import report_of
 from tests.support.processes import wait_until
 from tests.support.raw_client import RawClient
+from tests.support.unsolved_bar import unsolved
 
-BAR = BarScene(cells=12, ppc=2, estimators=("companion",))
+BAR = BarScene(cells=16, ppc=2, estimators=("companion",))
 NAMED = "positions are ok, but the velocity is off by up to 18 times its own size, from t = 0.5 s on"
 
 
 def test_cards_say_what_the_run_has():
     """The numbers are the run's; who does not hold, or was not asked, has a sentence or nothing."""
-    scene = BarScene(cells=10, ppc=2, periods=1, estimators=("transport", "recovered"))
+    scene = BarScene(cells=16, ppc=2, periods=1, estimators=("transport", "recovered"))
     solver, history = build(scene), NormHistory(scene, 20)
     history.add(solver.advance(200))
     report = replace(report_of(scene), time=solver.time, not_valid={"recovered": "not valid here: why"})
@@ -40,11 +41,11 @@ def test_cards_say_what_the_run_has():
     assert set(cards["judges"]) == {"transport", "recovered"}
     estimate, true = (history.series[name][-1] for name in ("transport/estimate_x", "error_x"))
     assert cards["judges"]["transport"]["finds"] == per_cent(estimate / true)
-    held, of = track_record_and_bets.accurate_run_counts(scene, "transport")
+    held, of = accurate_run_counts(RunSoFar(scene, "ok", report.time), "transport")
     trust = cards["judges"]["transport"]["trust"]
     assert trust == f"within 10\N{NO-BREAK SPACE}% of the truth in {held} of {of} such runs"
     assert cards["judges"]["recovered"] == {"says": "Not valid here: why"}
-    unknown = json.loads(estimator_cards_json(report_of(replace(scene, body_force="two-tone")), {}, "x", None))
+    unknown = json.loads(estimator_cards_json(report_of(unsolved(scene)), {}, "x", None))
     assert unknown["judges"]["transport"]["finds"] == NOTHING
 
 
@@ -107,9 +108,13 @@ def test_numbers_of_the_body_have_a_bar_by_who_is_on_the_stage():
     energy = {"value": 0.0062, "unit": "J", "true_error": None, "estimated_error": {"companion": -1e-5},
               "rounding": 0.0, "bar": {"companion": 2e-5}}
     report = replace(report_of(BAR), step=300, time=300 * BAR.time_step, goals={ENERGY: energy})
-    held, of = track_record_and_bets.bars_held(BAR, ENERGY, "companion")
+    held, of = bars_held(RunSoFar(BAR, "ok", report.time), ENERGY, "companion")
     html = live_readout(session, history, report, "x", "companion", None, WorstRegions()).html
     assert "kinetic energy" in html and f"6.2 mJ ± 20 µJ; such bars held in {held} of {of} runs like this" in html
+    for changes, said in (({"status": "lost"}, "only runs that end as ok were counted"),
+                          ({"time": 4 * BAR.period}, "0.1 to 3 periods, and this one has 4")):
+        other = live_readout(session, history, replace(report, **changes), "x", "companion", None, WorstRegions())
+        assert "± 20 µJ; how often" in other.html and said in other.html and "held" not in other.html
     html = live_readout(session, history, report, "x", None, None, WorstRegions()).html
     assert "6.2 mJ" in html and "±" not in html.partition("6.2 mJ")[2].partition("</td>")[0]
     assert "6.2 mJ" not in live_readout(session, history, report, "x", None, None, WorstRegions(), ago=0.1).html

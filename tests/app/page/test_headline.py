@@ -16,6 +16,7 @@ from app.page.stage.worst_region import WorstRegions
 from app.problems.views import VIEWS
 from solvers.solver.soundness import LOST, UNSTABLE
 from tests.app.frame.test_view import BAR, arrays_of, report_of
+from tests.support.unsolved_bar import unsolved
 
 ERROR = np.full(20, 0.001)
 ERROR[6] = 0.004  # the worst place, X = 0.325
@@ -107,23 +108,23 @@ def test_particles_that_have_changed_their_cell_are_counted_from_the_start():
     assert "cell" not in said(replace(BAR, effects=("truth", "estimate")))
 
 
-@pytest.mark.parametrize(("begins", "given", "changes"), [
-    ("At t = 0.35 s the displacement is 5.3 % wrong; transport finds 50 % of it. ", {}, {"playing": False}),
-    ("0.25 periods back the displacement is 5.3 % wrong; transport", {}, {"playing": False, "ago": 0.25}),
-    ("The run is lost from t = 0.2 s on: the displacement is 5.3 % wrong; transport finds 50 % ", {},
+@pytest.mark.parametrize(("begins", "scene", "changes"), [
+    ("At t = 0.35 s the displacement is 5.3 % wrong; transport finds 50 % of it. ", BAR, {"playing": False}),
+    ("0.25 periods back the displacement is 5.3 % wrong; transport", BAR, {"playing": False, "ago": 0.25}),
+    ("The run is lost from t = 0.2 s on: the displacement is 5.3 % wrong; transport finds 50 % ", BAR,
      {"status": LOST, "since": 0.2}),
     (f"At t = 0.35 s transport estimates that the displacement is 2.6 % wrong. 660 µm of 25 mm at most. "
-     f"{UNKNOWN[:1].upper()}{UNKNOWN[1:]}. No", {"body_force": "two-tone"}, {}),
-    (f"At t = 0.35 s the displacement is 5.3 % wrong; {NONE_CHOSEN}. 1.3 mm of 25 mm at most. No", {"estimators": ()},
-     {"drawn": None}),
-    ("At t = 0.35 s the displacement is 5.3 % wrong; transport is not valid here. 1.3 mm", {},
+     f"{UNKNOWN[:1].upper()}{UNKNOWN[1:]}. No", unsolved(BAR), {}),
+    (f"At t = 0.35 s the displacement is 5.3 % wrong; {NONE_CHOSEN}. 1.3 mm of 25 mm at most. No",
+     replace(BAR, estimators=()), {"drawn": None}),
+    ("At t = 0.35 s the displacement is 5.3 % wrong; transport is not valid here. 1.3 mm", BAR,
      {"not_valid": {"transport": "not valid here: it rains"}}),
-    ("Nothing is known of the error of the displacement. ", {"effects": ("estimate",), "estimators": ()},
+    ("Nothing is known of the error of the displacement. ", replace(BAR, effects=("estimate",), estimators=()),
      {"drawn": None})],
     ids=["plays", "back", "lost", "no truth", "no estimate", "none that holds", "neither"])
-def test_a_run_is_told_of_its_moment_and_what_is_not_known_is_not_told(begins, given, changes):
+def test_a_run_is_told_of_its_moment_and_what_is_not_known_is_not_told(begins, scene, changes):
     """That it is lost or unstable comes first."""
-    assert said(replace(BAR, **given), **changes).startswith(begins)
+    assert said(scene, **changes).startswith(begins)
     assert frame_headline(None, None, None, "x", None) == HeadlineWithFacts.from_template(WAITING)
 
 

@@ -1,14 +1,15 @@
 """The check of particles of any run: a smooth motion in one to three dimensions, each thing that may be wrong, and runs
 of ours drawn at random, of which ``assets/check.md`` says what it finds of several hundred."""
 
+import json
 from itertools import islice
 
 import numpy as np
 import pytest
 
-from solvers.judging.check import CONSISTENT, check
+from solvers.judging.check import CONSISTENT, MotionCheckResult, check
 from solvers.judging.findings.deformation import GAP
-from solvers.judging.findings.finding import BROKEN, HOLDS, SUSPICIOUS, UNKNOWN
+from solvers.judging.findings.finding import BROKEN, HOLDS, SUSPICIOUS, UNKNOWN, Finding
 from solvers.untrusted.quoting import FileError
 from tests.findings import LOST, checked
 from tests.support.faults import as_files, record, scene_of
@@ -217,3 +218,16 @@ def test_good_runs_raise_no_alarm_and_broken_ones_are_found(problem, count):
     # Of the vortex a third of the unstable runs ends where a particle has left the body, which only the problem knows.
     assert seen >= (0.5 if problem == "vortex" else 0.8) * len(broken)
     assert count < 50 or sum(run.label in LOST for run, *_ in found) > 5
+
+
+def test_what_cannot_be_is_told_before_what_should_not():
+    found = [Finding(verdict, verdict) for verdict in (HOLDS, SUSPICIOUS, BROKEN, UNKNOWN, SUSPICIOUS)]
+    result = MotionCheckResult((), None, found, ())
+    assert [one.verdict for one in result.contradictions] == [BROKEN, SUSPICIOUS, SUSPICIOUS]
+    assert result.verdict == BROKEN
+
+
+def test_particles_without_neighbours_have_no_distance_and_are_json_all_the_same():
+    times, place = np.linspace(0, 1, 5), np.zeros((3, 1))
+    found = check({"t": times, "id": np.arange(3), "X": place, "x": place + 0.1 * times[:, None, None]}).to_dict()
+    assert found["spacing"] is None and json.loads(json.dumps(found, allow_nan=False))["particles"] == 3

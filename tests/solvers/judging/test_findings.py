@@ -163,10 +163,12 @@ def share_of(scene, **arrays) -> dict:
     return next(check for check in checks if check.name.startswith("part of the body")).to_dict()
 
 
-@pytest.mark.parametrize("problem", ALL)
+@pytest.mark.parametrize("scene", [*(PROBLEMS[problem].scene(cells=12) for problem in ALL),
+                                   PROBLEMS["bar"].scene(cells=12, motion="patch", stretch=1.3)],
+                         ids=[*ALL, "patch"])
 @pytest.mark.parametrize("name", ["mass", "volume"])
-def test_masses_or_volumes_say_how_much_of_the_body_there_is(problem, name):
-    scene = PROBLEMS[problem].scene(cells=12)
+def test_masses_or_volumes_say_how_much_of_the_body_there_is(scene, name):
+    """Of one that begins stretched, too, whose mass is that of what was stretched."""
     frame = problem_handout.exact_frame(scene, 0.3 * scene.period)
     weight = problem_handout.particle_masses(scene) if name == "mass" else problem_handout.start(scene).volume
     for chosen in (slice(None), slice(None, None, 2)):

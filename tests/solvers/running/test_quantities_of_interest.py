@@ -9,7 +9,7 @@ import pytest
 from app.commands.dispatch import dispatch
 from solvers import BarScene, RingScene, VortexScene, run
 from solvers.problems import PROBLEMS
-from solvers.running.quantities_of_interest import SAFETY, QuantityOfInterest, point_weights
+from solvers.running.quantities_of_interest import ENERGY, SAFETY, QuantityOfInterest, point_weights
 from solvers.running.result import Result
 from solvers.scene.validation import SceneError
 
@@ -103,12 +103,26 @@ def test_what_is_no_goal(scene, name, says):
         run(scene, goals=[name])
 
 
+def test_an_energy_is_rounded_like_the_velocity_of_all_the_mass():
+    """dE = m v dv with v = sqrt(2 E/m): twice for four times the mass, or for four times the energy."""
+    goal, scene = QuantityOfInterest(ENERGY), BarScene()
+    one, heavy, fast = (goal.rounding(scene, 100, E, m) for E, m in ((1.0, 1.0), (1.0, 4.0), (4.0, 1.0)))
+    assert [heavy / one, fast / one] == pytest.approx([2, 2])
+
+
 def test_the_command(capsys):
-    """A table with a bar by each estimator and how often such bars held; bad names before anything runs."""
+    """A table with a bar by each estimator and how often such bars held, if runs like it were drawn and it is ok; bad
+    names before anything runs. The 95 % interval of 65 of 65 begins at 65/(65 + 1.96^2) = 94 %."""
     assert dispatch(["run", "bar", "--periods", "0.3", "--estimator", "companion", "--goal", "kinetic-energy", "--goal",
                      "displacement@0.25", "--quiet"]) == 0
     said = capsys.readouterr().out
     assert "kinetic-energy" in said and "displacement@0.25" in said and said.count("+- companion") == 2
-    assert "held 65 of 65" in said and "2 times the estimated error" in said
+    assert "held 65 of 65" in said and "2 times the estimated error" in said and "interval begins at 94 %" in said
+    for flags, status, reason in ((["--periods", "4"], 0, "0.1 to 3 periods, and this one has 4"),
+                                  (["--cfl", "1.2", "--periods", "2"], 3, "only runs that end as ok were counted")):
+        assert dispatch(["run", "bar", *flags, "--estimator", "companion", "--goal", "kinetic-energy", "--quiet"]) \
+            == status
+        said = capsys.readouterr().out
+        assert "+- companion" in said and " held " not in said and reason in said
     assert dispatch(["run", "bar", "--goal", "foo"]) == 2
     assert "--goal foo: is no goal" in capsys.readouterr().err

@@ -2,6 +2,7 @@
 
 import json
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -26,7 +27,15 @@ from solvers.study.coverage.estimate_coverage_counts import (
 )
 from solvers.study.coverage.estimate_coverage_tables import coverage_summary
 from solvers.study.coverage.random_runs import BEFORE, DRAW_RANGES, IDENTITY, MEASURED, RandomRun, coarsen, measure
-from solvers.study.coverage.track_record_and_bets import JUDGES, bet_by_grid_index, bet_by_record, bets
+from solvers.study.coverage.track_record_and_bets import (
+    JUDGES,
+    RunSoFar,
+    accurate_run_counts,
+    bars_held,
+    bet_by_grid_index,
+    bet_by_record,
+    bets,
+)
 from solvers.study.row import find_fault
 from tests.support.fake_rows import InstantExecutor
 from tests.support.paths import ROOT
@@ -94,6 +103,27 @@ def test_what_is_counted():
     assert found["all"]["x"]["within"]["1.1"] == found["regime"][IN_CELL]["x"]["within"]["1.1"] == 3
     assert [bars[f"{times} x companion"]["held"] for times in (1, 2)] == [1, 2]
     assert bars["2 x companion"]["width"] == pytest.approx(1.2)
+
+
+def test_a_refusal_is_needless_if_every_quantity_was_right():
+    """Within a factor of 1.5, of those whose index is known; without any nothing can be told."""
+    rows = [drawn_row(1.0, 1e-3, 1e-3) for _ in range(4)]
+    for row, index in zip(rows, ({"x": 1.1, "v": 1.4}, {"x": 1.1, "v": 1.6}, {"x": 1.1, "v": None}, {"x": None}),
+                          strict=True):
+        row["estimators"]["companion"] |= {"refused": BEFORE, "index": {**dict.fromkeys(("x", "v", "sigma")), **index}}
+    assert tally("bar", 1, rows)["refusals"]["companion"][BEFORE] == {"runs": 4, "told": 3, "needless": 2}
+
+
+def test_a_ratio_at_the_end_is_of_the_last_moment():
+    """And that over the run of all, the start with them; none where the last error is only rounding."""
+    def ratios(*true):
+        series = {f"error_{q}": np.array(true) for q in ("x", "v", "sigma")}
+        said = {f"companion/estimate_{q}": np.array([0.0, 4.0, 3.0]) for q in ("x", "v", "sigma")}
+        return random_runs._ratios(SimpleNamespace(scene=BarScene(), steps=100, series=series | said), "companion")
+
+    assert ratios(0.0, 8.0, 2.0) == {"index": dict.fromkeys(("x", "v", "sigma"), 0.7),
+                                     "end": dict.fromkeys(("x", "v", "sigma"), 1.5)}
+    assert ratios(0.0, 8.0, 1e-15)["end"] == dict.fromkeys(("x", "v", "sigma"))
 
 
 @pytest.fixture(scope="module", params=[pytest.param(MANY, marks=pytest.mark.slow)])
@@ -200,22 +230,32 @@ def test_a_particle_passes_an_edge_that_is_half_its_piece_away(moved, ppc, regim
 
 
 def test_a_track_record_is_that_of_runs_alike():
-    """By method and by how far particles move; none of a scene that no drawn one is like, or of a handful."""
-    scene = BarScene(cells=40, ppc=4, amplitude=1e-3, method="bspline")
+    """By method and by how far particles move; of an estimator that refuses all, none."""
+    scene = BarScene(cells=40, ppc=4, amplitude=1e-3, method="bspline", periods=1)
     assert motion_regime(scene.motion_amplitude / scene.spacing, scene.ppc) == IN_CELL
     split = track_record_and_bets.load_counts("bar")["estimators"]["companion"]["method and regime"]["bspline"]
-    assert track_record_and_bets.accurate_run_counts(scene, "companion") == (split[IN_CELL]["x"]["within"]["1.1"],
-                                                                    split[IN_CELL]["x"]["runs"])
-    assert track_record_and_bets.accurate_run_counts(
-        replace(scene, amplitude=0.1), "companion"
-    ) != track_record_and_bets.accurate_run_counts(scene, "companion")
-    assert track_record_and_bets.bars_held(scene, ENERGY, "companion") is not None
-    assert track_record_and_bets.bars_held(scene, "displacement@0.25", "companion") is not None
-    for unlike in (replace(scene, remedies=("null-space-filter",)), BarScene(motion="patch"),
-                   replace(scene, body_force="two-tone")):
-        assert track_record_and_bets.accurate_run_counts(unlike, "companion") is None
-    assert track_record_and_bets.accurate_run_counts(scene, "transport") is None  # it refuses all B-splines
-    assert track_record_and_bets.accurate_run_counts(scene, "companion", "a") is None
+    this, further = (RunSoFar(one, OK, one.end_time) for one in (scene, replace(scene, amplitude=0.1)))
+    assert accurate_run_counts(this, "companion") == (split[IN_CELL]["x"]["within"]["1.1"], split[IN_CELL]["x"]["runs"])
+    assert accurate_run_counts(further, "companion") != accurate_run_counts(this, "companion")
+    assert bars_held(this, ENERGY, "companion") is not None
+    assert bars_held(this, "displacement@0.25", "companion") is not None
+    assert accurate_run_counts(this, "transport") is None  # it refuses all B-splines
+    assert accurate_run_counts(this, "companion", "a") is None
+
+
+@pytest.mark.parametrize(("changes", "said"), [
+    ({"remedies": ("null-space-filter",)}, "with remedies"), ({"motion": "patch"}, "with motion"),
+    ({"displacement": "A*sin(2*pi*X)*sin(w*t)"}, "with displacement"), ({"body_force": "none"}, "body force none"),
+    ({"cells": 12}, "16 to 128 cells"), ({"ppc": 8}, "particles per cell"), ({"amplitude": 0.13}, "amplitude"),
+    ({"periods": 3.1}, "periods"), ({"periods": 0.05}, "periods")])
+def test_a_run_that_none_was_like_has_no_track_record(changes, said):
+    """The record is of ok runs within the ranges of the draw; the reason names what differs."""
+    scene = replace(BarScene(ppc=4, periods=1), **changes)
+    this = RunSoFar(scene, OK, scene.end_time)
+    assert said in this.why_not_counted
+    assert accurate_run_counts(this, "companion") is bars_held(this, ENERGY, "companion") is None
+    assert not RunSoFar(BarScene(periods=1), OK, 2.0).why_not_counted
+    assert bars_held(RunSoFar(BarScene(periods=1), "lost", 2.0), ENERGY, "companion") is None
 
 
 def test_a_judge_bets_by_its_record_and_the_index_by_its_word():

@@ -56,7 +56,7 @@ def initial_budget_arrays(scene: BarScene, on: KernelOptions) -> dict:
     taken = on.budget and scene.take_away in CAUSES
     layers = 4 if on.filtered or on.coupled else 3  # those remedies need room to work
     causes = zeros(layers * P, 4, when=on.budget)
-    if on.budget and scene.displacement:
+    if on.budget and scene.motion_formula:
         causes[P:2 * P, list(CAUSES).index("time_step")] = -scene.velocity_lead * motion_table(scene)(0.0, 2)[:P, 0]
     return BUDGET.pack({"taken_away": list(CAUSES).index(scene.take_away) if taken else NO_CAUSE_REMOVED,
                         "cause_errors": causes, "budget_nodes": zeros(5 * nodes, 4, when=on.budget),
@@ -74,7 +74,7 @@ def _initial_reference(scene: BarScene, on: KernelOptions) -> dict:
         X = (np.arange(P) + 0.5) * (scene.spacing / scene.ppc)
         motion[:, 0] = exact_solution.velocity(scene, X, 0.0)
         slopes[:, 0] = 1.0
-        if scene.displacement:
+        if scene.motion_formula:
             rate, bend = (motion_table(scene)(0.0, derivative)[:P] for derivative in (1, 2))
             (motion[:, 0], slopes[:, 1]), motion[:, 1] = (rate + scene.time_step * bend).T, bend[:, 0]
         elif not scene.is_patch:

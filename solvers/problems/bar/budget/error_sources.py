@@ -13,7 +13,7 @@ import taichi as ti
 from solvers.problems.bar.budget.budget_arrays import FORCE, PIECES, REFERENCE, STRESS, VELOCITY
 from solvers.problems.bar.budget.reference_motion import reference_gradients_at, reference_motion_at
 from solvers.problems.bar.method import gapless_pieces, periodic_nodes
-from solvers.problems.bar.method.body_force import body_force_on_particle, tone_amplitudes
+from solvers.problems.bar.method.body_force import body_force_on_particle, force_amplitude
 from solvers.problems.bar.method.periodic_nodes import DEGENERATE, EMPTY, GHOSTS, stencil_of
 
 
@@ -24,7 +24,7 @@ def particles_to_nodes(bar: ti.template(), t, now, on: ti.template()):
     M, P = bar.cells + GHOSTS, bar.particles
     for i in range(5 * M):
         bar.budget_nodes[i] = ti.Vector([0.0, 0.0, 0.0, 0.0])
-    size = tone_amplitudes(bar, t, on)
+    size = force_amplitude(bar, t, on)
     if ti.static(not on.pieces):
         gapless_pieces.store_piece_corners(bar, on)
     last = gapless_pieces.periodically_extended_position(bar, -1, on)
@@ -57,7 +57,7 @@ def corner_to_nodes(bar: ti.template(), p, jump, length, on: ti.template()):
 @ti.func
 def particle_to_nodes(bar: ti.template(), p, stress, size, now, on: ti.template()):
     """Adds particle p to nodes: S (v + dt a, a, b) and the force of the reference's ``stress`` in Pa, and the velocity
-    and force of each cause's errors; ``size`` are amplitudes of the body force's tones. ``on``: compile-time options.
+    and force of each cause's errors; ``size`` is the body force's amplitude in m/s^2. ``on``: compile-time options.
 
     F P is quadratic: F P - F0 P0 = E (F + F0 - F_rest) e_F exactly. Linearity preservation divides by sums of F, which
     so belong to the weights: there the run's own F is the geometry of either.
@@ -92,7 +92,7 @@ def particle_to_nodes(bar: ti.template(), p, stress, size, now, on: ti.template(
 def update_nodes(bar: ti.template(), t, on: ti.template()):
     """Computes at nodes, in a step from t s, each cause's new velocity and acceleration, with sources, and the
     reference's. A removed cause is subtracted from the run's nodes and adds to no error. ``on``: kernel options."""
-    M, size = bar.cells + GHOSTS, tone_amplitudes(bar, t, on)
+    M, size = bar.cells + GHOSTS, force_amplitude(bar, t, on)
     for i in range(1, bar.cells + 1):
         reference, pieces = bar.budget_nodes[i], bar.budget_nodes[PIECES * M + i]
         velocity, force = bar.budget_nodes[VELOCITY * M + i], bar.budget_nodes[FORCE * M + i]
@@ -114,7 +114,7 @@ def update_nodes(bar: ti.template(), t, on: ti.template()):
                 body = sums[3] / sums[0]
                 wanted = body
             if ti.static(on.body_force == "node"):
-                body, wanted = size[0] * bar.node_sine[i], reference[2] / sums[0]
+                body, wanted = size * bar.node_sine[i], reference[2] / sums[0]
             made = ti.Vector([(method - whole) / mass, whole / mass - reference[1] / sums[0] + wanted,
                               body - wanted, 0.0])
             if bar.taken_away >= 0:

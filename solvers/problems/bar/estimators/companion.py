@@ -19,11 +19,11 @@ from solvers.estimators.spectral_elements import Elements, highest_frequency
 from solvers.kernels.dtypes import integers, pairs, quads, reals
 from solvers.motion.exact_solution_1d import force_table
 from solvers.problems.bar import exact_solution
-from solvers.problems.bar.method.body_force import body_force_at, tabulated_tone_amplitudes
+from solvers.problems.bar.method.body_force import body_force_at, tabulated_force_amplitude
 from solvers.solver.separable_field_tables import pack_tables, pad_to_mode_pairs
 
 POLYNOMIALS = 4  # order p
-PER_WAVE = 5  # elements of a typed motion's shortest wave that matters
+PER_WAVE = 5  # elements of the shortest wave of a motion by formula that matters
 
 
 @ti.func
@@ -34,12 +34,12 @@ def accelerate(bar: ti.template(), t, on: ti.template()):
     for e in range(bar.companion_counts[shared.ACROSS]):
         element_forces(bar, shared.WORK * N + e * bar.companion_counts[shared.ORDER])
     whole = bar.companion_nodes[shared.WORK * N][2] + bar.companion_nodes[shared.WORK * N + N - 1][2]
-    size = tabulated_tone_amplitudes(bar, bar.companion_force, bar.companion_force_sizes, t, on)
+    size = tabulated_force_amplitude(bar, bar.companion_force, bar.companion_force_sizes, t, on)
     for i in range(N):
-        work, wave = shared.WORK * N + i, bar.companion_waves[i]
+        work = shared.WORK * N + i
         force = whole if i == 0 or i == N - 1 else bar.companion_nodes[work][2]
         bar.companion_nodes[work][2] = bar.companion_nodes[work][6] * force \
-            + body_force_at(bar.companion_force, bar.companion_force_sizes, i, wave[0], wave[1], size, on)
+            + body_force_at(bar.companion_force, bar.companion_force_sizes, i, bar.companion_sine[i], size, on)
 
 
 @ti.func
@@ -95,9 +95,9 @@ def evaluate_at_element_points(bar: ti.template()):
 
 def mesh(scene) -> Elements:
     """Returns the companion's elements along the bar: of three cells on coarse bars and up to 16 on fine ones, where it
-    gains by its order, and enough of them for the waves of a typed motion."""
+    gains by its order, and enough of them for the waves of a motion by formula."""
     count = max(3, min(1 + scene.cells // 3, 6 + scene.cells // 16))
-    return Elements(0.0, 1.0, max(count, PER_WAVE * scene.highest_harmonic) if scene.displacement else count,
+    return Elements(0.0, 1.0, max(count, PER_WAVE * scene.highest_harmonic) if scene.motion_formula else count,
                     POLYNOMIALS)
 
 
@@ -110,11 +110,11 @@ def allocate(scene) -> dict[str, np.ndarray]:
     velocity = np.stack([exact_solution.velocity(scene, X, 0.0), np.zeros(len(X))], axis=1)
     frequency = scene.wave_speed * scene.initial_stretch * highest_unit_frequency(elements)  # of the bar as it starts
     element, basis, _ = elements.evaluate_basis((np.arange(scene.particles) + 0.5) * (scene.spacing / scene.ppc))
-    sizes, force = pack_tables(pad_to_mode_pairs(force_table(scene, X) if scene.displacement else None))
+    sizes, force = pack_tables(pad_to_mode_pairs(force_table(scene, X) if scene.motion_formula else None))
     start = shared.initial_companion_arrays((elements.order, elements.count, 1, len(X), len(X), 1), frequency,
                                             scene.time_step, velocity, inverse_mass)
-    waves = np.stack([np.sin(exact_solution.WAVENUMBER * X), np.cos(exact_solution.WAVENUMBER * X)], axis=1)
-    return {**start, "companion_waves": waves, "companion_element": element, "companion_basis": basis.ravel(),
+    return {**start, "companion_sine": np.sin(exact_solution.WAVENUMBER * X),
+            "companion_element": element, "companion_basis": basis.ravel(),
             "companion_matrices": np.stack([elements.derivative.ravel(), np.repeat(elements.weights, n)], axis=1),
             "companion_elements": np.zeros((elements.count * n, 4)),
             "companion_force_sizes": sizes, "companion_force": force}
@@ -151,10 +151,10 @@ def verdict(scene, memory) -> str | None:
 HOOKS = shared.hooks(
     accelerate, {
         # The layers of nodes are (4 N, 8); the bar is the first of two components.
-        "companion_waves": pairs,  # sin 2 pi X and cos 2 pi X of the nodes
+        "companion_sine": reals,  # sin 2 pi X of the nodes
         "companion_matrices": pairs,  # d/dX in an element, row by row, and at each row's point the weight
         "companion_element": integers,  # the particle's element
         "companion_basis": reals,  # the element's p + 1 polynomials at the particle
-        "companion_force": quads, "companion_force_sizes": integers,  # the table of a typed motion's force at the nodes
+        "companion_force": quads, "companion_force_sizes": integers,  # a table of force at the nodes
         "companion_elements": quads,  # u, v, u_X, a at the points of each element, for a report
     }, allocate=allocate, report=report, verdict=verdict)

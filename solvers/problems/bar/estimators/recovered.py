@@ -42,7 +42,7 @@ from solvers.motion.exact_solution_1d import force_table
 from solvers.problems.bar import exact_solution
 from solvers.problems.bar.estimators import recovered_tables
 from solvers.problems.bar.estimators.recovered_tables import DRIVE, FIT, INTERPOLATION, PROJECTION, SMOOTHING, STIFFNESS
-from solvers.problems.bar.method.body_force import tabulated_tone_amplitudes
+from solvers.problems.bar.method.body_force import tabulated_force_amplitude
 from solvers.problems.bar.method.periodic_nodes import stencil_of
 from solvers.scene.estimator_hooks import EstimatorHooks
 from solvers.scene.typed_motion_scene import TYPED
@@ -122,8 +122,8 @@ def interpolate_nodal_errors(bar: ti.template(), p, pattern):
 
 @ti.func
 def nodal_body_force(bar: ti.template(), i, shape, size, on: ti.template()):
-    """Returns M b of node i in m/s^2, from M of each tone's ``shape`` and its amplitude, ``size``."""
-    b = size[0] * shape[0] + size[1] * shape[1]
+    """Returns M b of node i in m/s^2, from M of its ``shape`` and its amplitude, ``size``."""
+    b = size * shape[0]
     if ti.static(on.motion == TYPED):
         b = paired_field_at(bar.recovered_force, bar.recovered_force_sizes, 0, i)[0]
     return b
@@ -133,7 +133,7 @@ def nodal_body_force(bar: ti.template(), i, shape, size, on: ti.template()):
 def start_reference(bar: ti.template(), t, on: ti.template()):
     """Starts the reference, once, with the acceleration M b at time t in s, when the bar was undeformed."""
     if bar.recovered_numbers[TURNS] == NEW:
-        size = tabulated_tone_amplitudes(bar, bar.recovered_force, bar.recovered_force_sizes, t, on)
+        size = tabulated_force_amplitude(bar, bar.recovered_force, bar.recovered_force_sizes, t, on)
         for i in range(bar.cells):
             shape, at = bar.recovered_nodes[nodal_entry_index(bar, FORCE, i)], nodal_entry_index(bar, MOTION, i)
             a = nodal_body_force(bar, i, shape, size, on)
@@ -211,7 +211,7 @@ def compute_damped_errors(bar: ti.template()):
 @ti.func
 def advance_reference_motion(bar: ti.template(), t, on: ti.template()):
     """Computes the reference's acceleration at every node at time t in s, and its new rate w."""
-    size = tabulated_tone_amplitudes(bar, bar.recovered_force, bar.recovered_force_sizes, t, on)
+    size = tabulated_force_amplitude(bar, bar.recovered_force, bar.recovered_force_sizes, t, on)
     first = bar.recovered_numbers[TURNS] == BEGUN
     bar.recovered_numbers[TURNS] = MOVED
     nodes_to_nodes(bar, STIFFNESS, ERRORS, PROJECTED)
@@ -292,11 +292,10 @@ def allocate(scene):
     stride = cells + max(tables[name].width for name in (INTERPOLATION, SMOOTHING, STIFFNESS))
     beyond = max(tables[name].width for name in (FIT, PROJECTION, DRIVE))
     nodes = np.zeros((4, stride, 4))
-    for k in (0, 1):
-        nodes[FORCE, :cells, k] = tables[PROJECTION](np.sin(2 * (k + 1) * np.pi * X))[:, 0]
+    nodes[FORCE, :cells, 0] = tables[PROJECTION](np.sin(exact_solution.WAVENUMBER * X))[:, 0]
     nodes[MOTION, :cells, 1] = tables[PROJECTION](exact_solution.velocity(scene, X, 0.0))[:, 0]
     table = None
-    if scene.displacement:
+    if scene.motion_formula:
         force = force_table(scene, X)
         modes = np.stack([tables[PROJECTION](one)[:, :2] for one in force.modes[:, :, 0].T], axis=1)
         table = replace(force, modes=modes)
@@ -311,6 +310,6 @@ HOOKS = EstimatorHooks(memory={
     **recovered_common.table_types(recovered_tables.TABLES),
     "recovered_stride": ti.i32, "recovered_beyond": ti.i32,  # nodes of a block; particles repeated behind the last
     "recovered_nodes": quads,  # nodal values, block by block, each closed by a repetition of its beginning
-    "recovered_force": quads, "recovered_force_sizes": integers,  # the table of M b of a typed motion
+    "recovered_force": quads, "recovered_force_sizes": integers,  # the table of M b of a motion by formula
     "recovered_field": quads,  # u, v, a, P at particles, and likewise
 }, allocate=allocate, interval=interval, after_step=after_step, report=report, verdict=recovered_tables.verdict)

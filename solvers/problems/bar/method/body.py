@@ -31,7 +31,7 @@ class BarBody(Members):
     half_width: Real  # of a particle's domain, in cells
     amplitude: Real  # of the motion
     drift_velocity: Real  # at which the whole bar moves, in a patch test, m/s
-    angular_frequency: Real
+    angular_frequency: Real  # of the motion, the first harmonic of one by formula
     force_scale: Real  # 3 w^2 A
     material_position: Reals  # X_p (P,)
     position: Reals  # x_p (P,), not wrapped: displacement is x - X
@@ -63,13 +63,14 @@ def initial_body(scene: BarScene, on: KernelOptions) -> dict:
     """Returns the members of a :class:`BarBody` at the start, by name: particles at (p + 1/2) h/ppc, F = 1, and the
     exact velocity. F of a patch test is relative to its stretch (``solvers.problems.bar.patch_test_inputs``). ``on``:
     compile-time options."""
-    P, nodes, w = scene.particles, scene.cells + GHOSTS, scene.angular_frequency
+    P, nodes = scene.particles, scene.cells + GHOSTS
     X = (np.arange(P) + 0.5) * (scene.spacing / scene.ppc)
-    swings, stretch = not scene.is_patch, scene.initial_stretch
-    typed, known = bool(scene.displacement), on.truth or on.soundness
-    sizes, tables = pack_tables(pad_to_mode_pairs(force_table(scene, X) if typed else None),
+    by_formula, swings, stretch = bool(scene.motion_formula), not scene.is_patch, scene.initial_stretch
+    w = 2 * np.pi / scene.motion_period if by_formula else scene.angular_frequency
+    known = on.truth or on.soundness
+    sizes, tables = pack_tables(pad_to_mode_pairs(force_table(scene, X) if by_formula else None),
                                 pad_to_mode_pairs(None),
-                                vector_mode_entries(motion_table(scene) if typed and known else None))
+                                vector_mode_entries(motion_table(scene) if by_formula and known else None))
     material = on.body_force in ("material", "two-tone")
     at_nodes = np.sin(exact_solution.WAVENUMBER * scene.spacing * (np.arange(nodes) - 1))
     sine, cosine = np.sin(exact_solution.WAVENUMBER * X), np.cos(exact_solution.WAVENUMBER * X)
@@ -81,7 +82,7 @@ def initial_body(scene: BarScene, on: KernelOptions) -> dict:
             "angular_frequency": w, "force_scale": 3 * w * w * scene.amplitude, "material_position": X,
             "position": X, "velocity": v, "deformation_gradient": np.ones(P),
             "sine": sine if (on.truth and swings) or material or on.budget else zeros(1),
-            "cosine": cosine if (on.truth and swings) or on.body_force == "two-tone" else zeros(1),
+            "cosine": cosine if on.truth and swings else zeros(1),
             "first_node": zeros(P, kind=np.int32), "weights": zeros(P, 4),
             "acceleration": zeros(P, when=on.acceleration),
             "node_sine": at_nodes if on.body_force == "node" else zeros(1), "node_sums": zeros(nodes, 4),

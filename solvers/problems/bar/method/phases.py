@@ -9,7 +9,7 @@ import taichi as ti
 from solvers.kernels.shape_functions import outer_weights
 from solvers.kernels.simd import LANES, load
 from solvers.problems.bar.method import gapless_pieces, periodic_nodes
-from solvers.problems.bar.method.body_force import body_force_on_particle, tone_amplitudes
+from solvers.problems.bar.method.body_force import body_force_on_particle, force_amplitude
 from solvers.problems.bar.method.periodic_nodes import EMPTY, GHOSTS, MOST_HALF_WIDTH, stencil_of
 
 
@@ -61,7 +61,7 @@ def particles_to_nodes(bar: ti.template(), t, on: ti.template()):
 
     Sums of three nodes stay in registers until a particle has others: in memory, each would wait for the one before it.
     """
-    size = tone_amplitudes(bar, t, on)
+    size = force_amplitude(bar, t, on)
     for i in range(bar.cells + GHOSTS):
         bar.node_sums[i] = ti.Vector([0.0, 0.0, 0.0, 0.0])
     at = bar.first_node[0]
@@ -88,7 +88,7 @@ def particles_to_nodes(bar: ti.template(), t, on: ti.template()):
 @ti.func
 def contribution_of(bar: ti.template(), p, size, on: ti.template()):
     """Returns what particle p adds to nodes (4,): 1, v and b, to be multiplied by its weight, and third -sigma F V0, by
-    the weight's slope; ``size`` are the amplitudes of the body force's tones. ``on``: compile-time options."""
+    the weight's slope; ``size`` is the amplitude of the body force in m/s^2. ``on``: compile-time options."""
     carried = ti.Vector([1.0, bar.velocity[p], 0.0, 0.0])
     if ti.static(not on.pieces):
         volume = bar.volume  # frozen weights: the force at rest is -sum dS P V0
@@ -105,7 +105,7 @@ def contribution_of(bar: ti.template(), p, size, on: ti.template()):
 def update_nodes(bar: ti.template(), t, on: ti.template()):
     """Stores each node's v_i + dt a_i and a_i in ``bar.node_motion``, a_i by internal and body force at time t in s.
     ``on``: compile-time options."""
-    size = tone_amplitudes(bar, t, on)
+    size = force_amplitude(bar, t, on)
     for i in range(1, bar.cells + 1):
         sums = bar.node_sums[i]
         v, a = 0.0, 0.0
@@ -116,7 +116,7 @@ def update_nodes(bar: ti.template(), t, on: ti.template()):
             if ti.static(on.body_force in ("material", "two-tone")):
                 body = sums[3] / sums[0]
             if ti.static(on.body_force == "node"):
-                body = size[0] * bar.node_sine[i]
+                body = size * bar.node_sine[i]
             a = internal + body
             v = sums[1] / sums[0] + bar.dt * a
             if ti.static(on.energy):  # the force's power with the velocity in the middle of the step

@@ -29,6 +29,7 @@ from solvers.study.csv_and_markdown_summary import flatten_row
 from solvers.study.parameter_grid import task_of
 from solvers.study.row import failed_row
 from tests.support.fake_rows import fake_row
+from tests.support.unsolved_bar import unsolved
 
 SCENE = BarScene(cells=10, periods=1)
 
@@ -102,7 +103,7 @@ def test_run_that_is_lost_after_its_scene_is_ok():
 
 
 def test_live_run_without_truth_has_its_estimate():
-    run = run_of(replace(SCENE, body_force="two-tone"))
+    run = run_of(unsolved(SCENE))
     assert run.error is None and run.error_or_estimate == run.estimate > 0 and run.drawable
     errors = f"<td>{NOTHING}</td><td>{cost_texts.format_percent(run.estimate)}</td>"
     assert errors in cost_texts.runs_table([run], [], None)
