@@ -22,6 +22,7 @@ DATES = 120  # times in a period that are tried, between which a parabola is fit
 SURE = 3.0  # times the uncertainty of an interval, by which one may be off; sound runs of ours reached 1.4
 OFF_BY = 0.4  # of an interval: a frame that is missing makes 0.5 of it, and no method so much of a motion that holds
 ROUNDS = 3  # of weighing positions and velocities by what is left of them
+LOST = 0.3  # of the motion: frames farther from it at all times have no date
 LEAST_LEFT = 1e-6  # of the mean square of a quantity: what is taken to be left of it at least
 
 
@@ -59,7 +60,10 @@ def date_frames(tracks: ParticleTrajectories, scene: Scene) -> FrameDates:
     left = {q: own[q] - found for q, found in solution(dates).items()}
     changes = np.sum([np.mean(np.diff(left[q], axis=0)**2, axis=1) * weight[q] for q in seen], axis=0)
     rate = 0.5 * bend / step**2  # mean square of the weighed motion's rate
-    return FrameDates(dates, np.sqrt(changes / np.minimum(rate[1:], rate[:-1])))
+    parts = [np.mean(left[q]**2, axis=1) / float(np.mean(tried[q]**2)) for q in seen]
+    lost = np.mean(parts, axis=0) > LOST**2
+    uncertain = np.sqrt(changes / np.minimum(rate[1:], rate[:-1]))
+    return FrameDates(dates, np.where(lost[1:] | lost[:-1], np.inf, uncertain))
 
 
 def _mean_squares(one: np.ndarray, other: np.ndarray) -> np.ndarray:

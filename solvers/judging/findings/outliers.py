@@ -13,6 +13,7 @@ from solvers.judging.findings.neighbour_comparison import (
     MOST,
     USUAL,
     NearestNeighbours,
+    NeighbourSearch,
     allowance_at_rims,
     find_neighbours,
     find_outliers,
@@ -33,6 +34,7 @@ NAMES_OF_WEIGHTS = {"mass": "mass of each particle against its neighbours'",
 TIMES = {"x": 12.0, "v": 8.0, "sigma": 4.5}
 LEAST = {"v": 0.1, "sigma": 0.2}  # of the size of the quantity
 LASTS = 3  # one moment in so many
+SAME_PLACE, ALIKE = 1e-3, 1e-2  # of the distance of particles, about; of a departure
 PASSES = 6.0  # times as much where it does not last: crossings of the grid pass
 OTHER_WEIGHT, OF_USUAL = 0.2, "of the usual one"
 UNITS = {"x": "m", "v": "m/s", "F": "", "sigma": "Pa"}
@@ -81,7 +83,9 @@ def position_outliers(evidence: FindingsInput) -> OutlierSummary | None:
     scene, found = evidence.scene, []
     for frame, error, near in _with_neighbours(evidence, "x", len(evidence.frames)):
         which, far, limit = find_outliers(near, error, TIMES["x"], LEAST_APART * scene.spacing)
-        found.append((FrameOutliers(frame, which, far[which]), float(far.max()), limit))
+        beyond = far / allowance_at_rims(near)
+        which = which[beyond[which] > limit]
+        found.append((FrameOutliers(frame, which, far[which]), float(beyond.max()), limit))
     if not found:
         return None
     most = max((one for one, *_ in found), key=lambda one: len(one.which))
@@ -108,10 +112,25 @@ def value_outliers(evidence: FindingsInput, quantity: str) -> OutlierSummary | N
     rim = allowance_at_rims(first)
     at, beyond, factor = _lasting_outliers(every_far / every_limit[:, None] / rim, len(frames) // LASTS, PASSES)
     factor = factor * rim
-    worst, which = int(np.argmax(beyond)), np.flatnonzero(beyond > 1)
+    which = _without_twins(frames[0], np.flatnonzero(beyond > 1), beyond)
+    worst = int(which[np.argmax(beyond[which])] if len(which) else np.argmax(np.minimum(beyond, 1)))
     k = int(at[worst])
     return OutlierSummary(FrameOutliers(frames[k], which, every_far[k, which].astype(float)) if len(which) else None,
                           float(every_far[k, worst]), float(every_limit[k]) * float(factor[worst]))
+
+
+def _without_twins(frame: Frame, which: np.ndarray, beyond: np.ndarray) -> np.ndarray:
+    """Returns the outliers ``which`` (n,) of a frame that have no twin: another particle opposite to the centre, or
+    across the diagonal, which is ``beyond`` (P,) as far. There methods err alike, as at rims; files do not."""
+    X, twin = frame.material_position, np.zeros(len(which), bool)
+    if not len(which):
+        return which
+    search, centre = NeighbourSearch(X), 0.5 * (X.min(axis=0) + X.max(axis=0))
+    for image in (2 * centre - X[which], X[which][:, ::-1]):
+        apart, who = (found[:, 0] for found in search.nearest(image, 1))
+        alike = np.abs(beyond[who] - beyond[which]) <= ALIKE * beyond[which]
+        twin |= (apart < SAME_PLACE * search.width) & (who != which) & alike
+    return which[~twin]
 
 
 def _lasting_outliers(score: np.ndarray, longer: int, passes: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

@@ -37,7 +37,7 @@ LEAVES, MOST_LEAVING = 0.5, 0.01  # of the distance, and of the particles: by wh
 SAME_TIME = 1e-12  # of the last time
 FEWEST = 3  # particles
 ROUNDED = 4.0  # times the rounding of a number, from which on a motion is more than that
-NOTHING = 1e-9  # of the spacing: what the rounding of many steps may add up to
+NOTHING = 1e-6  # of the spacing: what the rounding of many steps may add up to, also where a method makes it grow
 
 
 @dataclass(frozen=True)

@@ -18,12 +18,14 @@ LEAST = 0.02  # of the motion, by which sizes may differ
 SURE = 3.0  # times the standard error
 LEFT = 0.5  # of what is left of the stress, which noise of grid crossings makes it differ by
 LOST = 0.4  # of the motion: where sizes may differ by more, nothing is told
-SMOOTHED = 3.0  # of (k h)^2: by so much the grid may smooth what moves the particles, and not their own v
+#: Of (k h)^2: by so much the grid may smooth what moves the particles, and not their own v; or what makes F, and not x,
+#: where particles move with their own v.
+SMOOTHED = {"v": 6.0, "sigma": 1.5}
 
 
-def fit_sizes(tracks: ParticleTrajectories, quantity: str) -> tuple[np.ndarray, np.ndarray, float]:
+def fit_sizes(tracks: ParticleTrajectories, quantity: str) -> tuple[np.ndarray, np.ndarray, float, float]:
     """Returns by how much a quantity's size differs from the exact one (1 + n,), in the mean and at the end, from all
-    times and without some of them; and what is left of it, as a part of its size."""
+    times and without some of them; what is left of it, as a part of its size; and its part in the last third."""
     own, exact = (fields[quantity] - (tracks.material_position if quantity == "x" else 0.0)
                   for fields in (tracks.own, tracks.exact))
     t = ((tracks.time - tracks.time[0]) / np.ptp(tracks.time)).reshape(-1, *[1] * (exact.ndim - 1))
@@ -31,7 +33,9 @@ def fit_sizes(tracks: ParticleTrajectories, quantity: str) -> tuple[np.ndarray, 
     parts = [exact, t * exact, rate, t * rate]
     found, _ = jackknife_least_squares(own - exact, parts)
     left = own - exact - sum(part * share for part, share in zip(parts, found[0], strict=True))
-    return found[:, 0] + t.mean() * found[:, 1], found[:, 0] + found[:, 1], rms(left) / max(rms(exact), 1e-300)
+    last = slice(2 * len(t) // 3, None)
+    return (found[:, 0] + t.mean() * found[:, 1], found[:, 0] + found[:, 1], rms(left) / max(rms(exact), 1e-300),
+            float(np.sum(own[last] * exact[last]) / max(float(np.sum(exact[last] ** 2)), 1e-300)))
 
 
 def check_sizes(evidence: FindingsInput) -> Finding:
@@ -42,10 +46,10 @@ def check_sizes(evidence: FindingsInput) -> Finding:
     if not scene.swings or np.ptp(tracks.time) < SHORTEST * scene.period:
         return unknown(NAME, TOO_SHORT)
     sizes = {quantity: fit_sizes(tracks, quantity) for quantity in tracks.exact}
-    smoothed = SMOOTHED * (scene.angular_frequency * scene.spacing / scene.wave_speed) ** 2
+    wave = (scene.angular_frequency * scene.spacing / scene.wave_speed) ** 2
     found = []
-    for quantity in tracks.exact.keys() - {"x"}:
-        left = max(sizes["x"][2], sizes["v"][2] + smoothed if quantity == "v" else LEFT * sizes[quantity][2])
+    for quantity in (q for q in tracks.exact if q != "x"):
+        left = max(sizes["x"][2], sizes[quantity][2] * (1.0 if quantity == "v" else LEFT)) + SMOOTHED[quantity] * wave
         for one, other in zip(sizes[quantity][:2], sizes["x"][:2], strict=True):
             found.append((abs(float(one[0] - other[0])), max(LEAST, SURE * jackknife_error(one - other), left)))
     off, limit = max(found, key=lambda pair: pair[0] / pair[1] if np.isfinite(pair).all() else np.inf)
@@ -53,9 +57,8 @@ def check_sizes(evidence: FindingsInput) -> Finding:
         return unknown(NAME, TOO_LARGE)
     if off <= limit:
         return Finding(NAME, HOLDS, off, limit, UNIT)
-    said = {quantity: 100 * (1 + float(end[0])) for quantity, (_, end, _) in sizes.items()}
-    known = [Message("{percent:.3g} % by {quantity}", said[key], name)
-             for key, name in (("x", "x"), ("v", "v"), ("sigma", Message("the stress (or F)"))) if key in said]
+    known = [Message("{percent:.3g} % by {quantity}", 100 * sizes[key][3], name)
+             for key, name in (("x", "x"), ("v", "v"), ("sigma", Message("the stress (or F)"))) if key in sizes]
     return Finding(NAME, OFF, off, limit, UNIT,
-                   Message("at the end the motion has {sizes} of its size: one of them is damped on the way, or in "
-                           "another unit", join_messages(", ", known)))
+                   Message("in the last third of the times the motion has {sizes} of its size: one of them is damped "
+                           "on the way, or in another unit", join_messages(", ", known)))

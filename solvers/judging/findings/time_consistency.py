@@ -40,6 +40,7 @@ LEAST_DRIFT = 1e-5  # of the motion
 LOST = 0.5  # of v: errors of it from which on a lag must explain most
 LEFT_BY_LAG = 0.5  # of the mean square by which positions miss such velocities, at most, where a lag is the reason
 EXPLAINS = 0.5  # of what v and dx/dt differ by, at most, is left by a lag
+STILL = 1e-9  # of the stress: what it changes by in a run where rounding alone changes it
 FEWEST = 6  # moments, for what is fitted within a motion
 
 
@@ -77,6 +78,8 @@ def check_stress_time(evidence: FindingsInput) -> Finding:
     sigma, x = (tracks.own[q] - tracks.exact[q] for q in ("sigma", "x"))
     speed = time_derivative(tracks.time, tracks.exact["x"])
     parts = [-time_derivative(tracks.time, tracks.exact["sigma"]), tracks.exact["sigma"]]
+    if rms(parts[0]) * np.ptp(tracks.time) <= STILL * rms(parts[1]):
+        return unknown(STRESS, "the stress does not change")
     of_place = [-speed, tracks.exact["x"] - tracks.material_position]
     outwards = np.argsort(np.linalg.norm(tracks.material_position - tracks.material_position.mean(axis=0), axis=1),
                           kind="stable")
@@ -167,6 +170,8 @@ def _check_lag(motion: RecordedMotion, mismatch: np.ndarray, moved: np.ndarray, 
     rule's own error is proportional to the displacement (``moved``), and fitted as well."""
     if len(motion.times) < FEWEST:
         return unknown(MOMENT, f"fewer than {FEWEST} moments")
+    if rms(mismatch) <= motion.rounding:
+        return Finding(MOMENT, HOLDS)
     found, sure = jackknife_least_squares(mismatch, [-gained, moved])
     late, doubt = float(found[0, 0]), SURE * float(sure[0])
     left = rms(mismatch + late * gained - found[0, 1] * moved) / max(rms(mismatch), 1e-300)
