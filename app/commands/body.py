@@ -1,5 +1,6 @@
 """``mpm-lab run FILE.toml`` and ``mpm-lab body list|show``: bodies without an exact solution, from files."""
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Annotated, Any, ClassVar
@@ -126,6 +127,13 @@ def body_table(name: str, result: Mapping[str, Any]) -> str:
 
 
 def _goal_line(name: str, goal: Mapping[str, Any], found: Mapping[str, Any]) -> str:
-    bar = f" +- {found['bar']:.2g}" if found["bar"] is not None else " (no bar)" * (found["value"] is not None)
-    value = "not reached by the end" if found["value"] is None else f"{found['value']:.6g}{bar} {found['unit']}"
-    return f"{name:<16} {value}   {goal['value']} at ({goal['at'][0]:g}, {goal['at'][1]:g})"
+    value, bar = found["value"], found["bar"]
+    said = "not reached by the end" if value is None else f"{value:.6g} (no bar) {found['unit']}" if bar is None else \
+        f"{value_and_bar(value, bar)} {found['unit']}"
+    return f"{name:<16} {said}   {goal['value']} at ({goal['at'][0]:g}, {goal['at'][1]:g})"
+
+
+def value_and_bar(value: float, bar: float) -> str:
+    """Formats a value and its error bar in one unit, both to the second digit of the bar: -1.3150 +- 0.0020."""
+    places = 1 - math.floor(math.log10(bar)) if 0 < bar < math.inf else 6
+    return " +- ".join(f"{round(number, places):,.{max(0, places)}f}" for number in (value, bar))

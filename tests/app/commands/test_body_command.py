@@ -6,6 +6,7 @@ from pathlib import Path
 import pytest
 
 from app.cli import main
+from app.commands.body import value_and_bar
 from solvers.bodies.body_file import library_names, library_text
 
 KEYS = {"schema", "body", "status", "reason", "t", "steps", "particles", "estimated_until", "estimate", "goals",
@@ -65,3 +66,10 @@ def test_hat_functions_are_warned_of_and_a_broken_run_has_its_status(sector, cap
     assert "a particle has turned inside out" in capsys.readouterr().err
     assert main(["run", sector]) == 3
     assert "warning: hat functions break numerically" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("value, bar, said", [
+    (-1.315018, 0.00198, "-1.3150 +- 0.0020"), (464824.0, 6980.0, "464,800 +- 7,000"),
+    (2.0, 0.0, "2.000000 +- 0.000000")])
+def test_a_value_has_the_digits_of_its_bar(value, bar, said):
+    assert value_and_bar(value, bar) == said
