@@ -198,7 +198,7 @@ class Body:
             if not patch.arc and _is_rectangle(patch) and np.abs(counts - np.rint(counts)).max() > WHOLE:
                 raise SceneError("cells_per_metre", self.cells_per_metre, "makes patch {number} {first:.4g} by "
                                  "{second:.4g} particles wide; give a number with which whole particles tile it",
-                                 number, *counts)
+                                 number, counts[0], counts[1])
         particles = np.prod(np.maximum(wanted, 1), axis=1).sum()
         if particles > MOST_PARTICLES:
             raise SceneError("cells_per_metre", self.cells_per_metre, "makes {particles:,.0f} particles; at most "

@@ -133,9 +133,9 @@ class ErrorEstimate:
         """Returns sentences on what limits the estimate; ``across`` are the elements over the narrowest patch."""
         said: list[str] = [self.sentence] if self.sentence else []
         if self.pressed and not self.sentence:
-            said.append(Message("{fold}", Message("from t = {time:.3g} s the body is pressed to less than half near "
-                                                  "({x:.2g}, {y:.2g}), where its surface may fold", self.pressed[0],
-                                                  *self.pressed[1])))
+            time, (x, y) = self.pressed
+            said.append(Message("from t = {time:.3g} s the body is pressed to less than half near ({x:.2g}, {y:.2g}), "
+                                "where its surface may fold", time, x, y))
         weak = [name for name, one in self.quantities().items() if one.trust == "none"]
         if weak:
             said.append(Message("of {names} the run is as good as its companion: take finer elements, such as "
@@ -145,8 +145,9 @@ class ErrorEstimate:
     def _fold_words(self) -> str:
         if self.pressed is None:
             return ""
+        time, (x, y) = self.pressed
         return Message(", and from t = {time:.3g} s on the body is pressed to less than half near ({x:.2g}, {y:.2g}), "
-                       "where its surface may fold", self.pressed[0], *self.pressed[1])
+                       "where its surface may fold", time, x, y)
 
 
 def _rms(error: np.ndarray) -> float:

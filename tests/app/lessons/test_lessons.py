@@ -53,7 +53,8 @@ CHOSEN: dict[str, dict[str, str]] = {
         "which-velocity-should-move-the-particle": "Grid velocity, by far"},
     "02-what-is-an-error": {
         "how-wrong-is-the-position-of-a-particle": "0.1 % to 2 % of A", "three-errors-three-units": "Velocity v",
-        "can-a-run-estimate-its-own-error": "Its index is between 0.95 and 1.05", "no-exact-solution": "Within 5 %"},
+        "can-a-run-estimate-its-own-error": "Its index is between 0.95 and 1.05",
+        "without-the-exact-solution": "Within 5 %"},
     "03-order": {
         "twice-as-many-cells": "It falls to a quarter", "the-stress": "Near 1",
         "what-does-the-stress-field-look-like": "It has steps: nearly the same value within a cell",

@@ -136,6 +136,7 @@ def test_its_steps_come_in_time_and_it_ends_playing(visit):
 def test_the_bar_moves_on_when_it_is_asked_for_again(visit, monkeypatch):
     """As a browser does once it shows the page; the first step then takes all its time."""
     drawn = []
+    visit.tour.close()  # its own thread would draw as well
     monkeypatch.setattr(visit.tour._bar, "draw", drawn.append)
     for _ in range(2):
         visit.tour.on_message("play")
