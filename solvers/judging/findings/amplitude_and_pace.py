@@ -38,11 +38,11 @@ FINEST = 2e-3  # of the motion, to which its size is told at best: the fit is li
 #: Times all other errors, which a size must make to be blamed: a grid leaves more than it shrinks the motion.
 TELLS = 10.0
 APART = 0.1  # of the motion's frequency, by which one of a free vibration must differ, so that they can be told apart
-SHORTEST = 0.5  # of a period, which a motion must last before its size can be told from its pace, a phase or a trend
+SHORTEST = 0.5  # of a period, which a motion must last before its size can be told from a phase or a trend
 DISPERSION = 1 / 6  # of (k h)^2: by so much waves of a grid may be slower; 1/24 with hats and lumped masses
 CLOCK_OFF = 2e-3  # of the time
 EXPLAINS = 0.5  # of the mean square error, that other times must take away to be told
-TOO_SHORT = "too little of a period to tell a motion that is too small from one that is late or slow"
+TOO_SHORT = "too little of a period to tell a motion that is too small from one that is late"
 TOO_FAR_APART = "the moments are too far apart to tell a motion that is too small from one that vibrates faster"
 TOO_LARGE = "the errors are too large"
 FEW = Message("fewer than {least} times, or not the same particles at all of them", FEWEST_TIMES)
@@ -146,7 +146,7 @@ def check_amplitude_and_clock(evidence: FindingsInput) -> tuple[Finding, Finding
     if not scene.swings:
         return unknown(AMPLITUDE, "nothing swings, so that a motion that is too small is too slow"), clock
     if np.ptp(tracks.time) < SHORTEST * scene.period:
-        return unknown(AMPLITUDE, TOO_SHORT), unknown(CLOCK, TOO_SHORT)
+        return unknown(AMPLITUDE, TOO_SHORT), clock
     fastest = max(scene.angular_frequency, free_frequency(tracks.material_position, scene) or 0.0)
     if np.median(np.diff(tracks.time)) * fastest > np.pi:
         return unknown(AMPLITUDE, TOO_FAR_APART), clock

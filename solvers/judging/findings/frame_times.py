@@ -36,11 +36,11 @@ class FrameDates:
 
 
 def date_frames(tracks: ParticleTrajectories, scene: Scene) -> FrameDates:
-    """Returns the dates of the frames by their positions, and velocities where the files have them."""
+    """Returns the dates of the frames by their positions and velocities."""
     some = slice(None, None, -(-len(tracks.material_position) // FOLLOWED))
     X, reference, step = tracks.material_position[some], PROBLEMS[scene.problem].reference, scene.period / DATES
     exact = {"x": reference.displacement, "v": reference.velocity}
-    seen = {"x": tracks.own["x"][:, some] - X, **({"v": tracks.own["v"][:, some]} if "v" in tracks.own else {})}
+    seen = {"x": tracks.own["x"][:, some] - X, "v": tracks.own["v"][:, some]}
 
     def solution(times: np.ndarray) -> dict[str, np.ndarray]:
         return {q: np.stack([exact[q](scene, X, float(t)).ravel() for t in times]) for q in seen}
@@ -77,6 +77,8 @@ def check_frame_times(evidence: FindingsInput) -> Finding:
     tracks, scene = evidence.tracks, evidence.scene
     if tracks is None or len(tracks.time) < FEWEST_TIMES:
         return unknown(NAME, FEW)
+    if "v" not in tracks.own:
+        return unknown(NAME, "no velocities in the files, without which a motion that returns has two dates")
     if not (scene.solution_known and scene.swings):
         return unknown(NAME, "the solution is not known at every time, or does not return")
     found, said = date_frames(tracks, scene), np.diff(tracks.time)
