@@ -35,7 +35,8 @@ SURE = 3.0  # times the standard error, more with hardly more times than numbers
 AS_GOOD = 2.0  # times the least mean square error of prediction, up to which another fit may be the right one
 CANCELS = 1.5  # times the whole error: sizes beyond, which the other parts of a fit cancel, are none
 FINEST = 2e-3  # of the motion, to which its size is told at best: the fit is linear
-#: Times all other errors, which a size must make to be blamed: a grid leaves more than it shrinks the motion.
+#: Times all other errors, which a size must make to be blamed: a grid leaves more than it shrinks the motion. In a short
+#: motion a clock must, too.
 TELLS = 10.0
 APART = 0.1  # of the motion's frequency, by which one of a free vibration must differ, so that they can be told apart
 SHORTEST = 0.5  # of a period, which a motion must last before its size can be told from a phase or a trend
@@ -142,10 +143,11 @@ def check_amplitude_and_clock(evidence: FindingsInput) -> tuple[Finding, Finding
     fits = fit_motion(tracks, scene)
     if not (fits and np.isfinite(fits[0].missed)):
         return unknown(AMPLITUDE, TOO_LARGE), unknown(CLOCK, TOO_LARGE)
-    clock = _check_clock(fits, scene)
+    short = np.ptp(tracks.time) < SHORTEST * scene.period
+    clock = _check_clock(fits, scene, short)
     if not scene.swings:
         return unknown(AMPLITUDE, "nothing swings, so that a motion that is too small is too slow"), clock
-    if np.ptp(tracks.time) < SHORTEST * scene.period:
+    if short:
         return unknown(AMPLITUDE, TOO_SHORT), clock
     fastest = max(scene.angular_frequency, free_frequency(tracks.material_position, scene) or 0.0)
     if np.median(np.diff(tracks.time)) * fastest > np.pi:
@@ -184,8 +186,9 @@ def _check_amplitude(fits: Sequence[MotionFit], times: np.ndarray, period: float
     return Finding(AMPLITUDE, HOLDS, size, tolerance, UNIT, says if size > max(TOLD, doubt) else "")
 
 
-def _check_clock(fits: Sequence[MotionFit], scene: Scene) -> Finding:
-    """Checks the pace: a clock is wrong where no fit without one predicts as well, and no grid makes waves so slow."""
+def _check_clock(fits: Sequence[MotionFit], scene: Scene, short: bool) -> Finding:
+    """Checks the pace: a clock is wrong where no fit without one predicts as well, and no grid makes waves so slow. In a
+    ``short`` motion a size looks much like a pace, so that hardly anything else may be left."""
     best = next((fit for fit in fits if fit.clock), None)
     if best is None:
         return unknown(CLOCK, TOO_LARGE)
@@ -193,7 +196,8 @@ def _check_clock(fits: Sequence[MotionFit], scene: Scene) -> Finding:
     grid = DISPERSION * (scene.angular_frequency * scene.spacing / scene.wave_speed) ** 2
     tolerance = max(CLOCK_OFF, doubt, grid if pace > 0 else 0.0)
     needed = all(fit.clock or fit.missed**2 > AS_GOOD * best.missed**2 for fit in fits)
-    explains = best.at_times_found**2 <= (1 - EXPLAINS) * best.error**2
+    left = best.at_times_found / best.error if best.error > 0 else 1.0
+    explains = left * TELLS <= 1 if short else left**2 <= 1 - EXPLAINS
     if abs(pace) <= tolerance or not (needed and explains):
         return Finding(CLOCK, HOLDS, abs(pace), tolerance, "of the time",
                        Message("smaller differences are below the error of x, or the waves of the grid"))
@@ -201,5 +205,4 @@ def _check_clock(fits: Sequence[MotionFit], scene: Scene) -> Finding:
     return Finding(CLOCK, OFF, abs(pace), tolerance, "of the time",
                    Message("the motion is {percent:.2g} % {pace} than its times imply: with all times multiplied by "
                            "{factor:.4f}, the error of x would be {rest:.2g} of its value; the times are wrong, or the "
-                           "input that sets the speed", 100 * abs(pace), how, 1 - pace,
-                           best.at_times_found / best.error))
+                           "input that sets the speed", 100 * abs(pace), how, 1 - pace, left))
