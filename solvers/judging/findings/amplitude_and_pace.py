@@ -35,8 +35,8 @@ SURE = 3.0  # times the standard error, more with hardly more times than numbers
 AS_GOOD = 2.0  # times the least mean square error of prediction, up to which another fit may be the right one
 CANCELS = 1.5  # times the whole error: sizes beyond, which the other parts of a fit cancel, are none
 FINEST = 2e-3  # of the motion, to which its size is told at best: the fit is linear
-#: Times all other errors, which a size must make to be blamed: a grid leaves more than it shrinks the motion. In a short
-#: motion a clock must, too.
+#: Times all other errors, which a size must make to be blamed: a grid leaves more than it shrinks the motion. A clock
+#: must in a short motion.
 TELLS = 10.0
 APART = 0.1  # of the motion's frequency, by which one of a free vibration must differ, so that they can be told apart
 SHORTEST = 0.5  # of a period, which a motion must last before its size can be told from a phase or a trend
@@ -143,7 +143,7 @@ def check_amplitude_and_clock(evidence: FindingsInput) -> tuple[Finding, Finding
     fits = fit_motion(tracks, scene)
     if not (fits and np.isfinite(fits[0].missed)):
         return unknown(AMPLITUDE, TOO_LARGE), unknown(CLOCK, TOO_LARGE)
-    short = np.ptp(tracks.time) < SHORTEST * scene.period
+    short = scene.swings and np.ptp(tracks.time) < SHORTEST * scene.period
     clock = _check_clock(fits, scene, short)
     if not scene.swings:
         return unknown(AMPLITUDE, "nothing swings, so that a motion that is too small is too slow"), clock
@@ -187,8 +187,8 @@ def _check_amplitude(fits: Sequence[MotionFit], times: np.ndarray, period: float
 
 
 def _check_clock(fits: Sequence[MotionFit], scene: Scene, short: bool) -> Finding:
-    """Checks the pace: a clock is wrong where no fit without one predicts as well, and no grid makes waves so slow. In a
-    ``short`` motion a size looks much like a pace, so that hardly anything else may be left."""
+    """Checks the pace: a clock is wrong where no fit without one predicts as well, and no grid makes waves so slow. A
+    size looks much like a pace in a ``short`` motion, where hardly anything else may be left."""
     best = next((fit for fit in fits if fit.clock), None)
     if best is None:
         return unknown(CLOCK, TOO_LARGE)
