@@ -10,13 +10,13 @@ import tyro
 from app.commands.lenient_flag_types import BadInput, PathFlag, Switch, TextFlag, default_hint
 from app.commands.output import json_target, print_message, put_result, put_text
 from app.commands.progress import show_progress
+from app.commands.run.command import BROKEN, OK
 from app.commands.run.text_summary import format_value
 from solvers.bodies import body_file
 from solvers.bodies.body import Body
 from solvers.scene.validation import SceneError
 from solvers.untrusted.quoting import FileError, file_name, one_line, suggest_word
 
-OK, BROKEN = 0, 3
 MEANING = """delta: what the two companions differ by, over what they find; below 0.3 the number stands, below 0.6 it
 may be 30 % off, from 0.6 on there is none (assets/body.md)"""
 

@@ -8,11 +8,11 @@ from functools import cached_property
 import numpy as np
 
 from solvers.bodies.connections import (
-    HeldLine,
+    ConstrainedLine,
     Side,
     boundary_corners,
+    constrained_lines,
     equalize_counts,
-    held_lines,
     joined_sides,
 )
 from solvers.bodies.goal import Goal
@@ -80,8 +80,8 @@ class Body:
         return joined_sides(self.patches)
 
     @cached_property
-    def held_lines(self) -> tuple[HeldLine, ...]:
-        return held_lines(self.patches, self.joined)
+    def constrained_lines(self) -> tuple[ConstrainedLine, ...]:
+        return constrained_lines(self.patches, self.joined)
 
     @property
     def material(self) -> ElasticMaterial:
@@ -127,8 +127,12 @@ class Body:
     @cached_property
     def lattice_counts(self) -> np.ndarray:
         """Numbers of particles (K, 2) along xi and eta of each patch."""
-        wanted = self.mean_lengths * (self.ppc * self.cells_per_metre)
-        return equalize_counts(self.patches, self.joined, np.maximum(np.rint(wanted).astype(int), 1))
+        return equalize_counts(self.patches, self.joined, np.maximum(np.rint(self._particle_counts).astype(int), 1))
+
+    @property
+    def _particle_counts(self) -> np.ndarray:
+        """Numbers of particles (K, 2) that fit along xi and eta of each patch, whole or not."""
+        return self.mean_lengths * (self.ppc * self.cells_per_metre)
 
     @property
     def mean_lengths(self) -> np.ndarray:
@@ -167,7 +171,7 @@ class Body:
             raise SceneError("patch", "", "give 1 to {most} patches, each as [[patch]]", MOST_PATCHES)
         for number, patch in enumerate(self.patches, 1):
             patch.validate(number)
-        for line in self.held_lines:
+        for line in self.constrained_lines:
             cells = line.position * self.cells_per_metre
             if abs(cells - round(cells)) > WHOLE:
                 raise SceneError("cells_per_metre", self.cells_per_metre, "puts the {kind} side at {axis} = {at:g} m "
@@ -193,7 +197,7 @@ class Body:
                              MOST_STEPS)
 
     def _check_tiling(self) -> None:
-        wanted = self.mean_lengths * (self.ppc * self.cells_per_metre)
+        wanted = self._particle_counts
         for number, (patch, counts) in enumerate(zip(self.patches, wanted, strict=True), 1):
             if not patch.arc and _is_rectangle(patch) and np.abs(counts - np.rint(counts)).max() > WHOLE:
                 raise SceneError("cells_per_metre", self.cells_per_metre, "makes patch {number} {first:.4g} by "
@@ -212,10 +216,11 @@ class Body:
                              ("force", [self.body_force(X, part * self.t_end) for part in (0.0, 0.37, 1.0)])):
             if not np.isfinite(values).all():
                 raise SceneError(name, ", ".join(getattr(self, name)), "is not finite everywhere in the body")
+        still = WHOLE * max(1e-300, float(np.abs(self.initial_velocity(X)).max()))
         for k, patch in enumerate(self.patches):
             for side, kind in enumerate(patch.sides):
-                v = self.initial_velocity(patch.points_on_side(side, grid))[:, patch.held_axes(side)]
-                if v.size and np.abs(v).max() > WHOLE * max(1e-300, float(np.abs(self.initial_velocity(X)).max())):
+                v = self.initial_velocity(patch.points_on_side(side, grid))[:, patch.constrained_axes(side)]
+                if v.size and np.abs(v).max() > still:
                     raise SceneError("velocity", ", ".join(self.velocity), "moves the {kind} side {side} of patch "
                                      "{number}; give one that is zero there", kind, SIDES[side], k + 1)
 

@@ -48,7 +48,7 @@ def read_body(path: str) -> Body:
         with Path(path).open("rb") as file:
             content = file.read(MOST_BYTES + 1)
     except (OSError, ValueError) as error:  # ValueError: a character invalid in names
-        raise FileError(path, "cannot be read: {why}", str(getattr(error, "strerror", None) or error).lower()) from None
+        raise FileError.from_os_error(path, error) from None
     if len(content) > MOST_BYTES:
         raise FileError(path, "is longer than {most:,} bytes, and so no file of a body", MOST_BYTES)
     try:

@@ -12,7 +12,7 @@ from solvers.scene.validation import SceneError
 Side = tuple[int, int]  # numbers, from 0, of a patch and of its side
 
 
-class HeldLine(NamedTuple):
+class ConstrainedLine(NamedTuple):
     """Line x = ``position`` (``axis`` 0) or y = ``position`` (1), in m, on which sides are of ``kind`` "clamped" or
     "roller"; the body lies where the coordinate is larger (``inside`` 1) or smaller (-1)."""
 
@@ -72,10 +72,8 @@ def _check_touching(patches: Sequence[Patch], joined: dict[Side, Side], size: fl
                 outlines[n].min(axis=0) > outlines[k].max(axis=0) + near)
             if n == k or apart.any():
                 continue
-            at = other.locate(X)
             off_corners = np.array([min(math.dist(x, corner) for corner in other.corners) for x in X]) > SMALL * size
-            within = ((at > -SMALL) & (at < 1 + SMALL)).all(axis=1) & off_corners  # NaN where there is no such point
-            if within.any():
+            if (other.contains(X) & off_corners).any():
                 raise SceneError("patch", k + 1, "meets patch {other} elsewhere than along whole sides; divide patches "
                                  "so that corners meet corners and none overlap", n + 1)
 
@@ -99,11 +97,11 @@ def equalize_counts(patches: Sequence[Patch], joined: dict[Side, Side], wanted: 
     return counts
 
 
-def held_lines(patches: Sequence[Patch], joined: dict[Side, Side]) -> tuple[HeldLine, ...]:
+def constrained_lines(patches: Sequence[Patch], joined: dict[Side, Side]) -> tuple[ConstrainedLine, ...]:
     """Returns the lines of clamped and roller sides, in order. Raises SceneError for such a side that is an arc or
     slanted, or on whose line the body lies on both sides or is held in different ways."""
     size = _size(patches)
-    lines: dict[tuple[int, float], HeldLine] = {}
+    lines: dict[tuple[int, float], ConstrainedLine] = {}
     for k, patch in enumerate(patches):
         for side, kind in enumerate(patch.sides):
             if kind != FREE:
@@ -119,7 +117,7 @@ def held_lines(patches: Sequence[Patch], joined: dict[Side, Side]) -> tuple[Held
     return tuple(lines[key] for key in sorted(lines))
 
 
-def _line_of_side(patches: Sequence[Patch], k: int, side: int, size: float) -> HeldLine:
+def _line_of_side(patches: Sequence[Patch], k: int, side: int, size: float) -> ConstrainedLine:
     kind, name = patches[k].sides[side], f"patch {k + 1} sides"
     a, b = (patches[k].corners[end] for end in ENDS[side])
     axis = 0 if abs(a[0] - b[0]) < SMALL * size else 1
@@ -131,10 +129,10 @@ def _line_of_side(patches: Sequence[Patch], k: int, side: int, size: float) -> H
     if away.min() < -1e-6 * size and away.max() > 1e-6 * size:
         raise SceneError(name, kind, "has the body on both sides of its line ({side}); a held side must be the body's "
                          "outermost", SIDES[side])
-    return HeldLine(axis, float(a[axis]), 1 if away.max() > 1e-6 * size else -1, kind)
+    return ConstrainedLine(axis, float(a[axis]), 1 if away.max() > 1e-6 * size else -1, kind)
 
 
-def _check_free_sides(patches: Sequence[Patch], joined: dict[Side, Side], line: HeldLine, size: float) -> None:
+def _check_free_sides(patches: Sequence[Patch], joined: dict[Side, Side], line: ConstrainedLine, size: float) -> None:
     for k, patch in enumerate(patches):
         for side, kind in enumerate(patch.sides):
             ends = [abs(patch.corners[end][line.axis] - line.position) < SMALL * size for end in ENDS[side]]

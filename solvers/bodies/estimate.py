@@ -47,7 +47,7 @@ def extrapolation_factor(body: Body) -> float:
     return 1 / ((finer / p)**(4 * corner_exponent(body.poissons_ratio)) - 1)
 
 
-class Fields(NamedTuple):
+class ParticleFields(NamedTuple):
     """Displacement (P, 2) in m, velocity (P, 2) in m/s and Cauchy stress (P, 4) in Pa, xx, xy, yx, yy, of particles."""
 
     x: np.ndarray
@@ -95,7 +95,8 @@ class ErrorEstimate:
         self._differences: list[list[float]] = []
         self._doubts: list[list[float]] = []
 
-    def add(self, time: float, run: Fields, coarse: Fields, fine: Fields, stretch: float, place: np.ndarray) -> None:
+    def add(self, time: float, run: ParticleFields, coarse: ParticleFields, fine: ParticleFields, stretch: float,
+            place: np.ndarray) -> None:
         """Adds a sample at a ``time`` in s: fields of the run and of both companions at its particles, and the least
         principal stretch of the finer one with its place in m."""
         if self.sentence:

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from solvers.bodies.patch import SMALL, Patch, Point, require_point
+from solvers.bodies.patch import Patch, Point, require_point
 from solvers.scene.validation import SceneError
 from solvers.untrusted.quoting import quote
 
@@ -49,6 +49,5 @@ class Goal:
         if not isinstance(self.value, str) or not (POSITION.fullmatch(self.value) or STRESS.fullmatch(self.value)):
             raise SceneError(where, self.value, "is no number that is computed; give one of {values}", VALUES)
         require_point(where, self.at)
-        inside = [patch.locate(np.array([self.at], float))[0] for patch in patches]
-        if not any((at > -SMALL).all() and (at < 1 + SMALL).all() for at in inside):  # NaN where there is none
+        if not any(patch.contains(np.array([self.at], float)).all() for patch in patches):
             raise SceneError(where, quote(list(self.at)), "is at no material point of the body at rest")

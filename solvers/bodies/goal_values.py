@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from solvers.bodies.estimate import Fields
+from solvers.bodies.estimate import ParticleFields
 from solvers.bodies.goal import Goal
 from solvers.running.quantities_of_interest import point_weights
 
@@ -46,7 +46,7 @@ class GoalSeries:
             self._start = float(at[self._component])
         self._rows = [[self._start] * 3]
 
-    def add(self, *fields: Fields) -> None:
+    def add(self, *fields: ParticleFields) -> None:
         """Adds a sample: fields of the run, of the coarser and of the finer companion."""
         self._rows.append([self._start + float(self._weights @ (one.sigma if self.goal.is_stress else one.x)[
             :, self._component]) for one in fields])

@@ -13,7 +13,7 @@ import taichi as ti
 
 from solvers.bodies.body import Body
 from solvers.bodies.force_series import body_force_at, compute_force_weights, force_terms, set_force
-from solvers.bodies.held_nodes import held_grid
+from solvers.bodies.grid_constraints import constrained_grid
 from solvers.bodies.particle_lattice import particle_lattice
 from solvers.kernels import runtime
 from solvers.kernels.dtypes import Blocks, Integer, Integers, Octets, Pairs, Quads, Real, Reals
@@ -63,7 +63,7 @@ class BodyState(Members):
     totals: Reals
     verdict: Integers
     node_hold: Pairs  # 0 for components of nodes that are held (N, 2)
-    mirrors: Integers  # see ``HeldGrid`` (3 M,)
+    mirrors: Integers  # see ``ConstrainedGrid`` (3 M,)
     bounds: Reals  # least x and y, largest x and y of a sound run's particles (4,)
     left_out: Reals  # share of the acceleration that this step leaves out (1,)
     particle_force: Pairs  # per mass, in this step (P, 2)
@@ -172,7 +172,7 @@ class MaterialPoints:
         self._body, self._samples, self._half_start = body, 0, half_start
         self._interval = body.t_end / samples
         self.steps = max(2, math.ceil(self._interval / body.time_step - 1e-9))  # from sample to sample
-        grid, P, K = held_grid(body), len(lattice.volume), force_terms(body)
+        grid, P, K = constrained_grid(body), len(lattice.volume), force_terms(body)
         self._corner = grid.corner
         low, high = np.array(body.domain, float) - grid.corner  # a cell more than this is allowed: sides may wobble
         X = lattice.position

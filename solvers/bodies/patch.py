@@ -47,7 +47,7 @@ class Patch:
         (ax, ay), (bx, by) = (np.subtract(self.corners[k], self.arc[SIDES[side]]) for k in ENDS[side])
         return math.atan2(ax * by - ay * bx, ax * bx + ay * by)
 
-    def held_axes(self, side: int) -> list[int]:
+    def constrained_axes(self, side: int) -> list[int]:
         """Returns the components, 0 for x and 1 for y, that a straight side along an axis holds by its kind."""
         a, b = (self.corners[k] for k in ENDS[side])
         across = int(abs(a[0] - b[0]) > abs(a[1] - b[1]))
@@ -83,6 +83,11 @@ class Patch:
             at = np.clip(at + move, -0.5, 1.5)
         wrong = np.linalg.norm(X - self.place(*at.T), axis=1) > SMALL * self.size
         return np.where(wrong[:, None], np.nan, at)
+
+    def contains(self, X: np.ndarray) -> np.ndarray:
+        """Returns which of the points X (N, 2) in m lie in the patch or on its sides, (N,) of bool."""
+        at = self.locate(X)  # NaN where there is no such point
+        return np.all((at > -SMALL) & (at < 1 + SMALL), axis=1)
 
     @property
     def size(self) -> float:

@@ -9,7 +9,7 @@ import numpy as np
 
 from solvers.bodies.body import Body
 from solvers.bodies.companion import BodyCompanion
-from solvers.bodies.estimate import QUANTITIES, ErrorEstimate, Fields, QuantityEstimate, cauchy_stress
+from solvers.bodies.estimate import QUANTITIES, ErrorEstimate, ParticleFields, QuantityEstimate, cauchy_stress
 from solvers.bodies.goal_values import CORNER_SHARE, SHARE, GoalSeries, GoalValue
 from solvers.bodies.material_points import MaterialPoints
 from solvers.bodies.spectral_mesh import ORDERS, LatticeReader, default_cuts
@@ -71,7 +71,7 @@ def run_body(body: Body, on_progress: Callable[[float], None] | None = None) -> 
             break
         for one in companions:
             one.advance()
-        own = Fields(run.displacement, run.velocity, cauchy_stress(body, run.deformation_gradient))
+        own = ParticleFields(run.displacement, run.velocity, cauchy_stress(body, run.deformation_gradient))
         coarse, fine = (read_companion(body, *pair) for pair in zip(companions, readers, strict=True))
         stretch = companions[1].mesh.least_stretch(companions[1].u) if np.isfinite(fine.x).all() else (1.0, np.zeros(2))
         estimate.add(run.time, own, coarse, fine, *stretch)
@@ -98,10 +98,10 @@ def run_body(body: Body, on_progress: Callable[[float], None] | None = None) -> 
         seconds=spent)
 
 
-def read_companion(body: Body, companion: BodyCompanion, reader: LatticeReader) -> Fields:
+def read_companion(body: Body, companion: BodyCompanion, reader: LatticeReader) -> ParticleFields:
     """Returns a companion's fields at the particles."""
     u, gradient = reader.values_and_gradients(companion.u)
-    return Fields(u, reader.values(companion.v), cauchy_stress(body, np.eye(2) + gradient))
+    return ParticleFields(u, reader.values(companion.v), cauchy_stress(body, np.eye(2) + gradient))
 
 
 def _count_seconds(spent: dict[str, float], sample: int, run: float, companions: float) -> None:

@@ -85,10 +85,10 @@ class SpectralMesh:
         mass = np.bincount(self.master, body.density * self._area * np.tile(self.weights.ravel(), self.elements),
                            len(self.points))
         held = np.zeros((len(self.points), 2), bool)
-        np.logical_or.at(held, self.master, self._held_components(body))
+        np.logical_or.at(held, self.master, self._constrained_components(body))
         self.inverse_mass = ~held[self.master] / mass[self.master][:, None]
 
-    def _held_components(self, body: Body) -> np.ndarray:
+    def _constrained_components(self, body: Body) -> np.ndarray:
         """Returns the components (N, 2) that clamped and roller sides hold."""
         held = np.zeros((len(self.points), 2), bool)
         for k, patch in enumerate(body.patches):
@@ -96,7 +96,7 @@ class SpectralMesh:
                 grid = np.arange(self._starts[k], self._starts[k + 1]).reshape(self._patch_shape(k))
                 row = 0 if side in (0, 3) else -1
                 on = grid[row, :, row] if side % 2 else grid[:, row, :, row]
-                for axis in patch.held_axes(side):
+                for axis in patch.constrained_axes(side):
                     held[on, axis] = True
         return held
 
@@ -112,9 +112,8 @@ class SpectralMesh:
     def least_stretch(self, u: np.ndarray) -> tuple[float, np.ndarray]:
         """Returns the least principal stretch at the points for displacements u (N, 2) in m, and its place (2,)."""
         by_xi, by_eta = self._reference_derivatives(u)
-        g = self.geometry / self._area[:, None]
-        (u, v), (p, q), g = by_xi.T, by_eta.T, g.T
-        xx, xy, yx, yy = 1 + u * g[0] + p * g[2], u * g[1] + p * g[3], v * g[0] + q * g[2], 1 + v * g[1] + q * g[3]
+        xx, xy, yx, yy = _material_gradient(by_xi, by_eta, (self.geometry / self._area[:, None]).T)
+        xx, yy = 1 + xx, 1 + yy
         smallest = 0.5 * np.abs(np.hypot(xx + yy, xy - yx) - np.hypot(xx - yy, xy + yx))  # singular value of F
         at = int(np.argmin(smallest))
         return float(smallest[at]), self.points[at]
@@ -143,15 +142,20 @@ class LatticeReader:
         for patch, bases, g in self._parts:
             value, by_xi, by_eta = _along(bases, self._mesh.patch_values(nodal, patch))
             values.append(value)
-            (x, y), (p, q) = by_xi.T, by_eta.T
-            gradients.append(np.stack([x * g[0] + p * g[2], x * g[1] + p * g[3],
-                                       y * g[0] + q * g[2], y * g[1] + q * g[3]], axis=1).reshape(-1, 2, 2))
+            gradients.append(np.stack(_material_gradient(by_xi, by_eta, g), axis=1).reshape(-1, 2, 2))
         return np.concatenate(values), np.concatenate(gradients)
 
     def values(self, nodal: np.ndarray) -> np.ndarray:
         """Returns values (P, 2) of nodal values (N, 2)."""
         return np.concatenate([_product(bases[0][0], bases[1][0] @ self._mesh.patch_values(nodal, patch))
                                for patch, bases, _ in self._parts])
+
+
+def _material_gradient(by_xi: np.ndarray, by_eta: np.ndarray, g: np.ndarray) -> tuple[np.ndarray, ...]:
+    """Returns the gradient of a vector field in X as xx, xy, yx, yy (N,), from its derivatives by xi and eta (N, 2)
+    and ``g`` (4, N), grad xi and grad eta."""
+    (x, y), (p, q) = by_xi.T, by_eta.T
+    return x * g[0] + p * g[2], x * g[1] + p * g[3], y * g[0] + q * g[2], y * g[1] + q * g[3]
 
 
 def _along(bases: list[tuple[np.ndarray, np.ndarray]], U: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

@@ -23,7 +23,7 @@ from solvers.judging.vtk_xml import XmlReader
 from solvers.scene.validation import SceneError
 from solvers.translatable_message import Message
 from solvers.untrusted.npz_reader import read_arrays
-from solvers.untrusted.quoting import FileError, quote
+from solvers.untrusted.quoting import FileError
 from solvers.untrusted.size_limits import LIMITS, SizeLimits
 
 TEXTS = (".csv", ".txt", ".dat", ".tsv")
@@ -125,8 +125,7 @@ def _read(path: str, limits: SizeLimits, read: Callable[[IO[bytes]], Read]) -> R
         if isinstance(error, FileError):
             raise
         if isinstance(error, OSError) or "\0" in path:
-            why = quote((getattr(error, "strerror", None) or str(error)).lower())
-            raise FileError(path, "cannot be read: {why}; give a file that exists and may be read", why) from None
+            raise FileError.from_os_error(path, error) from None
         raise
 
 

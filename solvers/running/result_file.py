@@ -75,8 +75,7 @@ def read(path: str) -> dict[str, Any]:
     try:
         found = read_arrays(path, lambda name: name in ("scene", "result") or "/" in name, LIMITS)
     except OSError as error:
-        why = quote((error.strerror or str(error)).lower())
-        raise FileError(path, f"cannot be read: {why}; give a file that exists and may be read") from None
+        raise FileError.from_os_error(path, error) from None
     if "result" not in found or "scene" not in found:
         raise FileError(path, f"holds no result of a run; {HINT}")
     return _ResultReader(path, found).fields()

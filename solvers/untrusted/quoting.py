@@ -34,6 +34,12 @@ class FileError(ValueError):
         self.file, self.sentence = file, one_line(message)
         super().__init__(one_line(Message("{file}: {message}", quote(file), message)))
 
+    @classmethod
+    def from_os_error(cls, file: str, error: Exception) -> "FileError":
+        """Returns the error for a file that the system does not open or read, with the system's reason."""
+        why = quote((getattr(error, "strerror", None) or str(error)).lower())
+        return cls(file, "cannot be read: {why}; give a file that exists and may be read", why)
+
 
 def quote(value: object, most: int = QUOTE) -> str:
     """Returns a value for a sentence, on one line of at most ``most`` characters; of a longer one the middle is left

@@ -19,6 +19,7 @@ from solvers.judging.findings.neighbour_comparison import (
     find_outliers,
 )
 from solvers.judging.findings.recorded_motion_reader import RecordedMotion
+from solvers.judging.findings.time_series_fitting import largest_rms
 from solvers.judging.particle_data_types import Frame
 from solvers.scene.scene import Scene
 from solvers.translatable_message import Message
@@ -252,5 +253,4 @@ def _largest_rms(motion: RecordedMotion, key: str) -> float:
     """Returns the largest RMS over particles of a quantity at any time, for F that of F - 1; SI units."""
     if key == "v":
         return motion.speed
-    values = motion.fields[key] - (np.eye(motion.dimensions) if key == "F" else 0.0)
-    return float(np.sqrt(np.max(np.mean(np.sum(values.reshape(*values.shape[:2], -1) ** 2, axis=2), axis=1))))
+    return largest_rms(motion.fields[key] - (np.eye(motion.dimensions) if key == "F" else 0.0))

@@ -18,6 +18,7 @@ from solvers.judging.findings.neighbour_comparison import (
     find_neighbours,
 )
 from solvers.judging.findings.row_identities import RowsAtTime, check_identities, identify_rows
+from solvers.judging.findings.time_series_fitting import largest_rms
 from solvers.judging.particle_data_types import (
     RawTable,
     group_rows_by_time,
@@ -128,8 +129,7 @@ class RecordedMotion:
         """Size in m of the particles' relative motion: the largest RMS of the displacement without its mean, at least
         what rounding may feign of it."""
         moved = self.x - self.reference
-        size = np.sqrt(np.max(np.mean(np.sum((moved - moved.mean(axis=1, keepdims=True))**2, axis=2), axis=1)))
-        return max(float(size), self.rounding)
+        return max(largest_rms(moved - moved.mean(axis=1, keepdims=True)), self.rounding)
 
     @functools.cached_property
     def rounding(self) -> float:
@@ -144,7 +144,7 @@ class RecordedMotion:
     @functools.cached_property
     def speed(self) -> float:
         """Largest RMS of the velocity, in m/s; 0 where that moves the particles by no more than rounding."""
-        size = float(np.sqrt(np.max(np.mean(np.sum(self.fields["v"]**2, axis=2), axis=1))))
+        size = largest_rms(self.fields["v"])
         return 0.0 if size * float(np.ptp(self.times)) <= self.rounding else size
 
     def doubt_about_rows(self, not_read: Sequence[str]) -> str:

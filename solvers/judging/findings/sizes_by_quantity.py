@@ -4,6 +4,8 @@ A method may shrink the motion or let it grow, but then all of it: x and F follo
 them. A size that one of them has alone was changed on the way: damped, scaled, or in another unit.
 """
 
+from typing import NamedTuple
+
 import numpy as np
 
 from solvers.judging.findings.amplitude_and_pace import SHORTEST, TOO_SHORT
@@ -23,9 +25,19 @@ LOST = 0.4  # of the motion: where sizes may differ by more, nothing is told
 SMOOTHED = {"v": 6.0, "sigma": 1.5}
 
 
-def fit_sizes(tracks: ParticleTrajectories, quantity: str) -> tuple[np.ndarray, np.ndarray, float, float]:
-    """Returns by how much a quantity's size differs from the exact one (1 + n,), in the mean and at the end, from all
-    times and without some of them; what is left of it, as a part of its size; and its part in the last third."""
+class SizeFit(NamedTuple):
+    """Fit of a quantity's size: by how much it differs from the exact one, in the ``mean`` and at the ``end`` (1 + n,),
+    from all times and without some of them; what is ``left`` of the quantity, and its size in the ``last_third``, over
+    the exact size."""
+
+    mean: np.ndarray
+    end: np.ndarray
+    left: float
+    last_third: float
+
+
+def fit_size(tracks: ParticleTrajectories, quantity: str) -> SizeFit:
+    """Returns the fit of a quantity ("x") by a size that grows or shrinks, and what is late of it."""
     own, exact = (fields[quantity] - (tracks.material_position if quantity == "x" else 0.0)
                   for fields in (tracks.own, tracks.exact))
     t = ((tracks.time - tracks.time[0]) / np.ptp(tracks.time)).reshape(-1, *[1] * (exact.ndim - 1))
@@ -34,8 +46,8 @@ def fit_sizes(tracks: ParticleTrajectories, quantity: str) -> tuple[np.ndarray, 
     found, _ = jackknife_least_squares(own - exact, parts)
     left = own - exact - sum(part * share for part, share in zip(parts, found[0], strict=True))
     last = slice(2 * len(t) // 3, None)
-    return (found[:, 0] + t.mean() * found[:, 1], found[:, 0] + found[:, 1], rms(left) / max(rms(exact), 1e-300),
-            float(np.sum(own[last] * exact[last]) / max(float(np.sum(exact[last] ** 2)), 1e-300)))
+    return SizeFit(found[:, 0] + t.mean() * found[:, 1], found[:, 0] + found[:, 1], rms(left) / max(rms(exact), 1e-300),
+                   float(np.sum(own[last] * exact[last]) / max(float(np.sum(exact[last] ** 2)), 1e-300)))
 
 
 def check_sizes(evidence: FindingsInput) -> Finding:
@@ -45,19 +57,20 @@ def check_sizes(evidence: FindingsInput) -> Finding:
         return unknown(NAME, FEW if len(evidence.errors[0]) > 1 else "nothing but positions in the files")
     if not scene.swings or np.ptp(tracks.time) < SHORTEST * scene.period:
         return unknown(NAME, TOO_SHORT)
-    sizes = {quantity: fit_sizes(tracks, quantity) for quantity in tracks.exact}
+    sizes = {quantity: fit_size(tracks, quantity) for quantity in tracks.exact}
     wave = (scene.angular_frequency * scene.spacing / scene.wave_speed) ** 2
     found = []
     for quantity in (q for q in tracks.exact if q != "x"):
-        left = max(sizes["x"][2], sizes[quantity][2] * (1.0 if quantity == "v" else LEFT)) + SMOOTHED[quantity] * wave
-        for one, other in zip(sizes[quantity][:2], sizes["x"][:2], strict=True):
+        by, by_x = sizes[quantity], sizes["x"]
+        left = max(by_x.left, by.left * (1.0 if quantity == "v" else LEFT)) + SMOOTHED[quantity] * wave
+        for one, other in ((by.mean, by_x.mean), (by.end, by_x.end)):
             found.append((abs(float(one[0] - other[0])), max(LEAST, SURE * jackknife_error(one - other), left)))
     off, limit = max(found, key=lambda pair: pair[0] / pair[1] if np.isfinite(pair).all() else np.inf)
     if not (limit < LOST and np.isfinite(off)):
         return unknown(NAME, TOO_LARGE)
     if off <= limit:
         return Finding(NAME, HOLDS, off, limit, UNIT)
-    known = [Message("{percent:.3g} % by {quantity}", 100 * sizes[key][3], name)
+    known = [Message("{percent:.3g} % by {quantity}", 100 * sizes[key].last_third, name)
              for key, name in (("x", "x"), ("v", "v"), ("sigma", Message("the stress (or F)"))) if key in sizes]
     return Finding(NAME, OFF, off, limit, UNIT,
                    Message("in the last third of the times the motion has {sizes} of its size: one of them is damped "

@@ -9,7 +9,13 @@ import numpy as np
 from solvers.judging.findings.finding import BROKEN, HOLDS, OFF, SUSPICIOUS, Finding, unknown
 from solvers.judging.findings.findings_input import FindingsInput
 from solvers.judging.findings.recorded_motion_reader import RecordedMotion
-from solvers.judging.findings.time_series_fitting import jackknife_error, jackknife_least_squares, rms, time_derivative
+from solvers.judging.findings.time_series_fitting import (
+    jackknife_error,
+    jackknife_least_squares,
+    largest_rms,
+    rms,
+    time_derivative,
+)
 from solvers.translatable_message import Message
 
 FEWEST_TIMES = 5
@@ -146,7 +152,7 @@ def _check_speed(motion: RecordedMotion, mismatch: np.ndarray, bend: np.ndarray,
     if not sure.any():
         return unknown(SPEED, f"the moments are too far apart: between two of them v itself changes so that its mean "
                               f"is unknown by {doubt.min():.2g} of it")
-    reach = float(np.sqrt(np.max(np.mean(np.sum((motion.x - motion.x[0]) ** 2, axis=2), axis=1))))
+    reach = largest_rms(motion.x - motion.x[0])
     sure &= interval[:, 0, 0] * motion.speed <= FARTHER * reach  # moments a period apart look smooth everywhere
     if not sure.any():
         return unknown(SPEED, "between two moments v would carry the particles farther than they ever are: the moments "

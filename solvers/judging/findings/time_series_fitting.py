@@ -12,6 +12,11 @@ def rms(values: np.ndarray) -> float:
     return float(np.sqrt(np.mean(values**2)))
 
 
+def largest_rms(fields: np.ndarray) -> float:
+    """Returns the largest root mean square over the particles, at any time, of vectors or tensors (T, P, ...)."""
+    return float(np.sqrt(np.max(np.mean(np.sum(fields.reshape(*fields.shape[:2], -1) ** 2, axis=2), axis=1))))
+
+
 def time_derivative(times: np.ndarray, values: np.ndarray) -> np.ndarray:
     """Returns the rate (T, ...) of values (T, ...) at the times (T,), at least three, to second order."""
     return np.gradient(values, times, axis=0, edge_order=2)

@@ -101,7 +101,7 @@ def test_the_orientation_of_patches_does_not_matter(times):
     assert len(found[0]) == 3 and found[1] == pytest.approx(found[0], abs=1e-12)
 
 
-def test_areas_and_held_components():
+def test_areas_and_constrained_components():
     mesh = SpectralMesh(PLATE, even_cuts(np.array([(1, 1), (1, 1)])), 8)
     masters = np.unique(mesh.master)
     held = mesh.inverse_mass[masters] == 0

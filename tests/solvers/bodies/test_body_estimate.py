@@ -7,7 +7,7 @@ import pytest
 
 from solvers.bodies.body_file import library_text, parse_body
 from solvers.bodies.companion import BodyCompanion
-from solvers.bodies.estimate import ErrorEstimate, Fields, corner_exponent, extrapolation_factor
+from solvers.bodies.estimate import ErrorEstimate, ParticleFields, corner_exponent, extrapolation_factor
 from solvers.bodies.goal import Goal
 from solvers.bodies.goal_values import GoalSeries
 from solvers.bodies.material_points import MaterialPoints
@@ -124,7 +124,7 @@ def test_a_run_that_leaves_its_domain_says_so():
 
 
 def fields(x):
-    return Fields(np.full((3, 2), x), np.full((3, 2), x), np.full((3, 4), x))
+    return ParticleFields(np.full((3, 2), x), np.full((3, 2), x), np.full((3, 4), x))
 
 
 @pytest.mark.parametrize(("coarse", "trust"), [(1.02, "number"), (1.05, "30 %"), (1.2, "none")])
@@ -155,7 +155,7 @@ def test_goals_of_a_swing(value, expected):
     for t in times[1:]:
         u = np.zeros((25, 2))
         u[:, 1] = 0.35 * (np.cos(5 * t) - 1)
-        one = Fields(u, u, np.zeros((25, 4)))
+        one = ParticleFields(u, u, np.zeros((25, 4)))
         series.add(one, one, one)
     found = series.evaluate(times, 0.7)
     assert found.value == pytest.approx(expected, abs=1e-4) and found.bar == pytest.approx(0, abs=1e-12)

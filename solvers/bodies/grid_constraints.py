@@ -10,7 +10,7 @@ from solvers.bodies.patch import CLAMPED
 MARGIN, GHOSTS = 2, 2  # cells around the domain; rows of nodes behind a roller that particles reach
 
 
-class HeldGrid(NamedTuple):
+class ConstrainedGrid(NamedTuple):
     """Grid of ``columns`` by ``lines`` nodes, entry line * ``row`` + column, with its lower left node at ``corner``
     (2,) in m. ``hold`` (N, 2) is 0 for components that are held. ``mirrors`` (M, 3) are a node behind a roller, its
     mirror image, and 1 or 0 as x or y changes its sign."""
@@ -23,7 +23,7 @@ class HeldGrid(NamedTuple):
     mirrors: np.ndarray
 
 
-def held_grid(body: Body) -> HeldGrid:
+def constrained_grid(body: Body) -> ConstrainedGrid:
     """Returns the grid over a body's domain. Nodes on a clamped side's line and behind it are held; those behind a
     roller get the mirror image of the motion, whose component across is held on the line."""
     low, high = np.array(body.domain, float) * body.cells_per_metre
@@ -32,7 +32,7 @@ def held_grid(body: Body) -> HeldGrid:
     row = max(columns, lines)
     number = np.arange(row * row).reshape(row, row).T  # by column and line
     hold, mirrors = np.ones((row * row, 2)), []
-    for line in body.held_lines:
+    for line in body.constrained_lines:
         at = round(line.position * body.cells_per_metre - first[line.axis])
         across = number if line.axis == 0 else number.T
         if line.kind == CLAMPED:
@@ -42,5 +42,5 @@ def held_grid(body: Body) -> HeldGrid:
         for k in range(1, GHOSTS + 1):
             ghost, image = (across[at + sign * k * line.inside] for sign in (-1, 1))
             mirrors += [(a, b, 1 - line.axis) for a, b in zip(ghost, image, strict=True)]
-    return HeldGrid(first * body.spacing, columns, lines, row, hold,
+    return ConstrainedGrid(first * body.spacing, columns, lines, row, hold,
                     np.array(mirrors or np.zeros((0, 3)), np.int32).reshape(-1, 3))
