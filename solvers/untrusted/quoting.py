@@ -34,11 +34,11 @@ class FileError(ValueError):
         self.file, self.sentence = file, one_line(message)
         super().__init__(one_line(Message("{file}: {message}", quote(file), message)))
 
-    @classmethod
-    def from_os_error(cls, file: str, error: Exception) -> "FileError":
+    @staticmethod
+    def from_os_error(file: str, error: Exception) -> "FileError":
         """Returns the error for a file that the system does not open or read, with the system's reason."""
         why = quote((getattr(error, "strerror", None) or str(error)).lower())
-        return cls(file, "cannot be read: {why}; give a file that exists and may be read", why)
+        return FileError(file, "cannot be read: {why}; give a file that exists and may be read", why)
 
 
 def quote(value: object, most: int = QUOTE) -> str:
