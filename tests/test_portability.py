@@ -22,7 +22,7 @@ NAMES = {"os": {"fork", "getloadavg", "getpriority", "getuid", "geteuid", "killp
 OF_PYTHON = {"uname", "WNOHANG", "SIGKILL", "SIGSTOP", "SIGHUP", "pthread_sigmask"}
 #: Files that use such names, and why they may.
 MAY = {"solvers/engine/compiling_fork.py": "forks, where it is POSSIBLE",
-       "solvers/engine/surveyor.py": "forks, where it is POSSIBLE",
+       "solvers/engine/surveyor.py": "forks, where it is POSSIBLE", "solvers/engine/forked_child.py": "of such a fork",
        "solvers/engine/engine_process.py": "buries what was forked, and nothing else",
        "solvers/workers/worker_pool.py": "suppresses the AttributeError",
        "solvers/bench/all_benchmarks.py": "asks hasattr", "solvers/judging/uploaded_file_worker.py": "on Linux only",
