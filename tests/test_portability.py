@@ -15,8 +15,8 @@ from tests.support.processes import HANG
 #: What Windows has not; macOS has all but the scheduler's.
 MODULES = ("fcntl", "grp", "pwd", "resource", "termios")
 NAMES = {"os": {"fork", "getloadavg", "getpriority", "getuid", "geteuid", "killpg", "nice", "sched_getaffinity",
-                "sched_setscheduler", "sched_param", "setpriority", "uname", "WNOHANG", "SCHED_BATCH", "SCHED_OTHER",
-                "PRIO_PROCESS"},
+                "sched_setscheduler", "sched_param", "setpriority", "uname", "WNOHANG", "SCHED_BATCH", "SCHED_IDLE",
+                "SCHED_OTHER", "PRIO_PROCESS"},
          "signal": {"SIGKILL", "SIGSTOP", "SIGCONT", "SIGHUP", "SIGUSR1", "SIGALRM", "pthread_sigmask"}}
 #: Python and NumPy use these themselves, on a system that says that it has them.
 OF_PYTHON = {"uname", "WNOHANG", "SIGKILL", "SIGSTOP", "SIGHUP", "pthread_sigmask"}
