@@ -31,6 +31,7 @@ from solvers.scene.validation import SceneError
 from solvers.study.markdown_tables import markdown_table
 from solvers.untrusted.quoting import FileError
 from tests.support.faults import ALL, ALTERATIONS, FRAMES, Files, as_files, files, record, rounded, scene_of, single
+from tests.support.faults_in_time import IN_TIME
 from tests.support.foreign_forms import FORMS as FOREIGN
 from tests.support.known_runs import KnownRun, known_runs
 from tests.support.paths import ROOT
@@ -50,10 +51,12 @@ FORMS_TEXT = """
 Text (`.csv`, `.txt`, `.dat`, `.tsv`), `.npz`, VTK's `.vtk`, `.vtu` and `.vtp`, text and VTK's also packed as `.gz`;
 `.pvd`, `.pvtu` and `.pvtp` with the files that they name; `.h5` where the package h5py is installed (`pip install
 mpm-lab[hdf5]`). Names may have any case and separators, units (`x [mm]`, `time (ms)`, or in a line below), and
-components as letters or counted from 0 or 1. Columns that were not read are named, and so is a cell that is no number,
-with its line and column. A row's particle is known by an id, from 0 or 1, by its material position or by its
-displacement. Parts of one moment in several files are joined. The plane of x and z of a three-dimensional code is read
-with `--plane xz`. Each row of the table is a test that writes that form with our numbers.
+components as letters or counted from 0 or 1. Text may have decimal commas (between commas in quotes), arrays in cells
+(`"[0.1, 0.2]"`), exponents and repeated numbers as Fortran writes them (`1.0D-03`, `3*0.0`). Columns that were not read
+are named, and so is a cell that is no number, with its line and column. A row's particle is known by an id, from 0 or
+1, by its material position or by its displacement. Parts of one moment in several files are joined. The plane of x and
+z of a three-dimensional code is read with `--plane xz`. Each row of the table is a test that writes that form with our
+numbers.
 
 """
 LOST = tuple(label for label in LABELS if label not in ("good", "between", "v or stress wrong"))
@@ -146,7 +149,7 @@ def altered() -> list[list[str]]:
     for problem in ALL:
         run = record(scene_of(problem))
         plain = judged(run.scene, files(run)).errors
-        for name, (problems, change) in ALTERATIONS.items():
+        for name, (problems, change) in (ALTERATIONS | IN_TIME).items():
             if problem in problems:
                 arrays = change(run)
                 try:

@@ -14,7 +14,7 @@ import pytest
 
 from app import shareable_state
 from app.cli import main
-from app.commands import commands
+from app.commands import BODY_FILE, commands
 from solvers.problems import PROBLEMS
 from tests import texts
 from tests.support.paths import ROOT
@@ -28,11 +28,13 @@ else:
 
 LAB = "mpm-lab"
 #: What is run here, as it stands in a block, and how: at once, or with ``--slow``.
-AT_ONCE = (("run", "--scene"), ("problem", "ring"), ("lesson", "list"), ("lesson", "scripts"))
+AT_ONCE = (("body", "list"), ("run", "--scene"), ("problem", "ring"), ("lesson", "list"), ("lesson", "scripts"))
 SLOW = (("run", "bar"), ("run", "ring"), ("run", "vortex"), ("budget", "bar"), ("budget", "ring"), ("export",),
         ("lesson", "check"), ("lesson", "guide"), ("advise", "bar"), ("sweep", "bar"), ("tables",))
 #: What is read here and run elsewhere, for it ends only when it is told to, measures for long, or asks for files.
 ELSEWHERE = {("serve",): "tests/browser", ("bench",): "tests/app/commands/test_bench.py",
+             BODY_FILE: "tests/app/commands/test_body_command.py",
+             ("body", "show"): "tests/app/commands/test_body_command.py",
              ("judge", "ring"): "tests/solvers/judging", ("check",): "tests/app/commands/test_check.py",
              ("coverage", "bar"): "tests/solvers/study/test_coverage.py",
              ("lesson", "grade"): "tests/app/lessons", ("lesson", "scripts"): "tests/app/lessons",
@@ -67,6 +69,8 @@ def in_blocks() -> list[Piece]:
 
 def named(words: list[str]) -> tuple[str, ...]:
     """The name of the command that the words after ``mpm-lab`` begin with."""
+    if words[1:2] and words[1].endswith(".toml"):
+        return BODY_FILE
     return next((name for name in commands() if tuple(words[:len(name)]) == name), ("serve",))
 
 

@@ -7,6 +7,7 @@ from collections.abc import Callable
 from functools import cache, partial
 
 from app.commands.bench.command import Bench
+from app.commands.body import BodyList, BodyShow, RunBody
 from app.commands.check.contradiction_check import ContradictionCheck
 from app.commands.export import Export
 from app.commands.judge.command import Judge
@@ -27,6 +28,8 @@ from solvers.scene.scene import Scene
 
 #: What ``mpm-lab`` does when no command is given.
 DEFAULT_COMMAND = ("serve",)
+#: What runs a body from a file: any word that ends in .toml stands for the second.
+BODY_FILE = ("run", "FILE.toml")
 
 
 @cache
@@ -36,7 +39,9 @@ def commands() -> dict[tuple[str, ...], type]:
         return {(word, name): make(problem.scene) for name, problem in PROBLEMS.items()}
 
     return {("serve",): Serve, **for_problems("run", partial(command_of_problem, Run)),
-            ("run", "--scene"): RunFromSceneText, **for_problems("budget", partial(command_of_problem, Budget)),
+            ("run", "--scene"): RunFromSceneText, BODY_FILE: RunBody,
+            ("body", "list"): BodyList, ("body", "show"): BodyShow,
+            **for_problems("budget", partial(command_of_problem, Budget)),
             **for_problems("sweep", partial(command_of_problem, Sweep, linearity_preserving=Switch)),
             **for_problems("problem", partial(command_of_problem, ProblemCommand)),
             **for_problems("judge", partial(command_of_problem, Judge)),

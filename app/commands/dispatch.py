@@ -12,7 +12,7 @@ from typing import Any
 import tyro
 
 from app import __version__
-from app.commands import DEFAULT_COMMAND, commands
+from app.commands import BODY_FILE, DEFAULT_COMMAND, commands
 from app.commands.help import PROGRAM, VERBOSE, PrintCapture, commands_overview, help_paragraphs, wrap_help
 from app.commands.lenient_flag_types import BadInput
 from app.commands.output import NotWritten, print_message, put_text, show_tracebacks
@@ -84,6 +84,8 @@ def _find_command(arguments: list[str]) -> tuple[tuple[str, ...], list[str]]:
         if word in ("-h", "--help"):
             return name, []
         flag, equals, value = word.partition("=") if word.startswith("-") else (word, "", "")  # run --scene=TEXT
+        if name == BODY_FILE[:1] and word.endswith(".toml"):
+            flag, equals, value = BODY_FILE[1], "=", word
         if flag not in _next_words(name):
             raise BadInput("", word, f"is not a command{suggest_word(word, _next_words(name))}; {_suggest_next(name)}")
         name += (flag,)

@@ -68,7 +68,7 @@ def _stage_layout(stage: type[Stage], room: StageMetrics) -> dict[str, Any]:
     labels = list(stage.labels(said, places))
     if isinstance(places, layout.FieldPlotLayout):
         labels += field_plot.plot_labels(places, stage.PLOT.ends, error_view_captions.FieldPlotCaption(LATER, LATER), 1,
-                                         LATER, True)
+                                         LATER)
     of = [label for label in layout.colour_bar_labels(top, room, "x", []) if label.text]
     own = {name: value for name, value in asdict(places).items() if name not in ("stage_metrics", "slot", "rectangle")}
     return {"pixels": room.pixels, "high": room.high, "gutter": room.gutter, **own, "bar": asdict(top),

@@ -182,17 +182,15 @@ def _quantity_tracks(wanted: RecordingRequest, scene: Scene, key: str, shots: li
 
 def _field_tracks(scene: Scene, key: str, shots: list[Snapshot], kept: np.ndarray) -> list[Track]:
     """Returns the tracks of the bar's field plot of the quantity ``key`` in its SI unit: the field's signed deviation
-    from the exact one (the field if that is unknown), how many values are unknown, and the exact field on a curve."""
-    fields = np.stack([shot.plotted[kept, int(scene.solution_known)] for shot in shots if shot.plotted is not None])
+    from the exact one, how many values are unknown, and the exact field on a curve."""
+    fields = np.stack([shot.plotted[kept, 1] for shot in shots if shot.plotted is not None])
     tracks = [Track(f"deviation.{key}", SIGNED, fields)]
     unknown = [[np.count_nonzero(~np.isfinite(shot.plotted[:, 0]))] for shot in shots if shot.plotted is not None]
     if np.any(unknown) and not why_no_field(scene, key):
         tracks.append(Track(f"unknown.{key}", NUMBER, np.array(unknown)))
-    if scene.solution_known:
-        plot = VIEWS[scene.problem].stage.PLOT
-        at = np.linspace(plot.start, plot.end, CURVE_POINTS)
-        tracks.append(Track(f"curve.{key}", PLACE, np.stack([plot.exact(scene, key, at, shot.time) for shot in shots])))
-    return tracks
+    plot = VIEWS[scene.problem].stage.PLOT
+    at = np.linspace(plot.start, plot.end, CURVE_POINTS)
+    return [*tracks, Track(f"curve.{key}", PLACE, np.stack([plot.exact(scene, key, at, shot.time) for shot in shots]))]
 
 
 def _crossing_tracks(scene: Scene, shots: list[Snapshot], kept: np.ndarray, marked: np.ndarray) -> list[Track]:

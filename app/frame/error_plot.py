@@ -130,7 +130,7 @@ def error_plot_labels(box: ErrorPlotBox | None, metrics: StageMetrics, plotted: 
     for text, tone, sign in zip(titles, HALVES, SIGNS, strict=True):
         yield Label(f"plot/{tone}", text if place.named else "", right, above, "center-right", "note", tone=tone,
                     sign=sign)
-        right -= float(metrics.text_extent(f"{text}  ")[0]) + metrics.line_height
+        right -= float(metrics.text_width(f"{text}  ")) + metrics.line_height
     name, _ = metrics.first_fitting_text((tr(plotted.name), tr(NAME)), (right - left) / BOLD, metrics.line_height)
     yield Label("plot/name", name if place.named else "", left, above, "center-left", "title", bold=True)
     ends: tuple[tuple[str, float, Anchor], ...] = ("start", place.left, "top-left"), ("end", place.right, "top-right")

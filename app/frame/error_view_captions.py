@@ -77,8 +77,6 @@ def field_plot_caption(scene: Scene, quantity: str) -> FieldPlotCaption:
     name = noun[:1].upper() + noun[1:]
     if off := why_no_field(scene, quantity):
         return FieldPlotCaption(name, off)
-    if not scene.solution_known:
-        return FieldPlotCaption(name, tr("no exact curve is known"))
     return FieldPlotCaption(name, "" if scene.swings else tr("deviation from the exact one"))
 
 

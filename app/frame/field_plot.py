@@ -184,7 +184,7 @@ class FieldPlot:
         self._reach = 0.0
         if not scene.swings:  # round-off should not fill the plot
             self._reach = LEAST_REACH * scene.size_of(quantity)
-        elif scene.solution_known:
+        else:
             times = scene.time_step + scene.period * np.arange(INSTANTS) / INSTANTS
             self._reach = max(largest_finite(np.abs(plotted.exact(scene, quantity, self._line, t))) for t in times)
 
@@ -201,12 +201,12 @@ class FieldPlot:
         number = with_unit(self.axis.top, QUANTITIES[quantity].unit)
         yield from plot_labels(places, self._plotted.ends,
                                FieldPlotCaption(words.name, add_unknown_count(words.remark, unknown)), magnified,
-                               number, scene.solution_known)
+                               number)
 
     def _exact_curve_marks(self, places: FieldPlotLayout, scene: Scene, quantity: str, t: float) -> Iterator[Mark]:
-        """Yields the exact curve at the time t in s, without segments if it is not known."""
-        curve = self._level if scene.solution_known else self._level[:0]
-        if scene.solution_known and scene.swings:
+        """Yields the exact curve at the time t in s."""
+        curve = self._level
+        if scene.swings:
             curve = curve.copy()
             heights = self._heights(self._plotted.exact(scene, quantity, self._line, t))
             curve[:, 0, 1], curve[:, 1, 1] = heights[:-1], heights[1:]
@@ -217,7 +217,7 @@ class FieldPlot:
     def _deviation_stems(self, places: FieldPlotLayout, scene: Scene, field: np.ndarray, magnified: int) -> Lines:
         """Returns stems from exact values to the particles', where they are longer than a dot."""
         dots = self._dots
-        if not scene.solution_known or len(dots) > MOST_STEMS:
+        if len(dots) > MOST_STEMS:
             return NO_STEMS
         long = np.float32(self._box.half / self.axis.top * magnified) * field[:, 1]
         drawn = np.flatnonzero(np.abs(long) > self._least)
@@ -247,27 +247,27 @@ class FieldPlot:
         return self._box.middle + self._box.half / self.axis.top * values
 
 
-def plot_labels(places: FieldPlotLayout, ends: tuple[str, str], words: FieldPlotCaption, magnified: int, number: str,
-                exact: bool) -> Iterator[Label]:
+def plot_labels(places: FieldPlotLayout, ends: tuple[str, str], words: FieldPlotCaption, magnified: int,
+                number: str) -> Iterator[Label]:
     """Yields the labels of a field plot in a layout, always the same ones: the text ``number`` at the upper end of its
     value axis, the texts ``ends`` at those of the other, name and remark from ``words``, and the factor ``magnified``
-    of deviations, if ``exact`` values are known."""
+    of deviations."""
     box, metrics = places.field, places.stage_metrics
     beside = box.left > 0 or metrics.gutter > 0  # otherwise only the upper number fits, within the plot
     left = box.at is not None and box.at[0] < 0  # the name stands beside the zero
-    crowded = left and 1.2 * metrics.text_extent(words.name)[0] + metrics.text_extent(" 0")[0] > metrics.gutter
+    crowded = left and 1.2 * metrics.text_width(words.name) + metrics.text_width(" 0") > metrics.gutter
     for key, text, y in (("low", f"−{number}", -box.half), ("zero", "" if crowded else "0", 0.0)):
         yield Label(f"field/{key}", text if beside else "", box.left - 0.01, box.middle + y, "center-right", "number")
     yield Label("field/high", f"+{number}", box.left - 0.01 if beside else 0.01,
                 box.middle + (box.half if beside else ROOM * box.half), "center-right" if beside else "top-left",
                 "number")
     below, written = box.below or 0.0, box.below is not None
-    if metrics.text_extent("  ".join(ends))[0] > box.right - box.left:  # too narrow for both: as one
+    if metrics.text_width("  ".join(ends)) > box.right - box.left:  # too narrow for both: as one
         ends = f"{ends[0].rpartition(' ')[0]}–{ends[1]}", ""
     yield Label("field/start", ends[0] if written else "", box.left, below, "top-left", "number")
     yield Label("field/end", ends[1] if written else "", box.right, below, "top-right", "number")
     x, y, anchor = box.magnified or box.remark
-    larger = tr("error × {magnified}", magnified=magnified) if box.magnified and exact and magnified > 1 else ""
+    larger = tr("error × {magnified}", magnified=magnified) if box.magnified and magnified > 1 else ""
     yield Label("field/magnified", larger, x, y, anchor, "caption")
     x, y, anchor = box.remark
     named = words.name if box.at is None and places.slot == ComparedRunSlot.ALONE else ""  # else the scale has it
@@ -281,7 +281,7 @@ def plot_labels(places: FieldPlotLayout, ends: tuple[str, str], words: FieldPlot
 def magnify_deviation(scene: Scene, field: np.ndarray, magnified: int) -> np.ndarray:
     """Returns the values (P,) to plot, from those of a ``field`` and their deviations from the exact ones (P, 2), in
     one unit: with deviations ``magnified`` times as large; only these deviations if the scene does not oscillate."""
-    if not scene.solution_known or (scene.swings and magnified == 1):
+    if scene.swings and magnified == 1:
         return field[:, 0]
     with np.errstate(over="ignore", invalid="ignore"):
         return field[:, 0] + (magnified - 1) * field[:, 1] if scene.swings else magnified * field[:, 1]

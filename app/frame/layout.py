@@ -118,8 +118,8 @@ def colour_bar_labels(place: ColourBarBox, metrics: StageMetrics, quantity: str,
                       ticks: list[tuple[float, str]]) -> Iterator[Label]:
     """Yields the labels of a colour bar: its titles, beside it in the gutter or above it, with a quantity's name (by
     its key), and ``ticks``, positions 0 to 1 along the bar with their texts, without those that the last one covers."""
-    last = 1 - 1.2 * metrics.text_extent(ticks[-1][1])[0] if ticks else 1.0
-    ticks = [(at, text) for at, text in ticks if at == 1 or at + 0.6 * metrics.text_extent(text)[0] < last]
+    last = 1 - 1.2 * metrics.text_width(ticks[-1][1]) if ticks else 1.0
+    ticks = [(at, text) for at, text in ticks if at == 1 or at + 0.6 * metrics.text_width(text) < last]
     for name, text, (x, y, anchor) in (("title", tr("Error of"), place.title),
                                        ("quantity", str(QUANTITIES[quantity]), place.quantity)):
         yield Label(name, text, x, y, anchor, "gutter" if metrics.gutter else "caption", bold=True)

@@ -108,7 +108,7 @@ def _labels_above_body(words: StageLabels, places: PlanarLayout) -> Iterator[Lab
     corners: tuple[tuple[Anchor, float], ...] = ("top-left", 0.0), ("top-right", 1.0)
     for name, title, (anchor, at) in zip(HALVES, words.titles, corners, strict=True):
         yield Label(f"{name}-title", title, at, up, anchor, "title", tone=name, bold=True)
-    by = 1.25 * metrics.text_extent(words.titles[0])[0] + 6 * metrics.pixel
+    by = 1.25 * metrics.text_width(words.titles[0]) + 6 * metrics.pixel
     yield Label("estimate-by", words.by[0], by, up, "top-left", "note")
     yield Label("truth-by", "", 1.0, up, "top-right", "note")
     yield from _empty_half_labels(words, places)

@@ -162,10 +162,13 @@ class StageMetrics:
                 return text, letters
         return "", letters
 
-    def text_extent(self, text: str, size: float = 1.0) -> np.ndarray:
-        """Returns the approximate stage width and height (2,) of a text, ``size`` times as large as usual."""
-        scale, lines = size * self.lettering / self.pixels, text.split("\n")
-        return scale * np.array([LETTER_WIDTH * max(map(len, lines)), LINE_HEIGHT * len(lines)])
+    def text_width(self, text: str, size: float = 1.0) -> float:
+        """Returns the approximate stage width of a text, ``size`` times as large as usual."""
+        return size * self.lettering / self.pixels * LETTER_WIDTH * max(map(len, text.split("\n")))
+
+    def text_extent(self, text: str) -> np.ndarray:
+        """Returns the approximate stage width and height (2,) of a text of usual size."""
+        return np.array([self.text_width(text), self.line_height * len(text.split("\n"))])
 
 
 class Surface(Protocol):

@@ -203,9 +203,9 @@ class Stage(ABC, Generic[AnyScene]):
         """Changes fields of :class:`StageLabels`; draws the labels if a text or the layout has changed."""
         if any(getattr(self._labels, name) != value for name, value in changes.items()):
             self._labels = replace(self._labels, **changes)
-        if (now := (self._labels, self._layout)) != self._shown:
-            self._shown = now
-            self.sheet.show_marks(*self.labels(*now))
+        if self._shown[0] is not self._labels or self._shown[1] is not self._layout:  # both are replaced by changes
+            self._shown = self._labels, self._layout
+            self.sheet.show_marks(*self.labels(*self._shown))
 
     @staticmethod
     @abstractmethod
@@ -296,8 +296,9 @@ def title_labels(words: StageLabels, metrics: StageMetrics, y: float) -> Iterato
 def fit_spans(parts: tuple[Spans, ...], metrics: StageMetrics, width: float) -> tuple[Spans, ...]:
     """Returns parts of a line with as many kinds of their spans left out as they need to fit into a stage width."""
     for kind in LEFT_OUT:
-        if sum(metrics.text_extent(text)[0] for spans in parts for _, text in spans) > width:
-            parts = tuple(_without_kind(spans, kind) for spans in parts)
+        if metrics.text_width("".join(text for spans in parts for _, text in spans)) <= width:
+            break
+        parts = tuple(_without_kind(spans, kind) for spans in parts)
     return parts
 
 

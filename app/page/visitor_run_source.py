@@ -29,7 +29,8 @@ from solvers.engine.shared_frames import FrameArrays
 from solvers.scene.estimator_registry import COMPANION, ESTIMATORS
 from solvers.solver.soundness import OK, UNSTABLE
 
-READING_SECONDS = 0.5  # for which the words about a run that plays stay
+READING_SECONDS = 0.5  # for which the words about a run that plays stay, and longer for each other run that plays:
+CROWDED_SECONDS = 0.02  # new words cost as much as drawing two frames
 MOST_DIFFERING = 40  # most characters of the difference to a pinned run
 COMPARED = "compared"  # kind of the span in which the visitor chooses what to compare with
 UNJUDGED = "unjudged"  # that of a span beside which an estimator is offered
@@ -125,11 +126,12 @@ class VisitorRunSource:
 
     def _told_frame(self, drawn: Frame) -> Frame:
         """Returns the frame that all words are about: the one ``drawn``, but for a run that plays one of the last half
-        second, so that they can be read, and say the same."""
+        second or so, so that they can be read, and say the same."""
         told, now = self._told, self._clock()
         if told is None or not drawn[0].playing or drawn[0].scene != told[0].scene or drawn[0].time < told[0].time \
                 or now > self._told_until:
-            self._told, self._told_until = drawn, now + READING_SECONDS
+            self._told = drawn
+            self._told_until = now + READING_SECONDS + CROWDED_SECONDS * self._session.others_playing
         return self._told or drawn
 
     def _own_title(self, frame: Frame, choice: ViewChoice, alone: bool) -> RunTitle:

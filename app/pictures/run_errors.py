@@ -57,7 +57,7 @@ def run_figure(result: Result, corrected: str = "") -> Figure:
     view.draw_picture(figure, space, places[1, :], result)
     if divided:
         draw_budget(places[2, :].subgridspec(1, len(FIELDS)).subplots(squeeze=False)[0], result.series)
-        add_cause_legend(figure, "lower")
+        add_cause_legend(figure, result.series, "lower")
     return figure
 
 

@@ -77,7 +77,7 @@ class QuarterAnnulusStage(PlanarStage[CircularScene]):
         """Yields two lines within the hole, as far as they fit."""
         (x_middle, y), metrics, name = self._layout.middle, self._layout.stage_metrics, tr("worst, at the arcs:")
         hole = 1.8 * self._wall_radii(x)[0] * self._per_metre if not any(self._labels.silences) else 0.0
-        named, sized = (metrics.text_extent(text)[0] < hole for text in (name, sizes))
+        named, sized = (metrics.text_width(text) < hole for text in (name, sizes))
         yield Label("worst-name", name if sizes and named else "", x_middle, y, "bottom-center", "note")
         yield Label("worst-size", sizes if sized else "", x_middle, y, "top-center", "note", 1.1, bold=True)
 

@@ -8,6 +8,7 @@ import numpy as np
 
 from solvers.judging.findings.all_findings import INSIDE_OUT, MOTION_FINDINGS
 from solvers.judging.findings.finding import BROKEN, SUSPICIOUS, UNKNOWN, Finding, unknown
+from solvers.judging.findings.prestress import count_from_first_moment
 from solvers.judging.findings.recorded_motion_reader import RecordedMotion, read_motion
 from solvers.judging.moment_joining import join_moments
 from solvers.judging.particle_data_types import unread_columns
@@ -80,13 +81,15 @@ def check(files: Particles | Sequence[Particles], *, times: Sequence[float] = ()
         parts, _, times = join_moments(raws, (), times)
         motion, findings = read_motion(parts, times)
         findings += INSIDE_OUT.find_in(motion)
-        part = motion.representative_part
+        part = count_from_first_moment(motion.representative_part)
         lost = part.doubt_about_rows(not_read)
         for k, kind in enumerate(MOTION_FINDINGS):
             on_progress(0.2 + 0.8 * k / len(MOTION_FINDINGS), "looking for contradictions")
             findings += [unknown(name, lost if k == 0 else UNKNOWN_ROWS) for name in kind.names] if lost else \
                 kind.find_in(part)
-        if part is not motion:
+        if len(part.number) < len(motion.number):
             motion.notes.append(f"{len(part.number):,} of the {len(motion.number):,} particles, in boxes spread over "
                                 "the body, were held against their neighbours")
+        else:
+            motion = part
     return MotionCheckResult(tuple(dict.fromkeys(raw.file for raw in raws)), motion, findings, not_read)

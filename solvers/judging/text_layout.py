@@ -1,6 +1,7 @@
 """Layout of particles as text: which line above the first row has the names, and how cells are separated."""
 
 import csv
+import functools
 import re
 from collections import deque
 from collections.abc import Iterable, Sequence
@@ -22,6 +23,9 @@ NUMBER = re.compile(r"\s*\"?\s*(?:[+-]?(?:\d+[.,]?\d*|[.,]\d+)(?:[ed]?[+-]?\d+)?
                     re.IGNORECASE | re.ASCII)
 
 
+MOST_COMPONENTS = 9  # of an array in a cell
+
+
 @dataclass(frozen=True)
 class TextLayout:
     """Layout of rows: the ``names`` of columns, the separator, the number of cells ``before`` the first of them, the
@@ -40,15 +44,25 @@ class TextLayout:
         texts = {known[name].key for name in known if not NUMBER.fullmatch(cells[name])} - {"t", "x"}
         return {name: meaning for name, meaning in known.items() if meaning.key not in texts}
 
+    @functools.cached_property
+    def has_arrays(self) -> bool:
+        """Whether cells have arrays, of which each number has a name."""
+        return any(len(split_array(cell)) > 1 for cell in split_line(self.first_row, self.separator))
+
+    def cells(self, row: str) -> list[str]:
+        """Returns the cells of a row, a cell for each number of an array."""
+        cells = split_line(row, self.separator)
+        return [part for cell in cells for part in split_array(cell)] if self.has_arrays else cells
+
     def split(self, row: str) -> list[str]:
         """Returns the cells of the named columns."""
-        return split_line(row, self.separator)[self.before:]
+        return self.cells(row)[self.before:]
 
     def fits(self, line: str) -> bool:
         """Returns whether a line has as many cells as there are names, or an empty one more at its end."""
         count = self.before + len(self.names)
-        if '"' in line:
-            cells = split_line(line, self.separator)
+        if '"' in line or self.has_arrays:
+            cells = self.cells(line)
             return len(cells) == count or (len(cells) == count + 1 and not cells[-1])
         if self.separator is None:
             return len(line.split()) == count
@@ -64,6 +78,14 @@ def split_line(line: str, separator: str | None) -> list[str]:
     else:
         cells = line.split(separator)
     return [cell.strip(" \t\r\n'") for cell in cells]
+
+
+def split_array(cell: str) -> list[str]:
+    """Returns the numbers of an array in a cell, such as [0.1, 0.2] or (0.1 0.2); other cells as they are."""
+    if cell[:1] not in ("[", "("):
+        return [cell]
+    parts = re.split(r"[\s,;\[\]()]+", cell.strip("[]() "))
+    return parts if len(parts) <= MOST_COMPONENTS and all(map(NUMBER.fullmatch, parts)) else [cell]
 
 
 class TextLayoutFinder:
@@ -120,7 +142,7 @@ class TextLayoutFinder:
         fitting: list[tuple[int, int, int, TextLayout | None]] = [(0, 0, 0, None)]
         for separator in separators:
             cells = split_line(row, separator)
-            if not any(map(NUMBER.fullmatch, cells)):
+            if not any(NUMBER.fullmatch(split_array(cell)[0]) for cell in cells):
                 continue
             for k, line in enumerate(above):
                 for other in dict.fromkeys((separator, *separators)):
@@ -130,6 +152,7 @@ class TextLayoutFinder:
                     before = self._cells_before(names, cells, row)
                     if before is not None:
                         names = _with_units(names, split_line(above[k + 1], other) if k + 1 < len(above) else ())
+                        names = _with_components(names, cells[before:])
                         layout = TextLayout(names, separator, before, line.strip(), row)
                         fitting.append((len(find_meanings(names)), len(names), k, layout))
         known, _, _, best = max(fitting, key=lambda one: one[:3])
@@ -160,6 +183,13 @@ def _with_units(names: list[str], below: Sequence[str]) -> list[str]:
     units = [cell.strip("[]()") for cell in below]
     are_units = len(units) == len(names) and any(units) and all(unit in ("", "-") or is_unit(unit) for unit in units)
     return [f"{name} [{unit}]" for name, unit in zip(names, units, strict=True)] if are_units else names
+
+
+def _with_components(names: list[str], cells: Sequence[str]) -> list[str]:
+    """Returns names with one for each number of an array in the cell below, counted from 0 before the unit."""
+    counts = [len(split_array(cell)) for cell in cells[:len(names)]]
+    return [name if count == 1 else re.sub(r"\s*(?=[\[(]|$)", str(k), name, count=1)
+            for name, count in zip(names, counts, strict=True) for k in range(count)]
 
 
 def _blank_cells(cells: Sequence[str]) -> tuple[int, int]:

@@ -30,6 +30,8 @@ TIME = re.compile(r"(?:^|[,;]|^(?:time)?step\s*[=:]?\s*\d+)\s*"
 STATED = re.compile(r"(cells|scene)\s*[=:]\s*(\S+)\s*$", re.IGNORECASE)
 #: Fortran's exponents: another letter, or none, where three digits leave no place for it (1.0-103).
 FORTRAN_LETTER, LOST_LETTER = str.maketrans("dD", "ee"), re.compile(r"(?<=[\d.])([+-]\d{3})(?![\d.])")
+#: As Fortran writes equal numbers, 3*0.0, in lines of so many letters at most.
+REPEATED, MOST_LETTERS = re.compile(r"(?<![^\s,;])(\d{1,2})\*([^\s,;*]+)"), 10_000
 DECIMAL_COMMA = str.maketrans(",.", ".'")  # a point beside decimal commas is none
 COMMA, FORTRAN = "a decimal comma", "an exponent as in Fortran"
 
@@ -94,6 +96,8 @@ class TextReader:
             if len(line) >= LONGEST_LINE:
                 raise FileError(self._path, "has a line of more than {n:,} letters; give a line for each particle",
                                 LONGEST_LINE)
+            if "*" in line and len(line) <= MOST_LETTERS:
+                line = _repeat_numbers(line)
             if line[0].isdigit() or line.strip(" \t\r\n,;\""):
                 yield line
 
@@ -121,6 +125,7 @@ class TextReader:
         """Yields the rows in a form that numpy reads, and stores what is stated between them."""
         count = 0
         most, remarks = min(self._limits.rows, self._limits.numbers // width), 0
+        by_cell = layout.has_arrays or (COMMA in dialect and layout.separator == ",")
         self._times.clear()
         for line in self._lines():
             begins_with_digit = line[0].isdigit()  # as most rows do, and no comment and no heading
@@ -143,9 +148,10 @@ class TextReader:
             if count > most:
                 self._limits.check_rows(self._path, count)
                 self._limits.check_numbers(self._path, count, width)
-            if FORTRAN in dialect:
-                line = LOST_LETTER.sub(r"e\1", line.translate(FORTRAN_LETTER))
-            yield line.translate(DECIMAL_COMMA) if COMMA in dialect else line
+            if by_cell:
+                yield (layout.separator or " ").join(f'"{_translate(cell, dialect)}"' for cell in layout.cells(line))
+            else:
+                yield _translate(line, dialect) if dialect else line
 
     def _is_remark(self, line: str, layout: TextLayout, row: int) -> bool:
         """Returns whether a line between rows is a heading again or states a time, which is stored."""
@@ -186,7 +192,7 @@ class TextReader:
                                             "decimal comma; give one decimal sign in all rows", quote(cell, 30), name,
                                 line)
             plain, found = cell, set[str]()
-            if "," in plain and layout.separator != ",":
+            if "," in plain:
                 plain, found = plain.replace(",", "."), found | {COMMA}
             if (written := LOST_LETTER.sub(r"e\1", plain.translate(FORTRAN_LETTER))) != plain:
                 plain, found = written, found | {FORTRAN}
@@ -197,3 +203,16 @@ class TextReader:
                 return found
         raise FileError(self._path, "has a row in line {line} that cannot be read; give a number in every column",
                         self._number)
+
+
+def _translate(text: str, dialect: set[str]) -> str:
+    """Returns a text whose numbers have the peculiarities of a ``dialect`` with numbers as numpy reads them."""
+    if FORTRAN in dialect:
+        text = LOST_LETTER.sub(r"e\1", text.translate(FORTRAN_LETTER))
+    return text.translate(DECIMAL_COMMA) if COMMA in dialect else text
+
+
+def _repeat_numbers(line: str) -> str:
+    """Returns a line with equal numbers written out, with the separator of the line between."""
+    between = next((mark for mark in ";," if mark in line), " ")
+    return REPEATED.sub(lambda found: between.join([found[2]] * int(found[1])), line)

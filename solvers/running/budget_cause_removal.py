@@ -47,7 +47,7 @@ class CauseRemovalResult:
         values = self.result.budget
         assert values is not None  # the scene has the effect
         return {"schema": SCHEMA, "scene": self.result.scene.to_dict(), "reference": values["reference"],
-                "budget": values, "take_away": self.take_away()}
+                "budget": values, "grid_crossings": self.result.grid_crossings, "take_away": self.take_away()}
 
 
 def run_budget(scene: Any, cause: str = NOTHING, on_progress: Progress = lambda part: None) -> CauseRemovalResult:

@@ -27,6 +27,12 @@ def shares(series: Mapping[str, np.ndarray], field: str) -> dict[str, float | No
             if total > 0 else None for cause in CAUSES}
 
 
+def has_crossed(series: Mapping[str, np.ndarray], time: float = np.inf) -> bool:
+    """Returns whether a particle has changed its cell up to a time in s, by a run's series; True if nobody counted."""
+    counts = series.get("crossings")
+    return counts is None or bool(np.interp(time, series["time"], counts) > 0)
+
+
 @IGNORE_OVERFLOW
 def shares_at(series: Mapping[str, np.ndarray], field: str, time: float) -> dict[str, float]:
     """Returns each cause's part of the RMS error of "x", "v" or "F" at a ``time`` in s over that error; {} if the error

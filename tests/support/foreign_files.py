@@ -102,8 +102,8 @@ def fortran(number: str) -> str:
     return "1.00000000-120" if number == "0" else f"{float(number):.8e}".replace("e", "D")
 
 
-def quoted(line: str) -> str:
-    return ",".join(f'"{cell}"' for cell in line.split(","))
+def quoted(line: str, separator: str = ",") -> str:
+    return ",".join(f'"{cell}"' for cell in line.split(separator))
 
 
 def vtk(folder: Path, ending: str, arrays: Callable[[Columns], dict[str, np.ndarray]], points: str = "xyz",

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import functools
+import re
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -126,6 +127,15 @@ OTHERS: dict[str, Callable[[Path], list[Path]]] = {
     "heading with commas above blanks": Text(PLAIN, " ", heading="# id, x, y, vx, vy\n"),
     "decimal comma": Text(PLAIN, ";", number=comma),
     "decimal comma after tabs": Text(PLAIN, "\t", number=comma, ending=".dat"),
+    "decimal comma in quotes": Text(PLAIN, ";", heading="id,x,y,vx,vy\n", number=comma,
+                                    row=lambda line: quoted(line, ";")),
+    "equal numbers as Fortran writes them": Text(PLAIN | {"z": "0", "vz": "0"}, " ", ending=".dat",
+                                                 row=lambda line: re.sub("0 0$", "2*0.0", line)),
+    "equal numbers between commas": Text(PLAIN | {"z": "0", "vz": "0"}, row=lambda line: line[:-3] + "2*0.0"),
+    "arrays as pandas writes them": Text(PLAIN, " ", heading="id,position [m],velocity\n",
+                                         row=lambda line: '{},"[{}, {}]","[{}, {}]"'.format(*line.split())),
+    "arrays as numpy writes them": Text(PLAIN, heading="id,material,x,v\n",
+                                        row=lambda line: '{},"steel, old",[{} {}],[{} {}]'.format(*line.split(","))),
     "sep=": Text(PLAIN, ";", "sep=;\n# t = {t}\n", number=comma), "quotes": Text(PLAIN, row=quoted),
     "comma at the end": Text(PLAIN, heading="{names},\n", row=lambda line: f"{line},"),
     "comma at the end of rows": Text(PLAIN, row=lambda line: f"{line},"),

@@ -78,5 +78,6 @@ class Budget(SceneFlags):
 
 def _tables(values: dict) -> str:
     """Returns the tables of the budget and of a removed cause, if any, as text, from the command's JSON object."""
-    removed = values["take_away"]
-    return "\n\n".join([budget_table(values["budget"]), *([removed_cause_table(removed)] if removed else [])])
+    removed, crossed = values["take_away"], values["grid_crossings"] != 0
+    return "\n\n".join([budget_table(values["budget"], crossed),
+                        *([removed_cause_table(removed, crossed)] if removed else [])])

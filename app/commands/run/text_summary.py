@@ -8,7 +8,7 @@ from solvers.problems import PROBLEMS
 from solvers.running.quantities_of_interest import SAFETY
 from solvers.running.result import Result
 from solvers.scene.effects import ALL, EFFECTS, PER_CENT, Number, output_lines_by_effect
-from solvers.scene.error_causes import CAUSES, FIELDS
+from solvers.scene.error_causes import FIELDS, cause_labels
 from solvers.scene.estimator_registry import COMPANION
 from solvers.study.coverage.estimate_coverage_counts import wilson_interval
 from solvers.study.coverage.track_record_and_bets import RunSoFar, bars_held
@@ -45,7 +45,7 @@ def run_table(result: dict, corrected: str = "") -> str:
         parts.append(_corrected_table(result, corrected))
     parts += [f"estimate: {name}\n{sentence}" for name, sentence in result["not_valid"].items()]
     if result.get("budget"):
-        parts.append(budget_table(result["budget"]))
+        parts.append(budget_table(result["budget"], result["grid_crossings"] != 0))
     return "\n\n".join([*parts, _cost_text(result)])
 
 
@@ -61,9 +61,11 @@ def _corrected_table(result: dict, estimator: str) -> str:
         + f"\nno MPM is left in it: the result is the {COMPANION}'s own" * (estimator == COMPANION)
 
 
-def budget_table(budget: dict) -> str:
-    """Returns a text table of each cause's share of the errors of x, v and F, or why they are not valid."""
-    rows = [(cause, *(format_value(budget[field][name], ".3f") for field in FIELDS)) for name, cause in CAUSES.items()]
+def budget_table(budget: dict, crossed: bool) -> str:
+    """Returns a text table of each cause's share of the errors of x, v and F, or why they are not valid; ``crossed`` is
+    whether a particle has changed its cell."""
+    rows = [(cause, *(format_value(budget[field][name], ".3f") for field in FIELDS))
+            for name, cause in cause_labels(crossed).items()]
     whose = "the error" if budget["reference"] == "exact" else f"what the {budget['reference']} has the error is"
     text = _align_columns([("share of the error of", *FIELDS), *rows])
     return f"{text}\n{budget['not_valid'] or f'shares of {whose} over the run, adding up to 1'}"
@@ -95,11 +97,12 @@ def _norm_row(key: str, summary: dict) -> tuple[str, ...]:
     return name, *(format_value(summary[part], ".3e") for part in SUMMARY)
 
 
-def removed_cause_table(values: dict) -> str:
-    """Returns a text table of the RMS errors with all causes, predicted without one, and run again."""
+def removed_cause_table(values: dict, crossed: bool) -> str:
+    """Returns a text table of the RMS errors with all causes, predicted without one, and run again; ``crossed`` is
+    whether a particle has changed its cell."""
     heads = {"before": "before", "predicted": "predicted", "again": "run again"}
     rows = [(words, *(format_value(values[key][field], ".3e") for field in FIELDS)) for key, words in heads.items()]
-    return _align_columns([(f"without {CAUSES[values['class']]}, RMS",
+    return _align_columns([(f"without {cause_labels(crossed)[values['class']]}, RMS",
                             *(f"{field} ({UNITS[field]})" for field in FIELDS)),
                            *rows]) + STEP_MEANING * (values["class"] == "time_step")
 

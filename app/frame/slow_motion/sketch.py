@@ -53,9 +53,9 @@ class Sketch:
         self._points[size].append((in_plane(at[:, 0], at[:, 1], self._depth),
                                    np.tile(np.array(colour, np.uint8), (len(at), 1))))
 
-    def text(self, x: float, y: float, text: str, anchor: Anchor, size: float = 0.85) -> None:
-        """Writes a text at the point (x, y) of the stage, ``size`` times as large as usual letters."""
-        self._texts.append(Label(f"label{len(self._texts)}", text, float(x), float(y), anchor, "step", size))
+    def text(self, x: float, y: float, text: str, anchor: Anchor) -> None:
+        """Writes a text at the point (x, y) of the stage."""
+        self._texts.append(Label(f"label{len(self._texts)}", text, float(x), float(y), anchor, "step"))
 
     def marks(self) -> Iterator[Mark]:
         """Yields all marks, with empty labels in place of former ones, and clears the sketch."""

@@ -17,10 +17,10 @@ from solvers.solver.particle_step_breakdown import ParticleStepBreakdown
 FRONT, OTHERS, DOMAINS = (0, 158, 115), (120, 127, 136), (205, 210, 216)
 STRESS, BODY, NODE = (213, 94, 0), (0, 114, 178), (24, 28, 34)
 HIGH = (0.3, 0.9)  # least and greatest height of the stage
-CAPTION, NUMBERS = 1.0, 0.9  # sizes of letters
 #: Possible positions of a node's numbers: anchor and direction.
 SIDES: tuple[tuple[Anchor, tuple[int, int]], ...] = (
-    ("bottom-center", (0, 1)), ("top-center", (0, -1)), ("center-left", (1, 0)), ("center-right", (-1, 0)))
+    ("bottom-center", (0, 1)), ("top-center", (0, -1)), ("center-left", (1, 0)), ("center-right", (-1, 0)),
+    ("bottom-left", (1, 1)), ("bottom-right", (-1, 1)), ("top-left", (1, -1)), ("top-right", (-1, -1)))
 DIGITS = {1: 5, 2: 4}  # of numbers beside the nodes, by dimensions
 LONGEST = 0.42  # longest arrow in cells
 WIDEST = 0.3  # largest square of a node in cells
@@ -79,8 +79,8 @@ class SlowMotionStage(ABC):
         caption = "\n".join(wrap_text(line, self.letters_per_caption_line)
                             for line in [which, *PHASES[phase].front(scene, a)])
         self._sketch.text(0.0, self._stage_metrics.high,
-                          wrap_text("; ".join(self._legend), self.letters_per_caption_line), "top-left", CAPTION)
-        self._sketch.text(0.0, 0.0, caption, "bottom-left", CAPTION)
+                          wrap_text("; ".join(self._legend), self.letters_per_caption_line), "top-left")
+        self._sketch.text(0.0, 0.0, caption, "bottom-left")
         self.sheet.show_marks(*self._sketch.marks())
 
     def _draw_functions_phase(self, scene: Scene, a: ParticleStepBreakdown, s: float) -> None:
@@ -184,7 +184,7 @@ class SlowMotionStage(ABC):
             text = "\n".join(parts)
             anchor, side = SIDES[self._free_side(spot, away, text, reaching, written)]
             x, y = spot + away * np.array(side)
-            self._sketch.text(x, y, text, anchor, NUMBERS)
+            self._sketch.text(x, y, text, anchor)
         names = [tr("{name} in {unit}", name=tr(c.name), unit=unit) if unit else tr(c.name)
                  for c, unit in zip(shown, units, strict=True)]
         self._legend.insert(0, tr("numbers at the nodes: {first}, below it {second}", first=names[0], second=names[1])
@@ -193,9 +193,9 @@ class SlowMotionStage(ABC):
     def _free_side(self, spot: np.ndarray, away: float, text: str, taken: np.ndarray,
                    written: list[tuple[np.ndarray, np.ndarray]]) -> int:
         """Returns the index in ``SIDES`` of the side of a node for the ``text`` of its numbers, ``away`` from its
-        ``spot`` (2,): never over the selected particle, not along arrows, which extend by ``taken`` (4,) to the sides,
+        ``spot`` (2,): never over the selected particle, not along arrows, which extend by ``taken`` (8,) to the sides,
         and off the labels ``written`` so far (middles and half sizes; the new one is appended)."""
-        half = 0.5 * self._stage_metrics.text_extent(text, NUMBERS)
+        half = 0.5 * self._stage_metrics.text_extent(text)
         middles = spot + np.array([side for _, side in SIDES]) * (away + half)
         front = np.all(np.abs(self._spots[0] - middles) < half + 0.5 * SIZES[2], axis=1)
         others = sum((np.all(np.abs(at - middles) < half + size, axis=1) for at, size in written), np.zeros(len(SIDES)))
@@ -206,7 +206,7 @@ class SlowMotionStage(ABC):
     @property
     def letters_per_caption_line(self) -> int:
         """Number of letters that fit into a line of the captions."""
-        return self._stage_metrics.letters_per_line(self._words, CAPTION)
+        return self._stage_metrics.letters_per_line(self._words)
 
     def _is_inside(self, spots: np.ndarray, reach: float = 0.0) -> np.ndarray:
         """Returns which points (m, 2) of the stage are in the picture and at least ``reach`` off its edges, (m,)."""

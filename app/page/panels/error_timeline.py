@@ -26,6 +26,7 @@ TOPS = (1, 1.2, 2, 4, 6, 8)  # of that of the errors, whose halves are round, to
 HEADROOM, ASIDE = 1.04, 1.13  # over the largest error, and beside the last time, for the curves' names
 BINS = 150  # intervals of the time's axis in which cell changes are counted
 TICKS = 4  # of the time's axis, at least
+MOST_LETTERS = 7  # of a number on the axis of errors, beside its name
 
 UNSTABLE, LOST = lazy("unstable from {time} on"), lazy("lost from {time} on")
 
@@ -146,8 +147,10 @@ class ErrorTimeline:
         begin = "0" if not start else in_periods(start / of_time) if swings else with_unit(start, "s")
         changes, many = self._cell_changes(series, start, end)
         # From 1000 % on as a factor, which is shorter: the labels have little room.
-        tops = [[height(share), f"{format_number(100 * share)} %" if share < 10 else f"{format_number(share)} x"]
+        tops = [(height(share), per_cent(share) if share < 10 else f"{format_number(share)} x")
                 for share in (top, 0.5 * top)]
+        if len(tops[0][1]) > MOST_LETTERS:  # of rounding errors: beside the axis' name there is room for one
+            tops = tops[:1]
         said = {"tops": tops, "start": begin, "ticks": marks, "now": part(now.time),
                 "reach": [*map(part, now.reach)], "changes": changes, "first": tr("first crossing") if changes else "",
                 "many": trn("{count:,} cell change so far", "{count:,} cell changes so far", many),

@@ -222,12 +222,9 @@ class RunSession:
         self.link.close()
 
     @property
-    def others_playing(self) -> bool:
-        return self._other_playing_count > 0
-
-    @property
-    def _other_playing_count(self) -> int:
-        return self._pool.playing - self.playing * (1 + bool(self.pinned))
+    def others_playing(self) -> int:
+        """Number of runs of other visitors that play."""
+        return max(0, self._pool.playing - self.playing * (1 + bool(self.pinned)))
 
     @property
     def compiling(self) -> bool:
@@ -268,7 +265,7 @@ class RunSession:
 
     def _watch_speed(self) -> Notice | None:
         """Returns the message that other runs slow this one down, for 8 s after each time, as speeds fluctuate."""
-        report, others = self.report, self._other_playing_count
+        report, others = self.report, self.others_playing
         if report and report.playing and report.real_speed is not None and others \
                 and report.real_speed < CROWDED_BELOW * self.speed * report.scene.period:
             self._crowded_at = monotonic()

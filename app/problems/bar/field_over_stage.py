@@ -60,8 +60,8 @@ def _still_marks(places: FieldPlotLayout, scene: BarScene) -> Iterator[Mark]:
     yield Lines("cells", join_points(low, high), metrics.palette.grid, 1.0)
     name = functions_name(scene.method)
     yield Label("run", name, 0.0, metrics.high, "top-left", "title", TITLE, bold=True)
-    beside = 1.1 * metrics.text_extent(name, TITLE)[0] + 10 * metrics.pixel
-    room = 1 - beside - metrics.text_extent("t = 0.2222 s ")[0]
+    beside = 1.1 * metrics.text_width(name, TITLE) + 10 * metrics.pixel
+    room = 1 - beside - metrics.text_width("t = 0.2222 s ")
     said, _ = metrics.first_fitting_text((main_settings_text(scene), ""), room, metrics.line_height)
     yield Label("settings", said, beside, metrics.high, "top-left", "note", tone="faint")
     yield from legend_labels(tr(BarStage.MARKED), metrics, box.below)

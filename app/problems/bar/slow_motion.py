@@ -4,7 +4,7 @@ import numpy as np
 
 from app.frame.layout import Rectangle
 from app.frame.primitives import Colour, StageMetrics
-from app.frame.slow_motion.stage import CAPTION, DOMAINS, FRONT, NODE, OTHERS, SlowMotionStage, averaged_hat
+from app.frame.slow_motion.stage import DOMAINS, FRONT, NODE, OTHERS, SlowMotionStage, averaged_hat
 from solvers.scene.scene import Scene
 from solvers.solver.particle_step_breakdown import ParticleStepBreakdown
 
@@ -20,7 +20,7 @@ class BarSlowMotionStage(SlowMotionStage):
     _above, _aside = 0.03, np.array([0.0, 1.0])
 
     def _split_text_and_picture(self, metrics: StageMetrics) -> tuple[float, Rectangle]:
-        line, letters_per_line = CAPTION * metrics.line_height, metrics.letters_per_line(1.0, CAPTION)
+        line, letters_per_line = metrics.line_height, metrics.letters_per_line(1.0)
         above, below = (line * (1 + letters // letters_per_line) for letters in LETTERS)
         return 1.0, (0.0, 1.0, below + metrics.line_height, metrics.high - above)
 

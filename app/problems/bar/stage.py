@@ -126,7 +126,7 @@ def legend_labels(crossings: str, metrics: StageMetrics, y: float | None, before
     keys: tuple[tuple[str, str, Tone, Sign], ...] = (
         ("exact", tr("exact"), "truth", "line"), ("particle", tr("particle"), "plain", "dot"),
         ("crossings-note", crossings, "crossing", "ring"), ("before", before, "before", "line"))
-    widths = [metrics.text_extent(text)[0] + KEYS[sign] * metrics.pixel if text else 0.0 for _, text, _, sign in keys]
+    widths = [metrics.text_width(text) + KEYS[sign] * metrics.pixel if text else 0.0 for _, text, _, sign in keys]
     x = 0.5 * (1 - sum(widths))
     for (name, text, tone, sign), width in zip(keys, widths, strict=True):
         yield Label(name, "" if y is None else text, x, y or 0.0, "top-left", "note", tone=tone, sign=sign)

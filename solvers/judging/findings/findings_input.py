@@ -25,6 +25,7 @@ class ParticleTrajectories:
     known exact ones, (T, P, D) or (T, P, D, D)."""
 
     time: np.ndarray
+    number: np.ndarray  # (P,), in the files
     material_position: np.ndarray  # (P, D)
     own: dict[str, np.ndarray]  # x, v and sigma (from F if need be), and F and stress if in the files
     exact: dict[str, np.ndarray]  # x, v and sigma
@@ -61,7 +62,8 @@ class FindingsInput:
                 if all(values is not None and np.isfinite(values).all() for values in found)}
         off = {q: np.stack([e[q][at] for e, at in zip(errors, picked, strict=True)])
                for q in ("x", "v", "sigma") if q in said}
-        return ParticleTrajectories(np.array([f.time for f in frames]), frames[0].material_position[picked[0]], said,
+        return ParticleTrajectories(np.array([f.time for f in frames]), frames[0].number[picked[0]],
+                                    frames[0].material_position[picked[0]], said,
                                     {q: said[q] - error for q, error in off.items()})
 
 

@@ -14,6 +14,7 @@ MOST = 200_000  # particles at a time: some 300 MB and a few seconds
 ROUNDS = 40  # of removing the worst, each of many particles at once
 SUSPECT = 12.0  # times the usual departure, from which on a particle is excluded for others
 USUAL = 0.9  # of all particles depart less than what the last word is measured by
+ONE_SIDED, ON_A_RIM = 0.4, 3.0  # of their distance the middle of the neighbours is aside; times as much may be there
 TINY = 1e-300
 
 
@@ -115,6 +116,14 @@ def departures(near: NearestNeighbours, values: np.ndarray, which: np.ndarray | 
     rest = values[at] - np.einsum("pk,pkc->pc", weights, values[who])
     far = np.sqrt(np.sum(rest**2, axis=1) / (1 + np.sum(weights**2, axis=1)))
     return np.where(used.sum(axis=1) >= near.around.shape[2] + 1, far, 0.0)
+
+
+def allowance_at_rims(near: NearestNeighbours) -> np.ndarray:
+    """Returns the factor (P,) by which a particle may depart more than others from the plane through its neighbours:
+    where these are all on one side the plane goes on beyond them."""
+    away = np.where(near.there[:, :, None], near.around[:, :, 1:], 0.0)
+    rim = np.linalg.norm(away.mean(axis=1), axis=1) > ONE_SIDED * np.linalg.norm(away, axis=2).mean(axis=1)
+    return np.where(rim, ON_A_RIM, 1.0)
 
 
 def _plane_weights(around: np.ndarray, used: np.ndarray) -> np.ndarray:

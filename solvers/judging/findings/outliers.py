@@ -9,7 +9,14 @@ import numpy as np
 from solvers.judging.findings import neighbour_comparison
 from solvers.judging.findings.finding import BROKEN, HOLDS, OFF, SUSPICIOUS, Finding, unknown
 from solvers.judging.findings.findings_input import FindingsInput
-from solvers.judging.findings.neighbour_comparison import MOST, USUAL, NearestNeighbours, find_neighbours, find_outliers
+from solvers.judging.findings.neighbour_comparison import (
+    MOST,
+    USUAL,
+    NearestNeighbours,
+    allowance_at_rims,
+    find_neighbours,
+    find_outliers,
+)
 from solvers.judging.findings.recorded_motion_reader import RecordedMotion
 from solvers.judging.particle_data_types import Frame
 from solvers.scene.scene import Scene
@@ -19,14 +26,15 @@ MOST_FRAMES = 24  # in which velocities and stresses are checked, evenly spread
 LEAST_APART = 0.02  # of a cell; rims and crossings of sound runs of ours leave less on evenly laid particles
 NAMES = {"x": "x of each particle against its neighbours'", "v": "v of each particle against its neighbours'",
          "sigma": "stress of each particle against its neighbours'"}
-MASSES = "mass of each particle against its neighbours'"
+NAMES_OF_WEIGHTS = {"mass": "mass of each particle against its neighbours'",
+                    "volume": "volume of each particle against its neighbours'"}
 #: Times what most depart, from where on a particle is by itself. Of runs of ours drawn at random x reached 8 (beyond
 #: LEAST_APART), and what lasted a third of the frames 5 of v and 3.5 of the stress; what did not last 30 and 20.
 TIMES = {"x": 12.0, "v": 8.0, "sigma": 4.5}
 LEAST = {"v": 0.1, "sigma": 0.2}  # of the size of the quantity
 LASTS = 3  # one moment in so many
 PASSES = 6.0  # times as much where it does not last: crossings of the grid pass
-OTHER_MASS, OF_MASS = 0.2, "of the usual mass"
+OTHER_WEIGHT, OF_USUAL = 0.2, "of the usual one"
 UNITS = {"x": "m", "v": "m/s", "F": "", "sigma": "Pa"}
 #: Of a quantity itself: times what most depart, from where on one is by itself, and the least of that, of the spacing
 #: for x and of the quantity's own size for others.
@@ -34,7 +42,6 @@ ALONE: dict[str, tuple[float, float]] = {"x": (30.0, 0.5), "v": (15.0, 0.3), "F"
 NAMES_OF_MOTION = {key: f"{key} of each particle against its neighbours'" for key in ALONE}
 SOON_PASSES = 10.0  # times as much where that does not last
 A_PLACE, NOISE = 1.6, 6.0  # of the spacing, and times what most depart
-ONE_SIDED, ON_A_RIM = 0.4, 3.0  # of their distance the middle of the neighbours is aside; times as much may be there
 WORDS = {"x": "position", "v": "velocity", "F": "F", "sigma": "stress"}
 ROUGH, ROUGHEST = 0.5, 1.0  # of the size of v or the stress: what it departs from its neighbours', RMS
 FEWEST = 16  # particles
@@ -95,10 +102,12 @@ def value_outliers(evidence: FindingsInput, quantity: str) -> OutlierSummary | N
         frames.append(frame)
         parts.append(far.astype(np.float32))
         limits.append(limit)
-    if not frames:
+    if first is None:
         return None
     every_far, every_limit = np.array(parts), np.array(limits)
-    at, beyond, factor = _lasting_outliers(every_far / every_limit[:, None], len(frames) // LASTS, PASSES)
+    rim = allowance_at_rims(first)
+    at, beyond, factor = _lasting_outliers(every_far / every_limit[:, None] / rim, len(frames) // LASTS, PASSES)
+    factor = factor * rim
     worst, which = int(np.argmax(beyond)), np.flatnonzero(beyond > 1)
     k = int(at[worst])
     return OutlierSummary(FrameOutliers(frames[k], which, every_far[k, which].astype(float)) if len(which) else None,
@@ -144,21 +153,24 @@ def outliers_finding(quantity: str, outliers: OutlierSummary | None) -> Finding:
                            most.frame.time, int(most.frame.number[most.which[worst]]), X))
 
 
-def check_masses(frame: Frame) -> Finding:
-    """Checks each particle's mass in a frame against a plane through those of its neighbours."""
-    if frame.mass is None:
-        return unknown(MASSES, "no masses in the files; a wrong one shows in the motion alone, or not at all")
-    near, usual = find_neighbours(frame.material_position), float(np.median(np.abs(frame.mass)))
+def check_weights(frame: Frame, key: str) -> Finding:
+    """Checks each particle's mass or volume, by its ``key``, in a frame against a plane through its neighbours'."""
+    values, name = {"mass": frame.mass, "volume": frame.volume}[key], NAMES_OF_WEIGHTS[key]
+    if values is None:
+        return unknown(name, f"no {key} in the files; a wrong one shows in the motion alone, or not at all")
+    near, usual = find_neighbours(frame.material_position), float(np.median(np.abs(values)))
     if near is None or not usual > 0:
-        return unknown(MASSES, f"not of 5 to {MOST:,} particles at a time")
-    which, far, limit = find_outliers(near, frame.mass[:, None], TIMES["x"], OTHER_MASS * usual)
+        return unknown(name, f"not of 5 to {MOST:,} particles at a time")
+    which, far, limit = find_outliers(near, values[:, None], TIMES["x"], OTHER_WEIGHT * usual)
     if not len(which):
-        return Finding(MASSES, HOLDS, float(far.max()) / usual, limit / usual, OF_MASS)
+        return Finding(name, HOLDS, float(far.max()) / usual, limit / usual, OF_USUAL)
     worst = which[np.argmax(far[which])]
-    return Finding(MASSES, OFF, float(far[worst]) / usual, limit / usual, OF_MASS,
-                   Message("the mass of {count:,} particle{plural} differs from the neighbours, most that of particle "
-                           "{number} ({mass:.4g} kg)", len(which), "s" * (len(which) != 1), int(frame.number[worst]),
-                           frame.mass[worst]))
+    return Finding(name, OFF, float(far[worst]) / usual, limit / usual, OF_USUAL,
+                   Message("the {weight} of {count:,} particle{plural} differs from the neighbours, most that of "
+                           "particle {number} ({share:.3g} of the usual {weight})",
+                           weight=Message("mass") if key == "mass" else Message("volume"), count=len(which),
+                           plural="s" * (len(which) != 1), number=int(frame.number[worst]),
+                           share=values[worst] / usual))
 
 
 def check_outliers(motion: RecordedMotion, key: str) -> Finding:
@@ -170,7 +182,7 @@ def check_outliers(motion: RecordedMotion, key: str) -> Finding:
     every = motion.fields[key] - (motion.reference if key == "x" else 0.0)
     size = motion.spacing if key == "x" else _largest_rms(motion, key)
     if not size > 0:
-        return unknown(name, "it is zero everywhere")
+        return unknown(name, "it is zero everywhere, or rounding")
     scores, limits = [], []
     for moment in motion.checked_time_indices:
         _, far, limit = find_outliers(near, every[moment].reshape(len(motion.reference), -1), times, least * size)
@@ -178,10 +190,7 @@ def check_outliers(motion: RecordedMotion, key: str) -> Finding:
             limit = min(limit, max(A_PLACE * size, NOISE * float(np.quantile(far, USUAL))))
         scores.append(far / limit)
         limits.append(limit)
-    away = np.where(near.there[:, :, None], motion.reference[near.who] - motion.reference[:, None], 0.0)
-    # Where all neighbours are on one side the plane goes on beyond them.
-    rim = np.linalg.norm(away.mean(axis=1), axis=1) > ONE_SIDED * np.linalg.norm(away, axis=2).mean(axis=1)
-    score = np.array(scores) / np.where(rim, ON_A_RIM, 1.0)
+    score = np.array(scores) / allowance_at_rims(near)
     at, beyond, _ = _lasting_outliers(score, 0 if key == "x" else len(scores) // LASTS,
                                       SOON_PASSES)  # places do not pass
     p, count = int(np.argmax(beyond)), int(np.sum(beyond > 1))
@@ -204,7 +213,7 @@ def check_roughness(motion: RecordedMotion, key: str) -> Finding:
                        else f"not of {FEWEST} particles and more")
     size = _largest_rms(motion, key)
     if not size > 0:
-        return unknown(name, "it is zero everywhere")
+        return unknown(name, "it is zero everywhere, or rounding")
     every = [neighbour_comparison.departures(near, motion.fields[key][moment].reshape(len(motion.reference), -1))
              for moment in motion.checked_time_indices]
     shares = [float(np.sqrt(np.mean(far**2))) / size for far in every]
@@ -222,5 +231,7 @@ def check_roughness(motion: RecordedMotion, key: str) -> Finding:
 
 def _largest_rms(motion: RecordedMotion, key: str) -> float:
     """Returns the largest RMS over particles of a quantity at any time, for F that of F - 1; SI units."""
+    if key == "v":
+        return motion.speed
     values = motion.fields[key] - (np.eye(motion.dimensions) if key == "F" else 0.0)
     return float(np.sqrt(np.max(np.mean(np.sum(values.reshape(*values.shape[:2], -1) ** 2, axis=2), axis=1))))

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from solvers.judging.findings.finding import BROKEN, HOLDS, Finding
+from solvers.judging.findings.findings_input import detect_precision, sample_numbers
 from solvers.judging.findings.neighbour_comparison import (
     MOST,
     TINY,
@@ -35,6 +36,8 @@ NUMBERS = "all numbers are finite"
 LEAVES, MOST_LEAVING = 0.5, 0.01  # of the distance, and of the particles: by which rows keep their order
 SAME_TIME = 1e-12  # of the last time
 FEWEST = 3  # particles
+ROUNDED = 4.0  # times the rounding of a number, from which on a motion is more than that
+NOTHING = 1e-9  # of the spacing: what the rounding of many steps may add up to
 
 
 @dataclass(frozen=True)
@@ -122,14 +125,27 @@ class RecordedMotion:
 
     @functools.cached_property
     def amplitude(self) -> float:
-        """Size in m of the particles' relative motion: the largest RMS of the displacement without its mean."""
+        """Size in m of the particles' relative motion: the largest RMS of the displacement without its mean, at least
+        what rounding may feign of it."""
         moved = self.x - self.reference
-        return float(np.sqrt(np.max(np.mean(np.sum((moved - moved.mean(axis=1, keepdims=True))**2, axis=2), axis=1))))
+        size = np.sqrt(np.max(np.mean(np.sum((moved - moved.mean(axis=1, keepdims=True))**2, axis=2), axis=1)))
+        return max(float(size), self.rounding)
+
+    @functools.cached_property
+    def rounding(self) -> float:
+        """Distance in m that rounding may feign: of positions, of F over the body's length, and of many steps."""
+        def stored(values: np.ndarray) -> float:
+            return float(detect_precision(sample_numbers(list(values))).rounding(np.abs(values).max()))
+
+        F, length = self.deformation_gradient, float(np.ptp(self.reference, axis=0).max())
+        of_numbers = stored(self.x) + (0.0 if F is None else stored(F) * length)
+        return ROUNDED * of_numbers + NOTHING * (0.0 if np.isnan(self.spacing) else self.spacing)
 
     @functools.cached_property
     def speed(self) -> float:
-        """Largest RMS of the velocity, in m/s."""
-        return float(np.sqrt(np.max(np.mean(np.sum(self.fields["v"]**2, axis=2), axis=1))))
+        """Largest RMS of the velocity, in m/s; 0 where that moves the particles by no more than rounding."""
+        size = float(np.sqrt(np.max(np.mean(np.sum(self.fields["v"]**2, axis=2), axis=1))))
+        return 0.0 if size * float(np.ptp(self.times)) <= self.rounding else size
 
     def doubt_about_rows(self, not_read: Sequence[str]) -> str:
         """Returns why rows may be of other particles at another moment; "" where they are known, or keep their order as

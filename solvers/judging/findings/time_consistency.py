@@ -14,12 +14,14 @@ from solvers.translatable_message import Message
 
 FEWEST_TIMES = 5
 SURE, SMOOTHED = 6.0, 3.0  # times that uncertainty; times what smoothing can make of the error of v
+FARTHEST_APART = 0.25  # of a period: moments between which neither rule follows the motion are farther apart
 UNSURE = "smaller shifts are below the errors, or between the few times"
 VELOCITY, STRESS = ("moment of the velocities before that of the positions",
                     "moment of F or the stress before that of the positions")
 STEPS = "steps"
 HALF = 0.5  # of a step: what leapfrog's velocities are of, and 0 what others' are
 SLACK = 0.25  # of a step
+SHORTEST_LAG = 0.25  # of a period, in less of which v does not pass through 0, so that a lag looks like a size
 TOO_LARGE = "the errors are too large"
 FEW = Message("fewer than {least} times, or not the same particles at all of them", FEWEST_TIMES)
 NAMES_OF_V = "v against dx/dt", "moment of v before that of x", "the middle against the mean of v"
@@ -47,6 +49,10 @@ def check_velocity_time(evidence: FindingsInput) -> Finding:
     tracks, step = evidence.tracks, evidence.step
     if tracks is None or len(tracks.time) < FEWEST_TIMES or "v" not in tracks.exact:
         return unknown(VELOCITY, FEW if "v" in evidence.errors[0] else "no velocities in the files")
+    if np.diff(tracks.time).max() > FARTHEST_APART * evidence.scene.period:
+        return unknown(VELOCITY, "two moments are farther apart than a quarter of a period")
+    if evidence.scene.swings and np.ptp(tracks.time) < SHORTEST_LAG * evidence.scene.period:
+        return unknown(VELOCITY, "too little of a period to tell velocities that are late from too large ones")
     x, v = (tracks.own[q] - tracks.exact[q] for q in ("x", "v"))
     interval = np.diff(tracks.time)[:, None, None]
     gap = 0.5 * interval * (v[1:] + v[:-1]) - np.diff(x, axis=0)
@@ -108,7 +114,7 @@ def _lag_finding(name: str, steps: float, slack: float, allowed: tuple[float, fl
 def check_velocity(motion: RecordedMotion) -> list[Finding]:
     """Returns three findings on whether displacements between times are the mean velocity times the interval."""
     if len(motion.times) < 3 or not motion.speed > 0:
-        why = "fewer than three moments" if len(motion.times) < 3 else "v is zero"
+        why = "fewer than three moments" if len(motion.times) < 3 else "v is zero, or rounding"
         return [unknown(name, why) for name in NAMES_OF_V]
     v, interval = motion.fields["v"], np.diff(motion.times)[:, None, None]
     moved = np.diff(motion.x, axis=0)

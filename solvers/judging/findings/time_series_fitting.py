@@ -55,6 +55,14 @@ def jackknife_least_squares(target: np.ndarray, parts: Sequence[np.ndarray]) -> 
     return found, np.array([jackknife_error(column) for column in found.T])
 
 
+def cross_validation_error(target: np.ndarray, parts: Sequence[np.ndarray], found: np.ndarray) -> float:
+    """Returns the RMS of what the coefficients ``found`` by :func:`jackknife_least_squares` miss of the target, in each
+    group of times by those that were found without it."""
+    groups = np.array_split(np.arange(len(target)), len(found) - 1)
+    return rms(np.concatenate([target[at] - sum(share * part[at] for share, part in zip(shares, parts, strict=True))
+                               for at, shares in zip(groups, found[1:], strict=True)]))
+
+
 def jackknife_error(estimates: np.ndarray) -> float:
     """Returns the standard error of a number, whose first estimate uses all groups of data and each other omits one."""
     others = estimates[1:]

@@ -17,11 +17,27 @@ def printed(capfd, *arguments: str) -> dict:
     return json.loads(capfd.readouterr().out, parse_constant=lambda name: pytest.fail(f"{name} is not JSON"))
 
 
+@pytest.mark.parametrize(("amplitude", "words", "crossed"), [("0.0034", "particle sums", False),
+                                                             ("0.006", "crossings", True)])
+def test_what_crossings_make_before_the_first_is_particle_sums(amplitude, words, crossed, capfd, tmp_path):
+    """With 36 cells and four particles each, particles cross from A = h/8 = 3.47 mm on. In all tables and the picture's
+    titles; by the same key in JSON, with the number of crossings beside."""
+    flags = ("budget", "bar", "--method", "mpm", "--cells", "36", "--amplitude", amplitude, "--periods", "0.25",
+             "--estimator", "none", "--quiet", "--take-away", "crossings")
+    assert main([*flags]) == 0
+    said = capfd.readouterr().out
+    other = {"particle sums": "crossings", "crossings": "particle sums"}[words]
+    assert f"without {words}" in said and said.count(words) == 2 and other not in said
+    values = printed(capfd, *flags)
+    assert (values["grid_crossings"] > 0) == crossed and 0.1 < values["budget"]["x"]["crossings"] < 1
+    assert values["take_away"]["again"]["x"] == pytest.approx(values["take_away"]["predicted"]["x"], rel=0.05)
+
+
 @pytest.mark.parametrize("flags", [QUICK, PLANE], ids=["bar", "ring"])
 def test_json_is_the_contracts(flags, capfd, tmp_path):
     file = tmp_path / "budget.png"
     values = printed(capfd, "budget", *flags, "--take-away", "crossings", "--plot", str(file))
-    assert set(values) == {"schema", "scene", "reference", "budget", "take_away"}
+    assert set(values) == {"schema", "scene", "reference", "budget", "grid_crossings", "take_away"}
     assert values["schema"] == "mpm-lab/budget/1" and values["reference"] == "exact"
     assert values["scene"].get("take_away", "nothing") == "nothing"  # of the run that has the budget
     for field in FIELDS:

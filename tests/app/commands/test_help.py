@@ -21,7 +21,7 @@ from app.commands.progress import wants_colour
 from tests.support.paths import ROOT
 from tests.support.processes import HANG
 
-WITHOUT_NAMES = {"text", "files", "table", "names", "name", "what", "visitors"}  # typed where they stand
+WITHOUT_NAMES = {"text", "file", "files", "table", "names", "name", "what", "visitors"}  # typed where they stand
 EACH = pytest.mark.parametrize("name", commands(), ids=" ".join)
 
 

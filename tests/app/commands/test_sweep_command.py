@@ -4,12 +4,16 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 
 from app.cli import main
 from app.commands import commands
+from app.commands.lenient_flag_types import BadInput
+from app.commands.study.study_command import StudyFlags
 from app.pictures.cost_and_convergence import FIGURES
+from solvers.study.parameter_grid import MOST_ROWS
 from solvers.study.row import solver_source_hash
 from tests.support.fake_rows import InstantExecutor
 
@@ -89,3 +93,10 @@ def test_flags_become_axes(monkeypatch):
     assert axes["cells"] == [20, 100] and axes["method"] == ["mpm", "ugimp"] and axes["dt"] == [1e-3, 2e-3]
     assert axes["linearity_preserving"] == [True, False] and axes["estimator"] == [()] and axes["amplitude"] == [0.1]
     assert axes["effects"] == [("truth", "energy")] and axes["cfl"] == [None] and axes["ppc"] == [4]
+
+
+def test_a_study_has_as_many_rows_as_are_allowed_and_no_more():
+    flags = SimpleNamespace(out="out", workers=None, scheduler=None)
+    StudyFlags.check_study_flags(flags, MOST_ROWS)
+    with pytest.raises(BadInput, match=f"{MOST_ROWS:,}"):
+        StudyFlags.check_study_flags(flags, MOST_ROWS + 1)

@@ -279,3 +279,11 @@ def test_several_lessons_are_packed_once_each(capsys, monkeypatch, tmp_path):
     assert main(["export", "1", "04", "1", "--scorm", "--quiet", "--out", str(tmp_path / "a.zip")]) == 0
     assert [lesson.name for lesson in asked] == ["01-one-step", "04-grid-crossing"]
     assert (tmp_path / "a.zip").read_bytes() == b"PK"
+
+
+def test_a_value_may_cost_as_much_as_the_scene_that_was_asked_for(monkeypatch):
+    """However much that is; a dearer one only up to what is allowed beside it."""
+    scene = shareable_state.parse_state("bar cells=20").scene
+    for most, values in ((0.0, (10, 20)), (1e12, (10, 20, 40))):
+        monkeypatch.setattr(slider_grid, "MOST_WORK", most)
+        assert slider_grid.axis_through(scene, "cells", (10, 40), 3).values == values

@@ -6,6 +6,8 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from app.frame.colour_scale import ColourScale
+from app.frame.error_plot import ErrorPlot, ErrorPlotBox
 from app.frame.field_plot import ROOM, FieldPlot, ValueAxis, magnify_deviation
 from app.frame.layout import ComparedRunSlot
 from app.frame.primitives import StageMetrics
@@ -13,7 +15,6 @@ from app.problems.bar.stage import BarStage
 from solvers.problems.bar.scene import BarScene
 from solvers.running.run import build
 from solvers.solver.samples import QUANTITIES
-from tests.support.unsolved_bar import unsolved
 
 BAR_FIELD = BarStage.PLOT
 BAR = BarScene(cells=10, ppc=2, periods=1)
@@ -43,14 +44,6 @@ def test_deviations_are_the_true_errors(solver, quantity):
     np.testing.assert_allclose(deviation, error, rtol=0, atol=1e-13 * np.abs(shot.plotted).max())
 
 
-def test_without_an_exact_solution_the_values_are_there_alone():
-    solver = build(unsolved(BAR))
-    solver.advance(20)
-    for quantity in QUANTITIES:
-        values, deviations = solver.snapshot(plotted=quantity).plotted.T
-        assert np.isfinite(values).all() and np.abs(values).max() > 0 and np.isnan(deviations).all()
-
-
 def test_what_is_off_is_not_zero():
     """Accelerations are kept with their effect alone. Nothing is computed for a plot that nobody asked for."""
     solver = build(replace(BAR, effects=()))
@@ -63,12 +56,10 @@ def test_what_is_off_is_not_zero():
 
 def test_magnified_is_exact_plus_so_many_deviations():
     """Of what does not swing, where all else is the same everywhere, deviations alone."""
-    field, known = np.array([[5.0, 0.25], [2.0, -0.5]]), SimpleNamespace(solution_known=True, swings=True)
+    field, known = np.array([[5.0, 0.25], [2.0, -0.5]]), SimpleNamespace(swings=True)
     np.testing.assert_array_equal(magnify_deviation(known, field, 1), [5, 2])
     np.testing.assert_array_equal(magnify_deviation(known, field, 10), [4.75 + 2.5, 2.5 - 5])
-    np.testing.assert_array_equal(magnify_deviation(SimpleNamespace(solution_known=False), field, 10), [5, 2])
-    np.testing.assert_array_equal(magnify_deviation(SimpleNamespace(solution_known=True, swings=False), field, 10),
-                                  [2.5, -5])
+    np.testing.assert_array_equal(magnify_deviation(SimpleNamespace(swings=False), field, 10), [2.5, -5])
 
 
 def test_axis_ends_at_round_numbers_and_holds_everything():
@@ -200,8 +191,6 @@ def test_a_plot_says_what_is_drawn():
 
     assert said(BAR, "x") == ("Displacement", "") and len(made["exact"])
     assert said(BAR, "sigma", 100) == ("Stress", "") and made["magnified"].text == "error × 100"
-    alone = unsolved(BAR)
-    assert said(alone, "v", 10) == ("Velocity", "no exact curve is known") and not len(made["exact"])
     off = replace(BAR, effects=("truth",))
     assert said(off, "a", value=np.nan)[1] == "not computed: the effect \"acceleration error\" is off"
     patch = replace(BAR, motion="patch", amplitude=BarScene().amplitude)
@@ -251,3 +240,17 @@ def test_two_plots_share_an_axis():
     assert made["plot"].shared_axis_changed and made["high"].text == "+30 mm"
     draw(BAR, "x", 1, AT, field, 0.1, UNCROSSED)
     assert not made["plot"].shared_axis_changed and made["high"].text == other["high"].text == "+1 m"
+
+
+@pytest.mark.parametrize("known", [True, False])
+def test_a_particle_is_pointed_at_where_its_true_error_is(known):
+    """Or the estimated one where no other is known."""
+    scale, at = ColourScale(), np.linspace(0, 1, 5)
+    estimated, true = np.full(5, 0.5), np.full(5, 0.25)
+    scale.update(estimated, true)
+    plotted = SimpleNamespace(start=0.0, end=1.0, ends=("0", "1"))
+    plot, box = ErrorPlot(plotted, scale), ErrorPlotBox(0.0, 1.0, 0.0, 1.0)
+    plot._labelled = box, StageMetrics(900.0), "x", scale.appearance
+    assert list(plot.draw(box, StageMetrics(900.0), "x", at, estimated, true if known else None))
+    heights = plot.dot_positions(slice(1, 3), 2)[:, 1]
+    assert heights == pytest.approx(scale.shares(true if known else estimated)[:2])

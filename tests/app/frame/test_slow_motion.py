@@ -6,7 +6,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from app.frame.slow_motion.stage import NUMBERS, averaged_hat
+from app.frame.slow_motion.stage import SIDES, averaged_hat
 from app.frame.slow_motion.step_phases import PHASES, format_scaled
 from app.names_and_units import PREFIXES
 from app.problems.views import VIEWS
@@ -188,15 +188,15 @@ def test_numbers_lie_neither_over_the_particle_in_front_nor_over_each_other(name
     stage = VIEWS[scene.problem].slow_motion_stage(ViewerSurface(SimpleNamespace(scene=drawn), lettering, "/slow"))
     solver = build(scene)
     solver.advance(40)
-    sides = {"bottom-center": (0, 1), "top-center": (0, -1), "center-left": (1, 0), "center-right": (-1, 0)}
+    sides = {anchor: np.array(side) for anchor, side in SIDES}
     for particle in range(0, 24, 7):
         _, breakdown = solver.break_down(particle)
         for phase in range(len(PHASES)):
             stage.draw(scene, breakdown, phase, 1.0)
             front = drawn.made["dots2"].points[-1, :2]
-            numbers = [label for _, label in lettering.visible_labels if label.anchor in sides]
+            numbers = [label for _, label in lettering.visible_labels if label.x]  # captions begin at the edge
             assert len(numbers) == len(breakdown.nodes)
-            halves = [0.5 * stage.sheet.stage_metrics.text_extent(label.text, NUMBERS) for label in numbers]
+            halves = [0.5 * stage.sheet.stage_metrics.text_extent(label.text) for label in numbers]
             middles = [np.array((label.x, label.y)) + half * sides[label.anchor]
                        for label, half in zip(numbers, halves, strict=True)]
             for k, (half, middle) in enumerate(zip(halves, middles, strict=True)):

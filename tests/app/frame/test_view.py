@@ -152,6 +152,16 @@ def test_scale_is_used_and_its_numbers_are_round(logarithmic):
     assert scale.top == 1 and scale.exceeded
 
 
+def test_a_scale_that_is_held_is_never_out_of_date():
+    """Others are some time after another run has begun."""
+    now = [0.0]
+    scale = ColourScale(clock=lambda: now[0])
+    scale.begin_run()
+    for time, held, outdated in ((0.0, False, False), (60.0, False, True), (60.0, True, False)):
+        now[0], scale.held = time, held
+        assert scale.is_outdated == outdated
+
+
 def test_scale_keeps_still_while_errors_come_and_go():
     """It holds the largest error so far, whatever comes."""
     clock, tops = Clock(), []

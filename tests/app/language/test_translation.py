@@ -98,6 +98,7 @@ def test_numbers_have_the_marks_of_the_language():
             == ["2,1 mm", "6,4 %", "2.300 %", "0,36", "1,23e+03"]
         assert tr("not above {least:g}, as in {command}", least=0.5, command="--cfl 0.5") \
             == "not above 0,5, as in --cfl 0.5"
+        assert tr("{cells:,} cells", cells=12_345) == "12.345 cells"  # whole numbers, too
         assert parse_size(with_unit(0.0021, "m"), "m") == 0.0021
         assert '"marks": ",."' in number_format_script()
 

@@ -198,3 +198,7 @@ def test_the_guide_says_what_is_deeper_or_leaves_it_out(monkeypatch, capsys):
     assert title not in text and "*Deeper" not in text
     assert f"the core, which takes {found.core_minutes} minutes" in text
     assert "mpm-lab serve --lesson 06-ring --core" in text and "mpm-lab lesson grade FILES --core" in text
+
+
+def test_minutes_are_the_nearest_and_never_none():
+    assert [duration.whole_minutes(seconds) for seconds in (5, 89, 91, 149, 151)] == [1, 1, 2, 2, 3]

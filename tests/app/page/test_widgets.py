@@ -10,7 +10,7 @@ import viser
 from viser._messages import GuiSliderProps
 
 from app.page.features.opening_tour import BAR, BESIDE, OpeningTour
-from app.viewer import viser_patches
+from app.viewer import viser_patches, widget_validation
 from tests.support.page_server import start_server
 from tests.support.processes import wait_until
 from tests.support.raw_client import RawClient
@@ -91,3 +91,12 @@ def test_icons_and_kinds_of_values_are_the_viewers():
     handle = SimpleNamespace(_impl=SimpleNamespace(props=GuiSliderProps.__new__(GuiSliderProps)))
     found = viser_patches.widget_property_types(handle)
     assert found == get_type_hints(GuiSliderProps) and found is viser_patches.widget_property_types(handle)
+
+
+def test_a_number_may_be_past_an_end_by_half_of_its_last_digit():
+    """As a browser rounds what it shows, and no farther; whole numbers not at all."""
+    for value, least, most, fits in ((0.0, 0.1, 0.159, (0.0995, 0.1595)), (1, 1, 9, (1, 9))):
+        slider = SimpleNamespace(value=value, min=least, max=most, precision=3)
+        assert all(widget_validation._is_in_range(slider, one) for one in fits)
+        low, high = fits
+        assert not any(widget_validation._is_in_range(slider, one) for one in (low - 1e-5, high + 1e-5, math.nan))

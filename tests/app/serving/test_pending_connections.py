@@ -165,3 +165,15 @@ def test_large_message_closes_its_own_websocket_only(address):
             wait_until(lambda: one.closed, "it is closed")
             one.send("more")
         assert one.closed in (1009, 1006) and other.closed is None
+
+
+def test_a_bucket_fills_at_its_rate_up_to_its_brim():
+    """However long nobody came: who waits has no more tries than who begins."""
+    now = [0.0]
+    bucket = TokenBucket(3, 0.5, clock=lambda: now[0])
+    bucket.debit(4)
+    assert bucket.delay() == pytest.approx(4.0)  # until one is there, of one that is missing
+    now[0] = 3.0
+    assert bucket.tokens == pytest.approx(0.5)
+    now[0] = 1000.0
+    assert bucket.tokens == 3

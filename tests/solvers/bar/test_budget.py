@@ -190,6 +190,15 @@ def test_where_causes_cancel_it_says_so(simulate):
     assert going_bad["not_valid"].startswith("not valid here: ") and "cancel" in going_bad["not_valid"]
 
 
+def test_numbers_beyond_all_bounds_have_no_shares():
+    """Of one field alone, where the others have theirs."""
+    series = {f"budget/{kind}_{field}{cause}": np.ones(3) for field in FIELDS for kind, causes in (
+        ("error", [""]), ("size", [f"_{name}" for name in CAUSES])) for cause in causes}
+    series |= {name: 0.25 * values for name, values in series.items() if "size" in name}
+    assert budget_shares.why_not_valid(series) is None
+    assert "too large" in budget_shares.why_not_valid(series | {"budget/size_v_crossings": np.full(3, np.inf)})
+
+
 def test_a_run_gone_bad_still_has_a_result(simulate):
     """Null where there is no number, and a sentence."""
     result = simulate(replace(SCENE, cfl=1.5, take_away="crossings"))

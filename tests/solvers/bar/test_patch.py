@@ -60,6 +60,13 @@ def test_what_heals_it_and_what_leaves_it_whole(changes):
     assert abs(result.energy["drift"]) < round_off(result.scene)
 
 
+def test_zero_drift_leaves_the_bar_the_speed_that_it_began_with():
+    solver = build(BarScene(motion="patch", cells=12, ppc=2, initial_velocity=0.5, remedies=("zero-drift",),
+                            estimators=()))
+    solver.advance(100)
+    np.testing.assert_allclose(solver.snapshot().velocity, 0.5, rtol=1e-12)
+
+
 def test_a_lost_stress_is_found_without_the_exact_solution():
     result = run(replace(PATCH, method="mpm", ppc=2.5, effects=("estimate",)), prices=False)
     assert result.status == "lost" and "companion estimates its error as" in result.reason

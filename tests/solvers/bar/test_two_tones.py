@@ -7,6 +7,7 @@ import pytest
 
 from solvers import run
 from solvers.problems.bar import exact_solution
+from solvers.problems.bar.estimators.companion import mesh
 from solvers.problems.bar.scene import TWO_TONE_AMPLITUDE_LIMIT, BarScene
 
 BAR = BarScene(body_force="two-tone", linearity_preserving=True, estimators=("recovered", "companion"))
@@ -46,17 +47,23 @@ def test_beyond_the_largest_amplitude_the_bar_folds():
     assert least == pytest.approx(0.0525, abs=0.002)
 
 
+def test_the_companion_has_elements_enough_for_the_second_wave():
+    """On a bar of few cells, too: polynomials of degree 4 on so many elements have it to a ten-thousandth."""
+    elements, X = mesh(replace(BAR, cells=11)), np.linspace(0, 1, 301)[:-1]
+    element, basis, _ = elements.evaluate_basis(X)
+    nodes = np.sin(4 * np.pi * elements.node_coordinates)[elements.node_of_point]
+    found = np.sum(basis * nodes[element], axis=1)
+    assert np.abs(found - np.sin(4 * np.pi * X)).max() < 1e-4
+
+
 @pytest.mark.parametrize(("changes", "band"), [
     ({"amplitude": 2.5e-4, "cfl": 0.1, "periods": 0.5}, 0.05),
     ({"amplitude": 0.025, "modulus": 1000.0, "dt": 2.5e-5, "t_end": 0.25}, 0.05),
-    ({"amplitude": 0.01, "cells": 11, "periods": 1.5, "linearity_preserving": False}, 0.35)],
-                         ids=["small", "large", "coarse"])
+    ({"amplitude": 0.01, "cells": 11, "periods": 1.5}, 0.1)], ids=["small", "large", "coarse"])
 def test_estimates_are_judged_by_the_truth(changes, band):
-    """Companion to .2 %; recovered to the ``band``, on a coarse grid by .69 to .92, which its index says. All causes of
-    the error are found."""
-    result = run(replace(BAR, effects=("truth", "estimate", "soundness", "budget"), **changes), prices=False)
+    """Companion to .2 %; recovered to the ``band``, wider where the grid is coarse, which its index says."""
+    result = run(replace(BAR, effects=("truth", "estimate", "soundness"), **changes), prices=False)
     assert result.status == "ok" and result.not_valid == {}
     for quantity in ("x", "v", "sigma"):
         assert result.index["companion"][quantity] == pytest.approx(1, abs=0.002)
         assert result.index["recovered"][quantity] == pytest.approx(1, abs=band)
-    assert [sum(result.budget[field].values()) for field in "xvF"] == pytest.approx([1, 1, 1], abs=1e-6)

@@ -122,3 +122,19 @@ def test_a_packing_gives_back_what_it_took():
         np.testing.assert_array_equal(array, values[name])
     parts["b"][:] = 9
     assert (held["memory_reals"][-5:] == 9).all()
+
+
+def test_the_second_run_is_judged_by_its_own_error():
+    """Four times that of the fine run: of .13 of the amplitude .52, of .12 less than the half that is lost."""
+    scene, fine = BarScene(cells=40), np.ones(3)
+    for share, words in ((0.12, None), (0.13, "0.52 of the amplitude"), (np.nan, "nan of the amplitude")):
+        largest = np.array([(share * scene.motion_amplitude) ** 2])
+        found = two_grid.coarse_run_verdict(scene, fine, 0 * fine, 0.5, largest)
+        assert found is None if words is None else words in found
+    assert "unstable" in two_grid.coarse_run_verdict(scene, np.array([1.0, np.nan]), 0 * fine, 0.5, np.zeros(1))
+
+
+@pytest.mark.parametrize(("every", "steps"), [(4, 4), (7, 7), (20, 10), (11, 10)])
+def test_the_second_run_arrives_with_the_samples(every, steps):
+    """Its steps are the most that a sample's are a multiple of, up to ten; where none are, ten."""
+    assert two_grid.steps_per_coarse_step(BarScene(cells=40, cfl=0.02, sample_every=every)) == steps

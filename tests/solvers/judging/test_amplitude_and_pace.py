@@ -9,14 +9,14 @@ import pytest
 
 from app.cli import main
 from solvers.judging import problem_handout
-from solvers.judging.findings.amplitude_and_pace import AMPLITUDE, CLOCK, check_amplitude_and_clock
+from solvers.judging.findings.amplitude_and_pace import AMPLITUDE, CLOCK, check_amplitude_and_clock, free_vibration
 from solvers.judging.findings.finding import HOLDS, OFF, UNKNOWN, Finding
-from solvers.judging.findings.findings_input import FindingsInput
+from solvers.judging.findings.findings_input import FindingsInput, ParticleTrajectories
 from solvers.judging.findings.time_consistency import VELOCITY, check_velocity_time
 from solvers.problems import PROBLEMS
 from solvers.scene.validation import SceneError
 from tests.findings import honest, judgement
-from tests.support.faults import Files, as_files
+from tests.support.faults import Files, as_files, files, record, scene_of
 
 SEED, RUNS = 4711, 300  # the limits were set on others
 COARSE = 0.05  # of the motion: a run with a larger error hides 1 %
@@ -97,6 +97,30 @@ def test_a_free_vibration_hides_no_amplitude_and_is_no_damping(problem):
                         says)
 
 
+@pytest.mark.parametrize("problem", ["bar", "ring", "square"])
+def test_damping_is_told_beside_a_free_vibration_that_a_grid_slows_down(problem):
+    """By 2 %, as cells of an eighth of a wave do: within four periods the two are out of step."""
+    scene, arrays = motion(problem, 5, 4, damping=0.03)
+    ids = np.arange(len(arrays["X"]))
+    cosine, sine = free_vibration(ParticleTrajectories(0.98 * arrays["t"], ids, arrays["X"], {}, {}), scene)
+    checks = found(scene, arrays | {"x": arrays["x"] + 0.01 * cosine - 0.02 * sine})
+    assert re.match(r"the motion is (2\.[89]|3|3\.1) ± 0\.\d+ % too small at the end and shrinks by 0\.7\d* ± 0\.\d+ %",
+                    checks[AMPLITUDE].says)
+    assert checks[AMPLITUDE].verdict == checks[CLOCK].verdict == HOLDS  # a free vibration is the larger error
+
+
+def test_a_clock_is_told_from_errors_of_a_run_that_free_vibrations_explain_as_well():
+    """Of a ring of ours over one period: only with a ninth of the motion too little, which it is not."""
+    scene, arrays = (run := record(scene_of("ring"))).scene, files(run)
+    assert found(scene, arrays)[CLOCK].verdict == HOLDS
+    assert "the motion is 1 % slower" in found(scene, arrays | {"t": 1.01 * arrays["t"]})[CLOCK].says
+
+
+def test_velocities_are_not_held_against_moments_between_which_the_motion_turns():
+    scene, arrays = motion("square", 1.2, 5)
+    assert "farther apart than a quarter of a period" in found(scene, arrays)[VELOCITY].says
+
+
 def test_velocities_are_not_late_where_they_are_lost_and_a_lag_explains_little():
     """Errors of v as large as v, of another shape, in a rhythm so steady that a small lag beside them looks sure."""
     scene, arrays = motion("bar", 9, 2)
@@ -111,7 +135,7 @@ def sound_runs(seed: int):
     """Runs of ours drawn at random with five moments or more, and the errors of x of none beyond a twentieth."""
     chance = random.Random(seed)
     while True:
-        problem = chance.choice(("bar", "ring", "vortex"))
+        problem = chance.choice(("bar", "ring", "vortex", "square"))
         kind = PROBLEMS[problem].scene
         try:
             scene = kind(method=chance.choice(kind.choices("method")), ppc=chance.randint(2, 4),
@@ -129,7 +153,11 @@ def sound_runs(seed: int):
 
 
 @pytest.mark.parametrize("count", [6, pytest.param(RUNS, marks=pytest.mark.slow)])
-def test_no_sound_run_is_blamed_for_its_size_its_clock_or_its_velocities(count):
+def test_no_sound_run_is_blamed_for_its_size_its_clock_or_its_velocities_and_damping_is_found_in_most(count):
+    """Not in all: errors of a run's own may be as large as 3 %, and of opposite sign."""
+    small = 0
     for scene, arrays in itertools.islice(sound_runs(SEED), count):
         checks = found(scene, arrays)
         assert not any(checks[name].is_contradiction for name in (AMPLITUDE, CLOCK, VELOCITY)), scene
+        small += "too small" in found(scene, shrunk(arrays, 0.03))[AMPLITUDE].says
+    assert small >= 0.8 * count

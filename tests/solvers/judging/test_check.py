@@ -1,16 +1,18 @@
 """The check of particles of any run: a smooth motion in one to three dimensions, each thing that may be wrong, and runs
 of ours drawn at random, of which ``assets/check.md`` says what it finds of several hundred."""
 
+import json
 from itertools import islice
 
 import numpy as np
 import pytest
 
-from solvers.judging.check import CONSISTENT, check
+from solvers.judging.check import CONSISTENT, MotionCheckResult, check
 from solvers.judging.findings.deformation import GAP
-from solvers.judging.findings.finding import BROKEN, HOLDS, SUSPICIOUS, UNKNOWN
+from solvers.judging.findings.finding import BROKEN, HOLDS, SUSPICIOUS, UNKNOWN, Finding
 from solvers.untrusted.quoting import FileError
 from tests.findings import LOST, checked
+from tests.support.faults import as_files, record, scene_of
 from tests.support.known_runs import known_runs
 
 T, SIDE = 21, {1: 40, 2: 12, 3: 6}
@@ -58,6 +60,41 @@ def test_a_smooth_motion_has_no_contradiction_whatever_the_files_have_of_it(dime
     assert set(told.values()) <= {HOLDS, UNKNOWN}
 
 
+def superposed(arrays, angle, distance):
+    """The motion seen from a frame that turns by an angle and flies a distance, in a unit of time."""
+    t, x, v = arrays["t"], arrays["x"], arrays["v"]
+    cos, sin = np.cos(angle * t), np.sin(angle * t)
+    turn, rate = (np.moveaxis(np.array([[a, -b], [b, a]]), 2, 0) for a, b in ((cos, sin), (-angle * sin, angle * cos)))
+    moved = {"x": x @ turn.mT + distance * t[:, None, None], "v": v @ turn.mT + x @ rate.mT + distance}
+    return arrays | moved | {"F": turn[:, None] @ arrays["F"]}
+
+
+@pytest.mark.parametrize("amplitude", [0.15, 1e-4, 0.0])
+@pytest.mark.parametrize(("angle", "distance"), [(0.0, 100.0), (2.0, 0.0), (-0.3, 3.0)])
+def test_a_body_may_fly_and_turn_however_little_else_it_does(amplitude, angle, distance):
+    assert check(superposed(motion(2, amplitude), angle, distance)).verdict == CONSISTENT
+
+
+@pytest.mark.parametrize("amplitude", [0.15, 0.01, 0.0])
+def test_a_body_may_be_strained_before_its_motion_begins(amplitude):
+    """Evenly, and each particle by itself: F then counts from another state than X, and a note says so."""
+    arrays = motion(2, amplitude)
+    for stretch in (np.diag([1.1, 0.95]), np.eye(2) + 0.05 * np.random.default_rng(2).normal(size=(144, 2, 2))):
+        strained = check(arrays | {"F": arrays["F"] @ stretch})
+        assert strained.verdict == CONSISTENT
+        assert "F counts from another state than X" in " ".join(strained.motion.notes)
+        assert strained.to_dict()["reference"] == "the first moment"
+    assert not check(arrays).motion.notes
+
+
+def test_a_patch_test_of_ours_is_consistent_and_a_wrong_particle_in_it_is_not():
+    run = record(scene_of("bar", motion="patch", stretch=1.3, initial_velocity=0.2, cells=8))
+    arrays = as_files(run.scene, run.frames[::10], stress=True)
+    assert not found(arrays, CONSISTENT)
+    arrays["x"][9:, 5] += 0.02
+    assert found(arrays)
+
+
 def changed(key, change, dimensions=2):
     arrays = motion(dimensions)
     return arrays | {key: change(arrays[key].copy())}
@@ -71,6 +108,19 @@ def stuck(values):
 def apart(x):
     x[-1] += 0.05 * np.where(np.arange(x.shape[1]) % 2, 1, -1)[:, None]
     return x
+
+
+def freeze(F):
+    F[8:, 13:16] = F[8, 13:16]  # where the body deforms as much as most of it
+    return F
+
+
+def exchange_moments(one, other, where=None):
+    """The moments ``one`` and ``other`` exchanged, or ``one`` written ``where`` another one was."""
+    def put(values):
+        values[[one, other] if where is None else [where]] = values[[other, one] if where is None else [one]]
+        return values
+    return put
 
 
 def last(value):
@@ -92,6 +142,11 @@ def last(value):
     ("F", last(0.0002 * np.eye(2)), "det F is positive", SUSPICIOUS),
     ("F", lambda F: F - np.eye(2), "F against the gradient of x", SUSPICIOUS),
     ("F", lambda F: np.linalg.inv(F), "F against the gradient of x", SUSPICIOUS),
+    ("x", exchange_moments(10, 12), "intervals between moments against v", BROKEN),
+    ("x", exchange_moments(10, 10, 11), "every moment is another one", BROKEN),
+    ("t", lambda t: np.where(t > 0.5, 1000 * t, t), "intervals between moments against v", BROKEN),
+    ("t", lambda t: np.where(t > 0.5, 0.5 + 2 * (t - 0.5), t), "intervals between moments against v", BROKEN),
+    ("F", freeze, "F changes where the body deforms", SUSPICIOUS),
     ("v", lambda v: v / 1000, "v against dx/dt", BROKEN),
     ("v", lambda v: -v, "v against dx/dt", BROKEN),
     ("v", lambda v: np.roll(v, 1, axis=0), "moment of v before that of x", SUSPICIOUS),
@@ -163,3 +218,16 @@ def test_good_runs_raise_no_alarm_and_broken_ones_are_found(problem, count):
     # Of the vortex a third of the unstable runs ends where a particle has left the body, which only the problem knows.
     assert seen >= (0.5 if problem == "vortex" else 0.8) * len(broken)
     assert count < 50 or sum(run.label in LOST for run, *_ in found) > 5
+
+
+def test_what_cannot_be_is_told_before_what_should_not():
+    found = [Finding(verdict, verdict) for verdict in (HOLDS, SUSPICIOUS, BROKEN, UNKNOWN, SUSPICIOUS)]
+    result = MotionCheckResult((), None, found, ())
+    assert [one.verdict for one in result.contradictions] == [BROKEN, SUSPICIOUS, SUSPICIOUS]
+    assert result.verdict == BROKEN
+
+
+def test_particles_without_neighbours_have_no_distance_and_are_json_all_the_same():
+    times, place = np.linspace(0, 1, 5), np.zeros((3, 1))
+    found = check({"t": times, "id": np.arange(3), "X": place, "x": place + 0.1 * times[:, None, None]}).to_dict()
+    assert found["spacing"] is None and json.loads(json.dumps(found, allow_nan=False))["particles"] == 3

@@ -17,8 +17,9 @@ from solvers.judging.findings.outliers import NAMES
 from solvers.judging.findings.time_series_fitting import interpolate_before, jackknife_least_squares, time_derivative
 from solvers.judging.judgement import judge
 from solvers.problems import PROBLEMS
-from tests.findings import FORMS, drawn, honest, judged, judgement
+from tests.findings import FORMS, checked, drawn, honest, judged, judgement
 from tests.support.faults import ALL, ALTERATIONS, as_files, files, record, scene_of
+from tests.support.faults_in_time import IN_TIME
 
 #: What is said of each alteration, in words that no other cause has; None where nothing can be told, which is right.
 SAID = {
@@ -65,9 +66,39 @@ def test_what_is_wrong_with_a_file_is_told(problem, name):
         assert not notes and found.by_themselves == wanted
     else:
         assert any(wanted in note for note in notes) and not found.by_themselves
-        beside = {"stress a step late beside F", "one mass doubled, masses in the file", "E 1.01 times, its stress too"}
+        beside = {"stress a step late beside F", "one mass doubled, masses in the file", "E 1.01 times, its stress too",
+                  "one particle with F = 1"}
         assert len(notes) == 1 or (name in beside and len(notes) == 2)
         assert "another material" not in " ".join(notes)
+
+
+#: What the judge says, and of what the check speaks, of what goes wrong on the way.
+IN_TIME_SAID = {
+    "two frames exchanged": ("frames are exchanged", "intervals between moments against v"),
+    "a frame written twice": ("one moment was written twice", "every moment is another one"),
+    "a frame missing, times renumbered": ("repeated or missing", "intervals between moments against v"),
+    "times doubled from half on": ("times are in another unit", "intervals between moments against v"),
+    "v with the other sign": ("the other sign", "v against dx/dt"),
+    "F of ten neighbours frozen": ("stays the same to the last bit", "F changes where the body deforms"),
+    "stress of ten neighbours frozen": ("stays the same to the last bit", "the stress changes where the body deforms"),
+    "x damped to 95 %": ("one of them is damped on the way", None),
+    "rows permuted from half on": ("in another order", "neighbours keep their order"),
+    "stress in kPa from half on, without F": ("in another unit", None),
+    "one volume doubled, volumes in the file": ("the volume of 1 particle differs", None)}
+#: Where the errors of the method are larger; times in ms are refused, as of a run that is too long.
+TOO_ROUGH = {("vortex", name) for name in ("a frame missing, times renumbered", "x damped to 95 %",
+                                           "stress in kPa from half on, without F")}
+
+
+@pytest.mark.parametrize(("problem", "name"), [
+    pytest.param(problem, name, marks=() if problem == "bar" else pytest.mark.slow)
+    for problem in ALL for name in IN_TIME_SAID])
+def test_what_goes_wrong_on_the_way_is_told_by_the_judge_and_the_check(problem, name):
+    run, (wanted, finding) = run_of(problem), IN_TIME_SAID[name]
+    arrays = IN_TIME[name][1](run)
+    notes, names = judged(run.scene, arrays).notes, checked(arrays)[1]
+    assert any(wanted in note for note in notes) != ((problem, name) in TOO_ROUGH)
+    assert finding in names or finding is None or problem == "vortex"
 
 
 @pytest.mark.parametrize("count", [2, pytest.param(60, marks=pytest.mark.slow)])
@@ -79,6 +110,14 @@ def test_sound_runs_are_left_alone_in_every_form(count):
     for scene, arrays in runs:
         for form, made in FORMS.items():
             assert not judged(scene, made(arrays)).told, (scene, form)
+
+
+def test_no_particle_at_the_rim_of_a_cartesian_ring_is_blamed():
+    """There all neighbours are on one side, and the plane through them goes on beyond."""
+    scene = PROBLEMS["ring"].scene(method="cpgimp", cells=32, ppc=3, amplitude=0.08, layout="cartesian", estimators=(),
+                                   effects=())
+    arrays = honest(scene)
+    assert arrays is not None and not judged(scene, arrays).told
 
 
 def test_the_list_says_what_was_compared_whatever_came_of_it(tmp_path):
@@ -124,10 +163,12 @@ def share_of(scene, **arrays) -> dict:
     return next(check for check in checks if check.name.startswith("part of the body")).to_dict()
 
 
-@pytest.mark.parametrize("problem", ALL)
+@pytest.mark.parametrize("scene", [*(PROBLEMS[problem].scene(cells=12) for problem in ALL),
+                                   PROBLEMS["bar"].scene(cells=12, motion="patch", stretch=1.3)],
+                         ids=[*ALL, "patch"])
 @pytest.mark.parametrize("name", ["mass", "volume"])
-def test_masses_or_volumes_say_how_much_of_the_body_there_is(problem, name):
-    scene = PROBLEMS[problem].scene(cells=12)
+def test_masses_or_volumes_say_how_much_of_the_body_there_is(scene, name):
+    """Of one that begins stretched, too, whose mass is that of what was stretched."""
     frame = problem_handout.exact_frame(scene, 0.3 * scene.period)
     weight = problem_handout.particle_masses(scene) if name == "mass" else problem_handout.start(scene).volume
     for chosen in (slice(None), slice(None, None, 2)):

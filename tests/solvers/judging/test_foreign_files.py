@@ -13,6 +13,7 @@ from solvers.judging.check import CONSISTENT, check
 from solvers.judging.findings.finding import HOLDS
 from solvers.judging.judgement import judge
 from solvers.judging.moment_joining import join_moments
+from solvers.judging.particle_data_types import RawTable
 from solvers.judging.particle_readers import read_all
 from solvers.judging.particle_scene_matching import match_files
 from solvers.problems import PROBLEMS
@@ -60,6 +61,12 @@ REFUSED = {
     "overflow.dat": (plain("0 1 2 3 4\n1 ***** 2 3 4\n", "id x y vx vy\n"), "has ***** in the column x of line 4"),
     "thousands.csv": (plain("0;0,5;1;2;3\n1;1.234,5;1;2;3\n", "id;x;y;vx;vy\n"),
                       "has 1.234,5 in the column x of line 4, beside numbers with a decimal comma"),
+    "english.csv": (plain('0,"1,234.5",2,3,4\n'), "has 1,234.5 in the column x of line 3; give a number"),
+    "grouped.csv": (plain('"1,234",0.5,2,3,4\n'), "has 0.5 in the column x of line 3, beside numbers "
+                                                                   "with a decimal comma"),
+    "null.dat": (plain("0 1 2 3 4\n1 1 2 2*\n", "id x y vx vy\n"), "has 5 columns, but 4 in line 4"),
+    "array.csv": (plain('0,"[1, 2]",3,4\n1,"[1]",3,4\n', "id,x,vx,vy\n"), "has 5 columns, but 4 in line 4"),
+    "words.csv": (plain('0,"[1, two]",3,4\n', "id,x,vx,vy\n"), "has [1, two] in the column x of line 3; give a number"),
     "ragged.txt": (plain("0 1 2 3 4\n1 1 2 3\n", "id x y vx vy\n"), "has 5 columns, but 4 in line 4"),
     "longer.csv": (plain("0,1,2,3,4\n1,1,2,3,4,5\n"), "has 5 columns, but 6 in line 4"),
     "more.csv": (plain("0,1,2,3,4,5\n"), "has 5 names and 6 numbers in a line"),
@@ -158,3 +165,20 @@ def test_ids_from_1_are_seen_where_particles_are_missing(tmp_path):
     arrays = {"t": 0.0, "id": frame.number[some] + 1, "x": frame.position[some]}
     [grid] = judge(SCENE, arrays, cells=[CELLS]).grids
     assert grid.norms["x"].max() < 2e-4 and "the ids seem to be counted from 1" in " ".join(grid.notes())
+
+
+def part(ids: list[int], time: float) -> RawTable:
+    """Two particles of a moment, at X = 0.1 id, displaced by 0.01 m times the time."""
+    X = 0.1 * np.array(ids, float)[:, None]
+    return RawTable(f"{ids}-{time}", {"id": np.array(ids), "X": X, "x": X + 0.01 * time}, ("id",), time=time,
+                    from_displacement=True)
+
+
+def test_parts_of_one_moment_are_joined_where_they_are():
+    """And not moved, though nothing in them differs from moment to moment; those of a moment close by stay apart."""
+    [joined], _, _ = join_moments([part([1, 2], 1.0), part([3, 4], 1.0)], [], [])
+    assert joined.columns["id"].tolist() == [1, 2, 3, 4]
+    assert joined.columns["X"][:, 0] == pytest.approx([0.1, 0.2, 0.3, 0.4])
+    assert joined.columns["x"] - joined.columns["X"] == pytest.approx(0.01)
+    found, _, _ = join_moments([part(ids, t) for ids, t in (([1, 2], 1.0), ([3, 4], 1.0001), ([5, 6], 1.0))], [], [])
+    assert [(one.time, one.columns["id"].tolist()) for one in found] == [(1.0, [1, 2, 5, 6]), (1.0001, [3, 4])]

@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 
 from app.cli import main
-from solvers.judging import particle_writers, problem_handout
+from solvers.judging import error_norms, particle_writers, problem_handout
 from solvers.judging.error_norms import QUANTITIES, TwoMeshCompanion, count_crossings, largest_error, rms
-from solvers.judging.judgement import Judgement, judge
+from solvers.judging.judgement import Judgement, SingleGridJudgement, judge
 from solvers.judging.particle_data_types import Frame
 from solvers.judging.particle_readers import read_file
 from solvers.judging.reference_runs import frame_of_snapshot, run_reference
@@ -160,6 +160,20 @@ def test_without_a_truth_the_companion_judges(problem, force):
         own = result.estimate["companion"][q]["max"]
         assert grid["estimate"]["companion"][q]["max"] == pytest.approx(own, rel=0.02)
         assert grid["worst"][q]["size"] > 0
+
+
+def test_the_start_is_no_part_of_what_norms_are_summed_up_to():
+    """There a file has what it was given: the largest and the mean are of later times, as those of a run."""
+    found = error_norms.summarise_norms(np.array([0.0, 1.0, 2.0]), {"x": np.array([9.0, 1.0, 2.0])})
+    assert found == {"x": {"final": 2.0, "max": 2.0, "mean": 1.5}}
+
+
+def test_rounding_is_that_of_the_steps_that_the_run_took():
+    """As many as its own step makes, if the file says it, and else ours."""
+    scene, grid = PROBLEMS["bar"].scene(), SimpleNamespace(frames=(), times=np.array([0.0, 1.0]), step=None)
+    ours, own = (SingleGridJudgement(scene, one, None).largest_rounding_error("x") for one in (
+        grid, SimpleNamespace(**{**vars(grid), "step": scene.time_step / 100})))
+    assert own == pytest.approx(10 * ours)  # like the root of their number
 
 
 def test_several_grids_have_the_order_of_the_method_that_made_them(tmp_path):

@@ -8,10 +8,12 @@ import pytest
 import taichi as ti
 
 from solvers.estimators.estimator_arrays import unpack_arrays
+from solvers.kernels import runtime
 from solvers.kernels.dtypes import quads
 from solvers.problems import PROBLEMS
 from solvers.problems.planar.method import phases
 from solvers.problems.planar.method.cpdi import NODES
+from solvers.problems.planar.method.error_and_energy_sums import squared_norms
 from solvers.problems.planar.method.stored_weights import weights_by_particle
 from solvers.problems.planar.particle_layout import half_edges
 from solvers.problems.planar.scene import GHOSTS
@@ -277,3 +279,14 @@ def test_the_kernel_uses_the_boxes_that_are_drawn():
     end = np.maximum(0.0, place + half - first - 1)
     kept = weights_by_particle(a.weights, scene.method, a.particles)
     np.testing.assert_allclose(kept[:, 2:4], 0.25 * end**2 / half, atol=1e-13)  # the mean of the hat beyond
+
+
+@ti.kernel
+def sizes_of_a_tensor_and_vectors() -> ti.types.vector(4, ti.f64):
+    return squared_norms(ti.Vector([1.0, 2.0, 3.0, 4.0]), ti.Vector([1.0, 3.0, 2.0]), ti.Vector([2.0, 1.0]))
+
+
+def test_a_stress_has_its_shear_twice():
+    """In the Frobenius norm of (1, 3; 3, 2); x, v and a are vectors."""
+    runtime.start("cpu", 1)
+    assert list(sizes_of_a_tensor_and_vectors()) == [5.0, 25.0, 1 + 2 * 9 + 4, 5.0]

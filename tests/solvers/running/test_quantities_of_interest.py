@@ -9,7 +9,7 @@ import pytest
 from app.commands.dispatch import dispatch
 from solvers import BarScene, RingScene, VortexScene, run
 from solvers.problems import PROBLEMS
-from solvers.running.quantities_of_interest import SAFETY, QuantityOfInterest, point_weights
+from solvers.running.quantities_of_interest import ENERGY, SAFETY, QuantityOfInterest, point_weights
 from solvers.running.result import Result
 from solvers.scene.validation import SceneError
 
@@ -101,6 +101,13 @@ def test_who_does_not_hold_has_no_bar():
 def test_what_is_no_goal(scene, name, says):
     with pytest.raises(SceneError, match=f"(?s){says}"):
         run(scene, goals=[name])
+
+
+def test_an_energy_is_rounded_like_the_velocity_of_all_the_mass():
+    """dE = m v dv with v = sqrt(2 E/m): twice for four times the mass, or for four times the energy."""
+    goal, scene = QuantityOfInterest(ENERGY), BarScene()
+    one, heavy, fast = (goal.rounding(scene, 100, E, m) for E, m in ((1.0, 1.0), (1.0, 4.0), (4.0, 1.0)))
+    assert [heavy / one, fast / one] == pytest.approx([2, 2])
 
 
 def test_the_command(capsys):

@@ -57,6 +57,7 @@ def test_the_index_begins_when_an_error_rises_above_rounding():
     then = index.extend(np.array([3.0, 5.0, 1.0]), np.array([1.0, 5.0, 1.0]), 2.0)
     assert np.isnan(first).all() and np.isnan(then[0])
     assert then[1:] == pytest.approx([14 / 8, 15 / 9])  # of all that was, as eq 35 has it
+    assert index.extend(np.array([2.0]), np.array([1.0]), 2.0) == pytest.approx([17 / 10])  # once begun it goes on
 
 
 def test_rounding_grows_like_a_random_walk():
@@ -68,6 +69,12 @@ def test_rounding_grows_like_a_random_walk():
     exact = np.array([float(np.sum(np.sort(row).astype(np.longdouble))) for row in numbers])
     limit = largest_rounding_error(PATCH, "x", steps) / (1 + PATCH.drift_speed * PATCH.end_time)
     assert limit / ROUNDINGS / 100 < np.sqrt(np.mean((sums - exact) ** 2)) < limit
+
+
+def test_a_bar_that_drifts_is_rounded_as_far_out_as_it_comes():
+    """Its coordinates reach 1 m and what it moves at its speed, which rounding is a share of."""
+    slow, fast = (replace(PATCH, initial_velocity=speed, t_end=3.0, periods=None) for speed in (1.0, 5.0))
+    assert largest_rounding_error(fast, "x", 100) / largest_rounding_error(slow, "x", 100) == pytest.approx(16 / 4)
 
 
 def test_the_picture_says_so(simulate):

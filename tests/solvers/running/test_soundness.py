@@ -142,3 +142,12 @@ def test_evidence_is_the_largest_over_the_run():
              "mean_drift": scene.motion_amplitude * np.array([0.0, 0.75, 0.5])}
     known = {name: share for name, share in soundness.evidence(scene, found).items() if share is not None}
     assert known == {"mean_drift": pytest.approx(0.75)}
+
+
+def test_a_finding_names_the_worst_particle_of_its_own_moment(simulate):
+    result = simulate(ONE_EACH)
+    found = soundness.findings(result.scene, result.series)
+    assert found
+    for name, one in found.items():
+        worst = {**result.series, "place": np.where(result.series["time"] == one.time, 7.0, 3.0)}
+        assert soundness.findings(result.scene, worst)[name].particle == 7

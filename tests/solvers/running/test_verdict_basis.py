@@ -112,3 +112,14 @@ def test_how_long_a_run_was_accurate_does_not_depend_on_its_samples(simulate):
     lives = [simulate(replace(base, periods=periods, sample_every=every)).life["accurate"]
              for periods, every in ((2, 5), (3, 5), (2, 50))]
     assert lives[0] == lives[1] == pytest.approx(lives[2], abs=0.1)
+
+
+def test_a_life_ends_between_the_samples_beside_it(simulate):
+    """On the straight line between them, at a tenth of the amplitude; the first period is that, and nothing later."""
+    result = simulate(BarScene(cells=10, ppc=2, periods=2.0, estimators=()))
+    time, period, A = result.series["time"], result.scene.period, result.scene.motion_amplitude
+    error = np.where(time > 1.5 * period, 0.4 * A, 0.05 * A)
+    life = replace(result, series={**result.series, "error_x": error}).life
+    at = int(np.argmax(time > 1.5 * period))
+    assert life["accurate"] * period == pytest.approx(time[at - 1] + (time[at] - time[at - 1]) / 7)
+    assert life["first_period"] == pytest.approx(0.05) and life["sound"] is None

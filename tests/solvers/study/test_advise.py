@@ -3,6 +3,7 @@
 import json
 import math
 from dataclasses import replace
+from types import SimpleNamespace
 
 import pytest
 
@@ -11,7 +12,7 @@ from solvers.problems.bar.scene import BarScene
 from solvers.problems.ring import RingScene
 from solvers.problems.vortex import VortexScene
 from solvers.running.run import run
-from solvers.study.advise import Candidate, SearchGoal, _runner_up, advise, refinement_families
+from solvers.study.advise import Candidate, SearchGoal, _cheapest, _runner_up, advise, refinement_families
 from solvers.study.refinement_error_and_cost import RefinementFamily, RefinementPoint
 from solvers.study.sweep_and_search_worker import COURANT_NUMBERS, PARTICLES_PER_CELL
 
@@ -54,6 +55,13 @@ def test_cells_for_a_tolerance():
     assert known.cells_for(1e-5) == 200
     assert known.cells_for(1e-30) is None  # more cells than there can be
     assert family((10, 1e-3), (20, 1e-3)).cells_for(1e-4) is None
+
+
+def test_the_cheapest_run_has_a_margin_to_the_tolerance():
+    """28 cells are expected at 5.1e-4, too close below 5.2e-4; what has been measured needs no margin."""
+    known, goal = family((10, 4e-3), (20, 1e-3)), SearchGoal("x", 5.2e-4, 60.0)
+    assert known.cells_for(goal.tolerance) == 28 and _cheapest(known, goal).cells == 30
+    assert _cheapest(family((10, 4e-3), (20, 1e-3), (28, 5.1e-4)), goal).cells == 28
 
 
 def test_a_runner_up_is_dearer_by_what_is_said():
@@ -244,3 +252,13 @@ def test_corrected_results_are_families_of_their_own():
     timed = corrected._bare_scene(20)
     assert (timed.estimators, timed.courant_number) == (("recovered",), 0.5)
     assert 0 < corrected.measure(20).error < 0.2 * plain.measure(20).error
+
+
+def test_a_broken_run_has_no_error_that_a_tolerance_could_meet(monkeypatch):
+    """Though numbers are there, and small ones: of a lost run as of an unstable one."""
+    sizes = {"companion": {"x": {"max": 1e-9}}}
+    for status, error in (("ok", 1e-9), ("lost", math.inf), ("unstable", math.inf)):
+        result = SimpleNamespace(estimate=sizes, status=status, reason=None, corrected={})
+        monkeypatch.setattr("solvers.running.run.run", lambda *_, result=result, **__: result)
+        monkeypatch.setattr(RefinementFamily, "add_and_time_point", lambda self, point: point)
+        assert family().measure(40).error == error

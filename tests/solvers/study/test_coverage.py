@@ -2,6 +2,7 @@
 
 import json
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -130,6 +131,27 @@ def test_the_score_of_bars_is_least_for_the_quantile_that_they_promise():
     ends = np.linspace(1.2, 2.1, 19)
     scores = [np.mean([bars.bar_score(10**end, error) for error in errors[:4000]]) for end in ends]
     assert ends[np.argmin(scores)] == pytest.approx(1.645, abs=0.11)
+
+
+def test_a_refusal_is_needless_if_every_quantity_was_right():
+    """Within a factor of 1.5, of those whose index is known; without any nothing can be told."""
+    rows = [drawn_row(1.0, 1e-3, 1e-3) for _ in range(4)]
+    for row, index in zip(rows, ({"x": 1.1, "v": 1.4}, {"x": 1.1, "v": 1.6}, {"x": 1.1, "v": None}, {"x": None}),
+                          strict=True):
+        row["estimators"]["companion"] |= {"refused": BEFORE, "index": {**dict.fromkeys(("x", "v", "sigma")), **index}}
+    assert tally("bar", 1, rows)["refusals"]["companion"][BEFORE] == {"runs": 4, "told": 3, "needless": 2}
+
+
+def test_a_ratio_at_the_end_is_of_the_last_moment():
+    """And that over the run of all, the start with them; none where the last error is only rounding."""
+    def ratios(*true):
+        series = {f"error_{q}": np.array(true) for q in ("x", "v", "sigma")}
+        said = {f"companion/estimate_{q}": np.array([0.0, 4.0, 3.0]) for q in ("x", "v", "sigma")}
+        return random_runs._ratios(SimpleNamespace(scene=BarScene(), steps=100, series=series | said), "companion")
+
+    assert ratios(0.0, 8.0, 2.0) == {"index": dict.fromkeys(("x", "v", "sigma"), 0.7),
+                                     "end": dict.fromkeys(("x", "v", "sigma"), 1.5)}
+    assert ratios(0.0, 8.0, 1e-15)["end"] == dict.fromkeys(("x", "v", "sigma"))
 
 
 @pytest.fixture(scope="module", params=[pytest.param(MANY, marks=pytest.mark.slow)])

@@ -198,3 +198,17 @@ def test_the_cache_keeps_the_longest(monkeypatch):
     cache, long = HistoryCache(), ErrorHistory(1.0)
     cache.put([("a", long), ("a", ErrorHistory(0.5)), ("b", long), ("c", long)])
     assert cache.get("a") is None and cache.get("b") is long and cache.get("c") is long
+
+
+@pytest.mark.parametrize(("parameter", "value"), [("cells", 80), ("ppc", 2), ("amplitude", 0.01), ("modulus", 16.0),
+                                                  ("cfl", 0.2)])
+@pytest.mark.parametrize("step", [{"dt": 1e-3}, {"cfl": 0.1}])
+@pytest.mark.parametrize("kind", [BarScene, SquareScene])
+def test_the_work_of_a_value_is_that_of_its_own_scene(parameter, value, step, kind):
+    """With a fixed step a stiffer body, whose periods are shorter, takes fewer steps for as many of them."""
+    scene = kind(cells=40, ppc=4, amplitude=0.02, modulus=4.0, **step)
+    if parameter not in parameter_values.parameters_of(scene):
+        pytest.skip("not a parameter of a fixed step")
+    changed = parameter_values.varied_scene(scene, parameter, value)
+    found, own = (parameter_values.particle_steps(one, parameter, value, 2.0) for one in (scene, changed))
+    assert found == pytest.approx(own, rel=1e-9)

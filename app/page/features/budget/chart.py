@@ -22,7 +22,7 @@ from app.frame.colour_scale import round_up
 from app.language.translation import lazy, tr, translate_message
 from app.names_and_units import format_number, per_cent, with_unit
 from app.page.visit.history import series_until
-from solvers.scene.error_causes import CAUSES, NOTHING
+from solvers.scene.error_causes import CAUSES, NOTHING, cause_labels
 from solvers.scene.scene import Scene
 from solvers.solver import budget_shares
 
@@ -141,7 +141,8 @@ def _captioned_figure_html(run: RunBudget, inside: str) -> str:
 def _chart_text(run: RunBudget, field: str) -> str:
     """Returns a description of the chart for screen readers."""
     shares = budget_shares.shares(run.series, field)
-    parts = ", ".join(f"{tr(CAUSES[cause])} {format_percent(share)}" for cause, share in shares.items())
+    words = cause_labels(budget_shares.has_crossed(run.series))
+    parts = ", ".join(f"{tr(words[cause])} {format_percent(share)}" for cause, share in shares.items())
     return escape(tr("error of {field} over time, made by {parts}", field=field, parts=parts), quote=True)
 
 
@@ -154,7 +155,7 @@ def _legend_html(runs: Sequence[RunBudget], field: str) -> str:
         f"<tr data-cause='{cause}'><td><i style='background:var(--{cause_css_variable(cause)})'></i><b>{tr(words)}</b> "
         f"<span>{tr(MEANINGS[cause])}</span></td>"
         f"{''.join(f'<td>{format_percent(one[cause])}</td>' for one in shares)}</tr>"
-        for cause, words in CAUSES.items())
+        for cause, words in cause_labels(any(budget_shares.has_crossed(run.series) for run in runs)).items())
     of = tr("share of the error of {field} over the run", field=field) + estimated_error_note(runs[-1].scene) \
         + below_zero_note(share for one in shares for share in one.values())
     return f"<table class='lab-causes{' lab-two' * several}'><tr><th>{of}</th>{head}</tr>{rows}</table>"

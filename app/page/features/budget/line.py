@@ -3,18 +3,15 @@
 import json
 from html import escape
 
-import numpy as np
-
 from app.colour_palette import cause_css_variable
 from app.frame.budget_chart_data import QUESTION, budget_field, format_percent, has_budget
 from app.language.translation import lazy, tr
 from app.page.features.budget.jobs import Series
 from app.page.visit.history import series_until
-from solvers.scene.error_causes import CAUSES
+from solvers.scene.error_causes import cause_labels
 from solvers.solver import budget_shares
 
 MOST = 2  # causes that are named: there is no room for more
-NOT_CROSSED = {"crossings": lazy("particle sums")}  # a particle counts whole in each of its cells
 BEING_FOUND, NO_BUDGET, ON_REQUEST = "…", lazy("not for this run"), lazy("press to find out")
 
 
@@ -40,8 +37,7 @@ def budget_line_at(series: Series, quantity: str, time: float) -> str:
         return budget_line_html(tr("no error yet") if time < series["time"][1] else tr(NO_BUDGET))
     if budget_shares.why_not_valid(series_until(series, time)):
         return budget_line_html(tr(NO_BUDGET))
-    crossed = np.interp(time, series["time"], series.get("crossings", np.ones(len(series["time"])))) > 0
-    names = CAUSES if crossed else CAUSES | NOT_CROSSED
+    names = cause_labels(budget_shares.has_crossed(series, time))
     largest = sorted(shares, key=lambda cause: -abs(shares[cause]))[:MOST]
     said = " · ".join(f"{tr(names[cause])} {format_percent(shares[cause])}" for cause in largest
                       if round(100 * shares[cause]))

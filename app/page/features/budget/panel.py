@@ -30,9 +30,10 @@ from app.page.readout_panel import ReadoutContent
 from app.page.visit.history import series_until
 from app.page.visit.run_session import RunSession
 from app.shareable_state import State
-from solvers.scene.error_causes import CAUSES, NOTHING
+from solvers.scene.error_causes import CAUSES, NOTHING, cause_labels
 from solvers.scene.scene import Scene
 from solvers.scene.validation import SceneError
+from solvers.solver import budget_shares
 
 EFFECT = "budget"
 REDRAWN = 0.9  # seconds between two redraws for a playing run
@@ -201,8 +202,9 @@ class BudgetPanel(Feature):
             # The run on the stage first; one without a cause after the run as it is, as its outcome below.
             self._chart.content = budget_chart(runs[::-1] if on and cause == NOTHING else runs, field)
             most = largest_share(runs[-1].series, field)  # the largest cause
+            words = cause_labels(budget_shares.has_crossed(runs[-1].series))
             self._mark.content = widget_marker_html("lab-budget", words=tr("not valid here") if most is None else
-                                                    f"{tr(CAUSES[most[0]])} {format_percent(most[1])}")
+                                                    f"{tr(words[most[0]])} {format_percent(most[1])}")
             self._outcome.content = "" if cause == NOTHING or len(runs) < 2 else \
                 removal_outcome(runs[0], runs[-1], field, cause)
 

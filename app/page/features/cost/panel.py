@@ -154,7 +154,7 @@ class CostTab(Feature):
         """Returns a note on what disturbs a running job, "" without; lowers its priority if a stage runs."""
         if not status.running:
             return ""
-        others = self.jobs.others_busy or self._session.others_playing
+        others = self.jobs.others_busy or self._session.others_playing > 0
         if others or self._session.playing:
             self.jobs.share_cpu()
         return cost_texts.timing_note(self._quiet.paused, self._session.playing, others)

@@ -10,7 +10,13 @@
   root.addEventListener("click", event => {
     const head = event.target.closest(heads);
     if (head) known.add(head);
+    if (head && event.isTrusted) showOpened(head);
   }, true);
+
+  // What is opened near the panel's end would be below it.
+  function showOpened(head) {
+    setTimeout(() => { if (head.ariaExpanded === "true") head.parentElement.scrollIntoView({block: "nearest"}); }, 400);
+  }
 
   const ownData = () => document.querySelector(`[data-lab~=lab-own-data] + div :is(${heads})`);
   function expanded(head) {
@@ -64,6 +70,7 @@
     if ((event.key === "Enter" || event.key === " ") && event.target.matches(heads)) {
       event.preventDefault();
       event.target.click();
+      showOpened(event.target);
     }
   });
   // Slow motion opens the fold with its numbers: when the button below the stage begins it, and when a lesson does.

@@ -13,6 +13,7 @@
     const {text, spoken, marks} = said(), [low, high] = ends(), words = numbers.perCent(10 ** value).replace(" ", "\u00a0");
     section.classList.toggle("lab-wished", text !== undefined);
     plot.style.setProperty("--wish", `${100 * Math.min(1, Math.max(0, (high - value) / (high - low)))}%`);
+    wish.classList.toggle("lab-dragged", dragged);
     wish.firstElementChild.textContent = dragged ? words : text || words;
     for (const [name, power] of [["min", low], ["max", high], ["now", value]])
       wish.setAttribute(`aria-value${name}`, percent(power));

@@ -35,11 +35,13 @@
     const kinds = spans.map(([kind]) => kind).join();
     if (element.dataset.kinds !== kinds) {
       element.dataset.kinds = kinds;
+      const focused = element.contains(document.activeElement) && document.activeElement.tagName;
       element.replaceChildren(...spans.map(([kind, text]) => {
         const span = Object.assign(document.createElement("span"), {className: kind && `lab-part-${kind}`});
         span.append(...OFFERS[kind]?.(text) || [text]);
         return span;
       }));
+      if (focused) element.querySelector(focused)?.focus();
     }
     spans.forEach(([kind, text], k) => {
       const shown = OFFERS[kind] ? element.children[k].firstChild : element.children[k];

@@ -287,3 +287,12 @@ def test_thirty_at_once_are_thirty():
     for thread in threads:
         thread.join()
     assert tally.answers("how-much") == list(range(30)) and max(heard) == 30
+
+
+def test_a_step_that_was_reached_stays_reached():
+    """Who looks back at an earlier one has been there all the same."""
+    tally = ClassAnswers()
+    entry = tally.register_page("a")
+    for step in (2, 5, 3):
+        tally.record_step("a", step)
+    assert entry.step == 5

@@ -3,11 +3,12 @@
 import csv
 import io
 from dataclasses import replace
+from types import SimpleNamespace
 
 import pytest
 
 from app.names_and_units import NOTHING
-from app.page.features.cost import cost_texts
+from app.page.features.cost import cost_answer, cost_texts
 from app.page.features.cost.panel import CostTab
 from app.page.features.cost.visitor_run_list import (
     LIVE,
@@ -197,3 +198,10 @@ def test_table_has_the_own_run_and_its_shipped_neighbours():
 @pytest.mark.parametrize(("text", "share"), [("0.5 %", 0.005), ("0,5%", 0.005), ("5e-3", 0.005), (" 12 % ", 0.12)])
 def test_a_tolerance_is_a_part_or_per_cent(text, share):
     assert cost_texts.parse_tolerance(text) == pytest.approx(share, rel=1e-15)
+
+
+def test_ones_own_run_is_known_once_it_has_not_broken(monkeypatch):
+    for broken in (False, True):
+        run = SimpleNamespace(broken=broken)
+        monkeypatch.setattr(cost_answer.visitor_run_list, "run_of_scene", lambda *_, run=run: run)
+        assert cost_answer.own_run([run], SCENE) is (None if broken else run)

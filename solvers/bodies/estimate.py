@@ -1,0 +1,153 @@
+"""Estimated errors of a body's run: the particles minus a companion at their places; and whether to believe them.
+
+Two companions of orders p and p + 2 run beside it. Where their errors matter their difference shows it: delta is the
+sum over time of its rms over that of the estimate. Where a clamped side meets a free one at a right angle, motions go
+like r^lambda at the corner, so u_p - u ~ p^(-4 lambda), and Richardson's extrapolation in p takes that error away:
+
+    u* = u_(p+2) + K (u_(p+2) - u_p),  K = 1/[((p+2)/p)^(4 lambda) - 1],
+    sin^2(lambda pi/2) = [4 (1 - nu)^2 - lambda^2]/(3 - 4 nu)    (Williams, J. Appl. Mech. 19 (1952) 526-528).
+
+Stresses do not gain by it, and come from u_(p+2). For what was measured see assets/body.md.
+"""
+
+import math
+from collections.abc import Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from solvers.bodies.body import Body
+from solvers.bodies.spectral_mesh import ORDERS
+from solvers.translatable_message import Message
+
+QUANTITIES = {"x": "m", "v": "m/s", "sigma": "Pa"}
+SURE, UNSURE = 0.3, 0.6  # of delta: below, an estimate is a number; below, it is one with 30 % of doubt; else none
+EXTRAPOLATED = 0.3  # of the difference of the companions that u* may be off, over what u_(p+2) may: 0.15 to 0.5
+SMOOTH_CORNER, SMOOTH_FACTOR = 0.05, 0.1  # Poisson's ratio below which a corner is nearly smooth, and K there, measured
+FOLD_STRETCH = 0.5  # below, a free neo-Hookean surface may wrinkle (Biot), and meshes have no limit
+
+
+def corner_exponent(poissons_ratio: float) -> float:
+    """Returns lambda for a right angle between a clamped and a free side in plane strain."""
+    low, high = 0.5, 1.0
+    for _ in range(60):
+        middle = 0.5 * (low + high)
+        right = (4 * (1 - poissons_ratio)**2 - middle**2) / (3 - 4 * poissons_ratio)
+        low, high = (low, middle) if math.sin(0.5 * math.pi * middle)**2 > right else (middle, high)
+    return low
+
+
+def extrapolation_factor(body: Body) -> float:
+    """Returns K of a body, 0 where it has no clamped corner, or one of another angle."""
+    if not body.has_known_corners:
+        return 0.0
+    if body.poissons_ratio < SMOOTH_CORNER:
+        return SMOOTH_FACTOR
+    p, finer = ORDERS
+    return 1 / ((finer / p)**(4 * corner_exponent(body.poissons_ratio)) - 1)
+
+
+class Fields(NamedTuple):
+    """Displacement (P, 2) in m, velocity (P, 2) in m/s and Cauchy stress (P, 4) in Pa, xx, xy, yx, yy, of particles."""
+
+    x: np.ndarray
+    v: np.ndarray
+    sigma: np.ndarray
+
+
+def cauchy_stress(body: Body, F: np.ndarray) -> np.ndarray:
+    """Returns the Cauchy stress (P, 4) in Pa, xx, xy, yx, yy, for F (P, 2, 2); NaN where material is inverted."""
+    with np.errstate(all="ignore"):
+        xx, xy, yy = body.material.cauchy_stress(F.reshape(-1, 4).T)
+    return np.stack([xx, xy, xy, yy], axis=1)
+
+
+class QuantityEstimate(NamedTuple):
+    """Estimated error of x, v or sigma over a run, rms over the particles in SI units: at the last sample that has one,
+    the largest and the mean; and ``delta``."""
+
+    final: float
+    largest: float
+    mean: float
+    delta: float
+
+    @property
+    def trust(self) -> str:
+        """How far to believe it: "number", "30 %", or "none"."""
+        return "number" if self.delta < SURE else "30 %" if self.delta < UNSURE else "none"
+
+    def to_dict(self) -> dict[str, Any]:
+        """Returns it as a JSON object, with None for numbers that are not to be believed."""
+        hidden = self.trust == "none"
+        return {"final": None if hidden else self.final, "max": None if hidden else self.largest,
+                "mean": None if hidden else self.mean, "delta": self.delta, "trust": self.trust}
+
+
+class ErrorEstimate:
+    """Estimate of a body's run, collected sample by sample. ``until`` is the time in s of the last sample with an
+    estimate, ``sentence`` says why there is none after it; ``pressed`` is when and where the companion was first
+    pressed to less than half: time in s and place (2,) in m."""
+
+    def __init__(self, body: Body):
+        self.factor, self.until, self.sentence = extrapolation_factor(body), 0.0, ""
+        self.pressed: tuple[float, np.ndarray] | None = None
+        self._errors: list[list[float]] = []
+        self._differences: list[list[float]] = []
+        self._doubts: list[list[float]] = []
+
+    def add(self, time: float, run: Fields, coarse: Fields, fine: Fields, stretch: float, place: np.ndarray) -> None:
+        """Adds a sample at a ``time`` in s: fields of the run and of both companions at its particles, and the least
+        principal stretch of the finer one with its place in m."""
+        if self.sentence:
+            return
+        if stretch < FOLD_STRETCH and self.pressed is None:
+            self.pressed = time, place
+        with np.errstate(all="ignore"):
+            apart = [_rms(one - other) for one, other in zip(fine, coarse, strict=True)]
+            doubts = [_rms(one - other) for one, other in zip(run, fine, strict=True)]
+            errors = [_rms(run.x - fine.x - self.factor * (fine.x - coarse.x)), *doubts[1:]]
+        if not np.isfinite(apart).all():
+            self.sentence = Message("from t = {time:.3g} s the companions have failed{fold}; stiffen the body, or stop "
+                                    "before", time, self._fold_words())
+        elif self.pressed and apart[0] >= UNSURE * doubts[0]:
+            self.sentence = Message("from t = {time:.3g} s the two companions differ by as much as they find{fold}; "
+                                    "stiffen the body, or stop before", time, self._fold_words())
+        else:
+            self.until = time
+            self._errors.append(errors)
+            self._differences.append(apart)
+            self._doubts.append(doubts)
+
+    def quantities(self) -> dict[str, QuantityEstimate]:
+        """Returns the estimates of x, v and sigma, by name; none without a sample."""
+        if not self._errors:
+            return {}
+        errors, apart, doubts = map(np.array, (self._errors, self._differences, self._doubts))
+        delta = apart.sum(axis=0) / np.maximum(doubts.sum(axis=0), 1e-300)
+        if self.factor:
+            delta[0] = EXTRAPOLATED * apart[:, 0].sum() / max(errors[:, 0].sum(), 1e-300)
+        return {name: QuantityEstimate(*map(float, (errors[-1, k], errors[:, k].max(), errors[:, k].mean(), delta[k])))
+                for k, name in enumerate(QUANTITIES)}
+
+    def remarks(self, across: int) -> Sequence[str]:
+        """Returns sentences on what limits the estimate; ``across`` are the elements over the narrowest patch."""
+        said: list[str] = [self.sentence] if self.sentence else []
+        if self.pressed and not self.sentence:
+            said.append(Message("{fold}", Message("from t = {time:.3g} s the body is pressed to less than half near "
+                                                  "({x:.2g}, {y:.2g}), where its surface may fold", self.pressed[0],
+                                                  *self.pressed[1])))
+        weak = [name for name, one in self.quantities().items() if one.trust == "none"]
+        if weak:
+            said.append(Message("of {names} the run is as good as its companion: take finer elements, such as "
+                                "elements_across = {across}", ", ".join(weak), 2 * across))
+        return said
+
+    def _fold_words(self) -> str:
+        if self.pressed is None:
+            return ""
+        return Message(", and from t = {time:.3g} s on the body is pressed to less than half near ({x:.2g}, {y:.2g}), "
+                       "where its surface may fold", self.pressed[0], *self.pressed[1])
+
+
+def _rms(error: np.ndarray) -> float:
+    return math.sqrt(float(np.einsum("pi,pi->", error, error)) / len(error))

@@ -1,0 +1,88 @@
+"""Values of goals in a body's run, each with its bar.
+
+With the value J of the particles and J_p, J_(p+2) of the companions at the same particles the bar is
+|J - J_(p+2)| + |J_(p+2) - J_p|/2, for stresses twice that. What the first term alone leaves out is the companion's own
+error: it would hold only in about half of all runs.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from solvers.bodies.estimate import Fields
+from solvers.bodies.goal import Goal
+from solvers.running.quantities_of_interest import point_weights
+
+SHARE, STRESS_SAFETY = 0.5, 2.0  # of the difference of the companions; factor of a stress's bar
+COMPONENTS = {"x": 0, "y": 1, "xx": 0, "xy": 1, "yy": 3}
+EARLY = 0.75  # of the run, in which what later returns must have turned round
+
+
+class GoalValue(NamedTuple):
+    """Value of a goal in its ``unit`` and half the width of its bar; None where there is none."""
+
+    value: float | None
+    bar: float | None
+    unit: str
+
+
+class GoalSeries:
+    """Values over time of what a goal is about, in the run and in both companions; ``X`` (P, 2) are the particles'
+    material points in m."""
+
+    def __init__(self, goal: Goal, X: np.ndarray):
+        self.goal = goal
+        self._component = COMPONENTS[goal.parts[1]]
+        at = np.array(goal.at, float)
+        if goal.is_stress:
+            nearest = int(np.argmin(np.sum((X - at)**2, axis=1)))
+            self._weights = np.zeros(len(X))
+            self._weights[nearest] = 1.0
+            self._start = 0.0
+        else:
+            self._weights = point_weights(X, at)
+            self._start = float(self._weights @ X[:, self._component])
+        self._rows = [[self._start] * 3]
+
+    def add(self, *fields: Fields) -> None:
+        """Adds a sample: fields of the run, of the coarser and of the finer companion."""
+        self._rows.append([self._start + float(self._weights @ (one.sigma if self.goal.is_stress else one.x)[
+            :, self._component]) for one in fields])
+
+    def evaluate(self, times: np.ndarray, with_bar: bool) -> GoalValue:
+        """Returns the goal's value at the samples' ``times`` in s, and its bar where it is wanted and exists."""
+        run, coarse, fine = (self._functional(times, series) for series in np.array(self._rows).T)
+        bar = None
+        if with_bar and run is not None and fine is not None and coarse is not None:
+            bar = (STRESS_SAFETY if self.goal.is_stress else 1.0) * (abs(run - fine) + SHARE * abs(fine - coarse))
+        return GoalValue(run, bar, self.goal.unit)
+
+    def _functional(self, times: np.ndarray, series: np.ndarray) -> float | None:
+        what = self.goal.parts[0]
+        if not np.isfinite(series).all():
+            return None
+        if self.goal.is_stress:
+            return float(np.abs(series).max())
+        if what == "end":
+            return float(series[-1])
+        if what == "time of return":
+            return _time_of_return(times, series)
+        return _vertex(times, series, int(np.argmin(series) if what == "min" else np.argmax(series)))[0]
+
+
+def _time_of_return(times: np.ndarray, series: np.ndarray) -> float | None:
+    """Returns when the motion is at its extreme again after its farthest excursion; None if not by the end."""
+    away = series - series[0]
+    turn = int(np.argmax(np.abs(away[:int(EARLY * len(away))])))
+    back = turn + int(np.argmin(np.sign(away[turn]) * away[turn:]))
+    return None if back in (0, turn, len(series) - 1) else _vertex(times, series, back)[1]
+
+
+def _vertex(times: np.ndarray, series: np.ndarray, k: int) -> tuple[float, float]:
+    """Returns the extreme near sample ``k`` and its time in s, of the parabola through it and its neighbours."""
+    if not 0 < k < len(series) - 1:
+        return float(series[k]), float(times[k])
+    a, b, c = series[k - 1:k + 2]
+    curvature = a - 2 * b + c
+    s = float(np.clip(0.5 * (a - c) / curvature, -1, 1)) if curvature else 0.0
+    return float(b - 0.25 * (a - c) * s), float(times[k] + s * (times[k + 1] - times[k]))

@@ -1,0 +1,194 @@
+"""Mesh of spectral elements on the patches of a body, and evaluation of its fields on lattices of points.
+
+Every element has its own (p+1)^2 points, entry e (p+1)^2 + i (p+1) + j at the i-th point along xi and the j-th along
+eta; points at one place share a ``master``, the first of them, whose value all have. Geometry is isoparametric.
+"""
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+from numpy.polynomial import legendre
+
+from solvers.bodies.body import Body
+from solvers.bodies.connections import equalize_counts
+from solvers.estimators.spectral_elements import differentiation_matrix, lobatto
+from solvers.estimators.standalone_companion import SAFE_STEP
+from solvers.problems.planar.estimators.companion_patch import contravariant_vectors
+
+Cuts = Sequence[tuple[np.ndarray, np.ndarray]]  # ends of the elements of each patch along xi and eta, from 0 to 1
+MERGE, ROUNDS = 1e-7, 2  # of the body's size: width of the cells in which points are one; passes over four grids
+ORDERS = (4, 6)  # of the two companions that run with every body
+TRIED_ACROSS = np.arange(4, 41) / 4  # elements over the narrowest patch
+FREQUENCY = 1.05  # omega h/(c p^2) of elements of width h
+POINT_COST = 180 / 55  # nanoseconds of a point's step of a companion over those of a particle's step
+MOST_COST, FREE = 0.05, 1.75e6  # of the run's, that companions may have; and steps of a particle that nobody waits for
+
+
+class Lattice(NamedTuple):
+    """Points of a patch with every coordinate ``xi`` (n,) and every ``eta`` (m,), in this order, n m of them."""
+
+    patch: int
+    xi: np.ndarray
+    eta: np.ndarray
+
+
+def default_cuts(body: Body) -> Cuts:
+    """Returns near-square elements of both companions: ``elements_across`` over the body's narrowest patch, by default
+    the most with which their predicted cost is a twentieth of the run's or negligible, and at least one."""
+    def counts(across: float) -> np.ndarray:
+        wanted = np.rint(body.mean_lengths * (across / body.mean_lengths.min())).astype(int)
+        return equalize_counts(body.patches, body.joined, np.maximum(wanted, 1))
+
+    if body.elements_across:
+        return even_cuts(counts(body.elements_across))
+    run = body.lattice_counts.prod(axis=1).sum() / body.time_step * body.t_end
+    allowed = [across for across in TRIED_ACROSS
+               if _predicted_cost(body, counts(across)) <= max(MOST_COST * run, FREE)]
+    return even_cuts(counts(max(allowed, default=1)))
+
+
+def _predicted_cost(body: Body, counts: np.ndarray) -> float:
+    """Returns the cost of both companions with ``counts`` (K, 2) elements on the patches, in steps of a particle."""
+    narrowest = min(patch.side_length(side) / counts[k, side % 2] for k, patch in enumerate(body.patches)
+                    for side in range(4))
+    steps = FREQUENCY * body.wave_speed * body.t_end / (SAFE_STEP * narrowest)  # over the square of the order
+    return POINT_COST * steps * counts.prod(axis=1).sum() * sum((p + 1)**2 * p**2 for p in ORDERS)
+
+
+def even_cuts(counts: np.ndarray) -> Cuts:
+    """Returns the ends of equal elements, ``counts`` (K, 2) of them along xi and eta of each patch."""
+    return [(np.linspace(0, 1, a + 1), np.linspace(0, 1, b + 1)) for a, b in counts]
+
+
+class SpectralMesh:
+    """Mesh of order p (``order``) with N points: ``points`` (N, 2) in m, ``geometry`` (N, 4) j grad xi and j grad eta
+    in the element's coordinates from -1 to 1, ``master`` (N,), ``inverse_mass`` (N, 2) in 1/kg per metre of thickness,
+    0 for held components."""
+
+    def __init__(self, body: Body, cuts: Cuts, order: int):
+        self.cuts, self.order = cuts, order
+        reference, weights = lobatto(order)
+        self.derivative, self.weights = differentiation_matrix(reference), np.outer(weights, weights)
+        self._sizes = [(len(a) - 1, len(b) - 1) for a, b in cuts]
+        self._starts = np.cumsum([0, *(a * b * (order + 1)**2 for a, b in self._sizes)])
+        points = []
+        for patch, (along, across) in zip(body.patches, cuts, strict=True):
+            xi, eta = (one[:-1, None] + np.diff(one)[:, None] * 0.5 * (reference + 1) for one in (along, across))
+            xi, eta = np.broadcast_arrays(xi[:, None, :, None], eta[None, :, None, :])
+            points.append(patch.place(xi.ravel(), eta.ravel()))
+        self.points = np.concatenate(points)
+        self.elements = len(self.points) // (order + 1)**2
+        self.geometry = contravariant_vectors(self._reference_derivatives(self.points))
+        self._area = self.geometry[:, 0] * self.geometry[:, 3] - self.geometry[:, 1] * self.geometry[:, 2]
+        self.master = _merge(self.points)
+        mass = np.bincount(self.master, body.density * self._area * np.tile(self.weights.ravel(), self.elements),
+                           len(self.points))
+        held = np.zeros((len(self.points), 2), bool)
+        np.logical_or.at(held, self.master, self._held_components(body))
+        self.inverse_mass = ~held[self.master] / mass[self.master][:, None]
+
+    def _held_components(self, body: Body) -> np.ndarray:
+        """Returns the components (N, 2) that clamped and roller sides hold."""
+        held = np.zeros((len(self.points), 2), bool)
+        for k, patch in enumerate(body.patches):
+            for side in range(4):
+                grid = np.arange(self._starts[k], self._starts[k + 1]).reshape(self._patch_shape(k))
+                row = 0 if side in (0, 3) else -1
+                on = grid[row, :, row] if side % 2 else grid[:, row, :, row]
+                for axis in patch.held_axes(side):
+                    held[on, axis] = True
+        return held
+
+    def _patch_shape(self, patch: int) -> tuple[int, int, int, int]:
+        return *self._sizes[patch], self.order + 1, self.order + 1
+
+    def _reference_derivatives(self, nodal: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Returns the derivatives (N, 2) of nodal values (N, 2) in the coordinates of the elements."""
+        local = nodal.reshape(-1, self.order + 1, self.order + 1, 2)
+        return (np.einsum("ik,ekjc->eijc", self.derivative, local).reshape(-1, 2),
+                np.einsum("jk,eikc->eijc", self.derivative, local).reshape(-1, 2))
+
+    def least_stretch(self, u: np.ndarray) -> tuple[float, np.ndarray]:
+        """Returns the least principal stretch at the points for displacements u (N, 2) in m, and its place (2,)."""
+        by_xi, by_eta = self._reference_derivatives(u)
+        g = self.geometry / self._area[:, None]
+        (u, v), (p, q), g = by_xi.T, by_eta.T, g.T
+        xx, xy, yx, yy = 1 + u * g[0] + p * g[2], u * g[1] + p * g[3], v * g[0] + q * g[2], 1 + v * g[1] + q * g[3]
+        smallest = 0.5 * np.abs(np.hypot(xx + yy, xy - yx) - np.hypot(xx - yy, xy + yx))  # singular value of F
+        at = int(np.argmin(smallest))
+        return float(smallest[at]), self.points[at]
+
+    def patch_values(self, nodal: np.ndarray, patch: int) -> np.ndarray:
+        """Returns values (N, 2) on a patch by element and point along xi, and along eta: (a n, b n, 2)."""
+        a, b, n, _ = self._patch_shape(patch)
+        part = nodal[self._starts[patch]:self._starts[patch + 1]].reshape(a, b, n, n, 2)
+        return part.transpose(0, 2, 1, 3, 4).reshape(a * n, b * n, 2)
+
+
+class LatticeReader:
+    """Evaluates fields of a mesh on lattices, P points in all, by products of matrices along xi and along eta."""
+
+    def __init__(self, mesh: SpectralMesh, lattices: Sequence[Lattice]):
+        self._mesh, self._parts = mesh, []
+        for patch, xi, eta in lattices:
+            bases = [_interpolation(cuts, mesh.order, s) for cuts, s in zip(mesh.cuts[patch], (xi, eta), strict=True)]
+            r1, r2 = _along(bases, mesh.patch_values(mesh.points, patch))[1:]
+            g = contravariant_vectors((r1, r2))
+            self._parts.append((patch, bases, (g / (g[:, 0] * g[:, 3] - g[:, 1] * g[:, 2])[:, None]).T.copy()))
+
+    def values_and_gradients(self, nodal: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Returns values (P, 2) and gradients (P, 2, 2; per m) of nodal values (N, 2)."""
+        values, gradients = [], []
+        for patch, bases, g in self._parts:
+            value, by_xi, by_eta = _along(bases, self._mesh.patch_values(nodal, patch))
+            values.append(value)
+            (x, y), (p, q) = by_xi.T, by_eta.T
+            gradients.append(np.stack([x * g[0] + p * g[2], x * g[1] + p * g[3],
+                                       y * g[0] + q * g[2], y * g[1] + q * g[3]], axis=1).reshape(-1, 2, 2))
+        return np.concatenate(values), np.concatenate(gradients)
+
+    def values(self, nodal: np.ndarray) -> np.ndarray:
+        """Returns values (P, 2) of nodal values (N, 2)."""
+        return np.concatenate([_product(bases[0][0], bases[1][0] @ self._mesh.patch_values(nodal, patch))
+                               for patch, bases, _ in self._parts])
+
+
+def _along(bases: list[tuple[np.ndarray, np.ndarray]], U: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Returns values and derivatives by xi and eta (n m, 2) from values U (a, b, 2) at the points of a patch."""
+    (A, slope_A), (B, slope_B) = bases
+    across = B @ U
+    return _product(A, across), _product(slope_A, across), _product(A, slope_B @ U)
+
+
+def _product(A: np.ndarray, across: np.ndarray) -> np.ndarray:
+    """Returns values (n m, 2) from those at the points along xi, (a, m, 2), by a matrix A (n, a)."""
+    return (A @ across.reshape(len(across), -1)).reshape(-1, 2)
+
+
+def _interpolation(cuts: np.ndarray, order: int, s: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Returns matrices (K, a n) that take values at the points of a elements along a line to values and derivatives
+    at its coordinates ``s`` (K,)."""
+    element = np.clip(np.searchsorted(cuts, s, side="right") - 1, 0, len(cuts) - 2)
+    width = np.diff(cuts)[element]
+    points, n = lobatto(order)[0], order + 1
+    local = legendre.legvander(2 * (s - cuts[element]) / width - 1, order) @ np.linalg.inv(
+        legendre.legvander(points, order))
+    column = element[:, None] * n + np.arange(n)
+    matrices = np.zeros((2, len(s), (len(cuts) - 1) * n))
+    matrices[0][np.arange(len(s))[:, None], column] = local
+    matrices[1][np.arange(len(s))[:, None], column] = local @ differentiation_matrix(points) * (2 / width)[:, None]
+    return matrices[0], matrices[1]
+
+
+def _merge(points: np.ndarray) -> np.ndarray:
+    """Returns for each of N points (N, 2) in m the first at its place. Four grids of cells, each half a cell from the
+    others, so that points that differ by rounding are in one cell of at least one."""
+    width = MERGE * float(np.ptp(points, axis=0).max())
+    master = np.arange(len(points))
+    for shift in ROUNDS * ((0.0, 0.0), (0.5, 0.0), (0.0, 0.5), (0.5, 0.5)):
+        _, cell = np.unique(np.floor(points / width + shift), axis=0, return_inverse=True)
+        first = np.full(len(points), len(points))
+        np.minimum.at(first, cell.ravel(), master)
+        master = first[cell.ravel()]
+    return master

@@ -1,0 +1,122 @@
+"""Estimates and bars of a body's run: against an exact motion and finer companions, and where there must be none."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+
+from solvers.bodies.body_file import library_text, parse_body
+from solvers.bodies.companion import BodyCompanion
+from solvers.bodies.estimate import ErrorEstimate, Fields, corner_exponent, extrapolation_factor
+from solvers.bodies.goal import Goal
+from solvers.bodies.goal_values import GoalSeries
+from solvers.bodies.material_points import MaterialPoints
+from solvers.bodies.run import SAMPLES, read_companion, run_body
+from solvers.bodies.spectral_mesh import LatticeReader, even_cuts
+from tests.solvers.bodies import exact_bodies
+
+BEAM, BLOCK, SECTOR = (parse_body(library_text(name)) for name in ("cantilever", "thrown_block", "swinging_sector"))
+
+
+@pytest.mark.parametrize(("nu", "exponent", "factor"), [(0.1, 0.867, 0.325), (0.2, 0.781, 0.392), (0.3, 0.711, 0.461),
+                                                        (0.4, 0.650, 0.535), (0.45, 0.622, 0.575)])
+def test_the_singularity_of_a_clamped_corner(nu, exponent, factor):
+    """Williams' exponents in plane strain."""
+    assert corner_exponent(nu) == pytest.approx(exponent, abs=6e-4)
+    assert extrapolation_factor(dataclasses.replace(BEAM, poissons_ratio=nu)) == pytest.approx(factor, abs=1e-3)
+    assert extrapolation_factor(dataclasses.replace(BLOCK, poissons_ratio=nu)) == 0
+
+
+@pytest.mark.parametrize(("method", "cells"), [("ugimp", 16), ("cpgimp", 16), ("cpdi", 16), ("cpgimp", 32)])
+def test_the_index_of_the_axis_aligned_motion(method, cells):
+    """Control: sums of the true errors over the samples, within the bounds that issue and theory give."""
+    body = exact_bodies.square(method, cells)
+    result = run_body(body)
+    run, errors = MaterialPoints(body, SAMPLES, body.lattice_counts, half_start=True), []
+    for _ in range(SAMPLES):
+        run.advance()
+        u, v, _ = exact_bodies.square_motion(run.lattice.position, run.time)
+        errors.append([np.sqrt(np.sum(one**2, axis=1).mean()) for one in (run.displacement - u, run.velocity - v)])
+    index = [result.estimate[name].mean / true for name, true in zip("xv", np.mean(errors, axis=0), strict=True)]
+    assert all(0.97 <= one <= 1.04 for one in index)
+
+
+def test_bars_hold_and_a_finer_companion_agrees():
+    """The cantilever's tip against 8 x 2 elements of order 8; the period and the named stress likewise."""
+    body = dataclasses.replace(BEAM, cells_per_metre=4)
+    result = run_body(body)
+    assert result.status == "ok" and not result.remarks and result.estimate["x"].trust == "number"
+    fine = BodyCompanion(body, even_cuts(np.array([(8, 2)])), 6, body.t_end / SAMPLES)
+    lattice = MaterialPoints(body, 1, body.lattice_counts, half_start=True).lattice
+    reader, times = LatticeReader(fine.mesh, lattice.lattices), np.linspace(0, body.t_end, SAMPLES + 1)
+    series = {name: GoalSeries(goal, lattice.position) for name, goal in body.goals.items()}
+    for _ in range(SAMPLES):
+        fine.advance()
+        for one in series.values():
+            one.add(*3 * [read_companion(body, fine, reader)])
+    for name, one in series.items():
+        found, true = result.goals[name], one.evaluate(times, True)
+        assert true.bar == 0 and abs(found.value - true.value) <= found.bar < 0.1 * abs(found.value)
+
+
+def test_equal_runs_give_equal_bits():
+    body = dataclasses.replace(SECTOR, cells_per_metre=8, t_end=0.2)
+    first, second = (run_body(body).to_dict() for _ in range(2))
+    assert {**first, "seconds": 0} == {**second, "seconds": 0}
+
+
+def test_a_body_that_may_fold_gets_a_number_until_then():
+    """The field's classic, a soft cantilever: two families of companions part at about 1.3 s."""
+    body = dataclasses.replace(BEAM, youngs_modulus=1e6, t_end=3.0, cells_per_metre=4, domain=((-1, -6), (6, 4)),
+                               elements_across=None)
+    result = run_body(body)
+    assert 1.1 <= result.until <= 1.4 and len(result.remarks) == 1
+    for words in ("pressed to less than half near", "may fold", "differ by as much as they find"):
+        assert words in result.remarks[0]
+    assert all(goal.bar is None and goal.value is not None for goal in result.goals.values())
+    early = run_body(dataclasses.replace(body, t_end=0.8))
+    assert early.until == 0.8 and early.goals["lowest"].bar is not None
+
+
+def test_a_run_that_leaves_its_domain_says_so():
+    result = run_body(dataclasses.replace(BLOCK, cells_per_metre=8, domain=((-0.5, -0.5), (1.5, 1.5))))
+    assert result.status == "unstable" and "left the domain" in result.reason and result.time < BLOCK.t_end
+    assert result.goals["corner"].value is None and result.estimate["x"].mean > 0
+
+
+def fields(x):
+    return Fields(np.full((3, 2), x), np.full((3, 2), x), np.full((3, 4), x))
+
+
+@pytest.mark.parametrize(("coarse", "trust"), [(1.02, "number"), (1.05, "30 %"), (1.2, "none")])
+def test_delta_decides_how_far_to_believe(coarse, trust):
+    """A run 0.1 off its companion, which differs from the coarser one by 0.2, 0.5 and twice that."""
+    estimate = ErrorEstimate(BLOCK)
+    estimate.add(0.1, fields(1.1), fields(coarse), fields(1.0), 1.0, np.zeros(2))
+    one = estimate.quantities()["x"]
+    assert one.delta == pytest.approx((coarse - 1) / 0.1) and one.trust == trust
+    assert one.final == pytest.approx(0.1 * np.sqrt(2))
+    assert (one.to_dict()["final"] is None) == (trust == "none") == bool(estimate.remarks(1))
+
+
+def test_a_companion_that_fails_ends_the_estimate():
+    estimate = ErrorEstimate(BEAM)
+    estimate.add(0.1, fields(1.1), fields(1.0), fields(1.0), 1.0, np.zeros(2))
+    estimate.add(0.2, fields(1.1), fields(np.nan), fields(1.0), 1.0, np.zeros(2))
+    estimate.add(0.3, fields(1.1), fields(1.0), fields(1.0), 1.0, np.zeros(2))
+    assert estimate.until == 0.1 and "from t = 0.2 s the companions have failed" in estimate.sentence
+
+
+@pytest.mark.parametrize(("value", "expected"), [
+    ("min y", 0.3), ("end y", 0.65 + 0.35 * np.cos(7.0)), ("time of return y", 2 * np.pi / 5), ("max y", 1.0)])
+def test_goals_of_a_swing(value, expected):
+    """y = 1 - 0.35 (1 - cos 5 t), of which a parabola through samples finds extremes to fourth order."""
+    times, X = np.linspace(0, 1.4, 61), np.array([[x, y] for x in range(5) for y in range(5)], float)
+    series = GoalSeries(Goal(value, (2.0, 1.0)), X)
+    for t in times[1:]:
+        u = np.zeros((25, 2))
+        u[:, 1] = 0.35 * (np.cos(5 * t) - 1)
+        one = Fields(u, u, np.zeros((25, 4)))
+        series.add(one, one, one)
+    found = series.evaluate(times, True)
+    assert found.value == pytest.approx(expected, abs=1e-4) and found.bar == pytest.approx(0, abs=1e-12)
