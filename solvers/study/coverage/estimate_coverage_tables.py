@@ -99,8 +99,8 @@ def error_bars_table(counted: Mapping) -> str:
     return ("## Bars around a number: how often they hold the truth\n\nPer cent of the bars that are given, with the "
             "95 % interval; how many per cent of the runs are given one; the median of the bar over the true error; "
             "and the mean score, in decades by which a bar is too long, or 19 times those by which it is too short (0 "
-            f"is perfect). The grid convergence index and its successor promise 95 %; {SAFETY:g} times an estimated error "
-            "promises nothing.\n\n" + markdown_table(["bar", *heads], lines))
+            f"is perfect). The grid convergence index and its successor promise 95 %; {SAFETY:g} times an estimated "
+            "error promises nothing.\n\n" + markdown_table(["bar", *heads], lines))
 
 
 def regime_error_bars_table(counted: Mapping) -> str:
