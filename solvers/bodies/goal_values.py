@@ -10,6 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from solvers.bodies.body import Body
 from solvers.bodies.estimate import ParticleFields
 from solvers.bodies.goal import Goal
 from solvers.running.quantities_of_interest import point_weights
@@ -26,6 +27,11 @@ class GoalValue(NamedTuple):
     value: float | None
     bar: float | None
     unit: str
+
+
+def bar_share(body: Body) -> float:
+    """Returns the share of the companions' difference that a body's bars contain."""
+    return CORNER_SHARE if body.singular_corners and not body.has_known_corners else SHARE
 
 
 class GoalSeries:

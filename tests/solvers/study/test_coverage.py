@@ -26,7 +26,8 @@ from solvers.study.coverage.estimate_coverage_counts import (
     wilson_interval,
 )
 from solvers.study.coverage.estimate_coverage_tables import coverage_summary
-from solvers.study.coverage.random_runs import BEFORE, DRAW_RANGES, IDENTITY, MEASURED, RandomRun, coarsen, measure
+from solvers.study.coverage.random_draw import IDENTITY
+from solvers.study.coverage.random_runs import BEFORE, DRAW_RANGES, MEASURED, RandomRun, coarsen, measure
 from solvers.study.coverage.track_record_and_bets import (
     JUDGES,
     RunSoFar,
