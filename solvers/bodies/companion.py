@@ -79,15 +79,26 @@ def accelerate(body: ti.template(), t, on: ti.template()):
                 body.companion_nodes[first + node][c] = body.companion_nodes[first + master][c]
 
 
+@ti.func
+def has_finite_motion(body: ti.template()):
+    """Returns whether all points' u and v are finite numbers."""
+    N, size = body.companion_counts[shared.NODES], 0.0
+    for node in range(N):
+        end = body.companion_nodes[shared.END * N + node]
+        size += ti.abs(end[0]) + ti.abs(end[1]) + ti.abs(end[2]) + ti.abs(end[3])
+    return size < ti.math.inf
+
+
 State = ti.types.argpack(**CompanionState.types())
 
 
 @ti.kernel
 def take_steps(first: ti.i32, count: ti.i32, state: State, on: ti.template()):
-    """Takes ``count`` steps of the companion after the first ``first``."""
+    """Takes up to ``count`` steps of the companion after the first ``first``; none any more once it is not finite."""
     ti.loop_config(serialize=True)
     for k in range(count):
-        shared.advance_companion_if_due(state, first + k + 1, accelerate, on)
+        if has_finite_motion(state):
+            shared.advance_companion_if_due(state, first + k + 1, accelerate, on)
 
 
 @ti.kernel
@@ -155,7 +166,7 @@ class BodyCompanion:
         return self._layers[shared.END, :, 2:4]
 
     def advance(self) -> None:
-        """Advances to the next sample; the motion is NaN where it cannot be followed."""
+        """Advances to the next sample; stops within it, with NaN or infinity, where the motion cannot be followed."""
         set_force(self._state, self._body, self.mesh.points, self.time, self.time + self._interval)
         self._advance(self._samples * self.steps, self.steps)
         self._samples += 1

@@ -69,12 +69,16 @@ def run_body(body: Body, on_progress: Callable[[float], None] | None = None) -> 
         middle = time.process_time()
         if run.verdict[0] != SOUND:
             break
-        for one in companions:
-            one.advance()
         own = ParticleFields(run.displacement, run.velocity, cauchy_stress(body, run.deformation_gradient))
-        coarse, fine = (read_companion(body, *pair) for pair in zip(companions, readers, strict=True))
-        stretch = companions[1].mesh.least_stretch(companions[1].u) if np.isfinite(fine.x).all() else (1.0, np.zeros(2))
-        estimate.add(run.time, own, coarse, fine, *stretch)
+        if estimate.sentence:  # nothing is asked of the companions any more
+            coarse = fine = ParticleFields(*(np.full_like(one, np.nan) for one in own))
+        else:
+            for one in companions:
+                one.advance()
+            coarse, fine = (read_companion(body, *pair) for pair in zip(companions, readers, strict=True))
+            found = np.isfinite(fine.x).all()
+            stretch = companions[1].mesh.least_stretch(companions[1].u) if found else (1.0, np.zeros(2))
+            estimate.add(run.time, own, coarse, fine, *stretch)
         for series in goals.values():
             series.add(own, coarse, fine)
         times.append(run.time)

@@ -110,11 +110,12 @@ class SpectralMesh:
                 np.einsum("jk,eikc->eijc", self.derivative, local).reshape(-1, 2))
 
     def least_stretch(self, u: np.ndarray) -> tuple[float, np.ndarray]:
-        """Returns the least principal stretch at the points for displacements u (N, 2) in m, and its place (2,)."""
+        """Returns the least principal stretch at the points for displacements u (N, 2) in m, and its place (2,);
+        below 0 where the body is turned inside out."""
         by_xi, by_eta = self._reference_derivatives(u)
         xx, xy, yx, yy = _material_gradient(by_xi, by_eta, (self.geometry / self._area[:, None]).T)
         xx, yy = 1 + xx, 1 + yy
-        smallest = 0.5 * np.abs(np.hypot(xx + yy, xy - yx) - np.hypot(xx - yy, xy + yx))  # singular value of F
+        smallest = 0.5 * (np.hypot(xx + yy, xy - yx) - np.hypot(xx - yy, xy + yx))  # singular value of F, with sign
         at = int(np.argmin(smallest))
         return float(smallest[at]), self.points[at]
 

@@ -117,3 +117,16 @@ def test_the_least_stretch_of_a_pressed_sector():
     mesh = SpectralMesh(SECTOR, default_cuts(SECTOR), 4)
     stretch, place = mesh.least_stretch(mesh.points * [-0.25, 0.5])
     assert stretch == pytest.approx(0.75, abs=1e-9) and place.shape == (2,)
+
+
+@pytest.mark.parametrize("value", [np.nan, np.inf])
+def test_a_companion_that_is_not_finite_takes_no_step(value):
+    companion = BodyCompanion(BLOCK, even_cuts([(2, 2)]), 6, 0.5)
+    companion.v[7, 0] = value
+    companion.advance()
+    assert not companion.u.any() and not np.isfinite(companion.v[7, 0])
+
+
+def test_the_stretch_of_a_body_inside_out_is_negative():
+    mesh = SpectralMesh(BLOCK, even_cuts([(2, 2)]), 4)
+    assert mesh.least_stretch(mesh.points * [-1.25, 0.0])[0] == pytest.approx(-0.25, abs=1e-12)
