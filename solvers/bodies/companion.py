@@ -15,7 +15,6 @@ from solvers.bodies.force_series import body_force_at, compute_force_weights, fo
 from solvers.bodies.spectral_mesh import Cuts, SpectralMesh
 from solvers.estimators import companion_solution as shared
 from solvers.estimators.spectral_elements import highest_frequency
-from solvers.estimators.standalone_companion import SAFE_STEP
 from solvers.kernels import runtime
 from solvers.kernels.dtypes import Integer, Integers, Octets, Pairs, Quads, Real, Reals
 from solvers.kernels.launch import Launch
@@ -26,6 +25,7 @@ from solvers.solver.state_arrays import Members, aligned_copy
 
 OPTIONS = KernelOptions("", False, "", "", (), (), (), "", NEO_HOOKEAN)
 SMALL_STRAIN = 1e-7  # at which frequencies are found
+SUBSTEPS = 8  # of an interval of the body at rest: so often is their number chosen anew, by the stiffness then
 
 
 @dataclass
@@ -132,7 +132,7 @@ class BodyCompanion:
                                      force_terms=K, **{name: aligned_copy(one) for name, one in arrays.items()})
         self._layers = self._state.companion_nodes.reshape(shared.LAYERS, N, 8)
         frequency = self._frequency()
-        self.steps = max(1, math.ceil(interval * frequency / SAFE_STEP))  # from sample to sample, at rest
+        self.steps = max(1, math.ceil(interval * frequency / (SUBSTEPS * shared.STABLE)))  # from sample to sample
         self._state.dt, self._state.companion_numbers[shared.FREQUENCY] = interval / self.steps, frequency
         self._advance = Launch(take_steps, State(**self._state.members()), OPTIONS)
 

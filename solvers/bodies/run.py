@@ -10,7 +10,7 @@ import numpy as np
 from solvers.bodies.body import Body
 from solvers.bodies.companion import BodyCompanion
 from solvers.bodies.estimate import QUANTITIES, ErrorEstimate, ParticleFields, QuantityEstimate, cauchy_stress
-from solvers.bodies.goal_values import CORNER_SHARE, SHARE, GoalSeries, GoalValue
+from solvers.bodies.goal_values import GoalSeries, GoalValue
 from solvers.bodies.material_points import MaterialPoints
 from solvers.bodies.spectral_mesh import ORDERS, LatticeReader, default_cuts
 from solvers.solver.base import CRUSHED, ESCAPED, INVERTED, SOUND
@@ -88,13 +88,12 @@ def run_body(body: Body, on_progress: Callable[[float], None] | None = None) -> 
     kind, step, _ = run.verdict
     sound = kind == SOUND
     reason = "" if sound else Message("{failure}, found at step {step:,}", FAILURES[kind], step)
-    unknown = body.singular_corners and not body.has_known_corners
-    share = None if estimate.sentence else CORNER_SHARE if unknown else SHARE
+    instants, has_bar = np.array(times), not estimate.sentence
     return BodyResult(
         body=body, status="ok" if sound else "unstable", reason=reason, time=times[-1],
         steps=run.steps * (len(times) - 1), particles=len(run.lattice.volume), until=estimate.until,
         estimate=estimate.quantities(),
-        goals={name: one.evaluate(np.array(times), share) if sound else GoalValue(None, None, one.goal.unit)
+        goals={name: one.evaluate(instants, has_bar) if sound else GoalValue(None, None, one.goal.unit)
                for name, one in goals.items()},
         remarks=tuple(estimate.remarks(min(len(one) - 1 for pair in cuts for one in pair))),
         companion={"orders": list(ORDERS), "elements": companions[0].mesh.elements,
