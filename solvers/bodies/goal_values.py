@@ -1,21 +1,19 @@
 """Values of goals in a body's run, each with its bar.
 
 With the value J of the particles and J_p, J_(p+2) of the companions at the same particles the bar is
-|J - J_(p+2)| + 0.7 |J_(p+2) - J_p|, for stresses twice that. The first term alone would hold in about half of all runs.
-The second is the companion's own error, up to 0.7 of its difference from the coarser one at fronts and right angles of
-clamped and free sides, and up to all of it at other singular corners, where it falls more slowly.
+|J - J_(p+2)| + |J_(p+2) - J_p|, for stresses twice that. The first term alone would hold in about half of all runs. The
+second is more than the finer companion's own error wherever that is at most half of the coarser one's: of the
+difference it is up to 0.7 at fronts, right angles of clamped and free sides and on elements that grow away from them.
 """
 
 from typing import NamedTuple
 
 import numpy as np
 
-from solvers.bodies.body import Body
 from solvers.bodies.estimate import ParticleFields
 from solvers.bodies.goal import Goal
 from solvers.running.quantities_of_interest import point_weights
 
-SHARE, CORNER_SHARE = 0.7, 1.0  # of the difference of the companions; with other singular corners
 STRESS_SAFETY = 2.0  # factor of a stress's bar
 COMPONENTS = {"x": 0, "y": 1, "xx": 0, "xy": 1, "yy": 3}
 EARLY = 0.75  # of the run, in which what later returns must have turned round
@@ -27,11 +25,6 @@ class GoalValue(NamedTuple):
     value: float | None
     bar: float | None
     unit: str
-
-
-def bar_share(body: Body) -> float:
-    """Returns the share of the companions' difference that a body's bars contain."""
-    return CORNER_SHARE if body.singular_corners and not body.has_known_corners else SHARE
 
 
 class GoalSeries:
@@ -57,13 +50,12 @@ class GoalSeries:
         self._rows.append([self._start + float(self._weights @ (one.sigma if self.goal.is_stress else one.x)[
             :, self._component]) for one in fields])
 
-    def evaluate(self, times: np.ndarray, share: float | None) -> GoalValue:
-        """Returns the goal's value at the samples' ``times`` in s, and its bar with this ``share`` of the difference of
-        the companions, if that is not None."""
+    def evaluate(self, times: np.ndarray, has_bar: bool) -> GoalValue:
+        """Returns the goal's value at the samples' ``times`` in s, and its bar if it ``has_bar``."""
         run, coarse, fine = (self._functional(times, series) for series in np.array(self._rows).T)
         bar = None
-        if share is not None and run is not None and fine is not None and coarse is not None:
-            bar = (STRESS_SAFETY if self.goal.is_stress else 1.0) * (abs(run - fine) + share * abs(fine - coarse))
+        if has_bar and run is not None and fine is not None and coarse is not None:
+            bar = (STRESS_SAFETY if self.goal.is_stress else 1.0) * (abs(run - fine) + abs(fine - coarse))
         return GoalValue(run, bar, self.goal.unit)
 
     def _functional(self, times: np.ndarray, series: np.ndarray) -> float | None:

@@ -10,7 +10,7 @@ import numpy as np
 from solvers.bodies.body import Body
 from solvers.bodies.companion import BodyCompanion
 from solvers.bodies.estimate import QUANTITIES, ErrorEstimate, ParticleFields, QuantityEstimate, cauchy_stress
-from solvers.bodies.goal_values import GoalSeries, GoalValue, bar_share
+from solvers.bodies.goal_values import GoalSeries, GoalValue
 from solvers.bodies.material_points import MaterialPoints
 from solvers.bodies.spectral_mesh import ORDERS, LatticeReader, default_cuts
 from solvers.solver.base import CRUSHED, ESCAPED, INVERTED, SOUND
@@ -69,12 +69,16 @@ def run_body(body: Body, on_progress: Callable[[float], None] | None = None) -> 
         middle = time.process_time()
         if run.verdict[0] != SOUND:
             break
-        for one in companions:
-            one.advance()
         own = ParticleFields(run.displacement, run.velocity, cauchy_stress(body, run.deformation_gradient))
-        coarse, fine = (read_companion(body, *pair) for pair in zip(companions, readers, strict=True))
-        stretch = companions[1].mesh.least_stretch(companions[1].u) if np.isfinite(fine.x).all() else (1.0, np.zeros(2))
-        estimate.add(run.time, own, coarse, fine, *stretch)
+        if estimate.sentence:  # nothing is asked of the companions any more
+            coarse = fine = ParticleFields(*(np.full_like(one, np.nan) for one in own))
+        else:
+            for one in companions:
+                one.advance()
+            coarse, fine = (read_companion(body, *pair) for pair in zip(companions, readers, strict=True))
+            found = np.isfinite(fine.x).all()
+            stretch = companions[1].mesh.least_stretch(companions[1].u) if found else (1.0, np.zeros(2))
+            estimate.add(run.time, own, coarse, fine, *stretch)
         for series in goals.values():
             series.add(own, coarse, fine)
         times.append(run.time)
@@ -84,12 +88,12 @@ def run_body(body: Body, on_progress: Callable[[float], None] | None = None) -> 
     kind, step, _ = run.verdict
     sound = kind == SOUND
     reason = "" if sound else Message("{failure}, found at step {step:,}", FAILURES[kind], step)
-    share = None if estimate.sentence else bar_share(body)
+    instants, has_bar = np.array(times), not estimate.sentence
     return BodyResult(
         body=body, status="ok" if sound else "unstable", reason=reason, time=times[-1],
         steps=run.steps * (len(times) - 1), particles=len(run.lattice.volume), until=estimate.until,
         estimate=estimate.quantities(),
-        goals={name: one.evaluate(np.array(times), share) if sound else GoalValue(None, None, one.goal.unit)
+        goals={name: one.evaluate(instants, has_bar) if sound else GoalValue(None, None, one.goal.unit)
                for name, one in goals.items()},
         remarks=tuple(estimate.remarks(min(len(one) - 1 for pair in cuts for one in pair))),
         companion={"orders": list(ORDERS), "elements": companions[0].mesh.elements,
