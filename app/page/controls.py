@@ -37,7 +37,7 @@ OF_FILES = ("problem", "quantity", "magnify", "speed")  # controls, by their nam
 
 class Controls:
     """Widgets of one visitor for everything in a scene, and the view options read from them. Those outside the tab are
-    built at once, the others by :meth:`build`; ``on_view`` redraws the stage."""
+    built at once, the others by :meth:`build`; ``on_view`` redraws the stage, ``of_body`` makes widgets for a body."""
 
     def __init__(self, gui: viser.GuiApi, session: RunSession, scale: ColourScale, on_view: Callable[[], None],
                  history: FrameAndTraceControls, store: BrowserStore, landscapes: Landscapes):
@@ -47,7 +47,8 @@ class Controls:
         self._offered: tuple[str, ...] = ()  # the controls that a lesson shows; all if empty
         self._answers = WidgetStatusMessage(gui)
         self._turn = threading.RLock()  # widgets must not be removed while others are built or changed
-        self._bound, self._lasting = (SceneWidgetFactory(gui, session, self._answers, self._turn) for _ in range(2))
+        self._bound, self._lasting, self.of_body = (
+            SceneWidgetFactory(gui, session, self._answers, self._turn) for _ in range(3))
         problem_mark = gui.add_html("<i class='lab-at-problem'></i>")
         self.problem = gui.add_dropdown(tr("Problem"), tuple(tr(problem.scene.TITLE) for problem in PROBLEMS.values()),
                                         initial_value=tr(session.scene.TITLE),
@@ -121,13 +122,13 @@ class Controls:
                         part.visible = not controls or control in controls
                 self._rebuild()
 
-    def show_for_file(self, play: Callable[[bool], None] | None) -> None:
-        """Shows only what a file on the stage has in common with the run, and has Play and Pause call ``play``; for
-        None all controls, for the run. A lesson keeps its own controls."""
+    def show_for_own(self, play: Callable[[bool], None] | None, controls: tuple[str, ...] = ()) -> None:
+        """Shows only those controls that a file or body on the stage has in common with the run, and has Play and Pause
+        call ``play``; for None all controls, for the run. A lesson keeps its own controls."""
         with self._turn:
             self._transport.play = play or self._session.play
             if self._parent is self._home:
-                self.show_only(OF_FILES if play else ())
+                self.show_only(controls)
 
     def show(self, state: State) -> None:
         """Puts a state on the stage and into the widgets."""
@@ -273,7 +274,7 @@ class Controls:
         """Applies the text that a visitor has finished typing: the browser sends the field's widget id and the text."""
         match said:
             case [str() as widget, str() as text]:
-                for bound in (self._bound, self._lasting):
+                for bound in (self._bound, self._lasting, self.of_body):
                     bound.apply_entered_text(widget, text)
 
     def _build_extension(self, control: str) -> None:

@@ -52,7 +52,7 @@ class Page:
         self._link = BrowserAddress(context)
         context.store_state, context.show_run_on_stage = self._link.keep, self._show_run_on_stage
         built = tuple(filter(None, (feature.build(context) for feature in all_features.FEATURES)))
-        context.stage.build(context.store, context.history.seek)
+        context.stage.build(context.store)
         controls = context.controls
         controls.set_initial_state(opening)
         if opening is OPENING:
@@ -69,7 +69,7 @@ class Page:
             context.store.heard |= part.messages
             keys |= part.shortcuts
         follow_keys(context.store, keys)
-        self._problems = ProblemButtons(client.gui, context.store, controls.choose_problem)
+        self._problems = ProblemButtons(client.gui, context.store, self._choose_problem)
         self._link.listen(said)
         self._features = built  # from now on they follow frames
         context.stage.begin(lambda: controls.choice, (*filter(None, (part.source for part in built)), context.run))
@@ -97,6 +97,11 @@ class Page:
     def _show_run_on_stage(self) -> None:
         for feature in self._features:
             feature.leave_stage()
+
+    def _choose_problem(self, problem: str) -> None:
+        if self._context.body:
+            self._context.body.leave()
+        self._context.controls.choose_problem(problem)
 
     def _on_frame(self, report: FrameReport) -> None:
         if not report.playing:  # it is the last for now
@@ -135,5 +140,6 @@ class Page:
         for feature in self._features:
             feature.refresh(view)
         context.refresh_and_pause_when_idle(UNTOUCHED)
-        self._problems.show(context.session.scene, bool(controls.problem.visible))
+        has_body = context.body is not None and context.body.is_on
+        self._problems.show(context.session.scene, bool(controls.problem.visible), has_body)
         self._link.keep()

@@ -1,6 +1,7 @@
 """The parts of one visitor's page that features use."""
 
 from collections.abc import Callable
+from pathlib import Path
 from typing import Protocol
 
 import viser
@@ -45,9 +46,20 @@ class CurrentLesson(Protocol):
     def go_to_step(self, only: bool, step: int) -> None: ...
 
 
+class CurrentBody(Protocol):
+    """The body from a file that a visitor may have on the stage: whether it ``is_on``."""
+
+    @property
+    def is_on(self) -> bool: ...
+
+    def open_file(self, name: str, file: Path) -> None: ...
+
+    def leave(self) -> None: ...
+
+
 class PageContext:
     """Everything that features share: the visitor's run (``session``), ``stage``, ``controls``, ``tabs``, the
-    folder ``own_data`` and more. Features set ``lesson``, ``is_touring`` and ``show_phase``, which shows
+    folder ``own_data`` and more. Features set ``lesson``, ``body``, ``is_touring`` and ``show_phase``, which shows
     a particle's phase (from 1) of one time step in slow motion. The page sets ``show_run_on_stage``, which ends
     whatever replaces the run on the stage, and ``store_state``, which stores the visitor's state in the browser's
     address."""
@@ -63,6 +75,7 @@ class PageContext:
         self.client, self.gui, self.links = client, client.gui, links
         self.classroom, self.lecturer = classroom, lecturer
         self.lesson: CurrentLesson | None = None
+        self.body: CurrentBody | None = None
         self.is_touring: Callable[[], bool] = lambda: False
         self._conditions: dict[str, bool] = {}  # for computing frames
         self.recent, self.scale = RecentFrames(), ColourScale()
@@ -76,7 +89,8 @@ class PageContext:
         self._landscapes = Landscapes(self.session, links.histories, on_points)
         self.controls = Controls(self.gui, self.session, self.scale, self.stage.draw, self.history, self.store,
                                  self._landscapes)
-        self.run = VisitorRunSource(self.session, self.recent, self.trace, notice, self._landscapes)
+        self.run = VisitorRunSource(self.session, self.recent, self.trace, notice, self._landscapes,
+                                    self.history.seek)
         group = self.gui.add_tab_group()
         self.tabs = {name: group.add_tab(title, icon) for name, title, icon in (
             ("explore", tr("Explore"), viser.Icon.ADJUSTMENTS_HORIZONTAL),

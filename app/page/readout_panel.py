@@ -7,8 +7,10 @@ from html import escape
 import viser
 
 from app.language.translation import tr
-from app.page.panels.error_timeline import ErrorTimeline, TimelineState
+from app.page.panels.error_timeline import ErrorTimeline
+from app.page.panels.goal_timeline import GoalCurve, GoalTimeline
 from app.page.panels.readout_tables import ReadoutTables
+from app.page.panels.time_axis import TimeAxis, TimelineState
 from app.page.panels.time_plots import TimePlots
 from app.page.visit.history import RunSeries
 from app.page.visit.pinned_run import PinnedRun
@@ -25,7 +27,7 @@ class ReadoutContent:
 
     ``drawn`` is the estimator on the stage, ``now`` the state of the time axis, ``no_index`` why there is no error
     index, or "". A ``pinned`` run and a ``traced`` particle are plotted too. Programs that read the page get the
-    ``scene``."""
+    ``scene``. Of a body a ``goal`` is plotted instead of errors."""
 
     readout: ReadoutTables
     past: RunSeries | None
@@ -37,6 +39,7 @@ class ReadoutContent:
     pinned: PinnedRun | None = None
     traced: TracedParticle | None = None
     scene: Scene | None = None
+    goal: GoalCurve | None = None
 
 
 class ReadoutPanel:
@@ -46,7 +49,8 @@ class ReadoutPanel:
         self._client, gui = client, client.gui
         self._running = gui.add_html("")  # the scene, for programs that read the page
         self._described: Scene | None = None
-        self.timeline = ErrorTimeline(gui)
+        self._axis = TimeAxis(gui)
+        self.timeline, self._goal = ErrorTimeline(self._axis), GoalTimeline(self._axis)
         self.reading = False  # whether the errors stay in view: in a lesson, or for a file
 
     def build(self, gui: viser.GuiApi) -> None:
@@ -59,6 +63,18 @@ class ReadoutPanel:
         gui.add_html("<i class='lab-estimates-foot'></i>")
         self._foot = gui.add_html("")
 
+    def set_timeline_height(self, height: int) -> None:
+        """Sets the height of the plot below the stage in pixels."""
+        self._axis.height = height
+
+    def set_dark(self, dark: bool) -> None:
+        for timeline in (self.timeline, self._goal):
+            timeline.set_dark(dark)
+
+    def time_at(self, fraction: float) -> float:
+        """Returns the time in s at a fraction, 0 to 1, of the time axis."""
+        return (self._goal if self._goal.is_shown else self.timeline).time_at(fraction)
+
     def show(self, numbers: ReadoutContent, quantity: str, latest: bool) -> None:
         """Shows numbers, and plots of a quantity's errors ("x") over the run or its ``latest`` periods."""
         past, traced, scene = numbers.past, numbers.traced, numbers.scene
@@ -67,6 +83,11 @@ class ReadoutPanel:
             self._running.content = f"<i class='lab-scene' data-scene='{escape(json.dumps(asdict(scene)))}'></i>"
         self._readout.content = numbers.readout.html
         self._foot.content = numbers.readout.errors if self.reading else ""
+        if numbers.goal:
+            self.timeline.hide()
+            self._goal.show(numbers.goal, numbers.now)
+            return
+        self._goal.hide()
         self.timeline.set_lines(numbers.estimators, numbers.pinned is not None)
         self._plots.set_lines(numbers.estimators, PLOT_HEIGHT, traced is not None, numbers.pinned is not None)
         if past is None or len(past.series.get("time", ())) < 2:

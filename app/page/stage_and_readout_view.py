@@ -10,7 +10,7 @@ from app.page.headline_panel import HeadlinePanel
 from app.page.panels.browser_store_and_window import LETTERS, BrowserStore, BrowserWindow, LayoutMetrics
 from app.page.panels.page_header import set_up_theme
 from app.page.readout_panel import ReadoutContent, ReadoutPanel
-from app.page.stage_source import StageSource, ViewChoice
+from app.page.stage_source import StageContent, StageSource, ViewChoice
 from app.page.viewer_canvas import ViewerCanvas
 from app.viewer.widget_validation import is_number_between
 
@@ -26,9 +26,8 @@ class StageAndReadoutView:
         self._sources: tuple[StageSource, ...] = ()
         self._choice: Callable[[], ViewChoice] | None = None
 
-    def build(self, store: BrowserStore, seek: Callable[[float], None]) -> None:
-        """Builds numbers and plots; ``seek`` is called with the time in s that the visitor clicks on the time axis."""
-        self._seek = seek
+    def build(self, store: BrowserStore) -> None:
+        """Builds numbers and plots."""
         self._numbers.build(self._client.gui)
         BrowserWindow(store, self._on_resized, self._set_dark)
         store.heard |= {"seek": self._seek_timeline_fraction, "read": self._on_timeline_pointed,
@@ -53,7 +52,10 @@ class StageAndReadoutView:
         with self._drawing:
             choice = self._choice and self._choice()
             if choice is not None and (content := self.source.stage_content(choice)) is not None:
-                self._canvas.draw(content, choice)
+                if isinstance(content, StageContent):
+                    self._canvas.draw(content, choice)
+                else:
+                    self._canvas.draw_instead(content)
 
     def read_numbers(self, choice: ViewChoice) -> ReadoutContent | None:
         """Returns the numbers of what is drawn with these view options; None if nothing has changed."""
@@ -84,14 +86,14 @@ class StageAndReadoutView:
 
     def _on_resized(self, size: LayoutMetrics) -> None:
         """Fits labels and plots to another size of the browser's window, and redraws the stage if it changes."""
-        self._numbers.timeline.height = max(20, round(size.plot_height))
+        self._numbers.set_timeline_height(max(20, round(size.plot_height)))
         if self._canvas.lettering.set_pixel_layout(size.width, size.height, size.left, size.letters / LETTERS):
             self.draw()
 
     def _set_dark(self, dark: bool) -> None:
         set_up_theme(self._client.gui, dark)
         self._canvas.set_dark(dark)
-        self._numbers.timeline.set_dark(dark)
+        self._numbers.set_dark(dark)
         self.draw()
 
     def _on_timeline_pointed(self, fraction: object) -> None:
@@ -101,6 +103,6 @@ class StageAndReadoutView:
 
     def _seek_timeline_fraction(self, fraction: object) -> None:
         """Goes to the time at a ``fraction`` of the time axis, 0 to 1, that the visitor has clicked."""
-        if is_number_between(fraction, 0, 1) and self.source.needs_immediate_headline is False:
+        if is_number_between(fraction, 0, 1):
             assert isinstance(fraction, float | int)
-            self._seek(self._numbers.timeline.time_at(fraction))
+            self.source.seek(self._numbers.time_at(fraction))

@@ -64,8 +64,15 @@ class StageContent:
     hidden: Rectangle | None = None
 
 
+class OwnPicture(Protocol):
+    """Picture of something without a scene, in place of the stage of a problem."""
+
+    def draw(self) -> Rectangle:
+        """Draws the picture on surfaces of its own, and returns the rectangle that it fills."""
+
+
 class StageSource(Protocol):
-    """Something that can be on the stage: the visitor's run, a step in slow motion, or an uploaded file."""
+    """Something that can be on the stage: the visitor's run, a step in slow motion, a body, or an uploaded file."""
 
     @property
     def is_on(self) -> bool:
@@ -75,7 +82,10 @@ class StageSource(Protocol):
     def needs_immediate_headline(self) -> bool:
         """Whether the source's headline answers a click and must appear without delay."""
 
-    def stage_content(self, choice: ViewChoice) -> StageContent | None:
+    def seek(self, time: float) -> None:
+        """Shows the frame nearest to a time in s, paused, if there is one."""
+
+    def stage_content(self, choice: ViewChoice) -> StageContent | OwnPicture | None:
         """Returns what to draw now with these view options; None before there is anything to draw."""
 
     def numbers(self, choice: ViewChoice, picture: StageFrame | None, probed: str | None) -> ReadoutContent | None:

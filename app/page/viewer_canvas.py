@@ -11,7 +11,7 @@ from app.frame.layout import ColourBarDrawing, Rectangle
 from app.frame.stage import Stage
 from app.names_and_units import QUANTITIES
 from app.page.stage.pointer_and_camera import FixedRectangleCamera, RectangleErrorProbe, TracedParticleRing
-from app.page.stage_source import NO_TITLE, Sizes, StageContent, StageFrame, ViewChoice
+from app.page.stage_source import NO_TITLE, OwnPicture, Sizes, StageContent, StageFrame, ViewChoice
 from app.page.visit.traced_particle_series import ParticleTracer
 from app.problems.views import VIEWS
 from app.renderers.viewer_renderer import LabelLayer, ViewerSurface
@@ -63,6 +63,13 @@ class ViewerCanvas:
         self.camera.show_rectangle(rectangle)
         self.probe.measure(stage, arrays, view.estimated, view.true, unit)
         self.picture = picture
+
+    def draw_instead(self, picture: OwnPicture) -> None:
+        """Draws a picture in place of the stage."""
+        with self._client.atomic():
+            self._rings.hide()
+            self.cover(picture.draw())
+            self._client.flush()
 
     def cover(self, rectangle: Rectangle) -> None:
         """Hides the stage, until the next frame is drawn, and shows the rectangle of something else."""

@@ -13,8 +13,8 @@ from app.frame.primitives import SEPARATOR, Spans
 from app.language.translation import lazy, tr
 from app.names_and_units import difference_text, functions_name, main_settings_text
 from app.page.headline_panel import compare_errors, frame_headline
-from app.page.panels.error_timeline import TimelineState
 from app.page.panels.readout_tables import live_readout
+from app.page.panels.time_axis import TimelineState
 from app.page.readout_panel import ReadoutContent
 from app.page.stage.worst_region import WorstRegions
 from app.page.stage_source import RunTitle, StageContent, StageFrame, ViewChoice
@@ -42,10 +42,11 @@ class VisitorRunSource:
     is_on, needs_immediate_headline = True, False
 
     def __init__(self, session: RunSession, recent: RecentFrames, trace: ParticleTracer,
-                 further: Callable[[], Notice | None], landscapes: Landscapes,
+                 further: Callable[[], Notice | None], landscapes: Landscapes, seek: Callable[[float], None],
                  clock: Callable[[], float] = monotonic):
         self._session, self._recent, self._trace, self._further = session, recent, trace, further
         self._landscapes, self._worst, self._clock = landscapes, WorstRegions(), clock
+        self.seek = seek
         self._told: Frame | None = None  # the frame that words are about, and until when they stay
         self._told_until = 0.0
         self._rates: dict[Hashable, float] = {}  # fastest so far, in particle-steps per s, by what is computed

@@ -26,8 +26,8 @@ from solvers.translatable_message import Message
 HAT, METHODS = "mpm", ("cpdi", "ugimp", "cpgimp", "mpm")
 MOST_POISSON = 0.49
 LEAST, MOST = 1e-15, 1e15  # of numbers in SI units
-MOST_PARTICLES, MOST_CELLS, MOST_STEPS, MOST_PATCHES, MOST_GOALS = 1_000_000, 2000, 10_000_000, 64, 20
-CFL = 0.2  # time step over that in which a wave crosses a cell
+MOST_PARTICLES, MOST_CELLS, MOST_STEPS, MOST_PATCHES, MOST_GOALS, MOST_PPC = 1_000_000, 2000, 10_000_000, 64, 20, 6
+DEFAULT_CFL, MOST_CFL = 0.2, 1.0  # time step over that in which a wave crosses a cell
 WHOLE = 1e-6  # by which a number of cells or particles may miss a whole one
 SPACE, SPACE_AND_TIME = ("X", "Y"), ("X", "Y", "t")
 CORNER = 1.0  # degrees by which an angle may miss 90
@@ -38,9 +38,9 @@ class Body:
     """Elastic body of ``patches`` in plane strain, its loads, and the MPM run; SI units, vectors as pairs (x, y).
 
     ``velocity`` (at t = 0, of X, Y) and ``force`` (per mass, of X, Y, t) are formulas; ``ppc`` counts particles per
-    cell and direction; ``domain`` has two opposite corners of the rectangle in which the body may move;
-    ``elements_across`` counts the companions' elements over its narrowest patch, by default as many as a
-    twentieth of the run's time allows.
+    cell and direction; ``cfl`` is the time step over that in which a wave crosses a cell; ``domain`` has two opposite
+    corners of the rectangle in which the body may move; ``elements_across`` counts the companions' elements over its
+    narrowest patch, by default as many as a twentieth of the run's time allows.
     """
 
     patches: tuple[Patch, ...]
@@ -55,6 +55,7 @@ class Body:
     method: str = METHODS[0]
     cells_per_metre: float = 8
     ppc: int = 2
+    cfl: float = DEFAULT_CFL
     elements_across: int | None = None
     goals: Mapping[str, Goal] = field(default_factory=dict)
 
@@ -64,7 +65,8 @@ class Body:
         allowed = Message("give a number from 0 to {most}", MOST_POISSON)
         require_number("poissons_ratio", self.poissons_ratio, -1e-300, MOST_POISSON, allowed)
         require_choice("method", self.method, METHODS)
-        require_whole("ppc", self.ppc, 1, 6)
+        require_whole("ppc", self.ppc, 1, MOST_PPC)
+        require_number("cfl", self.cfl, 0, MOST_CFL)
         if self.elements_across is not None:
             require_whole("elements_across", self.elements_across, 1, 20)
         require_point("gravity", self.gravity, "m/s^2")
@@ -102,7 +104,7 @@ class Body:
     @property
     def time_step(self) -> float:
         """Longest time step in s; the run divides the time between samples into whole numbers of steps."""
-        return CFL * self.spacing / self.wave_speed
+        return self.cfl * self.spacing / self.wave_speed
 
     @cached_property
     def velocity_formulas(self) -> tuple[Formula, Formula]:

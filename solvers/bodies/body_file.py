@@ -22,7 +22,7 @@ LIBRARY = Path(__file__).with_name("library")
 MOST_BYTES = 100_000
 SECTIONS: Mapping[str, tuple[str, ...]] = {
     "material": ("youngs_modulus", "poissons_ratio", "density"), "load": ("gravity", "velocity", "force"),
-    "run": ("method", "cells_per_metre", "ppc", "t_end", "domain", "elements_across")}
+    "run": ("method", "cells_per_metre", "ppc", "cfl", "t_end", "domain", "elements_across")}
 TABLES = ("patch", *SECTIONS, "goals")
 DEFAULTS = {one.name: one.default for one in fields(Body)}
 #: What else a section may be expected to have, and why it has not.

@@ -96,6 +96,11 @@ class ErrorEstimate:
         self._differences: list[list[float]] = []
         self._doubts: list[list[float]] = []
 
+    def particle_errors(self, run: ParticleFields, coarse: ParticleFields, fine: ParticleFields) -> ParticleFields:
+        """Returns the estimated errors of particles; arguments as of :meth:`add`."""
+        return ParticleFields(run.x - fine.x - self.factor * (fine.x - coarse.x), run.v - fine.v,
+                              run.sigma - fine.sigma)
+
     def add(self, time: float, run: ParticleFields, coarse: ParticleFields, fine: ParticleFields, stretch: float,
             place: np.ndarray) -> None:
         """Adds a sample at a ``time`` in s: fields of the run and of both companions at its particles, and the least
@@ -107,7 +112,7 @@ class ErrorEstimate:
         with np.errstate(all="ignore"):
             apart = [_rms(one - other) for one, other in zip(fine, coarse, strict=True)]
             doubts = [_rms(one - other) for one, other in zip(run, fine, strict=True)]
-            errors = [_rms(run.x - fine.x - self.factor * (fine.x - coarse.x)), *doubts[1:]]
+            errors = [_rms(one) for one in self.particle_errors(run, coarse, fine)]
         if not np.isfinite(apart).all() or stretch <= 0:
             self.sentence = Message("from t = {time:.3g} s the companions have failed{fold}; stiffen the body, or stop "
                                     "before", time, self._fold_words())

@@ -55,8 +55,16 @@ class GoalSeries:
         run, coarse, fine = (self._functional(times, series) for series in np.array(self._rows).T)
         bar = None
         if has_bar and run is not None and fine is not None and coarse is not None:
-            bar = (STRESS_SAFETY if self.goal.is_stress else 1.0) * (abs(run - fine) + abs(fine - coarse))
+            bar = self._bar(run, coarse, fine)
         return GoalValue(run, bar, self.goal.unit)
+
+    def last_value_and_bar(self, has_bar: bool) -> tuple[float, float | None]:
+        """Returns at the last sample the coordinate in m or the stress in Pa that the goal is about, and its bar."""
+        run, coarse, fine = self._rows[-1]
+        return run, self._bar(run, coarse, fine) if has_bar else None
+
+    def _bar(self, run: float, coarse: float, fine: float) -> float:
+        return (STRESS_SAFETY if self.goal.is_stress else 1.0) * (abs(run - fine) + abs(fine - coarse))
 
     def _functional(self, times: np.ndarray, series: np.ndarray) -> float | None:
         what = self.goal.parts[0]

@@ -52,53 +52,95 @@ class BodyResult:
 
 
 def run_body(body: Body, on_progress: Callable[[float], None] | None = None) -> BodyResult:
-    """Runs a body to its end, or until it becomes unstable, beside companions of orders 4 and 6 on the same elements;
-    ``on_progress`` is called with the part done, 0 to 1."""
-    interval, cuts = body.t_end / SAMPLES, default_cuts(body)
-    loaded = bool(np.any(body.gravity)) or body.has_force
-    begun = time.process_time()
-    run = MaterialPoints(body, SAMPLES, body.lattice_counts, half_start=loaded)
-    companions = [BodyCompanion(body, cuts, order, interval) for order in ORDERS]
-    readers = [LatticeReader(one.mesh, run.lattice.lattices) for one in companions]
-    estimate = ErrorEstimate(body)
-    goals = {name: GoalSeries(goal, run.lattice.position) for name, goal in body.goals.items()}
-    spent, times = {"compile": 0.0, "run": 0.0, "companions": time.process_time() - begun}, [0.0]
-    for sample in range(SAMPLES):
+    """Runs a body to its end, or until it becomes unstable; ``on_progress`` is called with the part done, 0 to 1."""
+    run = BodyRun(body)
+    while run.advance():
+        if on_progress:
+            on_progress((len(run.times) - 1) / SAMPLES)
+    return run.result()
+
+
+class BodyRun:
+    """Run of a body sample by sample, beside companions of orders 4 and 6 on the same elements. ``times`` in s of the
+    samples so far, the start included, ``position`` (P, 2) in m at rest, and by name the values of ``goals`` so far;
+    ``errors`` are those estimated at the particles in the last sample, in the order of ``QUANTITIES``."""
+
+    def __init__(self, body: Body):
+        self.body, self._cuts = body, default_cuts(body)
+        loaded = bool(np.any(body.gravity)) or body.has_force
         begun = time.process_time()
+        self._particles = MaterialPoints(body, SAMPLES, body.lattice_counts, half_start=loaded)
+        self._companions = [BodyCompanion(body, self._cuts, order, body.t_end / SAMPLES) for order in ORDERS]
+        self._readers = [LatticeReader(one.mesh, self._particles.lattice.lattices) for one in self._companions]
+        self.position, self.times = self._particles.lattice.position, [0.0]
+        self.estimate = ErrorEstimate(body)
+        self.goals = {name: GoalSeries(goal, self.position) for name, goal in body.goals.items()}
+        self.errors: ParticleFields | None = None
+        self._spent = {"compile": 0.0, "run": 0.0, "companions": time.process_time() - begun}
+
+    @property
+    def displacement(self) -> np.ndarray:
+        """Displacement (P, 2) in m of the particles at the last sample."""
+        return self._particles.displacement
+
+    def advance(self) -> bool:
+        """Advances to the next sample; returns False if the run has ended before or become unstable on the way."""
+        if len(self.times) > SAMPLES:
+            return False
+        body, run, begun = self.body, self._particles, time.process_time()
         run.advance()
         middle = time.process_time()
         if run.verdict[0] != SOUND:
-            break
+            return False
         own = ParticleFields(run.displacement, run.velocity, cauchy_stress(body, run.deformation_gradient))
-        if estimate.sentence:  # nothing is asked of the companions any more
-            coarse = fine = ParticleFields(*(np.full_like(one, np.nan) for one in own))
-        else:
-            for one in companions:
-                one.advance()
-            coarse, fine = (read_companion(body, *pair) for pair in zip(companions, readers, strict=True))
-            found = np.isfinite(fine.x).all()
-            stretch = companions[1].mesh.least_stretch(companions[1].u) if found else (1.0, np.zeros(2))
-            estimate.add(run.time, own, coarse, fine, *stretch)
-        for series in goals.values():
+        coarse, fine = self._read_companions(own)
+        self.errors = self.estimate.particle_errors(own, coarse, fine)
+        for series in self.goals.values():
             series.add(own, coarse, fine)
-        times.append(run.time)
-        _count_seconds(spent, sample, middle - begun, time.process_time() - middle)
-        if on_progress:
-            on_progress((sample + 1) / SAMPLES)
-    kind, step, _ = run.verdict
-    sound = kind == SOUND
-    reason = "" if sound else Message("{failure}, found at step {step:,}", FAILURES[kind], step)
-    instants, has_bar = np.array(times), not estimate.sentence
-    return BodyResult(
-        body=body, status="ok" if sound else "unstable", reason=reason, time=times[-1],
-        steps=run.steps * (len(times) - 1), particles=len(run.lattice.volume), until=estimate.until,
-        estimate=estimate.quantities(),
-        goals={name: one.evaluate(instants, has_bar) if sound else GoalValue(None, None, one.goal.unit)
-               for name, one in goals.items()},
-        remarks=tuple(estimate.remarks(min(len(one) - 1 for pair in cuts for one in pair))),
-        companion={"orders": list(ORDERS), "elements": companions[0].mesh.elements,
-                   "points": [len(one.mesh.points) for one in companions], "extrapolation": estimate.factor},
-        seconds=spent)
+        _count_seconds(self._spent, len(self.times) - 1, middle - begun, time.process_time() - middle)
+        self.times.append(run.time)
+        return True
+
+    def _read_companions(self, own: ParticleFields) -> tuple[ParticleFields, ParticleFields]:
+        """Advances the companions to the sample, and adds it with the run's ``own`` fields to the estimate; returns
+        their fields. Once the estimate has ended they are asked no more: not a number."""
+        if self.estimate.sentence:
+            unknown = ParticleFields(*(np.full_like(one, np.nan) for one in own))
+            return unknown, unknown
+        for one in self._companions:
+            one.advance()
+        coarse, fine = (read_companion(self.body, *pair)
+                        for pair in zip(self._companions, self._readers, strict=True))
+        finer = self._companions[-1]
+        stretch = finer.mesh.least_stretch(finer.u) if np.isfinite(fine.x).all() else (1.0, np.zeros(2))
+        self.estimate.add(self._particles.time, own, coarse, fine, *stretch)
+        return coarse, fine
+
+    @property
+    def has_bars(self) -> bool:
+        """Whether the goals have bars: not once the estimate has ended."""
+        return not self.estimate.sentence
+
+    def goal_values(self) -> dict[str, GoalValue]:
+        """Returns the goals' values in the samples so far."""
+        return {name: one.evaluate(np.array(self.times), self.has_bars) for name, one in self.goals.items()}
+
+    def result(self) -> BodyResult:
+        """Returns the result of the run so far."""
+        run, (kind, step, _) = self._particles, self._particles.verdict
+        sound, mesh = kind == SOUND, self._companions[0].mesh
+        return BodyResult(
+            body=self.body, status="ok" if sound else "unstable",
+            reason="" if sound else Message("{failure}, found at step {step:,}", FAILURES[kind], step),
+            time=self.times[-1], steps=run.steps * (len(self.times) - 1), particles=len(self.position),
+            until=self.estimate.until, estimate=self.estimate.quantities(),
+            goals=self.goal_values() if sound else {name: GoalValue(None, None, one.goal.unit)
+                                                    for name, one in self.goals.items()},
+            remarks=tuple(self.estimate.remarks(min(len(one) - 1 for pair in self._cuts for one in pair))),
+            companion={"orders": list(ORDERS), "elements": mesh.elements,
+                       "points": [len(one.mesh.points) for one in self._companions],
+                       "extrapolation": self.estimate.factor},
+            seconds=self._spent)
 
 
 def read_companion(body: Body, companion: BodyCompanion, reader: LatticeReader) -> ParticleFields:

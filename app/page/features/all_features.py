@@ -2,6 +2,7 @@
 
 from app.page.feature import Feature
 from app.page.features.board.lecturer_panel import LecturerBoardPanel
+from app.page.features.body.panel import BodyPanel
 from app.page.features.budget.panel import BudgetPanel
 from app.page.features.cost.panel import CostTab
 from app.page.features.lesson.panel import LessonPlayer
@@ -13,5 +14,5 @@ from app.page.features.undo import Undo
 from app.page.features.upload.panel import UploadPanel
 
 FEATURES: tuple[type[Feature], ...] = (
-    UploadPanel, SlowMotion, BudgetPanel, LessonPlayer, CostTab, Sharing, OpeningTour, Suggestions, Undo,
+    UploadPanel, BodyPanel, SlowMotion, BudgetPanel, LessonPlayer, CostTab, Sharing, OpeningTour, Suggestions, Undo,
     LecturerBoardPanel)

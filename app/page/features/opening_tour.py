@@ -16,9 +16,10 @@ from app.names_and_units import per_cent
 from app.page.feature import Feature, VisiblePageState
 from app.page.page_context import PageContext
 from app.page.playback_controls import SLOW
-from app.page.stage_source import StageContent, StageSource, ViewChoice
+from app.page.stage_source import StageContent, ViewChoice
 from app.page.visit.recent_frames import Frame
 from app.page.visit.status_message import Notice
+from app.page.visitor_run_source import VisitorRunSource
 from app.problems.bar.field_over_stage import FieldOverStage
 from app.problems.bar.stretching_bar import StretchingBar
 from app.shareable_state import State
@@ -196,9 +197,9 @@ class OpeningSource:
 
     needs_immediate_headline = False
 
-    def __init__(self, tour: OpeningTour, run: StageSource):
+    def __init__(self, tour: OpeningTour, run: VisitorRunSource):
         self._tour, self._run = tour, run
-        self.numbers, self.sentence = run.numbers, run.sentence
+        self.numbers, self.sentence, self.seek = run.numbers, run.sentence, run.seek
 
     @property
     def is_on(self) -> bool:

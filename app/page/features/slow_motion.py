@@ -17,7 +17,8 @@ from app.language.translation import lazy, tr, with_language
 from app.page.feature import Feature, VisiblePageState
 from app.page.page_context import PageContext
 from app.page.panels.page_header import BARE, widget_marker_html
-from app.page.stage_source import StageContent, StageFrame, StageSource, ViewChoice
+from app.page.stage_source import StageContent, StageFrame, ViewChoice
+from app.page.visitor_run_source import VisitorRunSource
 from app.problems.views import VIEWS
 from solvers.engine.engine_messages import FrameReport
 from solvers.scene.scene import Scene
@@ -237,7 +238,7 @@ class SlowMotion(Feature):
 class SlowMotionSource:
     """Source for the stage: the step in slow motion, with the numbers of the paused run, whose source is ``run``."""
 
-    def __init__(self, slow: SlowMotion, run: StageSource):
+    def __init__(self, slow: SlowMotion, run: VisitorRunSource):
         self._slow, self._run = slow, run
         self.numbers, self.notice = run.numbers, run.notice
 
@@ -248,6 +249,9 @@ class SlowMotionSource:
     @property
     def needs_immediate_headline(self) -> bool:
         return bool(self._slow.sentence)
+
+    def seek(self, time: float) -> None:
+        """Does nothing: the run is at the step shown."""
 
     def stage_content(self, choice: ViewChoice) -> StageContent | None:
         sight = self._run.stage_content(choice)

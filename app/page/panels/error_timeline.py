@@ -1,10 +1,7 @@
 """The error over time below the stage: curves in per cent, and as html the axis, the curves' names, the present, stored
 frames and cell changes."""
 
-import json
 from collections.abc import Sequence
-from dataclasses import dataclass
-from html import escape
 
 import numpy as np
 import viser
@@ -15,7 +12,8 @@ from app.frame.colour_scale import largest_finite, round_up
 from app.frame.error_view_captions import TRUE
 from app.language.translation import lazy, localise_number, tr, trn
 from app.names_and_units import format_number, functions_name, in_periods, per_cent, with_unit
-from app.page.panels.time_plots import EMPTY, clip_estimate, pinned_curves, plottable_series, series_options, set_series
+from app.page.panels.time_axis import EMPTY, TimeAxis, TimelineState, clock_text, round_ticks
+from app.page.panels.time_plots import clip_estimate, pinned_curves, plottable_series, series_options, set_series
 from app.page.visit.history import RunSeries
 from app.page.visit.pinned_run import PinnedRun
 from solvers.scene.estimator_registry import ESTIMATORS
@@ -25,36 +23,21 @@ ENDS = (1, 1.2, 1.5, 2, 2.5, 3, 4, 5, 6, 8)  # times a power of ten: possible en
 TOPS = (1, 1.2, 2, 4, 6, 8)  # of that of the errors, whose halves are round, too
 HEADROOM, ASIDE = 1.04, 1.13  # over the largest error, and beside the last time, for the curves' names
 BINS = 150  # intervals of the time's axis in which cell changes are counted
-TICKS = 4  # of the time's axis, at least
 MOST_LETTERS = 7  # of a number on the axis of errors, beside its name
 
 UNSTABLE, LOST = lazy("unstable from {time} on"), lazy("lost from {time} on")
 
 
-@dataclass(frozen=True)
-class TimelineState:
-    """State of the time axis: present ``time`` and ``reach`` of stored frames (from, to), in s; whether the run plays;
-    and the time in s since when it is ``lost`` or, if that is set, ``unstable``."""
-
-    time: float
-    reach: tuple[float, float]
-    playing: bool
-    lost: float | None = None
-    unstable: bool = False
-
-
 class ErrorTimeline:
     """One visitor's plot of error over time below the stage. Call :meth:`show` a few times a second."""
 
-    def __init__(self, gui: viser.GuiApi):
-        self._gui = gui
-        self._box = gui.add_folder(None)
-        self._html = gui.add_html("")
+    def __init__(self, axis: TimeAxis):
+        self._axis = axis
         self._plots: dict[tuple[tuple[str, ...], bool], viser.GuiUplotHandle] = {}
         self._estimators: tuple[str, ...] = ()
         self._ends: tuple[float, float, float] | None = None  # of the axes: times, and the error
         self._scale_key: object = None
-        self.height, self._dark = 62, False
+        self._dark = False
         self._pointed: float | None = None  # fraction of the axis at the pointer
         self._read: tuple[np.ndarray, dict[str, np.ndarray]] = EMPTY, {}  # times, and the curves' shares by name
 
@@ -67,12 +50,12 @@ class ErrorTimeline:
         """Prepares the plot: a line for each estimator (by name), and for a pinned run if ``pinned``."""
         wanted = estimators, pinned
         if wanted not in self._plots:
-            self._plots[wanted] = self._build(estimators, pinned)
+            self._plots[wanted] = self._axis.add_plot(self._series(estimators, pinned))
             self._ends = None
         for which, plot in self._plots.items():
             plot.visible = which == wanted
         self._estimators, self._plot = estimators, self._plots[wanted]
-        self._plot.height = self.height
+        self._plot.height = self._axis.height
 
     def show(self, past: RunSeries, valid: tuple[str, ...], quantity: str, latest: bool, pinned: PinnedRun | None,
              estimator: str | None, now: TimelineState) -> None:
@@ -104,9 +87,14 @@ class ErrorTimeline:
         start, end, _ = self._ends or (0.0, 1.0, 1.0)
         return start + fraction * (end - start)
 
+    def hide(self) -> None:
+        """Hides all curves, until the next :meth:`set_lines`."""
+        for plot in self._plots.values():
+            plot.visible = False
+
     def clear(self, now: TimelineState) -> None:
         set_series(self._plot, plottable_series(EMPTY, *(np.full(2, np.nan) for _ in self._plot.data[1:])))
-        self._send({"tops": [], "start": "", "ticks": [], "now": 0, "reach": [0, 0], "changes": [],
+        self._axis.send({"tops": [], "start": "", "ticks": [], "now": 0, "reach": [0, 0], "changes": [],
                     "first": "", "names": [], "clock": clock_text(now.time), "playing": now.playing, "read": [],
                     "lost": None, "says": ""})
 
@@ -138,8 +126,7 @@ class ErrorTimeline:
             return round(1 - min(1.0, share / top), 4)
 
         of_time, swings = unit_of_time(past.scene), past.scene.swings
-        step = round_up((end - start) / of_time / TICKS / 1.0001, (1, 2, 5))[0] * of_time
-        ticks = [start + k * step for k in range(1, int((end - start) / step * 1.0001) + 1)] if not start else []
+        ticks = round_ticks(start, end, of_time) if not start else []
         last = "" if not ticks else in_periods(ticks[-1] / of_time) if swings else with_unit(ticks[-1], "s")
         # A unit with a prefix, shown once.
         factor = 1 / of_time if swings or not ticks else float(last.split()[0].replace(",", ".")) / ticks[-1]
@@ -160,11 +147,7 @@ class ErrorTimeline:
                 "read": self._values_at_pointer(past.scene),
                 "lost": None if now.lost is None else part(now.lost), "says": "" if now.lost is None else
                 tr(UNSTABLE if now.unstable else LOST, time=clock_text(now.lost))}
-        self._send(said)
-
-    def _send(self, said: dict[str, object]) -> None:
-        text = json.dumps(said, separators=(",", ":"), ensure_ascii=False)
-        self._html.content = f"<i class='lab-times' data-said='{escape(text)}'></i>"
+        self._axis.send(said)
 
     def _values_at_pointer(self, scene: Scene) -> list[str]:
         """Returns texts of the time and each curve's value at the pointer; none beyond the run."""
@@ -187,16 +170,6 @@ class ErrorTimeline:
         bins = np.unique(np.floor(BINS * at[(at >= 0) & (at <= 1)]))
         return np.round((bins + 0.5) / BINS, 4).tolist(), int(count[-1])
 
-    def _build(self, estimators: tuple[str, ...], pinned: bool) -> viser.GuiUplotHandle:
-        series = self._series(estimators, pinned)
-        nothing: uplot.Axis = {"show": False}
-        with self._box:
-            self._gui.add_html("<i class='lab-timeline'></i>")
-            return self._gui.add_uplot(
-                (EMPTY, *(np.full(2, np.nan) for _ in series[1:])), series, legend={"show": False},
-                axes=(nothing, nothing), scales={"x": {"time": False, "range": [0.0, 1.0]}, "y": {"range": [0.0, 1.0]}},
-                height=self.height, padding=(2, 0, 0, 0))
-
     def _series(self, estimators: tuple[str, ...], pinned: bool) -> tuple[uplot.Series, ...]:
         """Returns the styles of time and all lines; the truth's is broad and beneath the estimators'."""
         grey = [series_options(tr("pinned, true"), PINNED, 2.5),
@@ -204,11 +177,6 @@ class ErrorTimeline:
         lines = [series_options(name, LINES[name.replace("-", "")][self._dark], 2, ESTIMATORS[name].dashes)
                  for name in estimators]
         return {"label": "t"}, *grey, series_options(tr(TRUE), LINES["truth"][self._dark], 4), *lines
-
-
-def clock_text(time: float) -> str:
-    """Formats the present time in s: "0.25 s"; with a prefix if it is short."""
-    return f"{format_number(time)} s" if time == 0 or time >= 1e-3 else with_unit(time, "s")
 
 
 def unit_of_time(scene: Scene) -> float:

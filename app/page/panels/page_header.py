@@ -15,8 +15,10 @@ from app.colour_palette import TEXTS, rgb
 from app.language.translation import LANGUAGES, current_language, lazy, load_catalogue, tr
 from app.logo_and_font import MARK, font_faces_css
 from app.names_and_units import number_format_script
+from app.page.panels.body_titles import library_title
 from app.page.panels.browser_store_and_window import BrowserStore
 from app.templates import render_template
+from solvers.bodies.body_file import library_names
 from solvers.problems import PROBLEMS
 from solvers.scene.scene import Scene
 
@@ -106,11 +108,13 @@ class ProblemButtons:
         self._html, self._choose = gui.add_html(""), choose
         store.heard["problem"] = self._on_message
 
-    def show(self, scene: Scene, offered: bool) -> None:
-        """Marks the problem of the scene on the stage; shows no buttons unless ``offered``: lessons may hide them."""
+    def show(self, scene: Scene, offered: bool, has_body: bool) -> None:
+        """Marks the problem of the scene on the stage, or that a body of one's own is there (``has_body``); shows no
+        buttons unless ``offered``: lessons may hide them."""
         titles = {name: tr(problem.scene.TITLE) for name, problem in PROBLEMS.items() if offered}
-        typed = bool(scene.to_dict().get("displacement"))
-        said = json.dumps({"titles": titles, "chosen": scene.problem, "typed": typed})
+        own = tr("Your body") if has_body else tr("Your motion") if scene.to_dict().get("displacement") else ""
+        bodies = {name: library_title(name) for name in library_names()}
+        said = json.dumps({"titles": titles, "chosen": scene.problem, "own": own, "bodies": bodies})
         self._html.content = f"<i class='lab-problems' data-said='{escape(said)}'></i>"
 
     def _on_message(self, said: Any) -> None:

@@ -16,6 +16,7 @@ from app.frame.error_view_captions import NOT_COUNTED, TRUE
 from app.language.translation import lazy, tr
 from app.names_and_units import QUANTITIES, format_number, format_power_of_ten, power_of_ten
 from app.page.panels.readout_tables import name_with_line_sample
+from app.page.panels.time_axis import EMPTY
 from app.page.visit.history import RunSeries
 from app.page.visit.pinned_run import PinnedRun
 from app.page.visit.traced_particle_series import TracedParticle
@@ -32,7 +33,6 @@ _FROM_ZERO: uplot.Scale = {"range": {"min": {"soft": 0, "mode": 1, "pad": 0},
                                      "max": {"soft": 0, "mode": 1, "pad": 0.2}}}
 _RATIOS: uplot.Scale = {"distr": 3, "range": list(INDEX_RANGE)}
 _RATIO_MARKS: uplot.Axis = {"splits": (0.1, 1, 10), "values": ("0.1", "1", "10")}
-EMPTY = np.array([0.0, 1.0])  # what an empty plot holds
 #: Units of time, with the shortest time in s for each: an axis shows three decimals.
 _TIMES = (("s", 1.0, 1e-2), ("ms", 1e-3, 1e-5), ("µs", 1e-6, 0.0))
 _GRID: uplot.Axis_Grid = {"stroke": "#e6e9ee", "width": 1}

@@ -9,7 +9,8 @@ import numpy as np
 import pytest
 
 from app.page.panels.browser_store_and_window import BrowserWindow, LayoutMetrics
-from app.page.panels.error_timeline import BINS, ErrorTimeline, TimelineState
+from app.page.panels.error_timeline import BINS, ErrorTimeline
+from app.page.panels.time_axis import TimeAxis, TimelineState
 from solvers.problems.bar.scene import BarScene
 from solvers.problems.ring import RingScene
 from tests.app.page.panel import Gui
@@ -32,13 +33,13 @@ class Past:
 
 @pytest.fixture
 def line():
-    line = ErrorTimeline(Gui())
+    line = ErrorTimeline(TimeAxis(Gui()))
     line.set_lines(("transport",), False)
     return line
 
 
 def said(line):
-    return json.loads(unescape(re.search("data-said='(.*)'", line._html.content)[1]))
+    return json.loads(unescape(re.search("data-said='(.*)'", line._axis._html.content)[1]))
 
 
 def ends(line):

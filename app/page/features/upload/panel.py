@@ -6,18 +6,21 @@ from html import escape
 from pathlib import Path
 from time import monotonic
 
+import numpy as np
 import viser
 
 from app.frame.error_view_captions import NO_INDEX
 from app.frame.headline import HeadlineWithFacts
 from app.language.translation import lazy, tr, with_language
 from app.names_and_units import reword_for_page
+from app.page.controls import OF_FILES
 from app.page.feature import Feature
+from app.page.features.frame_player import FramePlayer
 from app.page.features.upload import uploaded_run
 from app.page.features.upload.judging_process import FIRST, FileProblemButtons, JudgeJob, question_sentence
 from app.page.features.upload.uploaded_run import JUDGE, UploadedRun, file_readout, loaded_notice, page_scene_for_file
 from app.page.page_context import PageContext
-from app.page.panels.error_timeline import TimelineState
+from app.page.panels.time_axis import TimelineState
 from app.page.readout_panel import ReadoutContent
 from app.page.stage.worst_region import WorstRegions
 from app.page.stage_source import StageContent, StageFrame, ViewChoice
@@ -25,11 +28,12 @@ from app.page.visit.first_scene import first_scene
 from app.page.visit.status_message import Notice
 from app.viewer.upload import LARGEST, TOO_LARGE, VisitorUploads
 from solvers.engine.engine_messages import FrameReport
-from solvers.judging.particle_readers import PACKED, UPLOADED
+from solvers.judging.particle_readers import PACKED, UPLOADED, kind_of
 from solvers.judging.uploaded_file_worker import FileSummary
 from solvers.study.parameter_grid import Task
 
 TO_BE_READ = 30.0  # seconds that a refusal is shown; it stays beside the button
+BODY_KIND = ".toml"  # ending of the file of a body
 FRAME_SECONDS = (0.12, 0.6)  # least and most seconds that a frame is shown
 BACK, BACK_HINT = lazy("Back to our run"), lazy("go back to what was on the stage before")
 BUSY, ONE = lazy("A file is still on its way; wait until it is here."), lazy("Give one file at a time.")
@@ -43,20 +47,19 @@ class UploadPanel(Feature):
     run pauses; that ends when something advances the run."""
 
     def __init__(self, page: PageContext):
-        gui, self._controls = page.gui, page.controls
+        self._page, gui, self._controls = page, page.gui, page.controls
         self._session, self._on_view, self._on_begin = page.session, page.stage.draw, page.show_run_on_stage
         self.source = self
         self._lock = threading.RLock()
         self._judging: JudgeJob | None = None
         self._run: UploadedRun | None = None
-        self._k, self.playing, self._resumes = 0, False, False
+        self._player, self._resumes = FramePlayer(page.session, self._frame_seconds, self._show_frame), False
         self._moves: tuple = ()  # of the run, which pauses meanwhile
-        self._turn = threading.Event()  # ends the wait of the thread that plays
         self._news: tuple[float, Notice] | None = None
         large, busy, one = (escape(tr(text), quote=True) for text in (TOO_LARGE, BUSY, ONE))
         gui.add_html(f"<i class='lab-upload' data-largest='{LARGEST}' data-too-large='{large}.' data-busy='{busy}' "
                      f"data-one='{one}'></i>")
-        button = gui.add_upload_button(tr("file of particles"), mime_type=",".join((*UPLOADED, PACKED)))
+        button = gui.add_upload_button(tr("file of particles"), mime_type=",".join((*UPLOADED, PACKED, BODY_KIND)))
         self._upload = VisitorUploads(gui, button, with_language(self._on_file),
                                       with_language(lambda text: self._refuse(tr(text))))
         self._mark = gui.add_html("")  # for the style, while a file is on the stage
@@ -79,7 +82,8 @@ class UploadPanel(Feature):
                                           hint=tr("the times in the file, one after the other"))
             gui.add_html("<i class='lab-back'></i>")
             back = gui.add_button(tr(BACK), icon=viser.Icon.ARROW_BACK_UP, hint=tr(BACK_HINT))
-        self._slider.on_update(lambda event: self._go_to(event.target.value) if event.client else None)
+        self._slider.on_update(
+            lambda event: self._player.go_to(round(event.target.value) - 1) if event.client else None)
         back.on_click(lambda _: self.leave())
         self._upload.open()
 
@@ -87,7 +91,7 @@ class UploadPanel(Feature):
     def shown_frame(self) -> tuple[UploadedRun, int] | None:
         """The file on the stage and the index of its frame shown, from 0; None if no file is there."""
         run = self._run
-        return None if run is None else (run, min(self._k, len(run) - 1))
+        return None if run is None else (run, self._player.frame)
 
     def on_frame(self, report: FrameReport) -> None:
         """Shows the run again instead of a file, if the visitor has advanced the run."""
@@ -117,8 +121,11 @@ class UploadPanel(Feature):
             self._show_sentence("")
             if self._resumes:
                 self._session.play(True)
-        self._controls.show_for_file(None)
+        self._controls.show_for_own(None)
         self._on_view()
+
+    def leave_stage(self) -> None:
+        self.leave()
 
     def close(self) -> None:
         """Ends upload and judging when the visitor leaves."""
@@ -129,8 +136,8 @@ class UploadPanel(Feature):
 
     def _drop_run(self) -> None:
         self._cancel_judging()
-        self._run, self.playing = None, False
-        self._turn.set()
+        self._run = None
+        self._player.play(False)
 
     def _cancel_judging(self) -> None:
         """Cancels the judging; the table of a file on the stage stays while it is shown."""
@@ -141,7 +148,11 @@ class UploadPanel(Feature):
         self._judging = None
 
     def _on_file(self, name: str, file: Path) -> None:
-        """Starts to judge a new ``file``, which the visitor calls ``name``, instead of one before."""
+        """Starts to judge a new ``file``, which the visitor calls ``name``, instead of one before; runs that of a
+        body."""
+        if kind_of(name) == BODY_KIND and self._page.body:
+            self._news = None
+            return self._page.body.open_file(name, file)
         with self._lock:
             self._cancel_judging()
             self._question.hide()
@@ -202,13 +213,13 @@ class UploadPanel(Feature):
             self._resumes = self._session.playing
             self._session.play(False)
             self._moves = self._session.playback_request_key
-        self._run, self._k = run, 0
+        self._run = run
         self._show_sentence(loaded_notice(run, self._session.scene))
         self._slider.max, self._slider.value = max(2, len(run)), 1  # type: ignore[misc]
         self._slider.disabled = len(run) < 2
         self._folder.visible, self._mark.content = True, "<i class='lab-file-shown'></i>"
-        self._controls.show_for_file(self._play)
-        self._play(True)
+        self._controls.show_for_own(self._player.play, OF_FILES)
+        self._player.begin(len(run))
 
     def _refuse(self, sentence: str) -> None:
         sentence = reword_for_page(sentence).rstrip(".") + "."
@@ -218,43 +229,17 @@ class UploadPanel(Feature):
     def _show_sentence(self, sentence: str) -> None:
         self._text.content = f"<div class='lab-own' role='status'><p>{escape(sentence)}</p></div>" if sentence else ""
 
-    def _go_to(self, number: float) -> None:
-        """Shows the frame of this number, from 1, paused."""
-        with self._lock:
-            self._play(False)
-            self._k = round(number) - 1
+    def _show_frame(self) -> None:
+        self._slider.value = self._player.frame + 1  # type: ignore[misc]
         self._on_view()
 
-    def _play(self, playing: bool) -> None:
-        with self._lock:
-            run = self._run
-            self._turn.set()  # whatever plays now
-            self.playing = playing and run is not None and len(run) > 1
-            if self.playing and run is not None:
-                self._k = self._k if self._k < len(run) - 1 else 0
-                self._turn = threading.Event()
-                threading.Thread(target=with_language(self._play_loop), args=(run, self._turn), name="own-run",
-                                 daemon=True).start()
-
-    def _play_loop(self, run: UploadedRun, over: threading.Event) -> None:
-        """Shows one frame of a file after the other, to the last, until ``over`` is set."""
-        while not over.wait(self._frame_seconds(run)):
-            with self._lock:
-                if over.is_set():
-                    return
-                if not self._session.watched:
-                    continue
-                self._k += 1
-                self._slider.value = self._k + 1  # type: ignore[misc]
-                self.playing = self._k < len(run) - 1
-            self._on_view()
-            if not self.playing:
-                return
-
-    def _frame_seconds(self, run: UploadedRun) -> float:
+    def _frame_seconds(self) -> float:
         """Returns the seconds until a file's next frame: at the page's speed, within limits for the eye."""
-        ahead = run.times[min(self._k + 1, len(run) - 1)] - run.times[self._k]
         least, most = FRAME_SECONDS
+        if (shown := self.shown_frame) is None:
+            return most
+        run, k = shown
+        ahead = run.times[min(k + 1, len(run) - 1)] - run.times[k]
         return float(min(most, max(least, ahead / (self._session.speed * run.scene.period))))
 
     @property
@@ -263,22 +248,26 @@ class UploadPanel(Feature):
 
     @property
     def needs_immediate_headline(self) -> bool:
-        return not self.playing
+        return not self._player.playing
+
+    def seek(self, time: float) -> None:
+        if shown := self.shown_frame:
+            self._player.go_to(int(np.argmin(np.abs(shown[0].times - time))))
 
     def stage_content(self, choice: ViewChoice) -> StageContent | None:
         if (shown := self.shown_frame) is None:
             return None
         run, k = shown
-        report, arrays = run.frame(k, choice.quantity, self.playing)
+        report, arrays = run.frame(k, choice.quantity, self._player.playing)
         picture = StageFrame(report, arrays, run.view(arrays, choice.quantity, choice.difference), foreign=True)
         return StageContent(picture, run.largest_errors(choice.quantity), (run.name, choice.quantity))
 
     def numbers(self, choice: ViewChoice, picture: StageFrame | None, probed: str | None) -> ReadoutContent | None:
         if (shown := self.shown_frame) is None:
             return None
-        run, k = shown
+        (run, k), playing = shown, self._player.playing
         return ReadoutContent(file_readout(run, k, choice.quantity, probed), None if run.estimate is None else run,
-                              (JUDGE,), (JUDGE,), JUDGE, TimelineState(run.times[k], 2 * (run.times[k],), self.playing),
+                              (JUDGE,), (JUDGE,), JUDGE, TimelineState(run.times[k], 2 * (run.times[k],), playing),
                               "" if run.true is not None else tr(NO_INDEX))
 
     def sentence(self, choice: ViewChoice, picture: StageFrame) -> HeadlineWithFacts:

@@ -20,16 +20,16 @@
     menu.insertBefore(item(button.textContent, title, choose), typedMotion).className = "lab-problem";
   }
 
-  function item(title, hint, act) {
-    const button = menu.appendChild(Object.assign(document.createElement("button"), {type: "button"}));
+  function item(title, hint, act, within = menu) {
+    const button = within.appendChild(Object.assign(document.createElement("button"), {type: "button"}));
     button.setAttribute("role", "menuitem");
-    button.append(...[["b", title], ["small", hint]].map(([tag, text]) =>
+    button.append(...[["b", title], ["small", hint]].filter(([, text]) => text).map(([tag, text]) =>
       Object.assign(document.createElement(tag), {textContent: text})));
     button.addEventListener("click", () => { open(false); act(); });
     return button;
   }
 
-  const items = () => [...menu.children].filter(one => one.checkVisibility());
+  const items = () => [...menu.querySelectorAll("button")].filter(one => one.checkVisibility());
   function open(on) {
     menu.hidden = !on;
     if (on) items()[0].focus();
@@ -55,6 +55,11 @@
     if (!document.querySelector("[data-lab~=lab-formula]")) dispatchEvent(new CustomEvent("lab-tell", {detail: {problem: "bar"}}));
     toFormula();
   });
+  item(tr("A body, from a file"), tr("elastic; its exact motion nobody knows: drop a .toml anywhere, or take one of ours"), () => {}).dataset.own = "file";
+  const library = Object.assign(document.createElement("div"), {className: "lab-bodies"});
+  library.setAttribute("role", "group");
+  library.setAttribute("aria-label", tr("bodies that come along"));
+  menu.append(library);
   item(tr("Particles from a file"), tr("of any code; or drop the file anywhere"), () => {}).dataset.own = "file";  // drop.js asks for it
   group.append(own);
   group.after(menu);
@@ -73,12 +78,14 @@
   function look() {
     const data = document.querySelector("i.lab-problems")?.dataset;
     if (!data || data.said === said) return;
-    const {titles, chosen, typed} = JSON.parse(said = data.said);
+    const {titles, chosen, own: named, bodies} = JSON.parse(said = data.said);
     if (!buttons.size) for (const [problem, title] of Object.entries(titles)) make(problem, title);
+    if (!library.childElementCount) for (const [body, title] of Object.entries(bodies))
+      item(title, "", () => dispatchEvent(new CustomEvent("lab-tell", {detail: {body}})), library);
     group.hidden = !Object.keys(titles).length;
-    own.textContent = typed ? tr("Your motion") : narrow.matches ? buttons.get(chosen)?.textContent : tr("Your own");
+    own.textContent = named ? named : narrow.matches ? buttons.get(chosen)?.textContent : tr("Your own");
     for (const [problem, button] of [...buttons, ["", own]]) {
-      const checked = problem === (typed ? "" : chosen) || narrow.matches && button === own;
+      const checked = problem === (named ? "" : chosen) || narrow.matches && button === own;
       button.setAttribute("aria-checked", checked);
       button.tabIndex = checked ? 0 : -1;
     }

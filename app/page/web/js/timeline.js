@@ -2,6 +2,7 @@
 // it is lost, when particles change their cell. Pointing at a time asks for the frame of then.
 (() => {
   const axis = document.querySelector("#lab-timeline .lab-axis"), clock = document.getElementById("lab-clock");
+  const [heading, about, changes] = document.querySelectorAll("#lab-timeline .lab-names > *");
   const make = name => Object.assign(axis.appendChild(document.createElement("span")), {className: `lab-${name}`});
   const [zero, begin, reach, lost, now, strip, first, read] =
     ["zero", "begin", "reach", "gone", "now", "strip", "first", "read"].map(make);
@@ -24,7 +25,8 @@
 
   function write(at) {
     const [from, to] = at.reach;
-    [[begin, at.start], [zero, "0 %"]].forEach(([element, text]) => say(element, text));
+    const [title, subject] = at.title || [tr("Error"), tr("over time")];
+    [[begin, at.start], [zero, at.zero || "0 %"], [heading, title], [about, subject], [changes, at.title ? "" : tr("cell changes")]].forEach(([element, text]) => say(element, text));
     fit(tops, at.tops.length, "top");
     at.tops.forEach(([part, text], k) => { tops[k].style.top = percent(part); say(tops[k], text); });
     fit(ticks, at.ticks.length, "tick");

@@ -26,7 +26,7 @@ from app.page.feature import VisiblePageState
 from app.page.features.budget.chart import HEIGHT, MOST, WIDTH, RunBudget, budget_chart
 from app.page.features.budget.panel import BudgetPanel
 from app.page.features.budget.shared_budgets import SharedBudgets
-from app.page.panels.error_timeline import TimelineState
+from app.page.panels.time_axis import TimelineState
 from app.page.readout_panel import ReadoutContent
 from app.page.stage_source import ViewChoice
 from app.shareable_state import State

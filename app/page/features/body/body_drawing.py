@@ -1,0 +1,46 @@
+"""The picture of a body on the stage at one frame, in the colours of the estimate of a quantity."""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from app.frame.body_stage import BodyPicture, BodyStage
+from app.frame.colour_scale import ColourScale
+from app.frame.layout import Rectangle
+from app.language.translation import lazy, tr
+from app.page.features.body.body_sentences import body_facts, body_name
+from app.page.features.body.shown_body import ShownBody
+from solvers.bodies.estimate import QUANTITIES
+
+ESTIMATE, NO_TRUTH = lazy("Estimate"), lazy("No truth: nobody knows it here")
+NO_ESTIMATE = lazy("No estimate: the companions differ by as much as they find")
+NO_ACCELERATION = lazy("No estimate: that of the acceleration is not computed")
+
+
+@dataclass(frozen=True)
+class BodyDrawing:
+    """Picture of a ``body`` in frame ``k``, for a quantity (x, v, sigma or a), on a ``stage`` with its ``scale``; the
+    frame is the last for now unless it is ``playing``."""
+
+    stage: BodyStage
+    scale: ColourScale
+    body: ShownBody
+    k: int
+    quantity: str
+    playing: bool
+
+    def draw(self) -> Rectangle:
+        body, k, quantity = self.body, self.k, self.quantity
+        trust = body.trust(quantity)
+        sizes = None if trust and trust[1] == "none" else body.error_sizes(k, quantity)
+        estimated = quantity in QUANTITIES
+        self.scale.whole = whole = 10.0 ** math.ceil(math.log10(body.magnitude(quantity))) if estimated else 1.0
+        if estimated:
+            self.scale.update(np.array([body.largest[quantity] / whole]), None, (body, quantity),
+                              settled=not self.playing)
+        shown = NO_ACCELERATION if not estimated else ESTIMATE if sizes is not None else NO_ESTIMATE
+        return self.stage.draw(BodyPicture(
+            body.position(k), body.extent, body.spacing / body.body["ppc"], body.spacing, quantity,
+            None if sizes is None else sizes / whole, body_name(body), body_facts(body, k, quantity),
+            (tr(shown), tr(NO_TRUTH))))
