@@ -2,8 +2,6 @@
 
 import math
 import random
-import re
-from pathlib import Path
 
 import pytest
 
@@ -177,13 +175,3 @@ def test_strips_of_patches_have_equal_counts():
     """Through the plate's seam: along the strip from one roller to the other only the radial counts are shared."""
     counts = parse_body(PLATE).lattice_counts
     assert counts[0, 0] == counts[1, 0] == round(64 * (0.75 + math.sqrt(2) - 0.25) / 2)
-
-
-def test_the_example_of_the_documentation():
-    """It runs as it stands, and its bars meet; here on coarse grids and for a short time."""
-    text = Path("assets/body.md").read_text(encoding="utf-8").partition("```python\n")[2].partition("```")[0]
-    assert "t_end=1.0" in text and "(4, 8)" in text
-    said = []
-    exec(text.replace("t_end=1.0", "t_end=0.4").replace("(4, 8)", "(2, 4)"), {"print": said.append})
-    values = [[float(one) for one in re.findall(r"(-?[\d.]+) m", line)] for line in said]
-    assert abs(values[0][0] - values[1][0]) <= values[0][1] + values[1][1]
