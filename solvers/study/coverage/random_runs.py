@@ -6,6 +6,7 @@ likely unless a share is given. Modulus and density are fixed: errors scale with
 Each is one row. Its keys::
 
     schema, key, problem, seed, number, solvers, status, reason, seconds, scene, moved (largest displacement, in cells)
+    by_truth                                             the status that the true error alone would give: no estimator
     estimators: {name: {refused, index, end}}            refused: "", "before" or "after" the run, "impossible"; ratios
                                                          by quantity, over the run and at its end, 1 is perfect
     goals: {kind: {true_error, rounding, estimated_error, grids}}       as of a run; grids: the number on h, 2h and 4h
@@ -28,17 +29,17 @@ from solvers.scene.estimator_limits import reason
 from solvers.scene.kernel_options import kernel_key
 from solvers.scene.scene import Scene
 from solvers.scene.validation import SceneError
-from solvers.solver import error_series
+from solvers.solver import error_series, soundness
 from solvers.solver.error_series import finite_or_none
 from solvers.solver.rounding import largest_rounding_error
-from solvers.solver.soundness import OK
+from solvers.solver.soundness import LOST, OK, UNSTABLE
 from solvers.study.coverage.random_draw import RandomDraw, draw_between
 from solvers.study.json_schema import NUMBER, NUMBER_OR_NONE, MapOf
 
 QUANTITIES = ("x", "v", "sigma")
 IMPOSSIBLE, BEFORE, AFTER = "impossible", "before", "after"  # how an estimator was refused
 GOAL_COLUMNS = ("true_error", "rounding", "estimated_error")  # of a goal
-MEASURED = {"scene": dict, "moved": NUMBER, "seconds": NUMBER,
+MEASURED = {"scene": dict, "moved": NUMBER, "seconds": NUMBER, "by_truth": str,
             "estimators": MapOf({"refused": str, "index": MapOf(NUMBER_OR_NONE), "end": MapOf(NUMBER_OR_NONE)}),
             "goals": MapOf({"true_error": NUMBER_OR_NONE, "rounding": NUMBER_OR_NONE,
                             "estimated_error": MapOf(NUMBER_OR_NONE), "grids": list})}
@@ -168,14 +169,21 @@ def _measure_run(draw: RandomRun) -> dict:
     goals = {DISPLACEMENT: draw.point_goal_name(), STRESS: STRESS, ENERGY: ENERGY}
     result = run(allow_refused_estimators(scene), mid_run=False, goals=list(goals.values()))
     others = [run(coarsen(scene, 2**k), mid_run=False, goals=list(goals.values())) for k in range(1, GRIDS)] \
-        if result.status == OK else []
+        if status_by_truth(result) == OK else []
     numbers = {kind: [one.goals[name]["value"] for one in (result, *others)] for kind, name in goals.items()}
     return {**draw.identity_columns(), "status": result.status, "reason": result.reason, "scene": scene.to_dict(),
-            "moved": scene.motion_amplitude / scene.spacing,
+            "moved": scene.motion_amplitude / scene.spacing, "by_truth": status_by_truth(result),
             "estimators": {name: {"refused": refusal_kind(name, scene, result), **_ratios(result, name)}
                            for name in scene.estimators},
             "goals": {kind: {"grids": numbers[kind], **{key: result.goals[name][key] for key in GOAL_COLUMNS}}
                       for kind, name in goals.items()}, "seconds": time.perf_counter() - begun}
+
+
+def status_by_truth(result: Result) -> str:
+    """Returns the status of a result by its true error alone: "unstable", "lost" or "ok"; an estimate may be wrong."""
+    if result.status == UNSTABLE:
+        return UNSTABLE
+    return LOST if any(name.startswith("error_") for name in soundness.findings(result.scene, result.series)) else OK
 
 
 def refusal_kind(name: str, scene: Scene, result: Result) -> str:
