@@ -223,7 +223,7 @@ def test_a_run_of_a_body_that_cannot_be(scene, said):
 
 
 def test_a_run_of_a_body_has_no_stage():
-    text = "+++\ntitle = \"T\"\ngoals = [\"G\"]\n+++\n## Run: A beam\n\n```run\nbeam = \"body cantilever ppc=1\"\n{}```\n"
+    text = "+++\ntitle = \"T\"\ngoals = [\"G\"]\n+++\n## Run: A\n\n```run\nbeam = \"body cantilever ppc=1\"\n{}```\n"
     assert parse_lesson(text.format(""), "test").steps[0].stage == ""
     with pytest.raises(LessonError, match="a body is not put on the stage"):
         parse_lesson(text.format("stage = \"body cantilever\"\n"), "test")
