@@ -217,7 +217,7 @@ def test_numbers_of_the_paper_are_those_of_the_texts():
                              for path in ("assets/paper/paper.md", "README.md", "assets/budget.md"))
     for number in ("88 of 90 random trials", "97 %", "14 %", "87 %"):
         assert number in paper and number in budget, number
-    assert "Ten lessons" in readme and "ten lessons" in paper
+    assert "Eleven lessons" in readme and "eleven lessons" in paper
 
 
 REPORT = (ROOT / "assets" / "accessibility.md").read_text(encoding="utf-8")

@@ -8,6 +8,7 @@
     order(grids.error.x.max) in 1.9..2.1    for a run on several grids
     node.error.x.max / material.error.x.max > 10
     status == lost
+    beam.goals.lowest.bar < 0.01            a goal's value or error bar, in the run of a body
 
 A path is one in the result's JSON object, with the estimator's name if several are possible."""
 
@@ -22,7 +23,7 @@ from typing import Any
 
 import numpy as np
 
-from app.lessons import interval_bets
+from app.lessons import body_runs, interval_bets
 from app.names_and_units import EXTRA_NORMS, QUANTITIES
 from solvers.scene.effects import ALL
 from solvers.scene.error_causes import CAUSES, FIELDS
@@ -57,7 +58,8 @@ def result_paths() -> Vocabulary:
             "budget": (FIELDS, tuple(CAUSES)), "rms": (FIELDS,), "predicted": (FIELDS, tuple(CAUSES)),
             "bet": (tuple(map(interval_bets.judge_name_in_claims, interval_bets.JUDGES)), random_runs.QUANTITIES,
                     ("low", "high", "score")), "valid": (estimators,), "status": (), "steps": (), "particles": (),
-            "t": (), **found, "step": (("dt", "bound", "margin"),), "life": (("accurate", "sound", "first_period"),),
+            "t": (), "goals": (body_runs.goal_names(), ("value", "bar")), **found,
+            "step": (("dt", "bound", "margin"),), "life": (("accurate", "sound", "first_period"),),
             "scene": (("amplitude", "cells", "ppc", "modulus", "density", "dt", "cfl", "periods", "t_end", "method"),)}
 
 
@@ -276,7 +278,7 @@ def _value_at_path(result: Mapping[str, Any], path: tuple[str, ...]) -> float | 
     found: Any = result
     names = list(path)
     if path[0] in ("estimate", "index", "distance", "corrected", "valid"):
-        estimator, running = path[1].replace("_", "-"), result["scene"]["estimator"]
+        estimator, running = path[1].replace("_", "-"), result["scene"]["estimator"] if "scene" in result else ()
         if estimator not in running:
             raise ClaimError(f"{'.'.join(path)}: {estimator} does not run in this scene")
         if path[0] == "valid":

@@ -7,6 +7,7 @@ from typing import Any
 
 from app import shareable_state
 from app.frame.slow_motion.step_phases import PHASES
+from app.lessons.body_runs import body_of_run, is_body_run
 from app.lessons.interval_bets import BETTORS
 from app.lessons.lesson import (
     CHOICE,
@@ -78,8 +79,8 @@ def require_texts(values: Mapping[str, Any], key: str, line: int) -> tuple[str, 
 def parse_runs_and_stage(text: str, line: int, variants: tuple[Numbers, ...]
                          ) -> tuple[tuple[LessonRun, ...], str, ShownPhase | None]:
     """Returns the runs of a block, which begins at ``line`` of the file, the text of the state that it puts on the
-    stage (of a named run, a scene, or the first run), and the phase in slow motion that it begins with or None. Raises
-    :class:`LessonError` if any is invalid for a variant."""
+    stage (of a named run, a scene, or the first run; "" where that is a body's), and the phase in slow motion that it
+    begins with or None. Raises :class:`LessonError` if any is invalid for a variant."""
     values, found = parse_toml(text, line), dict[str, LessonRun]()
     shown = values.pop(SHOWN, None)
     for name, scene in values.items():
@@ -95,6 +96,10 @@ def parse_runs_and_stage(text: str, line: int, variants: tuple[Numbers, ...]
         raise LessonError(line, "a run without a scene: give lines such as hat = \"bar method=mpm cells=40\"")
     if stage in found:
         stage = found[stage].texts[0]
+        if is_body_run(stage):
+            return tuple(found.values()), "", None
+    elif is_body_run(stage):
+        raise LessonError(line_of_key(STAGE, text, line), "a body is not put on the stage; leave the line out")
     else:
         _check_state(stage, line_of_key(STAGE, text, line), variants)
     most = shareable_state.parse_state(fill_numbers(stage, variants[0])).scene.particles
@@ -115,7 +120,8 @@ def _parse_shown_phase(values: Any, particles: int, line: int) -> ShownPhase:
 def _parse_run(name: str, text: str, line: int, variants: tuple[Numbers, ...]) -> LessonRun:
     """Returns the run with this name and scene ``text``; "cells=20,40" in it stands for several scenes of the run."""
     words = text.split()
-    several = [k for k, word in enumerate(words) if "," in word and word.partition("=")[0] in VARIED]
+    several = [] if is_body_run(text) else [
+        k for k, word in enumerate(words) if "," in word and word.partition("=")[0] in VARIED]
     if len(several) > 1:
         raise LessonError(line, f"{name}: only one number may have several values, not {words[several[0]]} and "
                                 f"{words[several[1]]}")
@@ -135,7 +141,7 @@ def _parse_run(name: str, text: str, line: int, variants: tuple[Numbers, ...]) -
 def _check_state(text: str, line: int, variants: tuple[Numbers, ...]) -> None:
     for numbers in variants:
         try:
-            shareable_state.parse_state(fill_numbers(text, numbers))
+            (body_of_run if is_body_run(text) else shareable_state.parse_state)(fill_numbers(text, numbers))
         except shareable_state.StateError as error:
             raise LessonError(line, str(error)) from None
 

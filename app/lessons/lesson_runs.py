@@ -2,11 +2,12 @@
 
 import os
 import threading
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Hashable, Iterable, Mapping
 from concurrent.futures import Future, as_completed
 from typing import Any
 
 from app import shareable_state
+from app.lessons.body_runs import body_of_run, is_body_run
 from app.lessons.claims import ClaimNamespace, RunOutcome, runs_needed
 from app.lessons.interval_bets import ABOUT_BETS, Ends, judge_bets_for_claims
 from app.lessons.lesson import Lesson, Numbers, Step, fill_numbers
@@ -59,7 +60,7 @@ class RunCache:
                     self._runs.pop(next(iter(self._runs)))
                 run = self._runs[scene, judged] = self._pool.submit(
                     {"scene": scene, "politeness": self._politeness, "judged": judged},
-                    kind=kernel_key(shareable_state.parse_state(scene).scene))  # equal keys share compiled kernels
+                    kind=_kernels(scene))
             return run
 
     def scope(self, lesson: Lesson, step: Step, numbers: Numbers, texts: Iterable[str]) -> ClaimNamespace:
@@ -75,21 +76,38 @@ class RunCache:
     def _result_with_bets(self, text: str) -> dict[str, Any]:
         """Returns the JSON object of a scene's result with the judges' bets, as claims name them, under "bet"."""
         found = self.result(text)
+        if is_body_run(text):
+            return found
         return {**found, "bet": judge_bets_for_claims(self.judge_bets(text), found["error"])}
 
     def prepare(self, texts: Iterable[str], on_progress: Callable[[int, int], None]) -> None:
         """Runs scenes in parallel; ``on_progress`` gets the numbers done and in all; :meth:`result` raises failures."""
-        scenes = {text: shareable_state.parse_state(text).scene for text in texts}
-        longest_first = sorted(scenes, key=lambda text: (-scenes[text].particles * scenes[text].steps, text))
-        ordered = one_of_each_first(longest_first, lambda text: kernel_key(scenes[text]))
+        longest_first = sorted(set(texts), key=lambda text: (-_particle_steps(text), text))
+        ordered = one_of_each_first(longest_first, _kernels)
         runs = dict.fromkeys(map(self._submit_run, ordered))
         for done, _ in enumerate(as_completed(runs), 1):
             on_progress(done, len(runs))
 
 
 def _scene_text(text: str) -> str:
-    """Returns the text of a state with only its scene, without view and pinned run."""
+    """Returns the text of a state with only its scene, without view and pinned run; that of a body as it is."""
+    if is_body_run(text):
+        return text
     return shareable_state.write_state(shareable_state.State(shareable_state.parse_state(text).scene))
+
+
+def _kernels(text: str) -> Hashable:
+    """Returns a key of a run's compiled kernels: runs with equal ones share them."""
+    return body_of_run(text).method if is_body_run(text) else kernel_key(shareable_state.parse_state(text).scene)
+
+
+def _particle_steps(text: str) -> float:
+    """Returns the number of particles times steps of a run."""
+    if is_body_run(text):
+        body = body_of_run(text)
+        return float(body.lattice_counts.prod(axis=1).sum()) * body.t_end / body.time_step
+    scene = shareable_state.parse_state(text).scene
+    return scene.particles * scene.steps
 
 
 def scene_texts(lesson: Lesson, numbers: Numbers) -> list[str]:
@@ -99,9 +117,13 @@ def scene_texts(lesson: Lesson, numbers: Numbers) -> list[str]:
 
 def run_in_worker(question: Mapping[str, Any], answer: Callable[[dict], None]) -> None:
     """Runs the scene in ``question`` in a worker process, or computes the judges' bets; sends the JSON object."""
+    from solvers.bodies.run import run_body
     from solvers.running.run import run
     from solvers.study.coverage.track_record_and_bets import bets
     if nice := getattr(os, "nice", None):  # not on every system
         nice(max(0, question["politeness"] - nice(0)))
+    if is_body_run(question["scene"]):
+        answer(run_body(body_of_run(question["scene"])).to_dict())
+        return
     scene = shareable_state.parse_state(question["scene"]).scene
     answer(bets(scene) if question["judged"] else run(scene, prices=False, mid_run=False).to_dict())

@@ -153,7 +153,9 @@ def test_which_is_told_by_the_list(capsys):
     assert main(["lesson", "list"]) == 0
     lines = capsys.readouterr().out.splitlines()
     for line, found in zip(lines, catalogue.load_lessons().values(), strict=True):
-        assert f"{found.core_minutes} min core, {found.minutes} min in all  {found.title}" in line
+        core = f"{found.core_minutes} min core, {found.minutes} min in all" if found.optional_steps else \
+            f"{found.minutes} min"
+        assert f"  {core}  " in line and line.endswith(f"  {found.title}")
 
 
 def test_whether_the_core_is_taken_is_kept_and_an_older_file_still_reads(two):

@@ -166,7 +166,7 @@ def test_numbers_are_drawn_from_the_name():
 
 def test_lessons_are_found_by_name_and_number():
     full = lesson_names()
-    assert len(full) == len(load_lessons()) == 10
+    assert len(full) == len(load_lessons()) == 11
     assert (
         resolve_lesson_name("4")
         == resolve_lesson_name("04")
@@ -208,3 +208,22 @@ def test_an_estimate_is_on_the_stage_only_where_the_text_speaks_of_it(name):
         for numbers in lesson.variants if step.stage else ():
             asked = shareable_state.parse_state(fill_numbers(step.stage, numbers)).scene.estimators
             assert not asked or any(name in said for name in (*ESTIMATORS, "estimat")), (step.key, asked)
+
+
+@pytest.mark.parametrize(("scene", "said"), [
+    ("body", "give body and one of cantilever"), ("body beam", "give body and one of cantilever"),
+    ("body cantilever cells=4", "cells is no part of a body's run"),
+    ("body cantilever ppc=1,2", "ppc = 1,2: give a number"),
+    ("body cantilever cells_per_metre=none", "cells_per_metre = none: give a number"),
+    ("body cantilever poissons_ratio=0.5", "give a number from 0 to 0.49")])
+def test_a_run_of_a_body_that_cannot_be(scene, said):
+    text = f"+++\ntitle = \"T\"\ngoals = [\"G\"]\n+++\n## Run: A beam\n\n```run\nbeam = \"{scene}\"\n```\n"
+    with pytest.raises(LessonError, match=re.escape(said)):
+        parse_lesson(text, "test")
+
+
+def test_a_run_of_a_body_has_no_stage():
+    text = "+++\ntitle = \"T\"\ngoals = [\"G\"]\n+++\n## Run: A\n\n```run\nbeam = \"body cantilever ppc=1\"\n{}```\n"
+    assert parse_lesson(text.format(""), "test").steps[0].stage == ""
+    with pytest.raises(LessonError, match="a body is not put on the stage"):
+        parse_lesson(text.format("stage = \"body cantilever\"\n"), "test")

@@ -116,6 +116,14 @@ def test_delta_decides_how_far_to_believe(coarse, trust):
     assert (one.to_dict()["final"] is None) == (trust == "none") == bool(estimate.remarks(1))
 
 
+def test_delta_of_an_extrapolated_position():
+    """0.3 of the companions' difference over the error that is left: K = 0.461 at a Poisson's ratio of 0.3."""
+    estimate = ErrorEstimate(BEAM)
+    estimate.add(0.1, fields(1.1), fields(0.9), fields(1.0), 1.0, np.zeros(2))
+    assert estimate.quantities()["x"].delta == pytest.approx(0.3 * 0.1 / (0.1 - 0.0461), rel=1e-3)
+    assert estimate.quantities()["v"].delta == pytest.approx(1)
+
+
 @pytest.mark.parametrize(("coarse", "stretch"), [(np.nan, 1.0), (np.inf, 1.0), (1.0, -0.1)])
 def test_a_companion_that_fails_ends_the_estimate(coarse, stretch):
     """Without a finite motion, or turned inside out."""

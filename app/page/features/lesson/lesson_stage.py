@@ -43,7 +43,7 @@ class LessonStage:
             with use_language(lesson.language):
                 acts = instruction_buttons.find_instructions(step_html.text_html(step.text, numbers))
             self._shown = ShownStep(number, step, stage := fill_numbers(step.stage, numbers), acts)
-        if step is None or step.kind != RUN or self._is_on_stage(stage):
+        if step is None or step.kind != RUN or not stage or self._is_on_stage(stage):
             if not self._loading:
                 self._open()
             return
