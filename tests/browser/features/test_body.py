@@ -9,6 +9,7 @@ from app.cli import main
 from solvers.bodies.body_file import library_text
 from tests.browser.driving import click, scene, until
 from tests.browser.features.test_own_file import DROP, notice
+from tests.browser.page.test_axe import nothing_serious
 from tests.support.session_listener import PATIENCE
 
 pytestmark = pytest.mark.slow
@@ -55,6 +56,7 @@ def test_the_verdict_says_what_the_command_line_says_and_a_slider_runs_the_body_
 def test_a_file_that_is_no_body_is_refused_and_the_body_stays(page):
     open_block(page)
     before = finished(page)
+    nothing_serious(page, "a body on the stage")
     bad = library_text("thrown_block").replace("poissons_ratio = 0.3", "poissons_ratio = 0.6")
     page.evaluate(DROP, ["bad.toml", bad])
     until(lambda: "bad.toml" in notice(page), "the refusal", PATIENCE)
