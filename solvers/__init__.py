@@ -14,6 +14,11 @@ from typing import TYPE_CHECKING
 from solvers.kernels import kernel_cache_folder
 
 if TYPE_CHECKING:
+    from solvers.bodies.body import Body
+    from solvers.bodies.body_file import read_body
+    from solvers.bodies.goal import Goal
+    from solvers.bodies.patch import Patch
+    from solvers.bodies.run import run_body
     from solvers.judging.check import check
     from solvers.judging.judgement import judge
     from solvers.problems.bar.scene import BarScene
@@ -30,6 +35,8 @@ else:
     _HOMES = {"BarScene": "problems.bar.scene", "RingScene": "problems.ring", "VortexScene": "problems.vortex",
               "SquareScene": "problems.square", "run": "running.run", "sweep": "study.sweep",
               "try_cures": "running.cure_trials", "judge": "judging.judgement", "check": "judging.check",
+              "Body": "bodies.body", "Patch": "bodies.patch", "Goal": "bodies.goal", "read_body": "bodies.body_file",
+              "run_body": "bodies.run",
               "Result": "running.result", "SceneError": "scene.validation", "FileError": "untrusted.quoting"}
 
     def __getattr__(name):
@@ -38,7 +45,7 @@ else:
         return getattr(importlib.import_module(f"{__name__}.{_HOMES[name]}"), name)
 
 __all__ = ["BarScene", "RingScene", "VortexScene", "SquareScene", "run", "try_cures", "sweep", "judge", "check",
-           "Result", "SceneError", "FileError"]
+           "Body", "Patch", "Goal", "read_body", "run_body", "Result", "SceneError", "FileError"]
 
 
 def __dir__() -> list[str]:

@@ -37,6 +37,7 @@ ELSEWHERE = {("serve",): "tests/browser", ("bench",): "tests/app/commands/test_b
              ("body", "show"): "tests/app/commands/test_body_command.py",
              ("judge", "ring"): "tests/solvers/judging", ("check",): "tests/app/commands/test_check.py",
              ("coverage", "bar"): "tests/solvers/study/test_coverage.py",
+             ("coverage", "body"): "tests/solvers/study/test_cantilever_coverage.py",
              ("lesson", "grade"): "tests/app/lessons", ("lesson", "scripts"): "tests/app/lessons",
              ("stability", "bar"): "tests/solvers/study", ("stability", "ring"): "tests/solvers/study"}
 ON_A_GPU = "--arch"  # a size that only a GPU runs in minutes: tests/solvers/running/test_gpu.py

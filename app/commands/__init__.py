@@ -19,6 +19,7 @@ from app.commands.run.command import Run, RunFromSceneText
 from app.commands.scene_flags import command_of_problem, with_scene_flags
 from app.commands.serve import Serve
 from app.commands.study.advise import Advise, search_flags
+from app.commands.study.cantilever_coverage import CantileverCoverage
 from app.commands.study.coverage import Coverage
 from app.commands.study.paper_tables import PaperTables
 from app.commands.study.stability_map import StabilityMap, map_flags
@@ -48,7 +49,7 @@ def commands() -> dict[tuple[str, ...], type]:
             ("check",): ContradictionCheck, ("tables",): PaperTables,
             **for_problems("advise", lambda scene: with_scene_flags(Advise, scene, **search_flags(scene))),
             **for_problems("stability", lambda scene: with_scene_flags(StabilityMap, scene, **map_flags(scene))),
-            **for_problems("coverage", partial(with_scene_flags, Coverage)),
+            **for_problems("coverage", partial(with_scene_flags, Coverage)), ("coverage", "body"): CantileverCoverage,
             ("lesson", "list"): LessonList, ("lesson", "check"): LessonCheck, ("lesson", "guide"): LessonTeacherGuide,
             ("lesson", "grade"): LessonGrade, ("lesson", "scripts"): LessonScriptsCopy,
             ("export",): Export, ("bench",): Bench}

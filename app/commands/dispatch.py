@@ -86,6 +86,8 @@ def _find_command(arguments: list[str]) -> tuple[tuple[str, ...], list[str]]:
         flag, equals, value = word.partition("=") if word.startswith("-") else (word, "", "")  # run --scene=TEXT
         if name == BODY_FILE[:1] and word.endswith(".toml"):
             flag, equals, value = BODY_FILE[1], "=", word
+        elif name and word.endswith(".toml"):
+            raise BadInput("", word, f"is a body, which only {' '.join((PROGRAM, *BODY_FILE))} takes")
         if flag not in _next_words(name):
             raise BadInput("", word, f"is not a command{suggest_word(word, _next_words(name))}; {_suggest_next(name)}")
         name += (flag,)

@@ -63,6 +63,8 @@ class Export:
 
     def _lesson_names(self) -> list[str]:
         """Returns the full names of the lessons, [] for a scene; raises BadInput for what cannot be exported."""
+        if self.what.endswith(".toml"):
+            raise BadInput("", self.what, "is a body, of which there is no recording; mpm-lab run FILE.toml runs it")
         if self.scorm:
             if not self.what.strip() or looks_like_state(self.what):
                 raise BadInput("", self.what, "is no lesson, and a course keeps a score of lessons alone; give lessons "

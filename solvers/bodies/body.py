@@ -25,6 +25,7 @@ from solvers.translatable_message import Message
 
 HAT, METHODS = "mpm", ("cpdi", "ugimp", "cpgimp", "mpm")
 MOST_POISSON = 0.49
+LEAST, MOST = 1e-15, 1e15  # of numbers in SI units
 MOST_PARTICLES, MOST_CELLS, MOST_STEPS, MOST_PATCHES, MOST_GOALS, MOST_PPC = 1_000_000, 2000, 10_000_000, 64, 20, 6
 DEFAULT_CFL, MOST_CFL = 0.2, 1.0  # time step over that in which a wave crosses a cell
 WHOLE = 1e-6  # by which a number of cells or particles may miss a whole one
@@ -60,7 +61,7 @@ class Body:
 
     def __post_init__(self) -> None:
         for name in ("youngs_modulus", "density", "t_end", "cells_per_metre"):
-            require_number(name, getattr(self, name), 0, 1e15)
+            require_number(name, getattr(self, name), LEAST, MOST)
         allowed = Message("give a number from 0 to {most}", MOST_POISSON)
         require_number("poissons_ratio", self.poissons_ratio, -1e-300, MOST_POISSON, allowed)
         require_choice("method", self.method, METHODS)
@@ -68,7 +69,7 @@ class Body:
         require_number("cfl", self.cfl, 0, MOST_CFL)
         if self.elements_across is not None:
             require_whole("elements_across", self.elements_across, 1, 20)
-        require_point("gravity", self.gravity)
+        require_point("gravity", self.gravity, "m/s^2")
         self._check_patches()
         self._check_domain()
         self._check_tiling()

@@ -15,7 +15,6 @@ from solvers.bodies.force_series import body_force_at, compute_force_weights, fo
 from solvers.bodies.spectral_mesh import Cuts, SpectralMesh
 from solvers.estimators import companion_solution as shared
 from solvers.estimators.spectral_elements import highest_frequency
-from solvers.estimators.standalone_companion import SAFE_STEP
 from solvers.kernels import runtime
 from solvers.kernels.dtypes import Integer, Integers, Octets, Pairs, Quads, Real, Reals
 from solvers.kernels.launch import Launch
@@ -26,6 +25,7 @@ from solvers.solver.state_arrays import Members, aligned_copy
 
 OPTIONS = KernelOptions("", False, "", "", (), (), (), "", NEO_HOOKEAN)
 SMALL_STRAIN = 1e-7  # at which frequencies are found
+SUBSTEPS = 8  # of an interval of the body at rest: so often is their number chosen anew, by the stiffness then
 
 
 @dataclass
@@ -79,15 +79,26 @@ def accelerate(body: ti.template(), t, on: ti.template()):
                 body.companion_nodes[first + node][c] = body.companion_nodes[first + master][c]
 
 
+@ti.func
+def has_finite_motion(body: ti.template()):
+    """Returns whether all points' u and v are finite numbers."""
+    N, size = body.companion_counts[shared.NODES], 0.0
+    for node in range(N):
+        end = body.companion_nodes[shared.END * N + node]
+        size += ti.abs(end[0]) + ti.abs(end[1]) + ti.abs(end[2]) + ti.abs(end[3])
+    return size < ti.math.inf
+
+
 State = ti.types.argpack(**CompanionState.types())
 
 
 @ti.kernel
 def take_steps(first: ti.i32, count: ti.i32, state: State, on: ti.template()):
-    """Takes ``count`` steps of the companion after the first ``first``."""
+    """Takes up to ``count`` steps of the companion after the first ``first``; none any more once it is not finite."""
     ti.loop_config(serialize=True)
     for k in range(count):
-        shared.advance_companion_if_due(state, first + k + 1, accelerate, on)
+        if has_finite_motion(state):
+            shared.advance_companion_if_due(state, first + k + 1, accelerate, on)
 
 
 @ti.kernel
@@ -121,7 +132,7 @@ class BodyCompanion:
                                      force_terms=K, **{name: aligned_copy(one) for name, one in arrays.items()})
         self._layers = self._state.companion_nodes.reshape(shared.LAYERS, N, 8)
         frequency = self._frequency()
-        self.steps = max(1, math.ceil(interval * frequency / SAFE_STEP))  # from sample to sample, at rest
+        self.steps = max(1, math.ceil(interval * frequency / (SUBSTEPS * shared.STABLE)))  # from sample to sample
         self._state.dt, self._state.companion_numbers[shared.FREQUENCY] = interval / self.steps, frequency
         self._advance = Launch(take_steps, State(**self._state.members()), OPTIONS)
 
@@ -155,7 +166,7 @@ class BodyCompanion:
         return self._layers[shared.END, :, 2:4]
 
     def advance(self) -> None:
-        """Advances to the next sample; the motion is NaN where it cannot be followed."""
+        """Advances to the next sample; stops within it, with NaN or infinity, where the motion cannot be followed."""
         set_force(self._state, self._body, self.mesh.points, self.time, self.time + self._interval)
         self._advance(self._samples * self.steps, self.steps)
         self._samples += 1

@@ -17,14 +17,15 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from solvers.bodies.body import Body
-from solvers.bodies.spectral_mesh import ORDERS
+from solvers.bodies.spectral_mesh import ORDERS, SMOOTH_CORNER
 from solvers.translatable_message import Message
 
 QUANTITIES = {"x": "m", "v": "m/s", "sigma": "Pa"}
 SURE, UNSURE = 0.3, 0.6  # of delta: below, an estimate is a number; below, it is one with 30 % of doubt; else none
 EXTRAPOLATED = 0.3  # of the difference of the companions that u* may be off, over what u_(p+2) may: 0.15 to 0.5
-SMOOTH_CORNER, SMOOTH_FACTOR = 0.05, 0.1  # Poisson's ratio below which a corner is nearly smooth, and K there, measured
+SMOOTH_FACTOR = 0.1  # K at Poisson's ratio 0, measured
 FOLD_STRETCH = 0.5  # below, a free neo-Hookean surface may wrinkle (Biot), and meshes have no limit
+FOLDED_STRETCH = 0.43  # below, no estimate: at 0.36 to 0.45 finer and coarser companions of a soft cantilever part
 
 
 def corner_exponent(poissons_ratio: float) -> float:
@@ -38,13 +39,13 @@ def corner_exponent(poissons_ratio: float) -> float:
 
 
 def extrapolation_factor(body: Body) -> float:
-    """Returns K of a body, 0 where it has no clamped corner, or one of another angle."""
+    """Returns K of a body, 0 where it has no clamped corner, or one of another angle. As Poisson's ratio falls to 0 the
+    singularity fades, and K goes linearly from that of the law to that of a smooth motion."""
     if not body.has_known_corners:
         return 0.0
-    if body.poissons_ratio < SMOOTH_CORNER:
-        return SMOOTH_FACTOR
     p, finer = ORDERS
-    return 1 / ((finer / p)**(4 * corner_exponent(body.poissons_ratio)) - 1)
+    singular = 1 / ((finer / p)**(4 * corner_exponent(body.poissons_ratio)) - 1)
+    return SMOOTH_FACTOR + min(body.poissons_ratio / SMOOTH_CORNER, 1.0) * (singular - SMOOTH_FACTOR)
 
 
 class ParticleFields(NamedTuple):
@@ -112,9 +113,12 @@ class ErrorEstimate:
             apart = [_rms(one - other) for one, other in zip(fine, coarse, strict=True)]
             doubts = [_rms(one - other) for one, other in zip(run, fine, strict=True)]
             errors = [_rms(one) for one in self.particle_errors(run, coarse, fine)]
-        if not np.isfinite(apart).all():
+        if not np.isfinite(apart).all() or stretch <= 0:
             self.sentence = Message("from t = {time:.3g} s the companions have failed{fold}; stiffen the body, or stop "
                                     "before", time, self._fold_words())
+        elif stretch < FOLDED_STRETCH:
+            self.sentence = Message("from t = {time:.3g} s on companions on finer elements need not agree{fold}; "
+                                    "stiffen the body, or stop before", time, self._fold_words())
         elif self.pressed and apart[0] >= UNSURE * doubts[0]:
             self.sentence = Message("from t = {time:.3g} s the two companions differ by as much as they find{fold}; "
                                     "stiffen the body, or stop before", time, self._fold_words())

@@ -1,9 +1,9 @@
 """Values of goals in a body's run, each with its bar.
 
 With the value J of the particles and J_p, J_(p+2) of the companions at the same particles the bar is
-|J - J_(p+2)| + 0.7 |J_(p+2) - J_p|, for stresses twice that. The first term alone would hold in about half of all runs.
-The second is the companion's own error, up to 0.7 of its difference from the coarser one at fronts and right angles of
-clamped and free sides, and up to all of it at other singular corners, where it falls more slowly.
+|J - J_(p+2)| + |J_(p+2) - J_p|, for stresses twice that. The first term alone would hold in about half of all runs. The
+second is more than the finer companion's own error wherever that is at most half of the coarser one's: of the
+difference it is up to 0.7 at fronts, right angles of clamped and free sides and on elements that grow away from them.
 """
 
 from typing import NamedTuple
@@ -14,7 +14,6 @@ from solvers.bodies.estimate import ParticleFields
 from solvers.bodies.goal import Goal
 from solvers.running.quantities_of_interest import point_weights
 
-SHARE, CORNER_SHARE = 0.7, 1.0  # of the difference of the companions; with other singular corners
 STRESS_SAFETY = 2.0  # factor of a stress's bar
 COMPONENTS = {"x": 0, "y": 1, "xx": 0, "xy": 1, "yy": 3}
 EARLY = 0.75  # of the run, in which what later returns must have turned round
@@ -51,22 +50,21 @@ class GoalSeries:
         self._rows.append([self._start + float(self._weights @ (one.sigma if self.goal.is_stress else one.x)[
             :, self._component]) for one in fields])
 
-    def evaluate(self, times: np.ndarray, share: float | None) -> GoalValue:
-        """Returns the goal's value at the samples' ``times`` in s, and its bar with this ``share`` of the difference of
-        the companions, if that is not None."""
+    def evaluate(self, times: np.ndarray, has_bar: bool) -> GoalValue:
+        """Returns the goal's value at the samples' ``times`` in s, and its bar if it ``has_bar``."""
         run, coarse, fine = (self._functional(times, series) for series in np.array(self._rows).T)
         bar = None
-        if share is not None and run is not None and fine is not None and coarse is not None:
-            bar = self._bar(run, coarse, fine, share)
+        if has_bar and run is not None and fine is not None and coarse is not None:
+            bar = self._bar(run, coarse, fine)
         return GoalValue(run, bar, self.goal.unit)
 
-    def last_value_and_bar(self, share: float | None) -> tuple[float, float | None]:
+    def last_value_and_bar(self, has_bar: bool) -> tuple[float, float | None]:
         """Returns at the last sample the coordinate in m or the stress in Pa that the goal is about, and its bar."""
         run, coarse, fine = self._rows[-1]
-        return run, None if share is None else self._bar(run, coarse, fine, share)
+        return run, self._bar(run, coarse, fine) if has_bar else None
 
-    def _bar(self, run: float, coarse: float, fine: float, share: float) -> float:
-        return (STRESS_SAFETY if self.goal.is_stress else 1.0) * (abs(run - fine) + share * abs(fine - coarse))
+    def _bar(self, run: float, coarse: float, fine: float) -> float:
+        return (STRESS_SAFETY if self.goal.is_stress else 1.0) * (abs(run - fine) + abs(fine - coarse))
 
     def _functional(self, times: np.ndarray, series: np.ndarray) -> float | None:
         what = self.goal.parts[0]

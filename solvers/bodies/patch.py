@@ -142,11 +142,11 @@ class Patch:
                              "are allowed", angle, MOST_ANGLE)
 
 
-def require_point(name: str, value: object) -> None:
-    """Raises SceneError for a ``value`` of the input ``name`` that is no pair of coordinates in m."""
+def require_point(name: str, value: object, unit: str = "m") -> None:
+    """Raises SceneError for a ``value`` of the input ``name`` that is no pair of components in ``unit``."""
     if not isinstance(value, tuple) or len(value) != 2 or not all(
             isinstance(one, int | float) and not isinstance(one, bool) and abs(one) <= FARTHEST for one in value):
-        raise SceneError(name, value, "give points as [x, y], two numbers in m of size up to {most:g}", FARTHEST)
+        raise SceneError(name, value, "give [x, y], two numbers in {unit} of size up to {most:g}", unit, FARTHEST)
 
 
 def _cross(a: np.ndarray, b: np.ndarray) -> Any:

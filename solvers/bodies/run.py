@@ -10,7 +10,7 @@ import numpy as np
 from solvers.bodies.body import Body
 from solvers.bodies.companion import BodyCompanion
 from solvers.bodies.estimate import QUANTITIES, ErrorEstimate, ParticleFields, QuantityEstimate, cauchy_stress
-from solvers.bodies.goal_values import CORNER_SHARE, SHARE, GoalSeries, GoalValue
+from solvers.bodies.goal_values import GoalSeries, GoalValue
 from solvers.bodies.material_points import MaterialPoints
 from solvers.bodies.spectral_mesh import ORDERS, LatticeReader, default_cuts
 from solvers.solver.base import CRUSHED, ESCAPED, INVERTED, SOUND
@@ -97,29 +97,38 @@ class BodyRun:
         middle = time.process_time()
         if run.verdict[0] != SOUND:
             return False
-        for one in self._companions:
-            one.advance()
         own = ParticleFields(run.displacement, run.velocity, cauchy_stress(body, run.deformation_gradient))
-        coarse, fine = (read_companion(body, *pair) for pair in zip(self._companions, self._readers, strict=True))
-        mesh, u = self._companions[1].mesh, self._companions[1].u
+        coarse, fine = self._read_companions(own)
         self.errors = self.estimate.particle_errors(own, coarse, fine)
-        self.estimate.add(run.time, own, coarse, fine,
-                          *(mesh.least_stretch(u) if np.isfinite(fine.x).all() else (1.0, np.zeros(2))))
         for series in self.goals.values():
             series.add(own, coarse, fine)
         _count_seconds(self._spent, len(self.times) - 1, middle - begun, time.process_time() - middle)
         self.times.append(run.time)
         return True
 
+    def _read_companions(self, own: ParticleFields) -> tuple[ParticleFields, ParticleFields]:
+        """Advances the companions to the sample, and adds it with the run's ``own`` fields to the estimate; returns
+        their fields. Once the estimate has ended they are asked no more: not a number."""
+        if self.estimate.sentence:
+            unknown = ParticleFields(*(np.full_like(one, np.nan) for one in own))
+            return unknown, unknown
+        for one in self._companions:
+            one.advance()
+        coarse, fine = (read_companion(self.body, *pair)
+                        for pair in zip(self._companions, self._readers, strict=True))
+        finer = self._companions[-1]
+        stretch = finer.mesh.least_stretch(finer.u) if np.isfinite(fine.x).all() else (1.0, np.zeros(2))
+        self.estimate.add(self._particles.time, own, coarse, fine, *stretch)
+        return coarse, fine
+
     @property
-    def bar_share(self) -> float | None:
-        """Share of the difference of the companions in the goals' bars; None while there are no bars."""
-        unknown = self.body.singular_corners and not self.body.has_known_corners
-        return None if self.estimate.sentence else CORNER_SHARE if unknown else SHARE
+    def has_bars(self) -> bool:
+        """Whether the goals have bars: not once the estimate has ended."""
+        return not self.estimate.sentence
 
     def goal_values(self) -> dict[str, GoalValue]:
         """Returns the goals' values in the samples so far."""
-        return {name: one.evaluate(np.array(self.times), self.bar_share) for name, one in self.goals.items()}
+        return {name: one.evaluate(np.array(self.times), self.has_bars) for name, one in self.goals.items()}
 
     def result(self) -> BodyResult:
         """Returns the result of the run so far."""

@@ -154,11 +154,11 @@ def solver_source_hash() -> str:
 
 
 def find_fault(row: Any, measured: dict = MEASURED, identity: dict = IDENTITY) -> str | None:
-    """Returns what is wrong with a stored row, in words: it must match the schema ``identity``, with a known problem
-    and status, and a run the schema ``measured``; None where it is valid."""
+    """Returns what is wrong with a stored row, in words: it must match the schema ``identity``, with a known status
+    and, of a scene's row, a known problem, and a run the schema ``measured``; None where it is valid."""
     if found := describe_mismatch(row, identity):
         return found
-    named: dict[str, Collection[str]] = {"problem": PROBLEMS, "status": STATUSES}
+    named: dict[str, Collection[str]] = {"status": STATUSES} | ({"problem": PROBLEMS} if identity is IDENTITY else {})
     for name, known in named.items():
         if row[name] not in known:
             return f"its {name} is not one of {', '.join(known)}"

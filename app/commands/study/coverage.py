@@ -11,7 +11,8 @@ from solvers.scene.scene import Scene
 from solvers.scene.validation import require_whole
 from solvers.study.coverage.estimate_coverage_counts import tally
 from solvers.study.coverage.estimate_coverage_tables import coverage_summary
-from solvers.study.coverage.random_runs import IDENTITY, MEASURED, RandomRun, failed_row
+from solvers.study.coverage.random_draw import IDENTITY
+from solvers.study.coverage.random_runs import MEASURED, RandomRun
 from solvers.study.parameter_grid import MOST_ROWS
 from solvers.study.row import FAILED
 
@@ -56,7 +57,7 @@ class Coverage(StudyFlags):
                           printed="coverage.md")
 
     def failed_task_row(self, task: RandomRun, reason: str) -> dict:
-        return failed_row(task, reason)
+        return task.failed_row(reason)
 
     def describe_row(self, row: dict, tasks: Sequence[RandomRun]) -> str:
         return f"run {row['number']}: {row['status']}" + (f": {row['reason']}" if row["status"] == FAILED else "")

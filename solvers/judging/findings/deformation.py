@@ -113,7 +113,8 @@ def check_f(motion: RecordedMotion) -> list[Finding]:
         moment, worst = max(mismatches, key=lambda pair: pair[1].relative_rms)
         says = f"what parts neighbours differs from what F says by {{share}} of what parted them, RMS, at " \
                f"t = {motion.times[moment]:.4g} s"
-        follows = _finding_from_limits(FOLLOWS, worst.relative_rms, MOST_OFF, NO_F, "of F", says,
+        rounding = motion.rounding / motion.spacing
+        follows = _finding_from_limits(FOLLOWS, worst.relative_rms, MOST_OFF + rounding, NO_F + rounding, "of F", says,
                                        motion.finding_location(moment, worst.worst_particle))
     return [_check_neighbour_gap(motion, F, mismatches), follows, _check_integrated_mismatch(motion, mismatches)]
 
@@ -158,7 +159,7 @@ def _explain_mismatch(motion: RecordedMotion, F: np.ndarray,
     time indices and comparisons."""
     moment, now = max(mismatches, key=lambda pair: strain_rms(F[pair[0]]))
     edges, told = now.edges, strain_rms(F[moment])
-    if not told > 0 or now.rms <= 0.1 * told * motion.spacing:
+    if not told > 0 or now.rms <= max(0.1 * told * motion.spacing, motion.rounding):
         return None
     best = min(((float(np.sqrt(np.mean(np.sum((now.actual_vectors - other) ** 2, axis=1)))) / max(now.rms, TINY), words)
                 for words, other in _readings(motion, F[moment], now)), default=(1.0, ""))
@@ -215,7 +216,7 @@ def check_overtaken(motion: RecordedMotion) -> Finding:
             told = [edges.deformed_vectors(one) for one in slopes]
         ahead = np.max([np.sum(now * one, axis=1) / np.maximum(np.linalg.norm(one, axis=1), TINY) for one in told],
                        axis=0)
-        turned, deep = ahead <= 0, ahead <= -DEEP * edges.length
+        turned, deep = ahead <= -motion.rounding, ahead <= -DEEP * edges.length - motion.rounding
         few = FEW_AT_A_RIM if motion.dimensions > 1 else 0.0
         found.append(turned if turned.mean() > MANY else deep if deep.mean() > few else np.zeros_like(deep))
     shares = [float(turned.mean()) for turned in found]

@@ -14,6 +14,7 @@ from solvers.translatable_message import Message
 MOST_FOLLOWED, MOST_TIMES = 4000, 400  # particles and times in trajectories
 LOOKED_AT, OF_EACH = 1024, 64  # numbers of a quantity; particles of a frame
 FEWEST = 16  # distinct numbers from which on the precision can be detected
+FEWEST_FIGURES = 4  # from which on fewer numbers are rounded: those of an even strain, unlike a spacing of 0.125
 ALL_FIGURES = 15  # digits of a double from which on it is not rounded
 FIGURES_OF_SINGLE = 9  # digits of a number written in single precision
 SINGLE, DOUBLE = 2.0**-24, 2.0**-53  # of a number: half its last bit
@@ -41,6 +42,14 @@ class FindingsInput:
     errors: Sequence[Errors]
     recompute_errors: Callable[[Frame], Errors]
     step: float
+
+    @functools.cached_property
+    def stored_rounding(self) -> dict[str, float]:
+        """Largest rounding error of the numbers in the files of x, v and stress, as far as they are there, in SI."""
+        columns = {"x": [f.position for f in self.frames],
+                   "v": [f.velocity for f in self.frames if f.velocity is not None],
+                   "sigma": [f.stress for f in self.frames if f.stress is not None]}
+        return {q: largest_stored_rounding(arrays) for q, arrays in columns.items() if arrays}
 
     @functools.cached_property
     def tracks(self) -> ParticleTrajectories | None:
@@ -88,22 +97,28 @@ def sample_numbers(arrays: Sequence[np.ndarray]) -> np.ndarray:
     return np.concatenate([values[:: max(1, len(values) // OF_EACH)].ravel() for values in arrays])
 
 
+def largest_stored_rounding(arrays: Sequence[np.ndarray]) -> float:
+    """Returns the largest rounding error of the numbers in arrays (P, ...), in their unit."""
+    largest = max(float(np.abs(values).max()) for values in arrays)
+    return float(detect_precision(sample_numbers(arrays)).rounding(np.array(largest)))
+
+
 def detect_precision(values: np.ndarray) -> StoredPrecision:
-    """Returns the precision with which numbers of any shape were written; exact for too few distinct numbers."""
+    """Returns the precision with which numbers of any shape were written; exact for few numbers of few figures."""
     known = values.ravel()
     known = known[np.isfinite(known) & (known != 0)]
     known = np.unique(known[:: max(1, len(known) // LOOKED_AT)])
-    if len(known) < FEWEST:
-        return EXACT
+    few = len(known) < FEWEST
     with np.errstate(over="ignore"):
-        if np.array_equal(known, known.astype(np.float32)):
-            return StoredPrecision(SINGLE, 0.0, "single precision")
+        single = np.array_equal(known, known.astype(np.float32))
     figures = decimals = -300  # the most that any of them needs
     for value in known.tolist():
         mantissa, _, power = np.format_float_scientific(abs(value), unique=True, trim="-").partition("e")
         count = len(mantissa.replace(".", ""))
         figures, decimals = max(figures, count), max(decimals, count - 1 - int(power))
-    if figures >= ALL_FIGURES:
+    if single and (figures >= ALL_FIGURES or not few):
+        return StoredPrecision(SINGLE, 0.0, "single precision")
+    if figures >= ALL_FIGURES or (few and figures < FEWEST_FIGURES):
         return EXACT
     relative = 0.5 * 10.0 ** (1 - figures)  # of a number whose first figure is 1
     return StoredPrecision(max(relative, SINGLE) if figures <= FIGURES_OF_SINGLE else relative, 0.5 * 10.0**-decimals,

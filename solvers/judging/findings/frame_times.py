@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from solvers.judging.findings.finding import HOLDS, OFF, Finding, unknown
-from solvers.judging.findings.findings_input import FindingsInput, ParticleTrajectories
+from solvers.judging.findings.findings_input import FindingsInput, ParticleTrajectories, largest_stored_rounding
 from solvers.judging.findings.time_consistency import FEW, FEWEST_TIMES, TOO_LARGE
 from solvers.problems import PROBLEMS
 from solvers.scene.scene import Scene
@@ -58,7 +58,9 @@ def date_frames(tracks: ParticleTrajectories, scene: Scene) -> FrameDates:
     bend = np.maximum(before - 2 * here + after, 1e-300)
     dates = step * (best + np.clip(0.5 * (before - after) / bend, -0.5, 0.5))
     left = {q: own[q] - found for q, found in solution(dates).items()}
-    changes = np.sum([np.mean(np.diff(left[q], axis=0)**2, axis=1) * weight[q] for q in seen], axis=0)
+    rounding = {q: largest_stored_rounding(list(tracks.own[q])) for q in seen}
+    changes = np.sum([(np.mean(np.diff(left[q], axis=0)**2, axis=1) + 2 * rounding[q]**2) * weight[q] for q in seen],
+                     axis=0)
     rate = 0.5 * bend / step**2  # mean square of the weighed motion's rate
     parts = [np.mean(left[q]**2, axis=1) / float(np.mean(tried[q]**2)) for q in seen]
     lost = np.mean(parts, axis=0) > LOST**2

@@ -9,7 +9,7 @@ import numpy as np
 
 from solvers.judging.findings.deformation import neighbour_gradients
 from solvers.judging.findings.finding import BROKEN, HOLDS, SUSPICIOUS, Finding, unknown
-from solvers.judging.findings.findings_input import FindingsInput, detect_precision, sample_numbers
+from solvers.judging.findings.findings_input import FindingsInput
 from solvers.judging.findings.recorded_motion_reader import ROUNDED, RecordedMotion
 from solvers.judging.findings.time_series_fitting import rms
 from solvers.translatable_message import Message
@@ -53,8 +53,7 @@ def check_frozen(motion: RecordedMotion, key: str) -> Finding:
     if motion.neighbourhood is None or not motion.spacing > 0:
         return unknown(name, TOO_FEW)
     same = (values[1:] == values[:-1]).all(axis=(2, 3)) & values[1:].any(axis=(2, 3))  # without stress it may stay so
-    figures = detect_precision(sample_numbers(list(values)))
-    least = ROUNDED * float(figures.rounding(np.abs(values).max()))
+    least = ROUNDED * motion.stored_rounding[key]
     frozen = np.zeros_like(same)
     for k in np.flatnonzero(same.any(axis=1) & ~same.all(axis=1)).tolist():
         before, after = (neighbour_gradients(motion, motion.x[moment]) for moment in (k, k + 1))

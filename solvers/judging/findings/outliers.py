@@ -18,7 +18,7 @@ from solvers.judging.findings.neighbour_comparison import (
     find_neighbours,
     find_outliers,
 )
-from solvers.judging.findings.recorded_motion_reader import RecordedMotion
+from solvers.judging.findings.recorded_motion_reader import ROUNDED, RecordedMotion
 from solvers.judging.findings.time_series_fitting import largest_rms
 from solvers.judging.particle_data_types import Frame
 from solvers.scene.scene import Scene
@@ -81,9 +81,9 @@ class OutlierSummary:
 
 def position_outliers(evidence: FindingsInput) -> OutlierSummary | None:
     """Returns the outliers of x, found in each frame alone, in the frame with the most. None for too few particles."""
-    scene, found = evidence.scene, []
+    found, least = [], LEAST_APART * evidence.scene.spacing + ROUNDED * evidence.stored_rounding["x"]
     for frame, error, near in _with_neighbours(evidence, "x", len(evidence.frames)):
-        which, far, limit = find_outliers(near, error, TIMES["x"], LEAST_APART * scene.spacing)
+        which, far, limit = find_outliers(near, error, TIMES["x"], least)
         beyond = far / allowance_at_rims(near)
         which = which[beyond[which] > limit]
         found.append((FrameOutliers(frame, which, far[which]), float(beyond.max()), limit))
@@ -97,7 +97,8 @@ def position_outliers(evidence: FindingsInput) -> OutlierSummary | None:
 def value_outliers(evidence: FindingsInput, quantity: str) -> OutlierSummary | None:
     """Returns the outliers of v or the stress: particles that are outliers in a third of the frames, or by far in one.
     None where the files do not have the quantity, or not always of the same particles."""
-    least = LEAST[quantity] * evidence.scene.size_of(quantity)
+    least = (LEAST[quantity] * evidence.scene.size_of(quantity)
+             + ROUNDED * evidence.stored_rounding.get(quantity, 0.0))  # there may be F alone
     frames, parts, limits, first = [], [], [], None
     for frame, error, near in _with_neighbours(evidence, quantity, MOST_FRAMES):
         if first is not None and near is not first:
@@ -204,10 +205,12 @@ def check_outliers(motion: RecordedMotion, key: str) -> Finding:
     if not size > 0:
         return unknown(name, "it is zero everywhere, or rounding")
     scores, limits = [], []
+    rounding = ROUNDED * motion.stored_rounding[key]
     for moment in motion.checked_time_indices:
-        _, far, limit = find_outliers(near, every[moment].reshape(len(motion.reference), -1), times, least * size)
+        _, far, limit = find_outliers(near, every[moment].reshape(len(motion.reference), -1), times,
+                                      least * size + rounding)
         if key == "x":  # bent as it may be, a whole place aside is no bend, but where most are so
-            limit = min(limit, max(A_PLACE * size, NOISE * float(np.quantile(far, USUAL))))
+            limit = min(limit, max(A_PLACE * size + rounding, NOISE * float(np.quantile(far, USUAL))))
         scores.append(far / limit)
         limits.append(limit)
     score = np.array(scores) / allowance_at_rims(near)
@@ -231,8 +234,8 @@ def check_roughness(motion: RecordedMotion, key: str) -> Finding:
     if key not in motion.fields or near is None or len(motion.reference) < FEWEST:
         return unknown(name, f"no {key} in the files" if key not in motion.fields
                        else f"not of {FEWEST} particles and more")
-    size = _largest_rms(motion, key)
-    if not size > 0:
+    size, rounding = _largest_rms(motion, key), ROUNDED * motion.stored_rounding[key]
+    if not size > rounding:
         return unknown(name, "it is zero everywhere, or rounding")
     every = [neighbour_comparison.departures(near, motion.fields[key][moment].reshape(len(motion.reference), -1))
              for moment in motion.checked_time_indices]
@@ -241,7 +244,7 @@ def check_roughness(motion: RecordedMotion, key: str) -> Finding:
     moment, p = motion.checked_time_indices[k], int(np.argmax(every[k]))
     if shares[0] > SMOOTH_START:
         return unknown(name, f"it jumps by {shares[0]:.2g} of its size at the first moment already")
-    if shares[k] <= ROUGH:
+    if shares[k] <= ROUGH + rounding / size:
         return Finding(name, HOLDS, shares[k], ROUGH, "of its size")
     return Finding(name, BROKEN if shares[k] > ROUGHEST else SUSPICIOUS, shares[k], ROUGH, "of its size",
                    f"the {WORDS[key]} jumps from particle to particle by {shares[k]:.2g} of its size at t = "

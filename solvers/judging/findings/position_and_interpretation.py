@@ -21,7 +21,6 @@ ORDER = "particles where others should be"
 DRIFT, AXES = "mean error of x, where symmetry allows none", "axes, and the components of F"
 UNIT, NEARER = "of the error of x", "times nearer than the next particle"
 ASIDE = 5e-3  # of the error's size
-ROUNDED = 4.0  # times what rounding leaves of a mean
 NOTHING = 1e-9  # of a cell: what the rounding of many steps may add up to
 OTHERS = 0.1  # of the distance of particles: nearer to where another one should be than chance would have it
 FAR, UNLIKE = 5.0, 0.5  # times that distance; of the error, by which it jumps from one particle to the next
@@ -41,7 +40,8 @@ def check_initial_positions(evidence: FindingsInput) -> Finding:
     if found is None:
         return unknown(PLACES, NONE)
     frame, error = found
-    size, tolerance = rms(error) * error.shape[1] ** 0.5, FROM_START * evidence.scene.spacing
+    size = rms(error) * error.shape[1] ** 0.5
+    tolerance = FROM_START * evidence.scene.spacing + evidence.stored_rounding["x"]
     if size <= tolerance:
         return Finding(PLACES, HOLDS, size, tolerance, "m")
     readings = _readings_of_start(evidence.scene, frame, error)
@@ -64,6 +64,7 @@ def check_initial_velocities(evidence: FindingsInput) -> Finding:
     if not size > 0:
         return unknown(SPEEDS, "the problem begins at rest")
     off, tolerance = rms(error) / size, OTHER_SPEED + 0.5 * evidence.step * evidence.scene.angular_frequency
+    tolerance += evidence.stored_rounding["v"] / size
     if off <= tolerance:
         return Finding(SPEEDS, HOLDS, off, tolerance, "of v")
     factor = float(np.sum(frame.velocity * right) / np.sum(right**2))
@@ -138,8 +139,8 @@ def check_mean_error(evidence: FindingsInput) -> Finding:
         return unknown(DRIFT, "x has no error, or too large a one")
     k = int(np.argmax(aside))
     figures = detect_precision(sample_numbers([f.position for f in evidence.frames]))
-    rounding = rms(figures.rounding(evidence.frames[k].position)) / np.sqrt(len(frame.number))
-    least = ROUNDED * float(rounding) + NOTHING * evidence.scene.spacing
+    rounding = rms(figures.rounding(evidence.frames[k].position))  # all may be rounded the same way: a lattice, shifted
+    least = float(rounding) + NOTHING * evidence.scene.spacing
     place = ", ".join(f"{c:.2g}" for c in means[k])
     return compare(DRIFT, float(aside[k]) / size, ASIDE + least / size, UNIT,
                    Message("at t = {time:.4g} s the particles are {place} m off on average, but the centre of a "

@@ -9,6 +9,7 @@ from dataclasses import replace
 import numpy as np
 
 from solvers.judging.findings.deformation import (
+    MOST_GAP,
     OTHERWISE,
     integrate_pair_differences,
     neighbour_pair_mismatch,
@@ -24,8 +25,10 @@ def count_from_first_moment(motion: RecordedMotion) -> RecordedMotion:
     """Returns the motion with its first positions as reference, and a note, where F counts from another state than X:
     where neighbours are where F says if both are counted from the first moment, and not if from X."""
     F = motion.fields.get("F")
-    if motion.from_start or F is None or motion.neighbour_pairs is None or \
-            neighbour_pair_mismatch(motion, 0, F[0]).rms <= motion.rounding:
+    if motion.from_start or F is None or motion.neighbour_pairs is None:
+        return motion
+    misses = _miss_of_pairs_and_sums(motion, F)
+    if (misses <= MOST_GAP * motion.rounding).all():
         return motion
     since_start = replace(motion, reference=motion.x[0], from_start=True)
     F_since_start, pairs = since_start.deformation_gradient, motion.neighbour_pairs
@@ -34,7 +37,6 @@ def count_from_first_moment(motion: RecordedMotion) -> RecordedMotion:
     first = motion.x[0][pairs.other] - motion.x[0][pairs.one]
     if (np.linalg.norm(first - pairs.apart, axis=1) >= ELSEWHERE * pairs.length).any():
         return motion
-    misses = _miss_of_pairs_and_sums(motion, F)
     if not (_miss_of_pairs_and_sums(since_start, F_since_start) < OTHERWISE * misses).any():
         return motion
     since_start.notes.append(f"F counts from another state than X (it is {strain_rms(F[0]):.3g} off 1 at the first "

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from solvers.judging.findings.finding import BROKEN, HOLDS, Finding
-from solvers.judging.findings.findings_input import detect_precision, sample_numbers
+from solvers.judging.findings.findings_input import largest_stored_rounding
 from solvers.judging.findings.neighbour_comparison import (
     MOST,
     TINY,
@@ -134,12 +134,14 @@ class RecordedMotion:
     @functools.cached_property
     def rounding(self) -> float:
         """Distance in m that rounding may feign: of positions, of F over the body's length, and of many steps."""
-        def stored(values: np.ndarray) -> float:
-            return float(detect_precision(sample_numbers(list(values))).rounding(np.abs(values).max()))
-
-        F, length = self.deformation_gradient, float(np.ptp(self.reference, axis=0).max())
-        of_numbers = stored(self.x) + (0.0 if F is None else stored(F) * length)
+        length = float(np.ptp(self.reference, axis=0).max())
+        of_numbers = self.stored_rounding["x"] + self.stored_rounding.get("F", 0.0) * length
         return ROUNDED * of_numbers + NOTHING * (0.0 if np.isnan(self.spacing) else self.spacing)
+
+    @functools.cached_property
+    def stored_rounding(self) -> dict[str, float]:
+        """Largest rounding error of the numbers of each field in the files, by its key, in its unit."""
+        return {key: largest_stored_rounding(list(values)) for key, values in self.fields.items()}
 
     @functools.cached_property
     def speed(self) -> float:

@@ -157,6 +157,8 @@ def _check_speed(motion: RecordedMotion, mismatch: np.ndarray, bend: np.ndarray,
     if not sure.any():
         return unknown(SPEED, "between two moments v would carry the particles farther than they ever are: the moments "
                               "are too far apart, or v is in another unit")
+    rounding = 2 * motion.stored_rounding["x"] / interval[:, 0, 0] + motion.stored_rounding["v"]
+    doubt = doubt + rounding * np.sqrt(motion.dimensions) / motion.speed
     off = np.where(sure, _interval_rms(mismatch, interval) / motion.speed - doubt, -1.0)
     k = int(np.argmax(off))
     size = float(np.sum(expected[sure] * moved[sure]) / max(float(np.sum(expected[sure] ** 2)), 1e-300))

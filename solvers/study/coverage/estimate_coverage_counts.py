@@ -20,13 +20,18 @@ import numpy as np
 
 from solvers.running.quantities_of_interest import SAFETY
 from solvers.solver.soundness import OK
-from solvers.study.coverage.random_runs import AFTER, BEFORE, IMPOSSIBLE, QUANTITIES
+from solvers.study.coverage.random_runs import AFTER, BEFORE, COARSEST, IMPOSSIBLE, QUANTITIES
 
 SCHEMA = "mpm-lab/coverage/1"
 FACTORS = (1.1, 1.5, 2.0)
 NEEDLESS = 1.5  # a refusal was needless where the estimate would have been within such a factor of x, v and sigma
 SAFETIES = (1.0, SAFETY, 3.0)
 CENTRAL = 0.8  # the share of runs between whose ratios an estimator may bet; as many lie below as above
+HELD_SHARE = 0.95  # of cases, that a bar means to hold
+MOST_DECADES = 6.0  # that a bar may be too long or too short in its score
+ORDERS = {"1.5 to 2.5": (1.5, 2.5), "another": (-math.inf, math.inf)}  # observed; the first that fits
+NO_ORDER = "none"
+COARSEST_CELLS = {"under 8 cells": 8, "8 to 15 cells": 16, "16 or more": math.inf}  # the first above
 IN_CELL, ONE_CELL, SEVERAL_CELLS = "within their cells", "up to a cell", "several cells"
 REGIMES = (IN_CELL, ONE_CELL, SEVERAL_CELLS)
 NORMAL = 1.96  # standard deviations, for 95 %
@@ -57,7 +62,8 @@ def wilson_interval(count: int, total: int) -> tuple[float, float]:
 
 def tally(problem: str, seed: int, rows: Sequence[dict]) -> dict:
     """Returns counts of a problem's random runs (rows of ``random_runs.measure``) as a dict for JSON: runs by status,
-    and how often each estimator, and each bar around a goal, was right."""
+    and how often each estimator, and each bar around a goal, was right; the same for all runs that are ok "by truth"
+    alone, also where an estimator called them lost."""
     usable = [row for row in rows if row["status"] == OK]
     statuses = [row["status"] for row in rows]
     names = list(dict.fromkeys(name for row in usable for name in row["estimators"]))
@@ -67,7 +73,45 @@ def tally(problem: str, seed: int, rows: Sequence[dict]) -> dict:
             "estimators": {name: _count_by_group(usable, functools.partial(_count_within_factors, name=name))
                            for name in names}, "refusals": {name: _count_refusals(usable, name) for name in names},
             "goals": {kind: _count_by_group(usable, functools.partial(_count_bars, kind=kind, names=names))
-                      for kind in goals}}
+                      for kind in goals},
+            "grids": {name: count_grid_index(usable, name) for name in INTERVALS},
+            "by truth": _count_by_truth([row for row in rows if row.get("by_truth") == OK], names, goals)}
+
+
+def _count_by_truth(rows: Sequence[dict], names: Sequence[str], goals: Sequence[str]) -> dict:
+    """Returns counts of ``rows`` as :func:`tally` has them of ok runs, for all methods and regimes together."""
+    return {"runs": len(rows), "estimators": {name: _count_within_factors(rows, name) for name in names},
+            "goals": {kind: _count_bars(rows, kind, names) for kind in goals}}
+
+
+def count_grid_index(rows: Sequence[dict], name: str) -> dict:
+    """Returns how often an interval of ``INTERVALS``, by its name, contained the truth, all goals together: by the
+    order observed on the three grids, and by the cells of the coarsest."""
+    found: dict[str, dict[str, list[int]]] = {"order": {key: [0, 0] for key in (*ORDERS, NO_ORDER)},
+                                              "coarsest": {key: [0, 0] for key in COARSEST_CELLS}}
+    for row in rows:
+        coarsest = next(key for key, above in COARSEST_CELLS.items() if row["scene"]["cells"] // COARSEST < above)
+        for goal in filter(_is_known, row["goals"].values()):
+            bar = INTERVALS[name](goal["grids"]) if _has_grids(goal) else None
+            if bar is None:
+                continue
+            order = observed_order(goal["grids"])
+            group = NO_ORDER if order is None else next(key for key, (low, high) in ORDERS.items()
+                                                        if low <= order <= high)
+            for counts in (found["order"][group], found["coarsest"][coarsest]):
+                counts[0] += abs(goal["true_error"]) <= bar
+                counts[1] += 1
+    return {split: {key: {"held": held, "runs": runs} for key, (held, runs) in groups.items()}
+            for split, groups in found.items()}
+
+
+def _is_known(goal: Mapping) -> bool:
+    """Returns whether the true error of a stored goal is known and more than rounding."""
+    return goal["true_error"] is not None and abs(goal["true_error"]) > (goal["rounding"] or 0.0)
+
+
+def _has_grids(goal: Mapping) -> bool:
+    return len(goal["grids"]) == 3 and None not in goal["grids"]
 
 
 def _count_by_group(rows: Sequence[dict], count: Callable[[Sequence[dict]], dict]) -> dict:
@@ -116,25 +160,33 @@ def _count_refusals(rows: Sequence[dict], name: str) -> dict:
 
 def _count_bars(rows: Sequence[dict], kind: str, names: Sequence[str]) -> dict:
     """Returns for a goal (``kind``) how often bars around the value contained the truth: multiples of the estimated
-    error, and grid convergence indices. ``width`` is the median of the bar over the true error."""
+    error, and grid convergence indices. ``width`` is the median of the bar over the true error, ``score`` the mean of
+    :func:`bar_score`."""
     found: dict[str, Any] = {}
-    known = [goal for row in rows if (goal := row["goals"][kind])["true_error"] is not None
-             and abs(goal["true_error"]) > (goal["rounding"] or 0.0)]
+    known = [goal for row in rows if _is_known(goal := row["goals"][kind])]
     for name in names:
         errors = [(abs(goal["estimated_error"][name]), abs(goal["true_error"])) for goal in known
                   if goal["estimated_error"].get(name) is not None]
         for times in SAFETIES:
             found[f"{times:g} x {name}"] = _bar_counts([(times * said, true) for said, true in errors], len(known))
     for name, bar in INTERVALS.items():
-        bars = [(bar(goal["grids"]), abs(goal["true_error"])) for goal in known
-                if len(goal["grids"]) == 3 and None not in goal["grids"]]
+        bars = [(bar(goal["grids"]), abs(goal["true_error"])) for goal in known if _has_grids(goal)]
         found[name] = _bar_counts([(said, true) for said, true in bars if said is not None], len(known))
     return found
 
 
 def _bar_counts(bars: Sequence[tuple[float, float]], total: int) -> dict:
     return {"of": total, "runs": len(bars), "held": sum(true <= said for said, true in bars),
-            "width": _median([said / true for said, true in bars])}
+            "width": _median([said / true for said, true in bars]),
+            "score": float(np.mean([bar_score(said, true) for said, true in bars])) if bars else None}
+
+
+def bar_score(bar: float, true: float) -> float:
+    """Returns the interval score of a ``bar`` that means to hold the size ``true`` of an error in 95 of 100 cases: the
+    decades by which it is too long, or 19 times those by which it is too short. Its mean is least for the bar that
+    holds just 95 %: neither wide bars nor narrow ones win (as in lesson 10, of the upper end alone)."""
+    decades = MOST_DECADES if bar == 0 else min(abs(math.log10(bar / true)), MOST_DECADES)
+    return decades if bar >= true else decades * HELD_SHARE / (1 - HELD_SHARE)
 
 
 def _median(values: Sequence[float]) -> float | None:

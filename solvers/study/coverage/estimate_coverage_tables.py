@@ -5,7 +5,16 @@ from collections.abc import Iterable, Mapping, Sequence
 
 from solvers.running.quantities_of_interest import DISPLACEMENT, ENERGY, SAFETY, STRESS
 from solvers.study.coverage import estimate_coverage_counts
-from solvers.study.coverage.estimate_coverage_counts import FACTORS, INTERVALS, NEEDLESS, REGIMES, wilson_interval
+from solvers.study.coverage.estimate_coverage_counts import (
+    COARSEST_CELLS,
+    FACTORS,
+    INTERVALS,
+    NEEDLESS,
+    NO_ORDER,
+    ORDERS,
+    REGIMES,
+    wilson_interval,
+)
 from solvers.study.coverage.random_runs import AFTER, BEFORE, IMPOSSIBLE, QUANTITIES, draw_ranges_of
 from solvers.study.markdown_tables import markdown_table
 
@@ -26,7 +35,8 @@ def coverage_summary(counted: Mapping, picture: str = "") -> str:
              f"periods, steps of {ranges.step[0]:g} to {ranges.step[1]:g} of the longest, up to {ranges.work:,.0f} "
              "particle-steps. Only runs that ended as ok count.",
              estimates_table(counted), central_ranges_table(counted), motion_regimes_table(counted),
-             refusals_table(counted), error_bars_table(counted), regime_error_bars_table(counted)]
+             refusals_table(counted), error_bars_table(counted), regime_error_bars_table(counted),
+             grid_index_table(counted), by_truth_table(counted)]
     return "\n\n".join([*parts, *([f"![{picture}]({picture})"] if picture else [])]) + "\n"
 
 
@@ -85,11 +95,12 @@ def error_bars_table(counted: Mapping) -> str:
     names = main_bar_names(counted)
     lines = [[_bar_label(name), *(cell for kind in counted["goals"]
                                   for cell in _bar_cells(counted["goals"][kind]["all"][name]))] for name in names]
-    heads = [text for kind in counted["goals"] for text in (GOALS[kind], "given", "width")]
+    heads = [text for kind in counted["goals"] for text in (GOALS[kind], "given", "width", "score")]
     return ("## Bars around a number: how often they hold the truth\n\nPer cent of the bars that are given, with the "
-            "95 % interval; how many per cent of the runs are given one; and the median of the bar over the true "
-            f"error. The grid convergence index and its successor promise 95 %; {SAFETY:g} times an estimated error "
-            "promises nothing.\n\n" + markdown_table(["bar", *heads], lines))
+            "95 % interval; how many per cent of the runs are given one; the median of the bar over the true error; "
+            "and the mean score, in decades by which a bar is too long, or 19 times those by which it is too short (0 "
+            f"is perfect). The grid convergence index and its successor promise 95 %; {SAFETY:g} times an estimated "
+            "error promises nothing.\n\n" + markdown_table(["bar", *heads], lines))
 
 
 def regime_error_bars_table(counted: Mapping) -> str:
@@ -102,6 +113,29 @@ def regime_error_bars_table(counted: Mapping) -> str:
             cells.append(format_share(sum(f["held"] for f in found), sum(f["runs"] for f in found), True))
         lines.append([_bar_label(name), *cells])
     return "### All three numbers, by how far particles move\n\n" + markdown_table(["bar", *REGIMES], lines)
+
+
+def grid_index_table(counted: Mapping) -> str:
+    """Returns Markdown: how often grid convergence indices contained the truth, by order and by the coarsest grid."""
+    heads = [*(f"order {key}" for key in (*ORDERS, NO_ORDER)), *(f"coarsest {key}" for key in COARSEST_CELLS)]
+    lines = [[name, *(" of ".join([format_share(one["held"], one["runs"], True), f"{one['runs']:,}"]) if one["runs"]
+                      else NOTHING for split in ("order", "coarsest") for one in found[split].values())]
+             for name, found in counted["grids"].items()]
+    return ("### Grid convergence indices, by observed order and by the coarsest grid\n\nPer cent of the bars of all "
+            "three numbers, with the 95 % interval; the coarsest grid is counted in cells along a unit of length.\n\n"
+            + markdown_table(["bar", *heads], lines))
+
+
+def by_truth_table(counted: Mapping) -> str:
+    """Returns Markdown: how often estimates and bars were right in all runs that are ok by the truth alone."""
+    found, least = counted["by truth"], f"{FACTORS[0]:g}"
+    lines = [[name, *(format_share(split[q]["within"][least], split[q]["runs"], True) for q in QUANTITIES),
+              *(format_share(one["held"], one["runs"], True) for goal in found["goals"].values()
+                for one in [goal[f"{SAFETY:g} x {name}"]])] for name, split in found["estimators"].items()]
+    return (f"## All runs that the truth alone calls ok\n\nThe same of {found['runs']:,} runs, with those that an "
+            f"estimator or a contradiction called lost: x, v and σ within a factor of {least}, and bars of {SAFETY:g} "
+            "times the estimated error that contained the truth, in per cent.\n\n" + markdown_table(
+                ["estimator", *(PARTS[q] for q in QUANTITIES), *(GOALS[kind] for kind in found["goals"])], lines))
 
 
 def main_bar_names(counted: Mapping) -> list[str]:
@@ -132,6 +166,6 @@ def _central_range_text(ratios: Sequence[float] | None) -> str:
 
 def _bar_cells(found: Mapping) -> Iterable[str]:
     if not found["runs"]:
-        return [NOTHING] * 3
+        return [NOTHING] * 4
     return [format_share(found["held"], found["runs"], True), f"{100 * found['runs'] / found['of']:.0f}",
-            f"{found['width']:.2f}"]
+            f"{found['width']:.2f}", f"{found['score']:.2f}"]

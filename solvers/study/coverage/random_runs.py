@@ -1,4 +1,4 @@
-"""Random runs by number: the same number and seed give the same run, however many are drawn.
+"""Random runs of problems with an exact solution, and their measurement.
 
 The distributions were fixed before any result was known. Sizes are uniform in their logarithm, choices are equally
 likely unless a share is given. Modulus and density are fixed: errors scale with them, and no index depends on either.
@@ -6,6 +6,7 @@ likely unless a share is given. Modulus and density are fixed: errors scale with
 Each is one row. Its keys::
 
     schema, key, problem, seed, number, solvers, status, reason, seconds, scene, moved (largest displacement, in cells)
+    by_truth                                             the status that the true error alone would give: no estimator
     estimators: {name: {refused, index, end}}            refused: "", "before" or "after" the run, "impossible"; ratios
                                                          by quantity, over the run and at its end, 1 is perfect
     goals: {kind: {true_error, rounding, estimated_error, grids}}       as of a run; grids: the number on h, 2h and 4h
@@ -14,12 +15,9 @@ Estimators that are refused before a run are computed nevertheless, where possib
 needless; their results decide nothing."""
 
 import functools
-import hashlib
-import json
-import math
 import time
 from collections.abc import Callable, Hashable, Mapping
-from dataclasses import asdict, dataclass, fields, replace
+from dataclasses import dataclass, fields, replace
 from typing import Any
 
 import numpy as np
@@ -31,19 +29,17 @@ from solvers.scene.estimator_limits import reason
 from solvers.scene.kernel_options import kernel_key
 from solvers.scene.scene import Scene
 from solvers.scene.validation import SceneError
-from solvers.solver import error_series
+from solvers.solver import error_series, soundness
 from solvers.solver.error_series import finite_or_none
 from solvers.solver.rounding import largest_rounding_error
-from solvers.solver.soundness import OK
+from solvers.solver.soundness import LOST, OK, UNSTABLE
+from solvers.study.coverage.random_draw import RandomDraw, draw_between
 from solvers.study.json_schema import NUMBER, NUMBER_OR_NONE, MapOf
-from solvers.study.row import FAILED, solver_source_hash
 
-SCHEMA = "mpm-lab/coverage-row/1"
 QUANTITIES = ("x", "v", "sigma")
 IMPOSSIBLE, BEFORE, AFTER = "impossible", "before", "after"  # how an estimator was refused
 GOAL_COLUMNS = ("true_error", "rounding", "estimated_error")  # of a goal
-IDENTITY = {"key": str, "problem": str, "seed": int, "number": int, "status": str, "reason": (str, type(None))}
-MEASURED = {"scene": dict, "moved": NUMBER, "seconds": NUMBER,
+MEASURED = {"scene": dict, "moved": NUMBER, "seconds": NUMBER, "by_truth": str,
             "estimators": MapOf({"refused": str, "index": MapOf(NUMBER_OR_NONE), "end": MapOf(NUMBER_OR_NONE)}),
             "goals": MapOf({"true_error": NUMBER_OR_NONE, "rounding": NUMBER_OR_NONE,
                             "estimated_error": MapOf(NUMBER_OR_NONE), "grids": list})}
@@ -83,22 +79,14 @@ def draw_ranges_of(problem: str) -> DrawRanges:
     return DRAW_RANGES.get(problem) or replace(DRAW_RANGES["square"], amplitude=(0.01 * amplitudes[-1], amplitudes[-1]))
 
 
-@dataclass(frozen=True)
-class RandomRun:
-    """Random run of a problem ("bar"), the same for equal ``seed`` and ``number``; a task of ``study.executors``."""
+class RandomRun(RandomDraw):
+    """Random run of a problem."""
 
-    problem: str
-    seed: int
-    number: int
-
-    @property
-    def key(self) -> str:
-        """Key of the run's row: 16 hexadecimal digits of a hash."""
-        return hashlib.sha256(json.dumps(asdict(self), sort_keys=True).encode()).hexdigest()[:16]
+    SCHEMA = "mpm-lab/coverage-row/1"
 
     def scene(self) -> Scene:
         """Returns the run's scene on the finest of its three grids, with every estimator."""
-        chance = self._random_generator(SCENES)
+        chance = self.random_generator(SCENES)
         for _ in range(MOST_TRIES):
             scene = _draw_scene(self.problem, chance)
             if scene is not None and scene.particles * scene.steps <= draw_ranges_of(self.problem).work:
@@ -107,7 +95,7 @@ class RandomRun:
 
     def point_goal_name(self) -> str:
         """Returns the name of a goal, the displacement at a random material point: "displacement@0.123456"."""
-        kind, chance = PROBLEMS[self.problem].scene, self._random_generator(POINTS)
+        kind, chance = PROBLEMS[self.problem].scene, self.random_generator(POINTS)
         if kind.DIMENSIONS == 1:
             return f"{DISPLACEMENT}@{chance.uniform():.6f}"
         plane: Any = kind
@@ -117,16 +105,6 @@ class RandomRun:
     def kind(self) -> Hashable:
         """Key of the scene's compiled code without estimators, since every run has all of them."""
         return kernel_key(replace(self.scene(), estimators=()))
-
-    def remarks(self) -> list[str]:
-        """Returns no remarks on the inputs, because nobody has chosen them."""
-        return []
-
-    def to_dict(self) -> dict:
-        return asdict(self)
-
-    def _random_generator(self, purpose: int) -> np.random.Generator:
-        return np.random.default_rng([self.seed, self.number, purpose, *self.problem.encode()])
 
 
 def coarsen(scene: Scene, times: int) -> Scene:
@@ -138,9 +116,9 @@ def _draw_scene(problem: str, chance: np.random.Generator) -> Scene | None:
     """Returns a random scene; None where the choices cannot be combined, or have no coarser grids."""
     kind, ranges = PROBLEMS[problem].scene, draw_ranges_of(problem)
     inputs: dict[str, Any] = {
-        "cells": COARSEST * round(_draw_between(chance, *(n / COARSEST for n in ranges.cells))),
+        "cells": COARSEST * round(draw_between(chance, *(n / COARSEST for n in ranges.cells))),
         "ppc": int(chance.integers(ranges.ppc[0], ranges.ppc[1] + 1)),
-        "amplitude": _draw_between(chance, *ranges.amplitude), "periods": _draw_between(chance, *ranges.periods),
+        "amplitude": draw_between(chance, *ranges.amplitude), "periods": draw_between(chance, *ranges.periods),
         "method": _draw_choice(chance, kind.choices("method")),
         "body_force": _draw_choice(chance, FORCES.get(problem, ("material",)), "body_force"),
         "velocity": _draw_choice(chance, kind.choices("velocity"), "velocity"),
@@ -148,7 +126,7 @@ def _draw_scene(problem: str, chance: np.random.Generator) -> Scene | None:
         "estimators": kind.choices("estimators"), "effects": EFFECTS}
     if layouts := kind.choices("layout") if "layout" in kind.__dataclass_fields__ else ():
         inputs["layout"] = _draw_choice(chance, layouts, "layout")
-    step = _draw_between(chance, *ranges.step)
+    step = draw_between(chance, *ranges.step)
     try:
         scene = kind(**inputs)
         if scene.particles * scene.steps > 10 * ranges.work:  # with the usual step: the bound is not worth asking for
@@ -158,10 +136,6 @@ def _draw_scene(problem: str, chance: np.random.Generator) -> Scene | None:
     except SceneError:
         return None
     return scene
-
-
-def _draw_between(chance: np.random.Generator, low: float, high: float) -> float:
-    return math.exp(chance.uniform(math.log(low), math.log(high)))
 
 
 def _draw_choice(chance: np.random.Generator, choices: tuple, field: str = "") -> Any:
@@ -185,12 +159,7 @@ def measure(draw: RandomRun) -> dict:
     try:
         return _measure_run(draw)
     except Exception as error:
-        return failed_row(draw, f"{type(error).__name__}: {error}")
-
-
-def failed_row(draw: RandomRun, reason: str) -> dict:
-    """Returns the row of a random run that failed, with the ``reason`` as one line."""
-    return {**_identity(draw), "status": FAILED, "reason": " ".join(reason.split())}
+        return draw.failed_row(f"{type(error).__name__}: {error}")
 
 
 def _measure_run(draw: RandomRun) -> dict:
@@ -200,14 +169,21 @@ def _measure_run(draw: RandomRun) -> dict:
     goals = {DISPLACEMENT: draw.point_goal_name(), STRESS: STRESS, ENERGY: ENERGY}
     result = run(allow_refused_estimators(scene), mid_run=False, goals=list(goals.values()))
     others = [run(coarsen(scene, 2**k), mid_run=False, goals=list(goals.values())) for k in range(1, GRIDS)] \
-        if result.status == OK else []
+        if status_by_truth(result) == OK else []
     numbers = {kind: [one.goals[name]["value"] for one in (result, *others)] for kind, name in goals.items()}
-    return {**_identity(draw), "status": result.status, "reason": result.reason, "scene": scene.to_dict(),
-            "moved": scene.motion_amplitude / scene.spacing,
+    return {**draw.identity_columns(), "status": result.status, "reason": result.reason, "scene": scene.to_dict(),
+            "moved": scene.motion_amplitude / scene.spacing, "by_truth": status_by_truth(result),
             "estimators": {name: {"refused": refusal_kind(name, scene, result), **_ratios(result, name)}
                            for name in scene.estimators},
             "goals": {kind: {"grids": numbers[kind], **{key: result.goals[name][key] for key in GOAL_COLUMNS}}
                       for kind, name in goals.items()}, "seconds": time.perf_counter() - begun}
+
+
+def status_by_truth(result: Result) -> str:
+    """Returns the status of a result by its true error alone: "unstable", "lost" or "ok"; an estimate may be wrong."""
+    if result.status == UNSTABLE:
+        return UNSTABLE
+    return LOST if any(name.startswith("error_") for name in soundness.findings(result.scene, result.series)) else OK
 
 
 def refusal_kind(name: str, scene: Scene, result: Result) -> str:
@@ -244,7 +220,3 @@ def _unrefused_kind(kind: type[Scene]) -> type[Scene]:
 def allow_refused_estimators(scene: Scene) -> Scene:
     """Returns a copy of a scene in which estimators run although the scene refuses them, if that is possible."""
     return _unrefused_kind(type(scene))(**{one.name: getattr(scene, one.name) for one in fields(scene)})
-
-
-def _identity(draw: RandomRun) -> dict:
-    return {"schema": SCHEMA, "key": draw.key, **draw.to_dict(), "solvers": solver_source_hash()}

@@ -91,6 +91,7 @@ BAD = {
     "lesson grade file --out file/x.csv": "--out file/x.csv: … not a directory",
     "judge bar file --out .": "--out .: is not empty; give an empty or a new directory",
     "coverage ring": "--out … give",
+    "coverage body": "--out … give",
     # what only some commands take
     "serve --port 0": "--port 0: give a whole number from 1 to 65535",
     "serve --port http": "--port http: give a whole number",
@@ -125,6 +126,7 @@ BAD = {
     "advise bar --tolerance 1e-3 --ppc 0": "--ppc 0: give a whole number from 1 to 64",
     "advise bar --tolerance 1e-3 --cfl fast": "--cfl fast: give a number above 0",
     "coverage ring --out new --runs 0": "--runs 0: give a whole number from 1 to 10,000",
+    "coverage body --out new --runs 0": "--runs 0: give a whole number from 1 to 10,000",
     "coverage ring --out new --seed -1": "--seed -1: give a whole number from 0 to 2,147,483,647",
     "bench --history a.jsonl": "--history: is gone from mpm-lab bench",
     "bench --waits": "--waits: is gone from mpm-lab bench: assets/speed.md",

@@ -47,7 +47,7 @@ def test_bodies_that_come_along_are_listed_and_shown(capsys):
 
 
 @pytest.mark.parametrize(("old", "new", "words"), [
-    ("density = 1000", "density = 0", "sector.toml: density 0: give a number above 0"),
+    ("density = 1000", "density = 0", "sector.toml: density 0: give a number above 1e-15"),
     ("density = 1000", "density = [", "sector.toml: is no TOML"),
     ('gravity = [0, -3]', 'force = ["sin(900*t)", "0"]', "changes too fast with t")])
 def test_bad_files(sector, capsys, old, new, words):
@@ -73,3 +73,10 @@ def test_hat_functions_are_warned_of_and_a_broken_run_has_its_status(sector, cap
     (2.0, 0.0, "2.000000 +- 0.000000")])
 def test_a_value_has_the_digits_of_its_bar(value, bar, said):
     assert value_and_bar(value, bar) == said
+
+
+def test_other_commands_say_that_bodies_only_run(capsys):
+    assert main(["sweep", "sector.toml"]) == 2
+    assert "sector.toml: is a body, which only mpm-lab run FILE.toml takes" in capsys.readouterr().err
+    assert main(["export", "sector.toml", "--out", "sector.html"]) == 2
+    assert "sector.toml: is a body, of which there is no recording" in capsys.readouterr().err

@@ -11,8 +11,8 @@ from solvers.bodies.estimate import ErrorEstimate, ParticleFields, corner_expone
 from solvers.bodies.goal import Goal
 from solvers.bodies.goal_values import GoalSeries
 from solvers.bodies.material_points import MaterialPoints
-from solvers.bodies.run import SAMPLES, read_companion, run_body
-from solvers.bodies.spectral_mesh import LatticeReader
+from solvers.bodies.run import SAMPLES, run_body
+from solvers.study.coverage.random_cantilevers import compare_with_truth
 from tests.solvers.bodies import exact_bodies
 
 BEAM, BLOCK, SECTOR = (parse_body(library_text(name)) for name in ("cantilever", "thrown_block", "swinging_sector"))
@@ -25,6 +25,14 @@ def test_the_singularity_of_a_clamped_corner(nu, exponent, factor):
     assert corner_exponent(nu) == pytest.approx(exponent, abs=6e-4)
     assert extrapolation_factor(dataclasses.replace(BEAM, poissons_ratio=nu)) == pytest.approx(factor, abs=1e-3)
     assert extrapolation_factor(dataclasses.replace(BLOCK, poissons_ratio=nu)) == 0
+
+
+def test_the_factor_of_a_clamped_corner_is_continuous():
+    """From 0.1 at Poisson's ratio 0, where nothing is singular, to the law's at 0.1. Measured on 4 x 1 elements at 0,
+    0.02, 0.05 and 0.1: 0.12, 0.13, 0.18 and 0.29; on 8 x 2: 0.12, 0.14, 0.21 and 0.33."""
+    factors = [extrapolation_factor(dataclasses.replace(BEAM, poissons_ratio=nu)) for nu in np.linspace(0, 0.2, 201)]
+    assert factors[0] == 0.1 and (np.diff(factors) > 0).all() and np.diff(factors).max() < 0.005
+    assert factors[50] == pytest.approx(0.195, abs=0.025)
 
 
 @pytest.mark.parametrize(("method", "cells"), [("ugimp", 16), ("cpgimp", 16), ("cpdi", 16), ("cpgimp", 32)])
@@ -41,61 +49,16 @@ def test_the_index_of_the_axis_aligned_motion(method, cells):
     assert all(0.97 <= one <= 1.04 for one in index)
 
 
-GRADED = [(np.array([0, 0.05, 0.2, 0.6, 1]), np.array([0, 0.2, 0.8, 1]))]  # elements that resolve the clamped corners
-
-
-def run_and_compare(body, order):
-    """The result of a cantilever's run, the index of x, and its goals' values by a companion on graded elements."""
-    result, run = run_body(body), MaterialPoints(body, SAMPLES, body.lattice_counts, half_start=True)
-    fine, X, errors = BodyCompanion(body, GRADED, order, body.t_end / SAMPLES), run.lattice.position, []
-    reader = LatticeReader(fine.mesh, run.lattice.lattices)
-    series = {name: GoalSeries(goal, X) for name, goal in body.goals.items()}
-    for _ in range(SAMPLES):
-        fine.advance()
-        run.advance()
-        true = read_companion(body, fine, reader)
-        errors.append(np.sqrt(np.sum((run.displacement - true.x)**2, axis=1).mean()))
-        for one in series.values():
-            one.add(true, true, true)
-    times = np.linspace(0, body.t_end, SAMPLES + 1)
-    return result, result.estimate["x"].mean / np.mean(errors), {k: one.evaluate(times, 1) for k, one in series.items()}
-
-
 def test_bars_hold_and_a_finer_companion_agrees():
     """The cantilever's tip, its period and a named stress."""
-    result, index, goals = run_and_compare(dataclasses.replace(BEAM, cells_per_metre=4), 6)
+    body = dataclasses.replace(BEAM, cells_per_metre=4)
+    result = run_body(body)
+    index, true = compare_with_truth(body, result, order=6)
     assert result.status == "ok" and not result.remarks and result.estimate["x"].trust == "number"
-    assert 0.98 <= index <= 1.02
-    for name, true in goals.items():
+    assert 0.98 <= index["x"] <= 1.02
+    for name, value in true.items():
         found = result.goals[name]
-        assert true.bar == 0 and abs(found.value - true.value) <= found.bar < 0.1 * abs(found.value)
-
-
-@pytest.mark.slow
-def test_bars_of_random_cantilevers():
-    """Of 29 that ran to the end 114 of 116 bars held, and the index of x was 0.982 to 1.009 (assets/body.md)."""
-    rng, held, bars = np.random.default_rng(20261128), 0, 0
-    for _ in range(30):
-        L, low, nu = float(rng.choice([3, 4, 5])), float(np.exp(rng.uniform(*np.log([0.03, 0.3])))), \
-            float(rng.choice([0.0, 0.2, 0.3, 0.4]))
-        plane = 1.5 * BEAM.density * 10 * L**3 / low  # E/(1 - nu^2) with which the static tip moves by low L
-        period = 2 * np.pi / 3.516 * np.sqrt(12 * BEAM.density * L**4 / plane)
-        method, cells, ppc = str(rng.choice(["ugimp", "cpgimp", "cpdi"])), int(rng.choice([4, 5, 6, 8])), \
-            int(rng.choice([1, 2, 2, 3]))
-        tip = (L, 0.5)
-        body = dataclasses.replace(
-            BEAM, patches=(dataclasses.replace(BEAM.patches[0], corners=((0, 0), (L, 0), (L, 1), (0, 1))),),
-            youngs_modulus=plane * (1 - nu**2), poissons_ratio=nu, method=method, cells_per_metre=cells, ppc=ppc,
-            elements_across=None, t_end=1.2 * period, domain=((-1, -L - 1), (L + 1, 3)),
-            goals={"low": Goal("min y", tip), "end": Goal("end y", tip), "period": Goal("time of return y", tip),
-                   "stress": Goal("max |sigma_xx|", (L / 4, 1))})
-        result, index, goals = run_and_compare(body, 8)
-        if result.status == "ok":
-            assert 0.97 <= index <= 1.04
-            pairs = [(result.goals[name], true) for name, true in goals.items() if result.goals[name].bar is not None]
-            bars += len(pairs)
-            held += sum(abs(found.value - true.value) <= found.bar for found, true in pairs)
-    assert bars > 100 and held >= bars - 3
+        assert abs(found.value - value) <= found.bar < 0.1 * abs(found.value)
 
 
 def test_equal_runs_give_equal_bits():
@@ -105,12 +68,12 @@ def test_equal_runs_give_equal_bits():
 
 
 def test_a_body_that_may_fold_gets_a_number_until_then():
-    """The field's classic, a soft cantilever: two families of companions part at about 1.3 s."""
+    """The field's classic, a soft cantilever: two families of companions part at about 1.3 s, and coarse ones agree."""
     body = dataclasses.replace(BEAM, youngs_modulus=1e6, t_end=3.0, cells_per_metre=4, domain=((-1, -6), (6, 4)),
                                elements_across=None)
     result = run_body(body)
     assert 1.1 <= result.until <= 1.4 and len(result.remarks) == 1
-    for words in ("pressed to less than half near", "may fold", "differ by as much as they find"):
+    for words in ("pressed to less than half near", "may fold", "finer elements need not agree"):
         assert words in result.remarks[0]
     assert all(goal.bar is None and goal.value is not None for goal in result.goals.values())
     early = run_body(dataclasses.replace(body, t_end=0.8))
@@ -121,6 +84,21 @@ def test_a_run_that_leaves_its_domain_says_so():
     result = run_body(dataclasses.replace(BLOCK, cells_per_metre=8, domain=((-0.5, -0.5), (1.5, 1.5))))
     assert result.status == "unstable" and "left the domain" in result.reason and result.time < BLOCK.t_end
     assert result.goals["corner"].value is None and result.estimate["x"].mean > 0
+
+
+def test_companions_that_have_failed_are_not_asked_again(monkeypatch):
+    """The particles go on to the end; goals have values without bars."""
+    steps = []
+
+    def advance(self):
+        steps.append(self)
+        self.u[:] = np.nan
+
+    monkeypatch.setattr(BodyCompanion, "advance", advance)
+    result = run_body(dataclasses.replace(SECTOR, cells_per_metre=8, t_end=0.2))
+    assert len(steps) == 2 and result.status == "ok" and result.time == pytest.approx(0.2) and not result.estimate
+    assert "the companions have failed" in result.remarks[0]
+    assert all(goal.bar is None and goal.value is not None for goal in result.goals.values())
 
 
 def fields(x):
@@ -138,10 +116,12 @@ def test_delta_decides_how_far_to_believe(coarse, trust):
     assert (one.to_dict()["final"] is None) == (trust == "none") == bool(estimate.remarks(1))
 
 
-def test_a_companion_that_fails_ends_the_estimate():
+@pytest.mark.parametrize(("coarse", "stretch"), [(np.nan, 1.0), (np.inf, 1.0), (1.0, -0.1)])
+def test_a_companion_that_fails_ends_the_estimate(coarse, stretch):
+    """Without a finite motion, or turned inside out."""
     estimate = ErrorEstimate(BEAM)
     estimate.add(0.1, fields(1.1), fields(1.0), fields(1.0), 1.0, np.zeros(2))
-    estimate.add(0.2, fields(1.1), fields(np.nan), fields(1.0), 1.0, np.zeros(2))
+    estimate.add(0.2, fields(1.1), fields(coarse), fields(1.0), stretch, np.zeros(2))
     estimate.add(0.3, fields(1.1), fields(1.0), fields(1.0), 1.0, np.zeros(2))
     assert estimate.until == 0.1 and "from t = 0.2 s the companions have failed" in estimate.sentence
 
@@ -157,5 +137,16 @@ def test_goals_of_a_swing(value, expected):
         u[:, 1] = 0.35 * (np.cos(5 * t) - 1)
         one = ParticleFields(u, u, np.zeros((25, 4)))
         series.add(one, one, one)
-    found = series.evaluate(times, 0.7)
+    found = series.evaluate(times, True)
     assert found.value == pytest.approx(expected, abs=1e-4) and found.bar == pytest.approx(0, abs=1e-12)
+
+
+@pytest.mark.parametrize(("value", "bar"), [("end y", 0.4), ("max |sigma_xx|", 0.8)])
+def test_a_bar_is_the_estimate_and_the_companions_difference(value, bar):
+    """Run 1.3, coarser companion 0.9, finer 1: doubled for a stress."""
+    X, zero = np.array([[x, y] for x in range(5) for y in range(5)], float), np.zeros((25, 2))
+    series = GoalSeries(Goal(value, (2.0, 2.0)), X)
+    for _ in range(2):
+        series.add(*(ParticleFields(np.full((25, 2), one), zero, np.full((25, 4), one)) for one in (1.3, 0.9, 1.0)))
+    assert series.evaluate(np.arange(3.0), True).bar == pytest.approx(bar)
+    assert series.evaluate(np.arange(3.0), False).bar is None

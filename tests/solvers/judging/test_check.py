@@ -12,7 +12,7 @@ from solvers.judging.findings.deformation import GAP
 from solvers.judging.findings.finding import BROKEN, HOLDS, SUSPICIOUS, UNKNOWN, Finding
 from solvers.untrusted.quoting import FileError
 from tests.findings import LOST, checked
-from tests.support.faults import as_files, record, scene_of
+from tests.support.faults import as_files, record, rounded, scene_of
 from tests.support.known_runs import known_runs
 
 T, SIDE = 21, {1: 40, 2: 12, 3: 6}
@@ -93,6 +93,17 @@ def test_a_patch_test_of_ours_is_consistent_and_a_wrong_particle_in_it_is_not():
     assert not found(arrays, CONSISTENT)
     arrays["x"][9:, 5] += 0.02
     assert found(arrays)
+
+
+@pytest.mark.parametrize("scene", [
+    {"motion": "patch", "stretch": 1.00013, "cells": 8}, {"amplitude": 2e-5, "cells": 20, "periods": 0.5}], ids=str)
+@pytest.mark.parametrize("form", [lambda arrays: rounded(arrays, 5), lambda arrays: rounded(arrays, 6),
+                                  lambda arrays: {key: np.round(values, 5) for key, values in arrays.items()}],
+                         ids=["5 figures", "6 figures", "5 decimals"])
+def test_few_figures_of_a_small_motion_contradict_nothing(scene, form):
+    """Neighbours may differ by less than rounding where its sum over the body does not, and v move them by less."""
+    run = record(scene_of("bar", **scene))
+    assert not found(form(as_files(run.scene, run.frames[::10], stress=True)), CONSISTENT)
 
 
 def changed(key, change, dimensions=2):

@@ -212,6 +212,9 @@ def test_figures_are_found_from_the_numbers():
         found = detect_precision(cut)
         assert found.words == f"{figures} figures"
         assert (np.abs(cut - values) <= found.rounding(cut) * (1 + 1e-9)).all()
+    assert detect_precision(np.array([1.00132, 0.00528])).words == "6 figures"  # few numbers: of an even strain
+    assert detect_precision(np.array([0.125, 0.375])).words == "double precision"  # and of an even lattice
+    assert detect_precision(np.float32([1.00132]).astype(float)).relative == SINGLE
     fixed = np.round(values, 5)
     assert (np.abs(fixed - values) <= detect_precision(fixed).rounding(fixed) * (1 + 1e-9)).all()
 

@@ -26,7 +26,8 @@ from solvers.study.coverage.estimate_coverage_counts import (
     wilson_interval,
 )
 from solvers.study.coverage.estimate_coverage_tables import coverage_summary
-from solvers.study.coverage.random_runs import BEFORE, DRAW_RANGES, IDENTITY, MEASURED, RandomRun, coarsen, measure
+from solvers.study.coverage.random_draw import IDENTITY
+from solvers.study.coverage.random_runs import BEFORE, DRAW_RANGES, MEASURED, RandomRun, coarsen, measure
 from solvers.study.coverage.track_record_and_bets import (
     JUDGES,
     RunSoFar,
@@ -86,7 +87,7 @@ def test_the_interval_of_a_share():
 def drawn_row(index, true, said, status=OK):
     """A run whose estimates are ``index`` times its errors, and whose energy is off by ``true``, as ``said``."""
     every = dict.fromkeys(("x", "v", "sigma", "a"), index)
-    return {"status": status, "moved": 0.1, "scene": {"method": "mpm", "ppc": 2},
+    return {"status": status, "by_truth": OK, "moved": 0.1, "scene": {"method": "mpm", "ppc": 2, "cells": 40},
             "estimators": {"companion": {"refused": "", "index": every, "end": every}},
             "goals": {ENERGY: {"true_error": true, "rounding": 1e-12, "estimated_error": {"companion": said},
                                "grids": []}}}
@@ -103,6 +104,34 @@ def test_what_is_counted():
     assert found["all"]["x"]["within"]["1.1"] == found["regime"][IN_CELL]["x"]["within"]["1.1"] == 3
     assert [bars[f"{times} x companion"]["held"] for times in (1, 2)] == [1, 2]
     assert bars["2 x companion"]["width"] == pytest.approx(1.2)
+    by_truth = counted["by truth"]
+    assert (by_truth["runs"], by_truth["estimators"]["companion"]["x"]["runs"]) == (5, 5)  # the lost one, too
+    assert by_truth["goals"][ENERGY]["2 x companion"]["held"] == bars["2 x companion"]["held"] + 1
+
+
+def test_a_grid_index_is_counted_by_its_order_and_its_coarsest_grid():
+    """1 + c h^p on h, 2h, 4h, whose error c three times the two-grid difference holds."""
+    def row(order, cells):
+        return drawn_row(1.0, 0.01, None) | {"scene": {"method": "mpm", "ppc": 2, "cells": cells}, "goals": {ENERGY: {
+            "true_error": 0.01, "rounding": 0.0, "estimated_error": {},
+            "grids": [1 + 0.01 * h**order for h in (1, 2, 4)] if order else [1, 2, 1]}}}
+
+    found = bars.count_grid_index([row(2, 64), row(1, 60), row(0.2, 28), row(None, 32)], "GCI, 2 grids")
+    assert found["order"] == {"1.5 to 2.5": {"held": 1, "runs": 1}, "another": {"held": 1, "runs": 2},
+                              "none": {"held": 1, "runs": 1}}
+    assert [one["runs"] for one in found["coarsest"].values()] == [1, 2, 1]
+    assert bars.count_grid_index([row(None, 32)], "GCI, 3 grids")["order"]["none"]["runs"] == 0
+
+
+def test_the_score_of_bars_is_least_for_the_quantile_that_they_promise():
+    """Of log-normal errors, 95 % of which are below 10^1.645, no other bar has a lower mean score; a bar that is twice
+    the error scores log 2, one that is half of it 19 times that."""
+    assert [bars.bar_score(bar, 1.0) for bar in (1.0, 2.0, 0.5, 0.0)] == pytest.approx(
+        [0, np.log10(2), 19 * np.log10(2), 19 * bars.MOST_DECADES])
+    errors = 10 ** np.random.default_rng(1).normal(size=20_000)
+    ends = np.linspace(1.2, 2.1, 19)
+    scores = [np.mean([bars.bar_score(10**end, error) for error in errors[:4000]]) for end in ends]
+    assert ends[np.argmin(scores)] == pytest.approx(1.645, abs=0.11)
 
 
 def test_a_refusal_is_needless_if_every_quantity_was_right():
@@ -218,7 +247,7 @@ def test_the_text_quotes_what_was_counted(problem):
     counted, text = (track_record_and_bets.load_counts(problem),
                      (ROOT / "assets/coverage.md").read_text(encoding="utf-8"))
     made = [block for block in coverage_summary(counted).split("\n\n") if block.startswith("|")]
-    assert counted["runs"] == 1000 and len(made) == 6
+    assert counted["runs"] == 1000 and len(made) == 8
     assert [table for table in made if table not in text] == []
 
 
