@@ -43,12 +43,14 @@ class BodyRunRequest:
 
 @dataclass(frozen=True)
 class BodyRunSummary:
-    """Summary of a run: the ``body`` as in JSON; its numbers of particles and of samples after the start; a number of
-    cells per metre of which all multiples are allowed; sentences on what is doubtful from the start."""
+    """Summary of a run: the ``body`` as in JSON; its numbers of particles and of samples after the start; the ``width``
+    in m of the largest particle at rest, as of a square; a number of cells per metre of which all multiples are
+    allowed; sentences on what is doubtful from the start."""
 
     body: dict
     particles: int
     samples: int
+    width: float
     cells_step: float
     warnings: list[str]
 
@@ -86,7 +88,8 @@ def _run(body: Body, step: float, asked: BodyRunRequest, tell: Callable[[dict], 
     run = BodyRun(body)
     table = np.memmap(asked.table, np.float32, "r+", shape=(SAMPLES + 1, len(run.position), FIELDS))
     table[0, :, :2], table[0, :, 2:] = run.position, 0.0
-    tell({"begins": asdict(BodyRunSummary(asdict(body), len(run.position), SAMPLES, step, body.warnings()))})
+    tell({"begins": asdict(BodyRunSummary(asdict(body), len(run.position), SAMPLES, run.largest_volume ** 0.5, step,
+                                          body.warnings()))})
     while run.advance():
         if not Path(asked.table).exists():
             return

@@ -83,6 +83,11 @@ class BodyRun:
         """Displacement (P, 2) in m of the particles at the last sample."""
         return self._particles.displacement
 
+    @property
+    def largest_volume(self) -> float:
+        """Largest volume of a particle at rest, in m^2."""
+        return float(self._particles.lattice.volume.max())
+
     def advance(self) -> bool:
         """Advances to the next sample; returns False if the run has ended before or become unstable on the way."""
         if len(self.times) > SAMPLES:

@@ -83,5 +83,5 @@ class GoalTimeline:
             "clock": clock_text(now.time), "playing": now.playing, "read": [], "lost": None, "says": ""})
 
     def _series(self) -> tuple[uplot.Series, ...]:
-        edge = series_options(tr("bar"), BAND, 0.5)
+        edge = series_options(tr("error bar"), BAND, 0.5)
         return {"label": "t"}, edge, edge, series_options(tr("run"), LINES["dot"][self._dark], 2)

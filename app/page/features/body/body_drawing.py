@@ -41,6 +41,6 @@ class BodyDrawing:
                               settled=not self.playing)
         shown = NO_ACCELERATION if not estimated else ESTIMATE if sizes is not None else NO_ESTIMATE
         return self.stage.draw(BodyPicture(
-            body.position(k), body.extent, body.spacing / body.body["ppc"], body.spacing, quantity,
+            body.position(k), body.extent, body.width, body.spacing, quantity,
             None if sizes is None else sizes / whole, body_name(body), body_facts(body, k, quantity),
             (tr(shown), tr(NO_TRUTH))))

@@ -80,7 +80,7 @@ def body_facts(body: ShownBody, k: int, quantity: str) -> Spans:
 
 def body_readout(body: ShownBody, k: int) -> ReadoutTables:
     """Returns tables of a body's goals and estimates, and of its run."""
-    goals = [row_html("head", tr("goal"), tr("value"), tr("bar"), "")]
+    goals = [row_html("head", tr("goal"), tr("value"), tr("error bar"), "")]
     for name in body.goals:
         found = body.goal_value(name)
         texts = (NOTHING, "") if found is None or found.value is None else \

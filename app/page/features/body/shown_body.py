@@ -26,6 +26,7 @@ class ShownBody:
         summary = BodyRunSummary(**begins)
         self.source, self.body, self.warnings = source, summary.body, summary.warnings
         self.cells_step, self.particles, self.samples = summary.cells_step, summary.particles, summary.samples
+        self.width = summary.width
         self._table = np.memmap(table, np.float32, "r", shape=(summary.samples + 1, summary.particles, FIELDS))
         self.times, self._samples = [0.0], list[BodySample]()
         self.goals = {name: Goal(one["value"], tuple(one["at"])) for name, one in self.body["goals"].items()}
