@@ -15,14 +15,14 @@ from tests.support.processes import HANG
 #: What Windows has not; macOS has all but the scheduler's.
 MODULES = ("fcntl", "grp", "pwd", "resource", "termios")
 NAMES = {"os": {"fork", "getloadavg", "getpriority", "getuid", "geteuid", "killpg", "nice", "sched_getaffinity",
-                "sched_setscheduler", "sched_param", "setpriority", "uname", "WNOHANG", "SCHED_BATCH", "SCHED_OTHER",
-                "PRIO_PROCESS"},
+                "sched_setscheduler", "sched_param", "setpriority", "uname", "WNOHANG", "SCHED_BATCH", "SCHED_IDLE",
+                "SCHED_OTHER", "PRIO_PROCESS"},
          "signal": {"SIGKILL", "SIGSTOP", "SIGCONT", "SIGHUP", "SIGUSR1", "SIGALRM", "pthread_sigmask"}}
 #: Python and NumPy use these themselves, on a system that says that it has them.
 OF_PYTHON = {"uname", "WNOHANG", "SIGKILL", "SIGSTOP", "SIGHUP", "pthread_sigmask"}
 #: Files that use such names, and why they may.
 MAY = {"solvers/engine/compiling_fork.py": "forks, where it is POSSIBLE",
-       "solvers/engine/surveyor.py": "forks, where it is POSSIBLE",
+       "solvers/engine/surveyor.py": "forks, where it is POSSIBLE", "solvers/engine/forked_child.py": "of such a fork",
        "solvers/engine/engine_process.py": "buries what was forked, and nothing else",
        "solvers/workers/worker_pool.py": "suppresses the AttributeError",
        "solvers/bench/all_benchmarks.py": "asks hasattr", "solvers/judging/uploaded_file_worker.py": "on Linux only",

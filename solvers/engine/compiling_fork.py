@@ -10,13 +10,12 @@ run would move. Linux only: elsewhere an engine compiles in its own process.
 import logging
 import multiprocessing
 import os
-import signal
 from collections.abc import Callable, Sequence
-from contextlib import suppress
 from multiprocessing.connection import Connection
 from time import monotonic
 from typing import Any
 
+from solvers.engine.forked_child import ForkedChild
 from solvers.running.run import build
 from solvers.scene.scene import Scene
 from solvers.workers import worker_process
@@ -26,14 +25,14 @@ PREPARED, TAKEN_OVER = "prepared", "taken over"
 COMPILE_SECONDS = 3.0  # seconds of compiling after which what is there is handed over
 
 
-class CompilingFork:
-    """Handle, in the parent, of a child of this process id that compiles ``scenes``, possibly not all, and speaks to
-    the parent through ``pipe``; ``asked_for`` is whether a visitor waits for it."""
+class CompilingFork(ForkedChild):
+    """Handle, in the parent, of a child that compiles ``scenes``, possibly not all; ``asked_for`` is whether a visitor
+    waits for it."""
 
     def __init__(self, process_id: int, pipe: Connection, scenes: Sequence[Scene], asked_for: bool):
-        self.scenes, self.asked_for, self.pipe = scenes, asked_for, pipe
+        super().__init__(process_id, pipe)
+        self.scenes, self.asked_for = scenes, asked_for
         self.compiled: Sequence[Scene] = ()  # those that are compiled
-        self.process_id, self._suspended = process_id, False
 
     def can_take_over(self, announcement: Callable[[], Any]) -> bool:
         """Returns, at once, whether the child is ready to replace the engine. Once it has compiled it receives the
@@ -50,26 +49,12 @@ class CompilingFork:
         self.pipe.send(announcement())
         return False
 
-    def pause(self, suspended: bool) -> None:
-        """Suspends the child, or lets it continue if not ``suspended``."""
-        if suspended != self._suspended:
-            self._suspended = suspended
-            with suppress(ProcessLookupError):  # its end will be noticed
-                os.kill(self.process_id, signal.SIGSTOP if suspended else signal.SIGCONT)
-
     def hand_over(self, state: Any) -> None:
         """Transfers the engine's ``state`` to the child, and waits until it has it: then the parent must touch nothing
         more and exit. Raises EOFError or OSError if the child died: then all still belongs to the parent."""
         self.pause(False)
         self.pipe.send(state)
         self.pipe.recv()
-
-    def terminate(self) -> None:
-        """Kills the child if it still runs, and reaps it."""
-        with suppress(ProcessLookupError):
-            os.kill(self.process_id, signal.SIGKILL)
-        os.waitpid(self.process_id, 0)
-        self.pipe.close()
 
 
 def fork_to_compile(scenes: Sequence[Scene], asked_for: bool, prepare: Callable[[Any], None]) -> CompilingFork | Any:

@@ -22,7 +22,7 @@ from solvers.engine import compiling_fork, engine_messages
 from solvers.engine.compiling_fork import CompilingFork
 from solvers.engine.engine_messages import FrameReport, SessionRequest, Survey, SurveyResults
 from solvers.engine.session_stepper import BlockFreed, SessionStepper
-from solvers.engine.surveyor import Surveyor, SurveyQueue, fork_surveyor
+from solvers.engine.surveyor import Surveyor, SurveyQueue
 from solvers.kernels import runtime
 from solvers.running.run import build
 from solvers.scene.kernel_options import kernel_key
@@ -33,7 +33,7 @@ from solvers.translatable_message import Message
 IDLE_SECONDS = 0.5
 WISHES_SECONDS = 0.03  # of a round for new wishes, after which the next has to wait; a new scene takes some 10 ms
 TOGETHER_SECONDS = 0.006  # that a frame waits to be sent with others, in a round of many sessions
-BACKGROUND_SHARE = 0.2  # share of the time for compiling what no visitor waits for while frames are late
+BACKGROUND_SHARE = 0.2  # share of the time, while frames are late, for landscapes and kernels no visitor waits for
 NO_MEMORY = Message("this scene needs more memory than there is: choose fewer particles")
 FAILED = Message("the simulation of this scene failed; change a setting")
 
@@ -69,7 +69,7 @@ class EngineServer:
         self._prepared: dict[int, Solver] = {}  # in a fork, for sessions that it will get
         self._successor: CompilingFork | None = None
         self._surveys: dict[int, Survey] = {}  # that wait for the compiler, or to be passed on, by session
-        self._surveyor: Surveyor | None = None
+        self._surveyor = Surveyor()
         self._queue = SurveyQueue()  # of the surveys, where no surveyor can be forked
         self._frames: list[FrameReport] = []  # that go together, soon
         self._first = 0.0  # when the first of them was made, by perf_counter
@@ -80,7 +80,7 @@ class EngineServer:
         try:
             self._serve()
         finally:
-            self._end_surveyor()
+            self._surveyor.terminate()
 
     def _serve(self) -> None:
         while True:
@@ -96,7 +96,7 @@ class EngineServer:
             # Sleep until a message comes or a frame or step is due.
             if not (any(busy) or inherited or surveys or self._wishes):
                 due = min((s.next_due for s in self._steppers.values()), default=float("inf"))
-                pipes = [self._pipe, *(child.pipe for child in (self._successor, self._surveyor) if child)]
+                pipes = [self._pipe, *(child.pipe for child in (self._successor, self._surveyor.child) if child)]
                 connection.wait(pipes, min(IDLE_SECONDS, max(0.001, due - perf_counter())))
 
     def _survey(self, busy: bool) -> bool:
@@ -106,29 +106,16 @@ class EngineServer:
             if not compiling_fork.CAN_FORK:
                 self._queue.accept(self._surveys.pop(survey.session))
             elif survey.scene is None or kernel_key(survey.scene) in self._compiled:
-                self._pass_on(self._surveys.pop(survey.session))
-        try:
-            while self._surveyor and self._surveyor.pipe.poll(0):
-                self._pipe.send_bytes(self._surveyor.pipe.recv_bytes())
-        except (EOFError, ConnectionResetError):  # it has died: what was requested is requested again
-            self._end_surveyor()
+                inherited = [self._pipe, *([self._successor.pipe] if self._successor else [])]
+                if self._surveyor.request(self._surveys.pop(survey.session), inherited) and self._surveyor.child:
+                    self._pipe.send(engine_messages.EngineForked(self._surveyor.child.process_id))
+        for message in self._surveyor.read_results():
+            self._pipe.send_bytes(message)
+        if self._surveyor.child:
+            self._surveyor.child.pause(self._frames_go_first)
         if self._queue and not busy and (result := self._queue.compute_next()):
             self._pipe.send(SurveyResults((result,)))
         return bool(self._queue)
-
-    def _pass_on(self, survey: Survey) -> None:
-        """Passes a survey on to the surveyor, which is forked for the first."""
-        if not self._surveyor and survey.points:
-            self._surveyor = fork_surveyor([self._pipe, *([self._successor.pipe] if self._successor else [])])
-            self._pipe.send(engine_messages.EngineForked(self._surveyor.process_id))
-        if self._surveyor:
-            with suppress(ConnectionError):  # it has died, which is noticed soon
-                self._surveyor.pipe.send(survey)
-
-    def _end_surveyor(self) -> None:
-        if self._surveyor:
-            self._surveyor.close()
-        self._surveyor = None
 
     def _run_session_turn(self, stepper: SessionStepper) -> bool:
         """Runs one turn of one session; returns whether there was anything to do."""
@@ -214,6 +201,11 @@ class EngineServer:
             if partner := self._steppers.get(stepper.wish.partner or 0):
                 stepper.partner, partner.partner = partner, stepper
 
+    @property
+    def _frames_go_first(self) -> bool:
+        """Whether what is done beside the frames rests now: for most of each second while they are late."""
+        return self._late and perf_counter() % 1.0 > BACKGROUND_SHARE
+
     def _compile_in_fork(self) -> bool:
         """Lets a fork compile the scene a visitor waits for, or else usual scenes: these are abandoned for a visitor,
         and slowed down while frames are late. Returns whether this process is the fork and has just taken over."""
@@ -221,8 +213,8 @@ class EngineServer:
         if self._successor:
             soon = bool(self._successor.compiled)  # it prepares to take over: new requests come next
             if soon or not wanted or kernel_key(self._successor.scenes[0]) in map(kernel_key, wanted):
-                urgent = soon or bool(wanted) or not self._late
-                self._successor.pause(not urgent and perf_counter() % 1.0 > BACKGROUND_SHARE)
+                urgent = soon or bool(wanted)
+                self._successor.pause(not urgent and self._frames_go_first)
                 return False
             self._successor.terminate()
             self._successor = None
@@ -245,7 +237,7 @@ class EngineServer:
                                                       for session, stepper in self._steppers.items()}):
                 return False
             states = {session: (stepper.wish, stepper.state()) for session, stepper in self._steppers.items()}
-            self._end_surveyor()  # one of the fork's own knows the new kernels
+            self._surveyor.terminate()  # one of the fork's own knows the new kernels
             replacement.hand_over((states, {**self._waiting, **self._wishes}, self._surveys,
                                    self._compiled | set(map(kernel_key, replacement.compiled)), self._usual))
             return True
@@ -284,7 +276,7 @@ class EngineServer:
         """Takes over, in a fork, the engine's sessions: the request and the state of each stepper, the pending requests
         ``wishes`` and ``surveys`` by session, the keys of scenes that are ``compiled``, and the ``usual`` scenes."""
         self._wishes, self._waiting, self._successor = wishes, {}, None
-        self._surveys, self._surveyor = surveys, None
+        self._surveys, self._surveyor = surveys, Surveyor()
         self._compiled, self._usual = compiled, usual
         self._pipe.send(engine_messages.EngineReplacedByFork(os.getpid()))
         for wish, state in states.values():

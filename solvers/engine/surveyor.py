@@ -1,21 +1,22 @@
 """Surveyor: computes the points of landscapes beside an engine, in a fork that has the engine's compiled kernels.
 
 A fork takes a few milliseconds and compiles nothing. It has a low priority, uses no more than half a processor in the
-long run, and reads requests between two launches, so that outdated points are given up. Where processes cannot be
-forked, the engine computes one point a turn itself while no session moves.
+long run, rests for most of the time while its engine's frames are late, and reads requests between two launches, so
+that outdated points are given up. Where processes cannot be forked, the engine computes one point a turn itself while
+no session moves.
 """
 
 import gc
 import logging
 import multiprocessing
 import os
-import signal
 from collections.abc import Callable, Hashable, Sequence
 from contextlib import suppress
 from multiprocessing.connection import Connection
 from time import perf_counter, thread_time
 
 from solvers.engine.engine_messages import Survey, SurveyPoint, SurveyResults
+from solvers.engine.forked_child import ForkedChild
 from solvers.scene.scene import Scene
 from solvers.study.landscape.error_history import ErrorHistory
 from solvers.study.landscape.history_runner import HistoryRunner
@@ -75,27 +76,47 @@ class SurveyQueue:
 
 
 class Surveyor:
-    """Handle of a surveyor, in its engine."""
+    """An engine's handle of its surveyor, which is forked for the first points that are requested, and again if it has
+    died: what was requested is then requested again."""
 
-    def __init__(self, process_id: int, pipe: Connection):
-        self.process_id, self.pipe = process_id, pipe
+    def __init__(self) -> None:
+        self.child: ForkedChild | None = None
 
-    def close(self) -> None:
-        """Kills the process if it still runs, and reaps it."""
-        with suppress(ProcessLookupError):
-            os.kill(self.process_id, signal.SIGKILL)
-        os.waitpid(self.process_id, 0)
-        self.pipe.close()
+    def request(self, survey: Survey, inherited: Sequence[Connection]) -> bool:
+        """Passes a survey on; returns whether a child was forked for it, which closes the ``inherited`` pipes."""
+        forked = not self.child and bool(survey.points)
+        if forked:
+            self.child = fork_surveyor(inherited)
+        if self.child:
+            with suppress(ConnectionError):  # it has died, which is noticed soon
+                self.child.pipe.send(survey)
+        return forked
+
+    def read_results(self) -> list[bytes]:
+        """Returns the messages with results that have arrived, in bytes as they are to be passed on."""
+        messages = list[bytes]()
+        try:
+            while self.child and self.child.pipe.poll(0):
+                messages.append(self.child.pipe.recv_bytes())
+        except (EOFError, ConnectionResetError):
+            self.terminate()
+        return messages
+
+    def terminate(self) -> None:
+        """Kills the child, if there is one."""
+        if self.child:
+            self.child.terminate()
+        self.child = None
 
 
-def fork_surveyor(inherited: Sequence[Connection]) -> Surveyor:
+def fork_surveyor(inherited: Sequence[Connection]) -> ForkedChild:
     """Forks a surveyor, which closes the ``inherited`` pipes, and returns its handle. The child does not return."""
     ours, theirs = multiprocessing.Pipe()
     parent = os.getpid()
     process_id = os.fork()
     if process_id:
         theirs.close()
-        return Surveyor(process_id, ours)
+        return ForkedChild(process_id, ours)
     try:
         for pipe in (ours, *inherited):
             pipe.close()

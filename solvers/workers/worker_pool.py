@@ -72,11 +72,15 @@ class WorkerPool:
             threading.Thread(target=self._answer_questions, args=(process,), name="worker-pool", daemon=True).start()
         return future
 
-    def lower_priority(self) -> None:
-        """Lowers the priority of the running processes, irreversibly, where the system supports that."""
+    def lower_priority(self, idle: bool = False) -> None:
+        """Lowers the priority of the running processes, irreversibly, where the system supports that; as ``idle`` ones
+        they get only what all other work leaves of the processors."""
         for process_id in self.process_ids:
             with contextlib.suppress(AttributeError, OSError):  # not everywhere is there such a thing
-                os.setpriority(os.PRIO_PROCESS, process_id, os.getpriority(os.PRIO_PROCESS, 0) + NICENESS)
+                if idle:
+                    os.sched_setscheduler(process_id, os.SCHED_IDLE, os.sched_param(0))
+                else:
+                    os.setpriority(os.PRIO_PROCESS, process_id, os.getpriority(os.PRIO_PROCESS, 0) + NICENESS)
 
     def kill(self) -> None:
         """Kills all processes at once, and for good; every pending future gets an error."""

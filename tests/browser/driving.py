@@ -114,8 +114,9 @@ def tick(page, label):
 
 def enter(page, label, value):
     """Enter a number in the row with this label."""
-    typed = page.get_by_label(f"{label}, typed", exact=True)
-    box = typed if typed.count() else row(page, label).locator("input.mantine-NumberInput-input")
+    # A logarithmic slider hides its own number, and the page names the text beside it a moment after it is there.
+    numbers = row(page, label).locator("input.mantine-NumberInput-input")
+    box = page.get_by_label(f"{label}, typed", exact=True).or_(numbers).filter(visible=True)
     box.fill(value)
     box.press("Enter")
 

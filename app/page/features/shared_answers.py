@@ -54,9 +54,10 @@ class SharedAnswers:
             while len(self._found) > MOST_KEPT:
                 self._found.popitem(last=False)
             self._pool = pool = self._pool or WorkerPool(self._work)
+            others = self._visitors > 1  # whose stages must not wait for what nobody has asked for
         pool.submit({"task": task_of(scene).to_dict(), **self._more},
                     patience=PATIENCE).add_done_callback(lambda job: self._store(scene, job))
-        pool.lower_priority()
+        pool.lower_priority(idle=others)
         return None
 
     def usable(self, answer: dict[str, Any]) -> Any:

@@ -26,6 +26,7 @@ from app.lessons.lesson_runs import RunCache
 from app.problems.views import VIEWS
 from solvers.scene.error_causes import CAUSES
 from tests.app.lessons.test_lesson_format import TEXT
+from tests.browser import driving
 from tests.browser.conftest import SIZE, no_errors
 from tests.browser.courses import walked
 
@@ -85,7 +86,7 @@ def play(chromium, tmp_path):
             path.write_text(scene_page(text, 1, silent, sliders), encoding="utf-8")
             page = stack.enter_context(opened(chromium, path))
             page.get_by_label("Time", exact=True).press("End")
-            page.wait_for_function("document.querySelector('#play').textContent === 'Again'")
+            page.locator("#play", has_text="Again").wait_for()
             return page
 
         yield played
@@ -127,12 +128,12 @@ def test_a_slider_shows_another_run(play):
     cells, before, drawn_before = page.get_by_label("Cells"), norm(page), page.locator("#stage").screenshot()
     first = page.locator("#title").inner_text()
     cells.press("ArrowRight" if cells.input_value() == "0" else "ArrowLeft")
-    page.wait_for_function("(before) => document.querySelector('#title').textContent !== before", arg=first)
+    driving.until(lambda: page.locator("#title").inner_text() != first, "another run's title")
     assert norm(page) != before and page.locator("#stage").screenshot() != drawn_before
     page.get_by_role("combobox", name="Error of").select_option(label="stress σ")
     assert norm(page).endswith("Pa")
     page.get_by_role("button", name="Again").click()
-    page.wait_for_function("document.querySelector('#play').textContent === 'Pause'")
+    page.locator("#play", has_text="Pause").wait_for()
 
 
 def look(page, choices):
@@ -217,7 +218,7 @@ def test_a_lesson_is_played_to_its_hand_in(chromium, lesson, lesson_file, tmp_pa
         assert "Step 1 of 6" in page.locator("#where").inner_text()
         onward.click()
         page.get_by_role("button", name="On the stage").click()
-        page.wait_for_function("document.querySelector('#title').textContent.includes('8 cells')")
+        page.locator("#title", has_text="8 cells").wait_for()
         onward.click()
         for answer, told in (("1,5", "not so"), ("2 km", "not so"), (right, "right")):
             page.get_by_label("Answer, m").fill(answer)

@@ -100,6 +100,6 @@ def test_lost_run_is_said_and_goes_on(page):
     """With one particle per cell: since when, why and where; it moves on."""
     enter(page, "Particles / cell", "1")
     # Read when it comes: a busy browser may be told next that the run went unstable.
-    said = page.wait_for_function("() => document.querySelector('.lab-notice.lab-lost')?.innerText").json_value()
+    said = page.locator(".lab-notice.lab-lost").inner_text()
     found = re.match(r"The run is lost from t = (0\.\d+) s on: .+, most at particle \d+ \(X = [\d.]+\)\.$", said)
     until(lambda: time(page) > float(found[1]) + 0.1, "the lost run going on")

@@ -127,6 +127,19 @@ def test_what_nobody_waits_for_is_compiled_in_what_time_is_left(late, waits, com
     assert told == rests
 
 
+@pytest.mark.parametrize(("late", "rests"), [(True, [False, False, True]), (False, [False] * 3)])
+def test_landscapes_rest_while_frames_are_late(late, rests, monkeypatch):
+    """They go on for a fifth of each second."""
+    clock, paused = SimpleNamespace(now=0.0), []
+    monkeypatch.setattr(engine_server, "perf_counter", lambda: clock.now)
+    engine = EngineServer(Pipe())
+    engine._late = late
+    engine._surveyor.child = SimpleNamespace(pause=paused.append, pipe=Pipe())
+    for clock.now in (7.0, 7.0 + 0.9 * engine_server.BACKGROUND_SHARE, 7.0 + 1.1 * engine_server.BACKGROUND_SHARE):
+        engine._survey(True)
+    assert paused == rests
+
+
 def test_what_is_wanted_lets_a_successor_finish_that_is_about_to_take_over():
     """Though what it has compiled is something else, and nobody waits for that."""
     ends, other = [], replace(SCENE, estimators=("companion",))

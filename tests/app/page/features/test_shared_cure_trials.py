@@ -1,10 +1,12 @@
 """What the page offers of a broken run was tried in a process of its own."""
 
+from concurrent.futures import Future
 from dataclasses import replace
 from types import SimpleNamespace
 
 import pytest
 
+from app.page.features import shared_answers
 from app.page.features.shared_cure_trials import SharedCureTrials, scene_to_try
 from solvers.problems.bar.scene import BarScene
 from tests.support.processes import wait_until
@@ -21,6 +23,16 @@ def test_what_held_is_known_a_while_later_and_kept():
     assert [cure["change"] for cure in trials.answer(LONELY)] == [{"ppc": 2}, {"ppc": 3}]
     assert trials.answer(replace(LONELY, cells=4000, periods=50)) == []  # takes too long
     trials.close()
+
+
+@pytest.mark.parametrize("visitors", [1, 2])
+def test_trials_give_way_to_the_stages_of_others(visitors, monkeypatch):
+    trials, priorities = SharedCureTrials(), []
+    monkeypatch.setattr(shared_answers, "WorkerPool", lambda work: SimpleNamespace(
+        submit=lambda *_, **__: Future(), lower_priority=lambda idle: priorities.append(idle), close=lambda: None))
+    for _ in range(visitors):
+        trials.open()
+    assert trials.answer(LONELY) is None and priorities == [visitors > 1]
 
 
 def test_a_run_that_broke_beyond_its_scenes_end_is_tried_for_longer():
