@@ -40,8 +40,8 @@ def shared_display_data(problems: Iterable[str]) -> dict[str, Any]:
                           "now": tr(headline.NOW), "paused": tr(headline.PAUSED), "less": tr(headline.LESS),
                           "more": tr(headline.MORE), "twice": headline.TWICE,
                           "not_counted": tr(error_view_captions.NOT_COUNTED)},
-            "budget": {"causes": {name: {"words": tr(cause), "meaning": tr(budget_chart_data.MEANINGS[name]),
-                                         "colour": CAUSES[name].light} for name, cause in error_causes.CAUSES.items()},
+            "budget": {"causes": {name: {"meaning": tr(budget_chart_data.MEANINGS[name]), "colour": CAUSES[name].light}
+                                  for name in error_causes.CAUSES},
                        "fields": error_causes.FIELDS, "units": budget_chart_data.UNITS, "seen": budget_chart_data.SEEN,
                        "caption": tr(budget_chart_data.CAPTION), "below": tr(budget_chart_data.BELOW_ZERO),
                        "question": tr(budget_chart_data.QUESTION)},

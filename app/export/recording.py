@@ -18,10 +18,10 @@ from app.frame.colour_scale import LEAST_REACH, LEAST_TOP
 from app.frame.error_view_captions import why_no_field
 from app.frame.planar_stage import PlanarStage
 from app.frame.stage import marking_stride
-from app.language.translation import ENGLISH, use_language
+from app.language.translation import ENGLISH, tr, use_language
 from app.problems.views import VIEWS
 from solvers.running.run import build
-from solvers.scene.error_causes import CAUSES, FIELDS
+from solvers.scene.error_causes import CAUSES, FIELDS, cause_labels
 from solvers.scene.kernel_options import kernel_key
 from solvers.scene.scene import Scene
 from solvers.scene.step_bound import gershgorin_to_linear_factor
@@ -270,4 +270,6 @@ def _recording_metadata(wanted: RecordingRequest, scene: Scene, solver: Solver, 
             "estimators": scene.active_estimators, "not_valid": not_valid, "quantities": wanted.quantities,
             "status": status, "reason": reason or "", "since": since, "budget": None if not scene.has("budget") else {
                 "shares": {field: budget_shares.shares(series[0], field) for field in FIELDS},
+                "causes": {cause: tr(label) for cause, label in cause_labels(
+                    not scene.has("crossings") or budget_shares.has_crossed(series[0])).items()},
                 "whose": estimated_error_note(scene), "not_valid": budget_shares.why_not_valid(series[0])}}

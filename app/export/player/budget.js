@@ -6,9 +6,9 @@ function budget() {
   const {run, view} = stage, there = Boolean(run && run.budget), box = document.getElementById("budget");
   box.hidden = !there;
   if (!there) return;
-  const field = FIELDS.includes(view.quantity) ? view.quantity : FIELDS[FIELDS.length - 1], {shares, not_valid: silence} = run.budget;
-  const rows = Object.entries(CAUSES).map(([cause, {words, meaning, colour}]) => {
-    const row = tableRow(words, percent(shares[field][cause])), swatch = element("i");
+  const field = FIELDS.includes(view.quantity) ? view.quantity : FIELDS[FIELDS.length - 1], {shares, causes, not_valid: silence} = run.budget;
+  const rows = Object.entries(CAUSES).map(([cause, {meaning, colour}]) => {
+    const row = tableRow(causes[cause], percent(shares[field][cause])), swatch = element("i");
     swatch.style.background = colour;
     row.firstChild.prepend(swatch);
     row.firstChild.append(element("small", ` ${meaning}`));

@@ -139,7 +139,9 @@ def test_who_made_the_error_is_kept_where_the_run_has_it(simulate):
     result, made = (simulate(shareable_state.parse_state(text).scene),
                     record_scene(RecordingRequest(text, 9, 1000, ("x",))))
     found, said = decoded(made), made["head"]["budget"]
-    assert said["not_valid"] is None and said["whose"] == ""
+    assert said["not_valid"] is None and said["whose"] == "" and said["causes"]["crossings"] == "crossings"
+    still = record_scene(RecordingRequest(f"{text},crossings amplitude=1e-3", 3, 1000, ("x",)))
+    assert still["head"]["budget"]["causes"]["crossings"] == "particle sums"
     for field in FIELDS:
         assert said["shares"][field] == pytest.approx(result.budget[field], abs=1e-9)
         error, *parts = found[f"budget.{field}"].T
