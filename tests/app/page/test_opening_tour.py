@@ -56,7 +56,7 @@ class Visit:
                                 show=lambda state: setattr(self.session, "scene", state.scene))
         page = SimpleNamespace(
             gui=SimpleNamespace(add_html=lambda _: self.html), session=self.session, controls=shown,
-            run=SimpleNamespace(numbers=None, sentence=None, stage_content=lambda _: None),
+            run=SimpleNamespace(numbers=None, sentence=None, seek=None, stage_content=lambda _: None),
             recent=SimpleNamespace(shown_frame=None), client=SimpleNamespace(atomic=nullcontext, flush=lambda: None),
             stage=SimpleNamespace(draw=self._draw),
             canvas=SimpleNamespace(add_surface=self._surface, cover=lambda _: None))
