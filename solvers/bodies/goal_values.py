@@ -3,7 +3,7 @@
 With the value J of the particles and J_p, J_(p+2) of the companions at the same particles the bar is
 |J - J_(p+2)| + |J_(p+2) - J_p|, for stresses twice that. The first term alone would hold in about half of all runs. The
 second is more than the finer companion's own error wherever that is at most half of the coarser one's: of the
-difference it is up to 0.7 at fronts, right angles of clamped and free sides and on elements that grow away from them.
+difference it is up to 0.7 at fronts, right angles of clamped and free sides.
 """
 
 from typing import NamedTuple

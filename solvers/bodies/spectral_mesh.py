@@ -4,7 +4,6 @@ Every element has its own (p+1)^2 points, entry e (p+1)^2 + i (p+1) + j at the i
 eta; points at one place share a ``master``, the first of them, whose value all have. Geometry is isoparametric.
 """
 
-import math
 from collections.abc import Sequence
 from typing import NamedTuple
 
@@ -13,7 +12,6 @@ from numpy.polynomial import legendre
 
 from solvers.bodies.body import Body
 from solvers.bodies.connections import equalize_counts
-from solvers.bodies.patch import CLAMPED, Patch
 from solvers.estimators.companion_solution import STABLE
 from solvers.estimators.spectral_elements import differentiation_matrix, lobatto
 from solvers.problems.planar.estimators.companion_patch import contravariant_vectors
@@ -24,8 +22,6 @@ ORDERS = (4, 6)  # of the two companions that run with every body
 TRIED_ACROSS = np.arange(4, 41) / 4  # elements over the narrowest patch
 FREQUENCY = 1.05  # omega h/(c p^2) of elements of width h
 POINT_COST = 200 / 55  # nanoseconds of a point's step of a companion over those of a particle's step
-SMOOTH_CORNER = 0.1  # Poisson's ratio below which a corner of a clamped and a free side is nearly smooth
-LEAST_GRADED, GRADING = 3, 1.8  # elements away from a clamped side; power of their number by which their ends grow
 MOST_COST, FREE = 0.05, 2.1e6  # of the run's, that companions may have; and steps of a particle that nobody waits for
 
 
@@ -38,45 +34,26 @@ class Lattice(NamedTuple):
 
 
 def default_cuts(body: Body) -> Cuts:
-    """Returns elements of both companions, near-square, or on a single patch finer towards its clamped side:
-    ``elements_across`` over the body's narrowest patch, by default the most with which their predicted cost is a
-    twentieth of the run's or negligible, and at least one."""
-    def cuts(across: float) -> Cuts:
+    """Returns near-square elements of both companions: ``elements_across`` over the body's narrowest patch, by default
+    the most with which their predicted cost is a twentieth of the run's or negligible, and at least one."""
+    def counts(across: float) -> np.ndarray:
         wanted = np.rint(body.mean_lengths * (across / body.mean_lengths.min())).astype(int)
-        return _graded_cuts(body, equalize_counts(body.patches, body.joined, np.maximum(wanted, 1)))
+        return equalize_counts(body.patches, body.joined, np.maximum(wanted, 1))
 
     if body.elements_across:
-        return cuts(body.elements_across)
+        return even_cuts(counts(body.elements_across))
     run = body.lattice_counts.prod(axis=1).sum() / body.time_step * body.t_end
-    allowed = [across for across in TRIED_ACROSS if _predicted_cost(body, cuts(across)) <= max(MOST_COST * run, FREE)]
-    return cuts(max(allowed, default=1))
+    allowed = [across for across in TRIED_ACROSS
+               if _predicted_cost(body, counts(across)) <= max(MOST_COST * run, FREE)]
+    return even_cuts(counts(max(allowed, default=1)))
 
 
-def _graded_cuts(body: Body, counts: np.ndarray) -> Cuts:
-    """Returns the ends of ``counts`` (K, 2) equal elements on the patches. On a single patch with one clamped side
-    there are half as many away from that side, which grow: the corners' errors are everywhere in the body."""
-    cuts = even_cuts(counts)
-    clamped = [side for side, kind in enumerate(body.patches[0].sides) if kind == CLAMPED]
-    if len(cuts) > 1 or len(clamped) != 1 or not body.singular_corners or body.poissons_ratio < SMOOTH_CORNER:
-        return cuts
-    side, pair = clamped[0], list(cuts[0])
-    axis = 1 - side % 2
-    n = counts[0, axis]
-    grown = np.linspace(0, 1, min(n, max(LEAST_GRADED, round(n / 2))) + 1)**GRADING
-    pair[axis] = grown if side in (0, 3) else 1 - grown[::-1]
-    return [(pair[0], pair[1])]
-
-
-def _predicted_cost(body: Body, cuts: Cuts) -> float:
-    """Returns the cost of both companions on elements with these ``cuts``, in steps of a particle."""
-    def narrowest(patch: Patch, pair: tuple[np.ndarray, np.ndarray], axis: int) -> float:
-        return min(patch.side_length(axis), patch.side_length(axis + 2)) * float(np.diff(pair[axis]).min())
-
-    finest = max(math.hypot(1 / narrowest(*one, 0), 1 / narrowest(*one, 1)) / math.sqrt(2)
-                 for one in zip(body.patches, cuts, strict=True))
-    steps = FREQUENCY * body.wave_speed * body.t_end * finest / STABLE  # over the square of the order
-    elements = sum((len(a) - 1) * (len(b) - 1) for a, b in cuts)
-    return POINT_COST * steps * elements * sum((p + 1)**2 * p**2 for p in ORDERS)
+def _predicted_cost(body: Body, counts: np.ndarray) -> float:
+    """Returns the cost of both companions with ``counts`` (K, 2) elements on the patches, in steps of a particle."""
+    narrowest = min(patch.side_length(side) / counts[k, side % 2] for k, patch in enumerate(body.patches)
+                    for side in range(4))
+    steps = FREQUENCY * body.wave_speed * body.t_end / (STABLE * narrowest)  # over the square of the order
+    return POINT_COST * steps * counts.prod(axis=1).sum() * sum((p + 1)**2 * p**2 for p in ORDERS)
 
 
 def even_cuts(counts: np.ndarray) -> Cuts:
