@@ -48,7 +48,7 @@ RIGHT: dict[str, dict[str, float]] = {
         "the-result-of-bet-8": 9.638e-4, "the-error-on-the-coarser-grid": 0.965},
     "11-cantilever": {
         "how-far-does-the-tip-go-down": 1.815, "the-height-on-4-cells-per-metre": -1.312,
-        "the-bar-on-16-cells-per-metre": 0.0095}}
+        "the-bar-on-16-cells-per-metre": 0.01}}
 #: And the right options, kept by hand: in words, for their numbers change with the order in which they stand.
 CHOSEN: dict[str, dict[str, str]] = {
     "01-one-step": {
