@@ -9,13 +9,13 @@ from viser import uplot
 from app.colour_palette import LINES
 from app.frame.colour_scale import round_up
 from app.language.translation import tr
-from app.names_and_units import with_unit
 from app.page.panels.time_axis import EMPTY, TimeAxis, TimelineState, clock_text, round_ticks
 from app.page.panels.time_plots import plottable_series, series_options, set_series
-from app.page.panels.value_and_bar import signed_with_unit, value_and_bar
+from app.page.panels.value_and_bar import in_one_unit, value_and_bar
 
 ROUND, PARTS = (1, 2, 5), 2.5  # steps of the numbers at the axis of values, times a power of ten; least parts of it
 LEAST_BAND = 7.0  # height in pixels at which the band is visible beside the curve
+HIGHEST_NAME = 0.2  # where the curve's name does not touch the upper end, as a part of the height
 ASIDE = 1.1  # end of the time axis over that of the run, for the curve's name
 BAND = "rgba(224, 120, 30, 0.4)"  # the estimate's colour on any ground
 
@@ -71,6 +71,7 @@ class GoalTimeline:
         """Draws the curve of a goal in its band, and the axis."""
         self._plot.visible, self._plot.height = True, self._axis.height
         levels, end = round_levels(curve), ASIDE * curve.ends
+        texts = in_one_unit(levels, curve.unit)
         bottom, top = levels[0], levels[-1]
         least = 0.5 * LEAST_BAND * (top - bottom) / self._axis.height
         half = np.nan_to_num(np.maximum(curve.bars, least))  # no gaps: the plot would fill some of them
@@ -82,21 +83,19 @@ class GoalTimeline:
             curve.times, curve.values + half, curve.values - half, curve.values) if len(curve.times) > 1 else
             plottable_series(EMPTY, *np.full((3, 2), np.nan)))
         ticks = round_ticks(0.0, end, 1.0)
-        marks = [[round(tick / end, 4), with_unit(tick, "s")] for tick in ticks]
+        marks = [[round(tick / end, 4), text] for tick, text in zip(ticks, in_one_unit(ticks, "s"), strict=True)]
 
         def height(value: float) -> float:
             return round((top - value) / (top - bottom), 4)
 
+        name_height, bar = max(HIGHEST_NAME, height(float(curve.values[-1]))), curve.value_and_bar(-1)[1]
+        names = [[curve.name, "dot", name_height], *[[f"± {bar}", "estimate", name_height]] * bool(bar)]
         self._axis.send({
             "title": [curve.symbol, tr("and its bar")],
-            "tops": [[height(level), signed_with_unit(level, curve.unit)] for level in levels[1:]],
-            "zero": signed_with_unit(bottom, curve.unit), "start": "0", "ticks": marks,
+            "tops": [[height(level), text] for level, text in zip(levels[1:], texts[1:], strict=True)],
+            "zero": texts[0], "start": "0", "ticks": marks,
             "now": round(now.time / end, 4), "reach": [0, round(now.reach[1] / end, 4)],
-            "changes": [], "first": "", "names": [
-                [curve.name, "dot", height(float(curve.values[-1]))],
-                *([f"± {bar}", "estimate", height(float(curve.values[-1]))]
-                  for bar in (curve.value_and_bar(len(curve.times) - 1)[1],) if bar)],
-            "clock": clock_text(now.time), "playing": now.playing,
+            "changes": [], "first": "", "names": names, "clock": clock_text(now.time), "playing": now.playing,
             "read": self._values_at_pointer(curve), "lost": None, "says": ""})
 
     def _values_at_pointer(self, curve: GoalCurve) -> list[str]:
@@ -105,7 +104,7 @@ class GoalTimeline:
             return []
         k = int(np.argmin(np.abs(curve.times - at)))
         value, bar = curve.value_and_bar(k)
-        return [with_unit(float(curve.times[k]), "s"), f"{curve.symbol} = {value}", f"± {bar}" if bar else tr("no bar")]
+        return [clock_text(float(curve.times[k])), f"{curve.symbol} = {value}", f"± {bar}" if bar else tr("no bar")]
 
     def _series(self) -> tuple[uplot.Series, ...]:
         edge = series_options(tr("error bar"), BAND, 0.5)
