@@ -66,6 +66,8 @@ def test_a_file_that_is_no_body_is_refused_and_the_body_stays(page):
     end = clock(page)
     page.keyboard.press("ArrowLeft")
     until(lambda: clock(page) not in ("", end), "the frame before")
+    page.locator(".lab-axis").hover(position={"x": 200, "y": 20})
+    until(lambda: "x = " in page.locator(".lab-axis .lab-read:visible").inner_text(), "the value under the pointer")
     bad = library_text("thrown_block").replace("poissons_ratio = 0.3", "poissons_ratio = 0.6")
     page.evaluate(DROP, ["bad.toml", bad])
     until(lambda: "bad.toml" in notice(page), "the refusal", PATIENCE)
