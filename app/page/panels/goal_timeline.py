@@ -104,7 +104,8 @@ class GoalTimeline:
             return []
         k = int(np.argmin(np.abs(curve.times - at)))
         value, bar = curve.value_and_bar(k)
-        return [clock_text(float(curve.times[k])), f"{curve.symbol} = {value}", f"± {bar}" if bar else tr("no bar")]
+        bar_text = f"± {bar}" if bar else f"({tr('no bar')})"
+        return [clock_text(float(curve.times[k])), f"{curve.symbol} = {value} {bar_text}"]
 
     def _series(self) -> tuple[uplot.Series, ...]:
         edge = series_options(tr("error bar"), BAND, 0.5)

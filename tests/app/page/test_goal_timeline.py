@@ -39,7 +39,7 @@ def test_a_narrow_band_is_drawn_visibly_and_named_truly():
     said, half = shown(narrow, pointed=0.5 / 1.1)
     assert half[1] * 2 * 62 / 6 == pytest.approx(LEAST_BAND)  # pixels, of a plot 62 high from -4 m to 2 m
     assert half[2] == 0
-    assert said["read"] == ["0.5 s", "y = −3.2900 m", "± 0.0023 m"]
+    assert said["read"] == ["0.5 s", "y = −3.2900 m ± 0.0023 m"]
     assert [name for name, *_ in said["names"]] == ["corner"]
     said, half = shown(curve([0.5, -3.29], [0.0, 0.9]))
     assert half[1] == pytest.approx(0.9)
