@@ -86,9 +86,11 @@ def _grid_lines(picture: BodyPicture) -> np.ndarray:
 
 
 def _notes(notes: tuple[str, str], metrics: StageMetrics, end: float) -> Iterator[Label]:
-    """Yields the names of what is shown and of what is not, in the gutter or above the body."""
+    """Yields the names of what is shown and of what is not, in the gutter or above the body, where there is room for
+    what is before their colons."""
     first, second = notes
     if not metrics.gutter:
+        first, second = (text.partition(":")[0] for text in notes)
         yield Label("estimate-title", first, 0.0, end - 2 * metrics.pixel, "top-left", "title", tone="estimate",
                     bold=True)
         yield Label("truth-title", second, 1.0, end - 2 * metrics.pixel, "top-right", "title", tone="truth")

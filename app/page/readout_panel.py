@@ -75,6 +75,11 @@ class ReadoutPanel:
         """Returns the time in s at a fraction, 0 to 1, of the time axis."""
         return (self._goal if self._goal.is_shown else self.timeline).time_at(fraction)
 
+    def show_values_at(self, fraction: float | None) -> None:
+        """Shows the curves' values at a fraction, 0 to 1, of the time axis; None for nowhere."""
+        for timeline in (self.timeline, self._goal):
+            timeline.show_values_at(fraction)
+
     def show(self, numbers: ReadoutContent, quantity: str, latest: bool) -> None:
         """Shows numbers, and plots of a quantity's errors ("x") over the run or its ``latest`` periods."""
         past, traced, scene = numbers.past, numbers.traced, numbers.scene

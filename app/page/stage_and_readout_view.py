@@ -98,7 +98,7 @@ class StageAndReadoutView:
 
     def _on_timeline_pointed(self, fraction: object) -> None:
         """Shows the curves' values at a ``fraction`` of the time axis, 0 to 1; anything else: the pointer has left."""
-        self._numbers.timeline.show_values_at(
+        self._numbers.show_values_at(
             float(fraction) if is_number_between(fraction, 0, 1) else None)  # type: ignore[arg-type]
 
     def _seek_timeline_fraction(self, fraction: object) -> None:

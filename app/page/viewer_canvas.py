@@ -68,6 +68,7 @@ class ViewerCanvas:
         """Draws a picture in place of the stage."""
         with self._client.atomic():
             self._rings.hide()
+            self.probe.hide()
             self.cover(picture.draw())
             self._client.flush()
 

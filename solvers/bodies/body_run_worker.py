@@ -57,11 +57,13 @@ class BodyRunSummary:
 
 class BodySample(NamedTuple):
     """Sample of a run at a ``time`` in s: by name, each goal's ``values`` so far (value and bar in its unit, None where
-    there is none), and at this time what it is about, with a bar (``now``)."""
+    there is none), and at this time what it is about, with a bar (``now``); why there is no estimate from here or
+    earlier on (``ended``), "" while there is one."""
 
     time: float
     values: dict[str, GoalValue]
     now: dict[str, tuple[float, float | None]]
+    ended: str
 
 
 def run_in_worker(question: dict, tell: Callable[[dict], None]) -> None:
@@ -98,7 +100,7 @@ def _run(body: Body, step: float, asked: BodyRunRequest, tell: Callable[[dict], 
         for column, error in enumerate(run.errors or (), 2):
             table[k, :, column] = np.linalg.norm(error, axis=1)
         now = {name: one.last_value_and_bar(run.has_bars) for name, one in run.goals.items()}
-        tell({"sample": BodySample(run.times[-1], run.goal_values(), now)._asdict()})
+        tell({"sample": BodySample(run.times[-1], run.goal_values(), now, run.estimate.sentence)._asdict()})
     tell({"ends": run.result().to_dict()})
 
 

@@ -1,17 +1,21 @@
 """The plot below the stage of what a body's goal is about, over time, in its error bar as a band."""
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
 from viser import uplot
 
 from app.colour_palette import LINES
+from app.frame.colour_scale import round_up
 from app.language.translation import tr
-from app.names_and_units import with_unit
 from app.page.panels.time_axis import EMPTY, TimeAxis, TimelineState, clock_text, round_ticks
 from app.page.panels.time_plots import plottable_series, series_options, set_series
+from app.page.panels.value_and_bar import in_one_unit, value_and_bar
 
-MARGIN = 0.08  # above and below the curve, over its range
+ROUND, PARTS = (1, 2, 5), 2.5  # steps of the numbers at the axis of values, times a power of ten; least parts of it
+LEAST_BAND = 7.0  # height in pixels at which the band is visible beside the curve
+HIGHEST_NAME = 0.2  # where the curve's name does not touch the upper end, as a part of the height
 ASIDE = 1.1  # end of the time axis over that of the run, for the curve's name
 BAND = "rgba(224, 120, 30, 0.4)"  # the estimate's colour on any ground
 
@@ -30,18 +34,27 @@ class GoalCurve:
     bars: np.ndarray
     ends: float
 
+    def value_and_bar(self, k: int) -> tuple[str, str]:
+        """Returns value and bar at a time as texts, "" if there is no bar."""
+        return value_and_bar(float(self.values[k]), float(self.bars[k]), self.unit)
+
 
 class GoalTimeline:
     """One visitor's plot of a goal, on the time ``axis``; hidden until :meth:`show`."""
 
     def __init__(self, axis: TimeAxis):
         self._axis, self._dark, self._end = axis, False, 1.0
+        self._pointed: float | None = None  # fraction of the axis at the pointer
         self._plot = axis.add_plot(self._series(), ({"series": (1, 2), "fill": BAND, "dir": -1},))
         self._plot.visible = False
 
     def set_dark(self, dark: bool) -> None:
         self._dark = dark
         self._plot.series = self._series()
+
+    def show_values_at(self, fraction: float | None) -> None:
+        """Sets where on the time axis, 0 to 1, :meth:`show` writes value and bar; None for nowhere."""
+        self._pointed = fraction
 
     def hide(self) -> None:
         self._plot.visible = False
@@ -57,31 +70,52 @@ class GoalTimeline:
     def show(self, curve: GoalCurve, now: TimelineState) -> None:
         """Draws the curve of a goal in its band, and the axis."""
         self._plot.visible, self._plot.height = True, self._axis.height
-        low, high = (curve.values + sign * np.nan_to_num(curve.bars) for sign in (-1, 1))
-        bottom, top = float(low.min()), float(high.max())
-        margin = MARGIN * (top - bottom) or 1.0
-        bottom, top, end = bottom - margin, top + margin, ASIDE * curve.ends
+        levels, end = round_levels(curve), ASIDE * curve.ends
+        texts = in_one_unit(levels, curve.unit)
+        bottom, top = levels[0], levels[-1]
+        least = 0.5 * LEAST_BAND * (top - bottom) / self._axis.height
+        half = np.nan_to_num(np.maximum(curve.bars, least))  # no gaps: the plot would fill some of them
         scales: dict[str, uplot.Scale] = {"x": {"time": False, "range": [0.0, end]}, "y": {"range": [bottom, top]}}
         if scales != self._plot.scales:
             self._plot.scales = scales
         self._end = end
-        gap = np.full(2, np.nan)
-        set_series(self._plot, plottable_series(curve.times, high, low, curve.values) if len(curve.times) > 1 else
-                   plottable_series(EMPTY, gap, gap, gap))
+        set_series(self._plot, plottable_series(
+            curve.times, curve.values + half, curve.values - half, curve.values) if len(curve.times) > 1 else
+            plottable_series(EMPTY, *np.full((3, 2), np.nan)))
         ticks = round_ticks(0.0, end, 1.0)
-        marks = [[round(tick / end, 4), with_unit(tick, "s")] for tick in ticks]
+        marks = [[round(tick / end, 4), text] for tick, text in zip(ticks, in_one_unit(ticks, "s"), strict=True)]
 
         def height(value: float) -> float:
             return round((top - value) / (top - bottom), 4)
 
+        name_height, bar = max(HIGHEST_NAME, height(float(curve.values[-1]))), curve.value_and_bar(-1)[1]
+        names = [[curve.name, "dot", name_height], *[[f"± {bar}", "estimate", name_height]] * bool(bar)]
         self._axis.send({
             "title": [curve.symbol, tr("and its bar")],
-            "tops": [[height(top - margin), with_unit(top - margin, curve.unit)]],
-            "zero": with_unit(bottom, curve.unit), "start": "0", "ticks": marks,
+            "tops": [[height(level), text] for level, text in zip(levels[1:], texts[1:], strict=True)],
+            "zero": texts[0], "start": "0", "ticks": marks,
             "now": round(now.time / end, 4), "reach": [0, round(now.reach[1] / end, 4)],
-            "changes": [], "first": "", "names": [[curve.name, "dot", height(float(curve.values[-1]))]],
-            "clock": clock_text(now.time), "playing": now.playing, "read": [], "lost": None, "says": ""})
+            "changes": [], "first": "", "names": names, "clock": clock_text(now.time), "playing": now.playing,
+            "read": self._values_at_pointer(curve), "lost": None, "says": ""})
+
+    def _values_at_pointer(self, curve: GoalCurve) -> list[str]:
+        """Returns texts of the time, value and bar of the frame at the pointer; none beyond the run."""
+        if self._pointed is None or (at := self.time_at(self._pointed)) > curve.times[-1]:
+            return []
+        k = int(np.argmin(np.abs(curve.times - at)))
+        value, bar = curve.value_and_bar(k)
+        bar_text = f"± {bar}" if bar else f"({tr('no bar')})"
+        return [clock_text(float(curve.times[k])), f"{curve.symbol} = {value} {bar_text}"]
 
     def _series(self) -> tuple[uplot.Series, ...]:
         edge = series_options(tr("error bar"), BAND, 0.5)
         return {"label": "t"}, edge, edge, series_options(tr("run"), LINES["dot"][self._dark], 2)
+
+
+def round_levels(curve: GoalCurve) -> list[float]:
+    """Returns evenly spaced round numbers, from one at or below the curve and its bars to one at or above them."""
+    bars = np.nan_to_num(curve.bars)
+    bottom, top = float((curve.values - bars).min()), float((curve.values + bars).max())
+    step = round_up((top - bottom or abs(top) or 1.0) / PARTS, ROUND)[0]
+    first = math.floor(bottom / step)
+    return [step * k for k in range(first, max(math.ceil(top / step), first + 1) + 1)]

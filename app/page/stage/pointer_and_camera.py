@@ -112,14 +112,13 @@ class RectangleErrorProbe:
                 unit: str) -> None:
         """Sets ``text`` to mean and worst error of the particles in the region, from estimated and true errors (P,) in
         a ``unit``; ends the selection if no particle is in it."""
-        rectangle = self._rectangle
+        self._sheet.visible, rectangle = True, self._rectangle
         if rectangle is None:
             self.text = None
             return
         inside = stage.particles_in(*rectangle, arrays)
         if not inside.any():
-            self._rectangle, self.text = None, None
-            self._draw_outline(np.empty((0, 2, 3), np.float32))
+            self._clear()
             return
         parts = [tr("{n} particles", n=np.count_nonzero(inside))]
         for said, sizes in ((ESTIMATED, estimated), (TRUE, true)):
@@ -128,7 +127,18 @@ class RectangleErrorProbe:
                 parts.append(tr(said, mean=mean, worst=worst))
         self.text = "; ".join(parts)
 
+    def hide(self) -> None:
+        """Ends the selection, and takes none until the next :meth:`measure`: the stage shows something else."""
+        self._sheet.visible = False
+        self._clear()
+
+    def _clear(self) -> None:
+        self._rectangle, self.text = None, None
+        self._draw_outline(np.empty((0, 2, 3), np.float32))
+
     def _select_region(self, camera: FixedRectangleCamera, event: viser.SceneRectSelectEvent) -> None:
+        if not self._sheet.visible:
+            return
         ends = camera.stage_point(event.screen_min), camera.stage_point(event.screen_max)
         (left, right), (bottom, top) = (sorted(coordinates) for coordinates in zip(*ends, strict=True))
         self._rectangle = (left, bottom), (right, top)

@@ -198,3 +198,7 @@ def test_mean_and_worst_are_of_the_particles_in_the_rectangle_alone():
     acts[0](SimpleNamespace(screen_min=(0.4, 0.0), screen_max=(0.5, 1.0)))
     probe.measure(stage, None, estimated, true, "m")
     assert probe.text is None
+    probe.hide()
+    acts[0](SimpleNamespace(screen_min=(0.0, -0.1), screen_max=(0.5, 0.2)))
+    probe.measure(stage, None, estimated, true, "m")
+    assert probe.text is None  # it was dragged over something else

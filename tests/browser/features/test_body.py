@@ -1,4 +1,5 @@
-"""A body from a file in a real browser: opened from the menu, run again by a slider, refused where it is no body."""
+"""A body from a file in a real browser: opened from the menu, run again by a slider, looked through
+by keys, refused where it is no body."""
 
 import json
 import re
@@ -24,6 +25,10 @@ def finished(page):
     """The value and the bar in the verdict of a run that has ended."""
     until(lambda: re.search(VALUE, verdict(page)) and "so far" not in verdict(page), "the whole run", PATIENCE)
     return tuple(float(text.replace("−", "-")) for text in re.search(VALUE, verdict(page)).groups())
+
+
+def clock(page):
+    return page.locator("#lab-clock").inner_text()
 
 
 def open_block(page):
@@ -56,7 +61,13 @@ def test_the_verdict_says_what_the_command_line_says_and_a_slider_runs_the_body_
 def test_a_file_that_is_no_body_is_refused_and_the_body_stays(page):
     open_block(page)
     before = finished(page)
+    until(lambda: page.locator("body.lab-playing").count() == 0, "its last frame", PATIENCE)
     nothing_serious(page, "a body on the stage")
+    end = clock(page)
+    page.keyboard.press("ArrowLeft")
+    until(lambda: clock(page) not in ("", end), "the frame before")
+    page.locator(".lab-axis").hover(position={"x": 200, "y": 20})
+    until(lambda: "x = " in page.locator(".lab-axis .lab-read:visible").inner_text(), "the value under the pointer")
     bad = library_text("thrown_block").replace("poissons_ratio = 0.3", "poissons_ratio = 0.6")
     page.evaluate(DROP, ["bad.toml", bad])
     until(lambda: "bad.toml" in notice(page), "the refusal", PATIENCE)

@@ -15,6 +15,7 @@ from solvers.bodies.estimate import QUANTITIES
 
 ESTIMATE, NO_TRUTH = lazy("Estimate"), lazy("No truth: nobody knows it here")
 NO_ESTIMATE = lazy("No estimate: the companions differ by as much as they find")
+ENDED = lazy("No estimate any more: the text above says why")
 NO_ACCELERATION = lazy("No estimate: that of the acceleration is not computed")
 
 
@@ -39,7 +40,8 @@ class BodyDrawing:
         if estimated:
             self.scale.update(np.array([body.largest[quantity] / whole]), None, (body, quantity),
                               settled=not self.playing)
-        shown = NO_ACCELERATION if not estimated else ESTIMATE if sizes is not None else NO_ESTIMATE
+        shown = NO_ACCELERATION if not estimated else ESTIMATE if sizes is not None else \
+            ENDED if body.estimated_until < body.times[k] else NO_ESTIMATE
         return self.stage.draw(BodyPicture(
             body.position(k), body.extent, body.width, body.spacing, quantity,
             None if sizes is None else sizes / whole, body_name(body), body_facts(body, k, quantity),

@@ -22,7 +22,7 @@ from solvers.workers.worker_process import ProcessDied, WorkerTimeout
 
 PATIENCE = 180.0  # timeout of a run in s
 SLOTS = Slots(MOST_JOBS)  # visitors of this server who run bodies at once
-BUSY = lazy("Other visitors' bodies keep this server busy; give yours again in a while")
+BUSY = lazy("The server is busy running the bodies of other visitors; try again in a minute")
 TOO_LONG = lazy("The body {name} takes more than {seconds:g} s to run; give it fewer cells, or run it with "
                 "`mpm-lab run`")
 
@@ -66,12 +66,12 @@ class BodyRuns:
         """Runs a body instead of the one before; the process stays, with what it has compiled."""
         self.cancel()
         table = self._folder / f"table-{secrets.token_hex(4)}"
+        table.touch()
         with self._lock:
             busy = not self._pending and not SLOTS.acquire()
             self._pending += not busy
         if busy:
             return self._on_message(source, table, {"refused": tr(BUSY)})
-        table.touch()
         self._table = table
         new = self._pool is None
         pool = self._pool = self._pool or WorkerPool("solvers.bodies.body_run_worker:run_in_worker")

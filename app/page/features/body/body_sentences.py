@@ -9,6 +9,8 @@ from app.language.translation import lazy, localise_number, tr, translate_messag
 from app.names_and_units import NOTHING, QUANTITIES, format_number, functions_name, with_unit
 from app.page.features.body.shown_body import ShownBody
 from app.page.panels.readout_tables import ReadoutTables, row_html, table_html
+from app.page.panels.time_axis import clock_text
+from app.page.panels.value_and_bar import value_and_bar
 from solvers.bodies import estimate
 
 #: Headlines by what a goal asks for; the places are its name, point, component of stress and value.
@@ -18,20 +20,9 @@ SENTENCES = {
     "end x": lazy("{goal}: ({at}) ends at x = {value}"), "end y": lazy("{goal}: ({at}) ends at y = {value}"),
     "time of return x": lazy("{goal}: ({at}) is back after {value}"),
     "time of return y": lazy("{goal}: ({at}) is back after {value}")}
-STRESS = lazy("{goal}: at ({at}) the size of σ_{axis} is {value} at most")
+STRESS = lazy("{goal}: at ({at}) the size of σ {axis} is {value} at most")
 NOBODY = lazy("nobody knows the exact motion; two companions, finer solves beside the run, stand in for it")
 TRUST = {"number": lazy("a number"), "30 %": lazy("± 30 %"), "none": lazy("no number: take finer elements")}
-
-
-def value_and_bar(value: float, bar: float | None, unit: str) -> tuple[str, str]:
-    """Returns a value and its error bar as texts in one unit, both to the second digit of the bar: 1.79 m, ± 0.03 m."""
-    if bar is None or not 0 < bar < math.inf:
-        return with_unit(value, unit), ""
-    size = with_unit(max(abs(value), bar), unit).split()[-1]  # with its prefix
-    factor = {"k": 1e3, "M": 1e6, "G": 1e9, "m": 1e-3, "µ": 1e-6, "n": 1e-9}.get(size[:-len(unit)], 1.0)
-    places = max(0, 1 - math.floor(math.log10(bar / factor)))
-    texts = (localise_number(f"{number / factor:,.{places}f}").replace("-", "−") for number in (value, bar))
-    return tuple(f"{text} {size}" for text in texts)  # type: ignore[return-value]
 
 
 def body_headline(body: ShownBody) -> HeadlineWithFacts:
@@ -42,7 +33,7 @@ def body_headline(body: ShownBody) -> HeadlineWithFacts:
     if result is not None and result["status"] != "ok":
         return HeadlineWithFacts((("bad", tr("the run of {body} has ended: {reason}", body=body.source.name,
                                              reason=translate_message(result["reason"]))),), (), "unstable")
-    facts = [*map(translate_message, (result or {}).get("remarks", [])), tr(NOBODY)]
+    facts = [*map(translate_message, body.remarks), tr(NOBODY)]
     if name is None or found is None or found.value is None:
         said = tr("the body {body} is on the stage", body=body.source.name) if name is None or result is None else \
             tr("{goal} is not reached by the end", goal=name)
@@ -50,12 +41,15 @@ def body_headline(body: ShownBody) -> HeadlineWithFacts:
     goal = body.goals[name]
     value, bar = value_and_bar(found.value, found.bar, found.unit)
     text = tr(STRESS if goal.is_stress else SENTENCES[goal.value])
-    text += ", ± {bar}" if bar else tr(" (no bar)")
+    text += ", ± {bar}" if bar else tr(", without a bar: no estimate after t = {until}") if body.estimate_ended else \
+        tr(" (no bar)")
     text += "" if result is not None else tr(", so far")
     at = ", ".join(map(format_number, goal.at)).replace("-", "−")
-    places = {"goal": name, "axis": goal.parts[1], "at": at, "wrong": value, "share": bar}
+    places = {"goal": name, "axis": goal.parts[1], "at": at, "wrong": value, "share": bar,
+              "until": clock_text(body.estimated_until)}
     text = text.replace("{value}", "{wrong}").replace("± {bar}", "± {share}")
-    return HeadlineWithFacts(tuple(to_spans(text, places)), tuple(facts), result is None)
+    return HeadlineWithFacts(tuple(to_spans(text, places)), tuple(facts),
+                             (result is None, body.estimate_ended))
 
 
 def body_name(body: ShownBody) -> Spans:
@@ -67,6 +61,8 @@ def body_name(body: ShownBody) -> Spans:
 
 def body_facts(body: ShownBody, k: int, quantity: str) -> Spans:
     """Returns what the title says of the estimate in frame ``k``: its size, and whether to believe it."""
+    if body.estimated_until < body.times[k]:
+        return (("", tr("no estimate after t = {until}", until=clock_text(body.estimated_until))),)
     trust = body.trust(quantity)
     sizes = body.error_sizes(k, quantity)
     size = root_mean_square(sizes)
@@ -86,7 +82,8 @@ def body_readout(body: ShownBody, k: int) -> ReadoutTables:
         texts = (NOTHING, "") if found is None or found.value is None else \
             value_and_bar(found.value, found.bar, found.unit)
         goals.append(row_html("", escape(name), texts[0], texts[1] and f"± {texts[1]}", ""))
-    rows = [row_html("head", tr("estimated error"), tr("at the end"), "δ", "")]
+    rows = [row_html("head", tr("estimated error"), tr("at t = {until}", until=clock_text(
+        body.estimated_until)) if body.estimate_ended else tr("at the end"), "δ", "")]
     for key, unit in estimate.QUANTITIES.items():
         one = (body.result or {}).get("estimate", {}).get(key)
         texts3 = (NOTHING, NOTHING, "") if one is None else (
@@ -94,7 +91,7 @@ def body_readout(body: ShownBody, k: int) -> ReadoutTables:
             localise_number(f"{one['delta']:.2f}"), tr(TRUST[one["trust"]]))
         rows.append(row_html("", QUANTITIES[key].symbol, *texts3))
     notes = "".join(f"<p>{escape(text[:1].upper() + text[1:])}.</p>" for text in map(translate_message, (
-        *body.warnings, *(body.result or {}).get("remarks", []))))
+        *body.warnings, *body.remarks)))
     about = [(tr("body"), escape(body.source.name)), (tr("time"), with_unit(body.times[k], "s")),
              (tr("particles"), f"{body.particles:,}"), (tr("grid"), f"h = {with_unit(body.spacing, 'm')}")]
     run = table_html("".join(f"<tr><td>{name}</td>\n<td>{text}</td></tr>\n" for name, text in about))

@@ -13,7 +13,7 @@ from app.frame.colour_scale import ColourScale
 from app.frame.headline import HeadlineWithFacts
 from app.language.translation import tr, translate_message
 from app.names_and_units import reword_for_page
-from app.page.feature import Feature
+from app.page.feature import Feature, VisiblePageState
 from app.page.features.body.body_drawing import BodyDrawing
 from app.page.features.body.body_runs import BodyRuns, BodySource
 from app.page.features.body.body_sentences import body_headline, body_readout
@@ -57,7 +57,8 @@ class BodyPanel(Feature):
         self._stage.set_visible(False)
         self._mark = page.gui.add_html("")
         with page.tabs["explore"]:
-            self._sliders = BodySliders(page.gui, page.controls.of_body, self._change, self.leave)
+            self._sliders = BodySliders(page.gui, page.controls.of_body, self._change, self._player.go_to,
+                                        self.leave)
 
     @property
     def is_on(self) -> bool:
@@ -95,6 +96,9 @@ class BodyPanel(Feature):
         if self._shown is not None and self._session.playback_request_key != self._moves:
             self._resumes = False
             self.leave_stage()
+
+    def refresh(self, view: VisiblePageState) -> None:
+        self._sliders.show_frame(self._player.frame)
 
     def close(self) -> None:
         with self._lock:

@@ -77,7 +77,20 @@ class ShownBody:
 
     @property
     def estimated_until(self) -> float:
-        return math.inf if self.result is None else self.result["estimated_until"]
+        """Time in s of the last frame so far with an estimate."""
+        return max((one.time for one in self._samples if not one.ended), default=0.0)
+
+    @property
+    def estimate_ended(self) -> bool:
+        """Whether the companions have become useless in some frame so far, so that later ones have no estimate."""
+        return bool(self._samples and self._samples[-1].ended)
+
+    @property
+    def remarks(self) -> list[str]:
+        """Sentences on what limits the estimate, so far or at the end."""
+        if self.result is not None:
+            return self.result["remarks"]
+        return [self._samples[-1].ended] if self.estimate_ended else []
 
     def trust(self, quantity: str) -> tuple[float, str] | None:
         """Returns delta and how far to believe the estimate of a quantity ("number", "30 %", "none"); None before the
@@ -97,5 +110,5 @@ class ShownBody:
         axis = goal.parts[1]
         start = 0.0 if goal.is_stress else goal.at["xy".index(axis)]
         values, bars = np.array([(start, 0.0), *((value, math.nan if bar is None else bar) for value, bar in now)]).T
-        return GoalCurve(name, f"σ_{axis}" if goal.is_stress else axis, "Pa" if goal.is_stress else "m",
+        return GoalCurve(name, f"σ {axis}" if goal.is_stress else axis, "Pa" if goal.is_stress else "m",
                          np.array(self.times), values, bars, self.body["t_end"])

@@ -39,7 +39,8 @@ BACK, BACK_HINT = lazy("Back to our run"), lazy("go back to what was on the stag
 BUSY, ONE = lazy("A file is still on its way; wait until it is here."), lazy("Give one file at a time.")
 WHAT = lazy("Drop a file of particles anywhere on this page, or choose it ({kinds}; at most {most:g} MB): from any "
             "code, for the problem and settings above, or from mpm-lab, with its scene. The page judges it and shows "
-            "it on the stage. <code>mpm-lab problem</code> writes all that a code needs.")
+            "it on the stage. <code>mpm-lab problem</code> writes all that a code needs. A body of your own "
+            "(<code>.toml</code>) is run here.")
 
 
 class UploadPanel(Feature):
@@ -78,6 +79,7 @@ class UploadPanel(Feature):
         self._question = FileProblemButtons(gui, self._on_problem_chosen)
         self._folder = gui.add_folder(tr("Your file on the stage"), order=FIRST, visible=False)
         with self._folder:
+            gui.add_html("<i class='lab-frames'></i>")
             self._slider = gui.add_slider(tr("Frame"), 1, 2, 1, 1,
                                           hint=tr("the times in the file, one after the other"))
             gui.add_html("<i class='lab-back'></i>")

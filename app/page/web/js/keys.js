@@ -9,7 +9,7 @@
   const playing = () => document.body.classList.contains("lab-playing");
   const slow = () => ![undefined, tr("Slow motion")].includes(buttons("lab-at-slow")[0]?.textContent.trim());
   const back = step => {
-    const slider = document.querySelector("[data-lab~=lab-at-back] + div [role=slider]");
+    const slider = document.querySelector(":is([data-lab~=lab-at-back], [data-lab~=lab-frames]) + div [role=slider]");
     slider?.dispatchEvent(new KeyboardEvent("keydown", {key: step < 0 ? "ArrowLeft" : "ArrowRight", bubbles: true}));
   };
   const spark = k => document.querySelectorAll("#lab-sparks .lab-spark")[k]?.click();
