@@ -30,9 +30,9 @@ def test_the_singularity_of_a_clamped_corner(nu, exponent, factor):
 def test_the_factor_of_a_clamped_corner_is_continuous():
     """From 0.1 at Poisson's ratio 0, where nothing is singular, to the law's at 0.1. Measured on 4 x 1 elements at 0,
     0.02, 0.05 and 0.1: 0.12, 0.13, 0.18 and 0.29; on 8 x 2: 0.12, 0.14, 0.21 and 0.33."""
-    factors = [extrapolation_factor(dataclasses.replace(BEAM, poissons_ratio=nu)) for nu in np.linspace(0, 0.2, 201)]
-    assert factors[0] == 0.1 and (np.diff(factors) > 0).all() and np.diff(factors).max() < 0.005
-    assert factors[50] == pytest.approx(0.195, abs=0.025)
+    factors = [extrapolation_factor(dataclasses.replace(BEAM, poissons_ratio=nu)) for nu in np.linspace(0, 0.2, 21)]
+    assert factors[0] == 0.1 and (np.diff(factors) > 0).all() and np.diff(factors).max() < 0.05
+    assert factors[5] == pytest.approx(0.195, abs=0.025)
 
 
 @pytest.mark.parametrize(("method", "cells"), [("ugimp", 16), ("cpgimp", 16), ("cpdi", 16), ("cpgimp", 32)])
