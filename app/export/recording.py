@@ -270,6 +270,6 @@ def _recording_metadata(wanted: RecordingRequest, scene: Scene, solver: Solver, 
             "estimators": scene.active_estimators, "not_valid": not_valid, "quantities": wanted.quantities,
             "status": status, "reason": reason or "", "since": since, "budget": None if not scene.has("budget") else {
                 "shares": {field: budget_shares.shares(series[0], field) for field in FIELDS},
-                "causes": {cause: tr(label) for cause, label in cause_labels(
-                    not scene.has("crossings") or budget_shares.has_crossed(series[0])).items()},
+                "causes": {cause: tr(label)
+                           for cause, label in cause_labels(budget_shares.has_crossed(series[0])).items()},
                 "whose": estimated_error_note(scene), "not_valid": budget_shares.why_not_valid(series[0])}}

@@ -30,7 +30,7 @@ def shares(series: Mapping[str, np.ndarray], field: str) -> dict[str, float | No
 def has_crossed(series: Mapping[str, np.ndarray], time: float = np.inf) -> bool:
     """Returns whether a particle has changed its cell up to a time in s, by a run's series; True if nobody counted."""
     counts = series.get("crossings")
-    return counts is None or bool(np.interp(time, series["time"], counts) > 0)
+    return counts is None or not np.interp(time, series["time"], counts) <= 0  # NaN: not counted
 
 
 @IGNORE_OVERFLOW

@@ -48,7 +48,7 @@ def read_rows(rows: np.ndarray, scene: Scene, particles: int, margin_unit: float
 
     ``particles`` is the number in the sums, ``margin_unit`` the factor of margins, which kernels compute from
     Gershgorin's circles (``solvers.scene.step_bound``). The series are ``time`` in s, ``error_x`` ... (RMS over
-    particles, SI), ``kinetic``, ``strain``, ``work`` (J), ``crossings`` and, for each estimator,
+    particles, SI), ``kinetic``, ``strain``, ``work`` (J), ``crossings`` (NaN if not counted) and, for each estimator,
     ``transport/estimate_x``, ``transport/difference_x`` and so on (RMS too). Of the budget, of ``FIELDS`` and
     ``CAUSES``, ``budget/error_x`` (RMS), ``budget/part_x_crossings``, the signed part that the cause made, mean(e_c
     e)/RMS(e), and ``budget/size_x_crossings``, the RMS of e_c. Other effects' columns as they are: ``spin/torque``.
@@ -58,6 +58,8 @@ def read_rows(rows: np.ndarray, scene: Scene, particles: int, margin_unit: float
     series = dict(zip(names, rows.T.copy(), strict=True))
     series["time"] = series.pop("step") * scene.time_step
     series["margin"] *= margin_unit
+    if not scene.has("crossings"):
+        series["crossings"][:] = np.nan  # not counted: no reason to say that there were none
     for name, values in series.items():
         if name not in as_they_are and name.rpartition("/")[2].startswith(SQUARE_PREFIXES):
             np.sqrt(values / particles, out=values)

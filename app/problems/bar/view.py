@@ -41,13 +41,16 @@ def _crossing_offer(state: State) -> Offer:
 def _crossing_answer(runs: ComparedRuns) -> Answer:
     own, other = (series["crossings"][-1] if len(series.get("crossings", ())) else math.nan
                   for series in (runs.series, runs.pinned))
-    if runs.ratio >= 1:
-        return tr("The error of the {noun} is {factor} times as large.", noun=runs.quantity_noun,
-                  factor=format_factor(runs.ratio)), \
-            tr("{own:,.0f} crossings, {other:,.0f} in the pinned run. It is the functions, not the crossing.", own=own,
-               other=other)
-    return tr("The error of the {noun} is {factor} times the previous one.", noun=runs.quantity_noun,
-              factor=format_factor(runs.ratio)), \
+    larger = runs.ratio >= 1
+    error = (tr("The error of the {noun} is {factor} times as large.", noun=runs.quantity_noun,
+                factor=format_factor(runs.ratio)) if larger else
+             tr("The error of the {noun} is {factor} times the previous one.", noun=runs.quantity_noun,
+                factor=format_factor(runs.ratio)))
+    if not math.isfinite(own + other):
+        return error, tr("Crossings are not counted in at least one of the two runs.")
+    return error, \
+        tr("{own:,.0f} crossings, {other:,.0f} in the pinned run. It is the functions, not the crossing.", own=own,
+           other=other) if larger else \
         tr("{own:,.0f} crossings, {other:,.0f} in the pinned run.", own=own, other=other)
 
 

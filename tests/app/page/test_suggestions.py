@@ -3,6 +3,7 @@
 from dataclasses import replace
 from types import SimpleNamespace
 
+import numpy as np
 import pytest
 
 from app import shareable_state
@@ -96,6 +97,15 @@ def test_an_answer_is_the_ratio_of_the_runs_own_errors(key, quantity, says):
     session.scene = replace(session.scene, cells=25)  # the visitor has moved a slider
     session.report = report_of(session.scene)
     assert "Try one" in stage.look() and stage.look().count("&quot;done&quot;: true") == 1
+
+
+def test_crossings_that_nobody_counted_are_not_told():
+    cross = VIEWS["bar"].suggestions(State(first_scene("bar")))[1]
+    counted, not_counted = {"crossings": np.array([0.0, 3.0])}, {"crossings": np.full(2, np.nan)}
+    runs = SimpleNamespace(ratio=0.5, quantity_noun="stress", series=counted, pinned=counted)
+    assert cross.answer(runs)[1].startswith("3 crossings, 3 in")
+    for without in ({"series": not_counted}, {"pinned": not_counted}):
+        assert "are not counted" in cross.answer(SimpleNamespace(**vars(runs) | without))[1]
 
 
 def test_the_next_one_is_compared_with_the_run_before_the_first():

@@ -19,9 +19,8 @@ from solvers.problems.bar.scene import BarScene
 from solvers.problems.ring import RingScene
 from solvers.running.result import Result
 from solvers.running.run import picture_step, run
-from solvers.scene.error_causes import CAUSES, FIELDS, cause_labels
+from solvers.scene.error_causes import CAUSES, FIELDS
 from solvers.scene.estimator_registry import ESTIMATORS, Estimator
-from solvers.solver.budget_shares import has_crossed
 
 SCENE = BarScene(cells=8, ppc=2, periods=0.3, estimators=("transport",))
 RING = RingScene(cells=12, periods=0.1, estimators=("transport",))
@@ -117,10 +116,9 @@ def test_who_made_the_error_is_drawn_where_the_run_has_it(result):
     divided = run(scene, prices=False)
     figure, plain = run_figure(divided), run_figure(result)
     titles = [axes.get_title(loc="left") for axes in figure.axes]
-    causes = cause_labels(has_crossed(divided.series))
     for field in FIELDS:
         cause, share = max(divided.budget[field].items(), key=lambda item: item[1])
-        assert f"Error of {field}, RMS: {causes[cause]} made {format_percent(share)}" in titles
+        assert f"Error of {field}, RMS: {CAUSES[cause]} made {format_percent(share)}" in titles
     assert len(figure.legends[0].get_texts()) == len(CAUSES) and not plain.legends
     assert not any(" made " in axes.get_title(loc="left") for axes in plain.axes)
     crossings = to_rgb(CAUSE_COLOURS["crossings"].light)

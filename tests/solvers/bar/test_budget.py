@@ -65,6 +65,15 @@ def comes(scene: BarScene, cause: str) -> bool:
         and not left[f"budget/size_{field}_{cause}"].any() for field in FIELDS)
 
 
+@pytest.mark.parametrize("amplitude", [0.0034, 0.006])
+def test_only_runs_that_counted_can_say_that_nothing_has_crossed(amplitude, simulate):
+    """With 36 cells and four particles each, particles cross from A = h/8 = 3.47 mm on."""
+    scene = replace(SCENE, method="mpm", cells=36, ppc=4, amplitude=amplitude, periods=0.25)
+    counted = replace(scene, effects=(*EFFECTS, "crossings"))
+    assert budget_shares.has_crossed(simulate(counted).series) == (amplitude > 1 / 36 / 8)
+    assert budget_shares.has_crossed(simulate(scene).series), "nobody has counted"
+
+
 @pytest.mark.parametrize("name", KNOWN)
 def test_shares_are_those_of_the_prototype(name, simulate):
     scene, x, v, F, grid = KNOWN[name]
