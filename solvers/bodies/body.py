@@ -28,6 +28,7 @@ MOST_POISSON = 0.49
 LEAST, MOST = 1e-15, 1e15  # of numbers in SI units
 MOST_PARTICLES, MOST_CELLS, MOST_STEPS, MOST_PATCHES, MOST_GOALS, MOST_PPC = 1_000_000, 2000, 10_000_000, 64, 20, 6
 DEFAULT_CFL, MOST_CFL = 0.2, 1.0  # time step over that in which a wave crosses a cell
+SAMPLES = 60  # of a run, at equal distances in time
 WHOLE = 1e-6  # by which a number of cells or particles may miss a whole one
 SPACE, SPACE_AND_TIME = ("X", "Y"), ("X", "Y", "t")
 CORNER = 1.0  # degrees by which an angle may miss 90

@@ -17,10 +17,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from solvers.bodies.body import Body
+from solvers.bodies.body import SAMPLES, Body
 from solvers.bodies.body_file import read_body
 from solvers.bodies.goal_values import GoalValue
-from solvers.bodies.run import SAMPLES, BodyRun
 from solvers.scene.validation import SceneError
 from solvers.translatable_message import Message
 from solvers.untrusted.quoting import FileError
@@ -87,6 +86,8 @@ def run_in_worker(question: dict, tell: Callable[[dict], None]) -> None:
 
 
 def _run(body: Body, step: float, asked: BodyRunRequest, tell: Callable[[dict], None]) -> None:
+    from solvers.bodies.run import BodyRun  # with Taichi, which the page's process never imports
+
     run = BodyRun(body)
     table = np.memmap(asked.table, np.float32, "r+", shape=(SAMPLES + 1, len(run.position), FIELDS))
     table[0, :, :2], table[0, :, 2:] = run.position, 0.0

@@ -14,7 +14,7 @@ from solvers.bodies.body import Body
 from solvers.bodies.force_series import body_force_at, compute_force_weights, force_terms, set_force
 from solvers.bodies.spectral_mesh import Cuts, SpectralMesh
 from solvers.estimators import companion_solution as shared
-from solvers.estimators.spectral_elements import highest_frequency
+from solvers.estimators.spectral_elements import STABLE, highest_frequency
 from solvers.kernels import runtime
 from solvers.kernels.dtypes import Integer, Integers, Octets, Pairs, Quads, Real, Reals
 from solvers.kernels.launch import Launch
@@ -132,7 +132,7 @@ class BodyCompanion:
                                      force_terms=K, **{name: aligned_copy(one) for name, one in arrays.items()})
         self._layers = self._state.companion_nodes.reshape(shared.LAYERS, N, 8)
         frequency = self._frequency()
-        self.steps = max(1, math.ceil(interval * frequency / (SUBSTEPS * shared.STABLE)))  # from sample to sample
+        self.steps = max(1, math.ceil(interval * frequency / (SUBSTEPS * STABLE)))  # from sample to sample
         self._state.dt, self._state.companion_numbers[shared.FREQUENCY] = interval / self.steps, frequency
         self._advance = Launch(take_steps, State(**self._state.members()), OPTIONS)
 

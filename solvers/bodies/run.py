@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from solvers.bodies.body import Body
+from solvers.bodies.body import SAMPLES, Body
 from solvers.bodies.companion import BodyCompanion
 from solvers.bodies.estimate import QUANTITIES, ErrorEstimate, ParticleFields, QuantityEstimate, cauchy_stress
 from solvers.bodies.goal_values import GoalSeries, GoalValue
@@ -16,7 +16,6 @@ from solvers.bodies.spectral_mesh import ORDERS, LatticeReader, default_cuts
 from solvers.solver.base import CRUSHED, ESCAPED, INVERTED, SOUND
 from solvers.translatable_message import Message
 
-SAMPLES = 60
 SCHEMA = "mpm-lab/body/1"
 FAILURES = {INVERTED: Message("a particle has turned inside out"), CRUSHED: Message("a particle has been crushed"),
             ESCAPED: Message("a particle has left the domain; give a larger one")}

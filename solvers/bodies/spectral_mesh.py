@@ -12,8 +12,7 @@ from numpy.polynomial import legendre
 
 from solvers.bodies.body import Body
 from solvers.bodies.connections import equalize_counts
-from solvers.estimators.companion_solution import STABLE
-from solvers.estimators.spectral_elements import differentiation_matrix, lobatto
+from solvers.estimators.spectral_elements import STABLE, differentiation_matrix, lobatto
 from solvers.problems.planar.estimators.companion_patch import contravariant_vectors
 
 Cuts = Sequence[tuple[np.ndarray, np.ndarray]]  # ends of the elements of each patch along xi and eta, from 0 to 1

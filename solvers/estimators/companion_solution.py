@@ -24,12 +24,11 @@ from typing import Any
 import numpy as np
 import taichi as ti
 
-from solvers.estimators.spectral_elements import unresolved_size
+from solvers.estimators.spectral_elements import STABLE, unresolved_size
 from solvers.kernels.dtypes import integers, reals, rows
 from solvers.scene.estimator_hooks import EstimatorHooks
 from solvers.translatable_message import Message
 
-STABLE = 2.4  # omega H up to which a sub-step is taken; Nystrom's method is stable up to 2.58, and damps from 1 on
 CHOSEN = 2.2  # omega H of the interval at rest: strain may stiffen the body by (2.4/2.2)^2 before a step is cut in two
 MOST_INTERVAL = 20  # particle steps: beyond, there is nothing left to save
 MOST_SUBSTEPS = 64  # a body strained beyond what these allow is no elastic body any more

@@ -13,6 +13,7 @@ import numpy as np
 from numpy.polynomial import legendre
 
 POWER_TURNS = 200  # of the power method
+STABLE = 2.4  # omega H up to which a sub-step is taken; Nystrom's method is stable up to 2.58, and damps from 1 on
 
 
 @dataclass(frozen=True)

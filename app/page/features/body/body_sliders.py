@@ -9,8 +9,7 @@ from app.page.features.body.shown_body import ShownBody
 from app.page.panels.log_number_slider import LogNumberSlider, SliderSpec
 from app.page.panels.page_header import add_widget_marker
 from app.page.panels.scene_widgets import SceneWidgetFactory
-from solvers.bodies.body import DEFAULT_CFL, MOST_CFL, MOST_PPC
-from solvers.bodies.run import SAMPLES
+from solvers.bodies.body import DEFAULT_CFL, MOST_CFL, MOST_PPC, SAMPLES
 
 FIRST = -1e9  # order within the panel
 CELLS, MODULI = (1 / 4, 4.0), (1 / 10, 10.0)  # reach of the sliders over the file's numbers
