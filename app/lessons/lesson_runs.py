@@ -104,8 +104,7 @@ def _kernels(text: str) -> Hashable:
 def _particle_steps(text: str) -> float:
     """Returns the number of particles times steps of a run."""
     if is_body_run(text):
-        body = body_of_run(text)
-        return float(body.lattice_counts.prod(axis=1).sum()) * body.t_end / body.time_step
+        return body_of_run(text).particle_steps
     scene = shareable_state.parse_state(text).scene
     return scene.particles * scene.steps
 

@@ -134,6 +134,16 @@ class Body:
         return equalize_counts(self.patches, self.joined, np.maximum(np.rint(self._particle_counts).astype(int), 1))
 
     @property
+    def particles(self) -> int:
+        """Number of particles."""
+        return int(self.lattice_counts.prod(axis=1).sum())
+
+    @property
+    def particle_steps(self) -> float:
+        """Number of particles times that of steps of the whole run."""
+        return self.particles * self.t_end / self.time_step
+
+    @property
     def _particle_counts(self) -> np.ndarray:
         """Numbers of particles (K, 2) that fit along xi and eta of each patch, whole or not."""
         return self.mean_lengths * (self.ppc * self.cells_per_metre)

@@ -74,10 +74,9 @@ def run_in_worker(question: dict, tell: Callable[[dict], None]) -> None:
         body = read_body(asked.file)
         step = _cells_step(body)
         body = replace(body, **asked.changes)
-        particles = int(body.lattice_counts.prod(axis=1).sum())
-        if particles > asked.most:
+        if body.particles > asked.most:
             raise FileError(asked.name, "has {count:,} particles, too many to watch; give at most {most:,}, or run it "
-                            "with `mpm-lab run`", particles, asked.most)
+                            "with `mpm-lab run`", body.particles, asked.most)
         _run(body, step, asked, tell)
     except FileError as error:
         tell({"refused": Message("The file {name} {sentence}", asked.name, error.sentence)})

@@ -41,9 +41,8 @@ def default_cuts(body: Body) -> Cuts:
 
     if body.elements_across:
         return even_cuts(counts(body.elements_across))
-    run = body.lattice_counts.prod(axis=1).sum() / body.time_step * body.t_end
     allowed = [across for across in TRIED_ACROSS
-               if _predicted_cost(body, counts(across)) <= max(MOST_COST * run, FREE)]
+               if _predicted_cost(body, counts(across)) <= max(MOST_COST * body.particle_steps, FREE)]
     return even_cuts(counts(max(allowed, default=1)))
 
 

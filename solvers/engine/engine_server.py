@@ -107,8 +107,8 @@ class EngineServer:
                 self._queue.accept(self._surveys.pop(survey.session))
             elif survey.scene is None or kernel_key(survey.scene) in self._compiled:
                 inherited = [self._pipe, *([self._successor.pipe] if self._successor else [])]
-                if self._surveyor.request(self._surveys.pop(survey.session), inherited) and self._surveyor.child:
-                    self._pipe.send(engine_messages.EngineForked(self._surveyor.child.process_id))
+                if forked := self._surveyor.request(self._surveys.pop(survey.session), inherited):
+                    self._pipe.send(engine_messages.EngineForked(forked.process_id))
         for message in self._surveyor.read_results():
             self._pipe.send_bytes(message)
         if self._surveyor.child:

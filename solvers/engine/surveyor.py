@@ -82,11 +82,10 @@ class Surveyor:
     def __init__(self) -> None:
         self.child: ForkedChild | None = None
 
-    def request(self, survey: Survey, inherited: Sequence[Connection]) -> bool:
-        """Passes a survey on; returns whether a child was forked for it, which closes the ``inherited`` pipes."""
-        forked = not self.child and bool(survey.points)
-        if forked:
-            self.child = fork_surveyor(inherited)
+    def request(self, survey: Survey, inherited: Sequence[Connection]) -> ForkedChild | None:
+        """Passes a survey on; returns the child if one was forked for it, which closes the ``inherited`` pipes."""
+        forked = fork_surveyor(inherited) if survey.points and not self.child else None
+        self.child = self.child or forked
         if self.child:
             with suppress(ConnectionError):  # it has died, which is noticed soon
                 self.child.pipe.send(survey)

@@ -4,21 +4,17 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import ClassVar
 
-from app.commands.lenient_flag_types import NumberFlag, ProcessesFlag
+from app.commands.lenient_flag_types import NumberFlag
 from app.commands.output import json_text
-from app.commands.study.coverage import MOST_SEED
-from app.commands.study.study_command import StudyFlags
-from solvers.scene.validation import require_whole
+from app.commands.study.random_draw_study import RandomDrawStudy
 from solvers.study.coverage.cantilever_counts import cantilever_summary, tally_cantilevers
 from solvers.study.coverage.random_cantilevers import MEASURED, PROBLEM, RandomCantilever
-from solvers.study.coverage.random_draw import IDENTITY
-from solvers.study.parameter_grid import MOST_ROWS
 
 SEED = 61127  # of ``assets/body.md``
 
 
 @dataclass(frozen=True, kw_only=True)
-class CantileverCoverage(StudyFlags):
+class CantileverCoverage(RandomDrawStudy):
     """Count how often error bars of bodies hold, in random cantilevers.
 
     Lengths, stiffness, Poisson's ratios, methods, cells and particles are drawn at random. The truth is a companion of
@@ -28,8 +24,7 @@ class CantileverCoverage(StudyFlags):
     Exit status: 0 every row is there, 1 could not run or write, 2 bad input, 130 stopped by Ctrl-C (rows are kept)."""
 
     EXAMPLE: ClassVar[str] = "mpm-lab coverage body --runs 60 --out coverage"
-    TIMED = False
-    IDENTITY, MEASURED = IDENTITY, MEASURED
+    DRAW, MEASURED = RandomCantilever, MEASURED
     WORK = "solvers.study.coverage.random_cantilevers:measure_in_worker"
     only_problem = PROBLEM
 
@@ -37,15 +32,6 @@ class CantileverCoverage(StudyFlags):
     """Beams to draw."""
     seed: NumberFlag = SEED
     """Which beams: another seed draws others."""
-    workers: ProcessesFlag = None
-    """Processes on this machine that run rows side by side; nothing is timed."""
-
-    def measurement_tasks(self) -> list[RandomCantilever]:
-        require_whole("runs", self.runs, 1, MOST_ROWS)
-        require_whole("seed", self.seed, 0, MOST_SEED)
-        self.check_study_flags(self.runs)
-        return [RandomCantilever(PROBLEM, self.seed, number) for number in range(self.runs)]
-
     def write_tables(self, rows: list[dict]) -> int:
         from app.pictures.cantilever_coverage import cantilever_coverage_figure
         shown = rows[:self.runs]
@@ -54,11 +40,5 @@ class CantileverCoverage(StudyFlags):
             "coverage.json": json_text(counted), "coverage.md": cantilever_summary(counted, *drawn)},
                           printed="coverage.md")
 
-    def failed_task_row(self, task: RandomCantilever, reason: str) -> dict:
-        return task.failed_row(reason)
-
     def describe_row(self, row: dict, tasks: Sequence[RandomCantilever]) -> str:
         return f"run {row['number']}: {row['status']}" + (f": {row['reason']}" if row["reason"] else "")
-
-    def with_timing_conditions(self, row: dict) -> dict:
-        return row

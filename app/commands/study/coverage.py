@@ -4,24 +4,20 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import ClassVar
 
-from app.commands.lenient_flag_types import NumberFlag, ProcessesFlag
+from app.commands.lenient_flag_types import NumberFlag
 from app.commands.output import json_text
-from app.commands.study.study_command import StudyFlags
+from app.commands.study.random_draw_study import RandomDrawStudy
 from solvers.scene.scene import Scene
-from solvers.scene.validation import require_whole
 from solvers.study.coverage.estimate_coverage_counts import tally
 from solvers.study.coverage.estimate_coverage_tables import coverage_summary
-from solvers.study.coverage.random_draw import IDENTITY
 from solvers.study.coverage.random_runs import MEASURED, RandomRun
-from solvers.study.parameter_grid import MOST_ROWS
 from solvers.study.row import FAILED
 
 SEED = 29  # of ``assets/coverage.md``
-MOST_SEED = 2**31 - 1
 
 
 @dataclass(frozen=True, kw_only=True)
-class Coverage(StudyFlags):
+class Coverage(RandomDrawStudy):
     """Command ``mpm-lab coverage``: flags of the number of random runs, their seed, and the output."""
 
     HELP: ClassVar[str] = """Count how often the error estimators of the {title} are right.
@@ -32,23 +28,13 @@ class Coverage(StudyFlags):
     Exit status: 0 every row is there, 1 could not run or write, 2 bad input, 130 stopped by Ctrl-C (rows are kept)."""
     EXAMPLE: ClassVar[str] = "mpm-lab coverage {problem} --runs 50 --out coverage"
     SCENE: ClassVar[type[Scene]]
-    TIMED = False
-    IDENTITY, MEASURED = IDENTITY, MEASURED
+    DRAW, MEASURED = RandomRun, MEASURED
     WORK = "solvers.study.coverage.random_runs:measure_in_worker"
 
     runs: NumberFlag = 1000
     """Runs to draw."""
     seed: NumberFlag = SEED
     """Which runs: another seed draws others."""
-    workers: ProcessesFlag = None
-    """Processes on this machine that run rows side by side; nothing is timed."""
-
-    def measurement_tasks(self) -> list[RandomRun]:
-        require_whole("runs", self.runs, 1, MOST_ROWS)
-        require_whole("seed", self.seed, 0, MOST_SEED)
-        self.check_study_flags(self.runs)
-        return [RandomRun(self.SCENE.problem, self.seed, number) for number in range(self.runs)]
-
     def write_tables(self, rows: list[dict]) -> int:
         from app.pictures.study_parts import coverage_figure
         counted = tally(self.SCENE.problem, self.seed, rows[:self.runs])
@@ -56,11 +42,5 @@ class Coverage(StudyFlags):
             "coverage.json": json_text(counted), "coverage.md": coverage_summary(counted, *drawn)},
                           printed="coverage.md")
 
-    def failed_task_row(self, task: RandomRun, reason: str) -> dict:
-        return task.failed_row(reason)
-
     def describe_row(self, row: dict, tasks: Sequence[RandomRun]) -> str:
         return f"run {row['number']}: {row['status']}" + (f": {row['reason']}" if row["status"] == FAILED else "")
-
-    def with_timing_conditions(self, row: dict) -> dict:
-        return row

@@ -3,8 +3,9 @@
 import hashlib
 import json
 import math
+from collections.abc import Callable
 from dataclasses import asdict, dataclass
-from typing import ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
 
@@ -43,6 +44,13 @@ class RandomDraw:
     def failed_row(self, reason: str) -> dict:
         """Returns the row of a draw that could not be measured, with the ``reason`` as one line."""
         return {**self.identity_columns(), "status": FAILED, "reason": " ".join(reason.split())}
+
+    def row(self, measure: Callable[[Any], dict]) -> dict:
+        """Returns the row that ``measure(self)`` returns; an error becomes a row, never raised."""
+        try:
+            return measure(self)
+        except Exception as error:
+            return self.failed_row(f"{type(error).__name__}: {error}")
 
     def random_generator(self, purpose: int) -> np.random.Generator:
         """Returns the generator of random numbers for one ``purpose`` of several."""

@@ -37,9 +37,9 @@ class BodySource:
 
 
 class BodyRuns:
-    """One visitor's runs, one at a time. ``on_message`` receives the source of the last
-    run asked for, its table, and the messages of its process (``solvers.bodies.body_run_worker``) on another thread; a
-    refusal if the process dies."""
+    """One visitor's runs, one at a time. ``on_message`` receives the source of the last run asked for, its table, and
+    the messages of its process (``solvers.bodies.body_run_worker``) on another thread; a refusal if the process dies.
+    """
 
     def __init__(self, on_message: Callable[[BodySource, Path, dict], None]):
         self._on_message = on_message

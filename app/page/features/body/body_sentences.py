@@ -13,14 +13,14 @@ from app.page.panels.time_axis import clock_text
 from app.page.panels.value_and_bar import value_and_bar
 from solvers.bodies import estimate
 
-#: Headlines by what a goal asks for; the places are its name, point, component of stress and value.
+#: Headlines by what a goal asks for; the places are its name, point, component of stress and, emphasised, value.
 SENTENCES = {
-    "min x": lazy("{goal}: ({at}) moves back to x = {value}"), "max x": lazy("{goal}: ({at}) moves to x = {value}"),
-    "min y": lazy("{goal}: ({at}) sinks to y = {value}"), "max y": lazy("{goal}: ({at}) rises to y = {value}"),
-    "end x": lazy("{goal}: ({at}) ends at x = {value}"), "end y": lazy("{goal}: ({at}) ends at y = {value}"),
-    "time of return x": lazy("{goal}: ({at}) is back after {value}"),
-    "time of return y": lazy("{goal}: ({at}) is back after {value}")}
-STRESS = lazy("{goal}: at ({at}) the size of σ {axis} is {value} at most")
+    "min x": lazy("{goal}: ({at}) moves back to x = {wrong}"), "max x": lazy("{goal}: ({at}) moves to x = {wrong}"),
+    "min y": lazy("{goal}: ({at}) sinks to y = {wrong}"), "max y": lazy("{goal}: ({at}) rises to y = {wrong}"),
+    "end x": lazy("{goal}: ({at}) ends at x = {wrong}"), "end y": lazy("{goal}: ({at}) ends at y = {wrong}"),
+    "time of return x": lazy("{goal}: ({at}) is back after {wrong}"),
+    "time of return y": lazy("{goal}: ({at}) is back after {wrong}")}
+STRESS = lazy("{goal}: at ({at}) the size of σ {axis} is {wrong} at most")
 NOBODY = lazy("nobody knows the exact motion; two companions, finer solves beside the run, stand in for it")
 TRUST = {"number": lazy("a number"), "30 %": lazy("± 30 %"), "none": lazy("no number: take finer elements")}
 
@@ -41,13 +41,12 @@ def body_headline(body: ShownBody) -> HeadlineWithFacts:
     goal = body.goals[name]
     value, bar = value_and_bar(found.value, found.bar, found.unit)
     text = tr(STRESS if goal.is_stress else SENTENCES[goal.value])
-    text += ", ± {bar}" if bar else tr(", without a bar: no estimate after t = {until}") if body.estimate_ended else \
+    text += ", ± {share}" if bar else tr(", without a bar: no estimate after t = {until}") if body.estimate_ended else \
         tr(" (no bar)")
     text += "" if result is not None else tr(", so far")
     at = ", ".join(map(format_number, goal.at)).replace("-", "−")
     places = {"goal": name, "axis": goal.parts[1], "at": at, "wrong": value, "share": bar,
               "until": clock_text(body.estimated_until)}
-    text = text.replace("{value}", "{wrong}").replace("± {bar}", "± {share}")
     return HeadlineWithFacts(tuple(to_spans(text, places)), tuple(facts),
                              (result is None, body.estimate_ended))
 
