@@ -10,12 +10,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from solvers.bodies.estimate import ParticleFields
 from solvers.bodies.goal import Goal
 from solvers.running.quantities_of_interest import point_weights
 
 STRESS_SAFETY = 2.0  # factor of a stress's bar
-COMPONENTS = {"x": 0, "y": 1, "xx": 0, "xy": 1, "yy": 3}
+COLUMNS = {"x": 0, "y": 1, "xx": 4, "xy": 5, "yy": 7}  # of u, v and stress side by side
 EARLY = 0.75  # of the run, in which what later returns must have turned round
 
 
@@ -27,28 +26,30 @@ class GoalValue(NamedTuple):
     unit: str
 
 
+def goal_weights(goal: Goal, X: np.ndarray) -> np.ndarray:
+    """Returns the weights (P,) of values at particles, at material points X (P, 2) in m, in that at the goal's
+    point: of its position interpolated, of a stress that of the nearest particle."""
+    at = np.array(goal.at, float)
+    if not goal.is_stress:
+        return point_weights(X, at)
+    weights = np.zeros(len(X))
+    weights[np.argmin(np.sum((X - at)**2, axis=1))] = 1.0
+    return weights
+
+
 class GoalSeries:
-    """Values over time of what a goal is about, in the run and in both companions; ``X`` (P, 2) are the particles'
-    material points in m."""
+    """Values over time of what a goal is about, in the run and in both companions, with ``weights`` (M,) of particles'
+    values (:func:`goal_weights`)."""
 
-    def __init__(self, goal: Goal, X: np.ndarray):
-        self.goal = goal
-        self._component = COMPONENTS[goal.parts[1]]
-        at = np.array(goal.at, float)
-        if goal.is_stress:
-            nearest = int(np.argmin(np.sum((X - at)**2, axis=1)))
-            self._weights = np.zeros(len(X))
-            self._weights[nearest] = 1.0
-            self._start = 0.0
-        else:
-            self._weights = point_weights(X, at)
-            self._start = float(at[self._component])
-        self._rows = [[self._start] * 3]
+    def __init__(self, goal: Goal, weights: np.ndarray):
+        self.goal, self._weights, self._column = goal, weights, COLUMNS[goal.parts[1]]
+        self._start = 0.0 if goal.is_stress else float(goal.at[self._column])
+        self._rows = [np.full(3, self._start)]
 
-    def add(self, *fields: ParticleFields) -> None:
-        """Adds a sample: fields of the run, of the coarser and of the finer companion."""
-        self._rows.append([self._start + float(self._weights @ (one.sigma if self.goal.is_stress else one.x)[
-            :, self._component]) for one in fields])
+    def add(self, fields: np.ndarray) -> None:
+        """Adds a sample: u, v and Cauchy stress xx, xy, yx, yy at the particles (3, M, 8), of the run, of the coarser
+        and of the finer companion."""
+        self._rows.append(self._start + fields[:, :, self._column] @ self._weights)
 
     def evaluate(self, times: np.ndarray, has_bar: bool) -> GoalValue:
         """Returns the goal's value at the samples' ``times`` in s, and its bar if it ``has_bar``."""
@@ -60,7 +61,7 @@ class GoalSeries:
 
     def last_value_and_bar(self, has_bar: bool) -> tuple[float, float | None]:
         """Returns at the last sample the coordinate in m or the stress in Pa that the goal is about, and its bar."""
-        run, coarse, fine = self._rows[-1]
+        run, coarse, fine = self._rows[-1].tolist()
         return run, self._bar(run, coarse, fine) if has_bar else None
 
     def _bar(self, run: float, coarse: float, fine: float) -> float:
