@@ -80,10 +80,11 @@ class QuantityEstimate(NamedTuple):
 class ErrorEstimate:
     """Estimate of a body's run, collected sample by sample. ``until`` is the time in s of the last sample with an
     estimate, ``sentence`` says why there is none after it; ``pressed`` is when and where the companion was first
-    pressed to less than half: time in s and place (2,) in m."""
+    pressed to less than half: time in s and place (2,) in m. ``sound_samples`` counts those with an estimate before
+    that, and the start."""
 
     def __init__(self, body: Body):
-        self.factor, self.until, self.sentence = extrapolation_factor(body), 0.0, ""
+        self.factor, self.until, self.sentence, self.sound_samples = extrapolation_factor(body), 0.0, "", 1
         self.pressed: tuple[float, np.ndarray] | None = None
         self._samples: list[Differences] = []
 
@@ -102,6 +103,7 @@ class ErrorEstimate:
                                     "stiffen the body, or stop before", time, self._fold_words())
         else:
             self.until = time
+            self.sound_samples += not self.pressed
             self._samples.append(differences)
 
     def quantities(self) -> dict[str, QuantityEstimate]:

@@ -51,11 +51,16 @@ class GoalSeries:
         and of the finer companion."""
         self._rows.append(self._start + fields[:, :, self._column] @ self._weights)
 
-    def evaluate(self, times: np.ndarray, has_bar: bool) -> GoalValue:
-        """Returns the goal's value at the samples' ``times`` in s, and its bar if it ``has_bar``."""
-        run, coarse, fine = (self._functional(times, series) for series in np.array(self._rows).T)
+    def evaluate(self, times: np.ndarray, known: int) -> GoalValue:
+        """Returns the goal's value at the samples' ``times`` in s; and its bar if the ``known`` first samples, in which
+        the companions are to be believed, are all or contain what decides it and one more."""
+        series = np.array(self._rows).T
+        found = [self._functional(times[:last], one[:last])
+                 for one, last in zip(series, (len(times), known, known), strict=True)]
+        (run, _), (coarse, _), (fine, _) = found
         bar = None
-        if has_bar and run is not None and fine is not None and coarse is not None:
+        if run is not None and fine is not None and coarse is not None and (
+                known == len(times) or max(at for _, at in found) + 1 < known):
             bar = self._bar(run, coarse, fine)
         return GoalValue(run, bar, self.goal.unit)
 
@@ -67,25 +72,27 @@ class GoalSeries:
     def _bar(self, run: float, coarse: float, fine: float) -> float:
         return (STRESS_SAFETY if self.goal.is_stress else 1.0) * (abs(run - fine) + abs(fine - coarse))
 
-    def _functional(self, times: np.ndarray, series: np.ndarray) -> float | None:
+    def _functional(self, times: np.ndarray, series: np.ndarray) -> tuple[float | None, int]:
+        """Returns the value, None where there is none, and the sample that decides it."""
         what = self.goal.parts[0]
         if not np.isfinite(series).all():
-            return None
-        if self.goal.is_stress:
-            return float(np.abs(series).max())
+            return None, 0
         if what == "end":
-            return float(series[-1])
+            return float(series[-1]), len(series) - 1
         if what == "time of return":
-            return _time_of_return(times, series)
-        return _vertex(times, series, int(np.argmin(series) if what == "min" else np.argmax(series)))[0]
+            back = _sample_of_return(series)
+            return (_vertex(times, series, back)[1] if back else None), back
+        size = np.abs(series) if self.goal.is_stress else -series if what == "min" else series
+        at = int(np.argmax(size))
+        return (float(size[at]) if self.goal.is_stress else _vertex(times, series, at)[0]), at
 
 
-def _time_of_return(times: np.ndarray, series: np.ndarray) -> float | None:
-    """Returns when the motion is at its extreme again after its farthest excursion; None if not by the end."""
+def _sample_of_return(series: np.ndarray) -> int:
+    """Returns in which sample the motion is at its extreme again after its farthest excursion; 0 if not by the end."""
     away = series - series[0]
     turn = int(np.argmax(np.abs(away[:int(EARLY * len(away))])))
     back = turn + int(np.argmin(np.sign(away[turn]) * away[turn:]))
-    return None if back in (0, turn, len(series) - 1) else _vertex(times, series, back)[1]
+    return 0 if back in (turn, len(series) - 1) else back
 
 
 def _vertex(times: np.ndarray, series: np.ndarray, k: int) -> tuple[float, float]:

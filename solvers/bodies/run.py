@@ -119,12 +119,14 @@ class BodyRun:
 
     @property
     def has_bars(self) -> bool:
-        """Whether the goals have bars: not once the estimate has ended."""
+        """Whether what goals are about has a bar now: not once the estimate has ended."""
         return not self.estimate.sentence
 
     def goal_values(self) -> dict[str, GoalValue]:
-        """Returns the goals' values in the samples so far."""
-        return {name: one.evaluate(np.array(self.times), self.has_bars) for name, one in self.goals.items()}
+        """Returns the goals' values in the samples so far. Those decided before an end of the estimate have a bar; or,
+        where the body may have folded, before it was pressed to less than half."""
+        known = len(self.times) if self.has_bars else self.estimate.sound_samples
+        return {name: one.evaluate(np.array(self.times), known) for name, one in self.goals.items()}
 
     def result(self) -> BodyResult:
         """Returns the result of the run so far."""
