@@ -169,11 +169,11 @@ class MaterialPoints:
     def __init__(self, body: Body, samples: int, counts: np.ndarray, half_start: bool):
         runtime.start()
         self.lattice = lattice = particle_lattice(body, counts)
-        self._body, self._samples, self._half_start = body, 0, half_start
+        self._body, self._samples = body, 0
         self._interval = body.t_end / samples
         self.steps = max(2, math.ceil(self._interval / body.time_step - 1e-9))  # from sample to sample
         grid, P, K = constrained_grid(body), len(lattice.volume), force_terms(body)
-        self._corner = grid.corner
+        self.corner = grid.corner
         low, high = np.array(body.domain, float) - grid.corner  # a cell more than this is allowed: sides may wobble
         X = lattice.position
         arrays = {"position_velocity": np.concatenate([X - grid.corner, body.initial_velocity(X)], axis=1),
@@ -186,14 +186,15 @@ class MaterialPoints:
                   "bounds": np.append(low - body.spacing, high + body.spacing),
                   "left_out": np.full(1, HALF_KICK if half_start else 0.0), "particle_force": zeros(P, 2),
                   "force_series": zeros(P * K, 2), "force_weights": zeros(K), "force_numbers": zeros(2)}
-        self._state = BodyState(
+        self.state = BodyState(
             particles=P, row=grid.row, active=grid.row, columns=grid.columns, lines=grid.lines,
             mirror_count=len(grid.mirrors), slabs=1, spacing=body.spacing, cells_per_length=1 / body.spacing,
             origin=0.0, dt=self._interval / self.steps, lame_modulus=body.material.bulk, shear_modulus=body.material.mu,
             density=body.density, half_width=0.5 / body.ppc, force_terms=K,
             **{name: aligned_copy(one) for name, one in arrays.items()})
         on = KernelOptions(body.method, False, "typed", "grid", ("acceleration",), (), (), "", NEO_HOOKEAN)
-        self._advance = Launch(take_steps, State(**self._state.members()), on)
+        self.velocity_lead = 0.5 * self.state.dt if half_start else 0.0
+        self._advance = Launch(take_steps, State(**self.state.members()), on)
 
     @property
     def time(self) -> float:
@@ -202,27 +203,26 @@ class MaterialPoints:
     @property
     def verdict(self) -> tuple[int, int, int]:
         """Kind of failure (0 for none), its step and its particle: see ``solvers.solver.base``."""
-        kind, step, particle = (int(one) for one in self._state.verdict)
+        kind, step, particle = (int(one) for one in self.state.verdict)
         return kind, step, particle
 
     @property
     def displacement(self) -> np.ndarray:
         """Displacement (P, 2) in m."""
-        return self._state.position_velocity[:, :2] + self._corner - self.lattice.position
+        return self.state.position_velocity[:, :2] + self.corner - self.lattice.position
 
     @property
     def velocity(self) -> np.ndarray:
         """Velocity (P, 2) in m/s at the time of the sample."""
-        half = 0.5 * self._state.dt if self._half_start and self._samples else 0.0
-        return self._state.position_velocity[:, 2:] + half * self._state.acceleration
+        return self.state.position_velocity[:, 2:] + self.velocity_lead * self.state.acceleration
 
     @property
     def deformation_gradient(self) -> np.ndarray:
         """F (P, 2, 2)."""
-        return self._state.deformation_gradient.reshape(-1, 2, 2)
+        return self.state.deformation_gradient.reshape(-1, 2, 2)
 
     def advance(self) -> None:
         """Advances to the next sample, unless a check stops the run (:attr:`verdict`)."""
-        set_force(self._state, self._body, self.lattice.position, self.time, self.time + self._interval)
+        set_force(self.state, self._body, self.lattice.position, self.time, self.time + self._interval)
         self._advance(self._samples * self.steps, self.steps)
         self._samples += 1
