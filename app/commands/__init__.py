@@ -19,8 +19,7 @@ from app.commands.run.command import Run, RunFromSceneText
 from app.commands.scene_flags import command_of_problem, with_scene_flags
 from app.commands.serve import Serve
 from app.commands.study.advise import Advise, search_flags
-from app.commands.study.cantilever_coverage import CantileverCoverage
-from app.commands.study.coverage import Coverage
+from app.commands.study.coverage import CantileverCoverage, Coverage
 from app.commands.study.paper_tables import PaperTables
 from app.commands.study.stability_map import StabilityMap, map_flags
 from app.commands.study.sweep import Sweep

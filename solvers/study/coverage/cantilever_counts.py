@@ -1,9 +1,9 @@
 """Counts of how often error bars of random cantilevers held, and how far estimates were off; and their tables."""
 
-import statistics
 from collections.abc import Callable, Mapping, Sequence
 
 from solvers.solver.soundness import OK
+from solvers.study.coverage.estimate_coverage_counts import count_statuses, median_if_any
 from solvers.study.coverage.random_cantilevers import CELLS, LENGTHS, PERIODS, POISSONS_RATIOS, PPC, SLOPES
 from solvers.study.markdown_tables import markdown_table
 
@@ -18,9 +18,8 @@ def tally_cantilevers(seed: int, rows: Sequence[Mapping]) -> dict:
     by goal the bars that held, also twice as wide, with the median of bar over true error (``width``) and of true error
     over value; by quantity and trust the number of runs, with least, median and largest index."""
     usable = [row for row in rows if row["status"] == OK]
-    statuses = [row["status"] for row in rows]
     return {"schema": SCHEMA, "problem": "body", "seed": seed, "runs": len(rows),
-            "status": {status: statuses.count(status) for status in dict.fromkeys(statuses)},
+            "status": count_statuses(rows),
             "goals": {name: _count_bars([row["goals"][name] for row in usable])
                       for name in dict.fromkeys(name for row in usable for name in row["goals"])},
             "estimates": {q: {trust: _index_range([row["estimates"][q]["index"] for row in usable
@@ -38,17 +37,13 @@ def error_over_bar(goal: Mapping) -> float | None:
 def _count_bars(goals: Sequence[Mapping]) -> dict:
     known = [(goal, off) for goal in goals if (off := error_over_bar(goal)) is not None]
     return {"runs": len(known), "held": sum(off <= 1 for _, off in known), "twice": sum(off <= 2 for _, off in known),
-            "width": _median([1 / off for _, off in known if off]),
-            "error": _median([off * goal["bar"] / abs(goal["true"]) for goal, off in known])}
+            "width": median_if_any([1 / off for _, off in known if off]),
+            "error": median_if_any([off * goal["bar"] / abs(goal["true"]) for goal, off in known])}
 
 
 def _index_range(indices: Sequence[float]) -> dict:
-    return {"runs": len(indices), "least": min(indices, default=None), "median": _median(indices),
+    return {"runs": len(indices), "least": min(indices, default=None), "median": median_if_any(indices),
             "most": max(indices, default=None)}
-
-
-def _median(values: Sequence[float]) -> float | None:
-    return statistics.median(values) if values else None
 
 
 def cantilever_summary(counted: Mapping, picture: str = "") -> str:

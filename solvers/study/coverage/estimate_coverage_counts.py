@@ -13,6 +13,7 @@ F. Stern, "Factors of safety for Richardson extrapolation", J. Fluids Eng. 132 (
 import functools
 import math
 import statistics
+from collections import Counter
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any
 
@@ -65,11 +66,10 @@ def tally(problem: str, seed: int, rows: Sequence[dict]) -> dict:
     and how often each estimator, and each bar around a goal, was right; the same for all runs that are ok "by truth"
     alone, also where an estimator called them lost."""
     usable = [row for row in rows if row["status"] == OK]
-    statuses = [row["status"] for row in rows]
     names = list(dict.fromkeys(name for row in usable for name in row["estimators"]))
     goals = list(dict.fromkeys(kind for row in usable for kind in row["goals"]))
     return {"schema": SCHEMA, "problem": problem, "seed": seed, "runs": len(rows),
-            "status": {status: statuses.count(status) for status in dict.fromkeys(statuses)},
+            "status": count_statuses(rows),
             "estimators": {name: _count_by_group(usable, functools.partial(_count_within_factors, name=name))
                            for name in names}, "refusals": {name: _count_refusals(usable, name) for name in names},
             "goals": {kind: _count_by_group(usable, functools.partial(_count_bars, kind=kind, names=names))
@@ -133,7 +133,7 @@ def _count_within_factors(rows: Iterable[dict], name: str) -> dict:
         indices = [one["index"][q] for one in said if one["index"][q] is not None]
         ends = [one["end"][q] for one in said if one["end"][q] is not None]
         middle = np.quantile(ends, [(1 - CENTRAL) / 2, (1 + CENTRAL) / 2]).tolist() if ends else None
-        found[q] = {"runs": len(indices), "within": _count_by_factor(indices), "median": _median(indices),
+        found[q] = {"runs": len(indices), "within": _count_by_factor(indices), "median": median_if_any(indices),
                     "at the end": {"runs": len(ends), "within": _count_by_factor(ends), "middle": middle}}
     return found
 
@@ -177,7 +177,7 @@ def _count_bars(rows: Sequence[dict], kind: str, names: Sequence[str]) -> dict:
 
 def _bar_counts(bars: Sequence[tuple[float, float]], total: int) -> dict:
     return {"of": total, "runs": len(bars), "held": sum(true <= said for said, true in bars),
-            "width": _median([said / true for said, true in bars]),
+            "width": median_if_any([said / true for said, true in bars]),
             "score": float(np.mean([bar_score(said, true) for said, true in bars])) if bars else None}
 
 
@@ -189,7 +189,13 @@ def bar_score(bar: float, true: float) -> float:
     return decades if bar >= true else decades * HELD_SHARE / (1 - HELD_SHARE)
 
 
-def _median(values: Sequence[float]) -> float | None:
+def count_statuses(rows: Sequence[Mapping]) -> dict[str, int]:
+    """Returns the number of rows by status, in the order in which they come first."""
+    return dict(Counter(row["status"] for row in rows))
+
+
+def median_if_any(values: Sequence[float]) -> float | None:
+    """Returns the median of ``values``, None without any."""
     return float(statistics.median(values)) if values else None
 
 

@@ -12,12 +12,12 @@
     if (event.key === "Escape" && document.querySelector("i.lab-presenting")
         && !document.querySelector("dialog[open], .mantine-Modal-content")) presenter().click();
   });
-  new MutationObserver(() => {
+  watchPage(() => {
     for (const mark of all("i[class^=lab-], .lab-heading, .lab-readout, .lab-time")) call(mark.parentElement, mark.className);
     is("lab-to-see", ".lab-says, .lab-refused, .lab-trouble");
     is("lab-presented-view", "i.lab-presenting");
     is("lab-lesson-open", "i.lab-studying");
     is("lab-stage-closed", ".lab-curtain");
     is("lab-file-on-stage", "i.lab-file-shown");
-  }).observe(document.getElementById("root"), {childList: true, subtree: true});
+  });
 })();

@@ -37,12 +37,7 @@
   }
 
   setInterval(() => key && say(), 500);
-  let waiting = false;
-  new MutationObserver(() => {
-    if (waiting) return;
-    waiting = true;
-    setTimeout(() => { waiting = false; say(); }, 60);
-  }).observe(root, {childList: true, subtree: true});
+  watchPage(say, undefined, 60);
 
   const TYPED = "[data-lab~=lab-typed] + div, [data-lab~=lab-formula] + div";
   const done = event => {
@@ -50,7 +45,7 @@
     const name = typed?.closest(".mantine-Flex-root").querySelector("label");
     if (typed && typed.dataset.typed === "yes") {
       typed.dataset.typed = "";
-      dispatchEvent(new CustomEvent("lab-tell", {detail: {entered: [name.htmlFor, typed.value]}}));
+      tellPage({entered: [name.htmlFor, typed.value]});
     }
   };
   root.addEventListener("input", event => {

@@ -14,5 +14,5 @@
     if (document.querySelector(".lab-again")) again ??= setTimeout(() => location.reload(), AGAIN);
   };
   document.addEventListener("visibilitychange", look);
-  new MutationObserver(look).observe(document.getElementById("root"), {childList: true, subtree: true});
+  watchPage(look);
 })();

@@ -1,7 +1,6 @@
 // Plain words beside a name: of a widget's label, or at the right of a folder's. And folders are buttons for keys, too.
 (() => {
   const root = document.getElementById("root");
-  const set = (element, name, value) => element.getAttribute(name) !== value && element.setAttribute(name, value);
   const heads = ".mantine-Paper-root[style*='cursor: pointer']";
 
   // Widgets that are made anew for another scene come folded: what a visitor has opened is opened again, but where the
@@ -20,7 +19,7 @@
 
   const ownData = () => document.querySelector(`[data-lab~=lab-own-data] + div :is(${heads})`);
   function expanded(head) {
-    set(head, "aria-expanded", String(!head.nextElementSibling?.inert));
+    changeAttribute(head, "aria-expanded", String(!head.nextElementSibling?.inert));
     if (head === ownData()) document.body.classList.toggle("lab-own-data-open", head.ariaExpanded === "true");
   }
 
@@ -36,11 +35,11 @@
     for (const mark of document.querySelectorAll("i[data-words]")) {
       const beside = mark.parentElement.nextElementSibling;
       const name = beside?.querySelector(`label[for], ${heads}`);
-      if (name && mark.dataset.words) set(name, "data-words", mark.dataset.words);
+      if (name && mark.dataset.words) changeAttribute(name, "data-words", mark.dataset.words);
     }
     for (const head of document.querySelectorAll(heads)) {
-      set(head, "role", "button");
-      set(head, "tabindex", "0");
+      changeAttribute(head, "role", "button");
+      changeAttribute(head, "tabindex", "0");
       expanded(head);
       unfold(head);
     }
@@ -48,8 +47,8 @@
     const foot = document.querySelector("[data-lab~=lab-estimates-foot]");
     if (foot) {
       const root = foot.parentElement;
-      set(root, "data-lab", "lab-root");
-      set(root.parentElement.parentElement, "data-lab", "lab-around");  // it hides what is beyond it, and nothing sticks in it
+      changeAttribute(root, "data-lab", "lab-root");
+      changeAttribute(root.parentElement.parentElement, "data-lab", "lab-around");  // it hides what is beyond it, and nothing sticks in it
     }
   }
 
@@ -85,15 +84,11 @@
   }
   root.addEventListener("click", event => {
     const button = event.target.closest("[data-lab~=lab-at-slow] + div button");
-    if (button) dispatchEvent(new CustomEvent("lab-tab", {detail: "Explore"}));
+    if (button) openTab("Explore");
     if (button || event.target.closest(".lab-act[data-act=phase]")) begun = Boolean(button);
   });
-  let waiting = false;
-  new MutationObserver(changes => {
-    for (const {attributeName, target} of changes)  // at once: who reads that it is folded presses it
-      if (attributeName === "inert" && target.previousElementSibling?.matches(heads)) expanded(target.previousElementSibling);
-    if (waiting) return;
-    waiting = true;
-    setTimeout(() => { waiting = false; look(); }, 100);
-  }).observe(root, {childList: true, subtree: true, attributes: true, attributeFilter: ["inert", "data-lab"]});
+  new MutationObserver(changes => {  // at once: who reads that it is folded presses it
+    for (const {target} of changes) if (target.previousElementSibling?.matches(heads)) expanded(target.previousElementSibling);
+  }).observe(root, {subtree: true, attributeFilter: ["inert"]});
+  watchPage(look, ["inert", "data-lab"], 100);
 })();

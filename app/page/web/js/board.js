@@ -6,7 +6,7 @@
   let section = null, said = null, waits = null, buttons = {};
   const covers = () => body.classList.contains("lab-board-view");
   function tell(what, turn = Number(said.dataset.turn)) {
-    dispatchEvent(new CustomEvent("lab-tell", {detail: {board: [what, turn]}}));
+    tellPage({board: [what, turn]});
     if (what !== "save") waits ??= setTimeout(() => { section.querySelector(".lab-silent").hidden = false; }, SILENT);
   }
   const next = () => said.dataset.next && tell("next");
@@ -37,8 +37,7 @@
     const nav = section.querySelector("nav");
     nav.setAttribute("aria-label", tr("what the board shows"));
     for (const [name, label, act] of [["back", tr("← Look back"), back], ["save", tr("Save"), save], ["stage", "", turn], ["next", "", next]]) {
-      buttons[name] = nav.appendChild(Object.assign(document.createElement("button"), {type: "button", textContent: label}));
-      buttons[name].className = `lab-board-${name}`;
+      buttons[name] = nav.appendChild(makeElement("button", {type: "button", className: `lab-board-${name}`}, label));
       buttons[name].addEventListener("click", act);
     }
     buttons.save.title = tr("a file of what was answered, without names");
@@ -51,7 +50,7 @@
   }
 
   function set(button, text, on) {
-    if (button.textContent !== text) button.textContent = text;
+    changeText(button, text);
     if (button.disabled === on) button.disabled = !on;
   }
 
@@ -74,5 +73,5 @@
     for (const other of body.children)
       if (other !== section && !other.matches("dialog, script, style")) other.inert = on;
   }
-  new MutationObserver(look).observe(document.getElementById("root"), {childList: true, subtree: true});
+  watchPage(look);
 })();

@@ -2,13 +2,11 @@
 // the answers to lessons. It tells the page through a text that nobody sees.
 (() => {
   const STORE = "mpm-lab/", LONGEST = 20000;
-  const set = Object.getOwnPropertyDescriptor(HTMLInputElement.prototype, "value").set;
   let field = null, lesson = null, opened = "", link = "", shown = "", count = 0;
   const read = () => {  // the class code is not for keeping; and the viewer cannot connect from an address with a fragment
     const said = location.hash.slice(1).replace(/^code=[^&]*&?/, "");
     try { link = decodeURIComponent(said); } catch { link = said; }
   };
-  const stored = (act, fallback) => { try { return act(localStorage); } catch { return fallback; } };  // may be forbidden
 
   // The viewer passes on what stands in the text now and then: what is said sooner waits, together with what follows.
   const waiting = [];
@@ -22,8 +20,7 @@
     const text = waiting.length && field ? JSON.stringify({count: ++count, ...waiting.shift()}) : "";
     busy = text ? setTimeout(send, 100) : null;
     if (!text || text.length > LONGEST) return;
-    set.call(field, text);
-    field.dispatchEvent(new Event("input", {bubbles: true}));
+    typeInto(field, text);
   }
 
   // What is known before there is a page goes along with the request for it, so that its first picture is what was asked for.
@@ -68,11 +65,11 @@
     if (!kept) return;
     if ((kept.lesson || "") !== lesson) {
       lesson = kept.lesson || "";
-      if (lesson && lesson !== opened) dispatchEvent(new CustomEvent("lab-tab", {detail: "Lessons"}));
+      if (lesson && lesson !== opened) openTab("Lessons");
       opened = lesson;
-      if (lesson) tell({lesson, answers: stored(store => store.getItem(STORE + lesson), "") || ""});
+      if (lesson) tell({lesson, answers: fromStorage(store => store.getItem(STORE + lesson), "") || ""});
     }
-    if (lesson && kept.answers) stored(store => store.setItem(STORE + lesson, kept.answers));
+    if (lesson && kept.answers) fromStorage(store => store.setItem(STORE + lesson, kept.answers));
     if (!kept.link) return;
     first ??= kept.link;
     if (asking && kept.link === first) return;  // it has what it shows everybody at first, and not yet what was asked for
@@ -102,6 +99,5 @@
     };
     if (navigator.clipboard) navigator.clipboard.writeText(location.href).then(copied, old); else old();
   });
-  new MutationObserver(look).observe(document.getElementById("root"), {childList: true, subtree: true, attributes: true,
-    attributeFilter: ["data-link", "data-lesson", "data-answers"]});
+  watchPage(look, ["data-link", "data-lesson", "data-answers"]);
 })();

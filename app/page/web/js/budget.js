@@ -16,16 +16,13 @@
     if (!data) return;
     const {says, parts} = JSON.parse(data), named = says.split(" · "), text = line.querySelector("small");
     do text.replaceChildren(...named.join(" · ").split(/([\d−]+ %)/).map((text, k) =>
-      k % 2 ? Object.assign(document.createElement("b"), {textContent: text}) : text));
+      k % 2 ? makeElement("b", {}, text) : text));
     while (line.scrollWidth > line.clientWidth && named.length > 1 && named.pop());  // as many causes as there is room for
-    line.querySelector("i").replaceChildren(...parts.filter(([, share]) => share > 0).map(([colour, share]) => {
-      const part = document.createElement("i");
-      part.style.cssText = `flex: ${share}; background: var(--${colour})`;
-      return part;
-    }));
+    line.querySelector("i").replaceChildren(...parts.filter(([, share]) => share > 0).map(([colour, share]) =>
+      makeElement("i", {style: `flex: ${share}; background: var(--${colour})`})));
     line.classList.toggle("lab-no-parts", !parts.length);
   }
-  new MutationObserver(fill).observe(document.getElementById("root"), {childList: true, subtree: true});
+  watchPage(fill);
 
   const show = (element, block) => element.scrollIntoView({block, behavior: still.matches ? "auto" : "smooth"});
   function wait(found, act, left = PATIENCE) {
@@ -42,7 +39,7 @@
 
   document.addEventListener("click", event => {
     if (event.target.closest(".lab-error-causes, .lab-why-so, .lab-act[data-act=budget]")) {
-      dispatchEvent(new CustomEvent("lab-tell", {detail: {budget: true}}));
+      tellPage({budget: true});
       let opened = false;  // once: a busy page is slow to open it, and another press would close it again
       let height = 0;
       const drawn = () => {  // and not growing any more: one goes no further than there is room

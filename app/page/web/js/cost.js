@@ -12,15 +12,7 @@
   const dots = section.querySelector(".lab-dots"), tip = section.querySelector(".lab-run-tip");
   const charts = document.getElementsByClassName("lab-cost-chart");
   const heads = document.getElementsByClassName("lab-cost-says");
-  const set = Object.getOwnPropertyDescriptor(HTMLInputElement.prototype, "value").set;
   let chart = null, head = null;
-
-  addEventListener("lab-type", ({detail: [mark, text]}) => {  // as a visitor would
-    const field = document.querySelector(`[data-lab~=${mark}] + div input`);
-    if (!field || field.value === text) return;
-    set.call(field, text);
-    field.dispatchEvent(new Event("input", {bubbles: true}));
-  });
 
   function draw() {
     const held = dots.contains(document.activeElement) && document.activeElement.dataset.run;
@@ -45,8 +37,7 @@
 
   function say(dot) {  // its numbers beside it, towards the middle
     const [first, ...rest] = dot.getAttribute("aria-label").split("; ");
-    const line = (kind, text) => Object.assign(document.createElement(kind), {textContent: text});
-    tip.replaceChildren(line("b", first), ...rest.map(text => line("div", text)));
+    tip.replaceChildren(makeElement("b", {}, first), ...rest.map(text => makeElement("div", {}, text)));
     tip.dataset.run = dot.dataset.run;
     tip.style.left = dot.style.left;
     tip.style.top = dot.style.top;
@@ -87,10 +78,9 @@
   document.addEventListener("click", ({target}) => {
     const picked = target.closest?.(":is(#lab-cost, .lab-cost) [data-run]");
     const pressed = target.closest?.("[data-press]")?.dataset.press;
-    if (picked)  // the time makes every click another text
-      dispatchEvent(new CustomEvent("lab-type", {detail: ["lab-picked", `${picked.dataset.run} ${Date.now()}`]}));
+    if (picked) typeBehind("lab-picked", `${picked.dataset.run} ${Date.now()}`);  // the time makes every click another text
     if (pressed)
       [...document.querySelectorAll("#root button")].find(one => one.innerText.trim() === pressed)?.click();
   });
-  new MutationObserver(look).observe(document.getElementById("root"), {childList: true, subtree: true});
+  watchPage(look);
 })();

@@ -24,9 +24,8 @@
       const dot = dots.querySelector(`[data-run="${run}"]`);
       if (!dot) continue;
       dot.classList.add("lab-good");
-      const name = Object.assign(document.createElement("span"), {className: "lab-on-stage lab-good", textContent: label});
+      const name = makeElement("span", {className: "lab-on-stage lab-good", ariaHidden: "true"}, label);
       Object.assign(name.style, {left: dot.style.left, top: dot.style.top});
-      name.ariaHidden = "true";
       dots.append(name);
     }
     dispatchEvent(new Event("lab-cost-wished"));
@@ -37,7 +36,7 @@
     value = Math.log10(wanted);
     put();
     clearTimeout(due);
-    due = setTimeout(() => dispatchEvent(new CustomEvent("lab-type", {detail: ["lab-wanted", `${percent(value)} %`]})), 40);
+    due = setTimeout(() => typeBehind("lab-wanted", `${percent(value)} %`), 40);
   }
 
   function look() {
@@ -69,5 +68,5 @@
     put();
   });
   addEventListener("lab-cost-drawn", put);
-  new MutationObserver(look).observe(document.getElementById("root"), {childList: true, subtree: true});
+  watchPage(look);
 })();

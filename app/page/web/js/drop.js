@@ -9,10 +9,7 @@
 
   function say(sentence) {
     said?.remove();
-    said = document.body.appendChild(document.createElement("div"));
-    Object.assign(said, {className: "lab-notice lab-refused", textContent: sentence});
-    said.setAttribute("role", "status");
-    const own = said;
+    const own = said = document.body.appendChild(makeElement("div", {className: "lab-notice lab-refused", role: "status"}, sentence));
     setTimeout(() => own.remove(), 10000);
   }
 

@@ -1,7 +1,7 @@
 // Fills the cards of the judges; a click puts a card's errors on the stage. And a click on the picture of a method takes it.
 (() => {
   const root = document.getElementById("root");
-  const write = (element, text) => { if (element && element.textContent !== text) element.textContent = text; };
+  const write = (element, text) => { if (element) changeText(element, text); };
   let said = "", filled = null, takesFocus = false;
 
   function look() {
@@ -32,13 +32,12 @@
     if (event.target.closest("[data-lab~=lab-switch] + div")) { said = ""; look(); }
   });
   root.addEventListener("click", event => {
-    const tell = detail => dispatchEvent(new CustomEvent("lab-tell", {detail}));
     const card = event.target.closest(".lab-judge"), method = event.target.closest(".lab-method");
-    if (card) tell({judge: card.dataset.judge});
-    if (method) tell({method: method.dataset.method});
+    if (card) tellPage({judge: card.dataset.judge});
+    if (method) tellPage({method: method.dataset.method});
     takesFocus = Boolean(method);
     const ask = event.target.closest(".lab-ask");
     ask?.setAttribute("aria-expanded", document.body.classList.toggle("lab-judges-open"));
   });
-  new MutationObserver(look).observe(root, {childList: true, subtree: true});
+  watchPage(look);
 })();

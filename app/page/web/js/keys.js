@@ -1,7 +1,7 @@
 // Keys do what buttons do: they click them, or tell the page. Never while somebody types, in a dialogue, or on a control
 // that needs the key itself. In the presenter's view some mean something else (present.js).
 (() => {
-  const tell = act => dispatchEvent(new CustomEvent("lab-tell", {detail: {act}}));
+  const tell = act => tellPage({act});
   const buttons = mark => [...document.querySelectorAll(`[data-lab~=${mark}] + div button`)];
   const named = (mark, name) => buttons(mark).find(button => button.textContent.trim() === name && !button.disabled);
   const panel = name => [...document.querySelectorAll("[data-dock-region=right] button")].find(button =>
@@ -25,7 +25,7 @@
     ["3", ["", "", () => spark(2)]],
     ["e", ["E", tr("the next estimator on the stage"), () => tell("judge")]],
     ["m", ["M", tr("magnify the error in the plot"), () => tell("magnify")]],
-    ["l", ["L", tr("lessons"), () => dispatchEvent(new CustomEvent("lab-tab", {detail: "Lessons"}))]],
+    ["l", ["L", tr("lessons"), () => openTab("Lessons")]],
     ["t", ["T", tr("on a slider: the error over it as a table"), null]],
     ["?", ["?", tr("this list"), () => list()]],
     ["Escape", [tr("Esc"), tr("leave the presenter’s view, slow motion, an enlarged figure"), () => {
@@ -38,10 +38,8 @@
     const dialog = document.getElementById("lab-keys"), presenting = lab.special?.();
     const rows = [...(presenting || keys).values()].filter(([name]) => name);
     dialog.querySelector("dl").replaceChildren(...rows.flatMap(([name, does]) => {
-      const [dt, dd] = ["dt", "dd"].map(tag => document.createElement(tag));
-      dt.append(...name.split("  ").map(one => Object.assign(document.createElement("kbd"), {textContent: one})));
-      dd.textContent = does;
-      return [dt, dd];
+      const names = name.split("  ").map(one => makeElement("kbd", {}, one));
+      return [makeElement("dt", {}, ...names), makeElement("dd", {}, does)];
     }));
     dialog.showModal();
   }

@@ -4,8 +4,6 @@
 (() => {
   const {STATES, sized, share, ends, at, nearest, read, sentence, strip} = landscape;
   const root = document.getElementById("root"), rows = new Map(), LINE = 21;  // px: height of the name
-  const tell = said => dispatchEvent(new CustomEvent("lab-tell", {detail: said}));
-  const set = (element, name, value) => element.getAttribute(name) !== value && element.setAttribute(name, value);
   const playing = () => document.body.classList.contains("lab-playing");
   const KEEPS = {cfl: tr("keeps the CFL number"), dt: tr("keeps the time step")};
 
@@ -30,12 +28,11 @@
     // A run that plays would be read out all the time.
     if (at(row) !== row.told || !playing()) {
       row.told = at(row);
-      set(row.thumb, "aria-valuetext", own || row.typed.value);
+      changeAttribute(row.thumb, "aria-valuetext", own || row.typed.value);
     }
     if (row.keeps) {
-      const keeps = row.data.keeps;
-      if (row.keeps.textContent !== KEEPS[keeps]) row.keeps.textContent = KEEPS[keeps];
-      set(row.keeps, "aria-pressed", String(keeps === "dt"));
+      changeText(row.keeps, KEEPS[row.data.keeps]);
+      changeAttribute(row.keeps, "aria-pressed", String(row.data.keeps === "dt"));
     }
     const name = [row.label.textContent, row.label.dataset.words, speaks, row.width].join();
     if (name !== row.measured) {  // to measure it makes the browser lay out the page
@@ -66,13 +63,13 @@
         seen: [...seen].some(strip => strip.checkVisibility({visibilityProperty: true}))};
       if (JSON.stringify(strips) === reported) return;
       reported = JSON.stringify(strips);
-      tell({strips});
+      tellPage({strips});
     }, 100);
   }
   new MutationObserver(report).observe(document.body, {attributes: true, attributeFilter: ["class"]});  // a talk hides the panel
   function choose(row, value) {
     row.wished = {value, until: Date.now() + 1500};  // until the page has set the slider
-    tell({point: [row.parameter, value]});
+    tellPage({point: [row.parameter, value]});
     draw(row);
   }
   function pointed(row, event) {
@@ -137,7 +134,7 @@
     typed.tabIndex = -1;
     part(".lab-as-table").textContent = tr("Error over {name} as a table", {name: row.label.textContent});
     part(".lab-as-table").addEventListener("click", () => table(row));
-    row.keeps?.addEventListener("click", () => tell({keep: row.data.keeps === "dt" ? "cfl" : "dt"}));
+    row.keeps?.addEventListener("click", () => tellPage({keep: row.data.keeps === "dt" ? "cfl" : "dt"}));
     element.addEventListener("pointermove", event => {
       row.named = event.clientY - element.getBoundingClientRect().top < LINE;
       row.over = !row.named;
@@ -156,19 +153,13 @@
     typed.addEventListener("focus", () => { row.before = typed.value; typed.select(); });
     typed.addEventListener("keydown", event => {
       if (event.key === "Escape") {
+        typeInto(typed, row.before);
         typed.dataset.typed = "";
-        write(typed, row.before);
       }
       if (event.key === "Escape" || event.key === "Enter") thumb.focus();
     });
     sizes.observe(row.strip);
     sight.observe(row.strip);
-  }
-  const setter = Object.getOwnPropertyDescriptor(HTMLInputElement.prototype, "value").set;
-  function write(input, text) {
-    setter.call(input, text);
-    input.dispatchEvent(new Event("input", {bubbles: true}));
-    input.dataset.typed = "";
   }
 
   // The curve passes over what is too costly; and while a run plays or a slider is held, and where hardly any point is left,
@@ -206,7 +197,7 @@
         const said = JSON.stringify(own);
         if (row.said !== said) {
           row.said = said;
-          set(row.label, "data-words", own.words);
+          changeAttribute(row.label, "data-words", own.words);
           take(row, own);
         }
       }
@@ -216,6 +207,5 @@
     }
     for (const strip of seen) if (!strip.isConnected) { seen.delete(strip); report(); }
   }
-  new MutationObserver(look).observe(root, {childList: true, subtree: true, attributes: true,
-    attributeFilter: ["aria-valuenow", "data-words"]});
+  watchPage(look, ["aria-valuenow", "data-words"]);
 })();

@@ -2,8 +2,6 @@
 // has one do, and figures that a click shows as large as the window.
 (() => {
   const STORE = "mpm-lab/", LAST = "mpm-lab-last-lesson";
-  const tell = said => dispatchEvent(new CustomEvent("lab-tell", {detail: said}));
-  const stored = (act, fallback) => { try { return act(localStorage); } catch { return fallback; } };  // may be forbidden
   const chosen = {};  // answers by their questions: the viewer puts html in anew
   let last = "", seen = "";
 
@@ -15,7 +13,7 @@
   function progress(button) {  // and of how many steps; in a lesson that has been changed since one begins again
     const steps = Number(button.dataset.steps), core = button.dataset.core.split(" ").map(Number);
     try {
-      const kept = JSON.parse(stored(store => store.getItem(STORE + button.dataset.lesson), "null"));
+      const kept = JSON.parse(fromStorage(store => store.getItem(STORE + button.dataset.lesson), "null"));
       if (!kept || kept.fingerprint !== button.dataset.fingerprint) return [0, steps];
       if (!kept.core) return [kept.step, steps];
       return [kept.step > steps ? core.length + 1 : core.filter(number => number <= kept.step).length, core.length];
@@ -30,11 +28,10 @@
       if (!(at > 0)) continue;
       come.textContent = at > steps ? tr("done") : tr("{at} of {steps}", {at, steps});
       button.classList.toggle("lab-done", at > steps);
-      if (at > steps || button.dataset.lesson !== stored(store => store.getItem(LAST), "")) continue;
-      const on = document.createElement("button");
-      Object.assign(on, {type: "button", className: "lab-open lab-continue"});
+      if (at > steps || button.dataset.lesson !== fromStorage(store => store.getItem(LAST), "")) continue;
+      const on = makeElement("button", {type: "button", className: "lab-open lab-continue"},
+        tr("Continue: {lesson}", {lesson: button.querySelector("b").textContent}));
       on.dataset.lesson = button.dataset.lesson;
-      on.textContent = tr("Continue: {lesson}", {lesson: button.querySelector("b").textContent});
       list.querySelector(".lab-go-on").append(on);
     }
   }
@@ -44,7 +41,7 @@
     for (const radio of document.querySelectorAll(".lab-choice input"))
       if (chosen[radio.dataset.question] === radio.value && !radio.disabled) radio.checked = true;
     const open = document.querySelector(".lab-kept")?.dataset.lesson || "";
-    if (open && open !== last) stored(store => store.setItem(LAST, open));
+    if (open && open !== last) fromStorage(store => store.setItem(LAST, open));
     last = open;
     const now = head()?.textContent || "";
     if (now !== seen) setTimeout(top, 150);
@@ -60,21 +57,20 @@
   document.addEventListener("click", event => {
     const at = selector => event.target.closest?.(selector);
     at(".lab-enlarge")?.classList.toggle("lab-large");
-    if (at(".lab-open")) tell({open: at(".lab-open").dataset.lesson});
+    if (at(".lab-open")) tellPage({open: at(".lab-open").dataset.lesson});
     const act = at(".lab-act");
     if (!act) return;
     const number = act.dataset.act;
     if (number !== "phase")  // of a phase the page ticks what it has done
       document.querySelectorAll(`.lab-act[data-act="${number}"]`).forEach(each => each.classList.add("lab-did"));
     if (number === "budget") return;  // js/budget.js hears that
-    tell({do: [Number(act.closest("[data-step]").dataset.step), Number.isNaN(Number(number)) ? number : Number(number)]});
+    tellPage({do: [Number(act.closest("[data-step]").dataset.step), Number.isNaN(Number(number)) ? number : Number(number)]});
   });
   document.addEventListener("change", event => {
     const {question} = event.target.dataset || {};
     if (!question) return;
     chosen[question] = event.target.value;
-    tell({choice: [question, Number(event.target.value)]});
+    tellPage({choice: [question, Number(event.target.value)]});
   });
-  new MutationObserver(look).observe(document.getElementById("root"), {childList: true, subtree: true, attributes: true,
-    attributeFilter: ["data-lesson"]});
+  watchPage(look, ["data-lesson"]);
 })();

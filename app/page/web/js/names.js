@@ -1,8 +1,6 @@
 // Names for those who hear the page instead of seeing it: the viewer's widgets, panels and plots come without.
 (() => {
-  const set = (element, name, value) => {
-    if (element && value && element.getAttribute(name) !== value) element.setAttribute(name, value);
-  };
+  const set = (element, name, value) => { if (element && value) changeAttribute(element, name, value); };
   const row = label => label.closest(".mantine-Flex-root")?.querySelectorAll(
     "[role=slider], input:not([type=hidden]), textarea:not([aria-hidden])");
   const all = (selector, act) => document.querySelectorAll(selector).forEach(act);
@@ -32,10 +30,5 @@
     });
   }
 
-  let waiting = false;  // numbers change all the time, names seldom
-  new MutationObserver(() => {
-    if (waiting) return;
-    waiting = true;
-    setTimeout(() => { waiting = false; name(); }, 300);
-  }).observe(document.getElementById("root"), {childList: true, subtree: true});
+  watchPage(name, undefined, 300);  // numbers change all the time, names seldom
 })();

@@ -2,7 +2,6 @@
 (() => {
   const {tell, named, buttons, panel, playing, slow, back, keys} = window.lab, body = document.body;
   const presenting = () => body.classList.contains("lab-presented-view");
-  const open = name => dispatchEvent(new CustomEvent("lab-tab", {detail: name}));
   const studying = () => body.classList.contains("lab-lesson-open");
   const black = document.getElementById("lab-black");
 
@@ -15,7 +14,7 @@
   }
   function view(name) {
     for (const other of ["alone", "cost"]) body.classList.toggle(`lab-view-${other}`, name === other);
-    if (!studying() || name === "cost") open(name === "cost" ? "Cost" : "Explore");
+    if (!studying() || name === "cost") openTab(name === "cost" ? "Cost" : "Explore");
   }
   const dark = on => { black.hidden = !on; };
   const usual = key => [key, keys.get(key)];
@@ -31,7 +30,7 @@
     ["1", ["1", tr("stage and error over time"), () => view("")]],
     ["2", ["2", tr("the stage alone, as wide as the window"), () => view("alone")]],
     ["3", ["3", tr("what it costs"), () => view("cost")]],
-    ["l", ["L", tr("lessons, as slides"), () => { view(""); open("Lessons"); }]],
+    ["l", ["L", tr("lessons, as slides"), () => { view(""); openTab("Lessons"); }]],
     ["q", ["Q", tr("a code for phones"), () => tell("code")]],
     ["b", ["B", tr("black, and back"), () => dark(black.hidden)]],
     usual("?"), ["Escape", [tr("Esc"), tr("leave"), null]],
@@ -51,14 +50,14 @@
   addEventListener("lab-asked", () => { if (asked) { asked = false; tell("present"); } });
 
   let was = false;
-  new MutationObserver(() => {
+  watchPage(() => {
     const now = presenting();
     body.classList.toggle("lab-slowly", now && slow());
     if (now && !was) {
       document.activeElement?.blur();  // of the button that ends it: a space is for the run
-      if (studying()) open("Lessons");
+      if (studying()) openTab("Lessons");
     }
     if (!now && was) { dark(false); body.classList.remove("lab-view-alone", "lab-view-cost"); }
     was = now;
-  }).observe(document.getElementById("root"), {childList: true, subtree: true});
+  });
 })();

@@ -2,31 +2,28 @@
 // a menu for what is one's own. Where there is no room for them it is the only one, and has all in its menu.
 (() => {
   const group = document.querySelector("#lab-head [role=radiogroup]"), buttons = new Map();
-  const own = radio(tr("Your own")), menu = document.createElement("div"), narrow = matchMedia("(max-width: 1239px)");
+  const own = radio(tr("Your own")), narrow = matchMedia("(max-width: 1239px)");
+  const menu = makeElement("div", {role: "menu", ariaLabel: tr("Your own"), hidden: true});
   let said = "";
 
   function radio(text) {
-    const button = Object.assign(document.createElement("button"), {type: "button", textContent: text});
-    button.setAttribute("role", "radio");
-    return button;
+    return makeElement("button", {type: "button", role: "radio"}, text);
   }
 
   function make(problem, title) {
     const word = title.split(" ").at(-1), button = group.insertBefore(radio(word[0].toUpperCase() + word.slice(1)), own);
-    const choose = () => dispatchEvent(new CustomEvent("lab-tell", {detail: {problem}}));
-    button.setAttribute("aria-label", title);
+    const choose = () => tellPage({problem});
+    button.ariaLabel = title;
     button.addEventListener("click", choose);
     buttons.set(problem, button);
     menu.insertBefore(item(button.textContent, title, choose), typedMotion).className = "lab-problem";
   }
 
   function item(title, hint, act, within = menu) {
-    const button = within.appendChild(Object.assign(document.createElement("button"), {type: "button"}));
-    button.setAttribute("role", "menuitem");
-    button.append(...[["b", title], ["small", hint]].filter(([, text]) => text).map(([tag, text]) =>
-      Object.assign(document.createElement(tag), {textContent: text})));
+    const button = makeElement("button", {type: "button", role: "menuitem"}, makeElement("b", {}, title));
+    if (hint) button.append(makeElement("small", {}, hint));
     button.addEventListener("click", () => { open(false); act(); });
-    return button;
+    return within.appendChild(button);
   }
 
   const items = () => [...menu.querySelectorAll("button")].filter(one => one.checkVisibility());
@@ -47,19 +44,13 @@
 
   own.setAttribute("aria-haspopup", "menu");
   own.addEventListener("click", () => open(menu.hidden));
-  menu.setAttribute("role", "menu");
-  menu.setAttribute("aria-label", tr("Your own"));
-  menu.hidden = true;
   const typedMotion = item(tr("A motion, typed"), tr("a formula of the displacement u(X, t)"), () => {
-    dispatchEvent(new CustomEvent("lab-tab", {detail: "Explore"}));
-    if (!document.querySelector("[data-lab~=lab-formula]")) dispatchEvent(new CustomEvent("lab-tell", {detail: {problem: "bar"}}));
+    openTab("Explore");
+    if (!document.querySelector("[data-lab~=lab-formula]")) tellPage({problem: "bar"});
     toFormula();
   });
   item(tr("A body, from a file"), tr("elastic; its exact motion nobody knows: drop a .toml anywhere, or take one of ours"), () => {}).dataset.own = "file";
-  const library = Object.assign(document.createElement("div"), {className: "lab-bodies"});
-  library.setAttribute("role", "group");
-  library.setAttribute("aria-label", tr("bodies that come along"));
-  menu.append(library);
+  const library = menu.appendChild(makeElement("div", {className: "lab-bodies", role: "group", ariaLabel: tr("bodies that come along")}));
   item(tr("Particles from a file"), tr("of any code; or drop the file anywhere"), () => {}).dataset.own = "file";  // drop.js asks for it
   group.append(own);
   group.after(menu);
@@ -81,7 +72,7 @@
     const {titles, chosen, own: named, bodies} = JSON.parse(said = data.said);
     if (!buttons.size) for (const [problem, title] of Object.entries(titles)) make(problem, title);
     if (!library.childElementCount) for (const [body, title] of Object.entries(bodies))
-      item(title, "", () => dispatchEvent(new CustomEvent("lab-tell", {detail: {body}})), library);
+      item(title, "", () => tellPage({body}), library);
     group.hidden = !Object.keys(titles).length;
     own.textContent = named ? named : narrow.matches ? buttons.get(chosen)?.textContent : tr("Your own");
     for (const [problem, button] of [...buttons, ["", own]]) {
@@ -102,5 +93,5 @@
     if (next !== own) next.click();
   });
   narrow.addEventListener("change", () => { said = ""; look(); });
-  new MutationObserver(look).observe(document.getElementById("root"), {childList: true, subtree: true});
+  watchPage(look);
 })();

@@ -50,13 +50,13 @@
     body.classList.toggle("lab-phone", phone.matches);
     const speed = document.querySelector("[data-lab~=lab-at-speed] + div input")?.value;
     const said = speed ? `${speed} ×` : "…";
-    if (more.textContent !== said) more.textContent = said;
+    changeText(more, said);
     const place = phone.matches ? document.querySelector(".lab-sparks-here") : verdict;
     if (place && sparks.parentElement !== place) place.append(sparks);
     else if (!place && sparks.parentElement !== verdict) verdict.append(sparks);
   }
   phone.addEventListener("change", look);
-  new MutationObserver(look).observe(document.getElementById("root"), {childList: true, subtree: true});
+  watchPage(look);
   set(1);
   look();
 })();

@@ -17,33 +17,25 @@
     return made;
   }
 
-  function element(tag, name, ...inside) {
-    const made = document.createElement(tag);
-    if (name) made.className = name;
-    made.append(...inside);
-    return made;
-  }
-
   function button(card) {
-    const made = element("button", card.done ? "lab-spark lab-done" : "lab-spark", icon(card.icon),
-      element("span", "", element("b", "", card.title), element("small", "", card.hint)));
-    if (card.done) made.append(element("span", "lab-tick", icon("done")));
+    const made = makeElement("button", {className: card.done ? "lab-spark lab-done" : "lab-spark"}, icon(card.icon),
+      makeElement("span", {}, makeElement("b", {}, card.title), makeElement("small", {}, card.hint)));
+    if (card.done) made.append(makeElement("span", {className: "lab-tick"}, icon("done")));
     made.dataset.key = card.key;
     // One that is off keeps its place for the keyboard, and says why it is.
     if (card.off) made.setAttribute("aria-disabled", "true");
-    else made.addEventListener("click", () => dispatchEvent(new CustomEvent("lab-tell", {detail: {spark: card.key}})));
+    else made.addEventListener("click", () => tellPage({spark: card.key}));
     return made;
   }
 
   function answerBox(text, hint, why) {
-    const first = element("b", "", text);
+    const first = makeElement("b", {}, text);
     if (why) {  // js/budget.js opens the error budget
-      const asked = element("button", "lab-why-so", why);
-      asked.type = "button";
-      asked.addEventListener("click", () => dispatchEvent(new CustomEvent("lab-tab", {detail: "Explore"})));
+      const asked = makeElement("button", {type: "button", className: "lab-why-so"}, why);
+      asked.addEventListener("click", () => openTab("Explore"));
       first.append(" ", asked);
     }
-    return element("div", "lab-answer", first, element("small", "", hint));
+    return makeElement("div", {className: "lab-answer"}, first, makeElement("small", {}, hint));
   }
 
   function look() {
@@ -52,7 +44,7 @@
     shown = said;
     const focused = box.contains(document.activeElement), key = document.activeElement.dataset?.key;
     if (!said) return box.replaceChildren();
-    const {label, answer, cards} = JSON.parse(said), made = [element("span", "lab-question", label)];
+    const {label, answer, cards} = JSON.parse(said), made = [makeElement("span", {className: "lab-question"}, label)];
     if (answer) made.push(answerBox(...answer));
     const buttons = cards.map(button);
     box.classList.toggle("lab-pills", !answer && cards.some(card => card.done));
@@ -62,5 +54,5 @@
     if (spoken && spoken !== answered) aloud.textContent = spoken;
     answered = spoken;
   }
-  new MutationObserver(look).observe(document.getElementById("root"), {childList: true, subtree: true});
+  watchPage(look);
 })();

@@ -8,9 +8,8 @@
   const LAID = {"/estimate-by": "estimator", "/colours/quantity": "quantity"};
 
   // What the run is compared with is chosen within the second run's title, or in the gutter of a run that is alone.
-  const choice = Object.assign(document.createElement("select"), {className: "lab-compare"});
-  choice.setAttribute("aria-label", tr("Compare with"));
-  choice.addEventListener("change", () => dispatchEvent(new CustomEvent("lab-tell", {detail: {compare: choice.value}})));
+  const choice = makeElement("select", {className: "lab-compare", ariaLabel: tr("Compare with")});
+  choice.addEventListener("change", () => tellPage({compare: choice.value}));
   let offered = "";
   function offerChoices() {
     const data = document.querySelector("i.lab-compared")?.dataset.said;
@@ -20,15 +19,14 @@
   }
   const JUDGE = "companion", OFFERS = {
     unjudged: text => {  // nobody judges the run: somebody is offered
-      const button = Object.assign(document.createElement("button"), {className: "lab-offer", textContent: tr("Switch on {judge}", {judge: JUDGE})});
-      button.addEventListener("click", () => dispatchEvent(new CustomEvent("lab-tell", {detail: {judge: JUDGE}})));
-      return [Object.assign(document.createElement("span"), {textContent: text}), button];
+      const button = makeElement("button", {className: "lab-offer"}, tr("Switch on {judge}", {judge: JUDGE}));
+      button.addEventListener("click", () => tellPage({judge: JUDGE}));
+      return [makeElement("span", {}, text), button];
     },
-    compared: text => [Object.assign(document.createElement("span"), {textContent: text}), choice],
+    compared: text => [makeElement("span", {}, text), choice],
     duration: text => {
-      const button = Object.assign(document.createElement("button"), {textContent: text,
-        title: tr("time of this run so far, at the speed measured on this machine; opens Cost")});
-      button.addEventListener("click", () => dispatchEvent(new CustomEvent("lab-tab", {detail: "Cost"})));
+      const button = makeElement("button", {title: tr("time of this run so far, at the speed measured on this machine; opens Cost")}, text);
+      button.addEventListener("click", () => openTab("Cost"));
       return [button];
     }};
   function writeSpans(element, spans) {
@@ -36,16 +34,12 @@
     if (element.dataset.kinds !== kinds) {
       element.dataset.kinds = kinds;
       const focused = element.contains(document.activeElement) && document.activeElement.tagName;
-      element.replaceChildren(...spans.map(([kind, text]) => {
-        const span = Object.assign(document.createElement("span"), {className: kind && `lab-part-${kind}`});
-        span.append(...OFFERS[kind]?.(text) || [text]);
-        return span;
-      }));
+      element.replaceChildren(...spans.map(([kind, text]) =>
+        makeElement("span", {className: kind && `lab-part-${kind}`}, ...OFFERS[kind]?.(text) || [text])));
       if (focused) element.querySelector(focused)?.focus();
     }
     spans.forEach(([kind, text], k) => {
-      const shown = OFFERS[kind] ? element.children[k].firstChild : element.children[k];
-      if (shown.textContent !== text) shown.textContent = text;
+      changeText(OFFERS[kind] ? element.children[k].firstChild : element.children[k], text);
     });
   }
 
@@ -71,7 +65,7 @@
       + (label.bold ? " lab-bold" : "") + (label.sign ? ` lab-sign-${label.sign}` : "");
     if (label.spans) writeSpans(element, label.spans); else element.textContent = label.text;
     if (label.name.startsWith("/colours/tick")) Object.assign(element, {title: tr("in per cent, or in the unit: click"),
-      onclick: () => dispatchEvent(new CustomEvent("lab-tell", {detail: {scale: true}}))});
+      onclick: () => tellPage({scale: true})});
     element.classList.toggle("lab-of-scale", Boolean(element.onclick));
     const place = Object.keys(LAID).find(end => label.name.endsWith(end));
     if (place) lay(LAID[place], label, vertical, horizontal, element);
@@ -94,5 +88,5 @@
     dispatchEvent(new CustomEvent("lab-laid", {detail: box}));
   }
 
-  new MutationObserver(look).observe(document.getElementById("root"), {childList: true, subtree: true});
+  watchPage(look);
 })();

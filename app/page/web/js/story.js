@@ -4,8 +4,8 @@
   const KEY = "mpm-lab-story", verdict = document.getElementById("lab-verdict"), asks = new URLSearchParams(location.search);
   const panel = () => document.querySelector("[data-dock-region=right]");
   const linked = document.documentElement.classList.contains("lab-linked") && !asks.has("story");
-  const seen = () => { try { return localStorage.getItem(KEY) !== null; } catch { return true; } };  // may be forbidden
-  const tell = story => dispatchEvent(new CustomEvent("lab-tell", {detail: {story}}));
+  const seen = () => fromStorage(store => store.getItem(KEY) !== null, true);
+  const tell = story => tellPage({story});
   const stands = matchMedia("(prefers-reduced-motion: reduce)");
   let wanted = asks.has("story") || !(linked || asks.has("present") || seen());
   let beat = wanted ? null : 0;
@@ -23,7 +23,7 @@
   });
   document.addEventListener("click", event => {
     if (!event.target.closest("[data-lab~=lab-replay] + div button")) return;
-    dispatchEvent(new CustomEvent("lab-tab", {detail: "Explore"}));
+    openTab("Explore");
     start();
   });
   addEventListener("keydown", event => {
@@ -32,17 +32,14 @@
   });
 
   function button(text, act) {
-    const made = document.createElement("button");
-    made.textContent = text;
+    const made = makeElement("button", {}, text);
     made.addEventListener("click", act);
     return made;
   }
   function skip() {
     tell("skip");
-    const note = document.createElement("p"), said = document.createElement("span");
-    note.id = "lab-first-words";
-    said.textContent = `${tr("A bar, cut into particles.")} ${tr("A computer moves them through a fixed grid, step by step: the Material Point Method, MPM.")}`;
-    note.append(said, button(tr("Close"), () => note.remove()));
+    const said = `${tr("A bar, cut into particles.")} ${tr("A computer moves them through a fixed grid, step by step: the Material Point Method, MPM.")}`;
+    const note = makeElement("p", {id: "lab-first-words"}, makeElement("span", {}, said), button(tr("Close"), () => note.remove()));
     verdict.append(note);
   }
   // What is asked for at last pulses until somebody has it in hand.
@@ -54,15 +51,13 @@
     for (const act of ["pointerdown", "focusin", "keydown"]) row.addEventListener(act, () => row.classList.remove("lab-invites"), {once: true});
   }
   function bars(seconds) {
-    const made = document.createElement("div");
-    made.id = "lab-beats";
-    made.append(...[1, 2, 3, 4].map(() => document.createElement("i")), button(tr("Skip"), skip));
+    const made = makeElement("div", {id: "lab-beats"}, ...[1, 2, 3, 4].map(() => makeElement("i")), button(tr("Skip"), skip));
     if (!seconds) made.append(button(tr("Next"), () => tell("next")));
     verdict.after(made);
     return made;
   }
 
-  new MutationObserver(() => {
+  watchPage(() => {
     const said = document.querySelector(".lab-story")?.dataset, now = Number(said?.beat);
     if (!said || now === beat) return;
     beat = now;
@@ -73,10 +68,10 @@
       document.getElementById("lab-beats")?.remove();
       return invite();
     }
-    try { localStorage.setItem(KEY, "seen"); } catch { /* it is told again */ }
+    fromStorage(store => store.setItem(KEY, "seen"));
     const made = document.getElementById("lab-beats") || bars(Number(said.seconds));
     made.style.setProperty("--seconds", `${said.seconds}s`);
     made.querySelectorAll("i").forEach((bar, k) => { bar.className = ["lab-told", "lab-telling", ""][k + 1 < beat ? 0 : k + 1 === beat ? 1 : 2]; });
     made.setAttribute("aria-label", tr("{beat} of 4", {beat}));
-  }).observe(document.getElementById("root"), {childList: true, subtree: true});
+  });
 })();

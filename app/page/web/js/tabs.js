@@ -19,7 +19,7 @@
       wanted = null;
     }
     if (open === "Cost" && !document.body.classList.contains("lab-cost-open"))
-      dispatchEvent(new CustomEvent("lab-tell", {detail: {cost: true}}));  // a search will be asked for
+      tellPage({cost: true});  // a search will be asked for
     document.body.classList.toggle("lab-cost-open", open === "Cost");  // its chart takes the stage's place
     const tab = wanted && !pressed && tabs.find(tab => name(tab) === wanted);
     if (tab) {  // in wide windows tabs hear keys, and pointers, which may drag; in narrow ones clicks
@@ -30,6 +30,5 @@
   }
 
   addEventListener("lab-tab", event => { wanted = event.detail; look(); });
-  new MutationObserver(look).observe(document.getElementById("root"), {childList: true, subtree: true, attributes: true,
-    attributeFilter: ["aria-selected"]});
+  watchPage(look, ["aria-selected"]);
 })();

@@ -3,7 +3,7 @@
 (() => {
   const axis = document.querySelector("#lab-timeline .lab-axis"), clock = document.getElementById("lab-clock");
   const [heading, about, changes] = document.querySelectorAll("#lab-timeline .lab-names > *");
-  const make = name => Object.assign(axis.appendChild(document.createElement("span")), {className: `lab-${name}`});
+  const make = name => axis.appendChild(makeElement("span", {className: `lab-${name}`}));
   const [zero, begin, reach, lost, now, strip, first, read] =
     ["zero", "begin", "reach", "gone", "now", "strip", "first", "read"].map(make);
   const percent = part => `${100 * part}%`;
@@ -15,8 +15,6 @@
     while (list.length < count) list.push(make(kind));
   };
 
-  const say = (element, text) => { if (element.textContent !== text) element.textContent = text; };
-
   function thin() {  // the last one has a unit, and is within the axis
     for (const tick of ticks) tick.hidden = false;
     const end = ticks.at(-1)?.getBoundingClientRect().left - 6;
@@ -26,13 +24,13 @@
   function write(at) {
     const [from, to] = at.reach;
     const [title, subject] = at.title || [tr("Error"), tr("over time")];
-    [[begin, at.start], [zero, at.zero || "0 %"], [heading, title], [about, subject], [changes, at.title ? "" : tr("cell changes")]].forEach(([element, text]) => say(element, text));
+    [[begin, at.start], [zero, at.zero || "0 %"], [heading, title], [about, subject], [changes, at.title ? "" : tr("cell changes")]].forEach(([element, text]) => changeText(element, text));
     fit(tops, at.tops.length, "top");
-    at.tops.forEach(([part, text], k) => { tops[k].style.top = percent(part); say(tops[k], text); });
+    at.tops.forEach(([part, text], k) => { tops[k].style.top = percent(part); changeText(tops[k], text); });
     fit(ticks, at.ticks.length, "tick");
     at.ticks.forEach(([part, text], k) => {
       ticks[k].style.left = percent(part);
-      say(ticks[k], text);
+      changeText(ticks[k], text);
       ticks[k].classList.toggle("lab-last", part > 0.97);  // within the axis
     });
     thin();
@@ -46,7 +44,7 @@
     lost.classList.toggle("lab-late", at.lost > 0.6);
     strip.style.background = at.changes.map(part => `linear-gradient(var(--cross), var(--cross)) ${percent(part)} 0 / 1.5px 100% no-repeat`).join(", ");
     strip.title = at.many || "";
-    say(first, at.changes[0] > 0.16 ? at.first : "");  // where there is room left of it
+    changeText(first, at.changes[0] > 0.16 ? at.first : "");  // where there is room left of it
     first.style.right = percent(1 - (at.changes[0] || 0));
     nameLines(at);
     read.textContent = at.read.join("\n");
@@ -67,7 +65,7 @@
     order.forEach((k, n) => { if (n) places[k] = Math.max(places[k], places[order[n - 1]] + line); });
     const over = Math.max(0, (places[order.at(-1)] || 0) - high);
     told.forEach(([text, colour], k) => {
-      say(names[k], text);
+      changeText(names[k], text);
       names[k].style.cssText = `left: calc(${percent(end)} + 8px); top: ${places[k] - over}px; color: color-mix(in srgb, var(--${colour}, var(--before)) 65%, var(--ink))`;
     });
   }
@@ -81,13 +79,13 @@
     const box = axis.getBoundingClientRect(), part = Math.min(1, Math.max(0, (event.clientX - box.left) / box.width));
     waiting ??= setTimeout(() => waiting = null, 60);  // a hand moves more often than anything can be shown
     Object.assign(read.style, {left: percent(part), translate: part > 0.6 ? "calc(-100% - 8px)" : "8px"});
-    dispatchEvent(new CustomEvent("lab-tell", {detail: {[what]: part}}));
+    tellPage({[what]: part});
   };
   axis.addEventListener("pointerdown", event => { held = true; axis.setPointerCapture(event.pointerId); ask("seek", event); });
   axis.addEventListener("pointermove", event => waiting || ask(held ? "seek" : "read", event));
-  axis.addEventListener("pointerleave", () => dispatchEvent(new CustomEvent("lab-tell", {detail: {read: null}})));
+  axis.addEventListener("pointerleave", () => tellPage({read: null}));
   for (const end of ["pointerup", "pointercancel"])
     axis.addEventListener(end, event => { if (held && end === "pointerup") ask("seek", event); held = false; });
   new ResizeObserver(() => { if (said) write(JSON.parse(said)); }).observe(axis);
-  new MutationObserver(look).observe(document.getElementById("root"), {childList: true, subtree: true});
+  watchPage(look);
 })();

@@ -10,10 +10,10 @@
     event.preventDefault();
     undo();
   });
-  new MutationObserver(() => {
+  watchPage(() => {
     const title = document.querySelector("i.lab-undo")?.dataset.title || "";
     if (button.title === title && button.hidden === !title) return;
     button.title = title && `${title} (${KEYS})`;
     button.hidden = !title;
-  }).observe(document.getElementById("root"), {childList: true, subtree: true, attributes: true, attributeFilter: ["data-title"]});
+  }, ["data-title"]);
 })();

@@ -6,17 +6,8 @@
   let said = null, count = null;
   const together = text => text.replace(/(\d) (?=%|[pnµmkMG]?(?:m|s|Pa)\b)| (?=[=] )|(?<= =) /g, "$1\u00a0")
     .replace(/–(?=\d)/g, "–\u2060");  // no line ends within "25 mm", "t = 0.2 s" or "0.25–0.30"
-  const line = (name, spans) => {
-    const made = document.createElement("span");
-    made.className = name;
-    made.append(...spans.map(([kind, text]) => {
-      const span = document.createElement("span");
-      if (kind) span.className = `lab-${kind}`;
-      span.textContent = together(text);
-      return span;
-    }));
-    return made;
-  };
+  const line = (name, spans) => makeElement("span", {className: name}, ...spans.map(([kind, text]) =>
+    makeElement("span", {className: kind && `lab-${kind}`}, together(text))));
   // Why a run is lost ends with its remedy: the stage makes room for all of it, above the ways on.
   function makeRoom() {
     document.body.style.removeProperty("--verdict");
@@ -47,5 +38,5 @@
   }
   new ResizeObserver(makeRoom).observe(sparks);
   addEventListener("resize", makeRoom);
-  new MutationObserver(look).observe(document.getElementById("root") || document.body, {childList: true, subtree: true});
+  watchPage(look);
 })();

@@ -41,7 +41,7 @@
   function tell() {
     soon = null;
     const now = JSON.stringify(told());
-    if (now !== last) dispatchEvent(new CustomEvent("lab-tell", {detail: JSON.parse(last = now)}));
+    if (now !== last) tellPage(JSON.parse(last = now));
   }
   function look() {
     soon ??= setTimeout(tell, 120);
