@@ -52,8 +52,10 @@ class LandscapeStrips:
             act: Callable[[float], None]) -> LogNumberSlider:
         """Adds a slider for one of the ``PARAMETERS`` with a strip under it; arguments as of ``LogNumberSlider``."""
         def act_and_request(value: float) -> None:
+            before = self._session.scene
             act(value)
-            if not self._session.playing:  # a change keeps the instant, so that its frame need not be waited for
+            if self._session.scene is not before and not self._session.playing:  # not only when its frame comes
+                self._until = self._session.first_instant
                 self.refresh()
 
         gui.add_html(widget_marker_html("lab-logarithmic", "lab-row", parameter=parameter))

@@ -78,6 +78,11 @@ class RunSession:
         return self._pool.playing
 
     @property
+    def first_instant(self) -> float:
+        """The time in periods of the first frame of the requested run."""
+        return self._pace.first_step(self.scene) * self.scene.time_step / self.scene.period
+
+    @property
     def _instant(self) -> float:
         """The time on the stage in periods; the requested one while a run is on its way to it or stopped before."""
         report, requested = self.report, self._pace.begin_at
