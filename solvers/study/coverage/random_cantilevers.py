@@ -92,15 +92,11 @@ class RandomCantilever(RandomDraw):
 def measure_in_worker(draw: dict, answer: Callable[[dict], None]) -> None:
     """Calls ``answer`` with the row of :func:`measure`, in a worker process, for the fields of a
     :class:`RandomCantilever`."""
-    answer(measure(RandomCantilever(**draw)))
+    answer(RandomCantilever(**draw).row(measure))
 
 
 def measure(draw: RandomCantilever) -> dict:
-    """Returns the row of a random cantilever (keys: module docstring); an error becomes a row, never raised."""
-    return draw.row(_measure_cantilever)
-
-
-def _measure_cantilever(draw: RandomCantilever) -> dict:
+    """Returns the row of a random cantilever (keys: module docstring)."""
     from solvers.bodies.run import run_body  # here: a row can be read, kept and drawn without Taichi
 
     begun, body = time.perf_counter(), draw.cantilever.body()
