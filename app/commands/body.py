@@ -8,7 +8,7 @@ from typing import Annotated, Any, ClassVar
 import tyro
 
 from app.commands.lenient_flag_types import BadInput, PathFlag, Switch, TextFlag, default_hint
-from app.commands.output import json_target, print_message, put_result, put_text
+from app.commands.output import json_and_plot_targets, print_message, put_result, put_text
 from app.commands.progress import show_progress
 from app.commands.run.command import BROKEN, OK
 from app.commands.run.text_summary import format_value
@@ -71,11 +71,13 @@ class RunBody:
     """File of the body, .toml."""
     json: Annotated[PathFlag, default_hint("a table is printed instead")] = None
     """File for the result as a JSON object; - is standard output."""
+    plot: Annotated[PathFlag, default_hint("no picture")] = None
+    """File for a picture of the goals over time in the bands of their bars, .png."""
     quiet: Annotated[Switch, default_hint("off")] = False
     """No progress bar and no warnings on standard error."""
 
     def execute(self) -> int:
-        target = json_target(self.json)
+        target, picture = json_and_plot_targets(self.json, self.plot)
         body = _read(self.file)
         for sentence in () if self.quiet else body.warnings():
             print_message(f"warning: {sentence}")
@@ -86,6 +88,10 @@ class RunBody:
             except SceneError as error:  # a force that changes too fast
                 raise BadInput("", self.file, str(error)) from None
         put_result(result.to_dict(), target, lambda values: body_table(file_name(self.file), values))
+        if picture:
+            from app.pictures.body_goals import goals_figure
+            from app.pictures.run_errors import png_bytes
+            picture.write(png_bytes(goals_figure(result, file_name(self.file))))
         if result.reason:
             print_message(result.reason)
         return OK if result.status == "ok" else BROKEN

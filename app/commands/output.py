@@ -113,6 +113,15 @@ def json_target(text: str | None) -> OutputTarget | None:
     return None if text is None else OutputTarget("json", text, may_be_stdout=True)
 
 
+def json_and_plot_targets(json: str | None, plot: str | None) -> tuple[OutputTarget | None, OutputTarget | None]:
+    """Returns the targets for the values of ``--json`` and of ``--plot``, a .png; None for what was not given."""
+    target = json_target(json)
+    picture = None if plot is None else OutputTarget("plot", plot, ending=".png")
+    if target and picture and target.path == picture.path:
+        raise BadInput("plot", picture.text, "is the file of --json too; give each its own")
+    return target, picture
+
+
 def put_result(values: dict, target: OutputTarget | None, text: Callable[[dict], str]) -> None:
     """Writes a result as JSON to the target if there is one, else what ``text`` makes of it to standard output."""
     put_text(json_text(values, lines=not target.is_stdout) if target else text(values) + "\n", target)

@@ -98,7 +98,7 @@ def _run(body: Body, step: float, asked: BodyRunRequest, tell: Callable[[dict], 
         k = len(run.times) - 1
         table[k, :, :2] = run.position + run.displacement
         table[k, :, 2:] = run.error_sizes
-        now = {name: one.last_value_and_bar(run.has_bars) for name, one in run.goals.items()}
+        now = {name: curve[-1] for name, curve in run.curves.items()}
         tell({"sample": BodySample(run.times[-1], run.goal_values(), now, run.estimate.sentence)._asdict()})
     tell({"ends": run.result().to_dict()})
 

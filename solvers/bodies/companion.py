@@ -103,7 +103,7 @@ def take_steps(first: ti.i32, count: ti.i32, state: State, on: ti.template()):
 
 class BodyCompanion:
     """Companion of a body of order p on elements with these ``cuts``, advanced from sample to sample, ``interval`` s
-    apart; ``u`` (m) and ``v`` (m/s) are those of the mesh's points (N, 2), ``time`` is in s."""
+    apart; ``motion`` is u in m and v in m/s at the mesh's points (N, 4), ``time`` is in s."""
 
     def __init__(self, body: Body, cuts: Cuts, order: int, interval: float):
         runtime.start()
@@ -123,6 +123,7 @@ class BodyCompanion:
         self._state = CompanionState(dt=interval, lame_modulus=body.material.bulk, shear_modulus=body.material.mu,
                                      force_terms=K, **{name: aligned_copy(one) for name, one in arrays.items()})
         self._layers = self._state.companion_nodes.reshape(shared.LAYERS, N, 8)
+        self.motion = self._layers[shared.END, :, :4]
         frequency = self._frequency()
         self.steps = max(1, math.ceil(interval * frequency / (SUBSTEPS * STABLE)))  # from sample to sample
         self._state.dt, self._state.companion_numbers[shared.FREQUENCY] = interval / self.steps, frequency
@@ -130,8 +131,7 @@ class BodyCompanion:
 
     def _frequency(self) -> float:
         """Returns the highest angular frequency at rest in 1/s."""
-        gap = float(np.sqrt(np.abs(self.mesh.geometry[:, 0] * self.mesh.geometry[:, 3]
-                                   - self.mesh.geometry[:, 1] * self.mesh.geometry[:, 2])).min())
+        gap = float(np.sqrt(self.mesh.area.min()))
         scale, end = SMALL_STRAIN * gap / (self.mesh.order + 1)**2, self._layers[shared.END]
         step = Launch(take_steps, State(**{**self._state.members(), "dt": 0.0}), OPTIONS)
 
@@ -149,17 +149,9 @@ class BodyCompanion:
         return self._samples * self._interval
 
     @property
-    def motion(self) -> np.ndarray:
-        """Displacement in m and velocity in m/s (N, 4)."""
-        return self._layers[shared.END, :, :4]
-
-    @property
     def u(self) -> np.ndarray:
+        """Displacement in m (N, 2)."""
         return self.motion[:, :2]
-
-    @property
-    def v(self) -> np.ndarray:
-        return self.motion[:, 2:]
 
     def advance(self) -> None:
         """Advances to the next sample; stops within it, with NaN or infinity, where the motion cannot be followed."""

@@ -216,11 +216,6 @@ class MaterialPoints:
         """Velocity (P, 2) in m/s at the time of the sample."""
         return self.state.position_velocity[:, 2:] + self.velocity_lead * self.state.acceleration
 
-    @property
-    def deformation_gradient(self) -> np.ndarray:
-        """F (P, 2, 2)."""
-        return self.state.deformation_gradient.reshape(-1, 2, 2)
-
     def advance(self) -> None:
         """Advances to the next sample, unless a check stops the run (:attr:`verdict`)."""
         set_force(self.state, self._body, self.lattice.position, self.time, self.time + self._interval)

@@ -19,8 +19,6 @@ from solvers.problems.planar.method.material_laws import LAWS, determinant, kirc
 from solvers.problems.planar.method.neo_hookean_logarithms import compute_volumetric_stress
 from solvers.solver.state_arrays import Members, aligned_copy
 
-TABLE = 4  # columns of ``batches``
-
 
 @dataclass
 class ComparisonState(Members):
@@ -105,16 +103,15 @@ def compare_at_particles(unused: ti.i32, state: State):
     """Writes error sizes, sums of squares, and the fields at the chosen particles."""
     ti.loop_config(serialize=True)
     for _ in range(1):
-        M, C, rows = state.volumetric.shape[0] // 3, state.chosen.shape[0] - 1, state.batches.shape[0] // (2 * TABLE)
+        M, C, rows = state.volumetric.shape[0] // 3, state.chosen.shape[0] - 1, state.batches.shape[0] // 8
         apart, found, estimated = ti.Vector([0.0] * 8), ti.Vector([0.0] * 8), ti.Vector([0.0] * 8)
         K, row = state.factor, 0
         extrapolated = ti.Vector([K, K, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0])
         for batch in range(rows - 1):
-            table = TABLE * batch
-            start, end = state.batches[table + 3], state.batches[table + TABLE + 3]
+            start, end = state.batches[4 * batch + 3], state.batches[4 * batch + 7]
             read_run(state, start, end)
             for which in range(2):
-                evaluate_companion(state, which, table + which * TABLE * rows, start, end)
+                evaluate_companion(state, which, 4 * (which * rows + batch), start, end)
             compute_volumetric_stress(state, 0, 3 * M)
             for p in range(start, end):
                 run, coarse = fields_of(state, p - start), fields_of(state, M + p - start)

@@ -26,7 +26,8 @@ FAILURES = {INVERTED: Message("a particle has turned inside out"), CRUSHED: Mess
 class BodyResult:
     """Result of a body's run; times in s. ``status`` is "ok" or "unstable", ``reason`` a sentence why, ``until`` the
     time of the last estimate, ``estimate`` by quantity, ``goals`` by name; ``remarks`` are sentences on what limits the
-    estimate, ``companion`` describes the companions."""
+    estimate, ``companion`` describes the companions. ``curves`` are, by goal, what it is about in each sample and its
+    bar, None without one."""
 
     body: Body
     status: str
@@ -40,6 +41,7 @@ class BodyResult:
     remarks: tuple[str, ...]
     companion: dict[str, Any]
     seconds: dict[str, float]
+    curves: dict[str, list[tuple[float, float | None]]]
 
     def to_dict(self) -> dict[str, Any]:
         """Returns the result as a JSON object, in SI units."""
@@ -62,8 +64,9 @@ def run_body(body: Body, on_progress: Callable[[float], None] | None = None) -> 
 
 class BodyRun:
     """Run of a body sample by sample, beside companions of orders 4 and 6 on the same elements. ``times`` in s of the
-    samples so far, the start included, ``position`` (P, 2) in m at rest, and by name the values of ``goals`` so far;
-    ``error_sizes`` (P, 3) are those of the errors that were estimated at the particles in the last sample."""
+    samples so far, the start included, ``position`` (P, 2) in m at rest, ``curves`` by goal what it is about in each
+    sample and its bar (None without one); ``error_sizes`` (P, 3) are those of the errors that were estimated at the
+    particles in the last sample, in the order of ``QUANTITIES``."""
 
     def __init__(self, body: Body):
         self.body, self._cuts = body, default_cuts(body)
@@ -76,6 +79,7 @@ class BodyRun:
         self.position, self.times = self._particles.lattice.position, [0.0]
         self.estimate = ErrorEstimate(body)
         self.goals = self._comparison.goals
+        self.curves = {name: [one.last_value_and_bar(True)] for name, one in self.goals.items()}
         self.error_sizes = self._comparison.error_sizes
         self._spent = {"compile": 0.0, "run": 0.0, "companions": time.process_time() - begun}
 
@@ -99,6 +103,8 @@ class BodyRun:
         if run.verdict[0] != SOUND:
             return False
         self._add_to_estimate()
+        for name, series in self.goals.items():
+            self.curves[name].append(series.last_value_and_bar(self.has_bars))
         _count_seconds(self._spent, len(self.times) - 1, middle - begun, time.process_time() - middle)
         self.times.append(run.time)
         return True
@@ -143,7 +149,7 @@ class BodyRun:
             companion={"orders": list(ORDERS), "elements": mesh.elements,
                        "points": [len(one.mesh.points) for one in self._companions],
                        "extrapolation": self.estimate.factor},
-            seconds=self._spent)
+            seconds=self._spent, curves=self.curves)
 
 
 def _count_seconds(spent: dict[str, float], sample: int, run: float, companions: float) -> None:

@@ -62,8 +62,8 @@ def even_cuts(counts: np.ndarray) -> Cuts:
 
 class SpectralMesh:
     """Mesh of order p (``order``) with N points: ``points`` (N, 2) in m, ``geometry`` (N, 4) j grad xi and j grad eta
-    in the element's coordinates from -1 to 1, ``master`` (N,), ``inverse_mass`` (N, 2) in 1/kg per metre of thickness,
-    0 for held components."""
+    in the element's coordinates from -1 to 1, ``area`` (N,) j in m^2, ``master`` (N,), ``inverse_mass`` (N, 2) in 1/kg
+    per metre of thickness, 0 for held components."""
 
     def __init__(self, body: Body, cuts: Cuts, order: int):
         self.cuts, self.order = cuts, order
@@ -79,9 +79,9 @@ class SpectralMesh:
         self.points = np.concatenate(points)
         self.elements = len(self.points) // (order + 1)**2
         self.geometry = contravariant_vectors(self._reference_derivatives(self.points))
-        self._area = self.geometry[:, 0] * self.geometry[:, 3] - self.geometry[:, 1] * self.geometry[:, 2]
+        self.area = self.geometry[:, 0] * self.geometry[:, 3] - self.geometry[:, 1] * self.geometry[:, 2]
         self.master = _merge(self.points)
-        mass = np.bincount(self.master, body.density * self._area * np.tile(self.weights.ravel(), self.elements),
+        mass = np.bincount(self.master, body.density * self.area * np.tile(self.weights.ravel(), self.elements),
                            len(self.points))
         held = np.zeros((len(self.points), 2), bool)
         np.logical_or.at(held, self.master, self._constrained_components(body))
@@ -113,7 +113,7 @@ class SpectralMesh:
         """Returns the least principal stretch at the points for displacements u (N, 2) in m, and its place (2,);
         below 0 where the body is turned inside out."""
         by_xi, by_eta = self._reference_derivatives(u)
-        xx, xy, yx, yy = _material_gradient(by_xi, by_eta, (self.geometry / self._area[:, None]).T)
+        xx, xy, yx, yy = _material_gradient(by_xi, by_eta, (self.geometry / self.area[:, None]).T)
         xx, yy = 1 + xx, 1 + yy
         smallest = 0.5 * (np.hypot(xx + yy, xy - yx) - np.hypot(xx - yy, xy + yx))  # singular value of F, with sign
         at = int(np.argmin(smallest))

@@ -4,7 +4,7 @@ from dataclasses import dataclass, replace
 from typing import Annotated, Any, ClassVar
 
 from app.commands.lenient_flag_types import BadInput, PathFlag, Switch, default_hint, one_of
-from app.commands.output import OutputTarget, json_target, print_message, put_result
+from app.commands.output import json_and_plot_targets, print_message, put_result
 from app.commands.progress import show_progress
 from app.commands.run.command import BROKEN, OK
 from app.commands.run.text_summary import budget_table, removed_cause_table
@@ -41,10 +41,7 @@ class Budget(SceneFlags):
 
     def execute(self) -> int:
         scene = self._scene()
-        target = json_target(self.json)
-        picture = None if self.plot is None else OutputTarget("plot", self.plot, ending=".png")
-        if target and picture and target.path == picture.path:
-            raise BadInput("plot", self.plot, "is the file of --json too; give each its own")
+        target, picture = json_and_plot_targets(self.json, self.plot)
         with show_progress(self.quiet) as show:
             from solvers.running.budget_cause_removal import (
                 run_budget,  # here: bad input and --help must not wait for Taichi

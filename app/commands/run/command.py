@@ -11,7 +11,7 @@ import tyro
 
 from app import shareable_state
 from app.commands.lenient_flag_types import BadInput, PathFlag, Switch, TextFlag, default_hint
-from app.commands.output import OutputTarget, json_target, print_message, put_result
+from app.commands.output import OutputTarget, json_and_plot_targets, print_message, put_result
 from app.commands.progress import show_progress
 from app.commands.run.text_summary import goal_table, run_table
 from app.commands.scene_flags import SceneFlags
@@ -94,10 +94,7 @@ class OutputFlags:
                                f"needs what --effects leaves out: {' and '.join(missing)}")
             scene = replace(scene, estimators=tuple(dict.fromkeys((*scene.estimators, self.corrected))))
         parse_goals(scene, self.goal)
-        target = json_target(self.json)
-        picture = None if self.plot is None else OutputTarget("plot", self.plot, ending=".png")
-        if target and picture and target.path == picture.path:
-            raise BadInput("plot", self.plot, "is the file of --json too; give each its own")
+        target, picture = json_and_plot_targets(self.json, self.plot)
         writer = None if self.particles is None else ParticleWriter(self.particles, scene)
         for sentence in () if self.quiet else scene.warnings():
             print_message(f"warning: {sentence}")

@@ -37,6 +37,15 @@ def test_a_run_as_a_table(sector, capsys):
         assert words in out
 
 
+def test_a_picture_of_the_goals(sector, tmp_path, capsys):
+    """And a file that --json is to write, too, is refused before the run."""
+    plot = tmp_path / "goals.png"
+    assert main(["run", sector, "--plot", str(plot)]) == 0
+    assert plot.read_bytes().startswith(b"\x89PNG") and plot.stat().st_size > 20_000
+    assert main(["run", sector, "--plot", str(plot), "--json", str(plot)]) == 2
+    assert "is the file of --json too" in capsys.readouterr().err
+
+
 def test_bodies_that_come_along_are_listed_and_shown(capsys):
     assert main(["body", "list"]) == 0
     assert [line.split()[0] for line in capsys.readouterr().out.splitlines()] == library_names()

@@ -44,7 +44,7 @@ def test_the_axis_aligned_motion(method, cells, values):
     def errors_of(run):
         def current_errors():
             u, v, F = exact_bodies.square_motion(run.lattice.position, run.time)
-            stress = cauchy(body, run.deformation_gradient) - cauchy(body, F)
+            stress = cauchy(body, run.state.deformation_gradient) - cauchy(body, F)
             return [np.sqrt(np.sum(one**2, axis=1).mean()) for one in (run.displacement - u, run.velocity - v, stress)]
         return current_errors
 

@@ -29,7 +29,7 @@ def compared():
     state.deformation_gradient[:] = [1.0, 0.0, 0.0, 1.0] + 0.1 * rng.normal(size=(len(X), 4))
     state.position_velocity[:] += 0.1 * rng.normal(size=(len(X), 4))
     goals = {"first": Goal("end y", (0.8, 0.9)), "second": Goal("max |sigma_xy|", tuple(X[40]))}
-    fields = [np.hstack([run.displacement, run.velocity, stress(run.deformation_gradient)])]
+    fields = [np.hstack([run.displacement, run.velocity, stress(state.deformation_gradient)])]
     fields += [np.hstack([X @ gradient.T, 7 * X @ gradient, stress(np.tile(np.eye(2) + gradient, (len(X), 1, 1)))])
                for gradient in GRADIENTS]
     return run, companions, ParticleComparison(run, companions, FACTOR, goals), fields
