@@ -109,9 +109,9 @@ class ErrorEstimate:
         if stretch < FOLD_STRETCH and self.pressed is None:
             self.pressed = time, place
         with np.errstate(all="ignore"):
-            apart = [_rms(one - other) for one, other in zip(fine, coarse, strict=True)]
-            doubts = [_rms(one - other) for one, other in zip(run, fine, strict=True)]
-            errors = [_rms(one) for one in self.particle_errors(run, coarse, fine)]
+            apart = [rms(one - other) for one, other in zip(fine, coarse, strict=True)]
+            doubts = [rms(one - other) for one, other in zip(run, fine, strict=True)]
+            errors = [rms(one) for one in self.particle_errors(run, coarse, fine)]
         if not np.isfinite(apart).all() or stretch <= 0:
             self.sentence = Message("from t = {time:.3g} s the companions have failed{fold}; stiffen the body, or stop "
                                     "before", time, self._fold_words())
@@ -156,5 +156,6 @@ class ErrorEstimate:
                        "where its surface may fold", time, x, y)
 
 
-def _rms(error: np.ndarray) -> float:
+def rms(error: np.ndarray) -> float:
+    """Returns the root mean square over the particles of the sizes of vectors or tensors (P, n)."""
     return math.sqrt(float(np.einsum("pi,pi->", error, error)) / len(error))

@@ -5,6 +5,7 @@ with one method share a compilation. Positions are stored from the grid's corner
 """
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -23,6 +24,7 @@ from solvers.problems.planar.method import phases
 from solvers.problems.planar.method.material_laws import LAWS, determinant, kirchhoff
 from solvers.problems.planar.method.neo_hookean_logarithms import compute_volumetric_stress
 from solvers.problems.planar.method.stored_weights import allocate_weights
+from solvers.scene.estimator_hooks import NEVER
 from solvers.scene.kernel_options import KernelOptions
 from solvers.solver.base import SOUND
 from solvers.solver.serial_stepping import CHECK_EVERY, check_particles
@@ -186,14 +188,14 @@ class MaterialPoints:
                   "bounds": np.append(low - body.spacing, high + body.spacing),
                   "left_out": np.full(1, HALF_KICK if half_start else 0.0), "particle_force": zeros(P, 2),
                   "force_series": zeros(P * K, 2), "force_weights": zeros(K), "force_numbers": zeros(2)}
-        self._state = BodyState(
+        self.state = BodyState(
             particles=P, row=grid.row, active=grid.row, columns=grid.columns, lines=grid.lines,
             mirror_count=len(grid.mirrors), slabs=1, spacing=body.spacing, cells_per_length=1 / body.spacing,
             origin=0.0, dt=self._interval / self.steps, lame_modulus=body.material.bulk, shear_modulus=body.material.mu,
             density=body.density, half_width=0.5 / body.ppc, force_terms=K,
             **{name: aligned_copy(one) for name, one in arrays.items()})
         on = KernelOptions(body.method, False, "typed", "grid", ("acceleration",), (), (), "", NEO_HOOKEAN)
-        self._advance = Launch(take_steps, State(**self._state.members()), on)
+        self._advance = Launch(take_steps, State(**self.state.members()), on)
 
     @property
     def time(self) -> float:
@@ -202,27 +204,43 @@ class MaterialPoints:
     @property
     def verdict(self) -> tuple[int, int, int]:
         """Kind of failure (0 for none), its step and its particle: see ``solvers.solver.base``."""
-        kind, step, particle = (int(one) for one in self._state.verdict)
+        kind, step, particle = (int(one) for one in self.state.verdict)
         return kind, step, particle
 
     @property
     def displacement(self) -> np.ndarray:
         """Displacement (P, 2) in m."""
-        return self._state.position_velocity[:, :2] + self._corner - self.lattice.position
+        return self.state.position_velocity[:, :2] + self._corner - self.lattice.position
 
     @property
     def velocity(self) -> np.ndarray:
         """Velocity (P, 2) in m/s at the time of the sample."""
-        half = 0.5 * self._state.dt if self._half_start and self._samples else 0.0
-        return self._state.position_velocity[:, 2:] + half * self._state.acceleration
+        return self.state.position_velocity[:, 2:] + self.reported_velocity_gain
+
+    @property
+    def reported_velocity_gain(self) -> np.ndarray | float:
+        """What the velocity at the time of the sample has in m/s beyond the particles' own (P, 2)."""
+        return 0.5 * self.state.dt * self.state.acceleration if self._half_start and self._samples else 0.0
 
     @property
     def deformation_gradient(self) -> np.ndarray:
         """F (P, 2, 2)."""
-        return self._state.deformation_gradient.reshape(-1, 2, 2)
+        return self.state.deformation_gradient.reshape(-1, 2, 2)
 
-    def advance(self) -> None:
-        """Advances to the next sample, unless a check stops the run (:attr:`verdict`)."""
-        set_force(self._state, self._body, self.lattice.position, self.time, self.time + self._interval)
-        self._advance(self._samples * self.steps, self.steps)
+    @property
+    def step(self) -> int:
+        """Number of steps up to the last sample."""
+        return self._samples * self.steps
+
+    def advance(self, interval: int = NEVER, follow: Callable[[int], None] = lambda step: None) -> None:
+        """Advances to the next sample, unless a check stops the run (:attr:`verdict`); after every ``interval`` steps
+        of the run ``follow`` is called with their number."""
+        set_force(self.state, self._body, self.lattice.position, self.time, self.time + self._interval)
+        first, end = self.step, self.step + self.steps
+        while first < end and self.verdict[0] == SOUND:
+            count = min(end - first, interval - first % interval)
+            self._advance(first, count)
+            first += count
+            if first % interval == 0:
+                follow(first)
         self._samples += 1

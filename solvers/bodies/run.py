@@ -12,7 +12,10 @@ from solvers.bodies.companion import BodyCompanion
 from solvers.bodies.estimate import QUANTITIES, ErrorEstimate, ParticleFields, QuantityEstimate, cauchy_stress
 from solvers.bodies.goal_values import GoalSeries, GoalValue
 from solvers.bodies.material_points import MaterialPoints
+from solvers.bodies.recovered_estimate import RecoveredEstimate
+from solvers.bodies.rectangle import RECOVERED, check_estimator
 from solvers.bodies.spectral_mesh import ORDERS, LatticeReader, default_cuts
+from solvers.scene.estimator_registry import COMPANION
 from solvers.solver.base import CRUSHED, ESCAPED, INVERTED, SOUND
 from solvers.translatable_message import Message
 
@@ -25,7 +28,8 @@ FAILURES = {INVERTED: Message("a particle has turned inside out"), CRUSHED: Mess
 class BodyResult:
     """Result of a body's run; times in s. ``status`` is "ok" or "unstable", ``reason`` a sentence why, ``until`` the
     time of the last estimate, ``estimate`` by quantity, ``goals`` by name; ``remarks`` are sentences on what limits the
-    estimate, ``companion`` describes the companions."""
+    estimate, ``companion`` describes the companions, ``recovered`` is a second estimate (``RecoveredEstimate.to_dict``)
+    if one was asked for."""
 
     body: Body
     status: str
@@ -38,6 +42,7 @@ class BodyResult:
     goals: dict[str, GoalValue]
     remarks: tuple[str, ...]
     companion: dict[str, Any]
+    recovered: dict[str, Any] | None
     seconds: dict[str, float]
 
     def to_dict(self) -> dict[str, Any]:
@@ -47,12 +52,13 @@ class BodyResult:
                 "t": self.time, "steps": self.steps, "particles": self.particles, "estimated_until": self.until,
                 "estimate": estimates, "goals": {name: one._asdict() for name, one in self.goals.items()},
                 "warnings": self.body.warnings(), "remarks": list(self.remarks), "companion": self.companion,
-                "seconds": self.seconds}
+                "recovered": self.recovered, "seconds": self.seconds}
 
 
-def run_body(body: Body, on_progress: Callable[[float], None] | None = None) -> BodyResult:
-    """Runs a body to its end, or until it becomes unstable; ``on_progress`` is called with the part done, 0 to 1."""
-    run = BodyRun(body)
+def run_body(body: Body, on_progress: Callable[[float], None] | None = None, estimator: str = COMPANION) -> BodyResult:
+    """Runs a body to its end, or until it becomes unstable; ``on_progress`` is called with the part done, 0 to 1. With
+    the ``estimator`` "recovered" a rectangle gets a second estimate beside that of the companions."""
+    run = BodyRun(body, estimator)
     while run.advance():
         if on_progress:
             on_progress((len(run.times) - 1) / SAMPLES)
@@ -64,7 +70,7 @@ class BodyRun:
     samples so far, the start included, ``position`` (P, 2) in m at rest, and by name the values of ``goals`` so far;
     ``errors`` are those estimated at the particles in the last sample, in the order of ``QUANTITIES``."""
 
-    def __init__(self, body: Body):
+    def __init__(self, body: Body, estimator: str = COMPANION):
         self.body, self._cuts = body, default_cuts(body)
         loaded = bool(np.any(body.gravity)) or body.has_force
         begun = time.process_time()
@@ -72,6 +78,8 @@ class BodyRun:
         self._companions = [BodyCompanion(body, self._cuts, order, body.t_end / SAMPLES) for order in ORDERS]
         self._readers = [LatticeReader(one.mesh, self._particles.lattice.lattices) for one in self._companions]
         self.position, self.times = self._particles.lattice.position, [0.0]
+        check_estimator(body, estimator)
+        self.recovered = RecoveredEstimate(body, self._particles) if estimator == RECOVERED else None
         self.estimate = ErrorEstimate(body)
         self.goals = {name: GoalSeries(goal, self.position) for name, goal in body.goals.items()}
         self.errors: ParticleFields | None = None
@@ -92,11 +100,13 @@ class BodyRun:
         if len(self.times) > SAMPLES:
             return False
         body, run, begun = self.body, self._particles, time.process_time()
-        run.advance()
+        run.advance(*((self.recovered.interval, self.recovered.follow) if self.recovered else ()))
         middle = time.process_time()
         if run.verdict[0] != SOUND:
             return False
         own = ParticleFields(run.displacement, run.velocity, cauchy_stress(body, run.deformation_gradient))
+        if self.recovered:
+            self.recovered.add_sample()
         coarse, fine = self._read_companions(own)
         self.errors = self.estimate.particle_errors(own, coarse, fine)
         for series in self.goals.values():
@@ -144,6 +154,7 @@ class BodyRun:
             companion={"orders": list(ORDERS), "elements": mesh.elements,
                        "points": [len(one.mesh.points) for one in self._companions],
                        "extrapolation": self.estimate.factor},
+            recovered=self.recovered.to_dict() if self.recovered else None,
             seconds=self._spent)
 
 

@@ -10,7 +10,7 @@ from app.commands.body import value_and_bar
 from solvers.bodies.body_file import library_names, library_text
 
 KEYS = {"schema", "body", "status", "reason", "t", "steps", "particles", "estimated_until", "estimate", "goals",
-        "warnings", "remarks", "companion", "seconds"}
+        "warnings", "remarks", "companion", "recovered", "seconds"}
 
 
 @pytest.fixture
@@ -35,6 +35,17 @@ def test_a_run_as_a_table(sector, capsys):
     out = capsys.readouterr().out
     for words in ("sector.toml: cpdi, 8 cells per metre", "ok:", "x (m)", "delta", "end ", " +- ", "orders 4 and 6 on"):
         assert words in out
+
+
+def test_a_second_estimate(sector, tmp_path, capsys):
+    """Of a rectangle; the sector is none."""
+    beam = tmp_path / "beam.toml"
+    beam.write_text(library_text("cantilever").replace("cells_per_metre = 8", "cells_per_metre = 4")
+                    .replace("t_end = 1.8", "t_end = 0.05"))
+    assert main(["run", str(beam), "--estimator", "recovered"]) == 0
+    assert "recovered, sigma (Pa)" in capsys.readouterr().out
+    assert main(["run", sector, "--estimator", "recovered"]) == 2
+    assert "--estimator recovered: needs a body of one rectangle" in capsys.readouterr().err
 
 
 def test_bodies_that_come_along_are_listed_and_shown(capsys):
