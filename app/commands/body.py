@@ -81,7 +81,7 @@ class RunBody:
 
     def execute(self) -> int:
         target = json_target(self.json)
-        body = _read(self.file)
+        body = read_body_file(self.file)
         check_estimator(body, self.estimator)
         for sentence in () if self.quiet else body.warnings():
             print_message(f"warning: {sentence}")
@@ -97,7 +97,7 @@ class RunBody:
         return OK if result.status == "ok" else BROKEN
 
 
-def _read(path: str) -> Body:
+def read_body_file(path: str) -> Body:
     """Returns the body of a file; raises BadInput."""
     try:
         return body_file.read_body(path)

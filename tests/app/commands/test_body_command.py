@@ -86,8 +86,9 @@ def test_a_value_has_the_digits_of_its_bar(value, bar, said):
     assert value_and_bar(value, bar) == said
 
 
-def test_other_commands_say_that_bodies_only_run(capsys):
-    assert main(["sweep", "sector.toml"]) == 2
-    assert "sector.toml: is a body, which only mpm-lab run FILE.toml takes" in capsys.readouterr().err
+def test_other_commands_say_which_take_bodies(capsys):
+    assert main(["advise", "sector.toml"]) == 2
+    assert ("sector.toml: is a body, which only mpm-lab run FILE.toml and mpm-lab sweep FILE.toml take"
+            in capsys.readouterr().err)
     assert main(["export", "sector.toml", "--out", "sector.html"]) == 2
     assert "sector.toml: is a body, of which there is no recording" in capsys.readouterr().err
