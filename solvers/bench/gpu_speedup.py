@@ -62,19 +62,19 @@ def measure_device(where: str, sizes: Mapping[str, Sequence[int]], copied: int =
     maps problems to numbers of cells, ``copied`` is the number of vectors to copy for the bandwidth."""
     runtime.start(where)
     limit = measure_bandwidth(copied)
-    rows = [measure_scene_rates(bare_scene(problem, n, method=method), where, limit)
+    rows = [measure_scene_rates(bare_scene(problem, n, method=method, arch=where), limit)
             for problem, cells in sizes.items() for method in METHODS for n in cells]
     return {"arch": where, "name": gpu_detection.probe_device(where)["name"], "missing": None,
             "bandwidth": 1e-9 * limit, "rows": rows}
 
 
-def measure_scene_rates(scene: Scene, where: str, limit: float) -> dict:
-    """Returns the rates of a scene, in million particle-steps per second, on the GPU ``where`` and by the CPU's plans
+def measure_scene_rates(scene: Scene, limit: float) -> dict:
+    """Returns the rates of a GPU's scene, in million particle-steps per second, on that GPU and by the CPU's plans
     (None if unstable or too many particles), and the GPU's rate over its ``limit`` by bandwidth (bytes per second)."""
-    rates = {"gpu": measure_particle_step_rate(build(replace(scene, arch=where)))}
+    rates = {"gpu": measure_particle_step_rate(build(scene))}
     everywhere: dict[str, Any] = {"plan": "parallel", "threads": os.cpu_count() or 1}
     for plan, inputs in {"serial": {}, "parallel": everywhere}.items():
-        rates[plan] = measure_particle_step_rate(build(replace(scene, **inputs))) \
+        rates[plan] = measure_particle_step_rate(build(replace(scene, arch=gpu_detection.CPU, **inputs))) \
             if scene.particles <= MOST_PARTICLES else None
     share = None if rates["gpu"] is None else 1e6 * rates["gpu"] * (BASE_BYTES + EXTRA_BYTES[scene.method]) / limit
     return {"problem": scene.problem, "method": scene.method, "cells": scene.cells, "particles": scene.particles,

@@ -6,6 +6,9 @@ Vulkan runs these tests without a GPU, by Mesa's driver, which plays one on the 
 """
 
 import functools
+import os
+import subprocess
+import sys
 from collections.abc import Callable
 from dataclasses import replace
 from typing import Any, NamedTuple
@@ -24,12 +27,14 @@ from solvers.problems.ring import RingScene
 from solvers.problems.square import SquareScene
 from solvers.problems.vortex import VortexScene
 from solvers.running.run import build, run
+from solvers.scene import scene as scene_module
 from solvers.scene.scene import MOST_ON_GPU, Scene
 from solvers.scene.stabilisations import COUPLED, FILTER, FROZEN
 from solvers.scene.validation import SceneError
 from solvers.solver import gpu_detection, samples
 from solvers.solver.base import Solver
 from solvers.solver.particle_snapshot import Snapshot
+from solvers.solver.serial_stepping import CHECK_EVERY
 from tests.support.gpus import ARCH, require_gpu
 
 RING = RingScene(cells=16, estimators=("companion",), arch=ARCH, sample_every=20)
@@ -247,7 +252,19 @@ def test_a_run_that_is_lost_before_it_breaks_is_lost_from_the_same_time_on():
                       amplitude=0.2, arch=ARCH)
     mine, theirs = run(scene, prices=False), run(on_processor(scene), prices=False)
     assert theirs.status == "unstable" and theirs.broken_at < 0.5 * theirs.time
-    assert (mine.status, mine.broken_at, mine.steps) == (theirs.status, theirs.broken_at, theirs.steps)
+    assert (mine.status, mine.broken_at) == (theirs.status, theirs.broken_at)
+    assert abs(mine.steps - theirs.steps) <= CHECK_EVERY  # sums in another order break in another step
+
+
+@pytest.mark.slow
+def test_no_vector_is_shared_by_two_loops_of_a_kernel():
+    """Taichi 1.7.4 stores one after an odd number of integers at an address that CUDA refuses and Vulkan accepts."""
+    require_gpu()
+    build_and_compile = "from tests.solvers.running.test_gpu import *; build(RING).compile()"
+    code = subprocess.run([sys.executable, "-c", build_and_compile], check=True, capture_output=True, text=True,
+                          errors="replace", env={**os.environ, "TI_PRINT_IR": "1", "TI_OFFLINE_CACHE": "0"}).stdout
+    shared = [line for line in code.splitlines() if "global tmp var" in line]
+    assert shared and not [line for line in shared if "Tensor" in line]
 
 
 @pytest.mark.slow
@@ -350,8 +367,9 @@ def test_what_is_found_is_known_by_name_and_a_search_that_fails_finds_nothing():
 
 
 @pytest.mark.slow
-def test_the_bench_of_a_gpu():
-    """Its parts are there and make sense, at sizes that software can do; and its table says what it is."""
+def test_the_bench_of_a_gpu(monkeypatch):
+    """Its parts are there and make sense, at sizes that software can do, also where there are too many particles for a
+    processor; and its table says what it is."""
     require_gpu()
     found = gpu_speedup.measure_device(ARCH, {"ring": (16,)}, copied=100_000)
     assert found["arch"] == ARCH and found["bandwidth"] > 0 and found["missing"] is None
@@ -362,6 +380,10 @@ def test_the_bench_of_a_gpu():
     empty = {"rates": [], "estimators": [], "effects": [], "off": [], "limit": [], "start": {"failed": "not here"},
              "arch": "x64", "precision": "double", "quick": True, "seconds": 1.0,
              "machine": {"load": 0.0, "system": "", "processor": "", "cores": 2, "python": "", "taichi": ""}}
+    monkeypatch.setattr(gpu_speedup, "MOST_PARTICLES", 100)
+    monkeypatch.setattr(scene_module, "MOST_PARTICLES", 100)
+    only_gpu = gpu_speedup.measure_device(ARCH, {"ring": (16,)}, copied=100)["rows"][0]
+    assert only_gpu["rates"]["gpu"] > 0 and only_gpu["rates"]["serial"] is only_gpu["rates"]["parallel"] is None
     text = bench_table({**empty, "gpu": found})
     assert found["name"] in text and "of the limit" in text and "ring cpdi 16" in text
     assert "no GPU was found" in bench_table({**empty, "gpu": {"missing": "no GPU was found"}})

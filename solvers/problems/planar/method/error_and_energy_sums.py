@@ -3,6 +3,9 @@
 Errors are vectors (x, v, a) or tensors (sigma) at a fixed material point, computed minus exact; their sizes are
 Euclidean and Frobenius norms. The acceleration is the one that the last step used, so it is compared at that step's
 time. ``error_extra`` is the paper's "Err A": the error of the acceleration at the nodes that carry mass.
+
+Sums over particles are Python lists, which Taichi makes one variable per number. On a GPU it stores variables that two
+loops share one after another, and a vector after an odd number of integers at an address that CUDA refuses.
 """
 
 import taichi as ti
@@ -61,10 +64,12 @@ def sample_sums(body: ti.template(), row, step, measures: ti.template(), on: ti.
 @ti.func
 def sample_truth(body: ti.template(), row, step, measures: ti.template(), on: ti.template()):
     """Writes sums of squared true errors to ``row``: of x, v, sigma and, with that diagnostic, a (also at nodes)."""
-    squares = ti.Vector([0.0, 0.0, 0.0, 0.0])
+    squares = [0.0, 0.0, 0.0, 0.0]
     for p in range(body.particles):
         motion, a = vector_errors(body, p, on)
-        squares += squared_norms(motion, stress_error(body, p, on), a)
+        norms = squared_norms(motion, stress_error(body, p, on), a)
+        for q in ti.static(range(4)):
+            squares[q] += norms[q]
     for q in ti.static(range(3)):
         body.samples[row, ti.static(column_index("error_x")) + q] = squares[q]
     if ti.static(on.acceleration):
@@ -88,18 +93,22 @@ def sample_estimates(body: ti.template(), row, step, on: ti.template()):
 @ti.func
 def sample_estimate(body: ti.template(), row, step, e, on: ti.template()):
     """Writes sums of squares to ``row``: of estimator number e's errors and their differences from the true ones."""
-    squares, missed = ti.Vector([0.0, 0.0, 0.0, 0.0]), ti.Vector([0.0, 0.0, 0.0, 0.0])
+    squares, missed = [0.0, 0.0, 0.0, 0.0], [0.0, 0.0, 0.0, 0.0]
     for p in range(body.particles):
         motion, stress = body.estimate[e * body.particles + p], body.estimate_stress[e * body.particles + p]
         sigma = ti.Vector([stress[0], stress[1], stress[2]])
         a = body.estimate_acceleration[e * body.particles + p]
-        squares += squared_norms(motion, sigma, a)
+        norms = squared_norms(motion, sigma, a)
+        for q in ti.static(range(4)):
+            squares[q] += norms[q]
         if ti.static(on.truth):
             true_motion, true_a = vector_errors(body, p, on)
             if step == 0:  # none has been computed, and so none can be wrong
                 true_a = ti.Vector([0.0, 0.0])
             true_sigma = stress_error(body, p, on)
-            missed += squared_norms(motion - true_motion, sigma - true_sigma, a - true_a)
+            norms = squared_norms(motion - true_motion, sigma - true_sigma, a - true_a)
+            for q in ti.static(range(4)):
+                missed[q] += norms[q]
     at = ti.static(len(BASE_COLUMNS)) + ti.static(len(ESTIMATOR_COLUMNS)) * e
     for q in ti.static(range(4)):
         body.samples[row, at + q] = squares[q]

@@ -2,7 +2,8 @@
 
 Neighbours on a lattice of particles should stand (F_p + F_q)/2 (X_q - X_p) from each other, and circles of them where
 the balance of momentum brings them. Loads are the same all around, seen from each particle, so that every circle of
-particles stays a circle: differences along it are errors, whatever the true motion is.
+particles stays a circle: differences along it are errors, whatever the true motion is. Sums are Python lists because of
+CUDA (see ``error_and_energy_sums``).
 """
 
 from collections.abc import Callable
@@ -43,18 +44,20 @@ def make_circle_contradiction_kernel(inner: float, outer: float, turns: bool) ->
             else:
                 turning += around * around
             scatter_add(body.exact, 3 * body.orbit[p], ti.Vector([1.0, along, around, square]))
-        scatter, squares, motion = 0.0, turning, ti.Vector([0.0] * MODES)
+        scatter, squares, moments = 0.0, turning, [0.0 for _ in ti.static(range(MODES))]
         for k in range(body.orbits):
             sums = body.exact[3 * k]
             mean = sums[1] * sums[1]
             if ti.static(turns):
                 mean += sums[2] * sums[2]
             squares += sums[3]
-            motion += circle_moments(body, k, sums[1], sums[2], inner, outer)
+            added = circle_moments(body, k, sums[1], sums[2], inner, outer)
+            for n in ti.static(range(MODES)):
+                moments[n] += added[n]
             scatter += ti.max(0.0, sums[3] - mean / sums[0])
         body.samples[row, ti.static(column_index("motion_square"))] = squares
         for n in ti.static(range(MODES)):
-            body.samples[row, ti.static(column_index("motion_0")) + n] = motion[n]
+            body.samples[row, ti.static(column_index("motion_0")) + n] = moments[n]
         body.samples[row, ti.static(column_index("out_of_shape"))] = ti.sqrt((turning + scatter) / body.particles)
 
     return record_contradictions
@@ -65,7 +68,7 @@ def record_mode_moments(body: ti.template(), row):
     """Writes the gaps between neighbours in m, and the moments of the displacement with the modes of the exact motion
     (``BoxScene.momentum_balance_moments``), to sample ``row``, for a body without a known symmetry."""
     record_neighbour_gaps(body, row)
-    squares, sums = 0.0, ti.Vector([0.0] * MODES)
+    squares, sums = 0.0, [0.0 for _ in ti.static(range(MODES))]
     rank = table_size(body, MOTION, separable_field_tables.RANK)
     modes = table_size(body, MOTION, separable_field_tables.MODES)
     for p in range(body.particles):
