@@ -90,5 +90,3 @@ def test_other_commands_say_which_take_bodies(capsys):
     assert main(["advise", "sector.toml"]) == 2
     assert ("sector.toml: is a body, which only mpm-lab run FILE.toml and mpm-lab sweep FILE.toml take"
             in capsys.readouterr().err)
-    assert main(["export", "sector.toml", "--out", "sector.html"]) == 2
-    assert "sector.toml: is a body, of which there is no recording" in capsys.readouterr().err
