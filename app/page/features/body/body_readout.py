@@ -11,8 +11,9 @@ from app.page.panels.readout_tables import ReadoutTables, row_html, table_html
 
 def body_readout(body: ShownBody, k: int) -> ReadoutTables:
     """Returns tables of a body's goals and estimates, and of its run."""
-    tables = [table_html("".join(row_html("head" * (not k), *map(escape, texts), "") for k, texts in enumerate(rows)),
-                         "lab-numbers lab-estimates") for rows in (goal_rows(body), estimate_rows(body))]
+    tables = [table_html("".join(row_html("head" * (not k), *map(escape, texts)) for k, texts in enumerate(rows)),
+                         "lab-numbers lab-estimates")
+              for rows in ([(*texts, "") for texts in goal_rows(body)], estimate_rows(body))]
     notes = "".join(f"<p>{escape(text[:1].upper() + text[1:])}.</p>" for text in map(translate_message, (
         *body.warnings, *body.remarks)))
     about = [(tr("body"), escape(body.source.name)), (tr("time"), with_unit(body.times[k], "s")),
