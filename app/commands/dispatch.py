@@ -18,7 +18,7 @@ from app.commands.lenient_flag_types import BadInput
 from app.commands.output import NotWritten, print_message, put_text, show_tracebacks
 from solvers.scene.extension_modules import ExtensionError
 from solvers.scene.validation import SceneError, field_flag, field_key, key_field
-from solvers.untrusted.quoting import one_line, quote, suggest_word
+from solvers.untrusted.quoting import FileError, one_line, quote, suggest_word
 
 FAILED, BAD_INPUT, BROKEN_PIPE = 1, 2, 141
 LONGEST_COMPLAINT = 200  # letters of an error of the parser
@@ -37,7 +37,7 @@ def _exit_status(arguments: list[str]) -> int:
         status = _run_command(arguments)
         put_text("")  # here, where a broken pipe is still handled
         return status
-    except (BadInput, ExtensionError, SceneError) as error:
+    except (BadInput, ExtensionError, FileError, SceneError) as error:
         print_message(BadInput(field_flag(error.field), error.value, error.sentence) if isinstance(error, SceneError)
                       else error)
         return BAD_INPUT

@@ -61,9 +61,9 @@ def load_lessons(folder: Path = FOLDER) -> dict[str, Lesson]:
         return _read_lessons(folder, files)
 
 
-def next_lesson(lesson: Lesson, folder: Path = FOLDER) -> Lesson | None:
-    """Returns the lesson after this one in the folder, or None."""
-    every = list(load_lessons(folder).values())
+def next_lesson(lesson: Lesson) -> Lesson | None:
+    """Returns the lesson after this one, or None."""
+    every = list(load_lessons().values())
     return next(iter(every[every.index(lesson) + 1:]), None) if lesson in every else None
 
 

@@ -87,7 +87,12 @@ class Controls:
         error over each slider until that instant."""
         with self._turn:
             self.stage.ensure_estimator_has_values(report.scene, arrays)
-            self._strips.refresh(report)
+            self._strips.follow(report)
+
+    def refresh_strips(self) -> None:
+        """Shows what is known of the error over each slider at the instant of the last frame."""
+        with self._turn:
+            self._strips.refresh()
 
     def enable_problem_choice(self) -> None:
         """Makes the dropdown of problems work, once the page is built, and applies a choice made in it before."""

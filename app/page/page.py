@@ -40,14 +40,14 @@ class Page:
         self.client, self._links, self._features = client, links, tuple[Feature, ...]()
         self.token, self.language = secrets.token_urlsafe(12), current_language()
         self._closed, self._refreshing = threading.Event(), threading.Lock()
-        self._at_once = threading.Event()  # whether a run at rest has a new frame, or new points of its landscapes
+        self._wake, self._at_once = threading.Event(), False  # whether a run at rest has news, and whether a new frame
         said = parse_message(first)
         opening = linked_state(said.get("link")) or OPENING
         set_callback_language(client)
         set_up_theme(client.gui)
         client.gui.add_html(f"<i class='lab-visitor' data-visitor='{self.token}'></i>")
         self._context = context = PageContext(
-            client, links, classroom, lecturer, opening, self._on_frame, self._at_once.set,
+            client, links, classroom, lecturer, opening, self._on_frame, self._wake.set,
             lambda: next(filter(None, (feature.notice() for feature in self._features)), None))
         self._link = BrowserAddress(context)
         context.store_state, context.show_run_on_stage = self._link.keep, self._show_run_on_stage
@@ -82,7 +82,7 @@ class Page:
     def stop_output(self) -> None:
         """Ends all drawing and messages to the browser; returns when a refresh in progress is complete."""
         self._closed.set()
-        self._at_once.set()
+        self._wake.set()
         self._context.stage.stop()
         with self._refreshing:  # it comes to its end
             pass
@@ -105,27 +105,36 @@ class Page:
 
     def _on_frame(self, report: FrameReport) -> None:
         if not report.playing:  # it is the last for now
-            self._at_once.set()
+            self._at_once = True
+            self._wake.set()
         for feature in self._features:
             feature.on_frame(report)
 
     def _refresh_loop(self) -> None:
-        """Refreshes numbers and texts periodically, and at once for a run at rest, until the page is closed."""
-        due = 0.0
-        while not self._closed.wait(LEAST_SECONDS):
-            self._at_once.wait(REFRESH_SECONDS - LEAST_SECONDS)
+        """Refreshes numbers and texts periodically, and at once for a run at rest, until the page is closed. Of new
+        points of a landscape only the strips follow at once."""
+        due = last = 0.0
+        while not self._closed.is_set():
+            has_news = self._wake.wait(REFRESH_SECONDS)
+            self._closed.wait(max(0.0, last + LEAST_SECONDS - monotonic()))
             self._context.set_frame_conditions(keeps_up=stalled_seconds(self.client) < PATIENCE)
-            if monotonic() < due and not self._at_once.is_set():
+            self._wake.clear()
+            whole, self._at_once = self._at_once or monotonic() > due, False
+            if not (whole or has_news):
                 continue
-            self._at_once.clear()
-            begun = thread_time()
+            last, begun = monotonic(), thread_time()
             try:
                 with self._refreshing:
                     if self._context.session.watched and not self._closed.is_set():
-                        self._refresh()
+                        if whole:
+                            self._refresh()
+                        else:
+                            self._context.controls.refresh_strips()
             except Exception as error:  # one bad refresh must not silence the page for the rest of the visit
                 log_failure("the page could not be refreshed", error)
-            due = monotonic() + RESTING * self._links.playing * (thread_time() - begun) - REFRESH_SECONDS
+            if whole:
+                rest = RESTING * self._links.playing * (thread_time() - begun)
+                due = last + max(rest, REFRESH_SECONDS - LEAST_SECONDS)
 
     def _refresh(self) -> None:
         context, controls = self._context, self._context.controls

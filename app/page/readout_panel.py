@@ -78,8 +78,7 @@ class ReadoutPanel:
 
     def show_values_at(self, fraction: float | None) -> None:
         """Shows the curves' values at a fraction, 0 to 1, of the time axis; None for nowhere."""
-        for timeline in (self.timeline, self._goal):
-            timeline.show_values_at(fraction)
+        self._axis.pointed = fraction
 
     def show(self, numbers: ReadoutContent, quantity: str, latest: bool) -> None:
         """Shows numbers, and plots of a quantity's errors ("x") over the run or its ``latest`` periods."""

@@ -97,8 +97,7 @@ def _run(body: Body, step: float, asked: BodyRunRequest, tell: Callable[[dict], 
             return
         k = len(run.times) - 1
         table[k, :, :2] = run.position + run.displacement
-        for column, error in enumerate(run.errors or (), 2):
-            table[k, :, column] = np.linalg.norm(error, axis=1)
+        table[k, :, 2:] = run.error_sizes
         now = {name: one.last_value_and_bar(run.has_bars) for name, one in run.goals.items()}
         tell({"sample": BodySample(run.times[-1], run.goal_values(), now, run.estimate.sentence)._asdict()})
     tell({"ends": run.result().to_dict()})

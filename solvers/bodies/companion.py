@@ -101,14 +101,6 @@ def take_steps(first: ti.i32, count: ti.i32, state: State, on: ti.template()):
             shared.advance_companion_if_due(state, first + k + 1, accelerate, on)
 
 
-@ti.kernel
-def accelerate_at_rest(unused: ti.i32, state: State, on: ti.template()):
-    """Writes the accelerations at the trial displacement in layer WORK there."""
-    ti.loop_config(serialize=True)
-    for _ in range(1):
-        accelerate(state, 0.0, on)
-
-
 class BodyCompanion:
     """Companion of a body of order p on elements with these ``cuts``, advanced from sample to sample, ``interval`` s
     apart; ``u`` (m) and ``v`` (m/s) are those of the mesh's points (N, 2), ``time`` is in s."""
@@ -138,19 +130,18 @@ class BodyCompanion:
 
     def _frequency(self) -> float:
         """Returns the highest angular frequency at rest in 1/s."""
-        launch = Launch(accelerate_at_rest, State(**self._state.members()), OPTIONS)
-        work = self._layers[shared.WORK]
         gap = float(np.sqrt(np.abs(self.mesh.geometry[:, 0] * self.mesh.geometry[:, 3]
                                    - self.mesh.geometry[:, 1] * self.mesh.geometry[:, 2])).min())
-        scale = SMALL_STRAIN * gap / (self.mesh.order + 1)**2
+        scale, end = SMALL_STRAIN * gap / (self.mesh.order + 1)**2, self._layers[shared.END]
+        step = Launch(take_steps, State(**{**self._state.members(), "dt": 0.0}), OPTIONS)
 
         def accelerations(u: np.ndarray) -> np.ndarray:
-            work[:, :2], work[:, 2:4] = scale * u, 0.0
-            launch(0)
-            return work[:, 2:4] / scale
+            end[:, :2] = scale * u
+            step(1, 1)  # of no length
+            return end[:, 4:6] / scale
 
         frequency = highest_frequency(accelerations, self.mesh.inverse_mass)
-        work[:, :6] = 0.0
+        end[:, :2] = end[:, 4:6] = self._layers[shared.WORK, :, :6] = 0.0
         return frequency
 
     @property
@@ -158,12 +149,17 @@ class BodyCompanion:
         return self._samples * self._interval
 
     @property
+    def motion(self) -> np.ndarray:
+        """Displacement in m and velocity in m/s (N, 4)."""
+        return self._layers[shared.END, :, :4]
+
+    @property
     def u(self) -> np.ndarray:
-        return self._layers[shared.END, :, :2]
+        return self.motion[:, :2]
 
     @property
     def v(self) -> np.ndarray:
-        return self._layers[shared.END, :, 2:4]
+        return self.motion[:, 2:]
 
     def advance(self) -> None:
         """Advances to the next sample; stops within it, with NaN or infinity, where the motion cannot be followed."""

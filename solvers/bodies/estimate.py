@@ -47,19 +47,13 @@ def extrapolation_factor(body: Body) -> float:
     return SMOOTH_FACTOR + min(body.poissons_ratio / SMOOTH_CORNER, 1.0) * (singular - SMOOTH_FACTOR)
 
 
-class ParticleFields(NamedTuple):
-    """Displacement (P, 2) in m, velocity (P, 2) in m/s and Cauchy stress (P, 4) in Pa, xx, xy, yx, yy, of particles."""
+class Differences(NamedTuple):
+    """RMS over the particles (3,) in SI units, of x, v and sigma: of what two companions differ by, of what the run and
+    the finer one differ by, and of the estimated errors."""
 
-    x: np.ndarray
-    v: np.ndarray
-    sigma: np.ndarray
-
-
-def cauchy_stress(body: Body, F: np.ndarray) -> np.ndarray:
-    """Returns the Cauchy stress (P, 4) in Pa, xx, xy, yx, yy, for F (P, 2, 2); NaN where material is inverted."""
-    with np.errstate(all="ignore"):
-        xx, xy, yy = body.material.cauchy_stress(F.reshape(-1, 4).T)
-    return np.stack([xx, xy, xy, yy], axis=1)
+    apart: np.ndarray
+    found: np.ndarray
+    errors: np.ndarray
 
 
 class QuantityEstimate(NamedTuple):
@@ -86,50 +80,38 @@ class QuantityEstimate(NamedTuple):
 class ErrorEstimate:
     """Estimate of a body's run, collected sample by sample. ``until`` is the time in s of the last sample with an
     estimate, ``sentence`` says why there is none after it; ``pressed`` is when and where the companion was first
-    pressed to less than half: time in s and place (2,) in m."""
+    pressed to less than half: time in s and place (2,) in m. ``sound_samples`` counts those with an estimate before
+    that, and the start."""
 
     def __init__(self, body: Body):
-        self.factor, self.until, self.sentence = extrapolation_factor(body), 0.0, ""
+        self.factor, self.until, self.sentence, self.sound_samples = extrapolation_factor(body), 0.0, "", 1
         self.pressed: tuple[float, np.ndarray] | None = None
-        self._errors: list[list[float]] = []
-        self._differences: list[list[float]] = []
-        self._doubts: list[list[float]] = []
+        self._samples: list[Differences] = []
 
-    def particle_errors(self, run: ParticleFields, coarse: ParticleFields, fine: ParticleFields) -> ParticleFields:
-        """Returns the estimated errors of particles; arguments as of :meth:`add`."""
-        return ParticleFields(run.x - fine.x - self.factor * (fine.x - coarse.x), run.v - fine.v,
-                              run.sigma - fine.sigma)
-
-    def add(self, time: float, run: ParticleFields, coarse: ParticleFields, fine: ParticleFields, stretch: float,
-            place: np.ndarray) -> None:
-        """Adds a sample at a ``time`` in s: fields of the run and of both companions at its particles, and the least
-        principal stretch of the finer one with its place in m."""
+    def add(self, time: float, differences: Differences, stretch: float, place: np.ndarray) -> None:
+        """Adds a sample at a ``time`` in s: ``differences`` at the particles, and the least principal stretch of the
+        finer companion with its place in m."""
         if self.sentence:
             return
         if stretch < FOLD_STRETCH and self.pressed is None:
             self.pressed = time, place
-        with np.errstate(all="ignore"):
-            apart = [rms(one - other) for one, other in zip(fine, coarse, strict=True)]
-            doubts = [rms(one - other) for one, other in zip(run, fine, strict=True)]
-            errors = [rms(one) for one in self.particle_errors(run, coarse, fine)]
-        if not np.isfinite(apart).all() or stretch <= 0:
+        if not np.isfinite(differences.apart).all() or stretch <= 0:
             self.sentence = Message("from t = {time:.3g} s the companions have failed{fold}; stiffen the body, or stop "
                                     "before", time, self._fold_words())
-        elif self.pressed and apart[0] >= UNSURE * doubts[0]:
+        elif self.pressed and differences.apart[0] >= UNSURE * differences.found[0]:
             self.sentence = Message("from t = {time:.3g} s the two companions differ by as much as they find{fold}; "
                                     "stiffen the body, or stop before", time, self._fold_words())
         else:
             self.until = time
-            self._errors.append(errors)
-            self._differences.append(apart)
-            self._doubts.append(doubts)
+            self.sound_samples += not self.pressed
+            self._samples.append(differences)
 
     def quantities(self) -> dict[str, QuantityEstimate]:
         """Returns the estimates of x, v and sigma, by name; none without a sample."""
-        if not self._errors:
+        if not self._samples:
             return {}
-        errors, apart, doubts = map(np.array, (self._errors, self._differences, self._doubts))
-        delta = apart.sum(axis=0) / np.maximum(doubts.sum(axis=0), 1e-300)
+        apart, found, errors = np.array(self._samples).transpose(1, 0, 2)
+        delta = apart.sum(axis=0) / np.maximum(found.sum(axis=0), 1e-300)
         if self.factor:
             delta[0] = EXTRAPOLATED * apart[:, 0].sum() / max(errors[:, 0].sum(), 1e-300)
         return {name: QuantityEstimate(*map(float, (errors[-1, k], errors[:, k].max(), errors[:, k].mean(), delta[k])))
@@ -154,8 +136,3 @@ class ErrorEstimate:
         time, (x, y) = self.pressed
         return Message(", and from t = {time:.3g} s on the body is pressed to less than half near ({x:.2g}, {y:.2g}), "
                        "where its surface may fold", time, x, y)
-
-
-def rms(error: np.ndarray) -> float:
-    """Returns the root mean square over the particles of the sizes of vectors or tensors (P, n)."""
-    return math.sqrt(float(np.einsum("pi,pi->", error, error)) / len(error))

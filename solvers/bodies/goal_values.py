@@ -10,12 +10,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from solvers.bodies.estimate import ParticleFields
 from solvers.bodies.goal import Goal
 from solvers.running.quantities_of_interest import point_weights
 
 STRESS_SAFETY = 2.0  # factor of a stress's bar
-COMPONENTS = {"x": 0, "y": 1, "xx": 0, "xy": 1, "yy": 3}
+COLUMNS = {"x": 0, "y": 1, "xx": 4, "xy": 5, "yy": 7}  # of u, v and stress side by side
 EARLY = 0.75  # of the run, in which what later returns must have turned round
 
 
@@ -27,64 +26,73 @@ class GoalValue(NamedTuple):
     unit: str
 
 
+def goal_weights(goal: Goal, X: np.ndarray) -> np.ndarray:
+    """Returns the weights (P,) of values at particles, at material points X (P, 2) in m, in that at the goal's
+    point: of its position interpolated, of a stress that of the nearest particle."""
+    at = np.array(goal.at, float)
+    if not goal.is_stress:
+        return point_weights(X, at)
+    weights = np.zeros(len(X))
+    weights[np.argmin(np.sum((X - at)**2, axis=1))] = 1.0
+    return weights
+
+
 class GoalSeries:
-    """Values over time of what a goal is about, in the run and in both companions; ``X`` (P, 2) are the particles'
-    material points in m."""
+    """Values over time of what a goal is about, in the run and in both companions, with ``weights`` (M,) of particles'
+    values (:func:`goal_weights`)."""
 
-    def __init__(self, goal: Goal, X: np.ndarray):
-        self.goal = goal
-        self._component = COMPONENTS[goal.parts[1]]
-        at = np.array(goal.at, float)
-        if goal.is_stress:
-            nearest = int(np.argmin(np.sum((X - at)**2, axis=1)))
-            self._weights = np.zeros(len(X))
-            self._weights[nearest] = 1.0
-            self._start = 0.0
-        else:
-            self._weights = point_weights(X, at)
-            self._start = float(at[self._component])
-        self._rows = [[self._start] * 3]
+    def __init__(self, goal: Goal, weights: np.ndarray):
+        self.goal, self._weights, self._column = goal, weights, COLUMNS[goal.parts[1]]
+        self._start = 0.0 if goal.is_stress else float(goal.at[self._column])
+        self._rows = [np.full(3, self._start)]
 
-    def add(self, *fields: ParticleFields) -> None:
-        """Adds a sample: fields of the run, of the coarser and of the finer companion."""
-        self._rows.append([self._start + float(self._weights @ (one.sigma if self.goal.is_stress else one.x)[
-            :, self._component]) for one in fields])
+    def add(self, fields: np.ndarray) -> None:
+        """Adds a sample: u, v and Cauchy stress xx, xy, yx, yy at the particles (3, M, 8), of the run, of the coarser
+        and of the finer companion."""
+        self._rows.append(self._start + fields[:, :, self._column] @ self._weights)
 
-    def evaluate(self, times: np.ndarray, has_bar: bool) -> GoalValue:
-        """Returns the goal's value at the samples' ``times`` in s, and its bar if it ``has_bar``."""
-        run, coarse, fine = (self._functional(times, series) for series in np.array(self._rows).T)
+    def evaluate(self, times: np.ndarray, known: int) -> GoalValue:
+        """Returns the goal's value at the samples' ``times`` in s; and its bar if the ``known`` first samples, in which
+        the companions are to be believed, are all or contain what decides it and one more."""
+        series = np.array(self._rows).T
+        found = [self._functional(times[:last], one[:last])
+                 for one, last in zip(series, (len(times), known, known), strict=True)]
+        (run, _), (coarse, _), (fine, _) = found
         bar = None
-        if has_bar and run is not None and fine is not None and coarse is not None:
+        if run is not None and fine is not None and coarse is not None and (
+                known == len(times) or max(at for _, at in found) + 1 < known):
             bar = self._bar(run, coarse, fine)
         return GoalValue(run, bar, self.goal.unit)
 
     def last_value_and_bar(self, has_bar: bool) -> tuple[float, float | None]:
         """Returns at the last sample the coordinate in m or the stress in Pa that the goal is about, and its bar."""
-        run, coarse, fine = self._rows[-1]
+        run, coarse, fine = self._rows[-1].tolist()
         return run, self._bar(run, coarse, fine) if has_bar else None
 
     def _bar(self, run: float, coarse: float, fine: float) -> float:
         return (STRESS_SAFETY if self.goal.is_stress else 1.0) * (abs(run - fine) + abs(fine - coarse))
 
-    def _functional(self, times: np.ndarray, series: np.ndarray) -> float | None:
+    def _functional(self, times: np.ndarray, series: np.ndarray) -> tuple[float | None, int]:
+        """Returns the value, None where there is none, and the sample that decides it."""
         what = self.goal.parts[0]
         if not np.isfinite(series).all():
-            return None
-        if self.goal.is_stress:
-            return float(np.abs(series).max())
+            return None, 0
         if what == "end":
-            return float(series[-1])
+            return float(series[-1]), len(series) - 1
         if what == "time of return":
-            return _time_of_return(times, series)
-        return _vertex(times, series, int(np.argmin(series) if what == "min" else np.argmax(series)))[0]
+            back = _sample_of_return(series)
+            return (_vertex(times, series, back)[1] if back else None), back
+        size = np.abs(series) if self.goal.is_stress else -series if what == "min" else series
+        at = int(np.argmax(size))
+        return (float(size[at]) if self.goal.is_stress else _vertex(times, series, at)[0]), at
 
 
-def _time_of_return(times: np.ndarray, series: np.ndarray) -> float | None:
-    """Returns when the motion is at its extreme again after its farthest excursion; None if not by the end."""
+def _sample_of_return(series: np.ndarray) -> int:
+    """Returns in which sample the motion is at its extreme again after its farthest excursion; 0 if not by the end."""
     away = series - series[0]
     turn = int(np.argmax(np.abs(away[:int(EARLY * len(away))])))
     back = turn + int(np.argmin(np.sign(away[turn]) * away[turn:]))
-    return None if back in (0, turn, len(series) - 1) else _vertex(times, series, back)[1]
+    return 0 if back in (turn, len(series) - 1) else back
 
 
 def _vertex(times: np.ndarray, series: np.ndarray, k: int) -> tuple[float, float]:

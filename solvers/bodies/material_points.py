@@ -171,11 +171,11 @@ class MaterialPoints:
     def __init__(self, body: Body, samples: int, counts: np.ndarray, half_start: bool):
         runtime.start()
         self.lattice = lattice = particle_lattice(body, counts)
-        self._body, self._samples, self._half_start = body, 0, half_start
+        self._body, self._samples = body, 0
         self._interval = body.t_end / samples
         self.steps = max(2, math.ceil(self._interval / body.time_step - 1e-9))  # from sample to sample
         grid, P, K = constrained_grid(body), len(lattice.volume), force_terms(body)
-        self._corner = grid.corner
+        self.corner = grid.corner
         low, high = np.array(body.domain, float) - grid.corner  # a cell more than this is allowed: sides may wobble
         X = lattice.position
         arrays = {"position_velocity": np.concatenate([X - grid.corner, body.initial_velocity(X)], axis=1),
@@ -195,6 +195,7 @@ class MaterialPoints:
             density=body.density, half_width=0.5 / body.ppc, force_terms=K,
             **{name: aligned_copy(one) for name, one in arrays.items()})
         on = KernelOptions(body.method, False, "typed", "grid", ("acceleration",), (), (), "", NEO_HOOKEAN)
+        self.velocity_lead = 0.5 * self.state.dt if half_start else 0.0
         self._advance = Launch(take_steps, State(**self.state.members()), on)
 
     @property
@@ -210,17 +211,12 @@ class MaterialPoints:
     @property
     def displacement(self) -> np.ndarray:
         """Displacement (P, 2) in m."""
-        return self.state.position_velocity[:, :2] + self._corner - self.lattice.position
+        return self.state.position_velocity[:, :2] + self.corner - self.lattice.position
 
     @property
     def velocity(self) -> np.ndarray:
         """Velocity (P, 2) in m/s at the time of the sample."""
-        return self.state.position_velocity[:, 2:] + self.reported_velocity_gain
-
-    @property
-    def reported_velocity_gain(self) -> np.ndarray | float:
-        """What the velocity at the time of the sample has in m/s beyond the particles' own (P, 2)."""
-        return 0.5 * self.state.dt * self.state.acceleration if self._half_start and self._samples else 0.0
+        return self.state.position_velocity[:, 2:] + self.velocity_lead * self.state.acceleration
 
     @property
     def deformation_gradient(self) -> np.ndarray:

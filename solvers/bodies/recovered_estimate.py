@@ -12,7 +12,7 @@ import numpy as np
 import taichi as ti
 
 from solvers.bodies.body import Body
-from solvers.bodies.estimate import QUANTITIES, ParticleFields, rms
+from solvers.bodies.estimate import QUANTITIES
 from solvers.bodies.force_series import body_force_at, compute_force_weights
 from solvers.bodies.material_points import BodyState, MaterialPoints
 from solvers.bodies.rectangle import Rectangle, require_rectangle
@@ -117,17 +117,15 @@ class RecoveredEstimate:
         on = KernelOptions(body.method, False, "typed", "grid", (), (), (), "", NEO_HOOKEAN)
         self.follow, self._report = Launch(follow_step, state, on), Launch(report_errors, state, on)
 
-    def add_sample(self) -> ParticleFields:
-        """Adds the errors at the run's sample to the summary, and returns them."""
+    def add_sample(self) -> None:
+        """Adds the errors at the run's sample to the summary."""
         run, memory = self._run, self._memory
         self._report(run.step)
         self._reach = max(self._reach, float(np.abs(run.displacement).max()))
-        x, v = memory["estimate"][:, :2].copy(), memory["estimate"][:, 2:] + run.reported_velocity_gain
-        xx, xy, yy, _ = memory["estimate_stress"].T
-        errors = ParticleFields(x, v, np.stack([xx, xy, xy, yy], axis=1))
+        x, v = memory["estimate"][:, :2], memory["estimate"][:, 2:] + run.velocity_lead * run.state.acceleration
+        sigma = memory["estimate_stress"][:, [0, 1, 1, 2]]  # xx, xy, yx, yy
         with np.errstate(all="ignore"):
-            self._rows.append([rms(one) for one in errors])
-        return errors
+            self._rows.append([math.sqrt(np.sum(one**2) / len(one)) for one in (x, v, sigma)])
 
     def to_dict(self) -> dict[str, Any]:
         """Returns a JSON object: by quantity the RMS over the particles at the last sample, the largest and the mean,

@@ -9,12 +9,13 @@ import numpy as np
 
 from solvers.bodies.body import SAMPLES, Body
 from solvers.bodies.companion import BodyCompanion
-from solvers.bodies.estimate import QUANTITIES, ErrorEstimate, ParticleFields, QuantityEstimate, cauchy_stress
-from solvers.bodies.goal_values import GoalSeries, GoalValue
+from solvers.bodies.estimate import QUANTITIES, ErrorEstimate, QuantityEstimate, extrapolation_factor
+from solvers.bodies.goal_values import GoalValue
 from solvers.bodies.material_points import MaterialPoints
+from solvers.bodies.particle_comparison import ParticleComparison
 from solvers.bodies.recovered_estimate import RecoveredEstimate
 from solvers.bodies.rectangle import RECOVERED, check_estimator
-from solvers.bodies.spectral_mesh import ORDERS, LatticeReader, default_cuts
+from solvers.bodies.spectral_mesh import ORDERS, default_cuts
 from solvers.scene.estimator_registry import COMPANION
 from solvers.solver.base import CRUSHED, ESCAPED, INVERTED, SOUND
 from solvers.translatable_message import Message
@@ -68,7 +69,7 @@ def run_body(body: Body, on_progress: Callable[[float], None] | None = None, est
 class BodyRun:
     """Run of a body sample by sample, beside companions of orders 4 and 6 on the same elements. ``times`` in s of the
     samples so far, the start included, ``position`` (P, 2) in m at rest, and by name the values of ``goals`` so far;
-    ``errors`` are those estimated at the particles in the last sample, in the order of ``QUANTITIES``."""
+    ``error_sizes`` (P, 3) are those of the errors that were estimated at the particles in the last sample."""
 
     def __init__(self, body: Body, estimator: str = COMPANION):
         self.body, self._cuts = body, default_cuts(body)
@@ -76,13 +77,14 @@ class BodyRun:
         begun = time.process_time()
         self._particles = MaterialPoints(body, SAMPLES, body.lattice_counts, half_start=loaded)
         self._companions = [BodyCompanion(body, self._cuts, order, body.t_end / SAMPLES) for order in ORDERS]
-        self._readers = [LatticeReader(one.mesh, self._particles.lattice.lattices) for one in self._companions]
+        self._comparison = ParticleComparison(self._particles, self._companions, extrapolation_factor(body),
+                                              body.goals)
         self.position, self.times = self._particles.lattice.position, [0.0]
         check_estimator(body, estimator)
         self.recovered = RecoveredEstimate(body, self._particles) if estimator == RECOVERED else None
         self.estimate = ErrorEstimate(body)
-        self.goals = {name: GoalSeries(goal, self.position) for name, goal in body.goals.items()}
-        self.errors: ParticleFields | None = None
+        self.goals = self._comparison.goals
+        self.error_sizes = self._comparison.error_sizes
         self._spent = {"compile": 0.0, "run": 0.0, "companions": time.process_time() - begun}
 
     @property
@@ -99,45 +101,42 @@ class BodyRun:
         """Advances to the next sample; returns False if the run has ended before or become unstable on the way."""
         if len(self.times) > SAMPLES:
             return False
-        body, run, begun = self.body, self._particles, time.process_time()
+        run, begun = self._particles, time.process_time()
         run.advance(*((self.recovered.interval, self.recovered.follow) if self.recovered else ()))
         middle = time.process_time()
         if run.verdict[0] != SOUND:
             return False
-        own = ParticleFields(run.displacement, run.velocity, cauchy_stress(body, run.deformation_gradient))
         if self.recovered:
             self.recovered.add_sample()
-        coarse, fine = self._read_companions(own)
-        self.errors = self.estimate.particle_errors(own, coarse, fine)
-        for series in self.goals.values():
-            series.add(own, coarse, fine)
+        self._add_to_estimate()
         _count_seconds(self._spent, len(self.times) - 1, middle - begun, time.process_time() - middle)
         self.times.append(run.time)
         return True
 
-    def _read_companions(self, own: ParticleFields) -> tuple[ParticleFields, ParticleFields]:
-        """Advances the companions to the sample, and adds it with the run's ``own`` fields to the estimate; returns
-        their fields. Once the estimate has ended they are asked no more: not a number."""
-        if self.estimate.sentence:
-            unknown = ParticleFields(*(np.full_like(one, np.nan) for one in own))
-            return unknown, unknown
-        for one in self._companions:
-            one.advance()
-        coarse, fine = (read_companion(self.body, *pair)
-                        for pair in zip(self._companions, self._readers, strict=True))
-        finer = self._companions[-1]
-        stretch = finer.mesh.least_stretch(finer.u) if np.isfinite(fine.x).all() else (1.0, np.zeros(2))
-        self.estimate.add(self._particles.time, own, coarse, fine, *stretch)
-        return coarse, fine
+    def _add_to_estimate(self) -> None:
+        """Advances the companions to the sample and compares. Once the estimate has ended they are asked no more, and
+        have no numbers."""
+        if ended := bool(self.estimate.sentence):
+            for one in self._companions:
+                one.motion[:] = np.nan
+        else:
+            for one in self._companions:
+                one.advance()
+        differences, finer = self._comparison.compare(), self._companions[-1]
+        if not ended:
+            stretch = finer.mesh.least_stretch(finer.u) if np.isfinite(differences.apart).all() else (1.0, np.zeros(2))
+            self.estimate.add(self._particles.time, differences, *stretch)
 
     @property
     def has_bars(self) -> bool:
-        """Whether the goals have bars: not once the estimate has ended."""
+        """Whether what goals are about has a bar now: not once the estimate has ended."""
         return not self.estimate.sentence
 
     def goal_values(self) -> dict[str, GoalValue]:
-        """Returns the goals' values in the samples so far."""
-        return {name: one.evaluate(np.array(self.times), self.has_bars) for name, one in self.goals.items()}
+        """Returns the goals' values in the samples so far. Those decided before an end of the estimate have a bar; or,
+        where the body may have folded, before it was pressed to less than half."""
+        known = len(self.times) if self.has_bars else self.estimate.sound_samples
+        return {name: one.evaluate(np.array(self.times), known) for name, one in self.goals.items()}
 
     def result(self) -> BodyResult:
         """Returns the result of the run so far."""
@@ -156,12 +155,6 @@ class BodyRun:
                        "extrapolation": self.estimate.factor},
             recovered=self.recovered.to_dict() if self.recovered else None,
             seconds=self._spent)
-
-
-def read_companion(body: Body, companion: BodyCompanion, reader: LatticeReader) -> ParticleFields:
-    """Returns a companion's fields at the particles."""
-    u, gradient = reader.values_and_gradients(companion.u)
-    return ParticleFields(u, reader.values(companion.v), cauchy_stress(body, np.eye(2) + gradient))
 
 
 def _count_seconds(spent: dict[str, float], sample: int, run: float, companions: float) -> None:

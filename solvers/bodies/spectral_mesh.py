@@ -25,7 +25,8 @@ MOST_COST, FREE = 0.05, 2.1e6  # of the run's, that companions may have; and ste
 
 
 class Lattice(NamedTuple):
-    """Points of a patch with every coordinate ``xi`` (n,) and every ``eta`` (m,), in this order, n m of them."""
+    """Points of a patch with every coordinate ``xi`` (n,) and every ``eta`` (m,), both ascending: n m of them, in this
+    order."""
 
     patch: int
     xi: np.ndarray
@@ -91,21 +92,22 @@ class SpectralMesh:
         held = np.zeros((len(self.points), 2), bool)
         for k, patch in enumerate(body.patches):
             for side in range(4):
-                grid = np.arange(self._starts[k], self._starts[k + 1]).reshape(self._patch_shape(k))
+                grid = self.point_numbers(k)
                 row = 0 if side in (0, 3) else -1
                 on = grid[row, :, row] if side % 2 else grid[:, row, :, row]
                 for axis in patch.constrained_axes(side):
                     held[on, axis] = True
         return held
 
-    def _patch_shape(self, patch: int) -> tuple[int, int, int, int]:
-        return *self._sizes[patch], self.order + 1, self.order + 1
+    def point_numbers(self, patch: int) -> np.ndarray:
+        """Returns the numbers of a patch's points, by element along xi and eta, and by point in the element."""
+        return np.arange(self._starts[patch], self._starts[patch + 1]).reshape(*self._sizes[patch], self.order + 1, -1)
 
     def _reference_derivatives(self, nodal: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Returns the derivatives (N, 2) of nodal values (N, 2) in the coordinates of the elements."""
         local = nodal.reshape(-1, self.order + 1, self.order + 1, 2)
-        return (np.einsum("ik,ekjc->eijc", self.derivative, local).reshape(-1, 2),
-                np.einsum("jk,eikc->eijc", self.derivative, local).reshape(-1, 2))
+        return ((self.derivative @ local.reshape(len(local), self.order + 1, -1)).reshape(-1, 2),
+                (self.derivative @ local).reshape(-1, 2))
 
     def least_stretch(self, u: np.ndarray) -> tuple[float, np.ndarray]:
         """Returns the least principal stretch at the points for displacements u (N, 2) in m, and its place (2,);
@@ -117,37 +119,41 @@ class SpectralMesh:
         at = int(np.argmin(smallest))
         return float(smallest[at]), self.points[at]
 
-    def patch_values(self, nodal: np.ndarray, patch: int) -> np.ndarray:
-        """Returns values (N, 2) on a patch by element and point along xi, and along eta: (a n, b n, 2)."""
-        a, b, n, _ = self._patch_shape(patch)
-        part = nodal[self._starts[patch]:self._starts[patch + 1]].reshape(a, b, n, n, 2)
-        return part.transpose(0, 2, 1, 3, 4).reshape(a * n, b * n, 2)
+
+class LatticeBasis(NamedTuple):
+    """Tables with which kernels evaluate a mesh's fields on lattices, P points in all, in batches of neighbours along
+    eta within one element.
+
+    ``values`` (R, 2) are those of n polynomials and their derivatives by xi at each xi of a patch, then by eta at each
+    eta; ``batches`` (B + 1, 4) the element's first point, the first row of values for the batch's xi and for the first
+    of its eta, and its first lattice point, of which the last row is P; ``coordinate_gradients`` (P, 4) are grad xi and
+    grad eta in 1/m.
+    """
+
+    values: np.ndarray
+    batches: np.ndarray
+    coordinate_gradients: np.ndarray
 
 
-class LatticeReader:
-    """Evaluates fields of a mesh on lattices, P points in all, by products of matrices along xi and along eta."""
-
-    def __init__(self, mesh: SpectralMesh, lattices: Sequence[Lattice]):
-        self._mesh, self._parts = mesh, []
-        for patch, xi, eta in lattices:
-            bases = [_interpolation(cuts, mesh.order, s) for cuts, s in zip(mesh.cuts[patch], (xi, eta), strict=True)]
-            r1, r2 = _along(bases, mesh.patch_values(mesh.points, patch))[1:]
-            g = contravariant_vectors((r1, r2))
-            self._parts.append((patch, bases, (g / (g[:, 0] * g[:, 3] - g[:, 1] * g[:, 2])[:, None]).T.copy()))
-
-    def values_and_gradients(self, nodal: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Returns values (P, 2) and gradients (P, 2, 2; per m) of nodal values (N, 2)."""
-        values, gradients = [], []
-        for patch, bases, g in self._parts:
-            value, by_xi, by_eta = _along(bases, self._mesh.patch_values(nodal, patch))
-            values.append(value)
-            gradients.append(np.stack(_material_gradient(by_xi, by_eta, g), axis=1).reshape(-1, 2, 2))
-        return np.concatenate(values), np.concatenate(gradients)
-
-    def values(self, nodal: np.ndarray) -> np.ndarray:
-        """Returns values (P, 2) of nodal values (N, 2)."""
-        return np.concatenate([_product(bases[0][0], bases[1][0] @ self._mesh.patch_values(nodal, patch))
-                               for patch, bases, _ in self._parts])
+def lattice_basis(mesh: SpectralMesh, lattices: Sequence[Lattice]) -> LatticeBasis:
+    """Returns the tables for a mesh and lattices."""
+    values, batches, gradients, n, rows, points = [], [], [], mesh.order + 1, 0, 0
+    for patch, xi, eta in lattices:
+        (at_xi, along), (at_eta, across) = (_interpolation(cuts, mesh.order, s)
+                                            for cuts, s in zip(mesh.cuts[patch], (xi, eta), strict=True))
+        numbers = mesh.point_numbers(patch)
+        lines = np.einsum("kbpqc,dkp->dkbqc", mesh.points[numbers[at_xi]], along)[:, :, at_eta]  # points at each xi
+        by_xi, by_eta = (np.einsum("kmqc,mq->kmc", lines[1 - d], across[d]).reshape(-1, 2) for d in (0, 1))
+        g = contravariant_vectors((by_xi, by_eta))
+        gradients.append(g / (g[:, 0] * g[:, 3] - g[:, 1] * g[:, 2])[:, None])
+        i, first = np.arange(len(xi))[:, None], np.flatnonzero(np.diff(at_eta, prepend=-1))  # the first in an element
+        batches.append(np.stack(np.broadcast_arrays(
+            numbers[at_xi[:, None], at_eta[first], 0, 0], rows + i * n, rows + (len(xi) + first) * n,
+            points + i * len(eta) + first), axis=-1).reshape(-1, 4))
+        values += [along.reshape(2, -1).T, across.reshape(2, -1).T]
+        rows, points = rows + (len(xi) + len(eta)) * n, points + len(xi) * len(eta)
+    return LatticeBasis(np.concatenate(values), np.concatenate([*batches, [[0, 0, 0, points]]]),
+                        np.concatenate(gradients))
 
 
 def _material_gradient(by_xi: np.ndarray, by_eta: np.ndarray, g: np.ndarray) -> tuple[np.ndarray, ...]:
@@ -157,31 +163,15 @@ def _material_gradient(by_xi: np.ndarray, by_eta: np.ndarray, g: np.ndarray) -> 
     return x * g[0] + p * g[2], x * g[1] + p * g[3], y * g[0] + q * g[2], y * g[1] + q * g[3]
 
 
-def _along(bases: list[tuple[np.ndarray, np.ndarray]], U: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Returns values and derivatives by xi and eta (n m, 2) from values U (a, b, 2) at the points of a patch."""
-    (A, slope_A), (B, slope_B) = bases
-    across = B @ U
-    return _product(A, across), _product(slope_A, across), _product(A, slope_B @ U)
-
-
-def _product(A: np.ndarray, across: np.ndarray) -> np.ndarray:
-    """Returns values (n m, 2) from those at the points along xi, (a, m, 2), by a matrix A (n, a)."""
-    return (A @ across.reshape(len(across), -1)).reshape(-1, 2)
-
-
 def _interpolation(cuts: np.ndarray, order: int, s: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Returns matrices (K, a n) that take values at the points of a elements along a line to values and derivatives
-    at its coordinates ``s`` (K,)."""
+    """Returns the element of a line in which each of its coordinates ``s`` (k,) lies, and matrices (2, k, n) that take
+    the values at its n points to the value and the derivative there."""
+    points = lobatto(order)[0]
     element = np.clip(np.searchsorted(cuts, s, side="right") - 1, 0, len(cuts) - 2)
     width = np.diff(cuts)[element]
-    points, n = lobatto(order)[0], order + 1
-    local = legendre.legvander(2 * (s - cuts[element]) / width - 1, order) @ np.linalg.inv(
+    basis = legendre.legvander(2 * (s - cuts[element]) / width - 1, order) @ np.linalg.inv(
         legendre.legvander(points, order))
-    column = element[:, None] * n + np.arange(n)
-    matrices = np.zeros((2, len(s), (len(cuts) - 1) * n))
-    matrices[0][np.arange(len(s))[:, None], column] = local
-    matrices[1][np.arange(len(s))[:, None], column] = local @ differentiation_matrix(points) * (2 / width)[:, None]
-    return matrices[0], matrices[1]
+    return element, np.stack([basis, basis @ differentiation_matrix(points) * (2 / width)[:, None]])
 
 
 def _merge(points: np.ndarray) -> np.ndarray:

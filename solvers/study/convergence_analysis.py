@@ -182,13 +182,13 @@ def group_series(rows: Sequence[dict], along: str = "cells") -> list[SingleInput
                               {name: line[0]["asked"].get(name) for name in others}) for line in lines.values()]
 
 
-def fit_orders(rows: Sequence[dict], norm: str = "max") -> list[dict]:
+def fit_orders(rows: Sequence[dict]) -> list[dict]:
     """Returns a dict per series with several h: method, inputs, and :class:`ConvergenceOrder` dicts by quantity."""
     found = []
     for line in group_series(rows):
-        orders = {quantity: line.fit(quantity, norm) for quantity in QUANTITIES}
+        orders = {quantity: line.fit(quantity) for quantity in QUANTITIES}
         if any(orders.values()):
-            found.append({"method": line.method, **line.inputs, "norm": norm,
+            found.append({"method": line.method, **line.inputs, "norm": "max",
                           "orders": {quantity: fit and asdict(fit) for quantity, fit in orders.items()}})
     return found
 

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from solvers.judging import problem_handout
 from solvers.judging.particle_data_types import Frame
 from solvers.judging.reference_runs import frame_of_snapshot
 from solvers.problems import PROBLEMS
@@ -145,6 +146,15 @@ def drop_particles(kept: Callable[[int], np.ndarray], ids: bool = False) -> Alte
     return altered
 
 
+def drop_three_neighbours(run: RecordedRun) -> Files:
+    """Three neighbours missing at all times, with the masses of the others in the file."""
+    arrays = files(run)
+    X, masses = arrays["X"], problem_handout.particle_masses(run.scene)
+    chosen = np.argsort(np.linalg.norm(X - X[moving_particle(run)], axis=1))[3:]
+    arrays |= {key: arrays[key][:, chosen] for key in ("x", "v", "F")}
+    return arrays | {"X": X[chosen], "mass": np.tile(masses[chosen], (len(arrays["t"]), 1))}
+
+
 def random_share(share: float) -> Callable[[int], np.ndarray]:
     return lambda count: np.sort(np.random.default_rng(3).choice(count, round(share * count), replace=False))
 
@@ -208,6 +218,7 @@ ALTERATIONS: dict[str, tuple[tuple[str, ...], Alteration]] = {
     "a tenth missing, with ids": (ALL, drop_particles(random_share(0.9), ids=True)),
     "every second missing, without ids": (ALL, drop_particles(lambda count: np.arange(0, count, 2))),
     "half missing by chance, without ids": (ALL, drop_particles(random_share(0.5))),
+    "three neighbours missing, masses in the file": (ALL, drop_three_neighbours),
     "F transposed": (PLANE, change_arrays(F=lambda run, a: np.swapaxes(a["F"], -1, -2))),
     "times 1 % too long": (ALL, change_arrays(t=lambda run, a: 1.01 * a["t"])),
     "x and y of positions exchanged": (PLANE, change_arrays(x=lambda run, a: a["x"][..., ::-1])),

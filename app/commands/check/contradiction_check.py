@@ -14,7 +14,7 @@ from app.commands.progress import show_progress
 from app.names_and_units import NOTHING, with_unit
 from app.templates import render_template
 from solvers.study.markdown_tables import markdown_table
-from solvers.untrusted.quoting import FileError, code_span, escape_markdown, file_name
+from solvers.untrusted.quoting import code_span, escape_markdown, file_name
 
 CONTRADICTED = 3
 EXPECTABLE = ClaimChecker("run", dict.fromkeys(("contradictions", "broken", "suspicious", "particles"), ()))
@@ -50,12 +50,9 @@ class ContradictionCheck:
         times = lenient_flag_types.parse_file_times(self.files, self.time)
         target = json_target(self.json)
         folder = None if self.out is None else OutputFolder(self.out)
-        try:
-            with show_progress(self.quiet) as show:
-                from solvers.judging.check import check  # here: bad input must not wait for it
-                checked = check(self.files, times=times, on_progress=show)
-        except FileError as error:
-            raise lenient_flag_types.BadInput("", error.file, error.sentence) from None
+        with show_progress(self.quiet) as show:
+            from solvers.judging.check import check  # here: bad input must not wait for it
+            checked = check(self.files, times=times, on_progress=show)
         values = checked.to_dict()
         status = self._write_reports(folder, checked, values)
         if target:

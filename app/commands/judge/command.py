@@ -26,7 +26,7 @@ from solvers.judging.findings.finding import HOLDS, OFF
 from solvers.judging.quantity_names import PLANES
 from solvers.problems.judging_reference import METHOD_FIELDS
 from solvers.study.markdown_tables import markdown_table
-from solvers.untrusted.quoting import FileError, code_span, escape_markdown, file_name
+from solvers.untrusted.quoting import code_span, escape_markdown, file_name
 
 if TYPE_CHECKING:
     from solvers.judging.judgement import Judgement  # which reads files of all kinds: --help must not wait for it
@@ -77,13 +77,10 @@ class Judge(SceneFlags):
         cells = self._cells()
         scene, *_ = (self.scene(cells=count) for count in cells)  # each validates itself
         folder = None if self.out is None else OutputFolder(self.out)
-        try:
-            with show_progress(self.quiet) as show:
-                from solvers import judge  # here: bad input must not wait for it
-                judged = judge(scene, self.files, cells=cells, times=times, plane=self.plane,
-                               compare=not self.no_compare, on_progress=show)
-        except FileError as error:
-            raise lenient_flag_types.BadInput("", error.file, error.sentence) from None
+        with show_progress(self.quiet) as show:
+            from solvers import judge  # here: bad input must not wait for it
+            judged = judge(scene, self.files, cells=cells, times=times, plane=self.plane,
+                           compare=not self.no_compare, on_progress=show)
         return self._write_reports(folder, judged)
 
     def _cells(self) -> list[Any]:

@@ -88,7 +88,11 @@ class OutputFlags:
     def run_and_write(self, scene: Scene) -> int:
         """Runs a scene, writes the output and returns the exit status, 0, 1 or 3. Files are checked before the run."""
         if self.corrected:
-            scene = _with_corrector(scene, self.corrected)
+            require_corrector(self.corrected, scene.choices("estimators"))
+            if missing := [effect for effect in ("truth", "estimate") if effect not in scene.effects]:
+                raise BadInput("corrected", self.corrected,
+                               f"needs what --effects leaves out: {' and '.join(missing)}")
+            scene = replace(scene, estimators=tuple(dict.fromkeys((*scene.estimators, self.corrected))))
         parse_goals(scene, self.goal)
         target = json_target(self.json)
         picture = None if self.plot is None else OutputTarget("plot", self.plot, ending=".png")
@@ -158,15 +162,6 @@ def _run_and_try_cures(scene: Scene, quiet: bool, writer: ParticleWriter | None,
     with suppress(KeyboardInterrupt), show_progress(quiet) as show:
         return try_cures(result, on_progress=lambda part, change: show(part, f"trying {change}"))
     return result
-
-
-def _with_corrector(scene: Scene, name: str) -> Scene:
-    """Returns the scene with the estimator that corrects its result. Raises SceneError for one that cannot, and for a
-    scene in which it is not known what is left."""
-    require_corrector(name, scene.choices("estimators"))
-    if missing := [effect for effect in ("truth", "estimate") if effect not in scene.effects]:
-        raise BadInput("corrected", name, f"needs what --effects leaves out: {' and '.join(missing)}")
-    return replace(scene, estimators=tuple(dict.fromkeys((*scene.estimators, name))))
 
 
 def _draw(result: Result, target: OutputTarget, corrected: str) -> bool:

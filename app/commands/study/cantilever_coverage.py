@@ -6,7 +6,7 @@ from typing import ClassVar
 
 from app.commands.lenient_flag_types import NumberFlag
 from app.commands.output import json_text
-from app.commands.study.random_draw_study import RandomDrawStudy
+from app.commands.study.study_command import RandomDrawStudy
 from solvers.study.coverage.cantilever_counts import cantilever_summary, tally_cantilevers
 from solvers.study.coverage.random_cantilevers import MEASURED, PROBLEM, RandomCantilever
 

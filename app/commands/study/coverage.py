@@ -6,7 +6,7 @@ from typing import ClassVar
 
 from app.commands.lenient_flag_types import NumberFlag
 from app.commands.output import json_text
-from app.commands.study.random_draw_study import RandomDrawStudy
+from app.commands.study.study_command import RandomDrawStudy
 from solvers.scene.scene import Scene
 from solvers.study.coverage.estimate_coverage_counts import tally
 from solvers.study.coverage.estimate_coverage_tables import coverage_summary

@@ -6,11 +6,20 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 
-from app.commands.lenient_flag_types import BadInput, NumberFlag, PathFlag, Switch, TextFlag, default_hint
+from app.commands.lenient_flag_types import (
+    BadInput,
+    NumberFlag,
+    PathFlag,
+    ProcessesFlag,
+    Switch,
+    TextFlag,
+    default_hint,
+)
 from app.commands.output import OutputTarget, draw_pictures, print_message, put_text, report_write_errors
 from solvers.scene.scene import Scene
 from solvers.scene.validation import require_whole
 from solvers.solver.soundness import LOST, OK, UNSTABLE
+from solvers.study.coverage import random_draw
 from solvers.study.parameter_grid import MOST_ROWS
 from solvers.study.row import FAILED, IDENTITY, MEASURED, REFUSED, failed_row, find_fault
 from solvers.study.row_store import RowStore, StoreError
@@ -21,6 +30,7 @@ if TYPE_CHECKING:
     from solvers.study.executors import DaskExecutor, LocalExecutor, MeasurementTask
 
 INCOMPLETE = 1  # exit status
+MOST_SEED = 2**31 - 1
 ADDRESS = re.compile(r"(tcp|tls|ucx|ws|wss)://\S+:\d+/?")
 
 
@@ -183,6 +193,32 @@ class StudyFlags(Study):
     """Go on with what is in --out: rows that are there are not run again, those that failed are."""
     quiet: Annotated[Switch, default_hint("off")] = False
     """Nothing on standard error but what goes wrong."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class RandomDrawStudy(StudyFlags):
+    """Study of so many ``runs`` of random draws of the class ``DRAW`` with a ``seed``."""
+
+    DRAW: ClassVar[type[Any]]  # a RandomDraw
+    TIMED = False
+    IDENTITY = random_draw.IDENTITY
+
+    runs: NumberFlag
+    seed: NumberFlag
+    workers: ProcessesFlag = None
+    """Processes on this machine that run rows side by side; nothing is timed."""
+
+    def measurement_tasks(self) -> Sequence["MeasurementTask"]:
+        require_whole("runs", self.runs, 1, MOST_ROWS)
+        require_whole("seed", self.seed, 0, MOST_SEED)
+        self.check_study_flags(self.runs)
+        return [self.DRAW(self.only_problem, self.seed, number) for number in range(self.runs)]
+
+    def failed_task_row(self, task: random_draw.RandomDraw, reason: str) -> dict:
+        return task.failed_row(reason)
+
+    def with_timing_conditions(self, row: dict) -> dict:
+        return row
 
 
 def _format_value(value: Any) -> str:

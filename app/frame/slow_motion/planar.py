@@ -11,7 +11,7 @@ from solvers.solver.particle_step_breakdown import ParticleStepBreakdown
 
 AROUND = 0.75  # cells shown around the nodes
 HEIGHT = 0.13  # height of a shape function of one, as a share of the picture
-BESIDE = 0.36  # width of the text graph_points the picture
+BESIDE = 0.36  # width of the text beside the picture
 POINTS = 121  # of a curve
 
 

@@ -158,9 +158,9 @@ def format_scaled(values: np.ndarray, unit: str, digits: int) -> tuple[list[str]
     return texts, PREFIXES[power] + unit
 
 
-def format_amount(values: np.ndarray, unit: str, digits: int = 4) -> str:
-    """Formats a number (1,) or the components (D,) of a vector in ``unit``, with prefix and significant digits."""
-    return format_change(values, None, unit, digits)
+def format_amount(values: np.ndarray, unit: str) -> str:
+    """Formats a number (1,) or the components (D,) of a vector in ``unit``, with prefix and four significant digits."""
+    return format_change(values, None, unit, 4)
 
 
 def format_change(before: np.ndarray, after: np.ndarray | None, unit: str, digits: int = 6) -> str:

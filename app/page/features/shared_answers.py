@@ -2,32 +2,36 @@
 
 import threading
 from collections import OrderedDict
+from collections.abc import Callable
 from concurrent.futures import Future
 from typing import Any
 
 from app.page.shutdown import run_in_background
 from solvers.scene.scene import Scene
 from solvers.study.parameter_grid import task_of
+from solvers.workers.cpu_count import available_cpus
 from solvers.workers.worker_pool import WorkerPool
 
 MOST_KEPT = 64
 MOST_WORK = 2e7  # particle-steps of a scene: what takes longer is not begun unasked
+MOST_STAGES = 2  # running ones of all visitors for each processor, beside which work is begun unasked
 PATIENCE = 180.0  # timeout of an answer in s
 
 
 class SharedAnswers:
     """Answers by scene of the function ``work`` ("module:function"), which is asked with a scene's task and with
-    ``more``. The process starts with the first question and ends when the last visitor leaves."""
+    ``more``, one at a time. The process starts with the first question and ends when the last visitor leaves."""
 
     def __init__(self, work: str, **more: object):
         self._lock, self._visitors, self._work, self._more = threading.Lock(), 0, work, more
+        self._running_stages: Callable[[], int] = lambda: 0
         self._pool: WorkerPool | None = None
         self._found: OrderedDict[Scene, Any] = OrderedDict()  # None while it is computed
 
-    def open(self) -> None:
-        """Registers a visitor."""
+    def open(self, running_stages: Callable[[], int] = lambda: 0) -> None:
+        """Registers a visitor; ``running_stages`` returns the number of running stages of all."""
         with self._lock:
-            self._visitors += 1
+            self._visitors, self._running_stages = self._visitors + 1, running_stages
 
     def close(self) -> None:
         """Ends the process if no other visitor is left."""
@@ -41,14 +45,15 @@ class SharedAnswers:
 
     def answer(self, scene: Scene | None, starts: bool = True) -> Any:
         """Returns the :meth:`usable` answer about a scene, that of {} if it has none, and None while it is not known;
-        then it ``starts`` finding it."""
+        then it ``starts`` finding it, unless another one is being found or many stages run."""
         if scene is None or scene.steps * scene.particles > MOST_WORK:
             return self.usable({})
         with self._lock:
             if scene in self._found:
                 self._found.move_to_end(scene)
                 return self._found[scene]
-            if not starts:
+            busy = self._running_stages() > MOST_STAGES * available_cpus()
+            if not starts or busy or None in self._found.values():  # it is asked again, if still on a stage by then
                 return None
             self._found[scene] = None
             while len(self._found) > MOST_KEPT:

@@ -38,7 +38,6 @@ class ErrorTimeline:
         self._ends: tuple[float, float, float] | None = None  # of the axes: times, and the error
         self._scale_key: object = None
         self._dark = False
-        self._pointed: float | None = None  # fraction of the axis at the pointer
         self._read: tuple[np.ndarray, dict[str, np.ndarray]] = EMPTY, {}  # times, and the curves' shares by name
 
     def set_dark(self, dark: bool) -> None:
@@ -77,10 +76,6 @@ class ErrorTimeline:
         if pinned:
             named.append((functions_name(pinned.follows) if pinned.follows else tr("pinned"), "pinned", grey[0]))
         self._send_axis_and_marks(past, series, named, now)
-
-    def show_values_at(self, fraction: float | None) -> None:
-        """Sets where on the time axis, 0 to 1, :meth:`show` writes the curves' values; None for nowhere."""
-        self._pointed = fraction
 
     def time_at(self, fraction: float) -> float:
         """Returns the time in s at a fraction, 0 to 1, of the time axis."""
@@ -152,7 +147,7 @@ class ErrorTimeline:
     def _values_at_pointer(self, scene: Scene) -> list[str]:
         """Returns texts of the time and each curve's value at the pointer; none beyond the run."""
         time, curves = self._read
-        if self._pointed is None or not curves or (at := self.time_at(self._pointed)) > time[-1]:
+        if self._axis.pointed is None or not curves or (at := self.time_at(self._axis.pointed)) > time[-1]:
             return []
         values = {name: float(np.interp(at, time, curve)) for name, curve in curves.items()}
         periods = f" = {in_periods(at / scene.period)}" * scene.swings

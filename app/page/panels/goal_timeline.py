@@ -23,17 +23,12 @@ class GoalTimeline:
 
     def __init__(self, axis: TimeAxis):
         self._axis, self._dark, self._end = axis, False, 1.0
-        self._pointed: float | None = None  # fraction of the axis at the pointer
         self._plot = axis.add_plot(self._series(), ({"series": (1, 2), "fill": BAND, "dir": -1},))
         self._plot.visible = False
 
     def set_dark(self, dark: bool) -> None:
         self._dark = dark
         self._plot.series = self._series()
-
-    def show_values_at(self, fraction: float | None) -> None:
-        """Sets where on the time axis, 0 to 1, :meth:`show` writes value and bar; None for nowhere."""
-        self._pointed = fraction
 
     def hide(self) -> None:
         self._plot.visible = False
@@ -79,7 +74,7 @@ class GoalTimeline:
 
     def _values_at_pointer(self, curve: GoalCurve) -> list[str]:
         """Returns texts of the time, value and bar of the frame at the pointer; none beyond the run."""
-        if self._pointed is None or (at := self.time_at(self._pointed)) > curve.times[-1]:
+        if self._axis.pointed is None or (at := self.time_at(self._axis.pointed)) > curve.times[-1]:
             return []
         k = int(np.argmin(np.abs(curve.times - at)))
         value, bar = curve.value_and_bar(k)

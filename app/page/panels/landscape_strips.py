@@ -39,6 +39,7 @@ class LandscapeStrips:
         self._html = gui.add_html("")
         self._sliders: dict[str, LogNumberSlider] = {}
         self._seen, self._hand, self._held = False, None, False
+        self._until = 0.0  # the instant on the stage, in periods
         store.heard["strips"] = self._on_hand
         store.heard["point"] = self._on_point
 
@@ -50,17 +51,26 @@ class LandscapeStrips:
     def add(self, gui: viser.GuiApi, bound: SceneWidgetFactory, parameter: str, size: SliderSpec, value: float,
             act: Callable[[float], None]) -> LogNumberSlider:
         """Adds a slider for one of the ``PARAMETERS`` with a strip under it; arguments as of ``LogNumberSlider``."""
+        def act_and_request(value: float) -> None:
+            act(value)
+            if not self._session.playing:  # a change keeps the instant, so that its frame need not be waited for
+                self.refresh()
+
         gui.add_html(widget_marker_html("lab-logarithmic", "lab-row", parameter=parameter))
-        self._sliders[parameter] = slider = LogNumberSlider(gui, bound, size, value, act)
+        self._sliders[parameter] = slider = LogNumberSlider(gui, bound, size, value, act_and_request)
         self._show({})
         return slider
 
-    def refresh(self, report: FrameReport) -> None:
+    def follow(self, report: FrameReport) -> None:
         """Requests the landscapes of the session's scene until the instant of a frame, and shows what is known."""
+        self._until = report.time / report.scene.period
+        self.refresh()
+
+    def refresh(self) -> None:
+        """Requests the landscapes of the scene until the instant of the last frame, and shows what is known."""
         quantity, estimator = self._on_stage()
         if self._seen:
-            self._landscapes.request(self._hand, report.time / report.scene.period, quantity, estimator,
-                                     held=self._held)
+            self._landscapes.request(self._hand, self._until, quantity, estimator, held=self._held)
         self._show(self._landscapes.curves() if self._seen else {})
 
     def _show(self, curves: Mapping[str, Landscape]) -> None:

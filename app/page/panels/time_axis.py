@@ -28,13 +28,14 @@ class TimelineState:
 
 
 class TimeAxis:
-    """One visitor's time axis; ``height`` in pixels of the plots."""
+    """One visitor's time axis; ``height`` in pixels of the plots, and where ``pointed`` is, 0 to 1, to read values."""
 
     def __init__(self, gui: viser.GuiApi):
         self._gui = gui
         self._box = gui.add_folder(None)
         self._html = gui.add_html("")
         self.height = 62
+        self.pointed: float | None = None  # fraction of the axis at the pointer
 
     def add_plot(self, series: tuple[uplot.Series, ...],
                  bands: tuple[uplot.Band, ...] | None = None) -> viser.GuiUplotHandle:

@@ -31,6 +31,7 @@ from solvers.study.landscape.parameter_values import (
 CFL = (0.01, 2.0)  # ends of the slider of the time step
 LEAST_PERIODS = 0.05  # of a landscape: of a run that has not begun there is no error
 HORIZONS = (0.25, 1.0, MOST_PERIODS)  # periods that points of a playing run last, so that few are run again
+INSTANTS = 64  # per period, at which points of a run at rest end, so that another time step needs no others
 BUDGET_SECONDS = {1: 1.0, 2: 2.0}  # of a processor for all points of a scene, by its dimensions
 POINT_SECONDS = 0.3  # for one of them
 EXPECTED_RATES = {1: 3e7, 2: 8e6}  # particle-steps per s, before the first measurement
@@ -92,7 +93,8 @@ class Landscapes:
         if scene.arch != "cpu" or getattr(scene, "plan", "") == "parallel":  # in a fork only serial runs are possible
             self.rate = None
             return
-        horizon = next(h for h in HORIZONS if h >= until) if self._session.playing else until
+        horizon = (next(h for h in HORIZONS if h >= until) if self._session.playing else
+                   math.ceil(until * INSTANTS) / INSTANTS)
         coarse = self._session.playing and horizon < MOST_PERIODS
         requests = {name: LandscapeRequest(scene, name, until, quantity, estimator, _slider_reach(scene, name))
                     for name in parameters_of(scene)}

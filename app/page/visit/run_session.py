@@ -73,6 +73,11 @@ class RunSession:
             self._send_request(begin_at=begin_at)
 
     @property
+    def running_stages(self) -> int:
+        """The number of running stages of all visitors."""
+        return self._pool.playing
+
+    @property
     def _instant(self) -> float:
         """The time on the stage in periods; the requested one while a run is on its way to it or stopped before."""
         report, requested = self.report, self._pace.begin_at

@@ -22,9 +22,11 @@ MOST_EACH_WAY = 8  # particles per direction in a cell of candidate lattices
 STAIRS = 0.5  # of a particle may be too much or too little at each place of a rim, by chance
 LEAST = 0.02  # of the body that may be missing unreported
 FOURTH = 4  # of the nearest others: on any lattice, and by chance, little of the body is far beyond its distance
-VACANT = 0.35  # of their distance: a place where a particle should be, with none so near
+FEWEST_EACH_WAY = 8  # particles per dimension from which on distances say something
+VACANT = 0.5  # of their distance: a place where a particle should be, with none so near
 AT_A_HOLE = 1.5  # times the particles' distance: farther from the next is a hole
 POINTS = 4000  # of the body, about, at which holes are searched
+HOLES = Message("by the holes between them")
 
 
 @dataclass(frozen=True)
@@ -43,11 +45,13 @@ class BodyShare:
 
 def check_body_is_covered(scene: Scene, frame: Frame) -> Finding:
     """Checks that a frame, the one with the fewest particles, covers the scene's whole body."""
-    reference, count = PROBLEMS[scene.problem].reference, len(frame.number)
-    found = _share_by_mass(scene, reference, frame) or _share_by_lattice(scene, reference, frame.material_position) \
-        or _share_by_holes(scene, reference, frame.material_position)
-    return found.to_finding(count) if found else unknown(
-        NAME, f"of {count:,} particles, without masses, volumes or a lattice")
+    reference, count, X = PROBLEMS[scene.problem].reference, len(frame.number), frame.material_position
+    lattice = _share_by_lattice(scene, reference, X)
+    by_size = _share_by_mass(scene, reference, frame) or (None if lattice else _share_by_distance(scene, reference, X))
+    known = [share for share in (by_size, lattice or _share_by_vacancies(scene, reference, X)) if share]
+    found = [share.to_finding(count) for share in known]
+    return max(found, key=lambda one: (one.is_contradiction, one.measured), default=unknown(
+        NAME, f"of {count:,} particles, without masses, volumes or a lattice"))
 
 
 def _share_by_mass(scene: Scene, reference: JudgingReference, frame: Frame) -> BodyShare | None:
@@ -88,12 +92,16 @@ def _share_by_lattice(scene: Scene, reference: JudgingReference, X: np.ndarray) 
     if not fitting:
         return None
     places, who, candidate = fitting[0]
-    short = len(places) - len(X)
     weight = reference.start(candidate).volume
-    share = float(weight[who[:, 0]].sum() / weight.sum())
+    empty = np.setdiff1d(np.arange(len(places)), who)
+    if getattr(candidate, "layout", "") == "cartesian":  # which of the places at its rims are inside, codes may differ
+        side = candidate.spacing / candidate.ppc
+        beside = places[empty, None] + side * np.concatenate([np.eye(2), -np.eye(2)])
+        empty = empty[~reference.is_outside(scene, beside.reshape(-1, 2)).reshape(-1, 4).any(axis=1)]
+    share = 1 - float(weight[empty].sum() / weight.sum())
     return BodyShare(share, 1 - 0.5 / len(places), Message("{short:,} of the {places:,} places of a lattice of {ppc:g} "
-                                                           "a cell in each direction are empty", short, len(places),
-                                                           candidate.ppc))
+                                                           "a cell in each direction are empty", len(empty),
+                                                           len(places), candidate.ppc))
 
 
 def _lattices(scene: Scene) -> list[Scene]:
@@ -110,28 +118,40 @@ def _lattices(scene: Scene) -> list[Scene]:
     return tried
 
 
-def _share_by_holes(scene: Scene, reference: JudgingReference, X: np.ndarray) -> BodyShare | None:
-    """Returns the covered share of the body by empty places between particles at X (P, D), and by parts of the body
-    without particles nearby; None for too few particles."""
-    P, D = X.shape
-    if P < 8 * D:
+def _share_by_distance(scene: Scene, reference: JudgingReference, X: np.ndarray) -> BodyShare | None:
+    """Returns the share of the body that has particles at X (P, D) nearby; None for too few particles."""
+    if len(X) < FEWEST_EACH_WAY * X.shape[1]:
         return None
     around = NeighbourSearch(X)
-    some = np.arange(0, P, -(-P // MOST_ASKED))
-    far, who = (found[:, 1:] for found in around.nearest(X[some], FOURTH + 1))  # without itself
-    side, apart = float(np.median(far[:, 0])), float(np.median(far[:, -1]))
+    apart = float(np.median(around.nearest(_some_of(X), FOURTH + 1)[0][:, -1]))
     if not np.isfinite(apart):
         return None
     cells = max(type(scene).FEWEST_CELLS, min(scene.cells, round(0.5 * POINTS ** (1 / scene.DIMENSIONS))))
     points = reference.start(replace(scene, cells=cells, ppc=2)).material_position
     distance = NeighbourSearch(X, max(around.width, AT_A_HOLE * apart)).nearest(points, 1)[0][:, 0]
-    bare = float(np.mean(distance > AT_A_HOLE * apart))
-    vacant = 0.0
-    if np.quantile(far[:, 0], 0.75) <= 1.1 * np.quantile(far[:, 0], 0.25):  # a lattice: what is beside one is opposite
-        beside = np.nonzero(far <= 1.2 * side)  # the nearest
-        step = X[some[beside[0]]] - X[who[beside]]
-        place = X[some[beside[0]]] + step
-        inside = ~(reference.is_outside(scene, place) | reference.is_outside(scene, place + 0.6 * step))
-        if inside.any():
-            vacant = float(np.mean(around.nearest(place[inside], 1)[0] > VACANT * side))
-    return BodyShare(1 - max(bare, vacant), 1 - LEAST, Message("by the holes between them"))
+    return BodyShare(1 - float(np.mean(distance > AT_A_HOLE * apart)), 1 - LEAST, HOLES)
+
+
+def _share_by_vacancies(scene: Scene, reference: JudgingReference, X: np.ndarray) -> BodyShare | None:
+    """Returns the occupied share of the places opposite each particle's nearest neighbours, where particles at X (P, D)
+    form a lattice of any kind; None where they do not."""
+    if len(X) < FEWEST_EACH_WAY * X.shape[1]:
+        return None
+    around, some = NeighbourSearch(X), _some_of(X)
+    far, who = (found[:, 1:] for found in around.nearest(some, FOURTH + 1))  # without itself
+    side = float(np.median(far[:, 0]))
+    if not np.quantile(far[:, 0], 0.75) <= 1.1 * np.quantile(far[:, 0], 0.25):
+        return None
+    beside = np.nonzero(far <= 1.2 * side)  # the nearest
+    step = some[beside[0]] - X[who[beside]]
+    place = some[beside[0]] + step
+    inside = ~(reference.is_outside(scene, place) | reference.is_outside(scene, place + 0.6 * step))
+    if not inside.any():
+        return None
+    vacant = around.nearest(place[inside], 1)[0] > VACANT * side
+    return BodyShare(1 - float(np.mean(vacant)), 1 - 0.5 / len(vacant), HOLES)
+
+
+def _some_of(X: np.ndarray) -> np.ndarray:
+    """Returns at most ``MOST_ASKED`` of the points X (P, D), evenly chosen."""
+    return X[::-(-len(X) // MOST_ASKED)]

@@ -20,7 +20,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from solvers.bodies.body import Body
+from solvers.bodies.body import SAMPLES, Body
 from solvers.bodies.goal import Goal
 from solvers.bodies.patch import CLAMPED, FREE, Patch
 from solvers.solver.soundness import OK
@@ -92,15 +92,11 @@ class RandomCantilever(RandomDraw):
 def measure_in_worker(draw: dict, answer: Callable[[dict], None]) -> None:
     """Calls ``answer`` with the row of :func:`measure`, in a worker process, for the fields of a
     :class:`RandomCantilever`."""
-    answer(measure(RandomCantilever(**draw)))
+    answer(RandomCantilever(**draw).row(measure))
 
 
 def measure(draw: RandomCantilever) -> dict:
-    """Returns the row of a random cantilever (keys: module docstring); an error becomes a row, never raised."""
-    return draw.row(_measure_cantilever)
-
-
-def _measure_cantilever(draw: RandomCantilever) -> dict:
+    """Returns the row of a random cantilever (keys: module docstring)."""
     from solvers.bodies.run import run_body  # here: a row can be read, kept and drawn without Taichi
 
     begun, body = time.perf_counter(), draw.cantilever.body()
@@ -120,27 +116,20 @@ def compare_with_truth(body: Body, result: "BodyResult", cuts: tuple[np.ndarray,
     """Returns by quantity the index of a cantilever's finished run, over the samples that have an estimate, and the
     true values of its goals at its particles, from a companion of this ``order`` on elements with these ``cuts``."""
     from solvers.bodies.companion import BodyCompanion
-    from solvers.bodies.estimate import QUANTITIES, ParticleFields, cauchy_stress
-    from solvers.bodies.goal_values import GoalSeries
+    from solvers.bodies.estimate import QUANTITIES
     from solvers.bodies.material_points import MaterialPoints
-    from solvers.bodies.run import SAMPLES, read_companion
-    from solvers.bodies.spectral_mesh import LatticeReader
+    from solvers.bodies.particle_comparison import ParticleComparison
 
     run = MaterialPoints(body, SAMPLES, body.lattice_counts, half_start=True)
     truth = BodyCompanion(body, [cuts], order, body.t_end / SAMPLES)
-    reader, times, errors = LatticeReader(truth.mesh, run.lattice.lattices), [0.0], []
-    goals = {name: GoalSeries(goal, run.lattice.position) for name, goal in body.goals.items()}
+    comparison, times, errors = ParticleComparison(run, [truth, truth], 0.0, body.goals), [0.0], []
     for _ in range(SAMPLES):
         run.advance()
         truth.advance()
         times.append(run.time)
-        own = ParticleFields(run.displacement, run.velocity, cauchy_stress(body, run.deformation_gradient))
-        true = read_companion(body, truth, reader)
+        differences = comparison.compare()
         if run.time <= result.until:
-            errors.append([math.sqrt(np.sum((one - other)**2, axis=1).mean())
-                           for one, other in zip(own, true, strict=True)])
-        for series in goals.values():
-            series.add(true, true, true)
+            errors.append(differences.found)
     means = np.mean(errors, axis=0) if errors else ()
     return ({name: result.estimate[name].mean / float(mean) for name, mean in zip(QUANTITIES, means, strict=False)},
-            {name: series.evaluate(np.array(times), False).value for name, series in goals.items()})
+            {name: series.evaluate(np.array(times), len(times)).value for name, series in comparison.goals.items()})

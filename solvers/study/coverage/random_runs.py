@@ -151,15 +151,11 @@ def measure_in_worker(draw: dict, answer: Callable[[dict], None]) -> None:
     from solvers.running.run import reuse_solvers  # here: Taichi is for workers
 
     reuse_solvers()
-    answer(measure(RandomRun(**draw)))
+    answer(RandomRun(**draw).row(measure))
 
 
 def measure(draw: RandomRun) -> dict:
-    """Returns the row of a random run on three grids (keys: module docstring); an error becomes a row, never raised."""
-    return draw.row(_measure_run)
-
-
-def _measure_run(draw: RandomRun) -> dict:
+    """Returns the row of a random run on three grids (keys: module docstring)."""
     from solvers.running.run import run  # here: a row can be read, kept and drawn without Taichi
 
     begun, scene = time.perf_counter(), draw.scene()

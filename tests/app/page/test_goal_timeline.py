@@ -20,7 +20,7 @@ def curve(values, bars):
 def shown(one, pointed=None):
     """What is said around the curve, and the half height of the band in m."""
     line = GoalTimeline(TimeAxis(Gui()))
-    line.show_values_at(pointed)
+    line._axis.pointed = pointed
     line.show(one, TimelineState(1.0, (0.0, 1.0), False))
     said = json.loads(unescape(re.search("data-said='(.*)'", line._axis._html.content)[1]))
     _, high, low, _ = line._plot.data

@@ -3,6 +3,7 @@ modulus keeps."""
 
 from __future__ import annotations
 
+import contextlib
 import json
 import math
 from types import SimpleNamespace
@@ -52,8 +53,24 @@ def test_nothing_is_requested_while_no_strip_is_seen():
     for message in (7, {"hand": "cells"}, {"seen": 1, "hand": "cells"}, {"seen": True, "hand": "cells", "held": True},
                     {"seen": True, "hand": ["cells"]}):
         store.heard["strips"](message)
-        strips.refresh(report)
+        strips.follow(report)
     assert requests == [("cells", 0.25, "sigma", None, True), (None, 0.25, "sigma", None, False)]
+
+
+@pytest.mark.parametrize("playing", [False, True])
+def test_a_change_of_a_run_at_rest_requests_its_strips_before_its_frame_comes(playing):
+    requests, set_to, store = [], [], SimpleNamespace(heard={})
+    landscapes = SimpleNamespace(request=lambda hand, until, *_, held: requests.append(until), curves=dict)
+    gui = SimpleNamespace(add_html=lambda content: SimpleNamespace(content=content),
+                          add_slider=lambda *_, **__: SimpleNamespace(min=0, max=9),
+                          add_text=lambda *_, **__: SimpleNamespace())
+    bound = SimpleNamespace(on_change=lambda *_: None, on_enter=lambda *_: None, turn=contextlib.nullcontext(),
+                            apply_or_reset=lambda widget, act, reset: act() or True)
+    strips = LandscapeStrips(gui, SimpleNamespace(scene=BAR, playing=playing), landscapes, store, lambda: ("x", None))
+    slider = strips.add(gui, bound, "modulus", STIFFNESS, 4.0, set_to.append)
+    store.heard["strips"]({"seen": True})
+    slider.choose(9.0)
+    assert set_to == [9.0] and requests == ([] if playing else [0.0])
 
 
 def test_a_kept_time_step_moves_the_cfl_number_along(here):

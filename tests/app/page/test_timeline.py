@@ -79,7 +79,7 @@ def test_what_is_said_round_the_curves(line):
 def test_times_are_counted_in_periods_where_something_swings(line):
     """The ring's last a fiftieth of a second; of a patch test's nobody speaks."""
     ring, patch_test = RingScene(), BarScene(motion="patch")
-    line.show_values_at(0.5)
+    line._axis.pointed = 0.5
     at = show(line, 2.4 * ring.period, scene=ring)
     assert [text for _, text in at["ticks"]] == ["1", "2", "3 periods"]
     assert line._plot.scales["x"]["range"] == [0.0, pytest.approx(3 * ring.period)]
@@ -130,9 +130,9 @@ def test_what_a_browser_says_of_its_window_is_believed_in_nothing(wrong):
 
 def test_what_the_curves_are_under_the_pointer(line):
     """Between two samples in a straight line; nothing beyond the run, and nothing once the pointer has left."""
-    line.show_values_at(0.5)
+    line._axis.pointed = 0.5
     assert show(line, 0.8)["read"] == ["500 ms = 0.5 periods", "true 0.2 %", "transport 0.4 %"]
-    line.show_values_at(0.95)
+    line._axis.pointed = 0.95
     assert show(line, 0.9)["read"] == []
-    line.show_values_at(None)
+    line._axis.pointed = None
     assert show(line, 0.9)["read"] == []

@@ -5,11 +5,12 @@ import dataclasses
 import numpy as np
 import pytest
 
-from solvers.bodies import companion, material_points
+from solvers.bodies import companion, material_points, particle_comparison
 from solvers.bodies.body_file import library_text, parse_body
 from solvers.bodies.companion import BodyCompanion
 from solvers.bodies.material_points import MaterialPoints
-from solvers.bodies.spectral_mesh import LatticeReader, default_cuts, even_cuts
+from solvers.bodies.particle_comparison import ParticleComparison
+from solvers.bodies.spectral_mesh import default_cuts, even_cuts
 from solvers.solver.base import ESCAPED
 from tests.solvers.bodies import exact_bodies
 
@@ -22,16 +23,13 @@ def cauchy(body, F):
     return np.stack([xx, xy, xy, yy], axis=1)
 
 
-def largest_rms_errors(body, truth):
-    """Of x, v and sigma over all samples; ``truth(X, time)`` returns u, v, F."""
+def largest_rms_errors(body, errors_of):
+    """Of x, v and sigma over all samples; ``errors_of(run)`` returns a function that gives those of the run now."""
     run = MaterialPoints(body, SAMPLES, body.lattice_counts, half_start=False)
-    errors = []
+    current_errors, errors = errors_of(run), []
     for _ in range(SAMPLES):
         run.advance()
-        u, v, F = truth(run)
-        errors.append([np.sqrt(np.sum(one**2, axis=1).mean())
-                       for one in (run.displacement - u, run.velocity - v,
-                                   cauchy(body, run.deformation_gradient) - cauchy(body, F))])
+        errors.append(current_errors())
     return np.max(errors, axis=0)
 
 
@@ -42,8 +40,15 @@ def largest_rms_errors(body, truth):
 def test_the_axis_aligned_motion(method, cells, values):
     """Against the exact motion, between rollers on all sides; the prototype gives these values to five digits."""
     body = exact_bodies.square(method, cells)
-    found = largest_rms_errors(body, lambda run: exact_bodies.square_motion(run.lattice.position, run.time))
-    assert found == pytest.approx(values, rel=1e-4)
+
+    def errors_of(run):
+        def current_errors():
+            u, v, F = exact_bodies.square_motion(run.lattice.position, run.time)
+            stress = cauchy(body, run.deformation_gradient) - cauchy(body, F)
+            return [np.sqrt(np.sum(one**2, axis=1).mean()) for one in (run.displacement - u, run.velocity - v, stress)]
+        return current_errors
+
+    assert largest_rms_errors(body, errors_of) == pytest.approx(values, rel=1e-4)
 
 
 @pytest.mark.parametrize(("method", "cells", "values"), [
@@ -55,26 +60,32 @@ def test_the_thrown_block(method, cells, values):
     body = dataclasses.replace(BLOCK, method=method, cells_per_metre=cells)
     fine = BodyCompanion(body, even_cuts([(4, 4)]), 6, body.t_end / SAMPLES)
 
-    def truth(run):
-        fine.advance()
-        reader = LatticeReader(fine.mesh, run.lattice.lattices)
-        u, gradient = reader.values_and_gradients(fine.u)
-        return u, reader.values_and_gradients(fine.v)[0], np.eye(2) + gradient
+    def errors_of(run):
+        comparison = ParticleComparison(run, [fine, fine], 0.0, {})
 
-    assert largest_rms_errors(body, truth) == pytest.approx(values, rel=2e-4)
+        def current_errors():
+            fine.advance()
+            return comparison.compare().found
+        return current_errors
+
+    assert largest_rms_errors(body, errors_of) == pytest.approx(values, rel=2e-4)
 
 
 def test_bodies_share_a_compilation():
-    """Of the step with one method, and of the companion for all bodies and orders."""
+    """Of the step with one method, and of companions and comparisons for all bodies and orders."""
     block = dataclasses.replace(BLOCK, cells_per_metre=4, t_end=0.01)
     beam = dataclasses.replace(BEAM, cells_per_metre=4, t_end=0.01)
     plate = dataclasses.replace(PLATE, cells_per_metre=4, t_end=0.01, method="cpdi")
     square = dataclasses.replace(exact_bodies.square("cpdi", 4), t_end=0.001)
-    before = [None, None]
+    before = [None] * 3
     for body, order in ((block, 4), (beam, 6), (plate, 5), (square, 4)):
-        MaterialPoints(body, 1, body.lattice_counts, half_start=True).advance()
-        BodyCompanion(body, default_cuts(body), order, body.t_end).advance()
-        counts = [len(one.take_steps._primal.compiled_kernels) for one in (material_points, companion)]
+        run = MaterialPoints(body, 1, body.lattice_counts, half_start=True)
+        other = BodyCompanion(body, default_cuts(body), order, body.t_end)
+        run.advance()
+        other.advance()
+        ParticleComparison(run, [other, other], 0.0, {}).compare()
+        counts = [len(one._primal.compiled_kernels) for one in (
+            material_points.take_steps, companion.take_steps, particle_comparison.compare_at_particles)]
         assert counts == [old or new for old, new in zip(before, counts, strict=True)]
         before = counts
 

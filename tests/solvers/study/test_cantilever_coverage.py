@@ -78,7 +78,7 @@ def test_an_error_is_a_row(monkeypatch):
         raise RuntimeError("no\nroom")
 
     monkeypatch.setattr("solvers.bodies.run.run_body", fail)
-    row = measure(RandomCantilever(PROBLEM, SEED, 0))
+    row = RandomCantilever(PROBLEM, SEED, 0).row(measure)
     assert row["status"] == "failed" and row["reason"] == "RuntimeError: no room"
     assert find_fault(row, MEASURED, IDENTITY) is None
 

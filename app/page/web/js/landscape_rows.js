@@ -37,8 +37,12 @@
       if (row.keeps.textContent !== KEEPS[keeps]) row.keeps.textContent = KEEPS[keeps];
       set(row.keeps, "aria-pressed", String(keeps === "dt"));
     }
-    const after = `${Math.ceil(row.label.getBoundingClientRect().right - row.element.getBoundingClientRect().left)}px`;
-    for (const element of [row.element, row.beside]) element?.style.setProperty("--after", after);
+    const name = [row.label.textContent, row.label.dataset.words, speaks, row.width].join();
+    if (name !== row.measured) {  // to measure it makes the browser lay out the page
+      row.measured = name;
+      const after = `${Math.ceil(row.label.getBoundingClientRect().right - row.element.getBoundingClientRect().left)}px`;
+      for (const element of [row.element, row.beside]) element?.style.setProperty("--after", after);
+    }
   }
 
   // What the visitor does.

@@ -35,6 +35,22 @@ def test_trials_give_way_to_the_stages_of_others(visitors, monkeypatch):
     assert trials.answer(LONELY) is None and priorities == [visitors > 1]
 
 
+def test_nothing_is_begun_beside_another_trial_or_many_stages(monkeypatch):
+    """What is on no stage any more when its turn would come is never tried."""
+    trials, asked, stages = SharedCureTrials(), [], [100]
+    monkeypatch.setattr(shared_answers, "available_cpus", lambda: 2)
+    monkeypatch.setattr(shared_answers, "WorkerPool", lambda work: SimpleNamespace(
+        submit=lambda *_, **__: asked.append(Future()) or asked[-1], lower_priority=lambda idle: None,
+        close=lambda: None))
+    trials.open(lambda: stages[0])
+    assert trials.answer(LONELY) is None and not asked
+    stages[0] = 4
+    other = replace(LONELY, cells=20)
+    assert trials.answer(LONELY) is trials.answer(other) is None and len(asked) == 1
+    asked[0].set_result({"held": []})
+    assert trials.answer(LONELY) == [] and trials.answer(other) is None and len(asked) == 2
+
+
 def test_a_run_that_broke_beyond_its_scenes_end_is_tried_for_longer():
     report = SimpleNamespace(scene=LONELY, since=1.0, time=1.5)
     assert scene_to_try(report) is LONELY
