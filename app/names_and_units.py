@@ -281,6 +281,11 @@ def with_unit(value: float, unit: str, digits: int = 3) -> str:
     return f"{localise_number(f'{short:g}')} {PREFIXES[power]}{unit}"
 
 
+def clock_text(time: float) -> str:
+    """Formats the present time in s: "0.25 s"; with a prefix if it is short."""
+    return f"{format_number(time)} s" if time == 0 or time >= 1e-3 else with_unit(time, "s")
+
+
 def in_periods(count: float) -> str:
     """Formats a number of periods to three digits, with the word: "2.5 periods"."""
     return trn("{count:g} period", "{count:g} periods", float(f"{count:.3g}"))

@@ -19,6 +19,7 @@ from app.commands.run.command import Run, RunFromSceneText
 from app.commands.scene_flags import command_of_problem, with_scene_flags
 from app.commands.serve import Serve
 from app.commands.study.advise import Advise, search_flags
+from app.commands.study.body_sweep import BodySweep
 from app.commands.study.coverage import CantileverCoverage, Coverage
 from app.commands.study.paper_tables import PaperTables
 from app.commands.study.stability_map import StabilityMap, map_flags
@@ -28,8 +29,8 @@ from solvers.scene.scene import Scene
 
 #: What ``mpm-lab`` does when no command is given.
 DEFAULT_COMMAND = ("serve",)
-#: What runs a body from a file: any word that ends in .toml stands for the second.
-BODY_FILE = ("run", "FILE.toml")
+#: What stands for any word that ends in .toml in the names of commands: a file of a body.
+BODY_FILE = "FILE.toml"
 
 
 @cache
@@ -39,11 +40,11 @@ def commands() -> dict[tuple[str, ...], type]:
         return {(word, name): make(problem.scene) for name, problem in PROBLEMS.items()}
 
     return {("serve",): Serve, **for_problems("run", partial(command_of_problem, Run)),
-            ("run", "--scene"): RunFromSceneText, BODY_FILE: RunBody,
+            ("run", "--scene"): RunFromSceneText, ("run", BODY_FILE): RunBody,
             ("body", "list"): BodyList, ("body", "show"): BodyShow,
             **for_problems("budget", partial(command_of_problem, Budget)),
             **for_problems("sweep", partial(command_of_problem, Sweep, linearity_preserving=Switch)),
-            **for_problems("problem", partial(command_of_problem, ProblemCommand)),
+            ("sweep", BODY_FILE): BodySweep, **for_problems("problem", partial(command_of_problem, ProblemCommand)),
             **for_problems("judge", partial(command_of_problem, Judge)),
             ("check",): ContradictionCheck, ("tables",): PaperTables,
             **for_problems("advise", lambda scene: with_scene_flags(Advise, scene, **search_flags(scene))),

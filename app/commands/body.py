@@ -14,6 +14,8 @@ from app.commands.run.command import BROKEN, OK
 from app.commands.run.text_summary import format_value
 from solvers.bodies import body_file
 from solvers.bodies.body import Body
+from solvers.bodies.rectangle import check_estimator
+from solvers.scene.estimator_registry import COMPANION
 from solvers.scene.validation import SceneError
 from solvers.untrusted.quoting import FileError, file_name, one_line, suggest_word
 
@@ -63,7 +65,8 @@ class RunBody:
 
     It must be elastic; patches, loads, method and goals are in the file (mpm-lab body show NAME prints one). Two
     companions of orders 4 and 6 give the estimates, and error bars of the goals. Without --json a table goes to
-    standard output. Exit status: 0 ok, 1 could not run or write, 2 bad input, 3 the run went unstable."""
+    standard output. A rectangle can have a second estimate beside it (--estimator recovered).
+    Exit status: 0 ok, 1 could not run or write, 2 bad input, 3 the run went unstable."""
 
     EXAMPLE: ClassVar[str] = "mpm-lab run FILE.toml"
 
@@ -73,18 +76,21 @@ class RunBody:
     """File for the result as a JSON object; - is standard output."""
     plot: Annotated[PathFlag, default_hint("no picture")] = None
     """File for a picture of the goals over time in the bands of their bars, .png."""
+    estimator: TextFlag = COMPANION
+    """recovered: also an estimate from the particles alone, for a rectangle with free and clamped sides."""
     quiet: Annotated[Switch, default_hint("off")] = False
     """No progress bar and no warnings on standard error."""
 
     def execute(self) -> int:
         target, picture = json_and_plot_targets(self.json, self.plot)
-        body = _read(self.file)
+        body = read_body_file(self.file)
+        check_estimator(body, self.estimator)
         for sentence in () if self.quiet else body.warnings():
             print_message(f"warning: {sentence}")
         with show_progress(self.quiet) as show:
             from solvers.bodies.run import run_body  # here: bad input and --help must not wait for Taichi
             try:
-                result = run_body(body, show)
+                result = run_body(body, show, self.estimator)
             except SceneError as error:  # a force that changes too fast
                 raise BadInput("", self.file, str(error)) from None
         put_result(result.to_dict(), target, lambda values: body_table(file_name(self.file), values))
@@ -97,7 +103,7 @@ class RunBody:
         return OK if result.status == "ok" else BROKEN
 
 
-def _read(path: str) -> Body:
+def read_body_file(path: str) -> Body:
     """Returns the body of a file; raises BadInput."""
     try:
         return body_file.read_body(path)
@@ -122,6 +128,11 @@ def body_table(name: str, result: Mapping[str, Any]) -> str:
                   for quantity, one in result["estimate"].items())]
         parts.append("\n".join((f"{row[0]:<32}" + "".join(f"{cell:>11}" for cell in row[1:])).rstrip() for row in rows))
         parts.append(MEANING)
+    if recovered := result["recovered"]:
+        parts.append(recovered["not_valid"] or "\n".join(
+            f"recovered, {name} ({recovered[name]['unit']})".ljust(32) + "".join(
+                f"{format_value(recovered[name][key], '.3e'):>11}" for key in ("final", "max", "mean"))
+            for name in recovered if name != "not_valid"))
     if result["goals"]:
         parts.append("\n".join(_goal_line(goal, body["goals"][goal], value) for goal, value in result["goals"].items()))
     parts += map(one_line, result["remarks"])

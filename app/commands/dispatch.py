@@ -84,10 +84,11 @@ def _find_command(arguments: list[str]) -> tuple[tuple[str, ...], list[str]]:
         if word in ("-h", "--help"):
             return name, []
         flag, equals, value = word.partition("=") if word.startswith("-") else (word, "", "")  # run --scene=TEXT
-        if name == BODY_FILE[:1] and word.endswith(".toml"):
-            flag, equals, value = BODY_FILE[1], "=", word
+        if word.endswith(".toml") and (*name, BODY_FILE) in commands():
+            flag, equals, value = BODY_FILE, "=", word
         elif name and word.endswith(".toml"):
-            raise BadInput("", word, f"is a body, which only {' '.join((PROGRAM, *BODY_FILE))} takes")
+            takers = " and ".join(" ".join((PROGRAM, *one)) for one in commands() if one[-1] == BODY_FILE)
+            raise BadInput("", word, f"is a body, which only {takers} take")
         if flag not in _next_words(name):
             raise BadInput("", word, f"is not a command{suggest_word(word, _next_words(name))}; {_suggest_next(name)}")
         name += (flag,)

@@ -5,6 +5,7 @@ from typing import Annotated, ClassVar
 
 import tyro
 
+from app.commands.body import read_body_file
 from app.commands.lenient_flag_types import BadInput, ProcessesFlag, Switch, TextFlag, default_hint, process_count
 from app.commands.lesson import full_lesson_name
 from app.commands.output import OutputTarget, print_message
@@ -18,18 +19,18 @@ from solvers.scene.validation import require_choice
 
 @dataclass(frozen=True)
 class Export:
-    """Write a lesson or a scene as one HTML file that plays offline.
+    """Write a lesson, a scene or a body as one HTML file that plays offline.
 
-    WHAT is a lesson, by name or number, or a scene such as "bar cells=80 error-of=sigma". The file holds recorded
-    runs, for the sliders too, and needs nothing else: neither this program nor a network. In a lesson's file stand
-    the expected answers as well, for whoever reads its source. With --scorm lessons become a package for Moodle and
-    its like, one part a lesson: "mpm-lab export 1 4 8 --scorm --out course.zip".
+    WHAT is a lesson, by name or number, a scene such as "bar cells=80 error-of=sigma", or a body's file, .toml. What
+    is written holds recorded runs, for the sliders too, and needs nothing else: neither this program nor a network. In
+    a lesson's file stand the expected answers as well, for whoever reads its source. With --scorm lessons become a
+    package for Moodle and its like, one part a lesson: "mpm-lab export 1 4 8 --scorm --out course.zip".
     Exit status: 0 ok, 1 could not run or write, 2 bad input."""
 
     EXAMPLE: ClassVar[str] = "mpm-lab export 4 --out crossing.html"
 
     what: Annotated[TextFlag, tyro.conf.Positional]
-    """A lesson or a scene; with --scorm one or more lessons."""
+    """A lesson, a scene or a body's file; with --scorm one or more lessons."""
     out: TextFlag
     """File to write, .html; with --scorm .zip."""
     scorm: Annotated[Switch, default_hint("off")] = False
@@ -55,6 +56,12 @@ class Export:
                 content = lesson_export.make_scorm_package(lessons, processes, show, core=self.core)
             elif lessons:
                 content = lesson_export.lesson_page(lessons[0], processes, show, core=self.core).encode()
+            elif self.what.endswith(".toml"):
+                from app.export.body_page import body_page
+                try:
+                    content = body_page(self.what, show).encode()
+                except ValueError as error:
+                    raise BadInput("", self.what, str(error)) from None
             else:
                 content = html_file.scene_page(self.what, processes, show).encode()
         target.write(content)
@@ -64,7 +71,10 @@ class Export:
     def _lesson_names(self) -> list[str]:
         """Returns the full names of the lessons, [] for a scene; raises BadInput for what cannot be exported."""
         if self.what.endswith(".toml"):
-            raise BadInput("", self.what, "is a body, of which there is no recording; mpm-lab run FILE.toml runs it")
+            if self.scorm or self.core:
+                raise BadInput("", self.what, "is a body; --scorm and --core are for lessons")
+            read_body_file(self.what)
+            return []
         if self.scorm:
             if not self.what.strip() or looks_like_state(self.what):
                 raise BadInput("", self.what, "is no lesson, and a course keeps a score of lessons alone; give lessons "

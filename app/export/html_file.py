@@ -80,20 +80,27 @@ def assemble_page(heading: str, plans: Sequence[StageExportPlan], recorded: Reco
     stages = [export_plan_to_json(one, {text: places[id(recorded[k, text])] for text in one.run_texts})
               for k, one in enumerate(plans)]
     texts = list({_script_safe_json(run["texts"]): run["texts"] for run in runs}.values())  # equal for most runs
-    data = {"words": load_catalogue(current_language()).translations_for_files("app/export/player/"),
-            **shared_display_data({one.scene.problem for one in plans}), "stages": stages, "lesson": lesson,
+    data = {**shared_display_data({one.scene.problem for one in plans}), "stages": stages, "lesson": lesson,
             "texts": texts, "runs": [{"head": run["head"], "tracks": run["tracks"], "texts": texts.index(run["texts"])}
                                      for run in runs]}
-    packed = "\n".join(f'<script type="text/plain" id="run-{k}">{run["data"]}</script>' for k, run in enumerate(runs))
     own = f" lang=\"{lesson['language']}\"" if lesson and lesson["language"] != current_language() else ""
+    return render_player(heading, data, [run["data"] for run in runs], scripts, own)
+
+
+def render_player(heading: str, data: Mapping[str, Any], packed: Sequence[str], scripts: Sequence[str],
+                  own: str = "") -> str:
+    """Returns the html of an offline page: its title, its ``data`` as JSON, the ``packed`` tracks of its runs, its
+    scripts; ``own`` is an attribute of its heading."""
+    runs = "\n".join(f'<script type="text/plain" id="run-{k}">{text}</script>' for k, text in enumerate(packed))
+    data = {"words": load_catalogue(current_language()).translations_for_files("app/export/player/"), **data}
     code = "\n".join(_read_player_file(f"{name}.js") for name in scripts)
     script = "(() => { \"use strict\";\nconst DATA = JSON.parse(document.getElementById(\"data\").textContent);\n" \
              f"{number_format_script()}{code}\n}})();"
-    parts = {"title": escape(heading), "lang": own, "version": __version__, "kind": "lesson" if lesson else "scene",
-             "language": current_language(),
+    parts = {"title": escape(heading), "lang": own, "version": __version__,
+             "kind": "lesson" if data["lesson"] else "scene", "language": current_language(),
              "empty": tr("Press <b>On the stage</b> in the lesson: its run begins here."),
              "style": font_faces_css() + css_variables() + _read_player_file("player.css"), "mark": MARK, "icon": ICON,
-             "data": _script_safe_json(data), "runs": packed,
+             "data": _script_safe_json(data), "runs": runs,
              "script": script, "own": script_source(script)}
     return render_template(PLAYER / "player.html", **parts)
 

@@ -98,7 +98,7 @@ def _run_and_record(wanted: RecordingRequest) -> dict[str, Any]:
                      if scene.DIMENSIONS == 1 else dict.fromkeys(wanted.quantities, shot))
         if not solver.sound:
             break
-    kept = _select_particles(scene.DIMENSIONS, _particle_count(shots), wanted.particles)
+    kept = select_particles(scene.DIMENSIONS, _particle_count(shots), wanted.particles)
     marked = kept[::marking_stride(len(kept), VIEWS[scene.problem].stage.MOST_MARKED)]
     tracks = _particle_tracks(wanted, scene, kept, marked, shots)
     factor = gershgorin_to_linear_factor(scene)
@@ -127,7 +127,7 @@ def _particle_count(shots: list[dict[str, Snapshot]]) -> int:
     return len(_first_snapshot(shots[0]).position)
 
 
-def _select_particles(dimensions: int, count: int, most: int) -> np.ndarray:
+def select_particles(dimensions: int, count: int, most: int) -> np.ndarray:
     """Returns indices of at most ``most`` of ``count`` particles: every k-th on the bar, random ones in the plane."""
     if dimensions == 1:
         return np.arange(0, count, -(-count // most))

@@ -46,7 +46,7 @@ class BodyStage:
     def draw(self, picture: BodyPicture) -> Rectangle:
         """Draws a picture; returns the rectangle that it fills."""
         metrics = self._sheet.stage_metrics.rounded()
-        high = min(max(metrics.high, HIGH[0]), HIGH[1])
+        high = stage_height(metrics)
         self._bar.draw(picture.quantity, high)
         self._sheet.show_marks(*_marks(picture, metrics, high, self._scale))
         self.set_visible(True)
@@ -54,12 +54,7 @@ class BodyStage:
 
 
 def _marks(picture: BodyPicture, metrics: StageMetrics, high: float, scale: ColourScale) -> Iterator[Mark]:
-    pixel, line = metrics.pixel, metrics.line_height
-    end = colour_bar_box(metrics, high).end - TITLE * pixel
-    top = end if metrics.gutter else end - 1.3 * line
-    x0, x1, y0, y1 = picture.extent
-    per_metre = min((1 - 2 * AROUND * pixel) / (x1 - x0), (top - 2 * AROUND * pixel) / (y1 - y0))
-    corner = 0.5 - 0.5 * per_metre * (x1 + x0), 0.5 * top - 0.5 * per_metre * (y1 + y0)
+    per_metre, corner = body_placement(picture.extent, metrics, high)
 
     def place(x: np.ndarray, depth: float) -> np.ndarray:
         """Returns points (n, 3) of the stage for positions (n, 2) in m."""
@@ -69,8 +64,35 @@ def _marks(picture: BodyPicture, metrics: StageMetrics, high: float, scale: Colo
     with np.errstate(all="ignore"):
         colours = error_colours(scale, picture.sizes, len(picture.position), metrics.palette.unknown)
     yield Dots("particles", place(picture.position, 0.0), colours, DIAMETER * per_metre * picture.width)
-    yield from title_labels(StageLabels(name=picture.name, facts=picture.facts), metrics, end + 0.5 * TITLE * pixel)
-    yield from _notes(picture.notes, metrics, end)
+    yield from body_labels(picture.name, picture.facts, picture.notes, metrics, high)
+
+
+def stage_height(metrics: StageMetrics) -> float:
+    """Returns the height of the stage in its own unit."""
+    return min(max(metrics.high, HIGH[0]), HIGH[1])
+
+
+def body_placement(extent: Rectangle, metrics: StageMetrics, high: float) -> tuple[float, tuple[float, float]]:
+    """Returns the scale in stage units per m and the place of the origin, so that the ``extent`` (x0, x1, y0, y1) in m
+    fills the stage below its titles."""
+    pixel, end = metrics.pixel, _title_line(metrics, high)
+    top = end if metrics.gutter else end - 1.3 * metrics.line_height
+    x0, x1, y0, y1 = extent
+    per_metre = min((1 - 2 * AROUND * pixel) / (x1 - x0), (top - 2 * AROUND * pixel) / (y1 - y0))
+    return per_metre, (0.5 - 0.5 * per_metre * (x1 + x0), 0.5 * top - 0.5 * per_metre * (y1 + y0))
+
+
+def body_labels(name: Spans, facts: Spans, notes: tuple[str, str], metrics: StageMetrics,
+                high: float) -> Iterator[Label]:
+    """Yields the labels of a body's title and of what is shown; arguments as of :class:`BodyPicture`."""
+    end = _title_line(metrics, high)
+    yield from title_labels(StageLabels(name=name, facts=facts), metrics, end + 0.5 * TITLE * metrics.pixel)
+    yield from _notes(notes, metrics, end)
+
+
+def _title_line(metrics: StageMetrics, high: float) -> float:
+    """Returns the height of the lower edge of the title."""
+    return colour_bar_box(metrics, high).end - TITLE * metrics.pixel
 
 
 def _grid_lines(picture: BodyPicture) -> np.ndarray:

@@ -58,9 +58,9 @@ class Controls:
         self._parts: dict[str, tuple[Any, ...]] = {
             "problem": (problem_mark, self.problem), **self.stage.parts, **self._transport.parts}
         self._drawing = DrawingWidgets(session, scale, history, self.stage, on_view)
-        self._strips = LandscapeStrips(gui, session, landscapes, store,
-                                       lambda: (self.stage.quantity, self.stage.estimator))
-        self._run = SimulationParameterWidgets(session, self._bound, store, self._strips)
+        self.strips = LandscapeStrips(gui, session, landscapes, store, self._turn,
+                                      lambda: (self.stage.quantity, self.stage.estimator))
+        self._run = SimulationParameterWidgets(session, self._bound, store, self.strips)
         self.estimator_cards = EstimatorCards(gui, session, self.stage, self._bound, store)
         store.heard |= {"entered": self._on_entered, "compare": self._transport.on_choice}
 
@@ -87,12 +87,7 @@ class Controls:
         error over each slider until that instant."""
         with self._turn:
             self.stage.ensure_estimator_has_values(report.scene, arrays)
-            self._strips.follow(report)
-
-    def refresh_strips(self) -> None:
-        """Shows what is known of the error over each slider at the instant of the last frame."""
-        with self._turn:
-            self._strips.refresh()
+            self.strips.follow(report)
 
     def enable_problem_choice(self) -> None:
         """Makes the dropdown of problems work, once the page is built, and applies a choice made in it before."""
@@ -203,9 +198,8 @@ class Controls:
     def next_method(self) -> None:
         """Switches the scene to the problem's next MPM method that is valid with its other settings."""
         with self._turn:
-            scene = self._session.scene
-            methods = scene.choices("method")
-            at = methods.index(scene.method)
+            methods = self._session.scene.choices("method")
+            at = methods.index(self._session.scene.method)
             for method in (*methods[at + 1:], *methods[:at]):
                 self._session.set_scene_fields(method=method)
                 if self._session.scene.method == method:

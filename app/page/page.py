@@ -129,7 +129,7 @@ class Page:
                         if whole:
                             self._refresh()
                         else:
-                            self._context.controls.refresh_strips()
+                            self._context.controls.strips.refresh()
             except Exception as error:  # one bad refresh must not silence the page for the rest of the visit
                 log_failure("the page could not be refreshed", error)
             if whole:

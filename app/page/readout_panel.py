@@ -6,9 +6,10 @@ from html import escape
 
 import viser
 
+from app.frame.goal_curve import GoalCurve
 from app.language.translation import tr
 from app.page.panels.error_timeline import ErrorTimeline
-from app.page.panels.goal_timeline import GoalCurve, GoalTimeline
+from app.page.panels.goal_timeline import GoalTimeline
 from app.page.panels.readout_tables import ReadoutTables
 from app.page.panels.time_axis import TimeAxis, TimelineState
 from app.page.panels.time_plots import TimePlots

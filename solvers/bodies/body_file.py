@@ -78,6 +78,12 @@ def parse_body(text: str) -> Body:
     return Body(patches=tuple(map(_read_patch, patches)), goals=_read_goals(content.get("goals", {})), **values)
 
 
+def body_from_dict(values: Mapping[str, Any]) -> Body:
+    """Returns the body with these fields, as ``dataclasses.asdict`` and JSON give them; raises SceneError."""
+    own = {name: _to_tuples(value) for name, value in values.items() if name not in ("patches", "goals")}
+    return Body(patches=tuple(map(_read_patch, values["patches"])), goals=_read_goals(values["goals"]), **own)
+
+
 def _read_patch(content: Any) -> Patch:
     table = _as_table("patch", content)
     _check_keys("patch", table, ("corners", "sides", "arc"))

@@ -5,6 +5,7 @@ with one method share a compilation. Positions are stored from the grid's corner
 """
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -23,6 +24,7 @@ from solvers.problems.planar.method import phases
 from solvers.problems.planar.method.material_laws import LAWS, determinant, kirchhoff
 from solvers.problems.planar.method.neo_hookean_logarithms import compute_volumetric_stress
 from solvers.problems.planar.method.stored_weights import allocate_weights
+from solvers.scene.estimator_hooks import NEVER
 from solvers.scene.kernel_options import KernelOptions
 from solvers.solver.base import SOUND
 from solvers.solver.serial_stepping import CHECK_EVERY, check_particles
@@ -216,8 +218,20 @@ class MaterialPoints:
         """Velocity (P, 2) in m/s at the time of the sample."""
         return self.state.position_velocity[:, 2:] + self.velocity_lead * self.state.acceleration
 
-    def advance(self) -> None:
-        """Advances to the next sample, unless a check stops the run (:attr:`verdict`)."""
+    @property
+    def step(self) -> int:
+        """Number of steps up to the last sample."""
+        return self._samples * self.steps
+
+    def advance(self, interval: int = NEVER, follow: Callable[[int], None] = lambda step: None) -> None:
+        """Advances to the next sample, unless a check stops the run (:attr:`verdict`); after every ``interval`` steps
+        of the run ``follow`` is called with their number."""
         set_force(self.state, self._body, self.lattice.position, self.time, self.time + self._interval)
-        self._advance(self._samples * self.steps, self.steps)
+        first, end = self.step, self.step + self.steps
+        while first < end and self.verdict[0] == SOUND:
+            count = min(end - first, interval - first % interval)
+            self._advance(first, count)
+            first += count
+            if first % interval == 0:
+                follow(first)
         self._samples += 1

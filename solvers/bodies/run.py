@@ -13,7 +13,10 @@ from solvers.bodies.estimate import QUANTITIES, ErrorEstimate, QuantityEstimate,
 from solvers.bodies.goal_values import GoalValue
 from solvers.bodies.material_points import MaterialPoints
 from solvers.bodies.particle_comparison import ParticleComparison
+from solvers.bodies.recovered_estimate import RecoveredEstimate
+from solvers.bodies.rectangle import RECOVERED, check_estimator
 from solvers.bodies.spectral_mesh import ORDERS, default_cuts
+from solvers.scene.estimator_registry import COMPANION
 from solvers.solver.base import CRUSHED, ESCAPED, INVERTED, SOUND
 from solvers.translatable_message import Message
 
@@ -26,8 +29,8 @@ FAILURES = {INVERTED: Message("a particle has turned inside out"), CRUSHED: Mess
 class BodyResult:
     """Result of a body's run; times in s. ``status`` is "ok" or "unstable", ``reason`` a sentence why, ``until`` the
     time of the last estimate, ``estimate`` by quantity, ``goals`` by name; ``remarks`` are sentences on what limits the
-    estimate, ``companion`` describes the companions. ``curves`` are, by goal, what it is about in each sample and its
-    bar, None without one."""
+    estimate, ``companion`` describes the companions, ``recovered`` is a second estimate (``RecoveredEstimate.to_dict``)
+    if one was asked for. ``curves`` are, by goal, what it is about in each sample and its bar, None without one."""
 
     body: Body
     status: str
@@ -40,6 +43,7 @@ class BodyResult:
     goals: dict[str, GoalValue]
     remarks: tuple[str, ...]
     companion: dict[str, Any]
+    recovered: dict[str, Any] | None
     seconds: dict[str, float]
     curves: dict[str, list[tuple[float, float | None]]]
 
@@ -50,12 +54,13 @@ class BodyResult:
                 "t": self.time, "steps": self.steps, "particles": self.particles, "estimated_until": self.until,
                 "estimate": estimates, "goals": {name: one._asdict() for name, one in self.goals.items()},
                 "warnings": self.body.warnings(), "remarks": list(self.remarks), "companion": self.companion,
-                "seconds": self.seconds}
+                "recovered": self.recovered, "seconds": self.seconds}
 
 
-def run_body(body: Body, on_progress: Callable[[float], None] | None = None) -> BodyResult:
-    """Runs a body to its end, or until it becomes unstable; ``on_progress`` is called with the part done, 0 to 1."""
-    run = BodyRun(body)
+def run_body(body: Body, on_progress: Callable[[float], None] | None = None, estimator: str = COMPANION) -> BodyResult:
+    """Runs a body to its end, or until it becomes unstable; ``on_progress`` is called with the part done, 0 to 1. With
+    the ``estimator`` "recovered" a rectangle gets a second estimate beside that of the companions."""
+    run = BodyRun(body, estimator)
     while run.advance():
         if on_progress:
             on_progress((len(run.times) - 1) / SAMPLES)
@@ -68,7 +73,7 @@ class BodyRun:
     sample and its bar (None without one); ``error_sizes`` (P, 3) are those of the errors that were estimated at the
     particles in the last sample, in the order of ``QUANTITIES``."""
 
-    def __init__(self, body: Body):
+    def __init__(self, body: Body, estimator: str = COMPANION):
         self.body, self._cuts = body, default_cuts(body)
         loaded = bool(np.any(body.gravity)) or body.has_force
         begun = time.process_time()
@@ -77,6 +82,8 @@ class BodyRun:
         self._comparison = ParticleComparison(self._particles, self._companions, extrapolation_factor(body),
                                               body.goals)
         self.position, self.times = self._particles.lattice.position, [0.0]
+        check_estimator(body, estimator)
+        self.recovered = RecoveredEstimate(body, self._particles) if estimator == RECOVERED else None
         self.estimate = ErrorEstimate(body)
         self.goals = self._comparison.goals
         self.curves = {name: [one.last_value_and_bar(True)] for name, one in self.goals.items()}
@@ -98,10 +105,12 @@ class BodyRun:
         if len(self.times) > SAMPLES:
             return False
         run, begun = self._particles, time.process_time()
-        run.advance()
+        run.advance(*((self.recovered.interval, self.recovered.follow) if self.recovered else ()))
         middle = time.process_time()
         if run.verdict[0] != SOUND:
             return False
+        if self.recovered:
+            self.recovered.add_sample()
         self._add_to_estimate()
         for name, series in self.goals.items():
             self.curves[name].append(series.last_value_and_bar(self.has_bars))
@@ -149,6 +158,7 @@ class BodyRun:
             companion={"orders": list(ORDERS), "elements": mesh.elements,
                        "points": [len(one.mesh.points) for one in self._companions],
                        "extrapolation": self.estimate.factor},
+            recovered=self.recovered.to_dict() if self.recovered else None,
             seconds=self._spent, curves=self.curves)
 
 

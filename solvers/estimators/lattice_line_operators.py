@@ -49,17 +49,19 @@ class Rows:
 class LatticeLine:
     """Line of ``points`` particles, ``length`` m long, under ``elements`` elements of the error grid; ``ends``, what
     lies beyond, is "periodic", "free", "mirror" or "walls". Maps have a sign for each of the vector components that
-    differ beyond symmetry planes: two with "mirror" and "walls", else one."""
+    differ beyond symmetry planes: two with "mirror" and "walls", else one. A free end may be ``clamped``, the first or
+    the last: what forces hold it there is unknown, so the error grid has only functions that vanish there."""
 
     points: int
     elements: int
     length: float
     ends: str
+    clamped: tuple[bool, bool] = (False, False)
 
     @property
     def node_count(self) -> int:
-        """Number of B-splines of the error grid: one per element, and one more beyond each free end."""
-        return self.elements + (2 if self.ends == "free" else 0)
+        """Number of B-splines of the error grid: one per element, and one more beyond each free end not clamped."""
+        return self.elements + (2 - sum(self.clamped) if self.ends == "free" else 0)
 
     @property
     def points_per_length(self) -> float:
@@ -165,8 +167,13 @@ class LatticeLine:
         return element[:, None] + np.arange(-1, 2), value, np.stack([s - 1, 1 - 2 * s, s], axis=1)
 
     def _fold_nodes(self, index: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Returns the nodes that stand for indices of B-splines (...), and signs of components: see :meth:`_fold`."""
-        return (index + 1, np.ones((*index.shape, 1))) if self.ends == "free" else self._fold(index, self.elements)
+        """Returns the nodes that stand for indices of B-splines (...), and signs of components: see :meth:`_fold`. That
+        beyond a clamped end belongs to the one before it, and is subtracted from it."""
+        if self.ends != "free":
+            return self._fold(index, self.elements)
+        low, high = (index < 0) & self.clamped[0], (index >= self.elements) & self.clamped[1]
+        inside = np.where(low, -1 - index, np.where(high, 2 * self.elements - 1 - index, index))
+        return inside + (not self.clamped[0]), np.where(low | high, -1.0, 1.0)[..., None]
 
     def _fold(self, index: np.ndarray, count: int) -> tuple[np.ndarray, np.ndarray]:
         """Returns the points of a line of ``count`` that stand for indices (...) beyond its ends, and the signs (...,

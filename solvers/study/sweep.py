@@ -3,19 +3,22 @@
 import contextlib
 import math
 import numbers
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import fields
 from typing import Any, SupportsIndex, overload
 
 import numpy as np
 
+from solvers.bodies.body import Body
 from solvers.problems import PROBLEMS
 from solvers.running.run import as_scene
 from solvers.scene.scene import LISTS, Scene
 from solvers.scene.validation import SceneError, field_key, key_field, require_choice, require_whole
+from solvers.study.body_sweep import MEASURE_BODY, BodyTask, plan_body_tasks
 from solvers.study.csv_and_markdown_summary import uniform_rows
-from solvers.study.executors import LocalExecutor, execute
+from solvers.study.executors import MEASURE_ROW, LocalExecutor, execute
 from solvers.study.parameter_grid import MOST_ROWS, plan_tasks
+from solvers.study.row import failed_row
 from solvers.untrusted import quoting
 
 #: Alternative inputs, of which only one may be given.
@@ -67,16 +70,18 @@ class Rows(list[dict]):
         return np.array([np.nan if value is None else value for value in values], float)
 
 
-def sweep(problem: str | Scene | type[Scene], *, repeats: int = 3, workers: int = 1,
+def sweep(problem: str | Scene | type[Scene] | Body, *, repeats: int = 3, workers: int = 1,
           on_progress: Callable[[float, dict], None] = lambda part, row: None, **inputs: Any) -> Rows:
     """Measures a problem for every combination of values: ``sweep("bar", cells=[20, 40], method=["mpm", "bspline"])``.
 
     Parameters
     ----------
     problem
-        "bar", "ring", "vortex" or "square"; or a scene, which gives the values that ``inputs`` do not.
+        "bar", "ring", "vortex" or "square"; or a scene, which gives the values that ``inputs`` do not. A body does
+        too; its rows have the columns ``estimate.x.max``, ``estimate.x.delta``, ``goals.NAME.value``, ``.bar``, ...
     repeats
-        Timed runs of each row, of which the shortest counts; 0 times only the run that gives the errors.
+        Timed runs of each row, of which the shortest counts; 0 times only the run that gives the errors, as always for
+        bodies.
     workers
         Processes that measure side by side, which disturbs the timings. An estimator that is registered in the caller's
         process alone is not known there; name its module in the environment variable ``MPM_LAB_EXTENSIONS``.
@@ -100,6 +105,9 @@ def sweep(problem: str | Scene | type[Scene], *, repeats: int = 3, workers: int 
     SceneError
         For a problem, an input or a number of workers that there is not, and where no combination makes a scene.
     """
+    if isinstance(problem, Body):
+        lists = {name: _value_list(name, given) for name, given in inputs.items()}
+        return _measure(plan_body_tasks(problem, lists), workers, on_progress, MEASURE_BODY, BodyTask.failed_row)
     if not isinstance(problem, str):
         scene = as_scene(problem)
         inputs = {key_field(name): value for name, value in inputs.items()}
@@ -109,19 +117,24 @@ def sweep(problem: str | Scene | type[Scene], *, repeats: int = 3, workers: int 
         problem = scene.problem
     require_choice("problem", problem, tuple(PROBLEMS))
     require_whole("repeats", repeats, 0, 1000)
-    require_whole("workers", workers, 1, 1024)
     axes = {field_key(name): _input_values(problem, name, given) for name, given in inputs.items()}
     if (count := math.prod(map(len, axes.values()))) > MOST_ROWS:
         raise SceneError("combinations", f"{count:,}", f"are too many for one sweep; give at most {MOST_ROWS:,}")
-    tasks = plan_tasks(problem, axes, repeats=repeats)
+    return _measure(plan_tasks(problem, axes, repeats=repeats), workers, on_progress)
+
+
+def _measure(tasks: Sequence[Any], workers: int, on_progress: Callable[[float, dict], None], work: str = MEASURE_ROW,
+             give_up: Callable[[Any, str], dict] = failed_row) -> Rows:
+    """Returns the rows of tasks, in their order; arguments as of ``sweep`` and ``execute``."""
+    require_whole("workers", workers, 1, 1024)
     measured: dict[str, dict] = {}
 
     def keep(row: dict) -> None:
         measured[row["key"]] = row
         on_progress(len(measured) / len(tasks), *uniform_rows([row]))
 
-    with contextlib.closing(LocalExecutor(workers)) as place:
-        execute(tasks, place, keep)
+    with contextlib.closing(LocalExecutor(workers, work)) as place:
+        execute(tasks, place, keep, give_up)
     return Rows(uniform_rows([measured[task.key] for task in tasks]))
 
 
@@ -130,8 +143,14 @@ def _input_values(problem: str, name: str, given: Any) -> list:
     names = [field for field in PROBLEMS[problem].scene.__dataclass_fields__ if field != "problem"]
     if key_field(name) not in names:
         raise SceneError(name, given, f"is no input of the {problem}; give some of {', '.join(names)}")
+    return _value_list(name, given, key_field(name) in LISTS)
+
+
+def _value_list(name: str, given: Any, takes_names: bool = False) -> list:
+    """Returns the values of an input that is one value, or a list, range or array of several; of one that
+    ``takes_names``, a list of them is one value."""
     given = given.tolist() if hasattr(given, "tolist") else list(given) if isinstance(given, range) else given
-    one = not isinstance(given, list) or (key_field(name) in LISTS and all(isinstance(v, str) for v in given))
+    one = not isinstance(given, list) or (takes_names and all(isinstance(v, str) for v in given))
     if given == [] and not one:
         raise SceneError(name, given, "holds no value; give one at least")
     return [given] if one else given

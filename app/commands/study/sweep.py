@@ -52,12 +52,12 @@ class Sweep(StudyFlags, SceneFlags):
         hints = get_type_hints(type(self), include_extras=True)
         formulas = {f.name for f in fields(self.SCENE) if f.type == "str" and not self.SCENE.choices(f.name)}
         axes = {name: [value] if name in self.LISTS else value.split(";") if name in formulas
-                else _values(value, hints[name]) for name, value in self.inputs().items()}
+                else flag_values(value, hints[name]) for name, value in self.inputs().items()}
         on = axes["linearity_preserving"][0]
         return axes | {"linearity_preserving": [True] * on + [False] * (self.no_linearity_preserving or not on)}
 
 
-def _values(value: Any, hint: Any) -> list:
+def flag_values(value: Any, hint: Any) -> list:
     """Returns the values of a flag with the annotation ``hint``: of a text with several words, each one parsed."""
     if not isinstance(value, str):
         return [value]

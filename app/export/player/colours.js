@@ -23,7 +23,7 @@ function topsOf(run, view) {
   const tops = sizes.map(([most, size]) => {
     peak = Math.max(peak, size);
     const [rounded, step] = peak > SMALLEST ? roundUp(peak / whole / OVER, TOPS.map(([step]) => step)) : [1, 1], share = Math.min(rounded, 1);
-    return {share, top: share * whole, parts: TOPS.find(([other]) => other === (share < 1 ? step : 1))[1], exceeded: most > share * whole};
+    return {share, top: share * whole, parts: TOPS.find(([other]) => other === (share < 1 ? step : 1))[1], unit: saidOf(run, view).errors.absolute && DATA.quantities[view.quantity].unit, exceeded: most > share * whole};
   });
   return run[key] = tops;
 }
@@ -35,12 +35,12 @@ function shade(size, scale) {
   return SHADES[share < 0 ? 0 : share < 1 ? Math.floor(255 * share) : 255];
 }
 
-// In per cent of the largest exact value, which the last one says where the quantity has a name.
-function ticksOf({share, parts, logarithmic, exceeded}, noun) {
-  const count = logarithmic ? DECADES : parts, ticks = Array.from({length: count + 1}, (_, k) =>
-    [k / count, `${number(100 * share * (logarithmic ? 10 ** (k - DECADES) : k / parts))} %`]), last = ticks[count];
+// In per cent of the largest exact value, which the last one says where the quantity has a name; where nobody knows that, in the unit.
+function ticksOf({share, top, unit, parts, logarithmic, exceeded}, noun) {
+  const count = logarithmic ? DECADES : parts, text = (part) => unit ? withUnit(top * part, unit) : `${number(100 * share * part)} %`;
+  const ticks = Array.from({length: count + 1}, (_, k) => [k / count, text(logarithmic ? 10 ** (k - DECADES) : k / parts)]), last = ticks[count];
   if (!logarithmic) ticks[0][1] = DATA.scale.zero;
-  if (noun) last[1] = tr("{share} of the largest {noun}", {share: last[1], noun});
+  if (noun && !unit) last[1] = tr("{share} of the largest {noun}", {share: last[1], noun});
   if (exceeded) last[1] = `≥ ${last[1]}`;
   return ticks;
 }
@@ -54,6 +54,7 @@ function drawColourBar(pen, place, scale, quantity) {
   }
   const ticks = ticksOf(scale, DATA.quantities[quantity].noun), wide = (text) => pen.measureText(text).width / place.unit;
   const free = 0.98 - wide(ticks[ticks.length - 1][1]);  // what the last one says is longer
-  return ticks.filter(([x, text]) => x === 1 || x + wide(text) / 2 < free).map(([x, text], k) => ({name: `tick${k}`, text, x, y: numbers,
+  const zero = wide(`${ticks[0][1]} `);
+  return ticks.filter(([x, text]) => x === 0 || x === 1 || (x - wide(text) / 2 > zero && x + wide(text) / 2 < free)).map(([x, text], k) => ({name: `tick${k}`, text, x, y: numbers,
     anchor: x === 0 ? "top-left" : x === 1 ? "top-right" : "top-center", role: "number", size: 1, tone: "plain"}));
 }

@@ -13,7 +13,7 @@ function buildControls() {
   if (plan.compares) looks.push(select(tr("Compare"), DATA.compare.map((name, k) => [k === 1, name]), "difference"));
   if (plan.outlines) looks.push(select(tr("Domains"), [[true, tr("outlined")], [false, tr("not outlined")]], "domains"));
   const speeds = [...new Set([...SPEEDS, view.speed])].sort((a, b) => a - b);
-  looks.push(select(tr("Speed"), speeds.map((speed) => [speed, tr("{speed} periods/s", {speed: number(speed)})]), "speed"));
+  if (!plan.keeps_its_speed) looks.push(select(tr("Speed"), speeds.map((speed) => [speed, tr("{speed} periods/s", {speed: number(speed)})]), "speed"));
   document.getElementById("looks").replaceChildren(...looks);
   document.getElementById("reach").textContent = plan.axes.length
     ? tr("This file holds {count} recorded runs: the sliders go from one to another.", {count: plan.runs.filter((run) => typeof run !== "string").length}) : "";

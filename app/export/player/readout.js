@@ -51,12 +51,6 @@ const short = (value) => known(value, ratio).replace(" × ", "×");
 
 const lookOf = (name) => [DATA.estimators[name].colour, DATA.estimators[name].dashes];
 
-function tableRow(...texts) {
-  const made = document.createElement("tr");
-  made.append(...texts.map((text, k) => element(k ? "td" : "th", text)));
-  return made;
-}
-
 // A row that says why there is no number.
 function silentRow(name, silence) {
   const made = tableRow(name, silence);
@@ -90,10 +84,6 @@ function status(run) {
 }
 
 const isBroken = (run) => run.status !== "ok" && run.since <= stage.time + run.step;
-
-function put(box, text) {
-  if (box.textContent !== text) box.textContent = text;
-}
 
 function summary(run) {
   if (stage.refusal) return capital(stage.refusal) + ".";

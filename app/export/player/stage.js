@@ -102,6 +102,10 @@ function draw() {
     linesOf(pen, capital(stage.refusal), 0.7 * box.width).forEach((line, k) => words(pen, line, box.width / 2, box.height / 2 + step * k, "center"));
     return;
   }
+  if (run.extent) {
+    drawFreeBody(pen, run, view, at, place);
+    return;
+  }
   const said = saidOf(run, view), pinned = stage.pinned && {run: stage.pinned, at: pictureAt(stage.pinned, stage.time)};
   const sizes = [estimatedSizes(run, view.quantity, view.estimator, view.difference, at), trueSizes(run, view.quantity, at)];
   const shown = sizes.map((each, half) => !said.silences[half] && each && each.some(Number.isFinite) ? each : null);

@@ -28,3 +28,13 @@ function element(tag, text = "", properties = {}) {
   made.textContent = text;
   return Object.assign(made, properties);
 }
+
+function put(box, text) {
+  if (box.textContent !== text) box.textContent = text;
+}
+
+function tableRow(...texts) {
+  const made = document.createElement("tr");
+  made.append(...texts.map((text, k) => element(k ? "td" : "th", text)));
+  return made;
+}

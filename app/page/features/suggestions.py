@@ -89,7 +89,7 @@ class Suggestions(Feature):
                  show: Callable[[State], None], seek: Callable[[float], bool], is_touring: Callable[[], bool],
                  trials: SharedCureTrials = SHARED):
         self._session, self._state, self._show, self._seek, self._trials = session, state, show, seek, trials
-        trials.open(lambda: session.running_stages)
+        trials.open(lambda: session.links.playing)
         self._is_touring = is_touring
         self.messages = {"spark": self.on_button_click}
         self._html = gui.add_html("")

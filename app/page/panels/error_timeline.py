@@ -11,8 +11,8 @@ from app.colour_palette import LINES, PINNED
 from app.frame.colour_scale import largest_finite, round_up
 from app.frame.error_view_captions import TRUE
 from app.language.translation import lazy, localise_number, tr, trn
-from app.names_and_units import format_number, functions_name, in_periods, per_cent, with_unit
-from app.page.panels.time_axis import EMPTY, TimeAxis, TimelineState, clock_text, round_ticks
+from app.names_and_units import clock_text, format_number, functions_name, in_periods, per_cent, with_unit
+from app.page.panels.time_axis import EMPTY, TimeAxis, TimelineState, round_ticks
 from app.page.panels.time_plots import clip_estimate, pinned_curves, plottable_series, series_options, set_series
 from app.page.visit.history import RunSeries
 from app.page.visit.pinned_run import PinnedRun

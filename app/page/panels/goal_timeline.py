@@ -1,42 +1,21 @@
 """The plot below the stage of what a body's goal is about, over time, in its error bar as a band."""
 
-import math
-from dataclasses import dataclass
 
 import numpy as np
 from viser import uplot
 
 from app.colour_palette import LINES
-from app.frame.colour_scale import round_up
+from app.frame.goal_curve import GoalCurve, round_levels
+from app.frame.value_and_bar import in_one_unit
 from app.language.translation import tr
-from app.page.panels.time_axis import EMPTY, TimeAxis, TimelineState, clock_text, round_ticks
+from app.names_and_units import clock_text
+from app.page.panels.time_axis import EMPTY, TimeAxis, TimelineState, round_ticks
 from app.page.panels.time_plots import plottable_series, series_options, set_series
-from app.page.panels.value_and_bar import in_one_unit, value_and_bar
 
-ROUND, PARTS = (1, 2, 5), 2.5  # steps of the numbers at the axis of values, times a power of ten; least parts of it
 LEAST_BAND = 7.0  # height in pixels at which the band is visible beside the curve
 HIGHEST_NAME = 0.2  # where the curve's name does not touch the upper end, as a part of the height
 ASIDE = 1.1  # end of the time axis over that of the run, for the curve's name
 BAND = "rgba(224, 120, 30, 0.4)"  # the estimate's colour on any ground
-
-
-@dataclass(frozen=True, eq=False)
-class GoalCurve:
-    """Curve of a goal called ``name``: ``values`` (n,) in ``unit`` of what it is about, y of a point or a stress, and
-    the half widths of its ``bars`` (n,), NaN where there is none, at ``times`` (n,) in s; the run ``ends`` at a time in
-    s."""
-
-    name: str
-    symbol: str
-    unit: str
-    times: np.ndarray
-    values: np.ndarray
-    bars: np.ndarray
-    ends: float
-
-    def value_and_bar(self, k: int) -> tuple[str, str]:
-        """Returns value and bar at a time as texts, "" if there is no bar."""
-        return value_and_bar(float(self.values[k]), float(self.bars[k]), self.unit)
 
 
 class GoalTimeline:
@@ -105,12 +84,3 @@ class GoalTimeline:
     def _series(self) -> tuple[uplot.Series, ...]:
         edge = series_options(tr("error bar"), BAND, 0.5)
         return {"label": "t"}, edge, edge, series_options(tr("run"), LINES["dot"][self._dark], 2)
-
-
-def round_levels(curve: GoalCurve) -> list[float]:
-    """Returns evenly spaced round numbers, from one at or below the curve and its bars to one at or above them."""
-    bars = np.nan_to_num(curve.bars)
-    bottom, top = float((curve.values - bars).min()), float((curve.values + bars).max())
-    step = round_up((top - bottom or abs(top) or 1.0) / PARTS, ROUND)[0]
-    first = math.floor(bottom / step)
-    return [step * k for k in range(first, max(math.ceil(top / step), first + 1) + 1)]

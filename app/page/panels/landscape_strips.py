@@ -4,6 +4,7 @@ import json
 import math
 from collections.abc import Callable, Mapping
 from html import escape
+from threading import RLock
 from typing import Any
 
 import viser
@@ -30,11 +31,12 @@ DIGITS = 4  # of the numbers in a strip
 
 class LandscapeStrips:
     """Strips of one visitor: the ``landscapes`` of the session's scene, for the quantity and the estimator on the
-    stage, as returned by ``on_stage``; requested while the browser shows any strip."""
+    stage, as returned by ``on_stage``; requested while the browser shows any strip. While one thread has its ``turn``
+    no other changes widgets."""
 
     def __init__(self, gui: viser.GuiApi, session: RunSession, landscapes: Landscapes, store: BrowserStore,
-                 on_stage: Callable[[], tuple[str, str | None]]):
-        self._session, self._landscapes, self._on_stage = session, landscapes, on_stage
+                 turn: RLock, on_stage: Callable[[], tuple[str, str | None]]):
+        self._session, self._landscapes, self._turn, self._on_stage = session, landscapes, turn, on_stage
         # One element for all rows, that stays: a browser reports an error if, of one that it removes, news come.
         self._html = gui.add_html("")
         self._sliders: dict[str, LogNumberSlider] = {}
@@ -70,10 +72,11 @@ class LandscapeStrips:
 
     def refresh(self) -> None:
         """Requests the landscapes of the scene until the instant of the last frame, and shows what is known."""
-        quantity, estimator = self._on_stage()
-        if self._seen:
-            self._landscapes.request(self._hand, self._until, quantity, estimator, held=self._held)
-        self._show(self._landscapes.curves() if self._seen else {})
+        with self._turn:
+            quantity, estimator = self._on_stage()
+            if self._seen:
+                self._landscapes.request(self._hand, self._until, quantity, estimator, held=self._held)
+            self._show(self._landscapes.curves() if self._seen else {})
 
     def _show(self, curves: Mapping[str, Landscape]) -> None:
         """Sends what the rows show, with the landscapes that are known by parameter."""

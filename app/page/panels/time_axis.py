@@ -10,7 +10,6 @@ import viser
 from viser import uplot
 
 from app.frame.colour_scale import round_up
-from app.names_and_units import format_number, with_unit
 
 EMPTY = np.array([0.0, 1.0])  # what an empty plot holds
 TICKS = 4  # of the time's axis, at least
@@ -59,8 +58,3 @@ def round_ticks(start: float, end: float, unit: float) -> Sequence[float]:
     """Returns the times in s after ``start`` and up to ``end`` at which an axis has ticks: round numbers of units."""
     step = round_up((end - start) / unit / TICKS / 1.0001, (1, 2, 5))[0] * unit
     return [start + k * step for k in range(1, int((end - start) / step * 1.0001) + 1)]
-
-
-def clock_text(time: float) -> str:
-    """Formats the present time in s: "0.25 s"; with a prefix if it is short."""
-    return f"{format_number(time)} s" if time == 0 or time >= 1e-3 else with_unit(time, "s")

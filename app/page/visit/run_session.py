@@ -30,7 +30,7 @@ class RunSession:
     """One visitor's run: the requested ``scene`` (the latest wins), the last frame's ``report``, and the ``history``.
     ``on_frame`` receives each frame; ``speed`` is in periods per second; one that ``ends`` stops at the scene's end."""
 
-    def __init__(self, pool: PageEngineLinks, scene: Scene, on_frame: Callable[[FrameReport, FrameArrays], None],
+    def __init__(self, links: PageEngineLinks, scene: Scene, on_frame: Callable[[FrameReport, FrameArrays], None],
                  speed: float | None = None, ends: bool = False):
         self._lock = threading.RLock()
         self._on_frame = on_frame
@@ -40,8 +40,7 @@ class RunSession:
         self._error: str | None = None
         self._engine_lost = False
         self._requested: dict[str, Any] = {}
-        self._news = (-math.inf, "")  # time and text of the last event
-        self._crowded_at = -math.inf
+        self._news, self._crowded_at = (-math.inf, ""), -math.inf  # time and text of the last event
         self.watched, self._rests, self._beyond = True, False, False
         self._number = self._compiled_for = self._run_number = 0
         self._pace, self._frame = Pace(), FrameOptions(plotted=QUANTITIES[0])
@@ -49,7 +48,7 @@ class RunSession:
         self.history = NormHistory(scene, scene.particles)
         self.report: FrameReport | None = None
         self.pinned: PinnedRun | None = None
-        self._pool, self.link = pool, pool.open(self)
+        self.links, self.link = links, links.open(self)
         self._send_request()
 
     def set_scene_fields(self, **fields: object) -> None:
@@ -71,11 +70,6 @@ class RunSession:
                 self.pinned.follow(scene)
             self._beyond = self._beyond and begin_at * scene.period > scene.end_time
             self._send_request(begin_at=begin_at)
-
-    @property
-    def running_stages(self) -> int:
-        """The number of running stages of all visitors."""
-        return self._pool.playing
 
     @property
     def first_instant(self) -> float:
@@ -213,7 +207,7 @@ class RunSession:
                     return self.refuse(reword_for_page(str(refusal)))
             begin_at, scene = self._instant, scene or (shown if shown.problem == self.scene.problem else self.scene)
             self.unpin()
-            self.pinned = PinnedRun(lambda run: self._pool.open(run, self.link), scene, on_frame, method)
+            self.pinned = PinnedRun(lambda run: self.links.open(run, self.link), scene, on_frame, method)
             self._send_request(begin_at=begin_at)
 
     @property
@@ -234,7 +228,7 @@ class RunSession:
     @property
     def others_playing(self) -> int:
         """Number of runs of other visitors that play."""
-        return max(0, self._pool.playing - self.playing * (1 + bool(self.pinned)))
+        return max(0, self.links.playing - self.playing * (1 + bool(self.pinned)))
 
     @property
     def compiling(self) -> bool:

@@ -10,7 +10,7 @@ from app.commands.body import value_and_bar
 from solvers.bodies.body_file import library_names, library_text
 
 KEYS = {"schema", "body", "status", "reason", "t", "steps", "particles", "estimated_until", "estimate", "goals",
-        "warnings", "remarks", "companion", "seconds"}
+        "warnings", "remarks", "companion", "recovered", "seconds"}
 
 
 @pytest.fixture
@@ -44,6 +44,17 @@ def test_a_picture_of_the_goals(sector, tmp_path, capsys):
     assert plot.read_bytes().startswith(b"\x89PNG") and plot.stat().st_size > 20_000
     assert main(["run", sector, "--plot", str(plot), "--json", str(plot)]) == 2
     assert "is the file of --json too" in capsys.readouterr().err
+
+
+def test_a_second_estimate(sector, tmp_path, capsys):
+    """Of a rectangle; the sector is none."""
+    beam = tmp_path / "beam.toml"
+    beam.write_text(library_text("cantilever").replace("cells_per_metre = 8", "cells_per_metre = 4")
+                    .replace("t_end = 1.8", "t_end = 0.05"))
+    assert main(["run", str(beam), "--estimator", "recovered"]) == 0
+    assert "recovered, sigma (Pa)" in capsys.readouterr().out
+    assert main(["run", sector, "--estimator", "recovered"]) == 2
+    assert "--estimator recovered: needs a body of one rectangle" in capsys.readouterr().err
 
 
 def test_bodies_that_come_along_are_listed_and_shown(capsys):
@@ -84,8 +95,7 @@ def test_a_value_has_the_digits_of_its_bar(value, bar, said):
     assert value_and_bar(value, bar) == said
 
 
-def test_other_commands_say_that_bodies_only_run(capsys):
-    assert main(["sweep", "sector.toml"]) == 2
-    assert "sector.toml: is a body, which only mpm-lab run FILE.toml takes" in capsys.readouterr().err
-    assert main(["export", "sector.toml", "--out", "sector.html"]) == 2
-    assert "sector.toml: is a body, of which there is no recording" in capsys.readouterr().err
+def test_other_commands_say_which_take_bodies(capsys):
+    assert main(["advise", "sector.toml"]) == 2
+    assert ("sector.toml: is a body, which only mpm-lab run FILE.toml and mpm-lab sweep FILE.toml take"
+            in capsys.readouterr().err)

@@ -7,7 +7,8 @@ from html import unescape
 import numpy as np
 import pytest
 
-from app.page.panels.goal_timeline import LEAST_BAND, GoalCurve, GoalTimeline, round_levels
+from app.frame.goal_curve import GoalCurve, round_levels
+from app.page.panels.goal_timeline import LEAST_BAND, GoalTimeline
 from app.page.panels.time_axis import TimeAxis, TimelineState
 from tests.app.page.panel import Gui
 

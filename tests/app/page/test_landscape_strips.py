@@ -7,6 +7,7 @@ import contextlib
 import json
 import math
 from dataclasses import replace
+from threading import RLock
 from types import SimpleNamespace
 
 import pytest
@@ -48,7 +49,7 @@ def test_nothing_is_requested_while_no_strip_is_seen():
     landscapes = SimpleNamespace(request=lambda hand, until, *about, held: requests.append((hand, until, *about, held)),
                                  curves=dict)
     gui = SimpleNamespace(add_html=lambda content: SimpleNamespace(content=content))
-    strips = LandscapeStrips(gui, SimpleNamespace(scene=BAR), landscapes, store, lambda: ("sigma", None))
+    strips = LandscapeStrips(gui, SimpleNamespace(scene=BAR), landscapes, store, RLock(), lambda: ("sigma", None))
     strips.build_heading(gui)
     report = SimpleNamespace(time=0.25 * BAR.period, scene=BAR)
     for message in (7, {"hand": "cells"}, {"seen": 1, "hand": "cells"}, {"seen": True, "hand": "cells", "held": True},
@@ -68,7 +69,7 @@ def test_a_change_of_a_run_at_rest_requests_its_strips_before_its_frame_comes(pl
                           add_text=lambda *_, **__: SimpleNamespace())
     bound = SimpleNamespace(on_change=lambda *_: None, on_enter=lambda *_: None, turn=contextlib.nullcontext(),
                             apply_or_reset=lambda widget, act, reset: act() or True)
-    strips = LandscapeStrips(gui, session, landscapes, store, lambda: ("x", None))
+    strips = LandscapeStrips(gui, session, landscapes, store, RLock(), lambda: ("x", None))
     slider = strips.add(gui, bound, "modulus", STIFFNESS, 4.0,
                         lambda value: value > 8 and setattr(session, "scene", replace(BAR, modulus=value)))
     store.heard["strips"]({"seen": True})

@@ -7,6 +7,7 @@ import pytest
 
 from app import names_and_units, shareable_state
 from app.colour_palette import TRUTH
+from app.export.body_page import body_page
 from app.export.html_file import recorded_quantities, scene_page
 from app.export.lesson_export import lesson_page
 from app.export.recording import record_scene
@@ -24,6 +25,7 @@ from app.lessons.lesson import draw_numbers
 from app.lessons.lesson_parser import parse_lesson
 from app.lessons.lesson_runs import RunCache
 from app.problems.views import VIEWS
+from solvers.bodies.body_file import library_text
 from solvers.scene.error_causes import CAUSES
 from tests.app.lessons.test_lesson_format import TEXT
 from tests.browser import driving
@@ -120,6 +122,24 @@ def lesson_file(lesson, tmp_path_factory):
 
 def norm(page):
     return page.locator("#norms tr", has_text="true").locator("td").first.inner_text()
+
+
+def test_a_body_shows_its_estimate_and_its_goal(chromium, tmp_path):
+    """Particles in colours of the scale, tables, the verdict, and the curve of the goal in its band."""
+    file, path = tmp_path / "sector.toml", tmp_path / "sector.html"
+    file.write_text(library_text("swinging_sector").replace("cells_per_metre = 16", "cells_per_metre = 8"))
+    path.write_text(body_page(str(file), lambda part: None), encoding="utf-8")
+    with opened(chromium, path) as page:
+        before = page.locator("#stage").screenshot()
+        page.get_by_label("Time", exact=True).press("End")
+        page.locator("#play", has_text="Again").wait_for()
+        assert page.locator("#summary").inner_text().startswith("End: (0, −0.75) sinks to y = ")
+        assert page.locator("#stage").screenshot() != before
+        texts = page.evaluate("drawn.texts")
+        assert {"Estimate", "sector.toml: CPDI 8 cells a metre, 2 × 2 a cell", "end: y and its bar"} <= set(texts)
+        assert page.locator("#facts tr").nth(1).inner_text().startswith("end")
+        page.get_by_label("Error of").select_option(label="stress σ")
+        page.wait_for_function("drawn.texts.some((text) => text.endsWith('kPa'))")
 
 
 @pytest.mark.short

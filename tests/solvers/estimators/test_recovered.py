@@ -50,6 +50,18 @@ def test_nothing_pulls_on_the_error_grid_in_a_constant_stress(ends, points, elem
     assert np.allclose(gathered[:, 1], ends_of, atol=1e-10) and np.allclose(gathered[:, 0], line.spline_integrals())
 
 
+def test_errors_vanish_at_a_clamped_end():
+    """The gradient of a constant stress is balanced there by the wall, and x, which vanishes there, is reproduced."""
+    free, clamped = LatticeLine(16, 8, 0.2, "free"), LatticeLine(16, 8, 0.2, "free", (True, False))
+    assert clamped.node_count == free.node_count - 1
+    nodes = (np.arange(clamped.node_count) + 0.5) * 0.2 / 8  # coefficients of x
+    x = clamped.particle_positions() / clamped.points_per_length
+    assert np.allclose(clamped.interpolation_operator()(nodes)[:, 0], np.stack([x, np.ones(16)], axis=1))
+    pull = clamped.projection_operator(4, 2)(np.ones(16))[:, 0, 1] * clamped.spline_integrals()
+    assert np.allclose(pull[1:-2], 0, atol=1e-10) and pull[0] == pytest.approx(0, abs=1e-10)
+    assert np.allclose(pull[-2:], 0.5)
+
+
 def test_a_pattern_repeats_on_a_longer_line():
     few, many = LatticeLine(48, 12, 0.12, "periodic"), LatticeLine(100, 25, 0.25, "periodic")
     values = np.random.default_rng(1).random(100)

@@ -8,10 +8,11 @@ import threading
 import weakref
 from collections.abc import Callable
 from concurrent.futures import Future
-from dataclasses import asdict, dataclass, field
+from dataclasses import asdict
 from functools import cached_property
 from pathlib import Path
 
+from app.frame.shown_body import BodySource
 from app.language.translation import lazy, tr, translate_message, with_language
 from app.page.features.background_job import MOST_JOBS
 from app.page.visit.engine_links import MOST_WATCHED
@@ -25,15 +26,6 @@ SLOTS = Slots(MOST_JOBS)  # visitors of this server who run bodies at once
 BUSY = lazy("The server is busy running the bodies of other visitors; try again in a minute")
 TOO_LONG = lazy("The body {name} takes more than {seconds:g} s to run; give it fewer cells, or run it with "
                 "`mpm-lab run`")
-
-
-@dataclass(frozen=True)
-class BodySource:
-    """A body to run: its ``file``, which its owner calls ``name``, with other values of some fields (``changes``)."""
-
-    file: Path
-    name: str
-    changes: dict[str, float] = field(default_factory=dict)
 
 
 class BodyRuns:

@@ -4,8 +4,8 @@ from collections.abc import Callable
 
 import viser
 
+from app.frame.shown_body import ShownBody
 from app.language.translation import lazy, tr
-from app.page.features.body.shown_body import ShownBody
 from app.page.panels.log_number_slider import LogNumberSlider, SliderSpec
 from app.page.panels.page_header import add_widget_marker
 from app.page.panels.scene_widgets import SceneWidgetFactory

@@ -8,17 +8,18 @@ from typing import Any
 
 import numpy as np
 
+from app.frame.body_drawing import BodyDrawing
+from app.frame.body_sentences import body_headline
 from app.frame.body_stage import BodyStage
 from app.frame.colour_scale import ColourScale
 from app.frame.headline import HeadlineWithFacts
+from app.frame.shown_body import BodySource, ShownBody
 from app.language.translation import tr, translate_message
 from app.names_and_units import reword_for_page
 from app.page.feature import Feature, VisiblePageState
-from app.page.features.body.body_drawing import BodyDrawing
-from app.page.features.body.body_runs import BodyRuns, BodySource
-from app.page.features.body.body_sentences import body_headline, body_readout
+from app.page.features.body.body_readout import body_readout
+from app.page.features.body.body_runs import BodyRuns
 from app.page.features.body.body_sliders import BodySliders
-from app.page.features.body.shown_body import ShownBody
 from app.page.features.frame_player import FramePlayer
 from app.page.page_context import PageContext
 from app.page.panels.body_titles import library_title

@@ -61,7 +61,7 @@ class BudgetPanel(Feature):
         self._in_lesson = self._asked = False
         self._rests: tuple[Scene | None, float] = None, 0.0  # the scene on the stage, and since when it is that
         self._line = gui.add_html("")
-        budgets.open(lambda: session.running_stages)
+        budgets.open(lambda: session.links.playing)
         self._mark = gui.add_html(widget_marker_html("lab-budget"))
         self._fold = gui.add_folder(tr(QUESTION), expand_by_default=False)
         with self._fold:

@@ -36,16 +36,27 @@ STRESS = 1  # P e_R and P e_angle, in the place of what is fitted only for repor
 PAIR_VALUES, PAIR_SLOPES, EACH = (0, 1, 0, 1), (2, 3, 2, 3), (0, 1, 2, 3)
 
 
+@ti.func
+def store_tabulated_body_force(body: ti.template(), t, on: ti.template()):
+    """Stores the body force at t s at its points, twice side by side, in the particles' block HALF_SLOPES."""
+    compute_force_time_functions(body.tables, body.table_sizes, body.angular_frequency * t, on)
+    for k in range(body.orbits):
+        b = body_force_at(body.tables, body.table_sizes, k, on)
+        body.recovered_particles[particle_index(body, HALF_SLOPES, k)] = ti.Vector([b[0], b[1], b[0], b[1]])
+
+
 class LatticeKernelOptions(NamedTuple):
     """Compile-time description of the particles' lattice, and which of a weight's four numbers along a line multiply
     the components of two vectors (x, y, x, y), for values or slopes."""
 
     closed: bool = False  # a whole turn: the first line comes after the last
-    box: bool = False  # the rows of a square, with a symmetry plane at all four sides; else radii
+    box: bool = False  # the rows of a rectangle; else radii
+    planes: bool = True  # whether a symmetry plane is at all four sides of a box; else nothing lies beyond them
     value: tuple[int, ...] = (0, 0, 0, 0)
     slope: tuple[int, ...] = (1, 1, 1, 1)
     slope_value: tuple[int, ...] = (1, 1, 0, 0)  # slopes of the first vector, values of the second
     slope_metric: tuple[int, ...] = (1, 1, 2, 2)  # and values over the radius
+    store_body_force: object = store_tabulated_body_force
 
 
 BOX = LatticeKernelOptions(box=True, value=PAIR_VALUES, slope=PAIR_SLOPES, slope_value=(2, 3, 0, 1),
@@ -144,13 +155,9 @@ def project_across_lines(body: ti.template(), into: ti.template(), pick: ti.temp
 
 @ti.func
 def project_body_force(body: ti.template(), t, lattice: ti.template(), on: ti.template()):
-    """Stores M b at t s: of a square at the nodes; else along the radius, of its parts along e_R and e_Theta. The block
-    HALF_SLOPES of the particles gets the force there."""
+    """Stores M b at t s: of a box at the nodes; else along the radius, of its parts along e_R and e_Theta."""
     if ti.static(on.body_force != "none"):
-        compute_force_time_functions(body.tables, body.table_sizes, body.angular_frequency * t, on)
-        for k in range(body.orbits):
-            b = body_force_at(body.tables, body.table_sizes, k, on)
-            body.recovered_particles[particle_index(body, HALF_SLOPES, k)] = ti.Vector([b[0], b[1], b[0], b[1]])
+        lattice.store_body_force(body, t, on)
         if ti.static(lattice.box):
             project_along_lines(body, HALF_SLOPES, lattice.value)
             project_across_lines(body, FORCE, PAIR_VALUES, lattice)
@@ -273,7 +280,9 @@ def add_verdict_sums(body: ti.template(), nodes: ti.template(), lattice: ti.temp
             for k in range(5):
                 i, j = a + k - 2, b + k - 2
                 x, y, x_along = 1.0, 1.0, 1.0  # signs beyond a plane
-                if ti.static(lattice.box):
+                if ti.static(not lattice.planes):
+                    i = ti.min(ti.max(i, 0), A - 1)
+                elif ti.static(lattice.box):
                     if i < 0 or i >= A:
                         i, y = ti.select(i < 0, -1 - i, 2 * A - 1 - i), -1.0
                     if j < 0 or j >= B:
@@ -290,8 +299,9 @@ def add_verdict_sums(body: ti.template(), nodes: ti.template(), lattice: ti.temp
                 factor = recovered_common.fourth_difference_weight(k)
                 around += factor * ti.Vector([x * U[0], y * U[1]])
                 along += factor * ti.Vector([x_along * V[0], V[1]])
-            rough += around.dot(around)
-            if ti.static(lattice.box) or (b > 1 and b < B - 2):  # nothing lies beyond free ends
+            if ti.static(lattice.planes) or (a > 1 and a < A - 2):  # nothing lies beyond free ends
+                rough += around.dot(around)
+            if ti.static(lattice.box and lattice.planes) or (b > 1 and b < B - 2):
                 rough += along.dot(along)
             e = nodes[node_index(body, PROJECTED, a * B + b)]
             size += e[0] * e[0] + e[1] * e[1]

@@ -1,6 +1,6 @@
 """The recovered estimator in the plane outside kernels: its operators as tables of rows, and its verdict."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
@@ -89,7 +89,6 @@ def allocate(scene):
                along.smoothing_operator(R)]
     tables = [cartesian_weights(rows, swapped=box) for rows in over_lines] \
         + [cartesian_weights(rows) if box else pad_to_four(rows) for rows in on_line]
-    fields = op.PARTICLE_BLOCKS * across.points * along.points + 2 * across.points * along.node_count
     nodes = np.zeros((op.NODE_BLOCKS, across.node_count * along.node_count, 4))
     if box:
         v = scene.EXACT.velocity(scene, particle_layout(scene).position, 0.0).reshape(across.points, along.points, 2)
@@ -104,11 +103,16 @@ def allocate(scene):
         nodes[op.MOTION, :, 2:] = (outward[:, None] * speed + sideways[:, None] * turning).reshape(-1, 2)
         nodes[op.DIRECTION, :across.node_count] = np.concatenate([outward, sideways], axis=1)
     return {"recovered_numbers": recovered_common.initial_numbers(scene, interval(scene)),
-            **recovered_common.table_values(dict(zip(op.TABLES, tables, strict=True))),
+            "recovered_silent": 2 if scene.is_uneven else int(scene.is_coarse), "recovered_nodes": nodes.reshape(-1, 4),
+            **lattice_arrays(across, along, tables)}
+
+
+def lattice_arrays(across: LatticeLine, along: LatticeLine, tables: Sequence[Rows]) -> dict:
+    """Returns arrays of a lattice by name: its ``tables`` in the order of ``op.TABLES``, and the particles' blocks."""
+    fields = op.PARTICLE_BLOCKS * across.points * along.points + 2 * across.points * along.node_count
+    return {**recovered_common.table_values(dict(zip(op.TABLES, tables, strict=True))),
             "recovered_count": across.node_count * along.node_count, "recovered_line": along.points,
-            "recovered_line_nodes": along.node_count,
-            "recovered_silent": 2 if scene.is_uneven else int(scene.is_coarse),
-            "recovered_nodes": nodes.reshape(-1, 4), "recovered_particles": np.zeros((fields, 4))}
+            "recovered_line_nodes": along.node_count, "recovered_particles": np.zeros((fields, 4))}
 
 
 def verdict(scene: PlanarScene, memory: Mapping[str, np.ndarray]) -> str | None:

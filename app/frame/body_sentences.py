@@ -1,17 +1,14 @@
 """What the page says of a body: headline, title and tables."""
 
 import math
-from html import escape
 
 from app.frame.headline import HeadlineWithFacts, root_mean_square, to_spans
 from app.frame.primitives import SEPARATOR, Spans
+from app.frame.shown_body import ShownBody
+from app.frame.value_and_bar import value_and_bar
 from app.language.translation import lazy, localise_number, tr, translate_message
-from app.names_and_units import NOTHING, QUANTITIES, format_number, functions_name, with_unit
-from app.page.features.body.shown_body import ShownBody
-from app.page.panels.readout_tables import ReadoutTables, row_html, table_html
-from app.page.panels.time_axis import clock_text
-from app.page.panels.value_and_bar import value_and_bar
-from solvers.bodies import estimate
+from app.names_and_units import NOTHING, QUANTITIES, clock_text, format_number, functions_name, with_unit
+from solvers.bodies.estimate import QUANTITIES as UNITS
 
 #: Headlines by what a goal asks for; the places are its name, point, component of stress and, emphasised, value.
 SENTENCES = {
@@ -73,27 +70,25 @@ def body_facts(body: ShownBody, k: int, quantity: str) -> Spans:
             SEPARATOR, *reliability)
 
 
-def body_readout(body: ShownBody, k: int) -> ReadoutTables:
-    """Returns tables of a body's goals and estimates, and of its run."""
-    goals = [row_html("head", tr("goal"), tr("value"), tr("error bar"), "")]
+def goal_rows(body: ShownBody) -> list[tuple[str, str, str]]:
+    """Returns the table of a body's goals: name, value and error bar, below their headings."""
+    rows = [(tr("goal"), tr("value"), tr("error bar"))]
     for name in body.goals:
         found = body.goal_value(name)
-        texts = (NOTHING, "") if found is None or found.value is None else \
+        value, bar = (NOTHING, "") if found is None or found.value is None else \
             value_and_bar(found.value, found.bar, found.unit)
-        goals.append(row_html("", escape(name), texts[0], texts[1] and f"± {texts[1]}", ""))
-    rows = [row_html("head", tr("estimated error"), tr("at t = {until}", until=clock_text(
-        body.estimated_until)) if body.estimate_ended else tr("at the end"), "δ", "")]
-    for key, unit in estimate.QUANTITIES.items():
+        rows.append((name, value, bar and f"± {bar}"))
+    return rows
+
+
+def estimate_rows(body: ShownBody) -> list[tuple[str, str, str, str]]:
+    """Returns the table of a body's estimates: quantity, size, delta and how far to believe it, below their
+    headings."""
+    when = tr("at t = {until}", until=clock_text(body.estimated_until)) if body.estimate_ended else tr("at the end")
+    rows = [(tr("estimated error"), when, "δ", "")]
+    for key, unit in UNITS.items():
         one = (body.result or {}).get("estimate", {}).get(key)
-        texts3 = (NOTHING, NOTHING, "") if one is None else (
+        rows.append((QUANTITIES[key].symbol, *((NOTHING, NOTHING, "") if one is None else (
             NOTHING if one["final"] is None else with_unit(one["final"], unit, 2),
-            localise_number(f"{one['delta']:.2f}"), tr(TRUST[one["trust"]]))
-        rows.append(row_html("", QUANTITIES[key].symbol, *texts3))
-    notes = "".join(f"<p>{escape(text[:1].upper() + text[1:])}.</p>" for text in map(translate_message, (
-        *body.warnings, *body.remarks)))
-    about = [(tr("body"), escape(body.source.name)), (tr("time"), with_unit(body.times[k], "s")),
-             (tr("particles"), f"{body.particles:,}"), (tr("grid"), f"h = {with_unit(body.spacing, 'm')}")]
-    run = table_html("".join(f"<tr><td>{name}</td>\n<td>{text}</td></tr>\n" for name, text in about))
-    return ReadoutTables(table_html("".join(goals), "lab-numbers lab-estimates") +
-                         table_html("".join(rows), "lab-numbers lab-estimates") +
-                         f"<div class='lab-own'>{notes}</div>", run)
+            localise_number(f"{one['delta']:.2f}"), tr(TRUST[one["trust"]])))))
+    return rows

@@ -1,20 +1,29 @@
 """A body's run on the stage: its frames, as far as they are computed, and what they show."""
 
 import math
+from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
 
 from app.frame.colour_scale import largest_finite
+from app.frame.goal_curve import GoalCurve
 from app.frame.layout import Rectangle
-from app.page.features.body.body_runs import BodySource
-from app.page.panels.goal_timeline import GoalCurve
 from solvers.bodies.body_run_worker import FIELDS, BodyRunSummary, BodySample
 from solvers.bodies.estimate import QUANTITIES
 from solvers.bodies.goal import Goal
 from solvers.bodies.goal_values import GoalValue
 
 PADDING, ROUND = 0.03, 0.1  # of the body's longer side: around the motion so far; and steps in which the view grows
+
+
+@dataclass(frozen=True)
+class BodySource:
+    """A body to run: its ``file``, which its owner calls ``name``, with other values of some fields (``changes``)."""
+
+    file: Path
+    name: str
+    changes: dict[str, float] = field(default_factory=dict)
 
 
 class ShownBody:
@@ -68,6 +77,11 @@ class ShownBody:
         if quantity not in QUANTITIES or self.estimated_until < self.times[k]:
             return None
         return np.array(self._table[k, :, 2 + list(QUANTITIES).index(quantity)])
+
+    def believed_sizes(self, k: int, quantity: str) -> np.ndarray | None:
+        """Returns :meth:`error_sizes`, None also once they are known not to be believed."""
+        trust = self.trust(quantity)
+        return None if trust and trust[1] == "none" else self.error_sizes(k, quantity)
 
     def magnitude(self, quantity: str) -> float:
         """Returns what errors of a quantity are small against, in its unit: size, speed of waves, and stiffness."""

@@ -5,9 +5,8 @@ from dataclasses import asdict
 import numpy as np
 import pytest
 
-from app.page.features.body.body_runs import BodySource
-from app.page.features.body.body_sentences import body_facts, body_headline
-from app.page.features.body.shown_body import ShownBody
+from app.frame.body_sentences import body_facts, body_headline
+from app.frame.shown_body import BodySource, ShownBody
 from solvers.bodies.body_file import LIBRARY, read_body
 from solvers.bodies.body_run_worker import FIELDS, BodyRunSummary, BodySample
 from solvers.bodies.goal_values import GoalValue
