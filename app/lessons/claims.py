@@ -284,6 +284,8 @@ def _value_at_path(result: Mapping[str, Any], path: tuple[str, ...]) -> float | 
         if path[0] == "valid":
             return "no" if estimator in result["not_valid"] else "yes"
         names = [path[0], *([estimator] if len(running) > 1 or path[0] == "corrected" else []), *path[2:]]
+        if estimator in result.get("refused", ()) and path[0] != "corrected":
+            names = ["refused", estimator, path[0], *path[2:]]
     if path[0] in ("rms", "predicted"):
         names = ["budget", *path]
     for name in names:

@@ -1,17 +1,26 @@
 """Shared part of the paper's estimators of all problems: when not to trust them."""
 
+import numpy as np
+
 from solvers.translatable_message import Message
 
-NOTHING = 1e-9  # of the motion's acceleration: rounding of second differences, which a real estimate is far above
-MOST = 100.0  # of the motion's acceleration, at the worst node; up to 60 were seen where the index was still below 2
+NOTHING = 1e-9  # of the acceleration: rounding of second differences, which a real estimate is far above
+#: Of the acceleration. Transport takes slopes and curvature of the stress from the computed acceleration a + E, where
+#: it means a: so its estimate may be (a + E)/a = 1/(1 - share) times the error, which from a third on is 1.5 and more.
+MOST = 1 / 3
 
 
-def why_not_trusted(error: float, begun: bool, size: float) -> str | None:
-    """Returns why not to trust transport's estimate, as a sentence, or None. ``error`` is the largest estimated error
-    of a at the nodes, ``size`` the motion's own acceleration, in m/s^2; None before the run has ``begun``."""
-    if begun and error < NOTHING * size:
+def why_not_trusted(squares: np.ndarray) -> str | None:
+    """Returns why not to trust transport's estimate, as a sentence, or None. ``squares`` (2,) are sums over nodes, by
+    mass, and over its steps so far, of the squares of its error of a and of the internal part of a, in SI; both are
+    zero before it has begun."""
+    if squares[1] == 0:
+        return None
+    with np.errstate(invalid="ignore"):  # both may be infinite, of an unstable run
+        share = float(np.sqrt(squares[0] / squares[1]))
+    if share < NOTHING:
         return Message("not valid here: the terms of transport vanish for this mapping, so that its estimate is zero")
-    if begun and not error < MOST * size:  # true for NaN too
-        return Message("not valid here: transport's error of the acceleration is more than {most:g} times the "
-                       "acceleration itself; it amplifies itself", MOST)
+    if not share < MOST:  # true for NaN too
+        return Message("not valid here: transport takes the computed acceleration for the exact one, and by its own "
+                       "estimate {share:.2g} of that is error; it holds up to a third", share)
     return None

@@ -161,8 +161,7 @@ class Result:
     def estimate(self) -> ByEstimator:
         """Estimated errors, as :attr:`error` but without the problem's own norm: ``estimate["x"]["max"]``, with several
         estimators ``estimate["companion"]["x"]["max"]``; None where one does not hold here."""
-        return self._by_estimator(lambda name: {q: summary(self.series[f"{name}/estimate_{q}"]) for q in QUANTITIES},
-                                  summary(np.array([])))
+        return self._by_estimator(self._estimated, summary(np.array([])))
 
     @property
     def index(self) -> ByEstimator:
@@ -176,6 +175,14 @@ class Result:
         return self._by_estimator(functools.partial(self._ratio, "distance"), None)
 
     @property
+    def refused(self) -> dict[str, dict[str, dict]]:
+        """What estimators that found themselves not valid in the run would have said, and how far off that is:
+        ``refused["transport"]["index"]["x"]``, likewise "estimate" and "distance"."""
+        return {name: {"estimate": self._estimated(name), "index": self._ratio("index", name),
+                       "distance": self._ratio("distance", name)}
+                for name in self._asked_estimators if name in self.not_valid and name in self.scene.active_estimators}
+
+    @property
     def corrected(self) -> dict[str, dict[str, dict]]:
         """Errors, as :attr:`error`, that are left of the particles' x, v, sigma and a when the estimate is subtracted,
         by estimator whose size is reliable: ``corrected["recovered"]["x"]["max"]``; None where one does not hold here.
@@ -183,6 +190,9 @@ class Result:
         nothing = summary(np.array([]))
         return {name: {q: nothing if name in self.not_valid else summary(self.series[f"{name}/difference_{q}"])
                        for q in QUANTITIES} for name in self._asked_estimators if ESTIMATORS[name].judges}
+
+    def _estimated(self, estimator: str) -> dict[str, dict[str, float | None]]:
+        return {q: summary(self.series[f"{estimator}/estimate_{q}"]) for q in QUANTITIES}
 
     def _ratio(self, ratio: str, estimator: str) -> dict[str, float | None]:
         norm = f"{estimator}/{error_series.RATIOS[ratio]}"
@@ -286,7 +296,7 @@ class Result:
                 "advice": [asdict(cure) for cure in self.advice], **self.verdict,
                 "t": self.time, "steps": self.steps, "particles": self.particles, "error": self.error,
                 "estimate": self.estimate, "index": self.index, "rounding": self.rounding, "distance": self.distance,
-                "corrected": self.corrected, "goals": self.goals,
+                "corrected": self.corrected, "refused": self.refused, "goals": self.goals,
                 **{effect.json_key: self.effect_numbers(name) for name, effect in ALL.items() if effect.numbers},
                 "budget": self.budget, "soundness": self.soundness, "step": self.step, "life": self.life,
                 "effects": self.effects, "bytes": self.bytes, "not_valid": self.not_valid,

@@ -136,7 +136,8 @@ BAR = ProblemView(
     "bar", BarStage, BarSlowMotionStage, draw_picture, regions, lazy("the bar into 20 lengths"),
     picture=(10.0, 1.25 / 3), speed=0.5,
     slider_ranges=SliderRanges((8, 160, 1), (1, 8), (1e-3, 0.2), (0.04, 4000.0)),
-    amplitude_hint=lazy("amplitude of the vibration; from 0.159 m on the exact bar turns inside out"),
+    amplitude_hint=lazy("amplitude of the vibration; from 0.159 m on (under two tones from 0.118 m on) the exact bar "
+                        "turns inside out"),
     prices={"transport": 0.09, "recovered": 0.09, "companion": 0.06, "two-grid": 0.18},  # two-grid: of 80 cells
     formula=("displacement", lazy("Displacement u"),
              lazy("a formula of X, t, w and A in metres; empty for the built-in one")),

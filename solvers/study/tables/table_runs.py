@@ -16,7 +16,7 @@ PAPERS_ESTIMATOR = "transport"
 TIMED = ("cost",)  # runs of which times are shown: they are made alone
 #: What is read of a run.
 MEASURED = {"result": {"scene": dict, "t": NUMBER, "particles": int, "error": NORMS, "index": dict, "distance": dict,
-                       "grid_crossings": (int, type(None)), "not_valid": MapOf(str),
+                       "grid_crossings": (int, type(None)), "not_valid": MapOf(str), "refused": dict,
                        "seconds": {"setup": NUMBER, "compile": NUMBER, "run": NUMBER, "estimators": MapOf(NUMBER)}}}
 
 Results = Mapping[str, dict]  # the object of ``mpm-lab run --json`` for each run of a row
@@ -106,12 +106,15 @@ def _estimator_to_dict(name: str, results: Results) -> dict:
     reason = run["not_valid"].get(name) or cost["not_valid"].get(name)
     return {"index": {q: _estimator_value(run, "index", name, q) for q in QUANTITIES},
             "distance": {q: _estimator_value(run, "distance", name, q) for q in QUANTITIES},
-            "cost": None if seconds is None or reason else _ratio(seconds, cost["seconds"]["run"]), "not_valid": reason}
+            "cost": None if seconds is None else _ratio(seconds, cost["seconds"]["run"]), "not_valid": reason}
 
 
 def _estimator_value(run: dict, kind: str, name: str, quantity: str) -> float | None:
-    """Returns an estimator's index or distance (``kind``) of a quantity from a result's object; None if unknown."""
+    """Returns an estimator's index or distance (``kind``) of a quantity from a result's object; None if unknown. The
+    paper's estimator has them where it is not valid too, as in the paper."""
     names = run["scene"]["estimator"]
+    if name == PAPERS_ESTIMATOR and name in run["refused"]:
+        return run["refused"][name][kind][quantity]
     if name not in names or name in run["not_valid"]:
         return None
     return (run[kind][name] if len(names) > 1 else run[kind])[quantity]  # a single estimator has no level of names

@@ -40,7 +40,7 @@ RIGHT: dict[str, dict[str, float]] = {
         "bet-2-hat-functions": 1372, "bet-3-a-ring": 356},
     "08-how-it-breaks": {"how-long-was-it-accurate": 5.85},
     "09-four-judges": {
-        "which-estimate-is-valid-but-far-off": 0.722, "the-estimate-zero": 1, "how-many-times-too-large": 33},
+        "which-estimate-is-valid-but-far-off": 0.722, "the-estimate-zero": 1},
     "10-how-sure-are-you": {
         "bet-1-a-gentle-bar": 4.456e-8, "bet-2-b-splines": 1.285e-6, "bet-3-force-at-the-nodes": 1.767e-4,
         "bet-4-a-quiet-ring": 8.122e-7, "the-result-of-bet-3": 1.767e-4, "bet-5-a-strong-ring": 3.008e-5,
@@ -86,8 +86,8 @@ CHOSEN: dict[str, dict[str, str]] = {
         "after-how-many-periods": "The first", "what-is-invisible-to-the-grid": "+, −, −, +",
         "what-did-the-filter-alone-do": "It breaks too", "a-ring-that-does-not-stay-round": "Neither"},
     "09-four-judges": {
-        "which-estimators-are-not-valid": "two-grid and recovered", "better-than-zero": "No, it is farther off",
-        "a-free-rim": "It grows with the number of cells", "a-bar-that-is-left-alone": "lost",
+        "which-estimators-are-not-valid": "two-grid and recovered", "what-would-be-left": "More than half",
+        "a-bar-that-is-left-alone": "lost",
         "which-estimators-are-valid": "recovered and companion"},
     "10-how-sure-are-you": {"the-estimators-bet": "Bet 3, the force at the nodes"},
     "11-cantilever": {

@@ -11,6 +11,7 @@ from solvers.estimators.estimator_arrays import unpack_arrays
 from solvers.problems.bar.scene import BarScene
 from solvers.problems.bar.solver import BarSolver
 from solvers.problems.bar.state import HOOKS
+from solvers.problems.ring import RingScene
 from solvers.problems.vortex import VortexScene
 from solvers.running.run import build
 from solvers.solver import error_series, samples
@@ -73,13 +74,26 @@ def test_it_begins_with_nothing_though_a_vortexs_acceleration_does_not():
     assert first < 1e-9 * np.abs(solver._arrays.estimate_acceleration).max()
 
 
-def test_it_says_where_its_terms_vanish_or_outgrow_the_motion():
-    """From its errors at the nodes; nothing is said before the first of its steps."""
+def test_it_says_where_its_terms_vanish_or_are_no_small_part_of_the_acceleration():
+    """From sums of squares over its steps; nothing is said before the first of them. With the share s of a computed
+    acceleration that is error, what is made of that is 1/(1 - s) times what the exact one would give."""
     solver = BarSolver(replace(TABLE_SCENE, cells=20, estimators=("transport",)))
     assert solver.not_valid() == {}
     solver.advance(200)
     assert solver.not_valid() == {}
-    nodes = unpack_arrays(HOOKS, solver._arrays.memory)["transport_errors"]
-    for size, word in ((0.0, "vanish"), (1e12, "amplifies"), (math.nan, "amplifies")):
-        nodes[:, 1] = size
+    squares = unpack_arrays(HOOKS, solver._arrays.memory)["transport_squares"]
+    for share, word in ((0.0, "vanish"), (0.34, "0.34 of that is error"), (math.nan, "nan of that is error")):
+        squares[0] = share**2 * squares[1]
         assert word in solver.not_valid()["transport"]
+    squares[0] = 0.33**2 * squares[1]
+    assert solver.not_valid() == {}
+
+
+@pytest.mark.parametrize("scene", [
+    BarScene(method="mpm", cells=40, amplitude=0.025, cfl=0.3, periods=0.3, estimators=("transport",)),
+    RingScene(cells=12, cfl=0.3, periods=0.1, estimators=("transport",))], ids=["crossings", "free rim"])
+def test_it_refuses_where_it_takes_noise_or_a_rim_for_the_error(scene):
+    """Its sums are those of its errors at the nodes over the acceleration there, most of which would be error."""
+    solver = build(scene)
+    solver.advance(scene.steps)
+    assert "of that is error" in solver.not_valid()["transport"]

@@ -21,7 +21,7 @@ import numpy as np
 import taichi as ti
 
 from solvers.estimators.transport_validity import why_not_trusted
-from solvers.kernels.dtypes import quads, real
+from solvers.kernels.dtypes import quads, real, reals
 from solvers.problems.planar.method import cpdi, gimp
 from solvers.problems.planar.method.stored_weights import stored_weight_entries
 from solvers.problems.planar.problem_kernel_functions import ProblemStepFunctions
@@ -31,6 +31,7 @@ MOST_INTERVAL = 20  # steps of the run between two of the estimator's
 
 MEMORY = {
     "transport_dt": real,  # H = k dt
+    "transport_squares": reals,  # sums over nodes and steps of m Ea^2 and m a^2, a by the stress alone
     "transport_stress": quads,  # sums of V S sigma_xx, V S sigma_yy, V S
     "transport_moments": quads,  # sums of D_x, D_y, D_x r_x, D_y r_y
     "transport_error": quads,  # nodal error of a, and two zeros
@@ -115,7 +116,8 @@ def fold_pair(body: ti.template(), ghost, image, in_x, in_y):
 
 @ti.func
 def node_errors(body: ti.template(), traits: ti.template()):
-    """Writes Ea (m/s^2) to ``transport_error``. The internal part of a is a minus the nodal mean of the body force."""
+    """Writes Ea (m/s^2) to ``transport_error`` and adds to ``transport_squares``. The internal part of a is a minus the
+    nodal mean of the body force."""
     for j in range(traits.first, body.active):
         for i in range(traits.first, body.active):
             node = j * body.row + i
@@ -128,6 +130,8 @@ def node_errors(body: ti.template(), traits: ti.template()):
                 error[0] = moments[0] / sums[2] * sums[0] / mass + (moments[2] / sums[2] - 1) * a[0]  # eq 46
                 error[1] = moments[1] / sums[2] * sums[1] / mass + (moments[3] / sums[2] - 1) * a[1]  # eq 47
                 error = traits.pin(body, i, j, error)
+                body.transport_squares[0] += mass * (error[0] ** 2 + error[1] ** 2)
+                body.transport_squares[1] += mass * a.norm_sqr()
             body.transport_error[node] = error
     traits.mirror(body, body.transport_error)
 
@@ -179,13 +183,13 @@ def interval(scene):
 
 
 def verdict(scene, memory):
-    """Returns why not to trust transport's last report, as a sentence, or None; ``memory`` are its arrays by name."""
-    a = memory["transport_error"].reshape(-1, 4)[:, :2]
-    return why_not_trusted(np.abs(a).max(), memory["transport_moments"].any(), scene.size_of("a"))
+    """Returns why not to trust transport's estimate, as a sentence, or None; ``memory`` are its arrays by name."""
+    return why_not_trusted(memory["transport_squares"])
 
 
 def allocate(scene):
     """Returns transport's memory by name for a scene: its step in s, and nodal arrays of zeros."""
     nodes = scene.row**2
-    return {"transport_dt": interval(scene) * scene.time_step, "transport_stress": np.zeros((nodes, 4)),
+    return {"transport_dt": interval(scene) * scene.time_step, "transport_squares": np.zeros(2),
+            "transport_stress": np.zeros((nodes, 4)),
             "transport_moments": np.zeros((nodes, 4)), "transport_error": np.zeros((nodes, 4))}
