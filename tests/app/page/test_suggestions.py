@@ -64,7 +64,7 @@ class Stage:
         self.html = SimpleNamespace(content="")
         gui = SimpleNamespace(add_html=lambda _: self.html)
         self.sparks = Suggestions(gui, self.session, lambda: self.state, self.show, lambda _: False,
-                                  lambda: False, SimpleNamespace(open=lambda running_stages: None, answer=lambda _: self.held))
+                                  lambda: False, SimpleNamespace(open=lambda stages: None, answer=lambda _: self.held))
 
     def show(self, shown):
         self.state, session = shown, self.session
