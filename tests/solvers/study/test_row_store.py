@@ -71,7 +71,7 @@ def test_a_last_row_that_lacks_only_its_end_of_line_is_kept(tmp_path):
 
 def test_a_row_of_the_tables_has_what_is_read_of_it():
     run = {"scene": {}, "t": 1.0, "particles": 8, "error": {"x": {"max": 1e-3}}, "index": {}, "distance": {},
-           "grid_crossings": None, "not_valid": {},
+           "grid_crossings": None, "not_valid": {}, "refused": {},
            "seconds": {"setup": 0, "compile": 1, "run": 1.0, "estimators": {"transport": 0.1}}}
     row = {**GOOD, "result": run}
     assert find_fault(row, MEASURED) is None is find_fault({**GOOD, "status": "failed"}, MEASURED)
