@@ -107,7 +107,8 @@ def test_two_grid_bears_a_typed_motion_larger_than_the_default_amplitude():
 
 
 def test_transport_is_silent_where_domains_tile():
-    """Its defect is that of weights that do not reproduce a linear field: CPDI's parallelograms leave none."""
+    """Its defect is that of weights that do not reproduce a linear field: CPDI's parallelograms leave none. With gaps
+    it finds most of the acceleration wrong, and itself not valid."""
     scene = SquareScene(cells=16, cfl=0.2, periods=0.5, estimators=("transport",), effects=("truth", "estimate"))
-    tiled, gaps = (run(one, prices=False).index["transport"]["x"] for one in (scene, replace(scene, method="ugimp")))
-    assert tiled < 1e-3 and 0.02 < gaps < 0.5
+    tiled, gaps = (run(one, prices=False) for one in (scene, replace(scene, method="ugimp")))
+    assert tiled.index["transport"]["x"] < 1e-3 and 0.02 < gaps.refused["transport"]["index"]["x"] < 0.5
