@@ -17,7 +17,7 @@ from solvers.bodies.body import Body
 from solvers.bodies.rectangle import check_estimator
 from solvers.scene.estimator_registry import COMPANION
 from solvers.scene.validation import SceneError
-from solvers.untrusted.quoting import FileError, file_name, one_line, suggest_word
+from solvers.untrusted.quoting import file_name, one_line, suggest_word
 
 MEANING = """delta: what the two companions differ by, over what they find; below 0.3 the number stands, below 0.6 it
 may be 30 % off, from 0.6 on there is none (assets/body.md)"""
@@ -104,11 +104,9 @@ class RunBody:
 
 
 def read_body_file(path: str) -> Body:
-    """Returns the body of a file; raises BadInput."""
+    """Returns the body of a file; raises FileError, or BadInput for a body that cannot be run."""
     try:
         return body_file.read_body(path)
-    except FileError as error:
-        raise BadInput("", path, error.sentence) from None
     except SceneError as error:
         raise BadInput("", path, str(error)) from None
 

@@ -74,6 +74,7 @@ class BodyRun:
     particles in the last sample, in the order of ``QUANTITIES``."""
 
     def __init__(self, body: Body, estimator: str = COMPANION):
+        check_estimator(body, estimator)
         self.body, self._cuts = body, default_cuts(body)
         loaded = bool(np.any(body.gravity)) or body.has_force
         begun = time.process_time()
@@ -82,7 +83,6 @@ class BodyRun:
         self._comparison = ParticleComparison(self._particles, self._companions, extrapolation_factor(body),
                                               body.goals)
         self.position, self.times = self._particles.lattice.position, [0.0]
-        check_estimator(body, estimator)
         self.recovered = RecoveredEstimate(body, self._particles) if estimator == RECOVERED else None
         self.estimate = ErrorEstimate(body)
         self.goals = self._comparison.goals
