@@ -53,7 +53,7 @@ def body_page(path: str, on_progress: Callable[[float], None]) -> str:
 def _run(path: str, table: Path, on_progress: Callable[[float], None]) -> ShownBody:
     source, shown = BodySource(Path(path), file_name(path)), list[ShownBody]()
 
-    def hear(message: dict) -> None:
+    def receive(message: dict) -> None:
         if "refused" in message:
             raise ValueError(message["refused"])
         if "begins" in message:
@@ -65,7 +65,7 @@ def _run(path: str, table: Path, on_progress: Callable[[float], None]) -> ShownB
             shown[0].result = message["ends"]
 
     table.touch()
-    run_in_worker(asdict(BodyRunRequest(path, source.name, {}, str(table), MOST_PARTICLES)), hear)
+    run_in_worker(asdict(BodyRunRequest(path, source.name, {}, str(table), MOST_PARTICLES)), receive)
     return shown[0]
 
 

@@ -11,6 +11,7 @@ from app.commands.lenient_flag_types import BadInput, NumberFlag, RealFlag, Text
 from app.commands.output import json_text
 from app.commands.study.study_command import StudyFlags
 from app.commands.study.sweep import flag_values
+from solvers.bodies.estimate import QUANTITIES
 from solvers.scene.validation import SceneError, field_flag
 from solvers.study import body_sweep
 from solvers.study.body_sweep import BodyTask, plan_body_tasks
@@ -21,7 +22,6 @@ from solvers.untrusted.quoting import escape_markdown, file_name
 OWN = default_hint("that of the file")
 FLAGS = {"cells": "cells_per_metre", "method": "method", "ppc": "ppc", "cfl": "cfl",
          "youngs_modulus": "youngs_modulus"}
-UNITS = {"x": "m", "v": "m/s", "sigma": "Pa"}
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -84,10 +84,10 @@ def body_sweep_summary(name: str, rows: Sequence[dict], pictures: Sequence[str] 
     asked = list(dict.fromkeys(["method", "cells_per_metre", *(field for row in rows for field in row["asked"])]))
     goals = list(dict.fromkeys(goal for row in rows for goal in row.get("goals", ())))
     heads = [*(field.replace("_", " ") for field in asked), "status",
-             *(f"estimated error {quantity} ({unit})" for quantity, unit in UNITS.items()), "delta x", *goals,
+             *(f"estimated error {quantity} ({unit})" for quantity, unit in QUANTITIES.items()), "delta x", *goals,
              "seconds"]
     lines = [[*(_input_cell((row["scene"] or row["asked"]).get(field)) for field in asked), row["status"],
-              *(_estimate_cell(row, quantity) for quantity in UNITS),
+              *(_estimate_cell(row, quantity) for quantity in QUANTITIES),
               f"{row['estimate']['x']['delta']:.2f}" if row.get("estimate") else NOTHING,
               *(_goal_cell(row.get("goals", {}).get(goal)) for goal in goals),
               f"{row['seconds']['run']:.3g}" if "seconds" in row else NOTHING] for row in rows]
