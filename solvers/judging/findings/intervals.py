@@ -34,8 +34,10 @@ def check_intervals(motion: RecordedMotion) -> Finding:
                        f"{times[k + 1]:.4g} s the particles go {far[k]:.3g} times as far as the largest v would carry "
                        "them: moments are exchanged or missing", time=float(times[k + 1]))
     longer, by_v = (values[1:] / values[:-1] for values in (interval, lasts))
-    goes_on = (fits[1:] & fits[:-1] & (np.maximum(by_v, 1 / by_v) <= AS_BEFORE) & (by_v > 0)
-               & (right[1:] != right[:-1]))
+    goes_on = fits[1:] & fits[:-1] & (np.maximum(by_v, 1 / by_v) <= AS_BEFORE) & (by_v > 0)
+    # A unit lasts: with moments a whole turn of the motion apart, a shorter last interval alone may look right.
+    lasting = (right[:-3] == right[1:-2]) & (right[1:-2] != right[2:-1]) & (right[2:-1] == right[3:])
+    goes_on &= np.pad(lasting, 1)
     change = np.where(goes_on, np.maximum(longer, 1 / longer), 1.0)
     k = int(np.argmax(change))
     if change[k] <= OTHER:

@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from solvers.judging.findings.amplitude_and_pace import SHORTEST, TOO_SHORT
+from solvers.judging.findings.amplitude_and_pace import TOO_SHORT
 from solvers.judging.findings.finding import HOLDS, OFF, Finding, unknown
 from solvers.judging.findings.findings_input import FindingsInput, ParticleTrajectories
 from solvers.judging.findings.time_consistency import FEW, FEWEST_TIMES, TOO_LARGE
@@ -16,6 +16,9 @@ from solvers.judging.findings.time_series_fitting import jackknife_error, jackkn
 from solvers.translatable_message import Message, join_messages
 
 NAME, UNIT = "size of the motion by x, by v and by the stress", "of the motion"
+#: Of a period: in less the body's free vibration, which a coarse grid excites, looks like another size of the motion,
+#: and like one by x and another by v, as its frequency is another.
+WHOLE = 0.9
 LEAST = 0.02  # of the motion, by which sizes may differ
 SURE = 3.0  # times the standard error
 LEFT = 0.5  # of what is left of the stress, which noise of grid crossings makes it differ by
@@ -55,7 +58,7 @@ def check_sizes(evidence: FindingsInput) -> Finding:
     tracks, scene = evidence.tracks, evidence.scene
     if tracks is None or len(tracks.time) < FEWEST_TIMES or len(tracks.exact) < 2:
         return unknown(NAME, FEW if len(evidence.errors[0]) > 1 else "nothing but positions in the files")
-    if not scene.swings or np.ptp(tracks.time) < SHORTEST * scene.period:
+    if not scene.swings or np.ptp(tracks.time) < WHOLE * scene.period:
         return unknown(NAME, TOO_SHORT)
     sizes = {quantity: fit_size(tracks, quantity) for quantity in tracks.exact}
     wave = (scene.angular_frequency * scene.spacing / scene.wave_speed) ** 2

@@ -42,6 +42,7 @@ RULE = 2.0  # times the rule's error by the second difference of v
 OTHER_UNIT = 0.3  # of a power of ten
 STEADY = 8.0  # times its own scatter over the intervals: a drift that stays the same
 CHANGING = 0.5  # of the mean square of v: its variance over time
+STEADY_V = "v is nearly the same at all moments, so that what goes with it cannot be told from a drift or a lag"
 LEAST_DRIFT = 1e-5  # of the motion
 LOST = 0.5  # of v: errors of it from which on a lag must explain most
 LEFT_BY_LAG = 0.5  # of the mean square by which positions miss such velocities, at most, where a lag is the reason
@@ -178,6 +179,8 @@ def _check_lag(motion: RecordedMotion, mismatch: np.ndarray, moved: np.ndarray, 
     rule's own error is proportional to the displacement (``moved``), and fitted as well."""
     if len(motion.times) < FEWEST:
         return unknown(MOMENT, f"fewer than {FEWEST} moments")
+    if _changing_share(motion.fields["v"]) < CHANGING:
+        return unknown(MOMENT, STEADY_V)
     if rms(mismatch) <= motion.rounding:
         return Finding(MOMENT, HOLDS)
     found, sure = jackknife_least_squares(mismatch, [-gained, moved])
@@ -199,6 +202,11 @@ def _check_lag(motion: RecordedMotion, mismatch: np.ndarray, moved: np.ndarray, 
     return Finding(MOMENT, SUSPICIOUS if wrong else HOLDS, late, most, "s", says)
 
 
+def _changing_share(v: np.ndarray) -> float:
+    """Returns the share of the mean square of velocities (T, P, D) that is variance over time."""
+    return float(np.mean(v.var(axis=0))) / max(float(np.mean(v**2)), 1e-300)
+
+
 def _check_centre(motion: RecordedMotion, moved: np.ndarray) -> Finding:
     """Checks that the centre of mass moves by momentum over mass; walls and rims make that inexact, but never by the
     same amount at all times."""
@@ -206,10 +214,8 @@ def _check_centre(motion: RecordedMotion, moved: np.ndarray) -> Finding:
     weight = (np.ones(len(motion.number)) if mass is None else mass[0])[:, None]
     if len(motion.times) < FEWEST or not motion.amplitude > 0 or not weight.sum() > 0:
         return unknown(CENTRE, f"fewer than {FEWEST} moments, nothing moves, or no mass")
-    changing = float(np.mean(motion.fields["v"].var(axis=0))) / max(float(np.mean(motion.fields["v"] ** 2)), 1e-300)
-    if changing < CHANGING:
-        return unknown(CENTRE, "v is nearly the same at all moments, so that what goes with it cannot be told from a "
-                               "drift")
+    if _changing_share(motion.fields["v"]) < CHANGING:
+        return unknown(CENTRE, STEADY_V)
     interval = np.diff(motion.times)[:, None]
     v = np.sum(motion.fields["v"] * weight, axis=1) / weight.sum()
     a = time_derivative(motion.times, v)  # with which the trapezoid rule is of fourth order

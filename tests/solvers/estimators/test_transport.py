@@ -89,6 +89,14 @@ def test_it_says_where_its_terms_vanish_or_are_no_small_part_of_the_acceleration
     assert solver.not_valid() == {}
 
 
+def test_a_run_shorter_than_a_sample_interval_has_an_estimate():
+    scene = VortexScene(cells=52, cfl=0.1, periods=0.025, amplitude=0.25, estimators=("transport",))
+    assert 1 < scene.steps < scene.sample_interval
+    solver = build(scene)
+    solver.advance(scene.steps)
+    assert unpack_arrays(solver.HOOKS, solver._arrays.memory)["transport_squares"][1] > 0
+
+
 @pytest.mark.parametrize("scene", [
     BarScene(method="mpm", cells=40, amplitude=0.025, cfl=0.3, periods=0.3, estimators=("transport",)),
     RingScene(cells=12, cfl=0.3, periods=0.1, estimators=("transport",))], ids=["crossings", "free rim"])

@@ -121,6 +121,14 @@ def test_no_particle_at_the_rim_of_a_cartesian_ring_is_blamed():
     assert arrays is not None and not judged(scene, arrays).told
 
 
+def test_a_free_vibration_in_less_than_a_turn_is_no_other_size():
+    """Its frequency is another, so that in half a turn it looks like another size by x than by v."""
+    scene = PROBLEMS["vortex"].scene(method="cpdi", cells=25, ppc=4, amplitude=0.25, cfl=0.104, periods=0.546,
+                                     estimators=(), effects=())
+    arrays = honest(scene)
+    assert arrays is not None and not judged(scene, arrays).told
+
+
 def test_the_list_says_what_was_compared_whatever_came_of_it(tmp_path):
     """In JSON, Markdown and HTML; of a file without velocities and stresses that these cannot be told."""
     scene = PROBLEMS["bar"].scene(cells=12)

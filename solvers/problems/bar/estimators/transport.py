@@ -156,10 +156,11 @@ def advance_particle_errors(bar: ti.template(), base, on: ti.template()):
 
 def interval(scene):
     """Returns the run's steps per step of the estimator: as many as keep the feedback stable, which is a wave like the
-    motion's own and no faster than c in the most stretched cell; only numbers that divide the sample interval."""
+    motion's own and no faster than c in the most stretched cell; only numbers that divide the sample interval, or the
+    steps of a shorter run."""
     fastest = scene.courant_number * (1 + scene.size_of("sigma") / scene.modulus)
     most = max(1, min(MOST_INTERVAL, int(WAVE_CFL / fastest)))
-    return max(k for k in range(1, most + 1) if scene.sample_interval % k == 0)
+    return max(k for k in range(1, most + 1) if min(scene.sample_interval, scene.steps) % k == 0)
 
 
 def allocate(scene):

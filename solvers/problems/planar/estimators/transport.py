@@ -178,8 +178,10 @@ def report(body: ti.template(), base, step, on: ti.template()):
 
 
 def interval(scene):
-    """Returns the run's steps per step of transport, at most ``MOST_INTERVAL``; samples come after whole ones."""
-    return scene.sample_interval // math.ceil(scene.sample_interval / MOST_INTERVAL)
+    """Returns the run's steps per step of transport, at most ``MOST_INTERVAL``; samples come after whole ones, also the
+    only one of a run that is shorter than the sample interval."""
+    between = min(scene.sample_interval, scene.steps)
+    return between // math.ceil(between / MOST_INTERVAL)
 
 
 def verdict(scene, memory):
