@@ -32,9 +32,9 @@ TOO_LARGE = "the errors are too large"
 FEW = Message("fewer than {least} times, or not the same particles at all of them", FEWEST_TIMES)
 NAMES_OF_V = "v against dx/dt", "moment of v before that of x", "the middle against the mean of v"
 SPEED, MOMENT, CENTRE = NAMES_OF_V
-#: Of the velocity, RMS: what is left between v and dx/dt, of which the particles' own noise in a sound run of ours
-#: makes up to 0.2 (the grid moves them, and is smoother than they are), from where on it is none.
-MOST, NOTHING_LEFT = 0.4, 0.8
+#: Of the velocity, RMS: what is left between v and dx/dt at most, which is what v of a good run may be wrong by (the
+#: grid moves the particles, and is smoother than their own v), and from where on v is none.
+MOST, NOTHING_LEFT = 0.5, 0.8
 TOLD = 0.06  # of the velocity: where the trapezoid rule itself is off by more, moments are too far apart
 FARTHER = 0.6  # of the way that the particles have gone at most
 AROUND = 3  # intervals
