@@ -7,10 +7,12 @@ import numpy as np
 import pytest
 
 from solvers.bodies.body_file import library_text, parse_body
+from solvers.bodies.numerical_fracture import largest_gap
 from solvers.bodies.patch import Patch
-from solvers.bodies.rectangle import check_estimator
+from solvers.bodies.rectangle import Rectangle, check_estimator
 from solvers.bodies.run import run_body
 from solvers.scene.validation import SceneError
+from solvers.study.coverage.random_cantilevers import Cantilever
 
 BEAM, BLOCK, PLATE = (parse_body(library_text(name)) for name in ("cantilever", "thrown_block", "plate_with_hole"))
 BEAM, BLOCK = (dataclasses.replace(BEAM, cells_per_metre=4, elements_across=2),
@@ -73,3 +75,26 @@ def test_other_bodies_are_refused(body, words):
     with pytest.raises(SceneError, match=words):
         check_estimator(body, "recovered")
     check_estimator(body, "companion")
+
+
+@pytest.mark.parametrize("clamped", [(True, False), (False, True), (False, False)])
+def test_the_largest_gap_between_neighbours(clamped):
+    """A strip bent from its end has almost none; a shift of all its particles is one at a clamp alone, and one of half
+    of them always."""
+    x, y = np.meshgrid(np.arange(0.05, 1, 0.1), np.arange(0.05, 0.4, 0.1), indexing="ij")
+    s, turn = (1 - x, -1) if clamped[1] else (x, 1)
+    X, u = np.stack([x, y], axis=-1), np.stack([-turn * 0.1 * s * y, 0.05 * s**2], axis=-1)
+    slopes = np.array([[-0.1 * y, -turn * 0.1 * s], [turn * 0.1 * s, 0 * s]])
+    F = np.eye(2) + np.moveaxis(slopes, (0, 1), (-2, -1))
+    shape = Rectangle((1.0, 0.4), np.array([0.0, 1.0]), (clamped, (False, False)))
+    shift, half = np.array([0.03, 0.04]), (x > 0.5)[..., None]
+    assert largest_gap(shape, X, u, F) < 5e-4
+    assert largest_gap(shape, X, u + shift, F) == pytest.approx(0.05 * any(clamped), abs=5e-4)
+    assert largest_gap(shape, X, u + half * shift * (1 if clamped[0] else -1), F) == pytest.approx(0.05, abs=5e-4)
+
+
+def test_particles_that_part_from_their_clamp_are_refused():
+    """With one particle per cell, this one's index of x was 0.27: the upper particle left the clamp by over a cell."""
+    beam = Cantilever(3.0, slope=0.2876, poissons_ratio=0.4, offset=0.3085, method="cpdi", cells_per_metre=8, ppc=1)
+    result = run_body(dataclasses.replace(beam.body(), goals={}), estimator="recovered")
+    assert "parted by 1.1 cells" in result.recovered["not_valid"] and result.recovered["x"]["mean"] is None
