@@ -52,13 +52,17 @@ def read_body(path: str) -> Body:
     if len(content) > MOST_BYTES:
         raise FileError(path, "is longer than {most:,} bytes, and so no file of a body", MOST_BYTES)
     try:
-        return parse_body(content.decode())
+        return parse_body(content.decode("utf-8-sig"))  # some editors begin a file with a byte order mark
+    except SceneError:
+        raise
     except UnicodeDecodeError:
         raise FileError(path, "is no text in UTF-8") from None
     except tomllib.TOMLDecodeError as error:
         raise FileError(path, "is no TOML: {error}", str(error)) from None
     except RecursionError:
         raise FileError(path, "is nested too deeply") from None
+    except ValueError:  # of whole numbers that have more digits than Python reads
+        raise FileError(path, "has a number of too many digits") from None
 
 
 def parse_body(text: str) -> Body:

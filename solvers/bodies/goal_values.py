@@ -64,6 +64,10 @@ class GoalSeries:
             bar = self._bar(run, coarse, fine)
         return GoalValue(run, bar, self.goal.unit)
 
+    def companion_value(self, times: np.ndarray) -> float | None:
+        """Returns the finer companion's value of the goal at the samples' ``times`` in s."""
+        return self._functional(times, np.array(self._rows)[:, 2])[0]
+
     def last_value_and_bar(self, has_bar: bool) -> tuple[float, float | None]:
         """Returns at the last sample the coordinate in m or the stress in Pa that the goal is about, and its bar."""
         run, coarse, fine = self._rows[-1].tolist()

@@ -132,4 +132,4 @@ def compare_with_truth(body: Body, result: "BodyResult", cuts: tuple[np.ndarray,
             errors.append(differences.found)
     means = np.mean(errors, axis=0) if errors else ()
     return ({name: result.estimate[name].mean / float(mean) for name, mean in zip(QUANTITIES, means, strict=False)},
-            {name: series.evaluate(np.array(times), len(times)).value for name, series in comparison.goals.items()})
+            {name: series.companion_value(np.array(times)) for name, series in comparison.goals.items()})

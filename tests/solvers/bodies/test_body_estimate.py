@@ -58,7 +58,7 @@ def test_bars_hold_and_a_finer_companion_agrees():
     assert 0.98 <= index["x"] <= 1.02
     for name, value in true.items():
         found = result.goals[name]
-        assert abs(found.value - value) <= found.bar < 0.1 * abs(found.value)
+        assert 0.1 * found.bar <= abs(found.value - value) <= found.bar < 0.1 * abs(found.value)
 
 
 def test_equal_runs_give_equal_bits():

@@ -105,6 +105,12 @@ def test_patches_that_do_not_fit(old, new, sentence):
         parse_body(PLATE.replace(old, new))
 
 
+def test_a_byte_order_mark_and_other_line_ends_change_nothing(tmp_path):
+    path = tmp_path / "body.toml"
+    path.write_bytes(CANTILEVER.replace("\n", "\r\n").encode("utf-8-sig"))
+    assert read_body(str(path)) == BLOCK
+
+
 SQUARE = "[[patch]]\ncorners = [[0, 0], [1, 0], [1, 1], [0, 1]]\n"
 REST = (library_text("thrown_block").partition("[[patch]]")[0]
         + "[run]\ncells_per_metre = 8\nt_end = 1\ndomain = [[-9, -9], [9, 9]]\n")
@@ -131,7 +137,7 @@ def test_a_held_side_has_the_body_on_one_side_and_its_line_to_itself():
 
 
 @pytest.mark.parametrize("content", [b"\xff\xfe", b"[material", b"[" * 50_000, b"#" * 200_000,
-                                     b"a = 1\na = 2", b"\x00"])
+                                     b"a = 1\na = 2", b"\x00", b"a = " + b"1" * 5000])
 def test_files_that_are_no_toml(tmp_path, content):
     path = tmp_path / "body.toml"
     path.write_bytes(content)
