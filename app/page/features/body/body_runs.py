@@ -47,11 +47,11 @@ class BodyRuns:
         return folder
 
     def take_file(self, file: Path) -> Path:
-        """Moves an uploaded file to where the next upload does not replace it, and returns the new path; deletes one
-        that is too large for a body, which is refused as one that cannot be read."""
+        """Copies an uploaded file to where the next upload does not replace it, and returns the new path; of one that is
+        too large for a body, as much as it takes to refuse it."""
         own = self._folder / f"body-{secrets.token_hex(4)}.toml"
-        if file.stat().st_size <= MOST_BYTES:
-            shutil.move(file, own)
+        with file.open("rb") as upload:
+            own.write_bytes(upload.read(MOST_BYTES + 1))
         return own
 
     def begin(self, source: BodySource) -> None:

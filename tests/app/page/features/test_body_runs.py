@@ -7,6 +7,8 @@ import pytest
 
 from app.page.features.body import body_runs
 from app.page.features.body.body_runs import BUSY, BodyRuns, BodySource
+from solvers.bodies.body_file import library_text, parse_body, read_body
+from solvers.untrusted.quoting import FileError
 from solvers.workers.worker_pool import Slots
 from solvers.workers.worker_process import ProcessDied
 
@@ -66,3 +68,14 @@ def test_who_leaves_frees_the_slot(visitors):
     first.close()
     assert not refused(second, heard)
     assert said == []  # nobody is there to hear of it
+
+
+def test_an_uploaded_file_is_read_after_the_next_has_come(visitors, tmp_path):
+    """And one that is too long is refused for that."""
+    (runs, _), upload = visitors[0], tmp_path / "upload"
+    upload.write_text(library_text("cantilever"), encoding="utf-8")
+    mine = runs.take_file(upload)
+    upload.write_bytes(b"# more\n" * 200_000)
+    assert read_body(str(mine)) == parse_body(library_text("cantilever"))
+    with pytest.raises(FileError, match="is longer than 100,000 bytes"):
+        read_body(str(runs.take_file(upload)))
