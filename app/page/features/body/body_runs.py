@@ -47,8 +47,8 @@ class BodyRuns:
         return folder
 
     def take_file(self, file: Path) -> Path:
-        """Copies an uploaded file to where the next upload does not replace it, and returns the new path; of one that is
-        too large for a body, as much as it takes to refuse it."""
+        """Copies an uploaded file to where the next upload does not replace it, and returns the new path; of one that
+        is too large for a body, as much as it takes to refuse it."""
         own = self._folder / f"body-{secrets.token_hex(4)}.toml"
         with file.open("rb") as upload:
             own.write_bytes(upload.read(MOST_BYTES + 1))
