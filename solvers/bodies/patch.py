@@ -17,7 +17,7 @@ Point = tuple[float, float]
 SIDES = ("south", "east", "north", "west")
 ENDS = ((0, 1), (1, 2), (3, 2), (0, 3))  # corners between which each side runs, along growing xi or eta
 FREE, CLAMPED, ROLLER = KINDS = ("free", "clamped", "roller")
-FARTHEST = 1e6  # m, of a coordinate
+FARTHEST = 1e6  # m, of a coordinate; also over a patch's size: beyond, rounding exceeds SMALL
 SMALL = 1e-9  # of a size in m: two points that are nearer are one
 MOST_ANGLE, MOST_TURN = 150, 170  # degrees: of a corner, and of an arc
 STEP, TURNS = 1e-6, 30  # of differences in the unit square, and of Newton's method
@@ -108,6 +108,9 @@ class Patch:
             raise SceneError(f"{where} corners", self.corners, "give four points [x, y] in m, counter-clockwise")
         for corner in self.corners:
             require_point(f"{where} corners", corner)
+        if np.abs(self.corners).max() > FARTHEST * self.size:
+            raise SceneError(f"{where} corners", self.corners, "lie farther from the origin than {most:,.0f} times the "
+                             "patch's size, where rounding shows; move the body nearer", FARTHEST)
         if not isinstance(self.sides, tuple) or len(self.sides) != 4:
             raise SceneError(f"{where} sides", self.sides, "give the kinds of four sides: south, east, north, west")
         for kind in self.sides:

@@ -59,6 +59,8 @@ REFUSED = [
     ('"clamped"]', '"glued"]', "patch 1 sides glued: is not known.*free, clamped, roller"),
     ("[0, 1]]", "[0, 1], [0, 2]]", "give four points"),
     ("[[0, 0], [4, 0], [4, 1], [0, 1]]", "[[0, 1], [4, 1], [4, 0], [0, 0]]", "fold the patch over or go clockwise"),
+    ("[[0, 0], [4, 0], [4, 1], [0, 1]]", "[[900, 0], [900.0004, 0], [900.0004, 1e-4], [900, 1e-4]]",
+     "farther from the origin than 1,000,000 times"),
     ("[4, 1], [0, 1]]", "[2.2, 0.6], [0, 1]]", "have an angle of .* degrees"),
     ("[[0, 0], [4, 0]", "[[0.5, 0], [4, 0]", "no straight line along x or y"),
     ("cells_per_metre = 8", "cells_per_metre = 7.3", "7.3 m|puts|patch 1 29.2|particles wide"),
