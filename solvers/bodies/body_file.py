@@ -52,7 +52,7 @@ def read_body(path: str) -> Body:
     if len(content) > MOST_BYTES:
         raise FileError(path, "is longer than {most:,} bytes, and so no file of a body", MOST_BYTES)
     try:
-        return parse_body(content.decode())
+        return parse_body(content.decode("utf-8-sig"))  # Windows' editors may begin a text with a mark
     except UnicodeDecodeError:
         raise FileError(path, "is no text in UTF-8") from None
     except tomllib.TOMLDecodeError as error:
@@ -70,7 +70,7 @@ def parse_body(text: str) -> Body:
         table = _as_table(section, content.get(section, {}))
         _check_keys(section, table, names)
         if missing := [name for name in names if name not in table and DEFAULTS[name] is MISSING]:
-            raise SceneError(section, "", "lacks {names}", ", ".join(missing))
+            raise SceneError("file", f"[{section}]", "lacks {names}", ", ".join(missing))
         values |= {name: _to_tuples(value) for name, value in table.items()}
     patches = content.get("patch", [])
     if not isinstance(patches, list):
@@ -88,7 +88,7 @@ def _read_patch(content: Any) -> Patch:
     table = _as_table("patch", content)
     _check_keys("patch", table, ("corners", "sides", "arc"))
     if "corners" not in table:
-        raise SceneError("patch", "", "lacks {names}", "corners")
+        raise SceneError("file", "[[patch]]", "lacks {names}", "corners")
     values = {name: _to_tuples(value) for name, value in table.items() if name != "arc"}
     arcs = _as_table("arc", table.get("arc", {}))
     return Patch(**values, arc={side: _to_tuples(centre) for side, centre in arcs.items()})

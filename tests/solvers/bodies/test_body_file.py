@@ -40,7 +40,7 @@ REFUSED = [
     ("density = 1050", "density = -1", "density -1: give a number above 1e-15"),
     ("density = 1050", "density = nan", "density nan: give a number above 1e-15"),
     ("density = 1050", "density = '1050'", "density '1050': give a number above 1e-15"),
-    ("density = 1050", "", "lacks density"),
+    ("density = 1050", "", r"^file \[material\]: lacks density"),
     ("density = 1050", "density = 1050\nyield_stress = 1e5", "yield_stress.*plastic, viscous or damaging"),
     ("density = 1050", "density = 1050\nviscosity = 1", "viscosity.*plastic, viscous or damaging"),
     ("[0, -10]", "[0, nan]", r"gravity \(0, nan\): give \[x, y\], two numbers in m/s\^2 of size up to 1e\+06"),
@@ -128,6 +128,12 @@ def test_a_held_side_has_the_body_on_one_side_and_its_line_to_itself():
         parse_body(f"{REST}{SQUARE}{left}{above}sides = ['free', 'free', 'free', 'clamped']\n")
     with pytest.raises(SceneError, match="is a free side on the line of one that is held"):
         parse_body(f"{REST}{SQUARE}{above}sides = ['free', 'free', 'free', 'clamped']\n")
+
+
+def test_a_mark_of_the_byte_order_may_begin_a_file(tmp_path):
+    path = tmp_path / "body.toml"
+    path.write_text(CANTILEVER, encoding="utf-8-sig")
+    assert read_body(str(path)) == parse_body(CANTILEVER)
 
 
 @pytest.mark.parametrize("content", [b"\xff\xfe", b"[material", b"[" * 50_000, b"#" * 200_000,
