@@ -53,8 +53,8 @@ class BodyShow:
     def execute(self) -> int:
         names = body_file.library_names()
         if self.name not in names:
-            near = suggest_word(self.name, names)
-            raise BadInput("", self.name, f"is not known{near}; give one of {', '.join(names)}")
+            unknown = f"is not known{suggest_word(self.name, names)}; " if self.name else ""
+            raise BadInput("", self.name, f"{unknown}give one of {', '.join(names)}")
         put_text(body_file.library_text(self.name))
         return OK
 

@@ -18,11 +18,13 @@ MOST_FILES = 10_000
 
 
 class BadInput(Exception):
-    """Raised for unusable input: ``flag`` without dashes ("" if it is none), its value, and what is wrong with it."""
+    """Raised for unusable input: ``flag`` without dashes ("" if it is none), its value, and what is wrong with it. The
+    ``sentence`` stands alone where there is neither."""
 
     def __init__(self, flag: str, value: object, sentence: str):
         self.flag, self.value, self.sentence = flag, value, sentence
-        super().__init__(quoting.one_line(f"{f'--{flag} ' if flag else ''}{quoting.quote(value)}: {sentence}"))
+        what = f"{f'--{flag} ' if flag else ''}{quoting.quote(value)}: " if flag or value else ""
+        super().__init__(quoting.one_line(f"{what}{sentence}"))
 
 
 def _lenient_parser(metavar: str, parse: Callable[[list[str]], Any]) -> Any:

@@ -153,7 +153,8 @@ def _is_device(path: str) -> bool:
 
 
 class OutputFolder:
-    """Directory ``text`` of --out, created and checked now (raises BadInput): it must be new or empty."""
+    """Directory ``text`` of --out, checked now (raises BadInput): it must be new or empty. One that is not there is
+    created with its first file, so that a command which ends before leaves none."""
 
     def __init__(self, text: str | None):
         self.text = (text or "").strip()
@@ -161,6 +162,7 @@ class OutputFolder:
             raise BadInput("out", "", "give a directory for the files")
         self.path = Path(self.text)
         try:
+            missing = [folder for folder in (self.path, *self.path.parents) if not folder.exists()]
             os.makedirs(self.text, exist_ok=True)
             there = os.listdir(self.text)
         except (OSError, ValueError) as error:  # ValueError: a character invalid in names
@@ -170,9 +172,14 @@ class OutputFolder:
         if there:
             raise BadInput("out", self.text, "is not empty; give an empty or a new directory")
         OutputTarget("out", str(self.path / "try"))  # fails now instead of later
+        for folder in missing:
+            with contextlib.suppress(OSError):  # somebody else's by now
+                folder.rmdir()
 
     def write_file(self, name: str, content: bytes) -> None:
         """Writes a file into the directory, completely or not at all; raises :class:`NotWritten`."""
+        with report_write_errors(f"--out {quoting.quote(self.text)}"):
+            os.makedirs(self.text, exist_ok=True)
         OutputTarget("out", str(self.path / name)).write(content)
 
 

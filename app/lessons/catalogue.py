@@ -34,7 +34,8 @@ def resolve_lesson_name(name: str, folder: Path = FOLDER) -> str:
     found = [full for full in known if name in (full, *full.split("-", 1))]
     found = found or [full for full in known if full.split("-", 1)[0].lstrip("0") == name]
     if len(found) != 1:
-        raise UnknownLesson(f"there is no lesson '{quoting.quote(name)}'; give one of {', '.join(known)}")
+        unknown = f"there is no lesson '{quoting.quote(name)}'; " if name else ""
+        raise UnknownLesson(f"{unknown}give one of {', '.join(known)}")
     return found[0]
 
 

@@ -74,7 +74,7 @@ def parse_body(text: str) -> Body:
         table = _as_table(section, content.get(section, {}))
         _check_keys(section, table, names)
         if missing := [name for name in names if name not in table and DEFAULTS[name] is MISSING]:
-            raise SceneError(section, "", "lacks {names}", ", ".join(missing))
+            raise SceneError("file", f"[{section}]", "lacks {names}", ", ".join(missing))
         values |= {name: _to_tuples(value) for name, value in table.items()}
     patches = content.get("patch", [])
     if not isinstance(patches, list):
@@ -92,7 +92,7 @@ def _read_patch(content: Any) -> Patch:
     table = _as_table("patch", content)
     _check_keys("patch", table, ("corners", "sides", "arc"))
     if "corners" not in table:
-        raise SceneError("patch", "", "lacks {names}", "corners")
+        raise SceneError("file", "[[patch]]", "lacks {names}", "corners")
     values = {name: _to_tuples(value) for name, value in table.items() if name != "arc"}
     arcs = _as_table("arc", table.get("arc", {}))
     return Patch(**values, arc={side: _to_tuples(centre) for side, centre in arcs.items()})

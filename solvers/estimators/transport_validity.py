@@ -22,5 +22,5 @@ def why_not_trusted(squares: np.ndarray) -> str | None:
         return Message("not valid here: the terms of transport vanish for this mapping, so that its estimate is zero")
     if not share < MOST:  # true for NaN too
         return Message("not valid here: transport takes the computed acceleration for the exact one, and by its own "
-                       "estimate {share:.2g} of that is error; it holds up to a third", share)
+                       "estimate that is off by {share:.2g} times its size; it holds up to a third", share)
     return None

@@ -234,8 +234,9 @@ def _check_finite(raw: RawTable, key: str, values: np.ndarray, times: np.ndarray
         who = Message("particle {columns:g}", raw.columns["id"][row]) if "id" in raw.columns else \
             Message("row {row}", row + 1)
         what = Message("beyond {most:g}", LARGEST) if np.isfinite(values[bad]).all() else Message("no number")
-        raise FileError(raw.file, "has {bad:,} rows whose {key} is {what}, first {who} at t = {times:g} s; leave times "
-                        "out at which the run had gone bad", int(bad.sum()), key, what, who, times[row])
+        raise FileError(raw.file, "has {key} that is {what} in {bad:,} of {all_rows:,} rows, first {who} at t = "
+                        "{times:g} s; leave times out at which the run had gone bad", key, what, int(bad.sum()),
+                        len(bad), who, times[row])
 
 
 def _check_unique_particles(frame: Frame) -> None:

@@ -60,7 +60,8 @@ def resolve_scene(files: list[RawTable], asked: Scene) -> tuple[Scene, list[str]
             raise ProblemMismatch(raw.file, Message("is a file of the {problem}", Message(raw.metadata.problem)), HINT,
                                   (raw.metadata.problem,))
         own, taken = scene_of_metadata(raw.file, raw.metadata), dict[str, Any]()
-        names = [f.name for f in fields(own) if f.name not in NOT_OF_THE_PROBLEM]
+        names = sorted((f.name for f in fields(own) if f.name not in NOT_OF_THE_PROBLEM),
+                       key=lambda name: name != "motion")  # first, because a patch test changes others with it
         for name in names:
             value, now = getattr(own, name), getattr(settled_scene, name)
             if name == "cells" or value == now:

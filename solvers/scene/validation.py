@@ -90,7 +90,8 @@ def require_names(field: str, chosen: object, allowed: tuple[str, ...]) -> None:
 def require_whole(field: str, value: object, least: int, most: int) -> None:
     """Raises :class:`SceneError` for a field's value that is no whole number from ``least`` to ``most``."""
     if isinstance(value, bool) or not isinstance(value, int) or not least <= value <= most:
-        raise SceneError(field, value, "give a whole number from {least:,} to {most:,}", least, most)
+        given = repr(value) if isinstance(value, float) and value.is_integer() else value  # 40.0, not 40
+        raise SceneError(field, given, "give a whole number from {least:,} to {most:,}", least, most)
 
 
 def require_number(field: str, value: object, above: float, most: float, allowed: str = "") -> None:

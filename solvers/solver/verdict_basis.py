@@ -99,7 +99,7 @@ def missing_checks_sentence(scene: Scene, checks: Mapping[str, list[str]]) -> st
     if alone:
         parts.append(Message("{alone} were not checked: switch on the effect truth or the estimator companion",
                              join_messages(" and ", filter(None, (join_messages(", ", alone[:-1]), alone[-1])))))
-    apart = scene.sample_interval * scene.time_step / scene.period
+    apart = min(scene.sample_interval, scene.steps) * scene.time_step / scene.period
     if apart > LONG_SAMPLE_INTERVAL and scene.sample_interval > 1:
         parts.append(Message("nothing was checked between two samples, {apart:.2g} periods apart: give a smaller "
                              "--sample-every", apart))

@@ -256,7 +256,8 @@ def _runner_up(others: list[RefinementFamily], best: Candidate, goal: SearchGoal
                               "no further within the budget", name, other.error, other.cells)
     if not met:
         return other, Message("{name} only falls to {error:.2g}", name, other.error)
-    size = Message("{cells} cells with {ppc} particles per cell, cfl {cfl:g}", other.cells, scene.ppc, scene.cfl)
+    size = Message("{cells} cells with {ppc} particle{plural} per cell, cfl {cfl:g}", other.cells, scene.ppc,
+                   "s" * (scene.ppc != 1), scene.cfl)
     return other, Message("{name} needs {size}: {seconds:.2g} times the time", name, size, other.seconds / best.seconds)
 
 

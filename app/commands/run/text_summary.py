@@ -12,6 +12,7 @@ from solvers.scene.error_causes import FIELDS, cause_labels
 from solvers.scene.estimator_registry import COMPANION
 from solvers.study.coverage.estimate_coverage_counts import wilson_interval
 from solvers.study.coverage.track_record_and_bets import RunSoFar, bars_held
+from solvers.untrusted.number_parsing import LARGEST_EXACT
 
 NOTHING = "-"
 UNITS = {"x": "m", "v": "m/s", "F": "1"}
@@ -64,7 +65,7 @@ def _corrected_table(result: dict, estimator: str) -> str:
 def budget_table(budget: dict, crossed: bool) -> str:
     """Returns a text table of each cause's share of the errors of x, v and F, or why they are not valid; ``crossed`` is
     whether a particle has changed its cell."""
-    rows = [(cause, *(format_value(budget[field][name], ".3f") for field in FIELDS))
+    rows = [(cause, *(format_share(budget[field][name]) for field in FIELDS))
             for name, cause in cause_labels(crossed).items()]
     whose = "the error" if budget["reference"] == "exact" else f"what the {budget['reference']} has the error is"
     text = _align_columns([("share of the error of", *FIELDS), *rows])
@@ -121,7 +122,8 @@ def _effect_lines(result: dict) -> Iterator[tuple[str, str]]:
 def _format_number(value: float | None, number: Number) -> str:
     if number.unit == PER_CENT:
         return NOTHING if value is None else f"{100 * value:.3g} %"
-    return format_value(value, "," if number.kind is int else ".4g") + f" {number.unit}" * bool(number.unit)
+    counted = number.kind is int and value is not None and value < LARGEST_EXACT  # a broken run counts beyond it
+    return format_value(value, "," if counted else ".4g") + f" {number.unit}" * bool(number.unit)
 
 
 def _cost_text(result: dict) -> str:
@@ -144,8 +146,13 @@ def format_value(value: float | None, form: str) -> str:
     return NOTHING if value is None else format(value, form)
 
 
+def format_share(value: float | None) -> str:
+    """Formats a share to three decimals, one that rounds to 0 without a sign; a dash for None."""
+    return format_value(None if value is None else round(value, 3) + 0.0, ".3f")
+
+
 def goal_table(result: Result) -> str:
-    """Returns a text for each of a run's goals, and one on their error bars; "" without goals."""
+    """Returns a text for each of a run's goals, and one on their error bars if they have any; "" without goals."""
     if not result.goals:
         return ""
     drawn, blocks, seen = RunSoFar(result.scene, result.status, result.time), [], []
@@ -160,7 +167,9 @@ def goal_table(result: Result) -> str:
         if goal["true_error"] is not None:
             lines.append(f"  {'true error':<22}{format_value(goal['true_error'], '.2g'):>{GOAL_WIDTH}} {unit}")
         blocks.append("\n".join(lines))
-    return "\n\n".join(["", *blocks, _bar_meaning(seen, drawn.why_not_counted)])
+    if any(goal["bar"] for goal in result.goals.values()):
+        blocks.append(_bar_meaning(seen, drawn.why_not_counted))
+    return "\n\n".join(["", *blocks])
 
 
 def _bar_meaning(counts: Sequence[tuple[int, int]], why_not: str) -> str:

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 from app.commands import lenient_flag_types
 from app.commands.output import json_target, print_message, put_result
 from app.commands.progress import record_interrupts, stdout_to_stderr
-from app.names_and_units import command_line, per_cell
+from app.names_and_units import command_line, particles_per_cell
 from solvers.scene.estimator_registry import COMPANION, require_corrector
 from solvers.scene.scene import Scene
 from solvers.scene.validation import require_choice, require_number
@@ -91,8 +91,8 @@ class Advise:
         def report_run(looks: int, certain: int, scene: Scene) -> None:
             check_interrupts()
             if not self.quiet and sys.stderr.isatty():
-                print_message(f"run {looks}: {scene.method}, {scene.cells} cells, {per_cell(scene.problem, scene.ppc)} "
-                              f"particles per cell, cfl {scene.cfl:g}")
+                print_message(f"run {looks}: {scene.method}, {scene.cells} cells, "
+                              f"{particles_per_cell(scene.problem, scene.ppc)}, cfl {scene.cfl:g}")
 
         for method in self.method:
             require_choice("method", method, base.choices("method"))
@@ -160,7 +160,8 @@ def as_text(values: dict) -> str:
              + (f"; {predicted['error']:.3g} was expected" if values["verified"] else "")),
             ("time", f"{predicted['seconds']:.2g} s for the {timed} on one thread"),
             ("runner-up", values["why"]), ("search", f"{values['runs']} runs in {values['seconds']:.1f} s")]
-    return "\n".join(f"{name:<12}{text}" for name, text in rows)
+    width = 1 + max(len(name) for name, _ in rows)
+    return "\n".join(f"{name:<{width}}{text}" for name, text in rows)
 
 
 def _inputs(candidate: Candidate) -> dict:

@@ -73,11 +73,12 @@ class Study:
         """Returns a row's status as a line for the console, with the inputs that vary among the ``tasks``."""
         inputs = ", ".join(f"{name.replace('_', '-')} {_format_value(value)}" for name, value in row["asked"].items()
                            if len({str(task.inputs.get(name)) for task in tasks}) > 1)
+        inputs += ": " * bool(inputs)
         if row["status"] in (OK, UNSTABLE, LOST):
             error = row["error"]["x"]["max"]
             outcome = f"error of x {error:.2e} m, " if error is not None else ""
-            return f"{inputs}: {row['status']}, {outcome}{row['seconds']['min']:.3g} s"
-        return f"{inputs}: {row['status']}" + (f": {row['reason']}" if row["status"] == FAILED else "")
+            return f"{inputs}{row['status']}, {outcome}{row['seconds']['min']:.3g} s"
+        return f"{inputs}{row['status']}" + (f": {row['reason']}" if row["status"] == FAILED else "")
 
     def parallel_groups(self, tasks: Sequence[Any]) -> Iterable[Sequence[Any]]:
         """Returns tasks in groups: those of a group are measured in parallel, the groups one after the other."""
@@ -148,7 +149,8 @@ class Study:
         if self.quiet:
             return
         there = sum(store.is_finished(task.key) for task in tasks)
-        print_message(f"{len(tasks)} rows" + (f", {there} of them there already" if there else ""))
+        print_message(f"{len(tasks)} row{'s' * (len(tasks) != 1)}"
+                      + (f", {there} of them there already" if there else ""))
         if old := sum(store.is_outdated(task.key) for task in tasks):
             print_message(f"{old} row{'s were' if old > 1 else ' was'} measured by another version of the solvers and "
                           f"{'are' if old > 1 else 'is'} measured again")

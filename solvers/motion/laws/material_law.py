@@ -19,7 +19,7 @@ class MaterialLaw(NamedTuple):
 
     name: str
     text: str
-    energy: Callable[..., Any]  # (F, J, ln J, lambda, mu) -> W per reference volume
+    energy: Callable[..., Any]  # (F, J - 1, ln J, lambda, mu) -> W per reference volume
     coefficients: Callable[..., Any]  # (F, J, lambda ln J, lambda, mu) -> q, r, A, x
     logarithmic: bool  # whether ln J is in it, which costs; others are given anything
 
@@ -27,6 +27,12 @@ class MaterialLaw(NamedTuple):
 def determinant(F: Any) -> Any:
     """Returns J = det F of ``F`` as (xx, xy, yx, yy)."""
     return F[0] * F[3] - F[1] * F[2]
+
+
+def volume_growth(F: Any) -> Any:
+    """Returns det F - 1 of ``F`` as (xx, xy, yx, yy), accurate where F is near the identity."""
+    xx, yy = F[0] - 1, F[3] - 1
+    return xx + yy + (xx * yy - F[1] * F[2])
 
 
 def piola(F: Any, q: Any, k: Any) -> Any:

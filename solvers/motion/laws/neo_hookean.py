@@ -8,10 +8,11 @@ from typing import Any
 from solvers.motion.laws.material_law import MaterialLaw
 
 
-def energy(F: Any, J: Any, log_J: Any, bulk: Any, mu: Any) -> Any:
-    """Returns W in J per m^3 at rest, of ``F`` (xx, xy, yx, yy), J = det F and ln J; ``bulk`` is lambda in Pa."""
-    stretched = F[0] * F[0] + F[1] * F[1] + F[2] * F[2] + F[3] * F[3]
-    return 0.5 * (mu * (stretched - 2 - 2 * log_J) + bulk * log_J * log_J)
+def energy(F: Any, growth: Any, log_J: Any, bulk: Any, mu: Any) -> Any:
+    """Returns W in J per m^3 at rest, of ``F`` (xx, xy, yx, yy), det F - 1 and ln J; ``bulk`` is lambda in Pa.
+    F:F - 2 is (F_xx - F_yy)^2 + (F_xy + F_yx)^2 + 2 (J - 1): as a difference W of small strains would be rounding."""
+    stretch, shear = F[0] - F[3], F[1] + F[2]
+    return mu * (0.5 * (stretch * stretch + shear * shear) + (growth - log_J)) + 0.5 * bulk * log_J * log_J
 
 
 def coefficients(F: Any, J: Any, volumetric: Any, bulk: Any, mu: Any) -> Any:

@@ -10,11 +10,12 @@ from typing import Any
 from solvers.motion.laws.material_law import MaterialLaw
 
 
-def energy(F: Any, J: Any, log_J: Any, bulk: Any, mu: Any) -> Any:
-    """Returns W in J per m^3 at rest, of ``F`` (xx, xy, yx, yy) and J = det F; ``bulk`` is lambda in Pa."""
-    stretched = F[0] * F[0] + F[1] * F[1] + F[2] * F[2] + F[3] * F[3]
-    return 0.125 * bulk * (stretched - 2) * (stretched - 2) \
-        + 0.25 * mu * ((stretched - 1) * (stretched - 1) + 1 - 2 * J * J)
+def energy(F: Any, growth: Any, log_J: Any, bulk: Any, mu: Any) -> Any:
+    """Returns W in J per m^3 at rest, of ``F`` (xx, xy, yx, yy), by E, because F:F - 2 is rounding at small strains;
+    ``bulk`` is lambda in Pa, ``growth`` and ``log_J`` are unused."""
+    xx, yy = 0.5 * ((F[0] - 1) * (F[0] + 1) + F[2] * F[2]), 0.5 * ((F[3] - 1) * (F[3] + 1) + F[1] * F[1])
+    xy = 0.5 * (F[0] * F[1] + F[2] * F[3])
+    return 0.5 * bulk * (xx + yy) * (xx + yy) + mu * (xx * xx + yy * yy + 2 * xy * xy)
 
 
 def coefficients(F: Any, J: Any, volumetric: Any, bulk: Any, mu: Any) -> Any:

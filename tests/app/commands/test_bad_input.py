@@ -27,6 +27,7 @@ BAD = {
     # numbers, of every kind of flag
     "run bar --cells 0": "--cells 0: … from 4 to 100,000",
     "run bar --cells 2.5": "--cells 2.5: … from 4 to 100,000",
+    "run bar --cells 40.0": "--cells 40.0: … from 4 to 100,000",
     "run bar --cells abc": "--cells abc: … from 4 to 100,000",
     "run bar --cells": "--cells (no value): … from 4 to 100,000",
     "run bar --cells 8 9": "--cells 8 9: … whole number",
@@ -147,20 +148,21 @@ BAD = {
     "problem bar --out new --times -1": "--times -1: is no time",
     "problem bar --out new --cells 1": "--cells 1: give a whole number",
     f"problem bar --out new --cells 9000 --times {' '.join(map(str, range(600)))}": " … at most 4,000,000 are allowed",
-    "judge bar": " … give one or several files of particles",
+    "judge bar": "give one or several files of particles",
     "judge bar not-there.csv --out new": "not-there.csv: cannot be read: no such file or directory",
     "judge bar file --out new --cells 12 --time 1 2": "--time 1 2: gives 2 times for 1 files",
     "judge bar file --out new --cells 12 --time soon": "--time soon: is no time",
     "judge bar file --out new --cells '12 20'": " … gives 2 grids for 1 files",
     "judge bar file --out new --cells two": "--cells two: give a whole number",
-    "check": " … give one or several files of particles",
+    "check": "give one or several files of particles",
     "check no.csv": "no.csv: cannot be read",
     "check file --time 1 2": "--time 1 2: gives 2 times for 1 files",
     "check file --expect 'order.x > 1'": "--expect …",
     "lesson check 99": "99: there is no lesson '99'",
     "lesson check --processes 0": "--processes 0: … from 1 to 64",
     "lesson grade": " … give the files that students have handed in",
-    "lesson guide": " … there is no lesson",
+    "lesson guide": "give one of 01-one-step, 02-",
+    "body show": "give one of cantilever, ",
     "lesson guide 1 --lang xy": "--lang xy: … give one of en, de",
     "export 'bar cells=2' --out a.html": " … cells=2: give a whole number from 4",
     "export 'bar cels=40' --out a.html": " … did you mean cells?",
@@ -195,8 +197,8 @@ def test_bad_input_is_one_sentence(line, capsys, tmp_path, monkeypatch):
 
 
 def files(folder):
-    """What a folder holds, further folders aside."""
-    return {path: path.read_text() for path in folder.rglob("*") if path.is_file()}
+    """What a folder holds."""
+    return {path: path.read_text() if path.is_file() else "" for path in folder.rglob("*")}
 
 
 ALONE = ("sweep bar --out x --workers 0", "tables 4 --out d", "advise bar", "bench quick", "serve --port 0", "check")

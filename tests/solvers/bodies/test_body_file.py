@@ -40,7 +40,7 @@ REFUSED = [
     ("density = 1050", "density = -1", "density -1: give a number above 1e-15"),
     ("density = 1050", "density = nan", "density nan: give a number above 1e-15"),
     ("density = 1050", "density = '1050'", "density '1050': give a number above 1e-15"),
-    ("density = 1050", "", "lacks density"),
+    ("density = 1050", "", r"^file \[material\]: lacks density"),
     ("density = 1050", "density = 1050\nyield_stress = 1e5", "yield_stress.*plastic, viscous or damaging"),
     ("density = 1050", "density = 1050\nviscosity = 1", "viscosity.*plastic, viscous or damaging"),
     ("[0, -10]", "[0, nan]", r"gravity \(0, nan\): give \[x, y\], two numbers in m/s\^2 of size up to 1e\+06"),

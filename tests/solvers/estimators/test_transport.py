@@ -82,7 +82,7 @@ def test_it_says_where_its_terms_vanish_or_are_no_small_part_of_the_acceleration
     solver.advance(200)
     assert solver.not_valid() == {}
     squares = unpack_arrays(HOOKS, solver._arrays.memory)["transport_squares"]
-    for share, word in ((0.0, "vanish"), (0.34, "0.34 of that is error"), (math.nan, "nan of that is error")):
+    for share, word in ((0.0, "vanish"), (0.34, "off by 0.34 times its size"), (math.nan, "off by nan times its size")):
         squares[0] = share**2 * squares[1]
         assert word in solver.not_valid()["transport"]
     squares[0] = 0.33**2 * squares[1]
@@ -104,4 +104,4 @@ def test_it_refuses_where_it_takes_noise_or_a_rim_for_the_error(scene):
     """Its sums are those of its errors at the nodes over the acceleration there, most of which would be error."""
     solver = build(scene)
     solver.advance(scene.steps)
-    assert "of that is error" in solver.not_valid()["transport"]
+    assert "times its size" in solver.not_valid()["transport"]

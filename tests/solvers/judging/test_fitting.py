@@ -66,6 +66,8 @@ def test_what_is_asked_for_and_what_the_file_says_must_not_contradict(own, refus
     assert judged("bar", own / "bar.npz", "--amplitude", "0.01") == 0
     said = refused("bar", own / "bar.npz", "--amplitude", "0.02")
     assert "has amplitude 0.01, but --amplitude is 0.02; give the value of the run" in said
+    said = refused("bar", own / "bar.npz", "--motion", "patch")
+    assert "has motion vibrate, but --motion is patch" in said
 
 
 def test_files_of_several_scenes_are_not_one_run(own, tmp_path):

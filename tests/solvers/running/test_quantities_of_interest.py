@@ -124,5 +124,7 @@ def test_the_command(capsys):
             == status
         said = capsys.readouterr().out
         assert "+- companion" in said and " held " not in said and reason in said
+    assert dispatch(["run", "bar", "--periods", "0.1", "--estimator", "none", "--goal", "mean-stress", "--quiet"]) == 0
+    assert "2 times the estimated error" not in capsys.readouterr().out
     assert dispatch(["run", "bar", "--goal", "foo"]) == 2
     assert "--goal foo: is no goal" in capsys.readouterr().err

@@ -70,6 +70,7 @@ def test_a_run_that_goes_on_is_told_the_same(simulate):
     ({"effects": ("soundness",)}, "velocity and stress were not checked"),
     ({"effects": ("truth",)}, None),
     ({"effects": ("truth",), "sample_every": 200}, "nothing was checked between two samples, 0.42 periods apart"),
+    ({"effects": ("truth",), "sample_every": 10**6}, "nothing was checked between two samples, 0.5 periods apart"),
     ({"effects": ("estimate", "acceleration", "soundness"), "estimators": ("transport",)},
      "velocity, stress and acceleration were not checked"),
     ({"effects": ("estimate", "soundness"), "estimators": ("companion",)}, None)])

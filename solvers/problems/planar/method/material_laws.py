@@ -22,10 +22,10 @@ def strip_annotations(formula: FunctionType) -> Callable:
 
 LAWS = {name: one._replace(energy=strip_annotations(one.energy), coefficients=strip_annotations(one.coefficients))
         for name, one in IN_NUMPY.items()}
-determinant, piola, kirchhoff, stiffness_metric, reference_stiffness_metric, wave_stiffness = map(
-    strip_annotations, (material_law.determinant, material_law.piola, material_law.kirchhoff,
-                        material_law.stiffness_metric, material_law.reference_stiffness_metric,
-                        material_law.wave_stiffness))
+determinant, volume_growth, piola, kirchhoff, stiffness_metric, reference_stiffness_metric, wave_stiffness = map(
+    strip_annotations, (material_law.determinant, material_law.volume_growth, material_law.piola,
+                        material_law.kirchhoff, material_law.stiffness_metric,
+                        material_law.reference_stiffness_metric, material_law.wave_stiffness))
 
 
 @ti.func
@@ -72,6 +72,9 @@ def volume_and_stiffness_metric(body: ti.template(), p, on: ti.template()):
 @ti.func
 def strain_energy(body: ti.template(), p, on: ti.template()):
     """Returns the strain energy of particle p, in J per metre of thickness."""
-    F, mu = body.deformation_gradient[p], body.shear_modulus
-    J = determinant(F)
-    return body.mass[p] / body.density * LAWS[on.law].energy(F, J, log_jacobian(J), body.lame_modulus, mu)
+    F = body.deformation_gradient[p]
+    growth = volume_growth(F)
+    J, log_J = 1 + growth, growth
+    if J != 1:
+        log_J = log_jacobian(J) * (growth / (J - 1))  # the rounding of 1 + growth cancels
+    return body.mass[p] / body.density * LAWS[on.law].energy(F, growth, log_J, body.lame_modulus, body.shear_modulus)
