@@ -38,7 +38,6 @@ class Language(NamedTuple):
 
 #: By code.
 LANGUAGES = {ENGLISH: Language("English"), "de": Language("Deutsch", FOLDER / "de.po", ",.")}
-COOKIE = "mpm-lab-language"
 LONGEST = 1000  # characters of a request that are read
 
 _current: ContextVar[str] = ContextVar("language", default=ENGLISH)
@@ -182,20 +181,3 @@ def _languages_by_preference(accepted: str) -> list[str]:
         if much > 0:
             liked.append((-much, place, name.partition("-")[0]))
     return [name for _, _, name in sorted(liked)]
-
-
-def language_cookie_header(code: str) -> str:
-    """Returns the Set-Cookie header with the page's language, for its websocket, which has another address."""
-    return f"{COOKIE}={code}; Path=/; HttpOnly; SameSite=Strict"
-
-
-def language_from_cookies(cookies: list[str]) -> str:
-    """Returns the language's code in the Cookie headers of a request, English without a valid one."""
-    named = find_cookie(cookies, COOKIE)
-    return named if named in LANGUAGES else ENGLISH
-
-
-def find_cookie(cookies: list[str], name: str) -> str:
-    """Returns the value of the first cookie of this name in the Cookie headers of a request, "" without one."""
-    pairs = (pair.strip().partition("=") for line in cookies for pair in line.split(";"))
-    return next((value for key, _, value in pairs if key == name), "")
