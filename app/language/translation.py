@@ -7,6 +7,7 @@ English; work passed to one is wrapped by :func:`with_language`."""
 import functools
 import gettext
 import io
+import re
 import string
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -38,6 +39,7 @@ class Language(NamedTuple):
 
 #: By code.
 LANGUAGES = {ENGLISH: Language("English"), "de": Language("Deutsch", FOLDER / "de.po", ",.")}
+_NUMBER = re.compile(r"[-+]?\d[\d,]*(\.\d+)?(e[-+]?\d+)?")  # as in English
 LONGEST = 1000  # characters of a request that are read
 
 _current: ContextVar[str] = ContextVar("language", default=ENGLISH)
@@ -132,10 +134,12 @@ def trn(one: str, many: str, count: float, **values: Any) -> str:
 
 
 def translate_message(text: str) -> str:
-    """Translates a :class:`Message` of the solvers, and those among its values; any other text stays as it is."""
+    """Translates a :class:`Message` of the solvers, with the messages and numbers among its values; any other text
+    stays as it is."""
     if current_language() == ENGLISH or not isinstance(text, Message):
         return text
-    return tr(text.template, **{name: translate_message(value) for name, value in text.values.items()})
+    return tr(text.template, **{name: localise_number(value) if _NUMBER.fullmatch(value) else translate_message(value)
+                               for name, value in text.values.items()})
 
 
 def lazy(text: str) -> str:
