@@ -6,6 +6,7 @@ from dataclasses import replace
 
 from solvers.running.result import Result
 from solvers.running.run import reuse_solvers, run
+from solvers.scene.kernel_options import kernel_key
 from solvers.scene.scene import Scene
 from solvers.solver.soundness import BROKEN, OK
 
@@ -40,7 +41,7 @@ def try_cures(result: Result, seconds: float | None = None, enough: int = 1,
     limit = max(LEAST_SECONDS, PATIENCE * own_seconds(result)) if seconds is None else seconds
     pace = result.seconds.run / max(1, result.particles * result.steps)  # seconds a particle and step
     begun, cures = time.perf_counter(), list(result.advice)
-    short_end = BEYOND * result.broken_at
+    short_end, compiled = BEYOND * result.broken_at, {kernel_key(result.scene)}
 
     def ends_ok(scene: Scene, change: str) -> bool:
         def watch(_: float) -> None:
@@ -55,8 +56,10 @@ def try_cures(result: Result, seconds: float | None = None, enough: int = 1,
     try:
         for k, cure in enumerate(cures):
             scene = replace(result.scene, **cure.change)
-            if begun + limit < time.perf_counter() + pace * scene.particles * scene.steps:
+            compiling = result.seconds.compile if kernel_key(scene) not in compiled else 0.0
+            if begun + limit < time.perf_counter() + compiling + pace * scene.particles * scene.steps:
                 continue  # a cheaper one may follow: an earlier end
+            compiled.add(kernel_key(scene))
             ends = [replace(scene, t_end=short_end, periods=None)] \
                 if result.broken_at < WORTH_A_SHORT_RUN * scene.end_time else []
             cures[k] = replace(cure, tried=True, held=all(ends_ok(one, cure.text) for one in (*ends, scene)))

@@ -65,6 +65,8 @@ def _explain_stress(evidence: FindingsInput, size: float) -> str | None:
     scene, sigma = evidence.scene, tracks.own["stress"]
     law = _stress_of_law(scene, tracks)
     before = time_series_fitting.rms(sigma - law)
+    if max(map(time_series_fitting.rms, sigma - law)) <= OTHER_LAW * size:
+        return None  # of large bodies not all particles are followed, and those that are off need not be
     found = [(time_series_fitting.rms(rest) / before, words)
              for rest, words in _candidates(scene, tracks, sigma, law, evidence.step)]
     left, words = min(found, key=lambda one: one[0])

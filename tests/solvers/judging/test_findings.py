@@ -73,6 +73,14 @@ def test_what_is_wrong_with_a_file_is_told(problem, name):
         assert "another material" not in " ".join(notes)
 
 
+def test_a_stress_that_is_off_where_no_particle_is_followed_is_another_one():
+    """Of large bodies every second particle is followed, in order of position; these explain nothing then."""
+    run = run_of("vortex")
+    arrays = files(run, stress=True)
+    arrays["sigma"][:, np.lexsort(arrays["X"].T)[1::2]] *= 1.5
+    assert any("off what their F gives by the problem's law" in note for note in judged(run.scene, arrays).notes)
+
+
 #: What the judge says, and of what the check speaks, of what goes wrong on the way.
 IN_TIME_SAID = {
     "two frames exchanged": ("frames are exchanged", "intervals between moments against v"),

@@ -10,6 +10,7 @@ from solvers.problems.vortex import VortexScene
 from solvers.running.cure_trials import try_cures
 from solvers.running.cures import candidate_cures
 from solvers.running.run import run
+from solvers.scene.kernel_options import kernel_key
 
 LOOKS = ("truth", "soundness")
 ONE_EACH = BarScene(ppc=1, periods=2, cfl=0.2, estimators=(), effects=LOOKS)
@@ -72,6 +73,9 @@ def test_time_and_ctrl_c_end_the_trials(simulate):
     assert [cure.text for cure in stopped.advice if cure.tried] == tries[:1] != []
     assert "no change that was tried holds: " + tries[0] + "; " in stopped.reason
     assert sum(cure.held for cure in try_cures(result, 60.0, enough=2).advice) == 2
+    slow = replace(result, seconds=replace(result.seconds, compile=100.0))  # longer than the time that there is
+    changed = [replace(result.scene, **cure.change) for cure in try_cures(slow, 60.0, enough=9).advice if cure.tried]
+    assert changed and {kernel_key(scene) for scene in changed} == {kernel_key(result.scene)}
     sound = simulate(replace(ONE_EACH, ppc=2))
     assert sound.advice == () and try_cures(sound) is sound
 
