@@ -5,6 +5,7 @@ import json
 import math
 import re
 import shlex
+from collections.abc import Iterable
 from dataclasses import dataclass, fields
 from pathlib import Path
 
@@ -235,6 +236,11 @@ def short_reason(reason: str) -> str:
 def format_number(value: float) -> str:
     """Formats a number to three significant digits: 0, 0.025, 1.5e-05."""
     return localise_number(f"{value:.3g}")
+
+
+def format_coordinates(point: Iterable[float], digits: int = 3) -> str:
+    """Formats coordinates with so many significant digits: "0.412, 0.103", in German "0,412; 0,103"."""
+    return (", " if localise_number(".") == "." else "; ").join(localise_number(f"{x:.{digits}g}") for x in point)
 
 
 def format_ratio(value: float) -> str:

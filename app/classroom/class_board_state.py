@@ -4,14 +4,14 @@ One button leads to the next thing: for a question the number of answers, the an
 ``turn`` of the board that it is meant for: of two simultaneous ones, or a late one, only one counts."""
 
 import threading
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import dataclass
 from typing import Any
 
 from app.access.rate_limited_log import log_failure
 from app.classroom.class_answers import ClassAnswers
-from app.language.translation import lazy
+from app.language.translation import current_language, lazy
 from app.lessons.answer_marking import RightAnswer, right_answer
 from app.lessons.claims import ClaimError
 from app.lessons.lesson import TEXT, Lesson, Step
@@ -39,12 +39,14 @@ class ShownBoardStep:
 
 class ClassBoardState:
     """Board of a class in one ``lesson``, or its ``core``, with the first set of numbers. Thread-safe. Steps are
-    numbered ``at`` from 1; 0 is the introduction. ``outcomes`` runs the scenes of right answers."""
+    numbered ``at`` from 1; 0 is the introduction. ``outcomes`` runs the scenes of right answers; ``translations`` are
+    the lesson in other languages."""
 
-    def __init__(self, lesson: Lesson, outcomes: RunCache, core: bool = False):
+    def __init__(self, lesson: Lesson, outcomes: RunCache, core: bool = False, translations: Iterable[Lesson] = ()):
         self.core = core and bool(lesson.optional_steps)
         self._step_numbers = [at for at, step in enumerate(lesson.steps, 1) if step.core or not self.core]
-        self.lesson, self.numbers, self._outcomes = lesson, lesson.variants[0], outcomes
+        self._original, self._by_language = lesson, {one.language: one for one in translations}
+        self.numbers, self._outcomes = lesson.variants[0], outcomes
         self.tally = ClassAnswers(self._notify_watchers)
         self._lock = threading.RLock()
         self._turn = self._at = self._opened = 0
@@ -68,6 +70,11 @@ class ClassBoardState:
     def end_position(self) -> int:
         """The number after the lesson's last step."""
         return len(self.lesson.steps) + 1
+
+    @property
+    def lesson(self) -> Lesson:
+        """The lesson in the current language, if it is translated."""
+        return self._by_language.get(current_language(), self._original)
 
     @property
     def step_count(self) -> int:

@@ -7,7 +7,7 @@ from app.frame.primitives import SEPARATOR, Spans
 from app.frame.shown_body import ShownBody
 from app.frame.value_and_bar import value_and_bar
 from app.language.translation import lazy, localise_number, tr, translate_message
-from app.names_and_units import NOTHING, QUANTITIES, clock_text, format_number, functions_name, with_unit
+from app.names_and_units import NOTHING, QUANTITIES, clock_text, format_coordinates, functions_name, with_unit
 from solvers.bodies.estimate import QUANTITIES as UNITS
 
 #: Headlines by what a goal asks for; the places are its name, point, component of stress and, emphasised, value.
@@ -41,7 +41,7 @@ def body_headline(body: ShownBody) -> HeadlineWithFacts:
     text += ", ± {share}" if bar else tr(", without a bar: no estimate after t = {until}") if body.estimate_ended else \
         tr(" (no bar)")
     text += "" if result is not None else tr(", so far")
-    at = ", ".join(map(format_number, goal.at)).replace("-", "−")
+    at = format_coordinates(goal.at).replace("-", "−")
     places = {"goal": name, "axis": goal.parts[1], "at": at, "wrong": value, "share": bar,
               "until": clock_text(body.estimated_until)}
     return HeadlineWithFacts(tuple(to_spans(text, places)), tuple(facts),

@@ -8,7 +8,7 @@ import numpy as np
 from app.frame.colour_scale import MOST_TICKS, ZERO, ColourScale
 from app.frame.layout import HALVES
 from app.frame.primitives import AWAY, Anchor, Dots, Label, Lines, Mark, Sign, StageMetrics, in_plane, join_points
-from app.language.translation import lazy, tr
+from app.language.translation import lazy, localise_number, tr
 
 MOST_DRAWN = 1000  # particles with points: more would be a grey area
 #: Diameters in pixels: of the point of a true error, and outer and inner one of the ring of an estimate.
@@ -134,7 +134,7 @@ def error_plot_labels(box: ErrorPlotBox | None, metrics: StageMetrics, plotted: 
     name, _ = metrics.first_fitting_text((tr(plotted.name), tr(NAME)), (right - left) / BOLD, metrics.line_height)
     yield Label("plot/name", name if place.named else "", left, above, "center-left", "title", bold=True)
     ends: tuple[tuple[str, float, Anchor], ...] = ("start", place.left, "top-left"), ("end", place.right, "top-right")
-    for text, (key, x, anchor) in zip(plotted.ends, ends, strict=True):
+    for text, (key, x, anchor) in zip(map(localise_number, plotted.ends), ends, strict=True):
         yield Label(f"plot/{key}", text if place.ends else "", x, place.low - 4 * pixel, anchor, "number")
 
 

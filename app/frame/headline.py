@@ -27,7 +27,7 @@ TWICE = 2.0  # index from which an estimate is told as a factor, and no longer i
 DURATION = "duration"  # kind of the span with a run's time, which leads to Cost
 OVER, RUN_LOST = lazy("over 100 % wrong"), lazy("run is lost")
 
-ENDS = (".", "?", "!")  # of a sentence
+ENDS = (".", "?", "!", "…")  # of a sentence
 
 #: Style of a placeholder's text by its name; redundant to the words.
 KINDS = {"wrong": "number", "off": "truth", "by": "estimate", "share": "figure", "factor": "figure", "lost": "bad",

@@ -7,6 +7,7 @@ English; work passed to one is wrapped by :func:`with_language`."""
 import functools
 import gettext
 import io
+import re
 import string
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -38,7 +39,7 @@ class Language(NamedTuple):
 
 #: By code.
 LANGUAGES = {ENGLISH: Language("English"), "de": Language("Deutsch", FOLDER / "de.po", ",.")}
-COOKIE = "mpm-lab-language"
+_NUMBER = re.compile(r"[-+]?\d[\d,]*(\.\d+)?(e[-+]?\d+)?")  # as in English
 LONGEST = 1000  # characters of a request that are read
 
 _current: ContextVar[str] = ContextVar("language", default=ENGLISH)
@@ -133,10 +134,12 @@ def trn(one: str, many: str, count: float, **values: Any) -> str:
 
 
 def translate_message(text: str) -> str:
-    """Translates a :class:`Message` of the solvers, and those among its values; any other text stays as it is."""
+    """Translates a :class:`Message` of the solvers, with the messages and numbers among its values; any other text
+    stays as it is."""
     if current_language() == ENGLISH or not isinstance(text, Message):
         return text
-    return tr(text.template, **{name: translate_message(value) for name, value in text.values.items()})
+    return tr(text.template, **{name: localise_number(value) if _NUMBER.fullmatch(value) else translate_message(value)
+                               for name, value in text.values.items()})
 
 
 def lazy(text: str) -> str:
@@ -182,20 +185,3 @@ def _languages_by_preference(accepted: str) -> list[str]:
         if much > 0:
             liked.append((-much, place, name.partition("-")[0]))
     return [name for _, _, name in sorted(liked)]
-
-
-def language_cookie_header(code: str) -> str:
-    """Returns the Set-Cookie header with the page's language, for its websocket, which has another address."""
-    return f"{COOKIE}={code}; Path=/; HttpOnly; SameSite=Strict"
-
-
-def language_from_cookies(cookies: list[str]) -> str:
-    """Returns the language's code in the Cookie headers of a request, English without a valid one."""
-    named = find_cookie(cookies, COOKIE)
-    return named if named in LANGUAGES else ENGLISH
-
-
-def find_cookie(cookies: list[str], name: str) -> str:
-    """Returns the value of the first cookie of this name in the Cookie headers of a request, "" without one."""
-    pairs = (pair.strip().partition("=") for line in cookies for pair in line.split(";"))
-    return next((value for key, _, value in pairs if key == name), "")

@@ -21,6 +21,7 @@ from solvers.scene.scene import Scene
 from solvers.solver import soundness
 
 WAITING = lazy("Waiting for the first frame")
+COMPILED = lazy("a combination of method, estimators and effects is compiled the first time it is used")
 SAY_SECONDS = 0.3  # least time between two sentences
 SAME = 0.005  # distance of a ratio from 1
 NEARLY_EVERY = 0.8  # of all particles
@@ -77,6 +78,12 @@ def frame_headline(report: FrameReport | None, arrays: FrameArrays | None, view:
         since = localise_number(f"{report.since or 0.0:.4g}")
         parts = ("bad", fill_template(tr(LOST), since=since)), ("", ": "), *parts
     return HeadlineWithFacts(parts, tuple(filter(None, facts)), moment)
+
+
+def awaited_headline(scene: Scene) -> HeadlineWithFacts:
+    """Returns the headline until the first frame of a ``scene`` of another problem comes."""
+    return HeadlineWithFacts((("awaited", tr("{problem}: being prepared …", problem=tr(scene.TITLE))),),
+                             (tr(COMPILED),), scene)
 
 
 def compare_errors(own: float, other: float, run: str) -> str:

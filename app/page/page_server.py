@@ -167,7 +167,10 @@ def serve(host: str, port: int, max_sessions: int, warm_up: bool = True, code: s
     # The engines start before the page's imports: they need longest.
     pool, server = EnginePool(OPENING.scene, _engine_count(), 1 / frames), None
     classroom = LessonContext(lesson, teacher, core=core)
-    shared = ClassBoardState(catalogue.load_lesson(lesson), classroom.outcomes, core) if board else None
+    shared = None
+    if board:
+        original, *translations = catalogue.load_every_language(lesson)
+        shared = ClassBoardState(original, classroom.outcomes, core, translations)
     signal.signal(signal.SIGTERM, signal.default_int_handler)  # exits as by Ctrl-C
     log = logging.StreamHandler()
     log.addFilter(RateLimitFilter())

@@ -7,7 +7,7 @@ from typing import Any
 
 import viser
 
-from app.language.translation import lazy, tr
+from app.language.translation import lazy, localise_number, tr
 from app.names_and_units import functions_name
 from app.page.panels.frame_and_drawing_controls import FrameAndTraceControls
 from app.page.panels.scene_widgets import SceneWidgetFactory
@@ -105,4 +105,4 @@ def _offered_speeds(present: float) -> dict[str, float]:
 
 def _speed_name(speed: float) -> str:
     """Returns the name of a speed in periods per second: "slow", "½", or its number."""
-    return tr(SPEEDS[speed]) if speed in SPEEDS else f"{speed:g}"
+    return tr(SPEEDS[speed]) if speed in SPEEDS else localise_number(f"{speed:g}")

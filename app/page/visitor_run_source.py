@@ -12,7 +12,7 @@ from app.frame.headline import DURATION, HeadlineWithFacts, InstantErrors, lane_
 from app.frame.primitives import SEPARATOR, Spans
 from app.language.translation import lazy, tr
 from app.names_and_units import difference_text, functions_name, main_settings_text
-from app.page.headline_panel import compare_errors, frame_headline
+from app.page.headline_panel import awaited_headline, compare_errors, frame_headline
 from app.page.panels.readout_tables import live_readout
 from app.page.panels.time_axis import TimelineState
 from app.page.readout_panel import ReadoutContent
@@ -85,7 +85,7 @@ class VisitorRunSource:
         if picture is not None and not picture.foreign:
             self._worst.find(picture.report, picture.arrays, picture.view, quantity)
         history, pinned, traced, shown = session.history, session.pinned, self._trace.traced, recent.shown_frame
-        if shown is None or shown[0].scene != history.scene:
+        if shown is None or shown[0].scene != history.scene or session.awaits_problem:
             return None
         report = self._told_frame(shown)[0]
         scene, valid = report.scene, report.valid_estimators
@@ -98,7 +98,10 @@ class VisitorRunSource:
                               why_no_index(scene, valid, quantity), pinned, traced, scene)
 
     def sentence(self, choice: ViewChoice, picture: StageFrame) -> HeadlineWithFacts:
-        """Returns the headline of the frame drawn, with a comparison to a second run; empty for another run's frame."""
+        """Returns the headline of the frame drawn, with a comparison to a second run; empty for another run's frame.
+        While the first frame of another problem is awaited it says so, and what is drawn is hidden (10-shell.css)."""
+        if self._session.awaits_problem:
+            return awaited_headline(self._session.scene)
         if picture.foreign or not self._session.scene == self._session.history.scene == picture.report.scene:
             return HeadlineWithFacts()  # another run has begun just now, or is being compiled
         report, arrays = self._told_frame((picture.report, picture.arrays))

@@ -16,7 +16,7 @@ import zstandard
 from websockets.datastructures import Headers
 from websockets.http11 import Request, Response
 
-from app.language.translation import LANGUAGES, language_cookie_header, with_language
+from app.language.translation import LANGUAGES, with_language
 from app.templates import script_source
 
 PATHS = ("/", "/index.html")
@@ -97,7 +97,7 @@ class IndexPage:
         headers = Headers({"Content-Type": "text/html; charset=utf-8", "Content-Length": str(len(sent)),
                            "Content-Encoding": "gzip" if packs else "identity", "Connection": "close",
                            POLICY: policy.replace("{sockets}", sockets),
-                           "Content-Language": code, "Set-Cookie": language_cookie_header(code)})
+                           "Content-Language": code})
         return Response(HTTPStatus.OK.value, HTTPStatus.OK.phrase, headers, sent)
 
 

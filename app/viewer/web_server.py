@@ -11,7 +11,7 @@ from http import HTTPStatus
 from pathlib import Path
 from time import monotonic, sleep
 from typing import Any, cast
-from urllib.parse import unquote
+from urllib.parse import parse_qs, unquote
 
 import viser
 import websockets.asyncio.server
@@ -24,7 +24,7 @@ from app.access.code_login import TEACHER, CodeLogin, CookieIdentity
 from app.access.network_limits import TokenBucket, TokenBuckets, network_of
 from app.access.rate_limited_log import RefusalLog, log_failure
 from app.language import translation
-from app.language.translation import current_language, find_cookie, language_cache, lazy, tr, with_language
+from app.language.translation import current_language, language_cache, lazy, tr, with_language
 from app.templates import render_template
 from app.viewer import browser_connection, viser_patches
 from app.viewer.browser_connection import BrowserConnection, BrowserConnections, address_of, close_websocket
@@ -42,7 +42,6 @@ HANDSHAKES, HANDSHAKES_A_SECOND, MISDEED = 80, 2, 30
 RELOADS, RELOADS_A_SECOND = 40, 0.5
 AWAY = 10.0  # seconds that a browser must wait after being sent away, or its address where it has no key
 STOPPING = 0.2  # timeout of closing handshakes in s when the server ends
-FIRST_MESSAGE = "mpm-lab-asks"  # name of the cookie with a browser's first message
 SILENT = 60.0  # seconds within which every browser sends its camera's position
 NOTHING_SAID, CROWDED = "nothing was said", "too many say nothing"
 NO_CODE = lazy("The class code is missing. Load the page again and type it.")
@@ -218,16 +217,16 @@ class AccessControl:
 
     def language(self, visitor: int) -> str:
         """Returns the language (code) of a visitor's page, English if the visitor has left."""
-        return translation.language_from_cookies(self._cookies_of(visitor))
+        return translation.preferred_language(self._query_of(visitor), "")
 
     def first_message(self, visitor: int) -> str:
-        """Returns what ``js/browser_store.js`` has sent along with the request for a visitor's page; "" if nothing."""
-        return unquote(find_cookie(self._cookies_of(visitor), FIRST_MESSAGE))
+        """Returns the message that ``js/00-socket.js`` has put into the address of a visitor's websocket, or ""."""
+        return parse_qs(self._query_of(visitor)).get("first", [""])[0]
 
-    def _cookies_of(self, visitor: int) -> list[str]:
-        """Returns the Cookie headers of a visitor's websocket; none if the visitor has left."""
+    def _query_of(self, visitor: int) -> str:
+        """Returns the query in the address of a visitor's websocket; "" if the visitor has left."""
         connection = self._websocket_of(visitor)
-        return [] if connection is None else connection.request.headers.get_all("Cookie")
+        return "" if connection is None else connection.request.path.partition("?")[2]
 
     def _websocket_of(self, visitor: int) -> Any:
         """Returns the websocket of a visitor, from private attributes of the viewer; None if the visitor has left."""

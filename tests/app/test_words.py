@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 import pytest
 
 from app import names_and_units
+from app.language.translation import use_language
 from solvers.problems import PROBLEMS
 from solvers.problems.bar.patch_test_inputs import PATCH
 from solvers.problems.bar.scene import BarScene
@@ -90,3 +91,9 @@ def test_sentences_name_what_stands_beside_the_widgets():
     with pytest.raises(SceneError) as refusal:
         BarScene(remedies=("frozen-weights", "zero-drift"))
     assert names_and_units.reword_for_page(str(refusal.value)).startswith('remedies "frozen weights", "zero drift": ')
+
+
+def test_coordinates_can_be_told_apart_where_numbers_have_commas():
+    assert names_and_units.format_coordinates((0.4125, 4.0)) == "0.412, 4"
+    with use_language("de"):
+        assert names_and_units.format_coordinates((0.4125, 4.0)) == "0,412; 4"

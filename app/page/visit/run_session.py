@@ -37,8 +37,7 @@ class RunSession:
         #: The field of the last refused request ("" for none), and the reason without a full stop;
         #: None after another request.
         self.refused: tuple[str, str] | None = None
-        self._error: str | None = None
-        self._engine_lost = False
+        self._error, self._engine_lost = "", False
         self._requested: dict[str, Any] = {}
         self._news, self._crowded_at = (-math.inf, ""), -math.inf  # time and text of the last event
         self.watched, self._rests, self._beyond = True, False, False
@@ -233,8 +232,12 @@ class RunSession:
     @property
     def compiling(self) -> bool:
         """Whether the last request waits for a compiler; meanwhile the scene before it continues."""
-        answered = 0 if self.report is None else self.report.number
-        return self._compiled_for == self._number > answered and not self._engine_lost
+        return self._compiled_for == self._number > (self.report.number if self.report else 0) and not self._engine_lost
+
+    @property
+    def awaits_problem(self) -> bool:
+        """Whether the last frame is of another problem than the requested scene's, whose first is still to come."""
+        return self.report is not None and self.report.scene.problem != self.scene.problem and not self._error
 
     def notice(self) -> Notice | None:
         """Returns the most important message for the visitor; None if there is none."""
@@ -260,9 +263,8 @@ class RunSession:
                                      "continue."))
         if waiting and not (self.report and self.compiling) and (said := preparing_notice(self.idle_seconds)):
             return said
-        happened, sentence = self._news
-        if monotonic() < happened + TO_BE_READ:
-            return Notice("wait", sentence)
+        if monotonic() < self._news[0] + TO_BE_READ:
+            return Notice("wait", self._news[1])
         if self.report and self.report.status != OK and self.report.reason and not waiting:
             return Notice(self.report.status, f"{reword_for_page(self.report.reason)}.")
         return None
@@ -284,16 +286,14 @@ class RunSession:
             if report.fresh:
                 self.history = NormHistory(report.scene, report.particles)
             self.history.add(report.rows)
-            self.report, self._engine_lost, self._error = report, False, None
+            self.report, self._engine_lost, self._error = report, False, ""
         self._on_frame(report, arrays)
 
     def on_compiling(self, number: int) -> None:
-        with self._lock:
-            self._compiled_for = number
+        self._compiled_for = number
 
     def on_error(self, sentence: str) -> None:
-        with self._lock:
-            self._error = sentence
+        self._error = sentence
 
     def on_engine_lost(self) -> None:
         with self._lock:
@@ -311,7 +311,7 @@ class RunSession:
     def _send_request(self, **pace: float) -> None:
         """Sends the scene, frame options and pace to the engine, after changing fields of the pace."""
         self._pace = replace(self._pace, **pace)  # type: ignore[arg-type]
-        self._error, self.refused, self._asked_at = None, None, monotonic()
+        self._error, self.refused, self._asked_at = "", None, monotonic()
         now = replace(self._pace, playing=self.playing and self.watched, ends=self.stops_at_end and not self._beyond)
         self._number = self.link.ask(self.scene, now, self._frame)
         if "begin_at" in pace:

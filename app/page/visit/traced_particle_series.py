@@ -6,6 +6,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from app.language.translation import tr
+from app.names_and_units import format_coordinates
 from app.page.visit.history import MOST_ROWS, RunSeries
 from app.page.visit.recent_frames import Frame, RecentFrames
 from solvers.engine.engine_messages import FrameReport
@@ -53,7 +54,7 @@ class TracedParticle(RunSeries):
     @property
     def title(self) -> str:
         digits = 5 - len(self.at_rest)  # one line of the narrowest panel
-        place = ", ".join(f"{x:.{digits}g}" for x in self.at_rest)
+        place = format_coordinates(self.at_rest, digits)
         return tr("particle {particle}, X = {place} m", particle=self.particle,
                   place=f"({place})" if len(self.at_rest) > 1 else place)
 

@@ -98,6 +98,12 @@ def test_what_stands_in_a_sentence_is_heard_too_and_names_stay():
                                                NOUNS.values())) == "Geschwindigkeit und Spannung und Beschleunigung"
 
 
+def test_numbers_in_a_sentence_have_the_marks_of_its_language_and_names_keep_theirs():
+    with use_language("de"):
+        for value, said in (("0.159", "0,159"), ("1e-12", "1e-12"), ("12,000", "12.000"), ("f.2.csv", "f.2.csv")):
+            assert translate_message(Message("{number}: nobody knows this", number=value)).startswith(f"{said}:")
+
+
 @pytest.mark.parametrize("sentence", ["", "nobody knows this", "so: is this; and, this (too)", "{} {name}", "x" * 5000])
 def test_what_nobody_knows_stays_as_it_is(sentence):
     with use_language("de"):

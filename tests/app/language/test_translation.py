@@ -120,14 +120,3 @@ def test_scripts_get_their_own_words(other):
     ("x" * 10_000 + "&lang=de", "y," * 10_000, "en")])
 def test_the_address_goes_first_then_what_the_browser_likes_best(query, accepted, found):
     assert translation.preferred_language(query, accepted) == found
-
-
-def test_a_cookie_tells_the_websocket_and_one_of_nobodys_tells_nothing():
-    assert (
-        translation.language_from_cookies(
-            [f"mpm-lab-8080=x; {translation.language_cookie_header('de').partition(';')[0]}"]
-        )
-        == "de"
-    )
-    for cookies in ([], ["mpm-lab-language=klingon"], ["mpm-lab-language"]):
-        assert translation.language_from_cookies(cookies) == "en"

@@ -10,7 +10,7 @@ from types import SimpleNamespace
 
 import pytest
 
-from app.language.translation import language_cookie_header, tr, use_language, with_language
+from app.language.translation import tr, use_language, with_language
 from app.page.features import background_job
 from app.page.features.budget.jobs import BudgetJobs
 from app.page.page_server import OVER, Visitors
@@ -39,7 +39,7 @@ def on_a_thread(work, *args):
 def visitors():
     """One who reads German and one who reads English, with what each is to read: made at once, on two threads."""
     with page_server.start_server() as (_, address):
-        both = [RawClient(address, {"Cookie": language_cookie_header(code).partition(";")[0]}) for code in CODES]
+        both = [RawClient(f"{address}/?lang={code}") for code in CODES]
         yield dict(zip(CODES, both, strict=True))
         for visitor in both:
             visitor.close()

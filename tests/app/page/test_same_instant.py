@@ -5,8 +5,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from app.language.translation import use_language
 from app.page.visit import run_session as page
 from app.page.visit.first_scene import first_scene
+from app.page.visit.recent_frames import RecentFrames
+from app.page.visitor_run_source import VisitorRunSource
 from solvers.running.run import run
 from tests.app.frame.test_view import report_of
 from tests.support.page_server import SilentPool
@@ -89,6 +92,19 @@ def test_another_problem_rests_at_the_same_phase(silent):
         one.play(False)
         one.set_scene(first_scene("square"), rests=True)
         assert paces[-1].begin_at == pytest.approx(phase) and not paces[-1].playing
+
+
+def test_another_problem_is_named_in_place_of_the_old_verdict_until_its_first_frame_comes(silent):
+    one, _ = silent
+    source = VisitorRunSource(one, RecentFrames(), None, None, None, None)
+    show(one, 50)
+    assert not one.awaits_problem
+    one.set_scene(first_scene("ring"))
+    for code, said in (("en", "Expanding ring: being prepared … A "), ("de", "Sich weitender Ring: wird vorb")):
+        with use_language(code):
+            assert str(source.sentence(None, None)).startswith(said)
+    show(one, 0)
+    assert not one.awaits_problem
 
 
 def test_a_pinned_run_comes_along(visit):

@@ -89,7 +89,7 @@ def good_values(widget):
 def test_a_page_begins_with_what_came_with_the_request_for_it(here):
     """Not with the opening, to become another one later."""
     asked = quote(json.dumps({"link": "bar;cells=24"}))
-    with RawClient(here[1], {"Cookie": f"a=b; {web_server.FIRST_MESSAGE}={asked}"}) as visitor:
+    with RawClient(f"{here[1]}/?lang=en&first={asked}") as visitor:
         assert visitor.widgets[visitor.find("Cells, typed")]["value"] == "24"
 
 

@@ -11,7 +11,15 @@ import numpy as np
 from app.frame.error_view_captions import TRUE, UNKNOWN, FrameErrorView, error_view_of_sizes
 from app.frame.headline import HeadlineWithFacts, InstantErrors, error_headline_templates, format_error_headline
 from app.language.translation import lazy, tr, translate_message
-from app.names_and_units import NOTHING, QUANTITIES, difference_text, format_number, format_ratio, with_unit
+from app.names_and_units import (
+    NOTHING,
+    QUANTITIES,
+    difference_text,
+    format_coordinates,
+    format_number,
+    format_ratio,
+    with_unit,
+)
 from app.page.panels.readout_tables import DRAG, ReadoutTables, name_with_line_sample, row_html, table_html
 from app.page.stage.worst_region import WorstRegions
 from app.page.visit.history import RunSeries
@@ -204,7 +212,7 @@ def _verdict_lines(run: UploadedRun, quantity: str) -> list[str]:
 
 
 def _format_position(X: list[float]) -> str:
-    place = ", ".join(f"{c:.3g}" for c in X)
+    place = format_coordinates(X)
     return f"X = ({place}) m" if len(X) > 1 else f"X = {place} m"
 
 

@@ -23,13 +23,6 @@
     typeInto(field, text);
   }
 
-  // What is known before there is a page goes along with the request for it, so that its first picture is what was asked for.
-  const COOKIE = "mpm-lab-asks", early = {};
-  function sendAlong(said) {
-    const text = encodeURIComponent(JSON.stringify(Object.assign(early, said)));
-    if (text.length < 3000) document.cookie = `${COOKIE}=${text}; max-age=60; SameSite=Strict`;
-  }
-
   // The address names a language that is not the lab's own, or that has been asked for: it goes with every link.
   const spoken = document.documentElement.lang, asked = new URLSearchParams(location.search).getAll("lang").pop();
   const named = asked?.toLowerCase() === spoken, search = named || spoken === "en" ? location.search
@@ -38,7 +31,10 @@
   // What is to be seen, for a link elsewhere: what was asked for, until the page has another one than at first.
   const root = document.documentElement;
   let asking = "", first = null;
-  const writeAddress = () => history.replaceState(null, "", location.pathname + search + (link && "#" + link));
+  const writeAddress = () => {
+    history.replaceState(null, "", location.pathname + search + (link && "#" + link));
+    firstMessage = {link, here};  // should the connection be lost
+  };
   const tellLink = () => {
     [asking, first, root.dataset.link] = [link, null, link || root.dataset.link || ""];
     writeAddress();
@@ -49,14 +45,13 @@
   root.dataset.link = link;
   root.classList.toggle("lab-linked", link !== "");
   history.replaceState(null, "", location.pathname + search);
-  sendAlong({link, here});
+  firstMessage = {link, here};
 
   function look() {
     const found = document.querySelector("[data-lab~=lab-store] + div input");
     if (!found) { field = lesson = null; return; }
     if (found !== field) {
       field = found;
-      document.cookie = `${COOKIE}=; max-age=0; SameSite=Strict`;
       lesson = null;  // what the one before was told may not have been passed on
       tellLink();
       dispatchEvent(new Event("lab-asked"));
@@ -81,7 +76,7 @@
     }
   }
 
-  addEventListener("lab-tell", event => (field ? tell : sendAlong)(event.detail));  // what other scripts say
+  addEventListener("lab-tell", event => field ? tell(event.detail) : Object.assign(firstMessage, event.detail));  // what other scripts say
   addEventListener("hashchange", () => {  // somebody has typed or followed another link on the same page
     read();
     if (field && link) tellLink();

@@ -49,7 +49,7 @@
   function look() {
     body.classList.toggle("lab-phone", phone.matches);
     const speed = document.querySelector("[data-lab~=lab-at-speed] + div input")?.value;
-    const said = speed ? `${speed} ×` : "…";
+    const said = !speed ? "…" : /\p{L}/u.test(speed) ? speed : `${speed} ×`;
     changeText(more, said);
     const place = phone.matches ? document.querySelector(".lab-sparks-here") : verdict;
     if (place && sparks.parentElement !== place) place.append(sparks);

@@ -10,6 +10,7 @@ import pytest
 from app.classroom import class_answers as tally_module
 from app.classroom.class_answers import ClassAnswers
 from app.classroom.class_board_state import BACK, COUNTED, NEXT, REVEALED, SHOWN, ClassBoardState
+from app.language.translation import use_language
 from app.lessons import catalogue
 from app.lessons.lesson import CHOICE, INTERVAL, TEXT
 from app.lessons.lesson_runs import RunCache, RunFailed
@@ -296,3 +297,12 @@ def test_a_step_that_was_reached_stays_reached():
     for step in (2, 5, 3):
         tally.record_step("a", step)
     assert entry.step == 5
+
+
+def test_a_board_speaks_the_language_of_who_looks_at_it():
+    original, *others = catalogue.load_every_language("04-grid-crossing")
+    board = ClassBoardState(original, RunCache(), translations=others)
+    for code, title in (("en", "Grid crossing: "), ("de", "Zellwechsel: ")):
+        with use_language(code):
+            assert f"<h2>{title}" in shown(board)
+    board.stop_computations()
