@@ -60,7 +60,7 @@ def test_a_run_that_breaks_is_written_up_to_then(tmp_path):
 
 def test_the_command(path, tmp_path, capsys):
     assert main(["export", path, "--out", str(tmp_path / "sector.html"), "--lang", "de", "--quiet"]) == 0
-    assert "End: (0, −0,75) sinkt bis" in (tmp_path / "sector.html").read_text()
+    assert "End: (0; −0,75) sinkt bis" in (tmp_path / "sector.html").read_text()
     for words, said in ((["--scorm"], "is a body; --scorm and --core are for lessons"), ([], "cannot be read")):
         name = path if words else "none.toml"
         assert main(["export", name, *words, "--out", str(tmp_path / "a.zip")]) == 2
