@@ -15,6 +15,7 @@ from app.language.translation import (
     language_cache,
     lazy,
     localise_number,
+    localise_numbers,
     tr,
     translate_message,
     trn,
@@ -240,7 +241,7 @@ def format_number(value: float) -> str:
 
 def format_coordinates(point: Iterable[float], digits: int = 3) -> str:
     """Formats coordinates with so many significant digits: "0.412, 0.103", in German "0,412; 0,103"."""
-    return (", " if localise_number(".") == "." else "; ").join(localise_number(f"{x:.{digits}g}") for x in point)
+    return localise_numbers(", ".join(f"{x:.{digits}g}" for x in point))
 
 
 def format_ratio(value: float) -> str:

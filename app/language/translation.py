@@ -39,7 +39,8 @@ class Language(NamedTuple):
 
 #: By code.
 LANGUAGES = {ENGLISH: Language("English"), "de": Language("Deutsch", FOLDER / "de.po", ",.")}
-_NUMBER = re.compile(r"[-+]?\d[\d,]*(\.\d+)?(e[-+]?\d+)?")  # as in English
+_NUMBER = r"[-+]?\d[\d,]*(\.\d+)?(e[-+]?\d+)?"  # as in English
+_NUMBERS = re.compile(f"{_NUMBER}(, {_NUMBER})*")
 LONGEST = 1000  # characters of a request that are read
 
 _current: ContextVar[str] = ContextVar("language", default=ENGLISH)
@@ -106,6 +107,13 @@ def localise_number(text: str) -> str:
     return text.translate(str.maketrans(".,", LANGUAGES[current_language()].marks))
 
 
+def localise_numbers(text: str) -> str:
+    """Returns one or several numbers, written as in English with ", " between them, as in the current language: with
+    decimal commas there are semicolons between them, "0,4; 0,25"."""
+    between = "; " if localise_number(".") == "," and "." in text else ", "
+    return between.join(map(localise_number, text.split(", ")))
+
+
 class _NumberFormatter(string.Formatter):
     """Fills placeholders like :meth:`str.format`, and writes numbers as in the current language."""
 
@@ -138,7 +146,7 @@ def translate_message(text: str) -> str:
     stays as it is."""
     if current_language() == ENGLISH or not isinstance(text, Message):
         return text
-    return tr(text.template, **{name: localise_number(value) if _NUMBER.fullmatch(value) else translate_message(value)
+    return tr(text.template, **{name: localise_numbers(value) if _NUMBERS.fullmatch(value) else translate_message(value)
                                for name, value in text.values.items()})
 
 

@@ -84,7 +84,7 @@ def test_why_a_run_is_lost_is_heard_with_all_its_parts(rule, scene):
     sentence = join_messages("; ", (found, *parts))
     with use_language("de"):
         said = reword_for_page(sentence)
-    assert "Partikel 5 (X = 0.1250, 0.3000)" in said
+    assert "Partikel 5 (X = 0,1250; 0,3000)" in said
     assert not ENGLISH.search(said), said
     assert not re.search(r"--|null-space|coupled", said)
 
@@ -100,7 +100,8 @@ def test_what_stands_in_a_sentence_is_heard_too_and_names_stay():
 
 def test_numbers_in_a_sentence_have_the_marks_of_its_language_and_names_keep_theirs():
     with use_language("de"):
-        for value, said in (("0.159", "0,159"), ("1e-12", "1e-12"), ("12,000", "12.000"), ("f.2.csv", "f.2.csv")):
+        for value, said in (("0.159", "0,159"), ("1e-12", "1e-12"), ("12,000", "12.000"), ("f.2.csv", "f.2.csv"),
+                            ("0.125, -0.3", "0,125; -0,3"), ("1, 2", "1, 2")):
             assert translate_message(Message("{number}: nobody knows this", number=value)).startswith(f"{said}:")
 
 
