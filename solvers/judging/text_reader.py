@@ -53,6 +53,9 @@ class TextReader:
             self._first_row = self._number
             known = layout.meanings()
             used = [k for k, name in enumerate(layout.names) if name in known]
+            if not used:
+                raise FileError(self._path, "has no number in the first row of any column that is known by name; give "
+                                            "numbers in columns such as id, x, vx")
             self._check_names(layout.names, used)
             values = self._read_numbers(layout, used)
         except UnicodeDecodeError:

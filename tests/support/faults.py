@@ -17,7 +17,7 @@ from solvers.scene.scene import Scene
 
 BASES: Mapping[str, Mapping[str, Any]] = {
     "bar": {"periods": 1.0}, "ring": {"periods": 1.0}, "vortex": {"amplitude": 0.25, "cells": 36, "periods": 0.5}}
-FRAMES = {"bar": 40, "ring": 40, "vortex": 16}  # of a run, about
+FRAMES = {"bar": 40, "ring": 40, "vortex": 16, "square": 40}  # of a run, about
 KEYS = {"X": "material_position", "x": "position", "v": "velocity", "F": "deformation_gradient", "sigma": "stress"}
 
 

@@ -71,6 +71,7 @@ REFUSED = {
     "longer.csv": (plain("0,1,2,3,4\n1,1,2,3,4,5\n"), "has 5 columns, but 6 in line 4"),
     "more.csv": (plain("0,1,2,3,4,5\n"), "has 5 names and 6 numbers in a line"),
     "unnamed.txt": (b"0 1 2\n1 2 3\n", "has no names in its first line"),
+    "texts.csv": (plain("abc,1\n", "id,phase\n"), "has no number in the first row of any column that is known"),
     "unknown.csv": (plain("0,1\n", "colour,phase\n"), "holds no particles that are known by name, but colour, phase"),
     "feet.csv": (plain("0,1,2\n", "id,x [ft],y [ft]\n"), "has no positions (x, y or position); its columns are "
                                                 "id, x [ft]"),

@@ -8,6 +8,7 @@ import pytest
 
 from solvers import run
 from solvers.problems.square import SquareScene
+from solvers.solver.soundness import LOST_FROM
 
 BARE = {"estimators": (), "effects": ("truth", "crossings")}
 #: A = .02 m, 16 cells, cfl .05, 743 steps, by an independent program in numpy: RMS of x in m and v in m/s at the end,
@@ -18,11 +19,11 @@ INDEPENDENT = {"ugimp": (4.270194455949e-04, 3.638373369780e-01, 1792),
 TABLE = {(1e-3, "cpdi"): {16: 1.60e-5, 32: 4.03e-6, 64: 1.06e-6, 128: 2.75e-7},
          (1e-3, "ugimp"): {16: 1.58e-5, 32: 3.92e-6, 64: 1.01e-6, 128: 2.80e-7},
          (1e-3, "mpm"): {16: 1.61e-5, 32: 4.64e-6, 64: 3.09e-6, 128: 3.09e-6},
-         (0.02, "cpdi"): {16: 5.35e-4, 32: 1.28e-4, 64: 3.13e-5, 128: 7.94e-6},
-         (0.02, "cpgimp"): {16: 6.89e-4, 32: 1.41e-4, 64: 3.72e-5, 128: 9.18e-6},
-         (0.02, "ugimp"): {16: 6.36e-4, 32: 1.61e-4, 64: 5.86e-5, 128: 4.20e-5},
-         (0.02, "mpm"): {16: 2.98e-3, 32: 4.92e-3, 64: 8.82e-3, 128: 1.66e-2},
-         (0.05, "cpdi"): {16: 1.23e-3, 32: 3.02e-4, 64: 7.66e-5, 128: 1.92e-5},
+         (0.02, "cpdi"): {16: 5.35e-4, 32: 1.28e-4, 64: 3.25e-5, 128: 8.20e-6},
+         (0.02, "cpgimp"): {16: 6.89e-4, 32: 1.41e-4, 64: 3.77e-5, 128: 9.24e-6},
+         (0.02, "ugimp"): {16: 6.36e-4, 32: 1.61e-4, 64: 6.02e-5, 128: 4.24e-5},
+         (0.02, "mpm"): {16: 2.98e-3, 32: 4.92e-3, 64: 9.00e-3, 128: 1.66e-2},
+         (0.05, "cpdi"): {16: 1.23e-3, 32: 3.02e-4, 64: 7.82e-5, 128: 1.97e-5},
          (0.05, "ugimp"): {16: 1.91e-3, 32: 9.63e-4, 64: 8.63e-4, 128: 1.29e-3},
          (0.05, "mpm"): {16: 1.19e-2, 32: 2.49e-2, 64: 3.66e-2}}
 CROSSINGS = {16: 1792, 32: 12_288, 64: 105_472, 128: 851_968}  # of A = .02 m, exact to the last one
@@ -45,8 +46,9 @@ def test_table(amplitude, method, cells, simulate):
     of second order; hats are while nothing crosses, and gain nothing where it does; uGIMP, whose boxes open gaps, lies
     between."""
     result = simulate(SquareScene(cells=cells, cfl=0.2, amplitude=amplitude, method=method, **BARE))
-    assert result.status == "ok"
-    assert result.error["x"]["max"] == pytest.approx(TABLE[amplitude, method][cells], rel=0.02)
+    expected = TABLE[amplitude, method][cells]
+    assert result.error["x"]["max"] == pytest.approx(expected, rel=0.02)
+    assert result.status == ("ok" if expected < LOST_FROM * amplitude else "lost")
     if (amplitude, method) == (0.02, "cpdi"):
         assert result.to_dict()["grid_crossings"] == CROSSINGS[cells]
 
