@@ -34,15 +34,15 @@ from dataclasses import replace
 from io import BytesIO, TextIOWrapper
 from app.cli import main
 from app.lessons import claims
-from app.page.panels.readout_tables import _found
+from app.page.panels.readout_tables import _effect_html
 from app.pictures import paper_tables
 from app.pictures.run_errors import png_bytes
 from app.pictures.cost_and_convergence import FIGURES
 from solvers import BarScene, run
 from solvers.problems import PROBLEMS
-from solvers.scene.effects import told
+from solvers.scene.effects import output_lines_by_effect
 from solvers.study import row
-from solvers.study.parameter_grid import plan as planned
+from solvers.study.parameter_grid import plan_tasks
 from solvers.study.tables import paper_table_definitions
 
 if __name__ == "__main__":
@@ -55,23 +55,23 @@ if __name__ == "__main__":
             stream.flush()
             said.append(stream.buffer.getvalue().decode())
         found[name] = said
-    made = plan.table_1
-    table = made({{"bar": ("transport", "zero")}}, cells=(20,), end=0.01, long=0.02)
-    plan.make = lambda number, estimators: replace(table, rows=table.rows[:2])
+    table = paper_table_definitions.table_1({{"bar": ("transport", "zero")}}, cells=(20,), end=0.01, long=0.02)
+    paper_table_definitions.make_table = lambda number, estimators: replace(table, rows=table.rows[:2])
     assert main(["tables", "1", "--out", "."]) == 0
     with open("table1.json") as file:
-        parts = tables.figure(json.load(file)).subfigs
+        parts = paper_tables.table_figure(json.load(file)).subfigs
     found["table"] = [[line.get_label(), str(line.get_marker())] for part in parts for axes in part.axes
                       for line in axes.get_lines()]
     inputs = {{"ppc": 2, "periods": 0.05, "effects": ("truth", "acceleration", "estimate", "strain")}}
     result = run(BarScene(cells=16, estimators=("transport", "zero"), **inputs), prices=False)
     found["asked"], found["seen"] = result.strain, max(abs(result.final.deformation_gradient - 1))
-    found["readout"] = _found("strain", told(lambda effect: effect.readout)["strain"], result.series)
-    scope = claims.Scope({{"it": claims.Outcome([json.loads(json.dumps(result.to_dict()))])}}, "it")
-    found["claims"] = [claims.decide(text, scope).holds for text in ("strain.largest > 0", "strain.samples < 0")]
+    found["readout"] = _effect_html("strain", output_lines_by_effect(lambda effect: effect.readout)["strain"],
+                                    result.series)
+    scope = claims.ClaimNamespace({{"it": claims.RunOutcome([json.loads(json.dumps(result.to_dict()))])}}, "it")
+    found["claims"] = [claims.decide_claim(text, scope).holds for text in ("strain.largest > 0", "strain.samples < 0")]
     axes = {{"cells": [12, 16], "estimator": [("transport", "zero")],
             **{{name: [value] for name, value in inputs.items()}}}}
-    rows = [row.measure(task) for task in planned("bar", axes, repeats=1)]
+    rows = [row.measure(task) for task in plan_tasks("bar", axes, repeats=1)]
     assert all(png_bytes(make(rows)).startswith(b"\\x89PNG") for make in FIGURES.values())
     with open("found.json", "w") as file:
         json.dump(found, file)
@@ -88,7 +88,6 @@ def found(tmp_path_factory) -> tuple[Path, dict]:
     return folder, json.loads((folder / "found.json").read_text())
 
 
-@pytest.mark.slow
 def test_only_the_problem_that_it_is_for_has_it(found):
     """A problem that has it not says so in one sentence with the names of those that it has."""
     _, said = found
@@ -103,7 +102,6 @@ def test_only_the_problem_that_it_is_for_has_it(found):
     assert all(name in err for name in RingScene.ESTIMATORS) and err.count("zero") == 1
 
 
-@pytest.mark.slow
 def test_a_run_has_it_beside_others(found):
     """Index 0 and distance 1: no error is said where there is one."""
     status, out, err = found[1]["run"]
@@ -118,7 +116,6 @@ def test_a_run_has_it_beside_others(found):
     assert (status, err) == (0, "") and "estimate: transport" in out and "estimate: zero" in out
 
 
-@pytest.mark.slow
 def test_a_sweep_measures_it_in_processes_of_its_own(found):
     folder, said = found
     assert said["sweep"][0] == 0, said["sweep"]
@@ -129,7 +126,6 @@ def test_a_sweep_measures_it_in_processes_of_its_own(found):
     assert "zero: index x" in (folder / "out" / "summary.md").read_text()
 
 
-@pytest.mark.slow
 def test_a_number_declared_once_is_told_everywhere(found):
     """JSON, a result, text, the page's readout and claims of lessons."""
     strain = json.loads(found[1]["run"][1])["strain"]
@@ -139,7 +135,6 @@ def test_a_number_declared_once_is_told_everywhere(found):
     assert found[1]["readout"] == f"largest {largest:.3g}, samples {samples}" and found[1]["claims"] == [True, False]
 
 
-@pytest.mark.slow
 def test_tables_and_pictures_show_it(found):
     folder, said = found
     assert {label for label, _ in said["table"]} >= {"transport", "zero"}
