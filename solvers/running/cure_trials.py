@@ -56,10 +56,11 @@ def try_cures(result: Result, seconds: float | None = None, enough: int = 1,
     try:
         for k, cure in enumerate(cures):
             scene = replace(result.scene, **cure.change)
-            compiling = result.seconds.compile if kernel_key(scene) not in compiled else 0.0
+            key = kernel_key(scene)
+            compiling = 0.0 if key in compiled else result.seconds.compile
             if begun + limit < time.perf_counter() + compiling + pace * scene.particles * scene.steps:
                 continue  # a cheaper one may follow: an earlier end
-            compiled.add(kernel_key(scene))
+            compiled.add(key)
             ends = [replace(scene, t_end=short_end, periods=None)] \
                 if result.broken_at < WORTH_A_SHORT_RUN * scene.end_time else []
             cures[k] = replace(cure, tried=True, held=all(ends_ok(one, cure.text) for one in (*ends, scene)))
